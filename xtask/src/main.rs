@@ -1,2 +1,53 @@
-//! Placeholder.
-fn main() {}
+//! The task runner: `cargo xtask <task>`.
+//!
+//! Everything that people and CI do with this project goes through here, so that both do the same.
+
+mod describe;
+mod package;
+mod paths;
+mod process;
+mod python;
+mod reproduce;
+mod test;
+
+use clap::{Parser, Subcommand};
+
+#[derive(Parser)]
+#[command(name = "cargo xtask", about = "Tasks of the RexROV FMI project")]
+struct Arguments {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Build the library and write target/fmus/*.fmu and target/fmus/paper.ssp.
+    Package,
+    /// Regenerate modelDescription/*.xml from the components.
+    Describe {
+        /// Only compare: fail when a committed file differs from what the components say.
+        #[arg(long)]
+        check: bool,
+    },
+    /// Run the paper's experiment from packaged FMUs and write target/reproduce/report.html.
+    Reproduce(reproduce::Options),
+    /// Run every check and every test of the project.
+    Test,
+}
+
+fn main() -> std::process::ExitCode {
+    let outcome = match Arguments::parse().task {
+        Task::Package => package::run().map(drop),
+        Task::Describe { check: true } => describe::check(),
+        Task::Describe { check: false } => describe::write(),
+        Task::Reproduce(options) => package::run().and_then(|_| reproduce::run(&options)),
+        Task::Test => test::run(),
+    };
+    match outcome {
+        Ok(()) => std::process::ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            std::process::ExitCode::FAILURE
+        }
+    }
+}

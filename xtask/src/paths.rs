@@ -1,0 +1,19 @@
+//! Where things are: everything is relative to the workspace root, all output goes under the target folder.
+
+use std::path::{Path, PathBuf};
+
+/// Workspace root.
+pub(crate) fn root() -> &'static Path {
+    // xtask/ lies directly below the root.
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
+}
+
+/// Output folder of cargo, of the packaged FMUs and of the reports.
+pub(crate) fn target() -> PathBuf {
+    root().join("target")
+}
+
+/// Folder of the packaged FMUs.
+pub(crate) fn fmus() -> PathBuf {
+    target().join("fmus")
+}

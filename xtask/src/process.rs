@@ -1,0 +1,34 @@
+//! Running other programs: shown as typed, their failure is ours.
+
+use anyhow::{Context, Result, bail};
+use std::process::Command;
+
+/// Runs `command` and fails when it does.
+pub(crate) fn run(command: &mut Command) -> Result<()> {
+    let shown = shown(command);
+    eprintln!("$ {shown}");
+    let status = command.status().with_context(|| format!("cannot start `{shown}`"))?;
+    if !status.success() {
+        bail!("`{shown}` ended with {status}");
+    }
+    Ok(())
+}
+
+/// `cargo` as it runs us, in the workspace root, sharing its target folder.
+pub(crate) fn cargo(arguments: &[&str]) -> Command {
+    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()));
+    command
+        .args(arguments)
+        .current_dir(super::paths::root())
+        .env("CARGO_TARGET_DIR", super::paths::target());
+    command
+}
+
+fn shown(command: &Command) -> String {
+    let program = std::path::Path::new(command.get_program());
+    let name = program.file_name().unwrap_or(program.as_os_str()).to_string_lossy();
+    std::iter::once(name)
+        .chain(command.get_args().map(|argument| argument.to_string_lossy()))
+        .collect::<Vec<_>>()
+        .join(" ")
+}

@@ -1,0 +1,23 @@
+//! `cargo xtask test`: every check and every test, in the order of what fails fastest.
+
+use crate::{describe, package, paths, process, python};
+use anyhow::Result;
+use std::process::Command;
+
+/// Runs everything; stops at the first step that fails.
+pub(crate) fn run() -> Result<()> {
+    process::run(&mut process::cargo(&["fmt", "--all", "--check"]))?;
+    let lint = ["clippy", "--release", "--workspace", "--all-targets", "--quiet", "--"];
+    process::run(&mut process::cargo(&[&lint[..], &["-D", "warnings"]].concat()))?;
+    let doc = ["doc", "--release", "--workspace", "--no-deps", "--quiet"];
+    process::run(process::cargo(&doc).env("RUSTDOCFLAGS", "-D warnings"))?;
+    describe::check()?;
+    package::run()?;
+    process::run(&mut process::cargo(&["test", "--release", "--workspace", "--no-fail-fast"]))?;
+    let interpreter = python::environment()?;
+    process::run(
+        Command::new(interpreter)
+            .args(["-m", "pytest", "-q", "tests/python"])
+            .current_dir(paths::root()),
+    )
+}
