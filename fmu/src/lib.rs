@@ -1,1 +1,34 @@
-//! Placeholder.
+//! FMI 2.0 components in Rust.
+
+#![deny(unsafe_code)]
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::indexing_slicing,
+        clippy::todo,
+        clippy::unimplemented,
+        clippy::unreachable
+    )
+)]
+
+// The derives name this crate from outside; inside it needs the same name.
+extern crate self as fmu_kit;
+
+mod author;
+
+pub use author::*;
+pub use fmu_kit_derive::{Enumeration, Variables};
+
+/// Exports components as FMUs: expands to the 44 functions of FMI 2.0 and the `REGISTRY`.
+#[macro_export]
+macro_rules! export {
+    ($($component:ty),+ $(,)?) => {
+        const _: fn() = || {
+            fn is_component<C: $crate::Component>() {}
+            $(is_component::<$component>();)+
+        };
+    };
+}

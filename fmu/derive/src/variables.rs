@@ -1,0 +1,139 @@
+//! `#[derive(Variables)]`: each function of the trait, field by field.
+
+use proc_macro2::TokenStream;
+use quote::quote;
+use syn::ext::IdentExt;
+use syn::{Data, DeriveInput, Error, Field, Fields, Ident, Result, Type};
+
+use crate::attributes::{Var, description, option};
+
+/// Number types an author may reach for that FMI 2.0 does not have.
+const NO_SUCH_TYPE: [&str; 13] = [
+    "f32", "i8", "i16", "i64", "i128", "isize", "u8", "u16", "u32", "u64", "u128", "usize", "char",
+];
+
+pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream> {
+    let fields = fields(input)?;
+    let name = &input.ident;
+    let declare = fields
+        .iter()
+        .map(|field| declare(field))
+        .collect::<Result<Vec<_>>>()?;
+    let idents: Vec<&Ident> = fields
+        .iter()
+        .filter_map(|field| field.ident.as_ref())
+        .collect();
+    let types: Vec<&Type> = fields.iter().map(|field| &field.ty).collect();
+    Ok(quote! {
+        #[automatically_derived]
+        impl ::fmu_kit::Variables for #name {
+            const COUNT: ::fmu_kit::Count = ::fmu_kit::Count::NONE
+                #(.plus(<#types as ::fmu_kit::Variables>::COUNT))*;
+
+            fn declare(&self, at: &::fmu_kit::Field, into: &mut ::fmu_kit::Declarations) {
+                #(#declare)*
+            }
+
+            #[inline]
+            fn load(from: &mut ::fmu_kit::Reader<'_>) -> Self {
+                Self { #(#idents: <#types as ::fmu_kit::Variables>::load(from),)* }
+            }
+
+            #[inline]
+            fn store(&self, into: &mut ::fmu_kit::Writer<'_>) {
+                #(::fmu_kit::Variables::store(&self.#idents, into);)*
+            }
+
+            #[inline]
+            fn zip_reals(&mut self, other: &Self, f: &mut impl FnMut(&mut f64, f64)) {
+                #(::fmu_kit::Variables::zip_reals(&mut self.#idents, &other.#idents, f);)*
+            }
+        }
+    })
+}
+
+fn fields(input: &DeriveInput) -> Result<Vec<&Field>> {
+    if let Some(generic) = input.generics.params.first() {
+        return Err(Error::new_spanned(
+            generic,
+            "Variables cannot be derived for a generic struct: an FMU has one fixed table",
+        ));
+    }
+    match &input.data {
+        Data::Struct(data) if matches!(data.fields, Fields::Named(_)) => {
+            Ok(data.fields.iter().collect())
+        }
+        Data::Enum(_) => Err(Error::new_spanned(
+            &input.ident,
+            "an enum is one variable, not a group: derive Enumeration instead",
+        )),
+        _ => Err(Error::new_spanned(
+            &input.ident,
+            "Variables needs a struct with named fields: the names are the FMI names",
+        )),
+    }
+}
+
+fn declare(field: &Field) -> Result<TokenStream> {
+    let ident = field.ident.as_ref();
+    let var = Var::parse(&field.attrs)?;
+    check(&field.ty, &var)?;
+    let rust_name = ident
+        .map(|ident| ident.unraw().to_string())
+        .unwrap_or_default();
+    let name = var.rename.as_ref().map_or(rust_name, syn::LitStr::value);
+    let description = description(&field.attrs);
+    let unit = option(var.unit.as_ref());
+    let [min, max, nominal] =
+        [var.min, var.max, var.nominal].map(|number| option(number.map(|n| quote!((#n) as f64))));
+    Ok(quote! {
+        ::fmu_kit::Variables::declare(
+            &self.#ident,
+            &at.member(&::fmu_kit::Member {
+                name: #name,
+                description: #description,
+                unit: #unit,
+                min: #min,
+                max: #max,
+                nominal: #nominal,
+            }),
+            into,
+        );
+    })
+}
+
+/// Refuses what can be told from the type's name to be a mistake.
+fn check(ty: &Type, var: &Var) -> Result<()> {
+    let innermost = innermost(ty);
+    let Type::Path(path) = innermost else {
+        return Err(Error::new_spanned(ty, unsupported("this type")));
+    };
+    let Some(last) = path.path.segments.last() else {
+        return Ok(());
+    };
+    let name = last.ident.to_string();
+    if NO_SUCH_TYPE.contains(&name.as_str()) || !last.arguments.is_empty() {
+        return Err(Error::new_spanned(ty, unsupported(&format!("`{name}`"))));
+    }
+    match var.numeric() {
+        Some(attribute) if name == "bool" || name == "String" => Err(Error::new_spanned(
+            ty,
+            format!("`{attribute}` makes no sense for `{name}`: only numbers have it"),
+        )),
+        _ => Ok(()),
+    }
+}
+
+fn innermost(ty: &Type) -> &Type {
+    match ty {
+        Type::Array(array) => innermost(&array.elem),
+        other => other,
+    }
+}
+
+fn unsupported(what: &str) -> String {
+    format!(
+        "{what} is no kind of FMI variable: use f64, i32, bool, String, an enum deriving \
+         Enumeration, a struct deriving Variables, or an array [T; N] of these"
+    )
+}

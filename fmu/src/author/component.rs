@@ -1,0 +1,113 @@
+//! The trait an author implements.
+//!
+//! A component is described once, in its model-exchange nature
+//!
+//! ```text
+//! dx/dt = derivatives(t, m, x, u)      continuous states x, held discrete memory m
+//! y     = outputs(t, m, x, u)
+//! (m, x) := event(t, m, x, u)          at the instants next_event announces
+//! ```
+//!
+//! and the kernel makes both FMI interfaces from it: model exchange hands these functions to the
+//! importer's solver, co-simulation runs the kernel's own stepper over them.
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::{Fault, Info, ParameterError, Resources, Time, Variables};
+
+/// Variables of a port group: plain numbers, Real only (checked when the component is compiled).
+pub trait Ports: Variables + Copy + Default + Send {}
+
+impl<T: Variables + Copy + Default + Send> Ports for T {}
+
+/// The continuous states of a component that has none.
+pub type NoStates = ();
+
+/// An FMI component: implement this and name the type in [`export!`](crate::export).
+///
+/// The value itself holds what [`new`](Component::new) derived from the parameters (an inverted
+/// mass matrix, a parsed course); everything that changes during a simulation lives in `States`
+/// and `Memory`, so that the kernel can save, restore and probe it.
+///
+/// All functions must be deterministic: the same arguments give the same bits. They must neither
+/// allocate nor lock in `derivatives`, `outputs` and `event`.
+pub trait Component: Sized + Send + 'static {
+    /// Name, description, default experiment.
+    const INFO: Info;
+    /// Parameters: of any variable type, fixed once initialization is over.
+    type Parameters: Variables + Default;
+    /// Inputs (Real only). Their `Default` is the start value.
+    type Inputs: Ports;
+    /// Outputs (Real only). Their `Default` is what is read before anything could be computed.
+    type Outputs: Ports;
+    /// Continuous states (Real only), [`NoStates`] if there are none.
+    type States: Ports;
+    /// Discrete state: next sample instant, filter state, random number generator.
+    type Memory: Clone + Default + Send + Serialize + DeserializeOwned + 'static;
+
+    /// The values of the parameters the user left alone, given those that were set.
+    ///
+    /// Override it to offer named parameter sets: `selected.parameter_set` names one, the result
+    /// is that set. What the user set explicitly wins over it, in whatever order it was set.
+    fn preset(selected: &Self::Parameters) -> Self::Parameters {
+        let _ = selected;
+        Self::Parameters::default()
+    }
+
+    /// Checks the parameters and derives constants from them.
+    ///
+    /// # Errors
+    /// Names the offending variable, what is wrong with it and what would be right. Declared
+    /// `min` and `max` are checked by the kernel already.
+    fn new(parameters: &Self::Parameters, resources: &Resources) -> Result<Self, ParameterError>;
+
+    /// States and memory at the start time, given the inputs.
+    ///
+    /// A sampled component takes its first sample (k = 0) here. Called again whenever a parameter
+    /// or an input changes before initialization ends.
+    fn initial(&self, start: Time, inputs: &Self::Inputs) -> (Self::States, Self::Memory);
+
+    /// Time derivatives of the states (in a `States` of their own, unit per second). Whoever has
+    /// continuous states overrides this; the default serves [`NoStates`].
+    fn derivatives(
+        &self,
+        t: f64,
+        memory: &Self::Memory,
+        states: &Self::States,
+        inputs: &Self::Inputs,
+    ) -> Self::States {
+        let _ = (t, memory, states, inputs);
+        Self::States::default()
+    }
+
+    /// The outputs at time `t` in seconds.
+    fn outputs(
+        &self,
+        t: f64,
+        memory: &Self::Memory,
+        states: &Self::States,
+        inputs: &Self::Inputs,
+    ) -> Self::Outputs;
+
+    /// The next instant at which [`event`](Component::event) wants to run, if there is one.
+    fn next_event(&self, memory: &Self::Memory) -> Option<Time> {
+        let _ = memory;
+        None
+    }
+
+    /// Handles the time event of the instant `now`; must move `next_event` past `now`.
+    ///
+    /// # Errors
+    /// A [`Fault`] says why the simulation cannot go on; the kernel reports it and stops.
+    fn event(
+        &self,
+        now: Time,
+        memory: &mut Self::Memory,
+        states: &mut Self::States,
+        inputs: &Self::Inputs,
+    ) -> Result<(), Fault> {
+        let _ = (now, memory, states, inputs);
+        Ok(())
+    }
+}

@@ -1,0 +1,104 @@
+//! What a variable declares about itself, collected by walking the fields of a struct.
+//!
+//! The derive calls [`Field::member`] for each field of a struct, arrays call [`Field::element`],
+//! and each leaf pushes one [`Declaration`]. Names join with a dot, descriptions with a colon;
+//! unit, bounds and nominal value of a field hold for the leaves below it until one says otherwise.
+
+/// The declarations of a struct, in the order of its fields.
+pub type Declarations = Vec<Declaration>;
+
+/// A leaf: one scalar FMI variable.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Declaration {
+    /// Name, description and attributes gathered on the way down.
+    pub field: Field,
+    /// Type and start value.
+    pub start: Start,
+}
+
+/// The type of a variable together with its start value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Start {
+    /// `f64`
+    Real(f64),
+    /// `i32`
+    Integer(i32),
+    /// `bool`
+    Boolean(bool),
+    /// `String`
+    String(String),
+    /// An enum deriving `Enumeration`.
+    Enumeration {
+        /// Name of the type.
+        name: &'static str,
+        /// Description of the type.
+        description: &'static str,
+        /// Names and descriptions of the items, whose values are 1, 2, 3 …
+        items: &'static [(&'static str, &'static str)],
+        /// Value of the start item.
+        value: i32,
+    },
+}
+
+/// Where the walk is: a structured name and what has been said about it so far.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Field {
+    /// Structured name, `thruster[0].force`; empty at the root.
+    pub name: String,
+    /// Descriptions of the fields on the way, joined by `: `.
+    pub description: String,
+    /// Unit, `kg.m2/s`.
+    pub unit: Option<&'static str>,
+    /// Smallest allowed value.
+    pub min: Option<f64>,
+    /// Largest allowed value.
+    pub max: Option<f64>,
+    /// Typical magnitude.
+    pub nominal: Option<f64>,
+}
+
+/// One field of a struct as the derive saw it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Member {
+    /// FMI name of the field.
+    pub name: &'static str,
+    /// First paragraph of its doc comment.
+    pub description: &'static str,
+    /// `#[var(unit = "…")]`
+    pub unit: Option<&'static str>,
+    /// `#[var(min = …)]`
+    pub min: Option<f64>,
+    /// `#[var(max = …)]`
+    pub max: Option<f64>,
+    /// `#[var(nominal = …)]`
+    pub nominal: Option<f64>,
+}
+
+impl Field {
+    /// The field `member` of the struct at this place.
+    #[must_use]
+    pub fn member(&self, member: &Member) -> Self {
+        let join = |parent: &str, separator: &str, own: &str| match (parent, own) {
+            ("", text) | (text, "") => text.to_owned(),
+            (parent, own) => format!("{parent}{separator}{own}"),
+        };
+        Self {
+            name: join(&self.name, ".", member.name),
+            description: join(&self.description, ": ", member.description),
+            unit: member.unit.or(self.unit),
+            min: member.min.or(self.min),
+            max: member.max.or(self.max),
+            nominal: member.nominal.or(self.nominal),
+        }
+    }
+
+    /// Element `index` of the array at this place, counted from zero.
+    #[must_use]
+    pub fn element(&self, index: usize) -> Self {
+        Self {
+            name: format!("{}[{index}]", self.name),
+            description: format!("{} {index}", self.description),
+            ..self.clone()
+        }
+    }
+}

@@ -1,0 +1,22 @@
+//! What the author of a component writes against: one trait, two derives, a handful of plain types.
+//! Nothing here knows FMI's C interface or its XML.
+
+mod component;
+mod enumeration;
+mod error;
+mod field;
+mod info;
+mod resources;
+mod sampler;
+mod time;
+mod variables;
+
+pub use component::{Component, NoStates, Ports};
+pub use enumeration::Enumeration;
+pub use error::{Fault, ParameterError};
+pub use field::{Declaration, Declarations, Field, Member, Start};
+pub use info::Info;
+pub use resources::Resources;
+pub use sampler::Sampler;
+pub use time::Time;
+pub use variables::{Count, Reader, Variables, Writer};
