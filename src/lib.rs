@@ -1,1 +1,26 @@
-//! Placeholder.
+//! The RexROV underwater vehicle, its sensors, state estimators, guidance and control as plain
+//! mathematics: no FMI, files, threads or clock. Everything is a pure function of its arguments;
+//! what has to be remembered between calls lives in small serialisable `...Memory` structures.
+//!
+//! Frames: world NED (x north, y east, z down), body FRD (x forward, y starboard, z down) with
+//! the centre of gravity at its origin. Units are SI unless a name says otherwise (`_deg`, `_hz`).
+//! Transcendental functions come from `libm`, so that results agree to the last bit everywhere.
+#![forbid(unsafe_code)]
+#![allow(
+    clippy::needless_range_loop,
+    reason = "indices as the equations have them"
+)]
+
+pub mod allocation;
+pub mod attitude;
+pub mod control;
+pub mod estimation;
+pub mod guidance;
+pub mod sampling;
+pub mod sensors;
+pub mod vehicle;
+
+mod error;
+mod vector;
+
+pub use error::ParameterError;

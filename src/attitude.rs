@@ -1,0 +1,71 @@
+//! Attitude: unit quaternions `[w, x, y, z]` and Euler angles `[roll, pitch, yaw]` (rad).
+//!
+//! All of them describe the rotation from body (FRD) to NED, Euler angles in the z-y-x order of
+//! Fossen (2011) ch. 2.2; eqs (3) and (4) of the paper hold after the mending of their misprints.
+
+use crate::vector::Vec3;
+use core::f64::consts::{PI, TAU};
+
+/// Wraps an angle to (-pi, pi]. Not finite in, NaN out.
+#[must_use]
+pub fn wrap(angle: f64) -> f64 {
+    let turned = angle - TAU * libm::ceil((angle - PI) / TAU);
+    // One rounding can leave the result at -pi, which is the excluded end.
+    if turned <= -PI { PI } else { turned }
+}
+
+/// Quaternion from roll, pitch and yaw.
+#[must_use]
+pub fn from_euler([roll, pitch, yaw]: [f64; 3]) -> [f64; 4] {
+    let (sr, cr) = libm::sincos(0.5 * roll);
+    let (sp, cp) = libm::sincos(0.5 * pitch);
+    let (sy, cy) = libm::sincos(0.5 * yaw);
+    [
+        cr * cp * cy + sr * sp * sy,
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+    ]
+}
+
+/// Roll and yaw in (-pi, pi], pitch in [-pi/2, pi/2] of a quaternion of any non-zero length.
+#[must_use]
+pub fn to_euler(q: [f64; 4]) -> [f64; 3] {
+    let r = rotation(q);
+    [
+        libm::atan2(r[2][1], r[2][2]),
+        libm::asin((-r[2][0]).clamp(-1.0, 1.0)),
+        libm::atan2(r[1][0], r[0][0]),
+    ]
+}
+
+/// Rotation matrix R (body to NED) of a quaternion of any non-zero length.
+///
+/// Dividing by the squared norm keeps R orthonormal while an integrator lets the norm drift.
+#[must_use]
+#[inline(always)]
+pub fn rotation([w, x, y, z]: [f64; 4]) -> [Vec3; 3] {
+    let s = 2.0 / (w * w + x * x + y * y + z * z);
+    let (sx, sy, sz) = (s * x, s * y, s * z);
+    let (wx, wy, wz) = (w * sx, w * sy, w * sz);
+    let (xx, xy, xz) = (x * sx, x * sy, x * sz);
+    let (yy, yz, zz) = (y * sy, y * sz, z * sz);
+    [
+        [1.0 - (yy + zz), xy - wz, xz + wy],
+        [xy + wz, 1.0 - (xx + zz), yz - wx],
+        [xz - wy, yz + wx, 1.0 - (xx + yy)],
+    ]
+}
+
+/// Rotation matrix R (body to NED) of Euler angles.
+#[must_use]
+pub fn rotation_euler(euler: [f64; 3]) -> [Vec3; 3] {
+    rotation(from_euler(euler))
+}
+
+/// The quaternion divided by its length.
+#[must_use]
+pub fn normalised(q: [f64; 4]) -> [f64; 4] {
+    let norm = q.iter().map(|c| c * c).sum::<f64>().sqrt();
+    q.map(|c| c / norm)
+}

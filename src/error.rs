@@ -1,0 +1,71 @@
+//! What is wrong with a parameter, and the checks all modules share.
+
+/// A parameter that cannot be used: its name, the value given and the reason.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("parameter `{name}` = {value}: {reason}")]
+pub struct ParameterError {
+    /// Name of the parameter, with index where it has one (`thrusters[3].lx`).
+    pub name: String,
+    /// The value as given.
+    pub value: String,
+    /// Why it cannot be used and what would be accepted.
+    pub reason: String,
+}
+
+impl ParameterError {
+    pub(crate) fn new(name: impl Into<String>, value: impl ToString, reason: &str) -> Self {
+        Self {
+            name: name.into(),
+            value: value.to_string(),
+            reason: reason.into(),
+        }
+    }
+
+    /// The same error seen from an enclosing structure: `mass` becomes `vehicle.mass`.
+    #[must_use]
+    pub fn within(mut self, parent: &str) -> Self {
+        self.name = format!("{parent}.{}", self.name);
+        self
+    }
+}
+
+pub(crate) fn finite(name: &str, value: f64) -> Result<(), ParameterError> {
+    if value.is_finite() {
+        return Ok(());
+    }
+    Err(ParameterError::new(name, value, "must be a finite number"))
+}
+
+pub(crate) fn positive(name: &str, value: f64) -> Result<(), ParameterError> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(());
+    }
+    Err(ParameterError::new(
+        name,
+        value,
+        "must be positive and finite",
+    ))
+}
+
+pub(crate) fn non_negative(name: &str, value: f64) -> Result<(), ParameterError> {
+    if value.is_finite() && value >= 0.0 {
+        return Ok(());
+    }
+    Err(ParameterError::new(
+        name,
+        value,
+        "must be zero or positive, and finite",
+    ))
+}
+
+/// Applies `check` to each element, naming it by its index: `position[2]`.
+pub(crate) fn each(
+    name: &str,
+    values: &[f64],
+    check: fn(&str, f64) -> Result<(), ParameterError>,
+) -> Result<(), ParameterError> {
+    values
+        .iter()
+        .enumerate()
+        .try_for_each(|(i, &value)| check(&format!("{name}[{i}]"), value))
+}

@@ -1,0 +1,174 @@
+//! Pure pursuit: steer towards a point of the course a little ahead.
+//!
+//! `kappa = 2 sin(alpha) / L_d`, `r = gain atan(kappa L)`: eqs (54) and (55). alpha is the bearing
+//! of the target less the heading. As printed, alpha is the course of the segment less the heading,
+//! which does not see a distance from the course; that is kept as an option. Speed is constant, and
+//! depth is held by a proportional heave command.
+
+use super::course::Course;
+use crate::ParameterError;
+use crate::attitude::wrap;
+use crate::error::{finite, non_negative, positive};
+use crate::sampling::Sampler;
+use core::f64::consts::FRAC_PI_2;
+use serde::{Deserialize, Serialize};
+
+/// What the heading is compared with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum HeadingReference {
+    /// The bearing of the target from the vehicle.
+    #[default]
+    Target,
+    /// The course of the segment at the target, as printed: no cross-track feedback.
+    Segment,
+}
+
+/// Parameters of the path follower.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PursuitParameters {
+    /// Cycles a second (Hz).
+    pub rate_hz: f64,
+    /// Distance L_d of the target ahead of the nearest point, along the course (m).
+    pub lookahead: f64,
+    /// Vehicle length L of eq (55) (m).
+    pub vehicle_length: f64,
+    /// Turn rate per steering angle (1/s).
+    pub gain: f64,
+    /// Speed (m/s).
+    pub speed: f64,
+    /// Depth to hold (m).
+    pub depth: f64,
+    /// Heave velocity per depth error (1/s).
+    pub depth_gain: f64,
+    /// Limit of the heave velocity (m/s).
+    pub heave_limit: f64,
+    /// The course is finished this close to its end, measured along it (m).
+    pub finish_tolerance: f64,
+    /// How far back along the course the nearest point may move in a cycle (m).
+    pub search_back: f64,
+    /// How far ahead (m).
+    pub search_ahead: f64,
+    /// Definition of alpha.
+    pub heading_reference: HeadingReference,
+}
+
+impl Default for PursuitParameters {
+    fn default() -> Self {
+        Self {
+            rate_hz: 10.0,
+            lookahead: 1.0,
+            vehicle_length: 1.0,
+            gain: 0.3,
+            speed: 0.3,
+            depth: 20.0,
+            depth_gain: 0.2,
+            heave_limit: 0.1,
+            finish_tolerance: 0.05,
+            search_back: 1.0,
+            search_ahead: 1.0,
+            heading_reference: HeadingReference::Target,
+        }
+    }
+}
+
+/// How far along the course the vehicle is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PursuitMemory {
+    distance: f64,
+    finished: bool,
+}
+
+/// What the path follower demands and sees.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Guidance {
+    /// Velocity command `[u, v, w, r]`, body (m/s, rad/s); at the end only the depth is held.
+    pub command: [f64; 4],
+    /// The point steered to, `[x, y]` (m).
+    pub target: [f64; 2],
+    /// Distance from the course, positive to starboard (m).
+    pub cross_track: f64,
+    /// Arc length of the nearest point (m).
+    pub distance: f64,
+    /// The end has been reached; stays true.
+    pub finished: bool,
+}
+
+/// A path follower on its course.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PurePursuit {
+    /// Its cycles.
+    pub sampler: Sampler,
+    parameters: PursuitParameters,
+    course: Course,
+}
+
+impl PurePursuit {
+    /// Checks the parameters.
+    ///
+    /// # Errors
+    /// Names the parameter that is out of range.
+    pub fn new(p: &PursuitParameters, course: Course) -> Result<Self, ParameterError> {
+        let sampler = Sampler::new(p.rate_hz)?;
+        positive("lookahead", p.lookahead)?;
+        positive("vehicle_length", p.vehicle_length)?;
+        positive("gain", p.gain)?;
+        finite("speed", p.speed)?;
+        finite("depth", p.depth)?;
+        non_negative("depth_gain", p.depth_gain)?;
+        non_negative("heave_limit", p.heave_limit)?;
+        non_negative("finish_tolerance", p.finish_tolerance)?;
+        non_negative("search_back", p.search_back)?;
+        positive("search_ahead", p.search_ahead)?;
+        Ok(Self {
+            sampler,
+            parameters: *p,
+            course,
+        })
+    }
+
+    /// The course that is followed.
+    #[must_use]
+    pub fn course(&self) -> &Course {
+        &self.course
+    }
+
+    /// One cycle, from an estimated pose `[x, y, z, yaw]`.
+    ///
+    /// The nearest point is sought around the last one only, so that a course may come close to
+    /// itself or cross itself.
+    pub fn update(&self, memory: &mut PursuitMemory, [x, y, z, yaw]: [f64; 4]) -> Guidance {
+        let p = &self.parameters;
+        let (from, to) = (
+            memory.distance - p.search_back,
+            memory.distance + p.search_ahead,
+        );
+        memory.distance = self.course.nearest([x, y], from, to);
+        memory.finished |= memory.distance >= self.course.length() - p.finish_tolerance;
+
+        let ahead = memory.distance + p.lookahead;
+        let target = self.course.point(ahead);
+        let reference = match p.heading_reference {
+            HeadingReference::Target => libm::atan2(target[1] - y, target[0] - x),
+            HeadingReference::Segment => self.course.heading(ahead),
+        };
+        let (speed, turn_rate) = match memory.finished {
+            true => (0.0, 0.0),
+            false => (p.speed, self.turn_rate(wrap(reference - yaw))),
+        };
+        let heave = (p.depth_gain * (p.depth - z)).clamp(-p.heave_limit, p.heave_limit);
+        Guidance {
+            command: [speed, 0.0, heave, turn_rate],
+            target,
+            cross_track: self.course.cross_track([x, y], memory.distance),
+            distance: memory.distance,
+            finished: memory.finished,
+        }
+    }
+
+    fn turn_rate(&self, alpha: f64) -> f64 {
+        let p = &self.parameters;
+        // With the target astern the sine would fade towards zero; the hardest turn is meant.
+        let sin = libm::sin(alpha.clamp(-FRAC_PI_2, FRAC_PI_2));
+        p.gain * libm::atan(2.0 * sin / p.lookahead * p.vehicle_length)
+    }
+}

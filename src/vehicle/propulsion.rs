@@ -1,0 +1,98 @@
+//! Thrusters: geometry, rotor lag and the thrust curve.
+//!
+//! `w' = (w_cmd - w) / tau`, `T = gain w |w|` (the paper's look-up table from rpm to thrust, here
+//! in rad/s). Axis of a thruster `e = (cos th cos ps, cos th sin ps, -sin th)`, moment `r x e T`:
+//! eqs (31)-(34) of the paper, (33) and (34) mended.
+
+use crate::ParameterError;
+use crate::error::{finite, positive};
+use crate::vector::cross;
+
+/// Where a thruster sits and where it pushes, body frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thruster {
+    /// Position forward of the centre of gravity (m).
+    pub lx: f64,
+    /// Position to starboard (m).
+    pub ly: f64,
+    /// Position downwards (m).
+    pub lz: f64,
+    /// Elevation of the thrust axis over the horizontal plane, positive upwards (deg).
+    pub theta_deg: f64,
+    /// Azimuth of the thrust axis from forward, positive to starboard (deg).
+    pub psi_deg: f64,
+}
+
+impl Thruster {
+    /// Wrench `[X, Y, Z, K, M, N]` of one newton of thrust: a column of the allocation matrix.
+    #[must_use]
+    pub fn unit_wrench(&self) -> [f64; 6] {
+        let (st, ct) = libm::sincos(self.theta_deg.to_radians());
+        let (sp, cp) = libm::sincos(self.psi_deg.to_radians());
+        let axis = [ct * cp, ct * sp, -st];
+        let moment = cross([self.lx, self.ly, self.lz], axis);
+        [axis[0], axis[1], axis[2], moment[0], moment[1], moment[2]]
+    }
+
+    pub(crate) fn check(&self, index: usize) -> Result<(), ParameterError> {
+        let names = ["lx", "ly", "lz", "theta_deg", "psi_deg"];
+        let values = [self.lx, self.ly, self.lz, self.theta_deg, self.psi_deg];
+        names
+            .iter()
+            .zip(values)
+            .try_for_each(|(name, value)| finite(&format!("thrusters[{index}].{name}"), value))
+    }
+}
+
+/// What the thruster inputs mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ThrusterMode {
+    /// A force (N): to rotor speed by the inverse curve, through the lag, to thrust.
+    #[default]
+    ForceWithLag,
+    /// A force (N) that acts at once; the rotor speeds keep their values.
+    Force,
+    /// A rotor speed (rad/s): through the lag, to thrust.
+    RotorSpeed,
+}
+
+/// The eight thrusters; they share one rotor and thrust curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Propulsion {
+    /// Geometry, numbered as in the paper.
+    pub thrusters: [Thruster; 8],
+    /// Meaning of the thruster inputs.
+    pub mode: ThrusterMode,
+    /// Time constant of the rotor speed (s).
+    pub rotor_time_constant: f64,
+    /// Thrust over speed squared (N.s2/rad2).
+    pub thrust_gain: f64,
+    /// Limit of the commanded thrust, either sign (N); limits the speed command alike.
+    pub thrust_limit: f64,
+}
+
+impl Propulsion {
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
+        positive("rotor_time_constant", self.rotor_time_constant)?;
+        positive("thrust_gain", self.thrust_gain)?;
+        positive("thrust_limit", self.thrust_limit)?;
+        self.thrusters
+            .iter()
+            .enumerate()
+            .try_for_each(|(i, t)| t.check(i))
+    }
+
+    /// Thrust at a rotor speed (rad/s), in N.
+    #[must_use]
+    #[inline(always)]
+    pub fn thrust(&self, speed: f64) -> f64 {
+        self.thrust_gain * speed * speed.abs()
+    }
+
+    /// Rotor speed (rad/s) that gives a thrust (N): the inverse of [`Propulsion::thrust`].
+    #[must_use]
+    #[inline(always)]
+    pub fn speed(&self, thrust: f64) -> f64 {
+        (thrust.abs() / self.thrust_gain).sqrt().copysign(thrust)
+    }
+}
