@@ -35,10 +35,15 @@ pub struct Vehicle {
     propulsion: Propulsion,
 }
 
-/// What the inputs amount to for the length of a step, so that the four stages share it.
+/// What the inputs amount to for the length of a step, so that its four stages share it and have
+/// no branches on the thruster mode.
 pub(super) struct Drive {
+    /// Speeds that the rotors tend to, and the rate (1/s) at which they do.
     rotor_target: [f64; 8],
-    force: [f64; 8],
+    rotor_rate: f64,
+    /// Thrust over rotor speed squared; 0 where rotor speeds make no thrust.
+    thrust_gain: f64,
+    /// Wrench that does not depend on the state.
     wrench: [f64; 6],
     current_ned: Vec3,
 }
@@ -89,38 +94,59 @@ impl Vehicle {
             nu_dot: dot.nu,
             v_ned: dot.p_ned,
             specific_force: sub(add(linear(&dot.nu), cross(omega, v)), gravity_body),
-            thrust: self.thrust(state, &drive),
+            thrust: self.thrust(state, inputs),
+        }
+    }
+
+    fn thrust(&self, state: &State, inputs: &Inputs) -> [f64; 8] {
+        let p = &self.propulsion;
+        match p.mode {
+            ThrusterMode::Force => inputs
+                .thruster_force
+                .map(|f| f.clamp(-p.thrust_limit, p.thrust_limit)),
+            _ => state.rotor_speed.map(|s| p.thrust(s)),
         }
     }
 
     pub(super) fn drive(&self, inputs: &Inputs) -> Drive {
         let p = &self.propulsion;
-        let limit = p.thrust_limit;
-        let force = inputs.thruster_force.map(|f| f.clamp(-limit, limit));
-        let rotor_target = match p.mode {
-            ThrusterMode::ForceWithLag => force.map(|f| p.speed(f)),
-            ThrusterMode::Force => [0.0; 8],
-            ThrusterMode::RotorSpeed => {
-                let fastest = p.speed(limit);
-                inputs.thruster_speed.map(|s| s.clamp(-fastest, fastest))
-            }
-        };
-        Drive {
-            rotor_target,
-            force,
+        let force = inputs
+            .thruster_force
+            .map(|f| f.clamp(-p.thrust_limit, p.thrust_limit));
+        let mut drive = Drive {
+            rotor_target: [0.0; 8],
+            rotor_rate: 1.0 / p.rotor_time_constant,
+            thrust_gain: p.thrust_gain,
             wrench: inputs.wrench,
             current_ned: inputs.current_ned,
+        };
+        match p.mode {
+            ThrusterMode::ForceWithLag => drive.rotor_target = force.map(|f| p.speed(f)),
+            ThrusterMode::RotorSpeed => {
+                let fastest = p.speed(p.thrust_limit);
+                drive.rotor_target = inputs.thruster_speed.map(|s| s.clamp(-fastest, fastest));
+            }
+            ThrusterMode::Force => {
+                drive.rotor_rate = 0.0;
+                drive.thrust_gain = 0.0;
+                add_wrench(&mut drive.wrench, &self.thruster_wrench, &force);
+            }
         }
+        drive
     }
 
-    #[inline(always)]
+    // Not inlined: four copies in a Runge-Kutta step overflow the processor's decoded-instruction
+    // cache, which was measured to cost a third of its speed.
+    #[inline(never)]
     pub(super) fn rate(&self, state: &State, drive: &Drive) -> State {
         let r_nb = attitude::rotation(state.quaternion);
         State {
             p_ned: mul(&r_nb, linear(&state.nu)),
             quaternion: quaternion_rate(state.quaternion, angular(&state.nu)),
             nu: self.acceleration(state, drive, &r_nb),
-            rotor_speed: self.rotor_rate(state, drive),
+            rotor_speed: core::array::from_fn(|i| {
+                (drive.rotor_target[i] - state.rotor_speed[i]) * drive.rotor_rate
+            }),
         }
     }
 
@@ -144,12 +170,8 @@ impl Vehicle {
         let excess = scale(down, self.weight - self.buoyancy);
 
         let mut tau = drive.wrench;
-        let thrust = self.thrust(state, drive);
-        for (column, t) in self.thruster_wrench.iter().zip(thrust) {
-            for i in 0..6 {
-                tau[i] += column[i] * t;
-            }
-        }
+        let thrust = state.rotor_speed.map(|s| drive.thrust_gain * s * s.abs());
+        add_wrench(&mut tau, &self.thruster_wrench, &thrust);
         for i in 0..3 {
             tau[i] += excess[i] - linear_force[i];
             tau[3 + i] += restoring[i] - moment[i];
@@ -163,23 +185,14 @@ impl Vehicle {
         }
         mul6(&self.mass_inverse, &tau)
     }
+}
 
-    #[inline(always)]
-    fn thrust(&self, state: &State, drive: &Drive) -> [f64; 8] {
-        match self.propulsion.mode {
-            ThrusterMode::Force => drive.force,
-            _ => state.rotor_speed.map(|s| self.propulsion.thrust(s)),
-        }
-    }
-
-    #[inline(always)]
-    fn rotor_rate(&self, state: &State, drive: &Drive) -> [f64; 8] {
-        match self.propulsion.mode {
-            ThrusterMode::Force => [0.0; 8],
-            _ => {
-                let per_tau = 1.0 / self.propulsion.rotor_time_constant;
-                core::array::from_fn(|i| (drive.rotor_target[i] - state.rotor_speed[i]) * per_tau)
-            }
+/// Adds the wrench of eight thrusts (N).
+#[inline(always)]
+fn add_wrench(wrench: &mut [f64; 6], columns: &[[f64; 6]; 8], thrust: &[f64; 8]) {
+    for (column, t) in columns.iter().zip(thrust) {
+        for i in 0..6 {
+            wrench[i] += column[i] * t;
         }
     }
 }
