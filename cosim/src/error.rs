@@ -1,0 +1,153 @@
+//! The one error of this crate: what happened, where, why, and what to do.
+//!
+//! A check that finds several problems reports them together ([`Error::all`]); the command line
+//! prints them one after the other and exits with the code of the first.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+mod code;
+pub use code::Code;
+
+/// Short for results of this crate.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// What happened, where, why and what to do about it. One pointer wide, so that results stay small.
+pub struct Error(Box<Detail>);
+
+struct Detail {
+    code: Code,
+    what: String,
+    place: Option<(PathBuf, Option<usize>)>,
+    why: Option<String>,
+    help: Option<String>,
+    log: Vec<String>,
+    others: Vec<Error>,
+}
+
+impl Error {
+    /// An error of the kind `code`; `what` is one sentence without a full stop.
+    pub fn new(code: Code, what: impl Into<String>) -> Self {
+        Self(Box::new(Detail {
+            code,
+            what: what.into(),
+            place: None,
+            why: None,
+            help: None,
+            log: Vec::new(),
+            others: Vec::new(),
+        }))
+    }
+
+    /// The file concerned.
+    #[must_use]
+    pub fn at(mut self, file: impl AsRef<Path>) -> Self {
+        self.0.place = Some((file.as_ref().to_owned(), None));
+        self
+    }
+
+    /// The file and the line concerned, counted from 1.
+    #[must_use]
+    pub fn at_line(mut self, file: impl AsRef<Path>, line: usize) -> Self {
+        self.0.place = Some((file.as_ref().to_owned(), Some(line)));
+        self
+    }
+
+    /// The cause.
+    #[must_use]
+    pub fn why(mut self, why: impl fmt::Display) -> Self {
+        self.0.why = Some(why.to_string());
+        self
+    }
+
+    /// The remedy.
+    #[must_use]
+    pub fn help(mut self, help: impl fmt::Display) -> Self {
+        self.0.help = Some(help.to_string());
+        self
+    }
+
+    /// The remedy, when there is one to tell.
+    #[must_use]
+    pub fn maybe_help(mut self, help: Option<String>) -> Self {
+        self.0.help = help.or(self.0.help.take());
+        self
+    }
+
+    /// What the FMU had logged before the failure.
+    #[must_use]
+    pub fn log(mut self, lines: Vec<String>) -> Self {
+        self.0.log = lines;
+        self
+    }
+
+    /// Several problems as one error; `Ok` when there is none.
+    pub fn all(problems: Vec<Error>) -> Result<()> {
+        let mut rest = problems.into_iter();
+        match rest.next() {
+            None => Ok(()),
+            Some(mut first) => {
+                first.0.others.extend(rest);
+                Err(first)
+            }
+        }
+    }
+
+    /// The kind, and with it the exit code.
+    pub fn code(&self) -> Code {
+        self.0.code
+    }
+
+    /// The first sentence.
+    pub fn what(&self) -> &str {
+        &self.0.what
+    }
+
+    /// This problem and those reported with it.
+    pub fn problems(&self) -> impl Iterator<Item = &Error> {
+        std::iter::once(self).chain(&self.0.others)
+    }
+
+    fn write_one(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let detail = &*self.0;
+        write!(f, "[{}] {}", detail.code, detail.what)?;
+        if let Some((file, line)) = &detail.place {
+            write!(f, "\n  at:   {}", file.display())?;
+            if let Some(line) = line {
+                write!(f, ":{line}")?;
+            }
+        }
+        if let Some(why) = &detail.why {
+            write!(f, "\n  why:  {why}")?;
+        }
+        for line in &detail.log {
+            write!(f, "\n  log:  {line}")?;
+        }
+        if let Some(help) = &detail.help {
+            write!(f, "\n  help: {help}")?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.write_one(f)?;
+        for other in &self.0.others {
+            f.write_str("\n")?;
+            other.write_one(f)?;
+        }
+        if !self.0.others.is_empty() {
+            write!(f, "\n{} problems", self.0.others.len() + 1)?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+impl std::error::Error for Error {}

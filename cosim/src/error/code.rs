@@ -1,0 +1,58 @@
+//! The kinds of error, their stable codes, exit codes and explanations.
+
+use std::fmt;
+
+macro_rules! codes {
+    ($($name:ident $text:literal $exit:literal $explanation:literal)*) => {
+        /// A kind of error with a stable code such as `E203`.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum Code {
+            $(#[doc = $explanation] $name,)*
+        }
+
+        impl Code {
+            /// Every code, in the order of their numbers.
+            pub const ALL: &[Code] = &[$(Code::$name),*];
+
+            /// The stable text, for example `E203`.
+            pub fn as_str(self) -> &'static str {
+                match self { $(Code::$name => $text),* }
+            }
+
+            /// The exit code of the command line: 1 run failed, 2 usage, 3 not valid.
+            pub fn exit_code(self) -> u8 {
+                match self { $(Code::$name => $exit),* }
+            }
+
+            /// What the code means.
+            pub fn explanation(self) -> &'static str {
+                match self { $(Code::$name => $explanation),* }
+            }
+        }
+    };
+}
+
+codes! {
+    Usage "E001" 2 "The command line cannot be understood, or two of its options contradict each other."
+    File "E101" 3 "A file that the run needs is missing or cannot be read."
+    Archive "E102" 3 "An .fmu or .ssp file is not a ZIP archive that can be unpacked safely."
+    Xml "E103" 3 "An XML file is not well-formed, or uses what is refused here: a DTD, entities, great depth."
+    Description "E104" 3 "A modelDescription.xml breaks FMI 2.0."
+    Library "E105" 3 "The shared library of an FMU is missing, cannot be loaded or lacks an FMI function."
+    Ssd "E201" 3 "A system description breaks SSP 1.0, or uses a part of it that is not supported."
+    UnknownName "E202" 3 "A component or variable is named that does not exist."
+    Connection "E203" 3 "A connection joins what cannot be joined: causality, type, or two drivers of one input."
+    Parameter "E204" 3 "A start value cannot be given to that variable, or its text is not a value of the variable's type."
+    Timing "E205" 3 "Step sizes, start, stop or output interval do not fit together."
+    Replacement "E206" 3 "The FMU put in place of another lacks an output that other components need."
+    Fmu "E301" 1 "A function of an FMU returned an error while the system ran."
+    Output "E302" 1 "Results could not be written."
+    Results "E401" 3 "A file of recorded results cannot be read."
+    Report "E402" 1 "A report could not be made."
+}
+
+impl fmt::Display for Code {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.as_str())
+    }
+}

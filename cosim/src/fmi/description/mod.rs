@@ -1,0 +1,203 @@
+//! The modelDescription.xml of FMI 2.0 as plain data.
+
+use std::collections::HashMap;
+
+mod read;
+mod value;
+
+pub use read::read;
+pub use value::{Value, ValueError};
+
+/// What an FMU says of itself.
+#[derive(Debug)]
+pub struct Description {
+    /// Name of the model.
+    pub model_name: String,
+    /// Identity that links the XML to the binary.
+    pub guid: String,
+    /// What the model is.
+    pub description: String,
+    /// Tool that wrote it.
+    pub generation_tool: String,
+    /// Name of the library's file for co-simulation; `None` when the FMU has no such part.
+    pub co_simulation: Option<CoSimulation>,
+    /// Whether the FMU can also be used for model exchange.
+    pub model_exchange: bool,
+    /// Suggested experiment.
+    pub experiment: Experiment,
+    /// All variables, in the order of the file; FMI's indices are positions in it plus one.
+    pub variables: Vec<Variable>,
+    /// Outputs with the inputs they depend on directly.
+    pub outputs: Vec<Output>,
+    positions: HashMap<String, usize>,
+}
+
+/// The co-simulation part.
+#[derive(Debug, Clone)]
+pub struct CoSimulation {
+    /// Name of the library's file without its ending.
+    pub model_identifier: String,
+    /// The FMU only wraps a tool that must be installed.
+    pub needs_execution_tool: bool,
+    /// A process may hold one instance only.
+    pub once_per_process: bool,
+    /// Its state can be saved and set back.
+    pub get_and_set_state: bool,
+}
+
+/// Suggested experiment, in seconds.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Experiment {
+    /// First instant.
+    pub start: Option<f64>,
+    /// Last instant.
+    pub stop: Option<f64>,
+    /// Communication step.
+    pub step: Option<f64>,
+}
+
+/// A variable.
+#[derive(Debug, Clone)]
+pub struct Variable {
+    /// Full name.
+    pub name: String,
+    /// FMI's handle; unique per type only, and shared by aliases.
+    pub value_reference: u32,
+    /// What it is.
+    pub description: String,
+    /// Role.
+    pub causality: Causality,
+    /// When it may change.
+    pub variability: Variability,
+    /// `initial="exact"`: it may be set before the initialization.
+    pub exact: bool,
+    /// Type.
+    pub kind: Kind,
+    /// Unit of a Real.
+    pub unit: Option<String>,
+    /// Start value, when the file gives one.
+    pub start: Option<Value>,
+    /// Line in modelDescription.xml.
+    pub line: usize,
+}
+
+/// An output and what it depends on without delay.
+#[derive(Debug, Clone)]
+pub struct Output {
+    /// Position in [`Description::variables`].
+    pub variable: usize,
+    /// Positions of the variables it depends on; `None`: on all inputs.
+    pub dependencies: Option<Vec<usize>>,
+}
+
+/// Role of a variable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs, reason = "the names are FMI's")]
+pub enum Causality {
+    Parameter,
+    CalculatedParameter,
+    Input,
+    Output,
+    Local,
+    Independent,
+}
+
+/// When a variable may change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs, reason = "the names are FMI's")]
+pub enum Variability {
+    Constant,
+    Fixed,
+    Tunable,
+    Discrete,
+    Continuous,
+}
+
+/// Type of a variable.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[allow(missing_docs, reason = "the names are FMI's")]
+pub enum Kind {
+    Real,
+    Integer,
+    Boolean,
+    String,
+    /// An Integer whose values have names.
+    Enumeration(Vec<(String, i32)>),
+}
+
+impl Kind {
+    /// FMI's name.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Kind::Real => "Real",
+            Kind::Integer => "Integer",
+            Kind::Boolean => "Boolean",
+            Kind::String => "String",
+            Kind::Enumeration(_) => "Enumeration",
+        }
+    }
+}
+
+impl Causality {
+    /// FMI's name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Causality::Parameter => "parameter",
+            Causality::CalculatedParameter => "calculatedParameter",
+            Causality::Input => "input",
+            Causality::Output => "output",
+            Causality::Local => "local",
+            Causality::Independent => "independent",
+        }
+    }
+}
+
+impl Variability {
+    /// FMI's name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Variability::Constant => "constant",
+            Variability::Fixed => "fixed",
+            Variability::Tunable => "tunable",
+            Variability::Discrete => "discrete",
+            Variability::Continuous => "continuous",
+        }
+    }
+}
+
+impl Variable {
+    /// Whether a start value may be given to it before the initialization.
+    pub fn settable(&self) -> bool {
+        self.variability != Variability::Constant
+            && (self.causality == Causality::Input || self.exact)
+    }
+}
+
+impl Description {
+    /// Position of a variable in [`Description::variables`].
+    pub fn position(&self, name: &str) -> Option<usize> {
+        self.positions.get(name).copied()
+    }
+
+    /// A variable by its name.
+    pub fn variable(&self, name: &str) -> Option<&Variable> {
+        self.position(name)
+            .map(|position| &self.variables[position])
+    }
+
+    /// Names of all variables, in the order of the file.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.variables.iter().map(|v| v.name.as_str())
+    }
+
+    /// Whether some output depends on that input without delay. An output without a list of
+    /// dependencies depends on every input (FMI 2.0.5, 2.2.8).
+    pub fn feeds_through(&self, input: usize) -> bool {
+        self.outputs.iter().any(|output| {
+            output
+                .dependencies
+                .as_ref()
+                .is_none_or(|dependencies| dependencies.contains(&input))
+        })
+    }
+}

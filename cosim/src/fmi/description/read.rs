@@ -1,0 +1,252 @@
+//! modelDescription.xml into [`Description`].
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
+
+use super::{
+    Causality, CoSimulation, Description, Experiment, Kind, Output, Value, Variability, Variable,
+};
+use crate::error::{Code, Error, Result};
+use crate::xml::{self, Element};
+
+/// Enumerations by the name of their type.
+type Enumerations = BTreeMap<String, Vec<(String, i32)>>;
+
+/// Reads `file`; `shown` is its name in messages.
+pub fn read(file: &Path, shown: &Path) -> Result<Description> {
+    let root = xml::read(file, shown)?;
+    let reader = Reader {
+        file: shown,
+        enumerations: enumerations(&root, shown)?,
+    };
+    reader.description(&root)
+}
+
+struct Reader<'a> {
+    file: &'a Path,
+    enumerations: Enumerations,
+}
+
+fn enumerations(root: &Element, file: &Path) -> Result<Enumerations> {
+    let mut found = Enumerations::new();
+    for simple in root.grandchildren("TypeDefinitions") {
+        let Some(list) = simple.child("Enumeration") else {
+            continue;
+        };
+        let mut items = Vec::new();
+        for item in &list.children {
+            let name = item.require("name", file, Code::Description)?.to_owned();
+            let value = item.parse("value", file, Code::Description)?.unwrap_or(0);
+            items.push((name, value));
+        }
+        found.insert(
+            simple.require("name", file, Code::Description)?.to_owned(),
+            items,
+        );
+    }
+    Ok(found)
+}
+
+impl Reader<'_> {
+    fn description(&self, root: &Element) -> Result<Description> {
+        if root.name != "fmiModelDescription" {
+            return Err(self.wrong(root, format!("the root element is <{}>", root.name)));
+        }
+        let version = root.require("fmiVersion", self.file, Code::Description)?;
+        if version != "2.0" {
+            return Err(self
+                .wrong(root, format!("the FMU is of FMI version {version}"))
+                .help("export it for FMI 2.0: only that is supported"));
+        }
+        let variables = self.variables(root)?;
+        let mut positions = HashMap::with_capacity(variables.len());
+        for (position, variable) in variables.iter().enumerate() {
+            if let Some(first) = positions.insert(variable.name.clone(), position) {
+                let what = format!("the variable '{}' is declared twice", variable.name);
+                return Err(Error::new(Code::Description, what)
+                    .at_line(self.file, variable.line)
+                    .why(format!("first on line {}", variables[first].line)));
+            }
+        }
+        let text = |name| root.get(name).unwrap_or_default().to_owned();
+        Ok(Description {
+            model_name: text("modelName"),
+            guid: root
+                .require("guid", self.file, Code::Description)?
+                .to_owned(),
+            description: text("description"),
+            generation_tool: text("generationTool"),
+            co_simulation: root
+                .child("CoSimulation")
+                .map(|e| self.co_simulation(e))
+                .transpose()?,
+            model_exchange: root.child("ModelExchange").is_some(),
+            experiment: self.experiment(root)?,
+            outputs: self.outputs(root, &variables)?,
+            variables,
+            positions,
+        })
+    }
+
+    fn co_simulation(&self, element: &Element) -> Result<CoSimulation> {
+        let flag = |name| element.flag(name, self.file, Code::Description);
+        let identifier = element.require("modelIdentifier", self.file, Code::Description)?;
+        if identifier.is_empty() || identifier.contains(['/', '\\', '\0']) {
+            return Err(self.wrong(element, format!("modelIdentifier=\"{identifier}\"")));
+        }
+        Ok(CoSimulation {
+            model_identifier: identifier.to_owned(),
+            needs_execution_tool: flag("needsExecutionTool")?,
+            once_per_process: flag("canBeInstantiatedOnlyOncePerProcess")?,
+            get_and_set_state: flag("canGetAndSetFMUstate")?,
+        })
+    }
+
+    fn experiment(&self, root: &Element) -> Result<Experiment> {
+        let Some(element) = root.child("DefaultExperiment") else {
+            return Ok(Experiment::default());
+        };
+        let number = |name| element.parse(name, self.file, Code::Description);
+        Ok(Experiment {
+            start: number("startTime")?,
+            stop: number("stopTime")?,
+            step: number("stepSize")?,
+        })
+    }
+
+    fn variables(&self, root: &Element) -> Result<Vec<Variable>> {
+        root.grandchildren("ModelVariables")
+            .iter()
+            .map(|e| self.variable(e))
+            .collect()
+    }
+
+    fn variable(&self, element: &Element) -> Result<Variable> {
+        let name = element
+            .require("name", self.file, Code::Description)?
+            .to_owned();
+        let typed = element
+            .children
+            .iter()
+            .find(|c| self.kind(c).is_some())
+            .ok_or_else(|| self.wrong(element, format!("the variable '{name}' has no type")))?;
+        let kind = self.kind(typed).unwrap_or(Kind::Real);
+        let value_reference = element
+            .parse("valueReference", self.file, Code::Description)?
+            .ok_or_else(|| self.wrong(element, format!("'{name}' has no valueReference")))?;
+        let start = match typed.get("start") {
+            None => None,
+            Some(text) => Some(Value::parse(text, &kind).map_err(|e| {
+                self.wrong(typed, format!("the start value of '{name}'"))
+                    .why(e.0)
+            })?),
+        };
+        let causality = self.causality(element)?;
+        let variability = self.variability(element, &kind)?;
+        let exact = match element.get("initial") {
+            Some(initial) => initial == "exact",
+            // FMI 2.0.5, table 2.2.7: the defaults of `initial`.
+            None => {
+                causality == Causality::Parameter
+                    || (matches!(causality, Causality::Output | Causality::Local)
+                        && variability == Variability::Constant)
+            }
+        };
+        Ok(Variable {
+            description: element.get("description").unwrap_or_default().to_owned(),
+            unit: typed.get("unit").map(str::to_owned),
+            line: element.line,
+            name,
+            value_reference,
+            causality,
+            variability,
+            exact,
+            kind,
+            start,
+        })
+    }
+
+    fn kind(&self, element: &Element) -> Option<Kind> {
+        Some(match element.name.as_str() {
+            "Real" => Kind::Real,
+            "Integer" => Kind::Integer,
+            "Boolean" => Kind::Boolean,
+            "String" => Kind::String,
+            "Enumeration" => {
+                let declared = element.get("declaredType").unwrap_or_default();
+                Kind::Enumeration(self.enumerations.get(declared).cloned().unwrap_or_default())
+            }
+            _ => return None,
+        })
+    }
+
+    fn causality(&self, element: &Element) -> Result<Causality> {
+        Ok(match element.get("causality").unwrap_or("local") {
+            "parameter" => Causality::Parameter,
+            "calculatedParameter" => Causality::CalculatedParameter,
+            "input" => Causality::Input,
+            "output" => Causality::Output,
+            "local" => Causality::Local,
+            "independent" => Causality::Independent,
+            other => return Err(self.wrong(element, format!("causality=\"{other}\""))),
+        })
+    }
+
+    fn variability(&self, element: &Element, kind: &Kind) -> Result<Variability> {
+        Ok(match element.get("variability") {
+            // The default is "continuous" for Reals; nothing else can be that.
+            None if *kind == Kind::Real => Variability::Continuous,
+            None => Variability::Discrete,
+            Some("constant") => Variability::Constant,
+            Some("fixed") => Variability::Fixed,
+            Some("tunable") => Variability::Tunable,
+            Some("discrete") => Variability::Discrete,
+            Some("continuous") => Variability::Continuous,
+            Some(other) => return Err(self.wrong(element, format!("variability=\"{other}\""))),
+        })
+    }
+
+    /// The outputs of ModelStructure; an output variable missing there depends on everything.
+    fn outputs(&self, root: &Element, variables: &[Variable]) -> Result<Vec<Output>> {
+        let mut outputs = Vec::new();
+        let structure = root.child("ModelStructure");
+        for unknown in structure.map_or(&[][..], |s| s.grandchildren("Outputs")) {
+            let index = unknown.require("index", self.file, Code::Description)?;
+            let dependencies = unknown.get("dependencies").map(|list| {
+                list.split_whitespace()
+                    .map(|index| self.position(unknown, index, variables))
+                    .collect::<Result<Vec<_>>>()
+            });
+            outputs.push(Output {
+                variable: self.position(unknown, index, variables)?,
+                dependencies: dependencies.transpose()?,
+            });
+        }
+        for (variable, declared) in variables.iter().enumerate() {
+            let listed = outputs.iter().any(|o| o.variable == variable);
+            if declared.causality == Causality::Output && !listed {
+                outputs.push(Output {
+                    variable,
+                    dependencies: None,
+                });
+            }
+        }
+        Ok(outputs)
+    }
+
+    fn position(&self, element: &Element, index: &str, variables: &[Variable]) -> Result<usize> {
+        match index.parse::<usize>() {
+            Ok(index) if (1..=variables.len()).contains(&index) => Ok(index - 1),
+            _ => Err(self
+                .wrong(element, format!("the index '{index}' names no variable"))
+                .why(format!(
+                    "there are {} variables, counted from 1",
+                    variables.len()
+                ))),
+        }
+    }
+
+    fn wrong(&self, element: &Element, what: impl Into<String>) -> Error {
+        Error::new(Code::Description, what).at_line(self.file, element.line)
+    }
+}

@@ -1,0 +1,169 @@
+//! One .fmu file: unpacked and mapped once per process, shared by all its instances.
+
+use std::collections::HashMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, atomic::AtomicBool};
+use std::sync::{Mutex, OnceLock, PoisonError, Weak};
+use std::time::SystemTime;
+
+use tempfile::TempDir;
+
+use super::archive;
+use super::description::{self, CoSimulation, Description};
+use super::library::{self, Functions};
+use crate::error::{Code, Error, Result};
+
+/// An imported FMU.
+pub struct Fmu {
+    path: PathBuf,
+    description: Description,
+    functions: OnceLock<Functions>,
+    loading: Mutex<()>,
+    /// An instance of an FMU that allows only one per process exists.
+    pub(super) taken: AtomicBool,
+    /// Declared last: the library is unmapped before its file vanishes.
+    folder: TempDir,
+}
+
+/// What makes a file the same: place, size and time of change.
+type Identity = (PathBuf, u64, Option<SystemTime>);
+
+/// FMUs in use. Weak: the last user takes the unpacked folder with it.
+static OPEN: Mutex<Option<HashMap<Identity, Weak<Fmu>>>> = Mutex::new(None);
+
+impl Fmu {
+    /// Opens `path`, or shares it when it is in use already.
+    pub fn open(path: &Path) -> Result<Arc<Self>> {
+        let identity = identity(path)?;
+        let mut open = OPEN.lock().unwrap_or_else(PoisonError::into_inner);
+        let open = open.get_or_insert_default();
+        if let Some(fmu) = open.get(&identity).and_then(Weak::upgrade) {
+            return Ok(fmu);
+        }
+        let fmu = Arc::new(Self::unpack(path)?);
+        open.retain(|_, fmu| fmu.strong_count() > 0);
+        open.insert(identity, Arc::downgrade(&fmu));
+        Ok(fmu)
+    }
+
+    fn unpack(path: &Path) -> Result<Self> {
+        let folder = archive::unpack(path)?;
+        let file = folder.path().join("modelDescription.xml");
+        if !file.is_file() {
+            return Err(
+                Error::new(Code::Archive, "the archive has no modelDescription.xml")
+                    .at(path)
+                    .help("an .fmu has that file at its top level, in no folder"),
+            );
+        }
+        let description = description::read(&file, &path.join("modelDescription.xml"))?;
+        Ok(Self {
+            path: path.to_owned(),
+            description,
+            functions: OnceLock::new(),
+            loading: Mutex::new(()),
+            taken: AtomicBool::new(false),
+            folder,
+        })
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Its modelDescription.xml.
+    pub fn description(&self) -> &Description {
+        &self.description
+    }
+
+    /// The co-simulation part, without which the FMU cannot be run here.
+    pub fn co_simulation(&self) -> Result<&CoSimulation> {
+        self.description.co_simulation.as_ref().ok_or_else(|| {
+            Error::new(Code::Description, "the FMU has no co-simulation part")
+                .at(&self.path)
+                .help("export it for co-simulation: model exchange alone has no solver")
+        })
+    }
+
+    /// Maps the library, if that was not done before.
+    pub fn load(&self) -> Result<()> {
+        self.functions().map(|_| ())
+    }
+
+    #[inline]
+    pub(super) fn functions(&self) -> Result<&Functions> {
+        if let Some(functions) = self.functions.get() {
+            return Ok(functions);
+        }
+        // The lock makes one thread load; OnceLock alone cannot hand an error back.
+        let _loading = self.loading.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(functions) = self.functions.get() {
+            return Ok(functions);
+        }
+        let functions = library::load(&self.library_file()?, &self.path)?;
+        Ok(self.functions.get_or_init(|| functions))
+    }
+
+    fn library_file(&self) -> Result<PathBuf> {
+        let name = format!("{}.so", self.co_simulation()?.model_identifier);
+        let binaries = self.folder.path().join("binaries");
+        let found = library::folders()
+            .iter()
+            .map(|folder| binaries.join(folder).join(&name))
+            .find(|file| file.is_file());
+        found.ok_or_else(|| {
+            let mut present: Vec<String> = fs::read_dir(&binaries)
+                .into_iter()
+                .flatten()
+                .flatten()
+                .map(|entry| entry.file_name().to_string_lossy().into_owned())
+                .collect();
+            present.sort();
+            let wanted: Vec<String> = library::folders()
+                .iter()
+                .map(|f| format!("binaries/{f}/{name}"))
+                .collect();
+            Error::new(Code::Library, "the FMU has no binary for this machine")
+                .at(&self.path)
+                .why(format!("it has binaries for: {}", present.join(", ")))
+                .help(format!(
+                    "export it so that it contains {}",
+                    wanted.join(" or ")
+                ))
+        })
+    }
+
+    /// `file:///...` of the unpacked resources, with everything but plain characters escaped.
+    pub(super) fn resource_uri(&self) -> String {
+        let path = self.folder.path().join("resources");
+        let mut uri = String::from("file://");
+        for &byte in path.as_os_str().as_encoded_bytes() {
+            match byte {
+                b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'/' | b'-' | b'_' | b'.' | b'~' => {
+                    uri.push(byte as char);
+                }
+                _ => uri.push_str(&format!("%{byte:02X}")),
+            }
+        }
+        uri
+    }
+}
+
+fn identity(path: &Path) -> Result<Identity> {
+    let missing = |e| {
+        Error::new(Code::File, "the FMU cannot be opened")
+            .at(path)
+            .why(e)
+            .help("check the path; in a system description it is relative to that file")
+    };
+    let full = path.canonicalize().map_err(missing)?;
+    let metadata = full.metadata().map_err(missing)?;
+    if metadata.is_dir() {
+        return Err(Error::new(Code::File, "the FMU is a folder")
+            .at(path)
+            .help("pack it: zip -r ../name.fmu * inside of it"));
+    }
+    Ok((full, metadata.len(), metadata.modified().ok()))
+}

@@ -1,0 +1,257 @@
+//! The safe handle of one `fmi2Component`.
+//!
+//! It permits only the calls that FMI 2.0.5 (4.2.4, state machine for co-simulation) allows in
+//! the present [`State`], turns statuses into errors, and frees the instance when dropped.
+
+use std::ffi::CString;
+use std::ptr;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use super::callbacks::Callbacks;
+use super::fmu::Fmu;
+use super::library::{Component, FmuState, Functions};
+use super::log::Log;
+use super::status::{self, RawStatus};
+use crate::error::{Code, Error, Result};
+use crate::time::Time;
+
+mod access;
+
+/// State of an instance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum State {
+    /// After instantiation or reset: start values may be given.
+    Instantiated,
+    /// In initialization mode: inputs may be set, outputs read.
+    Initialization,
+    /// Between communication points.
+    Ready,
+    /// A step was refused: values may be read, nothing more.
+    Failed,
+    /// After termination.
+    Terminated,
+    /// The FMU said that it is beyond use: not even freeing is allowed.
+    Fatal,
+}
+
+/// An instance of an FMU.
+pub struct Instance {
+    /// Not NULL.
+    component: Component,
+    name: String,
+    state: State,
+    time: Time,
+    saved: Option<FmuState>,
+    /// The FMU holds pointers to both of these: boxed, so that they stay where they are.
+    _callbacks: Box<Callbacks>,
+    log: Box<Log>,
+    fmu: Arc<Fmu>,
+}
+
+impl Instance {
+    /// Instantiates `fmu` under `name`; `logging` asks it for debug messages.
+    pub fn new(fmu: Arc<Fmu>, name: &str, logging: bool) -> Result<Self> {
+        let once = fmu.co_simulation()?.once_per_process;
+        let functions = fmu.functions()?;
+        if once && fmu.taken.swap(true, Ordering::AcqRel) {
+            return Err(
+                Error::new(Code::Fmu, format!("'{name}' cannot be instantiated"))
+                    .at(fmu.path())
+                    .why("the FMU allows one instance per process, and there is one already"),
+            );
+        }
+        let text = |text: &str| CString::new(text.replace('\0', "")).unwrap_or_default();
+        let (c_name, guid) = (text(name), text(&fmu.description().guid));
+        let resources = text(&fmu.resource_uri());
+        let log = Box::<Log>::default();
+        let callbacks = Box::new(Callbacks::new(&log));
+        const CO_SIMULATION: i32 = 1;
+        // SAFETY: the strings live during the call, callbacks and log as long as the instance.
+        let component = unsafe {
+            (functions.instantiate)(
+                c_name.as_ptr(),
+                CO_SIMULATION,
+                guid.as_ptr(),
+                resources.as_ptr(),
+                &*callbacks,
+                0,
+                i32::from(logging),
+            )
+        };
+        if component.is_null() {
+            fmu.taken.store(false, Ordering::Release);
+            return Err(
+                Error::new(Code::Fmu, format!("'{name}' cannot be instantiated"))
+                    .at(fmu.path())
+                    .why("fmi2Instantiate returned NULL")
+                    .log(log.take()),
+            );
+        }
+        let (name, state, time) = (name.to_owned(), State::Instantiated, Time::ZERO);
+        Ok(Self {
+            component,
+            name,
+            state,
+            time,
+            saved: None,
+            _callbacks: callbacks,
+            log,
+            fmu,
+        })
+    }
+
+    /// The instance's name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The FMU.
+    pub fn fmu(&self) -> &Arc<Fmu> {
+        &self.fmu
+    }
+
+    /// The present state.
+    pub fn state(&self) -> State {
+        self.state
+    }
+
+    /// Sets the experiment's start and stop and enters initialization mode.
+    pub fn enter_initialization(&mut self, start: Time, stop: Time) -> Result<()> {
+        self.require("fmi2SetupExperiment", &[State::Instantiated])?;
+        self.time = start;
+        let (start, stop) = (start.seconds(), stop.seconds());
+        self.call("fmi2SetupExperiment", |f, c| {
+            // SAFETY: `c` is alive and the state allows the call.
+            unsafe { (f.setup_experiment)(c, 0, 0.0, start, 1, stop) }
+        })?;
+        self.call("fmi2EnterInitializationMode", |f, c| {
+            // SAFETY: as above.
+            unsafe { (f.enter_initialization)(c) }
+        })?;
+        self.state = State::Initialization;
+        Ok(())
+    }
+
+    /// Leaves initialization mode.
+    pub fn exit_initialization(&mut self) -> Result<()> {
+        self.require("fmi2ExitInitializationMode", &[State::Initialization])?;
+        self.call("fmi2ExitInitializationMode", |f, c| {
+            // SAFETY: `c` is alive and the state allows the call.
+            unsafe { (f.exit_initialization)(c) }
+        })?;
+        self.state = State::Ready;
+        Ok(())
+    }
+
+    /// Advances from `start` by `step`.
+    pub fn do_step(&mut self, start: Time, step: Time) -> Result<()> {
+        self.require("fmi2DoStep", &[State::Ready])?;
+        self.time = start;
+        let (from, length) = (start.seconds(), step.seconds());
+        self.call("fmi2DoStep", |f, c| {
+            // SAFETY: `c` is alive and the state allows the call.
+            unsafe { (f.do_step)(c, from, length, 1) }
+        })?;
+        self.time = start + step;
+        Ok(())
+    }
+
+    /// Saves the FMU's whole state for [`Instance::restore`], in place of one saved before.
+    pub fn save(&mut self) -> Result<()> {
+        self.require("fmi2GetFMUstate", &[State::Ready])?;
+        if !self.fmu.co_simulation()?.get_and_set_state {
+            return Err(
+                Error::new(Code::Fmu, format!("'{}' cannot save its state", self.name))
+                    .at(self.fmu.path())
+                    .why("its modelDescription.xml does not declare canGetAndSetFMUstate"),
+            );
+        }
+        let mut saved = self.saved.take().unwrap_or(ptr::null_mut());
+        let result = self.call("fmi2GetFMUstate", |f, c| {
+            // SAFETY: `saved` is NULL or a state of this instance, which is then overwritten.
+            unsafe { (f.get_state)(c, &mut saved) }
+        });
+        self.saved = (!saved.is_null()).then_some(saved);
+        result
+    }
+
+    /// Sets the FMU back to the state saved last, which was that of the instant `time`.
+    pub fn restore(&mut self, time: Time) -> Result<()> {
+        self.require("fmi2SetFMUstate", &[State::Ready, State::Failed])?;
+        let Some(saved) = self.saved else {
+            return Err(Error::new(
+                Code::Fmu,
+                format!("'{}' has no saved state", self.name),
+            ));
+        };
+        self.call("fmi2SetFMUstate", |f, c| {
+            // SAFETY: `saved` is a state of this instance.
+            unsafe { (f.set_state)(c, saved) }
+        })?;
+        self.state = State::Ready;
+        self.time = time;
+        Ok(())
+    }
+
+    fn require(&self, function: &'static str, allowed: &[State]) -> Result<()> {
+        if allowed.contains(&self.state) {
+            return Ok(());
+        }
+        Err(Error::new(
+            Code::Fmu,
+            format!("{function} of '{}' is not allowed now", self.name),
+        )
+        .why(format!("the instance is in the state {:?}", self.state)))
+    }
+
+    #[inline]
+    fn call(
+        &mut self,
+        function: &'static str,
+        call: impl FnOnce(&Functions, Component) -> RawStatus,
+    ) -> Result<()> {
+        let status = call(self.fmu.functions()?, self.component);
+        if status == status::OK || status == status::WARNING {
+            return Ok(());
+        }
+        Err(self.failed(function, status))
+    }
+
+    #[cold]
+    fn failed(&mut self, function: &'static str, status: RawStatus) -> Error {
+        self.state = if status == status::FATAL {
+            State::Fatal
+        } else {
+            State::Failed
+        };
+        let what = format!("{function} of '{}' failed at t = {}", self.name, self.time);
+        Error::new(Code::Fmu, what)
+            .at(self.fmu.path())
+            .why(format!("the FMU returned {}", status::name(status)))
+            .log(self.log.take())
+    }
+}
+
+impl Drop for Instance {
+    fn drop(&mut self) {
+        let Ok(functions) = self.fmu.functions() else {
+            return;
+        };
+        // FMI allows no call at all after a fatal error: the instance is leaked.
+        if self.state == State::Fatal {
+            return;
+        }
+        if let Some(mut saved) = self.saved.take() {
+            // SAFETY: `saved` is a state of this living instance.
+            unsafe { (functions.free_state)(self.component, &mut saved) };
+        }
+        if self.state == State::Ready {
+            // SAFETY: the state allows it; a status would change nothing any more.
+            unsafe { (functions.terminate)(self.component) };
+        }
+        // SAFETY: the component is alive and not used afterwards.
+        unsafe { (functions.free_instance)(self.component) };
+        self.fmu.taken.store(false, Ordering::Release);
+    }
+}

@@ -1,0 +1,149 @@
+//! Setting and reading variables of an instance.
+
+use std::ffi::{CString, c_char};
+
+use super::{Instance, State};
+use crate::error::{Code, Error, Result};
+use crate::fmi::{Kind, Value, Variable};
+
+const READABLE: &[State] = &[
+    State::Initialization,
+    State::Ready,
+    State::Failed,
+    State::Terminated,
+];
+const WRITABLE: &[State] = &[State::Instantiated, State::Initialization, State::Ready];
+
+impl Instance {
+    /// Sets Real variables.
+    #[inline]
+    pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Result<()> {
+        self.check("fmi2SetReal", WRITABLE, references.len(), values.len())?;
+        self.call("fmi2SetReal", |f, c| {
+            // SAFETY: `c` is alive; both arrays have that length.
+            unsafe { (f.set_real)(c, references.as_ptr(), references.len(), values.as_ptr()) }
+        })
+    }
+
+    /// Reads Real variables.
+    #[inline]
+    pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Result<()> {
+        self.check("fmi2GetReal", READABLE, references.len(), values.len())?;
+        self.call("fmi2GetReal", |f, c| {
+            // SAFETY: `c` is alive; both arrays have that length.
+            unsafe {
+                (f.get_real)(
+                    c,
+                    references.as_ptr(),
+                    references.len(),
+                    values.as_mut_ptr(),
+                )
+            }
+        })
+    }
+
+    /// Sets Integer and Enumeration variables.
+    pub fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Result<()> {
+        self.check("fmi2SetInteger", WRITABLE, references.len(), values.len())?;
+        self.call("fmi2SetInteger", |f, c| {
+            // SAFETY: `c` is alive; both arrays have that length.
+            unsafe { (f.set_integer)(c, references.as_ptr(), references.len(), values.as_ptr()) }
+        })
+    }
+
+    /// Reads Integer and Enumeration variables.
+    pub fn get_integer(&mut self, references: &[u32], values: &mut [i32]) -> Result<()> {
+        self.check("fmi2GetInteger", READABLE, references.len(), values.len())?;
+        self.call("fmi2GetInteger", |f, c| {
+            // SAFETY: `c` is alive; both arrays have that length.
+            unsafe {
+                (f.get_integer)(
+                    c,
+                    references.as_ptr(),
+                    references.len(),
+                    values.as_mut_ptr(),
+                )
+            }
+        })
+    }
+
+    /// Sets Boolean variables, as FMI has them: 0 or 1.
+    pub fn set_boolean(&mut self, references: &[u32], values: &[i32]) -> Result<()> {
+        self.check("fmi2SetBoolean", WRITABLE, references.len(), values.len())?;
+        self.call("fmi2SetBoolean", |f, c| {
+            // SAFETY: `c` is alive; both arrays have that length.
+            unsafe { (f.set_boolean)(c, references.as_ptr(), references.len(), values.as_ptr()) }
+        })
+    }
+
+    /// Reads Boolean variables, as FMI has them: 0 or 1.
+    pub fn get_boolean(&mut self, references: &[u32], values: &mut [i32]) -> Result<()> {
+        self.check("fmi2GetBoolean", READABLE, references.len(), values.len())?;
+        self.call("fmi2GetBoolean", |f, c| {
+            // SAFETY: `c` is alive; both arrays have that length.
+            unsafe {
+                (f.get_boolean)(
+                    c,
+                    references.as_ptr(),
+                    references.len(),
+                    values.as_mut_ptr(),
+                )
+            }
+        })
+    }
+
+    /// Sets one String variable.
+    pub fn set_string(&mut self, reference: u32, value: &str) -> Result<()> {
+        self.check("fmi2SetString", WRITABLE, 1, 1)?;
+        let text = CString::new(value).map_err(|e| {
+            Error::new(
+                Code::Parameter,
+                format!("a String of '{}' contains NUL", self.name),
+            )
+            .why(e)
+        })?;
+        let pointer: *const c_char = text.as_ptr();
+        self.call("fmi2SetString", |f, c| {
+            // SAFETY: `c` is alive; one reference and one C string that lives during the call.
+            unsafe { (f.set_string)(c, &reference, 1, &pointer) }
+        })
+    }
+
+    /// Sets a variable of any type; the value must be of that type.
+    pub fn set_value(&mut self, variable: &Variable, value: &Value) -> Result<()> {
+        let reference = [variable.value_reference];
+        let result = match (&variable.kind, value) {
+            (Kind::Real, Value::Real(value)) => self.set_real(&reference, &[*value]),
+            (Kind::Integer | Kind::Enumeration(_), Value::Integer(value)) => {
+                self.set_integer(&reference, &[*value])
+            }
+            (Kind::Boolean, Value::Boolean(value)) => {
+                self.set_boolean(&reference, &[i32::from(*value)])
+            }
+            (Kind::String, Value::String(value)) => self.set_string(reference[0], value),
+            (kind, value) => {
+                return Err(Error::new(
+                    Code::Parameter,
+                    format!("'{}.{}' = {value}", self.name, variable.name),
+                )
+                .why(format!("the variable is of the type {}", kind.name())));
+            }
+        };
+        result.map_err(|e| e.help(format!("the value was {} = {value}", variable.name)))
+    }
+
+    #[inline]
+    fn check(
+        &self,
+        function: &'static str,
+        allowed: &[State],
+        references: usize,
+        values: usize,
+    ) -> Result<()> {
+        if references != values {
+            let what = format!("{function}: {references} references, {values} values");
+            return Err(Error::new(Code::Fmu, what));
+        }
+        self.require(function, allowed)
+    }
+}

@@ -1,0 +1,99 @@
+//! The shared library of an FMU as a table of typed functions (FMI 2.0.5, 2.1 and 4.2).
+
+use std::ffi::{c_char, c_int, c_void};
+use std::path::Path;
+
+use libloading::Library;
+
+use super::callbacks::{Callbacks, text};
+use super::status::RawStatus;
+use crate::error::{Code, Error, Result};
+
+pub(super) type Component = *mut c_void;
+pub(super) type Bool = c_int;
+pub(super) type FmuState = *mut c_void;
+
+macro_rules! functions {
+    ($($field:ident = $symbol:literal : fn($($argument:ty),*) $(-> $result:ty)?;)*) => {
+        /// The functions of FMI 2.0 for co-simulation that a master calls.
+        pub(super) struct Functions {
+            $(pub $field: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
+            /// Keeps the code mapped; the pointers above are into it.
+            _library: Library,
+        }
+
+        impl Functions {
+            fn resolve(library: Library, fmu: &Path) -> Result<Self> {
+                $(
+                    // SAFETY: FMI 2.0 fixes the type of the function of that name.
+                    let $field = *unsafe {
+                        library.get::<unsafe extern "C" fn($($argument),*) $(-> $result)?>($symbol)
+                    }
+                    .map_err(|e| {
+                        Error::new(Code::Library, format!("the library lacks {}", $symbol))
+                            .at(fmu)
+                            .why(e)
+                            .help("the FMU was exported for model exchange only, or is damaged")
+                    })?;
+                )*
+                Ok(Self { $($field,)* _library: library })
+            }
+        }
+    };
+}
+
+functions! {
+    get_version = "fmi2GetVersion": fn() -> *const c_char;
+    instantiate = "fmi2Instantiate": fn(
+        *const c_char, c_int, *const c_char, *const c_char, *const Callbacks, Bool, Bool
+    ) -> Component;
+    free_instance = "fmi2FreeInstance": fn(Component);
+    setup_experiment = "fmi2SetupExperiment": fn(Component, Bool, f64, f64, Bool, f64) -> RawStatus;
+    enter_initialization = "fmi2EnterInitializationMode": fn(Component) -> RawStatus;
+    exit_initialization = "fmi2ExitInitializationMode": fn(Component) -> RawStatus;
+    terminate = "fmi2Terminate": fn(Component) -> RawStatus;
+    get_real = "fmi2GetReal": fn(Component, *const u32, usize, *mut f64) -> RawStatus;
+    get_integer = "fmi2GetInteger": fn(Component, *const u32, usize, *mut c_int) -> RawStatus;
+    get_boolean = "fmi2GetBoolean": fn(Component, *const u32, usize, *mut Bool) -> RawStatus;
+    set_real = "fmi2SetReal": fn(Component, *const u32, usize, *const f64) -> RawStatus;
+    set_integer = "fmi2SetInteger": fn(Component, *const u32, usize, *const c_int) -> RawStatus;
+    set_boolean = "fmi2SetBoolean": fn(Component, *const u32, usize, *const Bool) -> RawStatus;
+    set_string = "fmi2SetString": fn(Component, *const u32, usize, *const *const c_char) -> RawStatus;
+    do_step = "fmi2DoStep": fn(Component, f64, f64, Bool) -> RawStatus;
+    get_state = "fmi2GetFMUstate": fn(Component, *mut FmuState) -> RawStatus;
+    set_state = "fmi2SetFMUstate": fn(Component, FmuState) -> RawStatus;
+    free_state = "fmi2FreeFMUstate": fn(Component, *mut FmuState) -> RawStatus;
+}
+
+/// Loads the library at `path`, which belongs to the FMU `fmu`.
+pub(super) fn load(path: &Path, fmu: &Path) -> Result<Functions> {
+    // SAFETY: loading runs the library's constructors: whoever runs an FMU trusts its code.
+    let library = unsafe { Library::new(path) }.map_err(|e| {
+        Error::new(Code::Library, "the library of the FMU cannot be loaded")
+            .at(fmu)
+            .why(e)
+            .help("it may be built for a newer system: look for GLIBC in the reason")
+    })?;
+    let functions = Functions::resolve(library, fmu)?;
+    // SAFETY: the function takes nothing and returns NULL or a C string that is never freed.
+    let version = unsafe { text((functions.get_version)()) };
+    if version == "2.0" {
+        return Ok(functions);
+    }
+    Err(
+        Error::new(Code::Library, "the library of the FMU is not of FMI 2.0")
+            .at(fmu)
+            .why(format!("fmi2GetVersion returned '{version}'")),
+    )
+}
+
+/// Places of the library in the unpacked FMU, newest convention last (FMI 2.0.4, 2.3).
+pub(super) fn folders() -> &'static [&'static str] {
+    if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+        &["linux64", "x86_64-linux"]
+    } else if cfg!(all(target_os = "linux", target_arch = "aarch64")) {
+        &["aarch64-linux"]
+    } else {
+        &[]
+    }
+}

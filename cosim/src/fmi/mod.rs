@@ -1,0 +1,17 @@
+//! Import of FMI 2.0 co-simulation FMUs: archive, description, library, instances.
+//!
+//! [`Fmu::open`] gives one shared value per file and process; [`Instance`] is the safe handle of
+//! one `fmi2Component`. All `unsafe` of this crate is in `library`, `callbacks` and `instance`.
+
+pub mod archive;
+mod callbacks;
+pub mod description;
+mod fmu;
+mod instance;
+mod library;
+mod log;
+mod status;
+
+pub use description::{Causality, Description, Kind, Value, Variability, Variable};
+pub use fmu::Fmu;
+pub use instance::{Instance, State};

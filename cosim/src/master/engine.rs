@@ -1,0 +1,157 @@
+//! The scheduler. Nothing here allocates, hashes or compares text while stepping.
+
+use super::plan::{Node, Plan, Route};
+use super::slave::Slave;
+use crate::error::Result;
+use crate::time::Time;
+
+pub(super) struct Engine {
+    plan: Plan,
+    slaves: Vec<Box<dyn Slave>>,
+    values: Vec<f64>,
+    inputs: Vec<f64>,
+    /// When each component's present step ends.
+    ends: Vec<Time>,
+    start: Time,
+    steps: u64,
+    warnings: Vec<String>,
+}
+
+impl Engine {
+    pub(super) fn new(plan: Plan, slaves: Vec<Box<dyn Slave>>, start: Time) -> Self {
+        Self {
+            values: vec![0.0; plan.values],
+            inputs: vec![0.0; plan.inputs],
+            ends: plan.nodes.iter().map(|node| start + node.step).collect(),
+            plan,
+            slaves,
+            start,
+            steps: 0,
+            warnings: Vec::new(),
+        }
+    }
+
+    pub(super) fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    pub(super) fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// Initializes all components with values that agree along all connections.
+    pub(super) fn initialize(&mut self, stop: Time) -> Result<()> {
+        for &c in &self.plan.sequence {
+            self.slaves[c].enter_initialization(self.start, stop)?;
+        }
+        self.get_all()?;
+        self.settle()?;
+        for &c in &self.plan.sequence {
+            self.slaves[c].exit_initialization()?;
+        }
+        self.get_all()?;
+        for node in &self.plan.nodes {
+            copy(&node.held, &self.values, &mut self.inputs);
+        }
+        Ok(())
+    }
+
+    /// Passes values on until none changes in any bit.
+    fn settle(&mut self) -> Result<()> {
+        let mut before = vec![0; self.values.len()];
+        for _ in 0..=self.plan.nodes.len() {
+            before
+                .iter_mut()
+                .zip(&self.values)
+                .for_each(|(b, v)| *b = v.to_bits());
+            for &c in &self.plan.sequence {
+                let node = &self.plan.nodes[c];
+                copy(&node.held, &self.values, &mut self.inputs);
+                copy(&node.fresh, &self.values, &mut self.inputs);
+                exchange(node, &mut *self.slaves[c], &self.inputs, &mut self.values)?;
+            }
+            if before
+                .iter()
+                .zip(&self.values)
+                .all(|(b, v)| *b == v.to_bits())
+            {
+                return Ok(());
+            }
+        }
+        self.warnings.push(
+            "the initial values still changed after the last pass: an algebraic loop does not \
+             settle; the run begins with the values of that pass"
+                .to_owned(),
+        );
+        Ok(())
+    }
+
+    fn get_all(&mut self) -> Result<()> {
+        for &c in &self.plan.sequence {
+            let node = &self.plan.nodes[c];
+            self.slaves[c].get(&mut self.values[node.output_slots.clone()])?;
+        }
+        Ok(())
+    }
+
+    /// Makes every step that ends at or before `limit`.
+    pub(super) fn run_until(&mut self, limit: Time) -> Result<()> {
+        while let Some(now) = self.ends.iter().min().copied().filter(|&now| now <= limit) {
+            self.instant(now)?;
+        }
+        Ok(())
+    }
+
+    fn instant(&mut self, now: Time) -> Result<()> {
+        for &c in &self.plan.sequence {
+            if self.ends[c] != now {
+                continue;
+            }
+            let node = &self.plan.nodes[c];
+            let slave = &mut *self.slaves[c];
+            copy(&node.fresh, &self.values, &mut self.inputs);
+            if !node.input_slots.is_empty() {
+                slave.set(&self.inputs[node.input_slots.clone()])?;
+            }
+            slave.step(now - node.step, node.step)?;
+            if !node.output_slots.is_empty() {
+                slave.get(&mut self.values[node.output_slots.clone()])?;
+            }
+            self.steps += 1;
+        }
+        for (node, end) in self.plan.nodes.iter().zip(&mut self.ends) {
+            if *end == now {
+                copy(&node.held, &self.values, &mut self.inputs);
+                *end = now + node.step;
+            }
+        }
+        Ok(())
+    }
+
+    /// The recorded values of the present instant.
+    pub(super) fn sample(&mut self, row: &mut [f64]) -> Result<()> {
+        for (node, slave) in self.plan.nodes.iter().zip(&mut self.slaves) {
+            if !node.recorded.is_empty() {
+                slave.read(&mut self.values[node.recorded_slots.clone()])?;
+            }
+        }
+        for (value, &slot) in row.iter_mut().zip(&self.plan.columns) {
+            *value = self.values[slot];
+        }
+        Ok(())
+    }
+}
+
+#[inline]
+fn copy(routes: &[Route], values: &[f64], inputs: &mut [f64]) {
+    for route in routes {
+        inputs[route.to] = values[route.from];
+    }
+}
+
+fn exchange(node: &Node, slave: &mut dyn Slave, inputs: &[f64], values: &mut [f64]) -> Result<()> {
+    if !node.input_slots.is_empty() {
+        slave.set(&inputs[node.input_slots.clone()])?;
+    }
+    slave.get(&mut values[node.output_slots.clone()])
+}

@@ -1,0 +1,116 @@
+//! The master: one scheduler for all algorithms.
+//!
+//! A run is a sequence of instants, those at which some component's step ends. At each instant:
+//!
+//! 1. every component whose step ends there, in the order of the system, gets its *fresh* inputs
+//!    (values of this instant), does its whole step, and its outputs become visible;
+//! 2. every such component begins its next step: its *held* inputs are taken from the values of
+//!    this instant and stay until its step ends.
+//!
+//! An algorithm is only data for this: the order, and which connections are fresh. Jacobi: none;
+//! Gauss-Seidel: those to inputs with direct feed-through (see `system::order`).
+//!
+//! Initialization: in initialization mode values are passed on in the same order, again and again
+//! until none changes, at most as often as there are components (plus one).
+
+mod engine;
+mod fmu_slave;
+mod plan;
+mod signal_slave;
+mod slave;
+
+pub use slave::Slave;
+
+use crate::error::Result;
+use crate::observe::{Observer, RunInfo};
+use crate::system::{Model, System};
+use crate::time::Time;
+use engine::Engine;
+use fmu_slave::FmuSlave;
+use plan::Plan;
+use signal_slave::SignalSlave;
+
+/// What a run did.
+#[derive(Debug, Clone, Default)]
+pub struct Summary {
+    /// Steps of all components together.
+    pub steps: u64,
+    /// Simulated seconds.
+    pub simulated: f64,
+    /// What is odd but did not end the run.
+    pub warnings: Vec<String>,
+}
+
+impl System {
+    /// Runs from start to stop. Observers keep what they got when the run fails.
+    pub fn run(&self, observers: &mut [&mut dyn Observer]) -> Result<Summary> {
+        let info = RunInfo {
+            name: self.name(),
+            columns: self.columns(),
+            start: self.start_time(),
+            stop: self.stop_time(),
+            output_interval: self.output_interval(),
+        };
+        let mut engine = self.engine()?;
+        let run = (|| {
+            for observer in observers.iter_mut() {
+                observer.start(&info)?;
+            }
+            self.drive(&mut engine, observers)
+        })();
+        let mut finished = Ok(());
+        for observer in observers.iter_mut() {
+            finished = finished.and(observer.finish());
+        }
+        // The reason why a run ended comes before what happened while closing files.
+        run?;
+        finished?;
+        Ok(Summary {
+            steps: engine.steps(),
+            simulated: (self.stop_time() - self.start_time()).seconds(),
+            warnings: engine.warnings().to_vec(),
+        })
+    }
+
+    fn engine(&self) -> Result<Engine> {
+        let plan = Plan::new(self);
+        let mut slaves: Vec<Box<dyn Slave>> = Vec::with_capacity(plan.nodes.len());
+        for (component, node) in self.components().iter().zip(&plan.nodes) {
+            slaves.push(match &component.model {
+                Model::Fmu(fmu) => {
+                    Box::new(FmuSlave::new(component, fmu, node, self.debug_logging())?)
+                }
+                Model::Signals(signals) => Box::new(SignalSlave::new(signals, node)),
+            });
+        }
+        Ok(Engine::new(plan, slaves, self.start_time()))
+    }
+
+    fn drive(&self, engine: &mut Engine, observers: &mut [&mut dyn Observer]) -> Result<()> {
+        engine.initialize(self.stop_time())?;
+        let mut row = vec![0.0; self.columns().len()];
+        let mut output = self.start_time();
+        loop {
+            engine.run_until(output)?;
+            engine.sample(&mut row)?;
+            for observer in observers.iter_mut() {
+                observer.sample(output, &row)?;
+            }
+            let next = output + self.output_interval();
+            if next > self.stop_time() {
+                break;
+            }
+            output = next;
+        }
+        self.rest(engine, output)
+    }
+
+    /// The part after the last output instant, when the interval does not divide the run.
+    fn rest(&self, engine: &mut Engine, output: Time) -> Result<()> {
+        if output < self.stop_time() {
+            engine.run_until(self.stop_time())
+        } else {
+            Ok(())
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! A system laid out for stepping: who exchanges which values through which slots.
+//!
+//! All values live in two flat arrays. `values` holds, component by component, the connected
+//! outputs and the variables that are only recorded; `inputs` holds the connected inputs. A
+//! route copies one slot of `values` to one of `inputs`. Nothing is looked up while running.
+
+use std::ops::Range;
+
+use super::fmu_slave::rank;
+use crate::system::{Model, Port, System};
+use crate::time::Time;
+
+/// Copies one value.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Route {
+    /// Slot in `values`.
+    pub from: usize,
+    /// Slot in `inputs`.
+    pub to: usize,
+}
+
+/// A component's part of the plan.
+#[derive(Debug)]
+pub(super) struct Node {
+    pub step: Time,
+    /// Positions of the variables, Reals first (`fmu_slave::rank`).
+    pub inputs: Vec<usize>,
+    pub outputs: Vec<usize>,
+    pub recorded: Vec<usize>,
+    /// Where they are in the arrays.
+    pub input_slots: Range<usize>,
+    pub output_slots: Range<usize>,
+    pub recorded_slots: Range<usize>,
+    /// Inputs that hold the value of the beginning of the step.
+    pub held: Vec<Route>,
+    /// Inputs that get the value of the end of the step.
+    pub fresh: Vec<Route>,
+}
+
+/// The layout of a system.
+#[derive(Debug)]
+pub(super) struct Plan {
+    pub nodes: Vec<Node>,
+    /// Positions of nodes in stepping order.
+    pub sequence: Vec<usize>,
+    pub values: usize,
+    pub inputs: usize,
+    /// Slot of each recorded column.
+    pub columns: Vec<usize>,
+}
+
+impl Plan {
+    pub(super) fn new(system: &System) -> Self {
+        let mut plan = Plan {
+            nodes: Vec::new(),
+            sequence: system.order().sequence.clone(),
+            values: 0,
+            inputs: 0,
+            columns: Vec::new(),
+        };
+        for component in 0..system.components().len() {
+            plan.add(system, component);
+        }
+        for (connection, &fresh) in system.connections().iter().zip(&system.order().fresh) {
+            let from = plan.value_slot(connection.from);
+            let node = &plan.nodes[connection.to.component];
+            let to = slot(&node.inputs, &node.input_slots, connection.to.variable);
+            if let (Some(from), Some(to)) = (from, to) {
+                let node = &mut plan.nodes[connection.to.component];
+                let routes = if fresh {
+                    &mut node.fresh
+                } else {
+                    &mut node.held
+                };
+                routes.push(Route { from, to });
+            }
+        }
+        plan.columns = system
+            .columns()
+            .iter()
+            .filter_map(|column| plan.value_slot(column.port))
+            .collect();
+        plan
+    }
+
+    fn add(&mut self, system: &System, component: usize) {
+        let connections = system.connections().iter();
+        let outputs = connections.clone().map(|c| c.from);
+        let outputs = self.own(system, component, outputs);
+        let inputs = self.own(system, component, connections.map(|c| c.to));
+        let recorded = system.columns().iter().map(|c| c.port);
+        let mut recorded = self.own(system, component, recorded);
+        recorded.retain(|variable| !outputs.contains(variable));
+        let take = |next: &mut usize, count: usize| {
+            *next += count;
+            *next - count..*next
+        };
+        self.nodes.push(Node {
+            step: system.components()[component].step,
+            input_slots: take(&mut self.inputs, inputs.len()),
+            output_slots: take(&mut self.values, outputs.len()),
+            recorded_slots: take(&mut self.values, recorded.len()),
+            inputs,
+            outputs,
+            recorded,
+            held: Vec::new(),
+            fresh: Vec::new(),
+        });
+    }
+
+    /// The variables of one component among `ports`, each once, sorted by type and position.
+    fn own(
+        &self,
+        system: &System,
+        component: usize,
+        ports: impl Iterator<Item = Port>,
+    ) -> Vec<usize> {
+        let rank_of = |variable: usize| match &system.components()[component].model {
+            Model::Fmu(fmu) => rank(&fmu.description().variables[variable].kind),
+            Model::Signals(_) => 0,
+        };
+        let mut own: Vec<usize> = ports
+            .filter(|p| p.component == component)
+            .map(|p| p.variable)
+            .collect();
+        own.sort_by_key(|&variable| (rank_of(variable), variable));
+        own.dedup();
+        own
+    }
+
+    fn value_slot(&self, port: Port) -> Option<usize> {
+        let node = &self.nodes[port.component];
+        slot(&node.outputs, &node.output_slots, port.variable)
+            .or_else(|| slot(&node.recorded, &node.recorded_slots, port.variable))
+    }
+}
+
+fn slot(variables: &[usize], slots: &Range<usize>, variable: usize) -> Option<usize> {
+    variables
+        .iter()
+        .position(|&v| v == variable)
+        .map(|offset| slots.start + offset)
+}

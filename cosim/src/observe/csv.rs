@@ -1,0 +1,111 @@
+//! Results as CSV in the format of FMPy: a header, first column `time`, comma, LF.
+//!
+//! Numbers are the shortest that read back to the same bits.
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use super::{Observer, RunInfo};
+use crate::error::{Code, Error, Result};
+use crate::fmi::Kind;
+use crate::time::Time;
+
+/// Writes results while they come.
+pub struct CsvRecorder<W: Write = BufWriter<File>> {
+    target: PathBuf,
+    output: W,
+    /// Per column: a Real; other types are written as whole numbers.
+    real: Vec<bool>,
+}
+
+impl CsvRecorder {
+    /// Creates `file`, and replaces it if it exists.
+    pub fn create(file: impl AsRef<Path>) -> Result<Self> {
+        let target = file.as_ref().to_owned();
+        let output = File::create(&target).map_err(|e| not_written(&target, &e))?;
+        Ok(Self {
+            target,
+            output: BufWriter::with_capacity(1 << 16, output),
+            real: Vec::new(),
+        })
+    }
+}
+
+impl<W: Write> CsvRecorder<W> {
+    /// Writes to `output`; `name` is what it is called in errors.
+    pub fn new(output: W, name: impl Into<PathBuf>) -> Self {
+        Self {
+            target: name.into(),
+            output,
+            real: Vec::new(),
+        }
+    }
+
+    /// Writes one line.
+    pub(super) fn row(&mut self, time: f64, values: &[f64]) -> Result<()> {
+        self.line(time, values)
+            .map_err(|e| not_written(&self.target, &e))
+    }
+
+    fn line(&mut self, time: f64, values: &[f64]) -> std::io::Result<()> {
+        // {:?} is the shortest text that reads back to the same f64, with exponents.
+        write!(self.output, "{time:?}")?;
+        for (value, &real) in values.iter().zip(&self.real) {
+            match real {
+                true => write!(self.output, ",{value:?}")?,
+                false => write!(self.output, ",{value}")?,
+            }
+        }
+        self.output.write_all(b"\n")
+    }
+
+    /// Writes the header; `real` tells the columns that are Reals.
+    pub(super) fn header<'a>(
+        &mut self,
+        names: impl Iterator<Item = &'a str>,
+        real: Vec<bool>,
+    ) -> Result<()> {
+        self.real = real;
+        let mut text = String::from("time");
+        for name in names {
+            text.push(',');
+            text.push_str(&quoted(name));
+        }
+        text.push('\n');
+        self.output
+            .write_all(text.as_bytes())
+            .map_err(|e| not_written(&self.target, &e))
+    }
+}
+
+impl<W: Write> Observer for CsvRecorder<W> {
+    fn start(&mut self, info: &RunInfo<'_>) -> Result<()> {
+        let real = info.columns.iter().map(|c| c.kind == Kind::Real).collect();
+        self.header(info.columns.iter().map(|c| c.name.as_str()), real)
+    }
+
+    fn sample(&mut self, time: Time, values: &[f64]) -> Result<()> {
+        self.row(time.seconds(), values)
+    }
+
+    fn finish(&mut self) -> Result<()> {
+        self.output
+            .flush()
+            .map_err(|e| not_written(&self.target, &e))
+    }
+}
+
+/// Quoted only where it must be: FMPy's reader knows no quotes.
+fn quoted(name: &str) -> String {
+    match name.contains([',', '"', '\n']) {
+        true => format!("\"{}\"", name.replace('"', "\"\"")),
+        false => name.to_owned(),
+    }
+}
+
+fn not_written(target: &Path, error: &std::io::Error) -> Error {
+    Error::new(Code::Output, "the results cannot be written")
+        .at(target)
+        .why(error)
+}

@@ -1,0 +1,119 @@
+//! Reading results and input signals: CSV with a header and the time in the first column.
+
+use std::path::Path;
+
+use super::Recording;
+use crate::error::{Code, Error, Result};
+
+/// Reads `file`.
+pub(super) fn read(file: &Path) -> Result<Recording> {
+    let text = std::fs::read_to_string(file).map_err(|e| {
+        Error::new(Code::File, "the results cannot be read")
+            .at(file)
+            .why(e)
+    })?;
+    parse(&text, file)
+}
+
+fn parse(text: &str, file: &Path) -> Result<Recording> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut lines = text
+        .lines()
+        .enumerate()
+        .filter(|(_, line)| !line.trim().is_empty());
+    let wrong = |line: usize, what: String| Error::new(Code::Results, what).at_line(file, line + 1);
+    let (_, header) = lines
+        .next()
+        .ok_or_else(|| wrong(0, "the file is empty".to_owned()))?;
+    let mut names = split(header);
+    if names.first().is_none_or(|first| first != "time") {
+        return Err(wrong(
+            0,
+            format!("the first column is '{}'", names.first().map_or("", |n| n)),
+        )
+        .why("results begin with a header line whose first name is: time"));
+    }
+    names.remove(0);
+    let mut time = Vec::new();
+    let mut columns = vec![Vec::new(); names.len()];
+    for (number, line) in lines {
+        let mut fields = line.split(',');
+        let mut next = |name: &str| {
+            let field = fields.next().ok_or_else(|| {
+                wrong(number, format!("the line ends before the column '{name}'"))
+                    .why("the file may have been cut: the run was killed while writing")
+            })?;
+            number_of(field.trim())
+                .ok_or_else(|| wrong(number, format!("'{field}' in '{name}' is no number")))
+        };
+        time.push(next("time")?);
+        for (column, name) in columns.iter_mut().zip(&names) {
+            column.push(next(name)?);
+        }
+        if fields.next().is_some() {
+            return Err(wrong(
+                number,
+                "the line has more fields than the header".to_owned(),
+            ));
+        }
+    }
+    Ok(Recording::from_columns(names, time, columns))
+}
+
+fn number_of(field: &str) -> Option<f64> {
+    match field {
+        "true" | "True" => Some(1.0),
+        "false" | "False" => Some(0.0),
+        _ => field.parse().ok(),
+    }
+}
+
+/// The names of a header; quotes keep commas together, two of them inside mean one.
+fn split(line: &str) -> Vec<String> {
+    let mut fields = vec![String::new()];
+    let mut quoted = false;
+    let mut characters = line.chars().peekable();
+    while let Some(c) = characters.next() {
+        match c {
+            '"' if quoted && characters.peek() == Some(&'"') => {
+                characters.next();
+                fields.last_mut().map(|f| f.push('"')).unwrap_or_default();
+            }
+            '"' => quoted = !quoted,
+            ',' if !quoted => fields.push(String::new()),
+            _ => fields.last_mut().map(|f| f.push(c)).unwrap_or_default(),
+        }
+    }
+    fields.iter().map(|f| f.trim().to_owned()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_fmpy_and_people_write() {
+        let file = Path::new("x.csv");
+        let read = parse("time,\"a[1,2]\",b\r\n0.0,1,True\n1e-3, 2.5,0\n\n", file).unwrap();
+        assert_eq!(read.time(), [0.0, 0.001]);
+        assert_eq!(read.column("a[1,2]").unwrap(), [1.0, 2.5]);
+        assert_eq!(read.column("b").unwrap(), [1.0, 0.0]);
+    }
+
+    #[test]
+    fn errors_name_the_line() {
+        for (text, place) in [
+            ("", ":1"),
+            ("t,a\n", ":1"),
+            ("time,a\n0,1\n0.1", ":3"),
+            ("time,a\n0,x", ":2"),
+            ("time,a\n0,1,2", ":2"),
+        ] {
+            let error = parse(text, Path::new("x.csv")).err().map(|e| e.to_string());
+            assert!(
+                error.as_ref().is_some_and(|e| e.contains(place)),
+                "{text}: {error:?}"
+            );
+        }
+    }
+}

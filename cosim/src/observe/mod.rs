@@ -1,0 +1,40 @@
+//! What watches a run: recorders and progress. Observers read; nothing they do changes values.
+
+mod csv;
+mod csv_read;
+mod progress;
+mod recording;
+
+pub use csv::CsvRecorder;
+pub use progress::Progress;
+pub use recording::Recording;
+
+use crate::error::Result;
+use crate::system::Column;
+use crate::time::Time;
+
+/// What a run is about to do.
+pub struct RunInfo<'a> {
+    /// Name of the system.
+    pub name: &'a str,
+    /// What is recorded, in this order.
+    pub columns: &'a [Column],
+    /// First instant.
+    pub start: Time,
+    /// Last instant.
+    pub stop: Time,
+    /// Time between samples.
+    pub output_interval: Time,
+}
+
+/// Watches a run. Calls come in the order start, sample ..., finish; an error ends the run.
+pub trait Observer {
+    /// Before the first sample.
+    fn start(&mut self, info: &RunInfo<'_>) -> Result<()>;
+
+    /// The recorded values at an output instant; Integers and Booleans (0, 1) as numbers.
+    fn sample(&mut self, time: Time, values: &[f64]) -> Result<()>;
+
+    /// After the last sample, also when the run failed.
+    fn finish(&mut self) -> Result<()>;
+}

@@ -1,0 +1,142 @@
+//! Results in memory, column by column.
+
+use std::path::Path;
+
+use super::csv_read;
+use super::{CsvRecorder, Observer, RunInfo};
+use crate::error::{Code, Error, Result};
+use crate::fmi::Kind;
+use crate::names;
+use crate::time::Time;
+
+/// Recorded results: the time and one column per variable.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Recording {
+    names: Vec<String>,
+    real: Vec<bool>,
+    time: Vec<f64>,
+    columns: Vec<Vec<f64>>,
+}
+
+impl Recording {
+    /// Nothing recorded yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// From columns that are there already, all of the length of `time`.
+    pub fn from_columns(names: Vec<String>, time: Vec<f64>, columns: Vec<Vec<f64>>) -> Self {
+        Self {
+            real: vec![true; names.len()],
+            names,
+            time,
+            columns,
+        }
+    }
+
+    /// Reads a CSV file with the time in its first column.
+    pub fn read_csv(file: impl AsRef<Path>) -> Result<Self> {
+        csv_read::read(file.as_ref())
+    }
+
+    /// Names of the columns, without `time`.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// The output instants in seconds.
+    pub fn time(&self) -> &[f64] {
+        &self.time
+    }
+
+    /// A column by its name.
+    pub fn column(&self, name: &str) -> Result<&[f64]> {
+        let position = self.names.iter().position(|n| n == name).ok_or_else(|| {
+            Error::new(Code::UnknownName, format!("'{name}' was not recorded")).maybe_help(
+                names::did_you_mean(name, self.names.iter().map(String::as_str)),
+            )
+        })?;
+        Ok(&self.columns[position])
+    }
+
+    /// All columns with their names.
+    pub fn columns(&self) -> impl Iterator<Item = (&str, &[f64])> {
+        self.names
+            .iter()
+            .map(String::as_str)
+            .zip(self.columns.iter().map(Vec::as_slice))
+    }
+
+    /// Writes CSV in the format of FMPy.
+    pub fn write_csv(&self, file: impl AsRef<Path>) -> Result<()> {
+        let mut csv = CsvRecorder::create(file)?;
+        csv.header(self.names.iter().map(String::as_str), self.real.clone())?;
+        let mut row = vec![0.0; self.columns.len()];
+        for (sample, &time) in self.time.iter().enumerate() {
+            for (value, column) in row.iter_mut().zip(&self.columns) {
+                *value = column[sample];
+            }
+            csv.row(time, &row)?;
+        }
+        csv.finish()
+    }
+}
+
+impl Observer for Recording {
+    fn start(&mut self, info: &RunInfo<'_>) -> Result<()> {
+        let span = (info.stop - info.start).nanoseconds();
+        // A hint only: a wrong guess costs a reallocation, a run of a year no memory at once.
+        let samples = (span / info.output_interval.nanoseconds().max(1) + 1).clamp(0, 1 << 20);
+        self.names = info.columns.iter().map(|c| c.name.clone()).collect();
+        self.real = info.columns.iter().map(|c| c.kind == Kind::Real).collect();
+        self.time = Vec::with_capacity(samples as usize);
+        self.columns = info
+            .columns
+            .iter()
+            .map(|_| Vec::with_capacity(samples as usize))
+            .collect();
+        Ok(())
+    }
+
+    fn sample(&mut self, time: Time, values: &[f64]) -> Result<()> {
+        self.time.push(time.seconds());
+        for (column, &value) in self.columns.iter_mut().zip(values) {
+            column.push(value);
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<()> {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn csv_keeps_every_bit() {
+        let values = vec![0.1 + 0.2, 1e-320, -0.0, f64::MAX];
+        let time = vec![0.0, 1e-9, 0.1, 3e8];
+        let recording = Recording::from_columns(vec!["a".into()], time, vec![values]);
+        let file = tempfile::NamedTempFile::new().unwrap();
+        recording.write_csv(file.path()).unwrap();
+        let read = Recording::read_csv(file.path()).unwrap();
+        let bits = |r: &Recording| r.columns[0].iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&read), bits(&recording));
+        assert_eq!(read.time, recording.time);
+    }
+
+    #[test]
+    fn an_unknown_column_names_the_nearest() {
+        let recording = Recording::from_columns(vec!["pose.x".into()], vec![], vec![vec![]]);
+        assert!(
+            recording
+                .column("pose.xx")
+                .unwrap_err()
+                .to_string()
+                .contains("'pose.x'")
+        );
+    }
+}

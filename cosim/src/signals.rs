@@ -1,0 +1,106 @@
+//! Signals given in advance: what drives inputs of an FMU that no other component drives.
+
+use crate::error::{Code, Error, Result};
+use crate::fmi::Kind;
+use crate::time::Time;
+
+/// Signals over a common time.
+pub struct Signals {
+    time: Vec<f64>,
+    names: Vec<String>,
+    signals: Vec<Signal>,
+}
+
+/// One signal.
+pub struct Signal {
+    /// Name.
+    pub name: String,
+    /// Type.
+    pub kind: Kind,
+    /// Linear between samples; otherwise held.
+    pub continuous: bool,
+    /// One value per instant.
+    pub values: Vec<f64>,
+}
+
+impl Signals {
+    /// Signals over `time`, which must not decrease.
+    pub fn new(time: &[f64], signals: Vec<Signal>) -> Result<Self> {
+        let wrong = |what: String| Err(Error::new(Code::Results, what));
+        if time.is_empty() {
+            return wrong("the signals have no samples".to_owned());
+        }
+        if let Some(late) = time.windows(2).position(|w| w[1] < w[0] || w[1].is_nan()) {
+            return wrong(format!("the time decreases at sample {}", late + 2));
+        }
+        if let Some(short) = signals.iter().find(|s| s.values.len() != time.len()) {
+            return wrong(format!(
+                "'{}' has another number of samples than time",
+                short.name
+            ));
+        }
+        let names = signals.iter().map(|s| s.name.clone()).collect();
+        Ok(Self {
+            time: time.to_vec(),
+            names,
+            signals,
+        })
+    }
+
+    /// Names, in the order of the variables.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Type of a signal.
+    pub fn kind(&self, signal: usize) -> &Kind {
+        &self.signals[signal].kind
+    }
+
+    /// Values of `wanted` at `time`: the first before the first sample, the last after the last.
+    /// At an instant that occurs twice (a jump) the later value counts.
+    pub fn values_at(&self, time: Time, wanted: &[usize], values: &mut [f64]) {
+        let t = time.seconds();
+        let after = self.time.partition_point(|&sample| sample <= t);
+        for (value, &wanted) in values.iter_mut().zip(wanted) {
+            let signal = &self.signals[wanted];
+            let samples = &signal.values;
+            *value = if after == 0 {
+                samples[0]
+            } else if after == samples.len() || !signal.continuous {
+                samples[after - 1]
+            } else {
+                let (t0, t1) = (self.time[after - 1], self.time[after]);
+                let share = (t - t0) / (t1 - t0);
+                samples[after - 1] + share * (samples[after] - samples[after - 1])
+            };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn between_and_outside_of_samples() {
+        let of = |continuous| Signal {
+            name: "u".into(),
+            kind: Kind::Real,
+            continuous,
+            values: vec![0.0, 2.0, 5.0, 6.0],
+        };
+        let signals = Signals::new(&[0.0, 1.0, 1.0, 2.0], vec![of(true), of(false)]).unwrap();
+        let at = |seconds| {
+            let mut values = [0.0; 2];
+            let time = Time::from_seconds(seconds, "t").unwrap();
+            signals.values_at(time, &[0, 1], &mut values);
+            values
+        };
+        assert_eq!(at(-1.0), [0.0, 0.0]);
+        assert_eq!(at(0.5), [1.0, 0.0]);
+        assert_eq!(at(1.0), [5.0, 5.0]);
+        assert_eq!(at(9.0), [6.0, 6.0]);
+        assert!(Signals::new(&[1.0, 0.0], vec![]).is_err());
+    }
+}

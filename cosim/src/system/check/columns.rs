@@ -1,0 +1,79 @@
+//! Which variables are recorded.
+
+use super::Names;
+use crate::error::{Code, Error, Result};
+use crate::fmi::{Causality, Kind};
+use crate::names;
+use crate::system::Column;
+
+/// Columns for the patterns, in their order; without patterns all outputs.
+pub(in crate::system) fn columns(names: &Names, patterns: &[String]) -> Result<Vec<Column>> {
+    let mut columns: Vec<Column> = Vec::new();
+    let mut add = |name: String, port, kind: &Kind| {
+        if !columns.iter().any(|c: &Column| c.port == port) {
+            columns.push(Column {
+                name,
+                port,
+                kind: kind.clone(),
+            });
+        }
+    };
+    if patterns.is_empty() {
+        for (name, port, variable) in names.all() {
+            if variable.causality == Causality::Output && variable.kind != Kind::String {
+                add(name, port, &variable.kind);
+            }
+        }
+    }
+    let mut problems = Vec::new();
+    for pattern in patterns {
+        let result = match names::is_pattern(pattern) {
+            true => by_pattern(names, pattern, &mut add),
+            false => by_name(names, pattern, &mut add),
+        };
+        problems.extend(result.err());
+    }
+    Error::all(problems)?;
+    Ok(columns)
+}
+
+fn by_name(
+    names: &Names,
+    name: &str,
+    add: &mut impl FnMut(String, crate::system::Port, &Kind),
+) -> Result<()> {
+    let Some((port, variable)) = names.find(name)? else {
+        return Ok(());
+    };
+    if variable.kind == Kind::String {
+        return Err(
+            Error::new(Code::UnknownName, format!("'{name}' cannot be recorded"))
+                .why("it is a String, and results are numbers"),
+        );
+    }
+    add(name.to_owned(), port, &variable.kind);
+    Ok(())
+}
+
+fn by_pattern(
+    names: &Names,
+    pattern: &str,
+    add: &mut impl FnMut(String, crate::system::Port, &Kind),
+) -> Result<()> {
+    let mut found = false;
+    for (name, port, variable) in names.all() {
+        if variable.kind != Kind::String && names::matches(pattern, &name) {
+            add(name, port, &variable.kind);
+            found = true;
+        }
+    }
+    if found || names.incomplete() {
+        return Ok(());
+    }
+    Err(Error::new(
+        Code::UnknownName,
+        format!("the pattern '{pattern}' matches no variable"),
+    )
+    .why("* stands for any text, ? for one character")
+    .help("list the variables by: cosim info FILE"))
+}

@@ -1,0 +1,205 @@
+//! Components: their names, FMUs and listed connectors.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::Findings;
+use crate::error::{Code, Error, Result};
+use crate::fmi::{Causality, Fmu, Kind, Variable};
+use crate::names;
+use crate::system::Overrides;
+use crate::system::raw::{RawComponent, RawConnector, RawSystem};
+
+/// A component whose FMU was looked for.
+pub(super) struct Opened {
+    pub name: String,
+    /// `None` when it could not be opened; that is noted, and what depends on it is skipped.
+    pub fmu: Option<Arc<Fmu>>,
+    /// The FMU is not the file's, so its connectors and parameters may be others.
+    pub replaced: bool,
+}
+
+pub(super) fn open(raw: &RawSystem, overrides: &Overrides, findings: &mut Findings) -> Vec<Opened> {
+    let known = || raw.components.iter().map(|c| c.name.as_str());
+    for (name, _) in &overrides.replacements {
+        if !known().any(|n| n == name) {
+            findings
+                .problems
+                .push(unknown_component(name, known()).at(&raw.file));
+        }
+    }
+    if raw.components.is_empty() {
+        findings.problems.push(
+            Error::new(Code::Ssd, "the system has no components")
+                .at(&raw.file)
+                .help("add <ssd:Component name=\"...\" source=\"....fmu\"/> to <ssd:Elements>"),
+        );
+    }
+    let mut opened: Vec<Opened> = Vec::new();
+    for component in &raw.components {
+        if opened.iter().any(|o| o.name == component.name) {
+            let what = format!("two components are named '{}'", component.name);
+            findings
+                .problems
+                .push(Error::new(Code::Ssd, what).at_line(&raw.file, component.line));
+        }
+        opened.push(open_one(raw, component, overrides, findings));
+    }
+    once_per_process(&opened, findings);
+    opened
+}
+
+fn open_one(
+    raw: &RawSystem,
+    component: &RawComponent,
+    overrides: &Overrides,
+    findings: &mut Findings,
+) -> Opened {
+    let replacement: Option<&PathBuf> = overrides
+        .replacements
+        .iter()
+        .rev()
+        .find(|(name, _)| *name == component.name)
+        .map(|(_, path)| path);
+    let path = replacement.unwrap_or(&component.source);
+    let fmu = Fmu::open(path).and_then(|fmu| {
+        fmu.co_simulation()?;
+        Ok(fmu)
+    });
+    let fmu = findings.note(fmu.map_err(|e| match replacement {
+        Some(_) => e,
+        None => named_in(e, raw, component),
+    }));
+    if let (Some(fmu), None) = (&fmu, replacement) {
+        for connector in &component.connectors {
+            let checked = check_connector(raw, component, connector, fmu);
+            findings.note(checked);
+        }
+    }
+    if let Some(tool) = fmu
+        .as_ref()
+        .filter(|f| f.co_simulation().is_ok_and(|c| c.needs_execution_tool))
+    {
+        findings.warnings.push(format!(
+            "'{}' needs its tool installed ({})",
+            component.name,
+            tool.description().generation_tool
+        ));
+    }
+    Opened {
+        name: component.name.clone(),
+        fmu,
+        replaced: replacement.is_some(),
+    }
+}
+
+fn named_in(error: Error, raw: &RawSystem, component: &RawComponent) -> Error {
+    if error.code() != Code::File {
+        return error;
+    }
+    let what = format!("the FMU of '{}' cannot be opened", component.name);
+    Error::new(Code::File, what)
+        .at_line(&raw.file, component.line)
+        .why(format!(
+            "there is no readable file {}",
+            component.source.display()
+        ))
+        .help("build or copy it there, or correct the source; it is relative to the system's file")
+}
+
+fn check_connector(
+    raw: &RawSystem,
+    component: &RawComponent,
+    connector: &RawConnector,
+    fmu: &Fmu,
+) -> Result<()> {
+    let variable = variable(&component.name, fmu, &connector.name)
+        .map_err(|e| e.at_line(&raw.file, connector.line))?;
+    let wrong =
+        |what: String| Error::new(Code::Connection, what).at_line(&raw.file, connector.line);
+    let causality = match variable.causality {
+        Causality::Parameter => "parameter",
+        Causality::CalculatedParameter => "calculatedParameter",
+        Causality::Input => "input",
+        Causality::Output => "output",
+        // SSP 2.0 has `local`; SSP 1.0 has no kind for these.
+        Causality::Local | Causality::Independent => "local",
+    };
+    if connector.kind != causality {
+        let (name, kind) = (&connector.name, &connector.kind);
+        return Err(wrong(format!(
+            "'{}.{name}' is listed as kind=\"{kind}\"",
+            component.name
+        ))
+        .why(format!(
+            "in the FMU it is of the causality {}",
+            variable.causality.name()
+        ))
+        .help(format!("write kind=\"{causality}\"")));
+    }
+    match &connector.kind_of_value {
+        Some(kind) if !same_kind(kind, &variable.kind) => {
+            let name = &connector.name;
+            Err(wrong(format!(
+                "'{}.{name}' is listed as <ssc:{kind}/>",
+                component.name
+            ))
+            .why(format!(
+                "in the FMU it is of the type {}",
+                variable.kind.name()
+            ))
+            .help(format!("write <ssc:{}/>", variable.kind.name())))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Whether a type named in SSP can stand for a variable's.
+pub(super) fn same_kind(named: &str, kind: &Kind) -> bool {
+    named == kind.name() || (named == "Integer" && matches!(kind, Kind::Enumeration(_)))
+}
+
+fn once_per_process(opened: &[Opened], findings: &mut Findings) {
+    for (position, component) in opened.iter().enumerate() {
+        let Some(fmu) = &component.fmu else { continue };
+        let once = fmu.co_simulation().is_ok_and(|c| c.once_per_process);
+        let twin = opened[..position]
+            .iter()
+            .find(|o| o.fmu.as_ref().is_some_and(|other| Arc::ptr_eq(other, fmu)));
+        if let (true, Some(twin)) = (once, twin) {
+            let what = format!("'{}' and '{}' share one FMU", twin.name, component.name);
+            findings
+                .problems
+                .push(Error::new(Code::Ssd, what).at(fmu.path()).why(
+                "it declares canBeInstantiatedOnlyOncePerProcess: only one component may use it",
+            ));
+        }
+    }
+}
+
+/// A variable of a component, or the error that names the nearest.
+pub(super) fn variable<'f>(component: &str, fmu: &'f Fmu, name: &str) -> Result<&'f Variable> {
+    fmu.description().variable(name).ok_or_else(|| {
+        Error::new(
+            Code::UnknownName,
+            format!("'{component}' has no variable '{name}'"),
+        )
+        .at(fmu.path())
+        .help(
+            names::did_you_mean(name, fmu.description().names())
+                .unwrap_or_else(|| "list its variables by: cosim info FILE.fmu".to_owned()),
+        )
+    })
+}
+
+/// The error for a component that does not exist.
+pub(super) fn unknown_component<'a>(
+    name: &str,
+    known: impl Iterator<Item = &'a str> + Clone,
+) -> Error {
+    let list: Vec<&str> = known.clone().collect();
+    Error::new(Code::UnknownName, format!("there is no component '{name}'")).help(
+        names::did_you_mean(name, known)
+            .unwrap_or_else(|| format!("the components are: {}", list.join(", "))),
+    )
+}

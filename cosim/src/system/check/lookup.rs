@@ -1,0 +1,116 @@
+//! Full names of variables, `component.variable`, to ports.
+
+use std::sync::Arc;
+
+use super::components::{Opened, unknown_component, variable};
+use crate::error::{Code, Error, Result};
+use crate::fmi::{Fmu, Variable};
+use crate::names;
+use crate::system::Port;
+
+/// The names of a system's variables.
+pub(in crate::system) struct Names {
+    targets: Vec<Target>,
+    /// A component could not be opened, so a name may be right and still not be found.
+    incomplete: bool,
+}
+
+struct Target {
+    /// What the names of its variables begin with: `component.`, or nothing for a single FMU.
+    prefix: String,
+    component: usize,
+    fmu: Option<Arc<Fmu>>,
+}
+
+impl Names {
+    pub(super) fn of(opened: &[Opened]) -> Self {
+        let targets = opened.iter().enumerate().map(|(component, opened)| Target {
+            prefix: format!("{}.", opened.name),
+            component,
+            fmu: opened.fmu.clone(),
+        });
+        Self {
+            targets: targets.collect(),
+            incomplete: opened.iter().any(|o| o.fmu.is_none()),
+        }
+    }
+
+    /// Names of one FMU without a prefix.
+    pub(in crate::system) fn single(fmu: &Arc<Fmu>) -> Self {
+        let target = Target {
+            prefix: String::new(),
+            component: 0,
+            fmu: Some(fmu.clone()),
+        };
+        Self {
+            targets: vec![target],
+            incomplete: false,
+        }
+    }
+
+    /// A port and its variable by the full name; `None` when its component could not be opened.
+    pub(in crate::system) fn find(&self, name: &str) -> Result<Option<(Port, &Variable)>> {
+        // Names of components may contain dots: the longest that fits is meant.
+        let target = self
+            .targets
+            .iter()
+            .filter(|t| name.starts_with(&t.prefix))
+            .max_by_key(|t| t.prefix.len());
+        let Some(target) = target else {
+            return Err(self.unknown(name));
+        };
+        let Some(fmu) = &target.fmu else {
+            return Ok(None);
+        };
+        let rest = &name[target.prefix.len()..];
+        let owner = match target.prefix.trim_end_matches('.') {
+            "" => &fmu.description().model_name,
+            component => component,
+        };
+        let found = variable(owner, fmu, rest)?;
+        let position = fmu.description().position(rest).unwrap_or_default();
+        Ok(Some((
+            Port {
+                component: target.component,
+                variable: position,
+            },
+            found,
+        )))
+    }
+
+    fn unknown(&self, name: &str) -> Error {
+        let components = self.targets.iter().map(|t| t.prefix.trim_end_matches('.'));
+        match name.split_once('.') {
+            Some((component, _)) => unknown_component(component, components)
+                .why(format!("'{name}' is read as component.variable")),
+            None => Error::new(Code::UnknownName, format!("'{name}' is no variable"))
+                .why("in a system a variable is named component.variable")
+                .maybe_help(names::did_you_mean(name, components)),
+        }
+    }
+
+    /// Every variable with its full name, component by component.
+    pub(in crate::system) fn all(&self) -> impl Iterator<Item = (String, Port, &Variable)> {
+        self.targets.iter().flat_map(|target| {
+            let variables = target
+                .fmu
+                .iter()
+                .flat_map(|fmu| &fmu.description().variables);
+            variables.enumerate().map(|(position, variable)| {
+                let port = Port {
+                    component: target.component,
+                    variable: position,
+                };
+                (
+                    format!("{}{}", target.prefix, variable.name),
+                    port,
+                    variable,
+                )
+            })
+        })
+    }
+
+    pub(in crate::system) fn incomplete(&self) -> bool {
+        self.incomplete
+    }
+}

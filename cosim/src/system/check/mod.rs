@@ -1,0 +1,114 @@
+//! The one check from raw structures to a [`System`]; every problem found is reported.
+
+mod columns;
+mod components;
+mod connections;
+mod lookup;
+mod parameters;
+mod timing;
+
+use std::sync::Arc;
+
+use super::order::{Loop, Order};
+use super::raw::RawSystem;
+use super::{Component, Model, Overrides, System};
+use crate::error::{Error, Result};
+
+pub(super) use columns::columns;
+pub(super) use lookup::Names;
+pub(super) use parameters::start_value;
+pub(super) use timing::check_span;
+
+/// What is being collected while checking.
+struct Findings {
+    problems: Vec<Error>,
+    warnings: Vec<String>,
+}
+
+impl Findings {
+    /// The value, or `None` with the problem noted.
+    fn note<T>(&mut self, result: Result<T>) -> Option<T> {
+        result.map_err(|problem| self.problems.push(problem)).ok()
+    }
+}
+
+/// Applies the overrides and checks everything.
+pub(super) fn check(raw: Arc<RawSystem>, overrides: &Overrides) -> Result<System> {
+    let mut findings = Findings {
+        problems: Vec::new(),
+        warnings: raw.warnings.clone(),
+    };
+    let opened = components::open(&raw, overrides, &mut findings);
+    let connections = connections::check(&raw, &opened, &mut findings);
+    let names = Names::of(&opened);
+    let start_values = parameters::check(&raw, overrides, &opened, &names, &mut findings);
+    let timing = timing::check(&raw, overrides, &opened, &mut findings);
+    let columns = findings.note(columns(&names, &overrides.output_variables));
+    Error::all(findings.problems)?;
+    let (Some(timing), Some(columns)) = (timing, columns) else {
+        return Err(Error::new(crate::Code::Ssd, "the system is not valid").at(&raw.file));
+    };
+    let components: Vec<Component> = opened
+        .into_iter()
+        .zip(timing.steps)
+        .zip(start_values)
+        .filter_map(|((opened, step), start_values)| {
+            let model = Model::Fmu(opened.fmu?);
+            Some(Component {
+                name: opened.name,
+                model,
+                step,
+                start_values,
+            })
+        })
+        .collect();
+    let algorithm = overrides
+        .algorithm
+        .or(raw.master.algorithm)
+        .unwrap_or_default();
+    let mut system = System {
+        name: raw.name.clone(),
+        raw: Some(raw),
+        order: Order::new(algorithm, &components, &connections),
+        components,
+        connections,
+        columns,
+        start: timing.start,
+        stop: timing.stop,
+        output_interval: timing.output_interval,
+        algorithm,
+        debug_logging: overrides.debug_logging,
+        warnings: findings.warnings,
+    };
+    let loops: Vec<String> = system
+        .order
+        .loops
+        .iter()
+        .map(|l| told(&system, l))
+        .collect();
+    system.warnings.extend(loops);
+    Ok(system)
+}
+
+/// An algebraic loop in words.
+fn told(system: &System, found: &Loop) -> String {
+    let members: Vec<&str> = found
+        .members
+        .iter()
+        .map(|&m| system.components[m].name.as_str())
+        .collect();
+    let held: Vec<String> = found
+        .held
+        .iter()
+        .map(|&c| {
+            let connection = &system.connections[c];
+            let (from, to) = (connection.from, connection.to);
+            format!("{} -> {}", system.port_name(from), system.port_name(to))
+        })
+        .collect();
+    format!(
+        "algebraic loop through {}: one step of delay on {}",
+        members.join(", "),
+        held.join(", ")
+    )
+}

@@ -1,0 +1,212 @@
+//! Systems: components, connections, start values and timing, checked once and then immutable.
+//!
+//! A file becomes `raw` structures, [`Overrides`] come on top, and one check (`check`) turns both
+//! into a [`System`] or reports every problem found.
+
+mod check;
+mod order;
+mod overrides;
+mod raw;
+mod read;
+mod single;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::error::Result;
+use crate::fmi::{Fmu, Kind, Value};
+use crate::signals::Signals;
+use crate::time::Time;
+
+pub use order::{Loop, Order};
+pub use overrides::Overrides;
+
+/// A checked system.
+pub struct System {
+    raw: Option<Arc<raw::RawSystem>>,
+    name: String,
+    components: Vec<Component>,
+    connections: Vec<Connection>,
+    order: Order,
+    columns: Vec<Column>,
+    start: Time,
+    stop: Time,
+    output_interval: Time,
+    algorithm: Algorithm,
+    debug_logging: bool,
+    warnings: Vec<String>,
+}
+
+/// Who gets which values when; see the module `master`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Algorithm {
+    /// Every input holds the value of the beginning of the step: one step of delay per connection.
+    Jacobi,
+    /// Inputs with direct feed-through get the value of the end of the step.
+    #[default]
+    GaussSeidel,
+}
+
+/// A component of a system.
+pub struct Component {
+    /// Name in the system.
+    pub name: String,
+    /// What computes it.
+    pub model: Model,
+    /// Communication step.
+    pub step: Time,
+    /// Start values: positions of variables and their values.
+    pub start_values: Vec<(usize, Value)>,
+}
+
+/// What computes a component.
+#[derive(Clone)]
+pub enum Model {
+    /// An FMU.
+    Fmu(Arc<Fmu>),
+    /// Recorded or prepared signals.
+    Signals(Arc<Signals>),
+}
+
+/// A variable of a component: positions in their lists.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Port {
+    /// Position of the component.
+    pub component: usize,
+    /// Position of the variable in the component's description.
+    pub variable: usize,
+}
+
+/// An output that drives an input.
+#[derive(Debug, Clone, Copy)]
+pub struct Connection {
+    /// The output.
+    pub from: Port,
+    /// The input.
+    pub to: Port,
+}
+
+/// A recorded variable.
+#[derive(Debug, Clone)]
+pub struct Column {
+    /// Name in the results.
+    pub name: String,
+    /// The variable.
+    pub port: Port,
+    /// Its type.
+    pub kind: Kind,
+}
+
+impl System {
+    /// Reads and checks a system description (.ssd) or package (.ssp).
+    pub fn load(file: impl AsRef<Path>, overrides: &Overrides) -> Result<Self> {
+        let raw = read::read(file.as_ref())?;
+        check::check(Arc::new(raw), overrides)
+    }
+
+    /// The same file with other overrides: FMUs in use are shared, nothing is read again.
+    pub fn with(&self, overrides: &Overrides) -> Result<Self> {
+        match &self.raw {
+            Some(raw) => check::check(raw.clone(), overrides),
+            None => Err(crate::Error::new(
+                crate::Code::Usage,
+                format!("'{}' does not come from a system description", self.name),
+            )),
+        }
+    }
+
+    /// Name of the system.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Components in the order of the file.
+    pub fn components(&self) -> &[Component] {
+        &self.components
+    }
+
+    /// Connections in the order of the file.
+    pub fn connections(&self) -> &[Connection] {
+        &self.connections
+    }
+
+    /// Who steps before whom.
+    pub fn order(&self) -> &Order {
+        &self.order
+    }
+
+    /// Recorded variables.
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+
+    /// First instant.
+    pub fn start_time(&self) -> Time {
+        self.start
+    }
+
+    /// Last instant.
+    pub fn stop_time(&self) -> Time {
+        self.stop
+    }
+
+    /// Time between recorded samples.
+    pub fn output_interval(&self) -> Time {
+        self.output_interval
+    }
+
+    /// The algorithm.
+    pub fn algorithm(&self) -> Algorithm {
+        self.algorithm
+    }
+
+    /// Whether the FMUs are asked for debug messages.
+    pub fn debug_logging(&self) -> bool {
+        self.debug_logging
+    }
+
+    /// What is odd but not wrong.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// `component.variable` of a port.
+    pub fn port_name(&self, port: Port) -> String {
+        let component = &self.components[port.component];
+        format!(
+            "{}.{}",
+            component.name,
+            component.model.variable_name(port.variable)
+        )
+    }
+}
+
+impl Model {
+    /// Name of a variable.
+    pub fn variable_name(&self, variable: usize) -> &str {
+        match self {
+            Model::Fmu(fmu) => &fmu.description().variables[variable].name,
+            Model::Signals(signals) => &signals.names()[variable],
+        }
+    }
+
+    /// Whether some output depends on that input without delay.
+    pub fn feeds_through(&self, variable: usize) -> bool {
+        match self {
+            Model::Fmu(fmu) => fmu.description().feeds_through(variable),
+            Model::Signals(_) => false,
+        }
+    }
+}
+
+impl std::str::FromStr for Algorithm {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "jacobi" => Ok(Algorithm::Jacobi),
+            "gauss-seidel" => Ok(Algorithm::GaussSeidel),
+            _ => Err(format!("'{text}' is neither jacobi nor gauss-seidel")),
+        }
+    }
+}

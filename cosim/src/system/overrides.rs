@@ -1,0 +1,108 @@
+//! What a run changes of its system description.
+
+use std::fmt::Display;
+use std::path::PathBuf;
+
+use super::Algorithm;
+
+/// Changes to a system description, from the command line or from code.
+///
+/// ```
+/// let overrides = cosim::Overrides::new()
+///     .start_value("gps.seed", 7)
+///     .replace("estimator", "other.fmu")
+///     .stop_time(300.0);
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct Overrides {
+    pub(super) start_values: Vec<(String, String)>,
+    pub(super) replacements: Vec<(String, PathBuf)>,
+    pub(super) steps: Vec<(String, f64)>,
+    pub(super) algorithm: Option<Algorithm>,
+    pub(super) start_time: Option<f64>,
+    pub(super) stop_time: Option<f64>,
+    pub(super) output_interval: Option<f64>,
+    pub(super) output_variables: Vec<String>,
+    pub(super) debug_logging: bool,
+}
+
+impl Overrides {
+    /// No changes.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Gives `component.variable` a start value; the text is parsed by the variable's type.
+    #[must_use]
+    pub fn start_value(mut self, variable: impl Into<String>, value: impl Display) -> Self {
+        self.start_values.push((variable.into(), value.to_string()));
+        self
+    }
+
+    /// Puts another FMU in the place of a component's.
+    #[must_use]
+    pub fn replace(mut self, component: impl Into<String>, fmu: impl Into<PathBuf>) -> Self {
+        self.replacements.push((component.into(), fmu.into()));
+        self
+    }
+
+    /// The communication step of a component in seconds.
+    #[must_use]
+    pub fn step(mut self, component: impl Into<String>, seconds: f64) -> Self {
+        self.steps.push((component.into(), seconds));
+        self
+    }
+
+    /// The algorithm.
+    #[must_use]
+    pub fn algorithm(mut self, algorithm: Algorithm) -> Self {
+        self.algorithm = Some(algorithm);
+        self
+    }
+
+    /// The first instant in seconds.
+    #[must_use]
+    pub fn start_time(mut self, seconds: f64) -> Self {
+        self.start_time = Some(seconds);
+        self
+    }
+
+    /// The last instant in seconds.
+    #[must_use]
+    pub fn stop_time(mut self, seconds: f64) -> Self {
+        self.stop_time = Some(seconds);
+        self
+    }
+
+    /// Time between recorded samples in seconds.
+    #[must_use]
+    pub fn output_interval(mut self, seconds: f64) -> Self {
+        self.output_interval = Some(seconds);
+        self
+    }
+
+    /// Records this variable, or those that the pattern (`*`, `?`) matches.
+    #[must_use]
+    pub fn output_variable(mut self, pattern: impl Into<String>) -> Self {
+        self.output_variables.push(pattern.into());
+        self
+    }
+
+    /// Records all of these.
+    #[must_use]
+    pub fn output_variables<T: Into<String>>(
+        mut self,
+        patterns: impl IntoIterator<Item = T>,
+    ) -> Self {
+        self.output_variables
+            .extend(patterns.into_iter().map(Into::into));
+        self
+    }
+
+    /// Asks the FMUs for debug messages; they show in the error when one fails.
+    #[must_use]
+    pub fn debug_logging(mut self, on: bool) -> Self {
+        self.debug_logging = on;
+        self
+    }
+}

@@ -1,0 +1,151 @@
+//! One FMU as a system of its own, its inputs driven by signals of a file.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::check::{self, Names};
+use super::order::Order;
+use super::{Algorithm, Component, Connection, Model, Overrides, Port, System};
+use crate::error::{Code, Error, Result};
+use crate::fmi::{Causality, Description, Fmu, Kind, Value, Variability};
+use crate::names;
+use crate::observe::Recording;
+use crate::signals::{Signal, Signals};
+use crate::time::Time;
+
+/// Steps per run when neither the FMU nor the user says a step size.
+const DEFAULT_STEPS: f64 = 500.0;
+
+impl System {
+    /// A system of one FMU; its variables are named without a prefix. The columns of `inputs`
+    /// drive inputs of the same names.
+    pub fn single(fmu: &Path, overrides: &Overrides, inputs: Option<&Recording>) -> Result<Self> {
+        let fmu = Fmu::open(fmu)?;
+        fmu.co_simulation()?;
+        let names = Names::single(&fmu);
+        let description = fmu.description();
+        let (start, stop, step, output_interval) = timing(description, overrides)?;
+        let mut components = vec![Component {
+            name: description.model_name.clone(),
+            model: Model::Fmu(fmu.clone()),
+            step,
+            start_values: start_values(&names, overrides)?,
+        }];
+        let mut connections = Vec::new();
+        if let Some(recording) = inputs {
+            let signals = signals(description, recording)?;
+            connections = connect(description, &signals);
+            let model = Model::Signals(Arc::new(signals));
+            let name = "input file".to_owned();
+            components.push(Component {
+                name,
+                model,
+                step,
+                start_values: Vec::new(),
+            });
+        }
+        // Held: an input keeps the value of the beginning of the step, as fmusim and FMPy do it.
+        let algorithm = Algorithm::Jacobi;
+        Ok(System {
+            raw: None,
+            name: description.model_name.clone(),
+            order: Order::new(algorithm, &components, &connections),
+            components,
+            connections,
+            columns: check::columns(&names, &overrides.output_variables)?,
+            start,
+            stop,
+            output_interval,
+            algorithm,
+            debug_logging: overrides.debug_logging,
+            warnings: Vec::new(),
+        })
+    }
+}
+
+fn timing(description: &Description, overrides: &Overrides) -> Result<(Time, Time, Time, Time)> {
+    let default = description.experiment;
+    let start = overrides.start_time.or(default.start).unwrap_or(0.0);
+    let stop = overrides.stop_time.or(default.stop).unwrap_or(start + 1.0);
+    let step = overrides
+        .steps
+        .last()
+        .map(|(_, step)| *step)
+        .or(default.step);
+    let interval = overrides.output_interval;
+    let seconds = match (step, interval) {
+        // The FMU's own step is only a suggestion: a finer output makes finer steps.
+        (Some(step), Some(interval)) if overrides.steps.is_empty() => step.min(interval),
+        (step, interval) => step.or(interval).unwrap_or((stop - start) / DEFAULT_STEPS),
+    };
+    let step = Time::positive(seconds, "the step size")?;
+    let start = Time::from_seconds(start, "the start time")?;
+    let stop = Time::from_seconds(stop, "the stop time")?;
+    let output_interval = check::check_span(&[step], start, stop, interval)?;
+    Ok((start, stop, step, output_interval))
+}
+
+fn start_values(names: &Names, overrides: &Overrides) -> Result<Vec<(usize, Value)>> {
+    let mut values = Vec::new();
+    let mut problems = Vec::new();
+    for (name, text) in &overrides.start_values {
+        match check::start_value(names, name, text) {
+            Ok(found) => values.extend(found.map(|(port, value)| (port.variable, value))),
+            Err(problem) => problems.push(problem),
+        }
+    }
+    Error::all(problems)?;
+    Ok(values)
+}
+
+fn signals(description: &Description, recording: &Recording) -> Result<Signals> {
+    let mut signals = Vec::new();
+    let mut problems = Vec::new();
+    for (name, values) in recording.columns() {
+        let inputs = || {
+            description
+                .variables
+                .iter()
+                .filter(|v| v.causality == Causality::Input)
+        };
+        match inputs().find(|v| v.name == name) {
+            Some(input) if input.kind != Kind::String => signals.push(Signal {
+                name: name.to_owned(),
+                kind: input.kind.clone(),
+                continuous: input.variability == Variability::Continuous,
+                values: values.to_vec(),
+            }),
+            _ => problems.push(
+                Error::new(
+                    Code::UnknownName,
+                    format!("the input file's column '{name}'"),
+                )
+                .why(format!("'{}' has no such input", description.model_name))
+                .maybe_help(names::did_you_mean(name, inputs().map(|v| v.name.as_str()))),
+            ),
+        }
+    }
+    Error::all(problems)?;
+    Signals::new(recording.time(), signals)
+}
+
+fn connect(description: &Description, signals: &Signals) -> Vec<Connection> {
+    let ends = signals
+        .names()
+        .iter()
+        .map(|name| description.position(name));
+    ends.enumerate()
+        .filter_map(|(signal, input)| {
+            Some(Connection {
+                from: Port {
+                    component: 1,
+                    variable: signal,
+                },
+                to: Port {
+                    component: 0,
+                    variable: input?,
+                },
+            })
+        })
+        .collect()
+}

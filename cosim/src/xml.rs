@@ -1,0 +1,231 @@
+//! XML files as a small owned tree with line numbers.
+//!
+//! Both kinds of file read here (modelDescription.xml, SSP) are small enough for a tree, and a
+//! tree lets the readers be plain functions. Files come from strangers, so a DTD, entities other
+//! than the five predefined ones, great depth and great numbers are refused.
+
+use std::path::Path;
+
+use quick_xml::NsReader;
+use quick_xml::XmlVersion;
+use quick_xml::events::{BytesRef, BytesStart, Event};
+use quick_xml::name::ResolveResult;
+
+use crate::error::{Code, Error, Result};
+
+mod element;
+pub use element::{Attribute, Element};
+
+const MAX_BYTES: u64 = 256 << 20;
+const MAX_DEPTH: usize = 64;
+const MAX_ELEMENTS: usize = 2_000_000;
+const MAX_ATTRIBUTES: usize = 256;
+
+/// Reads and parses `file`; `shown` is its name in messages (a file in an archive is unpacked
+/// somewhere the user has never seen).
+pub fn read(file: &Path, shown: &Path) -> Result<Element> {
+    let unreadable = |e: std::io::Error| {
+        Error::new(Code::File, "the file cannot be read")
+            .at(shown)
+            .why(e)
+    };
+    let size = std::fs::metadata(file).map_err(unreadable)?.len();
+    if size > MAX_BYTES {
+        return Err(Error::new(Code::Xml, format!("the file has {size} bytes"))
+            .at(shown)
+            .why(format!("more than {MAX_BYTES} are refused")));
+    }
+    let bytes = std::fs::read(file).map_err(unreadable)?;
+    let text = String::from_utf8(bytes).map_err(|e| {
+        let line = 1 + e.as_bytes()[..e.utf8_error().valid_up_to()]
+            .iter()
+            .filter(|&&b| b == b'\n')
+            .count();
+        Error::new(Code::Xml, "the file is not UTF-8")
+            .at_line(shown, line)
+            .why(e.utf8_error())
+    })?;
+    parse(&text, shown)
+}
+
+/// Parses `text`; `file` is its name in messages.
+pub fn parse(text: &str, file: &Path) -> Result<Element> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    Parser {
+        file,
+        text,
+        counted_to: 0,
+        line: 1,
+        open: Vec::new(),
+        elements: 0,
+    }
+    .document()
+}
+
+struct Parser<'a> {
+    file: &'a Path,
+    text: &'a str,
+    /// Newlines before this byte are in `line`.
+    counted_to: usize,
+    line: usize,
+    /// The elements not yet closed, outermost first.
+    open: Vec<Element>,
+    elements: usize,
+}
+
+impl Parser<'_> {
+    fn document(mut self) -> Result<Element> {
+        let mut reader = NsReader::from_str(self.text);
+        let mut root = None;
+        loop {
+            // An event begins where the last one ended; text before a tag is its own event.
+            self.count_lines(reader.buffer_position() as usize);
+            let (namespace, event) = match reader.read_resolved_event() {
+                Ok(read) => read,
+                Err(e) => {
+                    let at = reader.error_position() as usize;
+                    self.count_lines(at);
+                    return Err(self.wrong("the XML is not well-formed").why(e));
+                }
+            };
+            let closed = match event {
+                Event::Start(tag) => {
+                    self.start(&namespace, &tag)?;
+                    None
+                }
+                Event::Empty(tag) => {
+                    self.start(&namespace, &tag)?;
+                    self.open.pop()
+                }
+                Event::End(_) => self.open.pop(),
+                Event::Text(text) => {
+                    self.text(&text.xml10_content())?;
+                    None
+                }
+                Event::CData(text) => {
+                    self.text(&text.xml10_content())?;
+                    None
+                }
+                Event::GeneralRef(reference) => {
+                    self.reference(&reference)?;
+                    None
+                }
+                Event::DocType(_) => {
+                    return Err(self
+                        .wrong("the file has a document type declaration (DTD)")
+                        .help("remove the <!DOCTYPE ...>: FMI and SSP files have none"));
+                }
+                Event::Comment(_) | Event::Decl(_) | Event::PI(_) => None,
+                Event::Eof => break,
+            };
+            if let Some(element) = closed {
+                match self.open.last_mut() {
+                    Some(parent) => parent.children.push(element),
+                    None if root.is_none() => root = Some(element),
+                    None => return Err(self.wrong("a second root element")),
+                }
+            }
+        }
+        if let Some(open) = self.open.pop() {
+            return Err(self.wrong(format!(
+                "<{}> of line {} is not closed",
+                open.name, open.line
+            )));
+        }
+        root.ok_or_else(|| self.wrong("the file has no element"))
+    }
+
+    fn start(&mut self, namespace: &ResolveResult<'_>, tag: &BytesStart<'_>) -> Result<()> {
+        self.elements += 1;
+        if self.open.len() >= MAX_DEPTH || self.elements > MAX_ELEMENTS {
+            return Err(self
+                .wrong("the XML is nested too deeply or has too many elements")
+                .why(format!(
+                    "the limits are {MAX_DEPTH} levels and {MAX_ELEMENTS} elements"
+                )));
+        }
+        let namespace = match namespace {
+            ResolveResult::Bound(bound) => bound.into_inner().to_owned(),
+            ResolveResult::Unbound => String::new(),
+            ResolveResult::Unknown(prefix) => {
+                return Err(self
+                    .wrong(format!("the prefix '{prefix}:' is not declared"))
+                    .help(format!("declare it by xmlns:{prefix}=\"...\"")));
+            }
+        };
+        let attributes = self.attributes(tag)?;
+        self.open.push(Element {
+            namespace,
+            name: tag.local_name().into_inner().to_owned(),
+            line: self.line,
+            attributes,
+            children: Vec::new(),
+            text: String::new(),
+        });
+        Ok(())
+    }
+
+    fn attributes(&self, tag: &BytesStart<'_>) -> Result<Vec<Attribute>> {
+        let mut attributes = Vec::new();
+        for attribute in tag.attributes() {
+            let attribute = attribute.map_err(|e| self.wrong("an attribute is wrong").why(e))?;
+            if attributes.len() == MAX_ATTRIBUTES {
+                return Err(self.wrong(format!("more than {MAX_ATTRIBUTES} attributes")));
+            }
+            let value = attribute
+                .normalized_value(XmlVersion::Explicit1_0)
+                .map_err(|e| self.wrong("an attribute's value is wrong").why(e))?;
+            let name = attribute.key.into_inner();
+            if name != "xmlns" && !name.starts_with("xmlns:") {
+                attributes.push(Attribute {
+                    name: name.to_owned(),
+                    value: value.into_owned(),
+                });
+            }
+        }
+        Ok(attributes)
+    }
+
+    fn text(&mut self, text: &str) -> Result<()> {
+        match self.open.last_mut() {
+            Some(element) => element.text.push_str(text),
+            None if text.trim().is_empty() => (),
+            None => return Err(self.wrong("text outside of the root element")),
+        }
+        Ok(())
+    }
+
+    fn reference(&mut self, reference: &BytesRef<'_>) -> Result<()> {
+        let character = reference
+            .resolve_char_ref()
+            .map_err(|e| self.wrong("a character reference is wrong").why(e))?;
+        if let Some(character) = character {
+            return self.text(character.encode_utf8(&mut [0; 4]));
+        }
+        match quick_xml::escape::resolve_predefined_entity(reference) {
+            Some(text) => self.text(text),
+            None => Err(self
+                .wrong(format!("the entity '&{};' is not expanded", &**reference))
+                .why("only &lt; &gt; &amp; &apos; &quot; and character references are")),
+        }
+    }
+
+    fn count_lines(&mut self, to: usize) {
+        let bytes = self.text.as_bytes();
+        let to = to.min(bytes.len());
+        if to > self.counted_to {
+            self.line += bytes[self.counted_to..to]
+                .iter()
+                .filter(|&&b| b == b'\n')
+                .count();
+            self.counted_to = to;
+        }
+    }
+
+    fn wrong(&self, what: impl Into<String>) -> Error {
+        Error::new(Code::Xml, what).at_line(self.file, self.line)
+    }
+}
+
+#[cfg(test)]
+mod tests;
