@@ -1,1 +1,65 @@
-//! Placeholder.
+//! The RexROV vehicle, its sensors, its state estimators and its guidance as FMI 2.0 components.
+//!
+//! One small file per component: it declares the variables as fields and maps them to the
+//! mathematics of the crate `rexrov`. One library serves all FMUs; the GUID chooses the component.
+//!
+//! World frame NED, body frame FRD (forward, starboard, down), SI units; array indices count from
+//! zero as the paper's thrusters do.
+
+#![forbid(unsafe_code)]
+#![deny(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing
+)]
+
+pub mod added_mass;
+pub mod coefficients;
+pub mod course;
+pub mod dvl;
+pub mod ekf_dynamic;
+pub mod ekf_kinematic;
+pub mod ekf_parameters;
+pub mod ekf_ports;
+pub mod gps;
+pub mod groups;
+pub mod imu;
+pub mod pressure;
+pub mod pure_pursuit;
+pub mod rexrov;
+pub mod sampled;
+pub mod velocity_controller;
+
+use fmu_kit::Info;
+use sampled::Sampled;
+
+/// What all components say alike.
+const fn info(name: &'static str, description: &'static str) -> Info {
+    Info {
+        author: "The RexROV FMI project contributors",
+        version: env!("CARGO_PKG_VERSION"),
+        license: "MIT OR Apache-2.0",
+        ..Info::new(name, description)
+    }
+}
+
+/// The same for a component that samples.
+const fn sampled_info(name: &'static str, description: &'static str) -> Info {
+    Info {
+        sampled: true,
+        ..info(name, description)
+    }
+}
+
+fmu_kit::export!(
+    rexrov::RexRov,
+    Sampled<imu::Imu>,
+    Sampled<dvl::Dvl>,
+    Sampled<gps::Gps>,
+    Sampled<pressure::PressureSensor>,
+    Sampled<ekf_dynamic::EkfDynamic>,
+    Sampled<ekf_kinematic::EkfKinematic>,
+    Sampled<pure_pursuit::PurePursuit>,
+    Sampled<velocity_controller::VelocityController>,
+);

@@ -1,0 +1,106 @@
+//! Components that do one thing at each sample instant and hold the result until the next.
+
+use fmu_kit::Variables;
+use fmu_kit::{Component, Fault, Info, NoStates, ParameterError, Ports, Resources, Sampler, Time};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+
+/// What a sampled component does; [`Sampled`] makes it a [`Component`].
+pub trait Sample: Sized + Send + 'static {
+    /// Name and description.
+    const INFO: Info;
+    /// Parameters.
+    type Parameters: Variables + Default;
+    /// Inputs.
+    type Inputs: Ports;
+    /// Outputs, held between the instants.
+    type Outputs: Ports + Serialize + DeserializeOwned;
+    /// Everything else that changes: random numbers, filter state.
+    type Memory: Clone + Default + Send + Serialize + DeserializeOwned + 'static;
+
+    /// See [`Component::preset`].
+    fn preset(selected: &Self::Parameters) -> Self::Parameters {
+        let _ = selected;
+        Self::Parameters::default()
+    }
+
+    /// Checks the parameters and derives constants from them.
+    fn new(parameters: &Self::Parameters, resources: &Resources) -> Result<Self, ParameterError>;
+
+    /// Time between two samples in seconds.
+    fn period_s(&self) -> f64;
+
+    /// The memory before the first sample.
+    fn memory(&self) -> Self::Memory;
+
+    /// One sample; `outputs` come with the values held so far.
+    fn sample(
+        &self,
+        now: Time,
+        memory: &mut Self::Memory,
+        inputs: &Self::Inputs,
+        outputs: &mut Self::Outputs,
+    ) -> Result<(), Fault>;
+}
+
+/// A component made of a [`Sample`].
+pub struct Sampled<S>(S);
+
+/// Sample instants, the outputs held, and what the component itself remembers.
+#[derive(Clone, Default, Serialize, Deserialize)]
+pub struct Held<M, Y> {
+    sampler: Sampler,
+    memory: M,
+    outputs: Y,
+}
+
+impl<S: Sample> Component for Sampled<S> {
+    const INFO: Info = S::INFO;
+    type Parameters = S::Parameters;
+    type Inputs = S::Inputs;
+    type Outputs = S::Outputs;
+    type States = NoStates;
+    type Memory = Held<S::Memory, S::Outputs>;
+
+    fn preset(selected: &S::Parameters) -> S::Parameters {
+        S::preset(selected)
+    }
+
+    fn new(parameters: &S::Parameters, resources: &Resources) -> Result<Self, ParameterError> {
+        S::new(parameters, resources).map(Self)
+    }
+
+    fn initial(&self, start: Time, inputs: &S::Inputs) -> Result<(NoStates, Self::Memory), Fault> {
+        let mut memory = self.0.memory();
+        let mut outputs = S::Outputs::default();
+        self.0.sample(start, &mut memory, inputs, &mut outputs)?;
+        let sampler = Sampler::new(start, self.0.period_s());
+        Ok((
+            (),
+            Held {
+                sampler,
+                memory,
+                outputs,
+            },
+        ))
+    }
+
+    fn outputs(&self, _: f64, held: &Self::Memory, _: &NoStates, _: &S::Inputs) -> S::Outputs {
+        held.outputs
+    }
+
+    fn next_event(&self, held: &Self::Memory) -> Option<Time> {
+        Some(held.sampler.next())
+    }
+
+    fn event(
+        &self,
+        now: Time,
+        held: &mut Self::Memory,
+        _: &mut NoStates,
+        inputs: &S::Inputs,
+    ) -> Result<(), Fault> {
+        held.sampler.advance();
+        self.0
+            .sample(now, &mut held.memory, inputs, &mut held.outputs)
+    }
+}
