@@ -1,4 +1,4 @@
-//! Reports: figures as SVG, pages as self-contained HTML, result files as CSV.
+//! Reports: figures as SVG, pages as self-contained HTML, and the report of recorded results.
 //!
 //! A report is plain data until the last step: a [`Figure`] of [`Panel`]s of [`Series`] becomes an
 //! SVG text by [`Figure::svg`]; a [`Page`] of paragraphs, tables and figures becomes one HTML file
@@ -10,12 +10,12 @@
 //! | where panels and legends lie | `layout` |
 //! | how a series is drawn | `draw` |
 //! | the look of the page | `page.html`, `page.css` |
-//! | what `cosim report` shows | `results`, `select` |
+//! | what `cosim report` shows | `results`, `grouping`, `select` |
 
-mod csv;
 mod decimate;
 mod draw;
 mod figure;
+mod grouping;
 mod layout;
 mod legend;
 mod page;
@@ -26,7 +26,6 @@ mod style;
 mod table;
 mod ticks;
 
-pub use csv::Results;
 pub use figure::{Axis, Figure, LegendPlace, Panel, Series, Shape};
 pub use layout::{Layout, Rect};
 pub use page::{Block, Page, Section};

@@ -1,16 +1,11 @@
 //! The generic report of a result file: one figure a component with a panel for each group of
 //! signals, after the figures that were asked for, and a table of ranges.
-//!
-//! `vehicle.pose.x` belongs to component `vehicle`, group `pose`; `plant.thruster[3].thrust` to
-//! group `thruster[].thrust`. Within a group, signals of like size share a panel.
 
 use super::figure::{Figure, LegendPlace, Panel, Series};
-use super::style::DISTINCT_SIGNALS;
-use super::{Block, Page, Plot, Results, Role, Section, Table, XyPlot, mean};
-use crate::{Error, Result};
+use super::grouping::{Component, Group, components};
+use super::{Block, Page, Plot, Role, Section, Table, XyPlot, mean};
+use crate::{Error, Recording, Result};
 
-/// Signals of one group share a panel while their sizes differ by less than this factor.
-const LIKE_SIZE: f64 = 20.0;
 const PANEL_HEIGHT: f64 = 130.0;
 
 /// What the report of a result file shows.
@@ -25,30 +20,30 @@ pub struct Options {
 }
 
 /// The report of a result file as one HTML page.
-pub fn html(results: &Results, options: &Options) -> Result<String> {
+pub fn html(recording: &Recording, options: &Options) -> Result<String> {
     let mut chosen = Section::new("Selected signals");
     for plot in &options.paths {
         chosen.blocks.push(Block::figure(
-            &path_figure(results, plot)?,
+            &path_figure(recording, plot)?,
             plot.title.as_str(),
         )?);
     }
     for plot in &options.plots {
         chosen.blocks.push(Block::figure(
-            &time_figure(results, plot)?,
+            &time_figure(recording, plot)?,
             plot.title.as_str(),
         )?);
     }
     let mut sections = Vec::new();
     if chosen.blocks.is_empty() {
-        for component in components(results) {
+        for component in components(recording) {
             let name = if component.name.is_empty() {
                 "Signals"
             } else {
                 &component.name
             };
             let mut section = Section::new(name);
-            let figure = component_figure(results, &component);
+            let figure = component_figure(recording, &component);
             section
                 .blocks
                 .push(Block::figure(&figure, format!("All signals of {name}."))?);
@@ -58,40 +53,40 @@ pub fn html(results: &Results, options: &Options) -> Result<String> {
         sections.push(chosen);
     }
     let mut ranges = Section::new("Ranges");
-    ranges.blocks.push(Block::Table(range_table(results)));
+    ranges.blocks.push(Block::Table(range_table(recording)));
     sections.push(ranges);
     let page = Page {
         title: options.title.clone(),
-        summary: vec![lead(results)],
+        summary: vec![lead(recording)],
         sections,
         ..Page::default()
     };
     page.html()
 }
 
-fn lead(results: &Results) -> String {
-    match (results.time.first(), results.time.last()) {
+fn lead(recording: &Recording) -> String {
+    match (recording.time().first(), recording.time().last()) {
         (Some(first), Some(last)) => format!(
             "{} signals at {} instants from {first} s to {last} s.",
-            results.names.len(),
-            results.time.len()
+            recording.names().len(),
+            recording.time().len()
         ),
-        _ => format!("{} signals, no instants.", results.names.len()),
+        _ => format!("{} signals, no instants.", recording.names().len()),
     }
 }
 
-fn over_time(results: &Results, values: &[f64]) -> Vec<(f64, f64)> {
-    results
-        .time
+fn over_time(recording: &Recording, values: &[f64]) -> Vec<(f64, f64)> {
+    recording
+        .time()
         .iter()
         .copied()
         .zip(values.iter().copied())
         .collect()
 }
 
-fn time_figure(results: &Results, plot: &Plot) -> Result<Figure> {
+fn time_figure(recording: &Recording, plot: &Plot) -> Result<Figure> {
     let line = |(i, name): (usize, &String)| {
-        let points = over_time(results, results.signal(name)?);
+        let points = over_time(recording, recording.column(name)?);
         Ok::<_, Error>(Series::line(name, Role::Signal(i), points))
     };
     let series = plot
@@ -104,9 +99,9 @@ fn time_figure(results: &Results, plot: &Plot) -> Result<Figure> {
     Ok(Figure::stacked(plot.title.as_str(), vec![panel]))
 }
 
-fn path_figure(results: &Results, plot: &XyPlot) -> Result<Figure> {
+fn path_figure(recording: &Recording, plot: &XyPlot) -> Result<Figure> {
     let line = |(i, (x, y)): (usize, &(String, String))| {
-        let (x_values, y_values) = (results.signal(x)?, results.signal(y)?);
+        let (x_values, y_values) = (recording.column(x)?, recording.column(y)?);
         let points = x_values
             .iter()
             .copied()
@@ -132,90 +127,10 @@ fn path_figure(results: &Results, plot: &XyPlot) -> Result<Figure> {
     ))
 }
 
-/// The signals of one component.
-struct Component {
-    name: String,
-    groups: Vec<Group>,
-}
-
-/// Signals of one prefix and of like size: (label, column).
-struct Group {
-    name: String,
-    size: f64,
-    signals: Vec<(String, usize)>,
-}
-
-fn components(results: &Results) -> Vec<Component> {
-    let mut components: Vec<Component> = Vec::new();
-    for (column, name) in results.names.iter().enumerate() {
-        let (component, rest) = name.split_once('.').unwrap_or(("", name));
-        let place = components
-            .iter()
-            .position(|c| c.name == component)
-            .unwrap_or_else(|| {
-                components.push(Component {
-                    name: component.into(),
-                    groups: Vec::new(),
-                });
-                components.len() - 1
-            });
-        components[place].add(rest, column, size(&results.columns[column]));
-    }
-    components
-}
-
-impl Component {
-    fn add(&mut self, signal: &str, column: usize, size: f64) {
-        let name = group_name(signal);
-        let fits = |g: &&mut Group| {
-            g.name == name && g.signals.len() < DISTINCT_SIGNALS && are_alike(g.size, size)
-        };
-        let entry = (signal.to_string(), column);
-        match self.groups.iter_mut().find(fits) {
-            Some(group) => {
-                group.size = group.size.max(size);
-                group.signals.push(entry);
-            }
-            None => self.groups.push(Group {
-                name,
-                size,
-                signals: vec![entry],
-            }),
-        }
-    }
-}
-
-/// The prefix without the last part; of an array its element's name with empty brackets.
-fn group_name(signal: &str) -> String {
-    match (signal.split_once('['), signal.rsplit_once('.')) {
-        (Some((array, rest)), _) => {
-            format!(
-                "{array}[]{}",
-                rest.split_once(']').map_or("", |(_, leaf)| leaf)
-            )
-        }
-        (None, Some((prefix, _))) => prefix.into(),
-        (None, None) => signal.into(),
-    }
-}
-
-/// Greatest finite magnitude.
-fn size(values: &[f64]) -> f64 {
-    values
-        .iter()
-        .filter(|v| v.is_finite())
-        .fold(0.0, |greatest, v| greatest.max(v.abs()))
-}
-
-fn are_alike(a: f64, b: f64) -> bool {
-    a == 0.0 || b == 0.0 || (a / b < LIKE_SIZE && b / a < LIKE_SIZE)
-}
-
-fn component_figure(results: &Results, component: &Component) -> Figure {
+fn component_figure(recording: &Recording, component: &Component) -> Figure {
     let panel = |group: &Group| {
-        let line = |(i, (label, column)): (usize, &(String, usize))| {
-            let points = over_time(results, &results.columns[*column]);
-            Series::line(label, Role::Signal(i), points)
+        let line = |(i, (label, values)): (usize, &(String, &[f64]))| {
+            Series::line(label, Role::Signal(i), over_time(recording, values))
         };
         let series = group.signals.iter().enumerate().map(line).collect();
         Panel::new("time (s)", &group.name, PANEL_HEIGHT, series)
@@ -227,7 +142,7 @@ fn component_figure(results: &Results, component: &Component) -> Figure {
     }
 }
 
-fn range_table(results: &Results) -> Table {
+fn range_table(recording: &Recording) -> Table {
     let header = [
         "signal",
         "first",
@@ -238,13 +153,13 @@ fn range_table(results: &Results) -> Table {
         "not finite",
     ];
     let mut table = Table::new("Signals", &header);
-    for (name, column) in results.names.iter().zip(&results.columns) {
+    for (name, column) in recording.columns() {
         let finite: Vec<f64> = column.iter().copied().filter(|v| v.is_finite()).collect();
         let least = finite.iter().copied().fold(f64::NAN, f64::min);
         let greatest = finite.iter().copied().fold(f64::NAN, f64::max);
         let end = |value: Option<&f64>| short(value.copied().unwrap_or(f64::NAN));
         table.push([
-            name.clone(),
+            name.to_string(),
             end(column.first()),
             end(column.last()),
             short(least),
@@ -278,50 +193,20 @@ fn short(value: f64) -> String {
 mod tests {
     use super::*;
 
-    fn sample() -> Results {
-        let names = ["a.pose.x", "a.pose.y", "a.pose.yaw", "a.thruster[0].thrust"];
-        let more = ["a.thruster[1].thrust", "b.depth", "alone"];
-        let names: Vec<String> = names
-            .iter()
-            .chain(&more)
-            .map(|n| (*n).to_string())
-            .collect();
-        let sizes = [60.0, 30.0, 0.5, 100.0, 90.0, f64::NAN, 1.0];
-        let columns = sizes.map(|s| vec![0.0, s]).to_vec();
-        Results {
-            names,
-            time: vec![0.0, 1.0],
-            columns,
-        }
-    }
-
-    #[test]
-    fn signals_are_grouped_by_component_prefix_and_size() {
-        let groups: Vec<(String, String, usize)> = components(&sample())
-            .iter()
-            .flat_map(|c| {
-                c.groups
-                    .iter()
-                    .map(|g| (c.name.clone(), g.name.clone(), g.signals.len()))
-            })
-            .collect();
-        let expected = [
-            ("a", "pose", 2),
-            ("a", "pose", 1),
-            ("a", "thruster[].thrust", 2),
-            ("b", "depth", 1),
-            ("", "alone", 1),
-        ];
-        assert_eq!(
-            groups,
-            expected.map(|(c, g, n)| (c.to_string(), g.to_string(), n))
-        );
+    fn sample() -> Recording {
+        let names = ["a.pose.x", "a.pose.yaw", "b.depth", "alone"]
+            .map(String::from)
+            .to_vec();
+        let columns = [60.0, 0.5, f64::NAN, 1.0]
+            .map(|last| vec![0.0, last])
+            .to_vec();
+        Recording::from_columns(names, vec![0.0, 1.0], columns)
     }
 
     #[test]
     fn every_signal_is_shown_and_counted() {
         let page = html(&sample(), &Options::default()).unwrap();
-        for name in &sample().names {
+        for name in sample().names() {
             assert!(
                 page.contains(&format!("<th scope=\"row\">{name}</th>")),
                 "{name}"

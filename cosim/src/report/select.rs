@@ -1,7 +1,5 @@
 //! Chosen signals: `--plot "title: a, b"` over time and `--xy "title: x, y; x2, y2"` as paths.
 
-use super::Results;
-use crate::names::did_you_mean;
 use crate::{Code, Error, Result};
 
 /// Signals to draw over time in one panel.
@@ -69,19 +67,6 @@ fn form(text: &str, expected: &str) -> Error {
         .help(format!("the form is {expected}"))
 }
 
-impl Results {
-    /// The values of a signal, or an error with the most similar name.
-    pub fn signal(&self, name: &str) -> Result<&[f64]> {
-        self.column(name).ok_or_else(|| {
-            Error::new(
-                Code::UnknownName,
-                format!("the results have no signal '{name}'"),
-            )
-            .maybe_help(did_you_mean(name, self.names.iter().map(String::as_str)))
-        })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -102,17 +87,5 @@ mod tests {
             assert!(error.to_string().contains("title: signal"), "{error}");
         }
         assert!("Path: a, b, c".parse::<XyPlot>().is_err());
-    }
-
-    #[test]
-    fn an_unknown_signal_gets_the_nearest_name() {
-        let names = vec!["vehicle.pose.x".to_string(), "gps.position.x".to_string()];
-        let results = Results {
-            columns: vec![vec![], vec![]],
-            names,
-            time: vec![],
-        };
-        let error = results.signal("vehicle.pos.x").unwrap_err().to_string();
-        assert!(error.contains("did you mean 'vehicle.pose.x'?"), "{error}");
     }
 }
