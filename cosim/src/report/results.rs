@@ -194,7 +194,7 @@ mod tests {
     use super::*;
 
     fn sample() -> Recording {
-        let names = ["a.pose.x", "a.pose.yaw", "b.depth", "alone"]
+        let names = ["a.pose.x", "a.pose.y", "a.pose.yaw", "b.depth", "alone"]
             .map(String::from)
             .to_vec();
         let columns = [60.0, 0.5, f64::NAN, 1.0]
