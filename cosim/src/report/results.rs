@@ -197,7 +197,7 @@ mod tests {
         let names = ["a.pose.x", "a.pose.y", "a.pose.yaw", "b.depth", "alone"]
             .map(String::from)
             .to_vec();
-        let columns = [60.0, 0.5, f64::NAN, 1.0]
+        let columns = [60.0, 30.0, 0.5, f64::NAN, 1.0]
             .map(|last| vec![0.0, last])
             .to_vec();
         Recording::from_columns(names, vec![0.0, 1.0], columns)
