@@ -17,18 +17,10 @@
 // The derives name this crate from outside; inside it needs the same name.
 extern crate self as fmu_kit;
 
+pub mod abi;
 mod author;
+mod export;
+pub mod kernel;
 
 pub use author::*;
 pub use fmu_kit_derive::{Enumeration, Variables};
-
-/// Exports components as FMUs: expands to the 44 functions of FMI 2.0 and the `REGISTRY`.
-#[macro_export]
-macro_rules! export {
-    ($($component:ty),+ $(,)?) => {
-        const _: fn() = || {
-            fn is_component<C: $crate::Component>() {}
-            $(is_component::<$component>();)+
-        };
-    };
-}

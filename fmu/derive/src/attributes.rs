@@ -12,6 +12,8 @@ pub(crate) struct Var {
     pub(crate) min: Option<Expr>,
     pub(crate) max: Option<Expr>,
     pub(crate) nominal: Option<Expr>,
+    /// The members count as members of the enclosing struct; the field adds no name and no text.
+    pub(crate) flatten: bool,
 }
 
 impl Var {
@@ -27,13 +29,18 @@ impl Var {
                     .get_ident()
                     .map(ToString::to_string)
                     .unwrap_or_default();
-                let known = matches!(name.as_str(), "unit" | "rename" | "min" | "max" | "nominal");
+                let known = matches!(
+                    name.as_str(),
+                    "unit" | "rename" | "min" | "max" | "nominal" | "flatten"
+                );
                 if !known {
                     return Err(meta.error(format!(
-                        "unknown attribute `{name}`: #[var] takes unit, min, max, nominal, rename"
+                        "unknown attribute `{name}`: #[var] takes unit, min, max, nominal, rename, \
+                         flatten"
                     )));
                 }
                 match name.as_str() {
+                    "flatten" => var.flatten = true,
                     "unit" => var.unit = Some(meta.value()?.parse()?),
                     "rename" => var.rename = Some(valid_name(meta.value()?.parse()?)?),
                     "min" => var.min = Some(meta.value()?.parse()?),

@@ -81,8 +81,12 @@ fn declare(field: &Field) -> Result<TokenStream> {
     let rust_name = ident
         .map(|ident| ident.unraw().to_string())
         .unwrap_or_default();
-    let name = var.rename.as_ref().map_or(rust_name, syn::LitStr::value);
-    let description = description(&field.attrs);
+    let (name, description) = if var.flatten {
+        (String::new(), String::new())
+    } else {
+        let name = var.rename.as_ref().map_or(rust_name, syn::LitStr::value);
+        (name, description(&field.attrs))
+    };
     let unit = option(var.unit.as_ref());
     let [min, max, nominal] =
         [var.min, var.max, var.nominal].map(|number| option(number.map(|n| quote!((#n) as f64))));
@@ -105,6 +109,12 @@ fn declare(field: &Field) -> Result<TokenStream> {
 /// Refuses what can be told from the type's name to be a mistake.
 fn check(ty: &Type, var: &Var) -> Result<()> {
     let innermost = innermost(ty);
+    if matches!(innermost, Type::Array(_)) {
+        return Err(Error::new_spanned(
+            ty,
+            "a matrix would be named m[1,2], and a comma breaks CSV headers: use a struct of rows",
+        ));
+    }
     let Type::Path(path) = innermost else {
         return Err(Error::new_spanned(ty, unsupported("this type")));
     };
@@ -126,7 +136,7 @@ fn check(ty: &Type, var: &Var) -> Result<()> {
 
 fn innermost(ty: &Type) -> &Type {
     match ty {
-        Type::Array(array) => innermost(&array.elem),
+        Type::Array(array) => &array.elem,
         other => other,
     }
 }

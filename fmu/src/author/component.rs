@@ -66,7 +66,14 @@ pub trait Component: Sized + Send + 'static {
     ///
     /// A sampled component takes its first sample (k = 0) here. Called again whenever a parameter
     /// or an input changes before initialization ends.
-    fn initial(&self, start: Time, inputs: &Self::Inputs) -> (Self::States, Self::Memory);
+    ///
+    /// # Errors
+    /// A [`Fault`] says why the simulation cannot start from these inputs.
+    fn initial(
+        &self,
+        start: Time,
+        inputs: &Self::Inputs,
+    ) -> Result<(Self::States, Self::Memory), Fault>;
 
     /// Time derivatives of the states (in a `States` of their own, unit per second). Whoever has
     /// continuous states overrides this; the default serves [`NoStates`].

@@ -1,0 +1,77 @@
+//! Arrays and texts that come from C.
+
+use std::ffi::CStr;
+use std::slice;
+
+use super::types::fmi2String;
+
+/// What is wrong with an argument, in words for the log.
+pub(super) type Wrong = String;
+
+fn check<T>(name: &str, pointer: *const T, n: usize) -> Result<(), Wrong> {
+    if pointer.is_null() {
+        return Err(format!("{name} is NULL, but has {n} elements"));
+    }
+    if !pointer.is_aligned() {
+        return Err(format!("{name} is not aligned for its type"));
+    }
+    match n.checked_mul(size_of::<T>()) {
+        Some(bytes) if isize::try_from(bytes).is_ok() => Ok(()),
+        _ => Err(format!("{name} cannot have {n} elements")),
+    }
+}
+
+/// An array to read; NULL is fine if it is empty.
+///
+/// # Safety
+/// `pointer` is NULL or leads to `n` readable elements that stay as they are for `'a`.
+#[inline]
+pub(super) unsafe fn array<'a, T>(
+    name: &str,
+    pointer: *const T,
+    n: usize,
+) -> Result<&'a [T], Wrong> {
+    if n == 0 {
+        return Ok(&[]);
+    }
+    check(name, pointer, n)?;
+    // SAFETY: not null, aligned, of possible size; readable by the caller's word.
+    Ok(unsafe { slice::from_raw_parts(pointer, n) })
+}
+
+/// An array to write; NULL is fine if it is empty.
+///
+/// # Safety
+/// `pointer` is NULL or leads to `n` initialized elements that nobody else uses for `'a`.
+#[inline]
+pub(super) unsafe fn array_mut<'a, T>(
+    name: &str,
+    pointer: *mut T,
+    n: usize,
+) -> Result<&'a mut [T], Wrong> {
+    if n == 0 {
+        return Ok(&mut []);
+    }
+    check(name, pointer, n)?;
+    // SAFETY: not null, aligned, of possible size; writable and exclusive by the caller's word.
+    Ok(unsafe { slice::from_raw_parts_mut(pointer, n) })
+}
+
+/// A single place to write.
+///
+/// # Safety
+/// As for [`array_mut`] with one element.
+pub(super) unsafe fn place<'a, T>(name: &str, pointer: *mut T) -> Result<&'a mut T, Wrong> {
+    check(name, pointer, 1).map_err(|_| format!("{name} is NULL"))?;
+    // SAFETY: not null and aligned; writable and exclusive by the caller's word.
+    Ok(unsafe { &mut *pointer })
+}
+
+/// A text; `None` for NULL.
+///
+/// # Safety
+/// `pointer` is NULL or leads to a text that ends with a NUL and stays as it is for `'a`.
+pub(super) unsafe fn text<'a>(pointer: fmi2String) -> Option<&'a CStr> {
+    // SAFETY: not null; terminated by the caller's word.
+    (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })
+}

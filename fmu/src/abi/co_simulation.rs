@@ -1,0 +1,135 @@
+//! Co-simulation (FMI 2.0.4, section 4.2).
+
+use crate::kernel::{Call, Status};
+
+use super::arguments::place;
+use super::guard::call;
+use super::types::*;
+
+/// `fmi2LastSuccessfulTime` of `fmi2StatusKind`
+const LAST_SUCCESSFUL_TIME: fmi2StatusKind = 2;
+/// `fmi2Terminated` of `fmi2StatusKind`
+const TERMINATED: fmi2StatusKind = 3;
+
+/// `fmi2SetRealInputDerivatives`: `canInterpolateInputs` is false.
+pub unsafe fn fmi2SetRealInputDerivatives(
+    c: fmi2Component,
+    _vr: *const fmi2ValueReference,
+    nvr: usize,
+    _order: *const fmi2Integer,
+    _value: *const fmi2Real,
+) -> fmi2Status {
+    call(c, Call::SetRealInputDerivatives, |instance| match nvr {
+        0 => Status::Ok,
+        _ => instance.unsupported(
+            Call::SetRealInputDerivatives,
+            "canInterpolateInputs = false",
+        ),
+    })
+}
+
+/// `fmi2GetRealOutputDerivatives`: `maxOutputDerivativeOrder` is 0.
+pub unsafe fn fmi2GetRealOutputDerivatives(
+    c: fmi2Component,
+    _vr: *const fmi2ValueReference,
+    nvr: usize,
+    _order: *const fmi2Integer,
+    _value: *mut fmi2Real,
+) -> fmi2Status {
+    call(c, Call::GetRealOutputDerivatives, |instance| match nvr {
+        0 => Status::Ok,
+        _ => instance.unsupported(
+            Call::GetRealOutputDerivatives,
+            "maxOutputDerivativeOrder = 0",
+        ),
+    })
+}
+
+/// `fmi2DoStep`
+pub unsafe fn fmi2DoStep(
+    c: fmi2Component,
+    currentCommunicationPoint: fmi2Real,
+    communicationStepSize: fmi2Real,
+    _noSetFMUStatePriorToCurrentPoint: fmi2Boolean,
+) -> fmi2Status {
+    call(c, Call::DoStep, |instance| {
+        instance.do_step(currentCommunicationPoint, communicationStepSize)
+    })
+}
+
+/// `fmi2CancelStep`: no step is ever pending, so it is never legal.
+pub unsafe fn fmi2CancelStep(c: fmi2Component) -> fmi2Status {
+    call(c, Call::CancelStep, |instance| {
+        instance.unsupported(Call::CancelStep, "canRunAsynchronuously = false")
+    })
+}
+
+/// `fmi2GetStatus`: there is no pending step to tell of.
+pub unsafe fn fmi2GetStatus(
+    c: fmi2Component,
+    s: fmi2StatusKind,
+    _value: *mut fmi2Status,
+) -> fmi2Status {
+    call(c, Call::GetStatus, |instance| {
+        instance.no_status(Call::GetStatus, s)
+    })
+}
+
+/// `fmi2GetRealStatus`: the time of the last successful step.
+pub unsafe fn fmi2GetRealStatus(
+    c: fmi2Component,
+    s: fmi2StatusKind,
+    value: *mut fmi2Real,
+) -> fmi2Status {
+    call(c, Call::GetRealStatus, |instance| {
+        // SAFETY: the importer passes one Real to fill, as the standard demands.
+        match unsafe { place("value", value) } {
+            Ok(value) if s == LAST_SUCCESSFUL_TIME => instance.last_successful_time(value),
+            Ok(_) => instance.no_status(Call::GetRealStatus, s),
+            Err(wrong) => instance.refuse(Call::GetRealStatus, &wrong),
+        }
+    })
+}
+
+/// `fmi2GetIntegerStatus`: there is none of this type.
+pub unsafe fn fmi2GetIntegerStatus(
+    c: fmi2Component,
+    s: fmi2StatusKind,
+    _value: *mut fmi2Integer,
+) -> fmi2Status {
+    call(c, Call::GetIntegerStatus, |instance| {
+        instance.no_status(Call::GetIntegerStatus, s)
+    })
+}
+
+/// `fmi2GetBooleanStatus`: a component never ends the simulation by itself.
+pub unsafe fn fmi2GetBooleanStatus(
+    c: fmi2Component,
+    s: fmi2StatusKind,
+    value: *mut fmi2Boolean,
+) -> fmi2Status {
+    call(c, Call::GetBooleanStatus, |instance| {
+        // SAFETY: the importer passes one Boolean to fill, as the standard demands.
+        match unsafe { place("value", value) } {
+            Ok(value) if s == TERMINATED => {
+                let mut end = false;
+                let status = instance.wants_to_end(&mut end);
+                *value = end.into();
+                status
+            }
+            Ok(_) => instance.no_status(Call::GetBooleanStatus, s),
+            Err(wrong) => instance.refuse(Call::GetBooleanStatus, &wrong),
+        }
+    })
+}
+
+/// `fmi2GetStringStatus`: there is no pending step to tell of.
+pub unsafe fn fmi2GetStringStatus(
+    c: fmi2Component,
+    s: fmi2StatusKind,
+    _value: *mut fmi2String,
+) -> fmi2Status {
+    call(c, Call::GetStringStatus, |instance| {
+        instance.no_status(Call::GetStringStatus, s)
+    })
+}

@@ -1,0 +1,155 @@
+//! Creation, initialization, termination (FMI 2.0.4, section 2.1).
+
+use std::ffi::{CStr, c_char};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::LazyLock;
+
+use crate::author::Resources;
+use crate::kernel::{Call, Category, Interface, Registry, Sink, Status};
+
+use super::arguments::{array, text};
+use super::guard::{call, panic_text};
+use super::logger::Logger;
+use super::types::*;
+use super::{handles, resource_uri};
+
+/// `fmi2GetTypesPlatform`
+#[must_use]
+pub fn fmi2GetTypesPlatform() -> *const c_char {
+    c"default".as_ptr()
+}
+
+/// `fmi2GetVersion`
+#[must_use]
+pub fn fmi2GetVersion() -> *const c_char {
+    c"2.0".as_ptr()
+}
+
+/// `fmi2SetDebugLogging`
+pub unsafe fn fmi2SetDebugLogging(
+    c: fmi2Component,
+    loggingOn: fmi2Boolean,
+    nCategories: usize,
+    categories: *const fmi2String,
+) -> fmi2Status {
+    call(c, Call::SetDebugLogging, |instance| {
+        // SAFETY: the importer passes `nCategories` texts, as the standard demands.
+        let names = unsafe { array("categories", categories, nCategories) };
+        let names = match names {
+            Ok(names) => names,
+            Err(wrong) => return instance.refuse(Call::SetDebugLogging, &wrong),
+        };
+        // SAFETY: as above, each text ends with a NUL.
+        let names = names.iter().map(|name| unsafe { text(*name) });
+        let names: Vec<&str> = names
+            .flatten()
+            .map(|name| name.to_str().unwrap_or("not UTF-8"))
+            .collect();
+        instance.set_debug_logging(loggingOn != FMI2_FALSE, &names)
+    })
+}
+
+/// `fmi2Instantiate`; NULL when it fails, with a line in the log.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the standard's, plus the registry"
+)]
+pub unsafe fn fmi2Instantiate(
+    registry: &LazyLock<Registry>,
+    instanceName: fmi2String,
+    fmuType: fmi2Type,
+    fmuGUID: fmi2String,
+    fmuResourceLocation: fmi2String,
+    functions: *const fmi2CallbackFunctions,
+    _visible: fmi2Boolean,
+    loggingOn: fmi2Boolean,
+) -> fmi2Component {
+    // SAFETY: the importer passes NULL or one struct of callbacks, as the standard demands.
+    let Some(functions) = (unsafe { functions.as_ref() }) else {
+        return std::ptr::null_mut();
+    };
+    // SAFETY: the importer passes NULL or texts that end with a NUL, likewise.
+    let (name, guid, location) =
+        unsafe { (text(instanceName), text(fmuGUID), text(fmuResourceLocation)) };
+    let name = name.unwrap_or(c"");
+    let logger = || Logger::new(functions, name);
+    let made = catch_unwind(AssertUnwindSafe(|| {
+        let interface = match fmuType {
+            0 => Interface::ModelExchange,
+            1 => Interface::CoSimulation,
+            other => return Err(format!("fmuType = {other} is neither 0 nor 1")),
+        };
+        if name.is_empty() {
+            return Err("instanceName is missing or empty".to_owned());
+        }
+        let guid = guid.map_or("", utf8);
+        let resources =
+            location.map_or_else(Resources::none, |uri| resource_uri::resources(utf8(uri)));
+        let entry = registry.by_guid(guid)?;
+        let logging_on = loggingOn != FMI2_FALSE;
+        let instance = entry.instantiate(interface, resources, Box::new(logger()), logging_on)?;
+        handles::insert(Box::new(instance)).ok_or_else(|| "too many instances".to_owned())
+    }));
+    let (status, category, reason) = match made {
+        Ok(Ok(handle)) => return handle,
+        Ok(Err(reason)) => (Status::Error, Category::Error, reason),
+        Err(payload) => {
+            let text = format!("panicked: {}", panic_text(&*payload));
+            (Status::Fatal, Category::Fatal, text)
+        }
+    };
+    logger().write(status, category, &format!("fmi2Instantiate: {reason}"));
+    std::ptr::null_mut()
+}
+
+fn utf8(text: &CStr) -> &str {
+    text.to_str().unwrap_or_default()
+}
+
+/// `fmi2FreeInstance`
+pub unsafe fn fmi2FreeInstance(c: fmi2Component) {
+    // A handle that leads nowhere leaves nothing to free and nobody to tell.
+    if let Ok(instance) = handles::remove(c) {
+        // A panic in an author's `drop` ends here.
+        let _ = catch_unwind(AssertUnwindSafe(|| drop(instance)));
+    }
+}
+
+/// `fmi2SetupExperiment`
+pub unsafe fn fmi2SetupExperiment(
+    c: fmi2Component,
+    _toleranceDefined: fmi2Boolean,
+    _tolerance: fmi2Real,
+    startTime: fmi2Real,
+    stopTimeDefined: fmi2Boolean,
+    stopTime: fmi2Real,
+) -> fmi2Status {
+    let stop = (stopTimeDefined != FMI2_FALSE).then_some(stopTime);
+    call(c, Call::SetupExperiment, |instance| {
+        instance.setup_experiment(startTime, stop)
+    })
+}
+
+/// `fmi2EnterInitializationMode`
+pub unsafe fn fmi2EnterInitializationMode(c: fmi2Component) -> fmi2Status {
+    call(c, Call::EnterInitializationMode, |instance| {
+        instance.enter_initialization_mode()
+    })
+}
+
+/// `fmi2ExitInitializationMode`
+pub unsafe fn fmi2ExitInitializationMode(c: fmi2Component) -> fmi2Status {
+    call(c, Call::ExitInitializationMode, |instance| {
+        instance.exit_initialization_mode()
+    })
+}
+
+/// `fmi2Terminate`
+pub unsafe fn fmi2Terminate(c: fmi2Component) -> fmi2Status {
+    call(c, Call::Terminate, |instance| instance.terminate())
+}
+
+/// `fmi2Reset`
+pub unsafe fn fmi2Reset(c: fmi2Component) -> fmi2Status {
+    call(c, Call::Reset, |instance| instance.reset())
+}

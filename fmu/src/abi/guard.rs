@@ -1,0 +1,43 @@
+//! The frame around every exported function: find the instance, catch panics.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use crate::kernel::{Call, Instance, Status};
+
+use super::handles;
+use super::types::{fmi2Component, fmi2Status};
+
+/// Runs `work` on the instance behind a handle.
+///
+/// A handle that leads nowhere gives `fmi2Error`: without an instance there is no logger to tell.
+#[inline]
+pub(super) fn call(
+    component: fmi2Component,
+    call: Call,
+    work: impl FnOnce(&mut Instance) -> Status,
+) -> fmi2Status {
+    handles::with(component, |instance| {
+        match catch_unwind(AssertUnwindSafe(|| work(instance))) {
+            Ok(status) => status,
+            Err(payload) => panicked(instance, call, &*payload),
+        }
+    })
+    .unwrap_or(Status::Error)
+}
+
+#[cold]
+fn panicked(instance: &mut Instance, call: Call, payload: &(dyn Any + Send)) -> Status {
+    let text = panic_text(payload);
+    // The importer's logger runs in there; should that unwind, nothing is left but the status.
+    catch_unwind(AssertUnwindSafe(|| instance.poison(call, text))).unwrap_or(Status::Fatal)
+}
+
+/// What a panic said.
+pub(super) fn panic_text(payload: &(dyn Any + Send)) -> &str {
+    payload
+        .downcast_ref::<&str>()
+        .copied()
+        .or_else(|| payload.downcast_ref::<String>().map(String::as_str))
+        .unwrap_or("no message")
+}

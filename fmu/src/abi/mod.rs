@@ -1,0 +1,29 @@
+//! The C interface of FMI 2.0 (`fmi2Functions.h`): the only place with `unsafe`.
+//!
+//! Each function here has the name and arguments of the standard's; [`export!`](crate::export)
+//! gives them their unmangled symbols in the author's library. What they have in common:
+//!
+//! * a component handle is a number, looked up among the live instances, so that a handle that
+//!   was freed or never given out is told from a good one without touching memory;
+//! * a null pointer is refused unless the array it stands for is empty;
+//! * a panic is caught, logged and ends the instance, never the importer.
+
+#![allow(unsafe_code, non_snake_case, clippy::missing_safety_doc)]
+
+mod arguments;
+mod co_simulation;
+mod common;
+mod guard;
+mod handles;
+mod logger;
+mod model_exchange;
+mod resource_uri;
+mod state;
+pub mod types;
+mod values;
+
+pub use co_simulation::*;
+pub use common::*;
+pub use model_exchange::*;
+pub use state::*;
+pub use values::*;

@@ -1,0 +1,152 @@
+//! Model exchange (FMI 2.0.4, section 3.2).
+
+use crate::kernel::{Call, EventOutcome, Instance, Status};
+
+use super::arguments::{Wrong, array, array_mut, place};
+use super::guard::call;
+use super::types::*;
+
+/// `fmi2EnterEventMode`
+pub unsafe fn fmi2EnterEventMode(c: fmi2Component) -> fmi2Status {
+    call(c, Call::EnterEventMode, |instance| {
+        instance.enter_event_mode()
+    })
+}
+
+/// `fmi2NewDiscreteStates`
+pub unsafe fn fmi2NewDiscreteStates(
+    c: fmi2Component,
+    fmi2eventInfo: *mut fmi2EventInfo,
+) -> fmi2Status {
+    call(c, Call::NewDiscreteStates, |instance| {
+        // SAFETY: the importer passes one struct to fill, as the standard demands.
+        let info = match unsafe { place("fmi2eventInfo", fmi2eventInfo) } {
+            Ok(info) => info,
+            Err(wrong) => return instance.refuse(Call::NewDiscreteStates, &wrong),
+        };
+        let mut outcome = EventOutcome::default();
+        let status = instance.new_discrete_states(&mut outcome);
+        if status == Status::Ok {
+            *info = fmi2EventInfo {
+                valuesOfContinuousStatesChanged: outcome.states_changed.into(),
+                nextEventTimeDefined: outcome.next_event.is_some().into(),
+                nextEventTime: outcome.next_event.unwrap_or_default().seconds(),
+                ..fmi2EventInfo::default()
+            };
+        }
+        status
+    })
+}
+
+/// `fmi2EnterContinuousTimeMode`
+pub unsafe fn fmi2EnterContinuousTimeMode(c: fmi2Component) -> fmi2Status {
+    call(c, Call::EnterContinuousTimeMode, |instance| {
+        instance.enter_continuous_time_mode()
+    })
+}
+
+/// `fmi2CompletedIntegratorStep`
+pub unsafe fn fmi2CompletedIntegratorStep(
+    c: fmi2Component,
+    _noSetFMUStatePriorToCurrentPoint: fmi2Boolean,
+    enterEventMode: *mut fmi2Boolean,
+    terminateSimulation: *mut fmi2Boolean,
+) -> fmi2Status {
+    call(c, Call::CompletedIntegratorStep, |instance| {
+        // SAFETY: the importer passes two flags to fill, as the standard demands.
+        let flags = unsafe {
+            (
+                place("enterEventMode", enterEventMode),
+                place("terminateSimulation", terminateSimulation),
+            )
+        };
+        let (Ok(event), Ok(end)) = flags else {
+            return instance.refuse(Call::CompletedIntegratorStep, "a flag to fill is NULL");
+        };
+        (*event, *end) = (FMI2_FALSE, FMI2_FALSE);
+        instance.completed_integrator_step()
+    })
+}
+
+/// `fmi2SetTime`
+pub unsafe fn fmi2SetTime(c: fmi2Component, time: fmi2Real) -> fmi2Status {
+    call(c, Call::SetTime, |instance| instance.set_time(time))
+}
+
+/// `fmi2SetContinuousStates`
+pub unsafe fn fmi2SetContinuousStates(
+    c: fmi2Component,
+    x: *const fmi2Real,
+    nx: usize,
+) -> fmi2Status {
+    call(c, Call::SetContinuousStates, |instance| {
+        // SAFETY: the importer passes an array of `nx` elements, as the standard demands.
+        match unsafe { array("x", x, nx) } {
+            Ok(x) => instance.set_continuous_states(x),
+            Err(wrong) => instance.refuse(Call::SetContinuousStates, &wrong),
+        }
+    })
+}
+
+/// A function that fills one array of Reals.
+fn fill(
+    c: fmi2Component,
+    function: Call,
+    into: Result<&mut [fmi2Real], Wrong>,
+    get: fn(&mut Instance, &mut [fmi2Real]) -> Status,
+) -> fmi2Status {
+    call(c, function, |instance| match into {
+        Ok(into) => get(instance, into),
+        Err(wrong) => instance.refuse(function, &wrong),
+    })
+}
+
+/// `fmi2GetDerivatives`
+pub unsafe fn fmi2GetDerivatives(
+    c: fmi2Component,
+    derivatives: *mut fmi2Real,
+    nx: usize,
+) -> fmi2Status {
+    // SAFETY: the importer passes an array of `nx` elements, as the standard demands.
+    let into = unsafe { array_mut("derivatives", derivatives, nx) };
+    fill(c, Call::GetDerivatives, into, Instance::get_derivatives)
+}
+
+/// `fmi2GetEventIndicators`
+pub unsafe fn fmi2GetEventIndicators(
+    c: fmi2Component,
+    eventIndicators: *mut fmi2Real,
+    ni: usize,
+) -> fmi2Status {
+    // SAFETY: the importer passes an array of `ni` elements, as the standard demands.
+    let into = unsafe { array_mut("eventIndicators", eventIndicators, ni) };
+    fill(
+        c,
+        Call::GetEventIndicators,
+        into,
+        Instance::get_event_indicators,
+    )
+}
+
+/// `fmi2GetContinuousStates`
+pub unsafe fn fmi2GetContinuousStates(c: fmi2Component, x: *mut fmi2Real, nx: usize) -> fmi2Status {
+    // SAFETY: the importer passes an array of `nx` elements, as the standard demands.
+    let into = unsafe { array_mut("x", x, nx) };
+    fill(
+        c,
+        Call::GetContinuousStates,
+        into,
+        Instance::get_continuous_states,
+    )
+}
+
+/// `fmi2GetNominalsOfContinuousStates`
+pub unsafe fn fmi2GetNominalsOfContinuousStates(
+    c: fmi2Component,
+    x_nominal: *mut fmi2Real,
+    nx: usize,
+) -> fmi2Status {
+    // SAFETY: the importer passes an array of `nx` elements, as the standard demands.
+    let into = unsafe { array_mut("x_nominal", x_nominal, nx) };
+    fill(c, Call::GetNominals, into, Instance::get_nominals)
+}

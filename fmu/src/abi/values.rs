@@ -1,0 +1,142 @@
+//! Getting and setting values (FMI 2.0.4, section 2.1.7).
+
+use std::ffi::CString;
+
+use crate::kernel::Call;
+
+use super::arguments::{array, array_mut, text};
+use super::guard::call;
+use super::types::*;
+
+/// Both arrays of a get or set function, or the refusal.
+macro_rules! arrays {
+    ($instance:ident, $call:expr, $vr:ident, $value:ident, $n:ident, $array:ident) => {{
+        // SAFETY: the importer passes arrays of `nvr` elements, as the standard demands, and
+        // leaves them alone during the call.
+        let arrays = unsafe { (array("vr", $vr, $n), $array("value", $value, $n)) };
+        match arrays {
+            (Ok(references), Ok(values)) => (references, values),
+            (Err(wrong), _) | (_, Err(wrong)) => return $instance.refuse($call, &wrong),
+        }
+    }};
+}
+
+/// `fmi2GetReal`
+pub unsafe fn fmi2GetReal(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *mut fmi2Real,
+) -> fmi2Status {
+    call(c, Call::GetReal, |instance| {
+        let (references, values) = arrays!(instance, Call::GetReal, vr, value, nvr, array_mut);
+        instance.get_real(references, values)
+    })
+}
+
+/// `fmi2GetInteger`
+pub unsafe fn fmi2GetInteger(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *mut fmi2Integer,
+) -> fmi2Status {
+    call(c, Call::GetInteger, |instance| {
+        let (references, values) = arrays!(instance, Call::GetInteger, vr, value, nvr, array_mut);
+        instance.get_integer(references, values)
+    })
+}
+
+/// `fmi2GetBoolean`
+pub unsafe fn fmi2GetBoolean(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *mut fmi2Boolean,
+) -> fmi2Status {
+    call(c, Call::GetBoolean, |instance| {
+        let (references, values) = arrays!(instance, Call::GetBoolean, vr, value, nvr, array_mut);
+        instance.get_boolean(references, |index, truth| {
+            if let Some(place) = values.get_mut(index) {
+                *place = fmi2Boolean::from(truth);
+            }
+        })
+    })
+}
+
+/// `fmi2GetString`; the texts stay valid until the next call on this instance.
+pub unsafe fn fmi2GetString(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *mut fmi2String,
+) -> fmi2Status {
+    call(c, Call::GetString, |instance| {
+        let (references, values) = arrays!(instance, Call::GetString, vr, value, nvr, array_mut);
+        instance.get_string(references, |index, text| {
+            if let Some(place) = values.get_mut(index) {
+                *place = text.as_ptr();
+            }
+        })
+    })
+}
+
+/// `fmi2SetReal`
+pub unsafe fn fmi2SetReal(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *const fmi2Real,
+) -> fmi2Status {
+    call(c, Call::SetReal, |instance| {
+        let (references, values) = arrays!(instance, Call::SetReal, vr, value, nvr, array);
+        instance.set_real(references, values)
+    })
+}
+
+/// `fmi2SetInteger`
+pub unsafe fn fmi2SetInteger(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *const fmi2Integer,
+) -> fmi2Status {
+    call(c, Call::SetInteger, |instance| {
+        let (references, values) = arrays!(instance, Call::SetInteger, vr, value, nvr, array);
+        instance.set_integer(references, values)
+    })
+}
+
+/// `fmi2SetBoolean`
+pub unsafe fn fmi2SetBoolean(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *const fmi2Boolean,
+) -> fmi2Status {
+    call(c, Call::SetBoolean, |instance| {
+        let (references, values) = arrays!(instance, Call::SetBoolean, vr, value, nvr, array);
+        let truths: Vec<bool> = values.iter().map(|value| *value != FMI2_FALSE).collect();
+        instance.set_boolean(references, &truths)
+    })
+}
+
+/// `fmi2SetString`
+pub unsafe fn fmi2SetString(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *const fmi2String,
+) -> fmi2Status {
+    call(c, Call::SetString, |instance| {
+        let (references, values) = arrays!(instance, Call::SetString, vr, value, nvr, array);
+        // SAFETY: the importer passes texts that end with a NUL, as the standard demands.
+        let texts = values
+            .iter()
+            .map(|value| unsafe { text(*value) }.map(CString::from));
+        match texts.collect::<Option<Vec<CString>>>() {
+            Some(texts) => instance.set_string(references, &texts),
+            None => instance.refuse(Call::SetString, "one of the texts is NULL"),
+        }
+    })
+}

@@ -1,0 +1,289 @@
+//! Getting and setting values: who may be read and written when (FMI 2.0.4, section 2.2.7).
+//!
+//! Everything can be read at any time. Parameters and inputs can be set until initialization
+//! ends, then inputs only. A set either takes all its values or none.
+
+use std::ffi::{CStr, CString};
+
+use super::call::{Call, Phase};
+use super::instance::{Instance, Interface};
+use super::status::{Status, Trouble};
+use super::table::{Group, Kind, Variable};
+
+impl Instance {
+    /// `fmi2GetReal`
+    #[inline]
+    pub fn get_real(&mut self, references: &[u32], into: &mut [f64]) -> Status {
+        self.call(Call::GetReal, |me| {
+            me.up_to_date(references)?;
+            for (reference, place) in references.iter().zip(into) {
+                match me.values.reals.get(*reference as usize) {
+                    Some(value) => *place = *value,
+                    None => return Err(me.unknown(Kind::Real, *reference)),
+                }
+            }
+            Ok(())
+        })
+    }
+
+    /// `fmi2GetInteger`, enumerations included
+    pub fn get_integer(&mut self, references: &[u32], into: &mut [i32]) -> Status {
+        self.call(Call::GetInteger, |me| {
+            me.up_to_date(&[])?;
+            for (reference, place) in references.iter().zip(into) {
+                let value = me.values.integers.get(*reference as usize);
+                *place = *value.ok_or_else(|| me.unknown(Kind::Integer, *reference))?;
+            }
+            Ok(())
+        })
+    }
+
+    /// `fmi2GetBoolean`: hands each value to `give` with its index.
+    pub fn get_boolean(&mut self, references: &[u32], mut give: impl FnMut(usize, bool)) -> Status {
+        self.call(Call::GetBoolean, |me| {
+            me.up_to_date(&[])?;
+            for (index, reference) in references.iter().enumerate() {
+                let value = me.values.booleans.get(*reference as usize);
+                give(
+                    index,
+                    *value.ok_or_else(|| me.unknown(Kind::Boolean, *reference))?,
+                );
+            }
+            Ok(())
+        })
+    }
+
+    /// `fmi2GetString`: hands each text to `give` with its index.
+    pub fn get_string(&mut self, references: &[u32], mut give: impl FnMut(usize, &CStr)) -> Status {
+        self.call(Call::GetString, |me| {
+            me.up_to_date(&[])?;
+            for (index, reference) in references.iter().enumerate() {
+                let value = me.values.strings.get(*reference as usize);
+                give(
+                    index,
+                    value.ok_or_else(|| me.unknown(Kind::String, *reference))?,
+                );
+            }
+            Ok(())
+        })
+    }
+
+    /// `fmi2SetReal`
+    #[inline]
+    pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Status {
+        self.call(Call::SetReal, |me| {
+            let inputs = me.table.layout().inputs.clone();
+            let first = if me.is_starting() { 0 } else { inputs.start };
+            let settable = first..inputs.end;
+            for (reference, value) in references.iter().zip(values) {
+                if !settable.contains(&(*reference as usize)) || !value.is_finite() {
+                    return Err(me.cannot_set_real(*reference, *value));
+                }
+            }
+            if me.is_starting() {
+                me.check_bounds(Kind::Real, references, values)?;
+            }
+            for (reference, value) in references.iter().zip(values) {
+                if let Some(place) = me.values.reals.get_mut(*reference as usize) {
+                    *place = *value;
+                }
+            }
+            me.changed(references, |explicit| &mut explicit.reals);
+            Ok(())
+        })
+    }
+
+    /// `fmi2SetInteger`, enumerations included
+    pub fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Status {
+        self.call(Call::SetInteger, |me| {
+            me.check_parameters(Kind::Integer, references)?;
+            let numbers: Vec<f64> = values.iter().map(|value| f64::from(*value)).collect();
+            me.check_bounds(Kind::Integer, references, &numbers)?;
+            assign(&mut me.values.integers, references, values);
+            me.changed(references, |explicit| &mut explicit.integers);
+            Ok(())
+        })
+    }
+
+    /// `fmi2SetBoolean`
+    pub fn set_boolean(&mut self, references: &[u32], values: &[bool]) -> Status {
+        self.call(Call::SetBoolean, |me| {
+            me.check_parameters(Kind::Boolean, references)?;
+            assign(&mut me.values.booleans, references, values);
+            me.changed(references, |explicit| &mut explicit.booleans);
+            Ok(())
+        })
+    }
+
+    /// `fmi2SetString`
+    pub fn set_string(&mut self, references: &[u32], values: &[CString]) -> Status {
+        self.call(Call::SetString, |me| {
+            me.check_parameters(Kind::String, references)?;
+            for (reference, value) in references.iter().zip(values) {
+                if value.to_str().is_err() {
+                    let name = me.name(Kind::String, *reference);
+                    return Err(Trouble::error(format_args!(
+                        "{name}: the text is not UTF-8"
+                    )));
+                }
+            }
+            assign(&mut me.values.strings, references, values);
+            me.changed(references, |explicit| &mut explicit.strings);
+            Ok(())
+        })
+    }
+
+    fn is_starting(&self) -> bool {
+        matches!(self.phase, Phase::Instantiated | Phase::Initialization)
+    }
+
+    /// Computes what is stale before it is read.
+    #[inline]
+    fn up_to_date(&mut self, reals: &[u32]) -> Result<(), Trouble> {
+        if self.stale.any() {
+            self.bring_up_to_date(reals)
+        } else {
+            Ok(())
+        }
+    }
+
+    fn bring_up_to_date(&mut self, reals: &[u32]) -> Result<(), Trouble> {
+        if self.stale.component | self.stale.initial | self.stale.outputs {
+            match self.refresh() {
+                // Half of the parameters may be set by now: the older values stand.
+                Err(_) if self.phase == Phase::Instantiated => return Ok(()),
+                done => done?,
+            }
+        }
+        let derivatives = &self.table.layout().derivatives;
+        if reals
+            .iter()
+            .any(|reference| derivatives.contains(&(*reference as usize)))
+        {
+            self.refresh_derivatives()?;
+        }
+        Ok(())
+    }
+
+    /// Remembers what was set and what depends on it.
+    #[inline]
+    fn changed(
+        &mut self,
+        references: &[u32],
+        list: impl FnOnce(&mut super::values::Explicit) -> &mut Box<[bool]>,
+    ) {
+        self.stale.outputs = true;
+        self.stale.derivatives = true;
+        if !self.is_starting() {
+            return;
+        }
+        self.stale.initial = true;
+        let explicit = list(&mut self.explicit);
+        for reference in references {
+            if let Some(set) = explicit.get_mut(*reference as usize) {
+                *set = true;
+                self.stale.component = true;
+            }
+        }
+    }
+
+    /// Integers, booleans and strings are parameters: settable until initialization ends.
+    fn check_parameters(&self, kind: Kind, references: &[u32]) -> Result<(), Trouble> {
+        for reference in references {
+            match self.table.find(kind, *reference) {
+                None => return Err(self.unknown(kind, *reference)),
+                Some(variable) if !self.is_starting() => return Err(self.not_settable(variable)),
+                Some(_) => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Parameters keep within their declared bounds, enumerations to their items.
+    #[cold]
+    fn check_bounds(&self, kind: Kind, references: &[u32], values: &[f64]) -> Result<(), Trouble> {
+        use crate::author::Start;
+        for (reference, value) in references.iter().zip(values) {
+            let Some(variable) = self.table.find(kind, *reference) else {
+                continue;
+            };
+            if variable.group != Group::Parameter {
+                continue;
+            }
+            let (min, max) = match &variable.start {
+                Start::Enumeration { items, .. } => (1.0, items.len() as f64),
+                _ => (
+                    variable.min.unwrap_or(f64::MIN),
+                    variable.max.unwrap_or(f64::MAX),
+                ),
+            };
+            if !(min..=max).contains(value) {
+                return Err(Trouble::error(format_args!(
+                    "{} = {value} is not within {min:?} and {max:?}",
+                    variable.name
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    #[cold]
+    fn cannot_set_real(&self, reference: u32, value: f64) -> Trouble {
+        let Some(variable) = self.table.find(Kind::Real, reference) else {
+            return self.unknown(Kind::Real, reference);
+        };
+        let settable = match variable.group {
+            Group::Input => true,
+            Group::Parameter => self.is_starting(),
+            _ => false,
+        };
+        if !settable {
+            return self.not_settable(variable);
+        }
+        let text = format!("{} = {value} is not finite", variable.name);
+        match self.interface {
+            Interface::ModelExchange => Trouble::discard(text),
+            Interface::CoSimulation => Trouble::error(text),
+        }
+    }
+
+    fn not_settable(&self, variable: &Variable) -> Trouble {
+        let why = match variable.group {
+            Group::Parameter => "is fixed once initialization is over; reset to change it",
+            Group::Input => "is an input",
+            Group::Output | Group::State | Group::Derivative => "is calculated",
+            Group::Time => "is the independent variable",
+        };
+        Trouble::error(format_args!("{} cannot be set: it {why}", variable.name))
+    }
+
+    #[cold]
+    fn unknown(&self, kind: Kind, reference: u32) -> Trouble {
+        let n = match kind {
+            Kind::Real => self.values.reals.len(),
+            Kind::Integer => self.values.integers.len(),
+            Kind::Boolean => self.values.booleans.len(),
+            Kind::String => self.values.strings.len(),
+        };
+        Trouble::error(match n.checked_sub(1) {
+            Some(last) => {
+                format!("no {kind:?} has value reference {reference}; the last is {last}")
+            }
+            None => format!("no {kind:?} has value reference {reference}; there are none"),
+        })
+    }
+
+    fn name(&self, kind: Kind, reference: u32) -> &str {
+        self.table
+            .find(kind, reference)
+            .map_or("?", |variable| variable.name.as_str())
+    }
+}
+
+fn assign<T: Clone>(all: &mut [T], references: &[u32], values: &[T]) {
+    for (reference, value) in references.iter().zip(values) {
+        if let Some(place) = all.get_mut(*reference as usize) {
+            place.clone_from(value);
+        }
+    }
+}

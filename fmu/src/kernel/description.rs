@@ -1,0 +1,266 @@
+//! modelDescription.xml of a component (FMI 2.0.4, section 2.2), from its info, its table and the
+//! dependencies found by probing. Elements and attributes are in the order of the standard.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::author::{Info, Start};
+
+use super::dependencies::Dependencies;
+use super::log::Category;
+use super::table::{Group, Table, Variable};
+use super::unit::{BASE, Unit};
+use super::xml::{Element, Xml, number};
+
+/// Writes the description. Without `dependencies` its text identifies the interface, which is
+/// what the GUID is made of.
+pub(crate) fn write(
+    info: &Info,
+    table: &Table,
+    guid: &str,
+    dependencies: Option<&Dependencies>,
+) -> String {
+    let mut xml = Xml::new();
+    let given = |text: &'static str| (!text.is_empty()).then_some(text);
+    xml.element("fmiModelDescription")
+        .attribute("fmiVersion", "2.0")
+        .attribute("modelName", info.name)
+        .attribute("guid", guid)
+        .maybe("description", given(info.description))
+        .maybe("author", given(info.author))
+        .maybe("version", given(info.version))
+        .maybe("license", given(info.license))
+        .attribute(
+            "generationTool",
+            concat!("fmu-kit ", env!("CARGO_PKG_VERSION")),
+        )
+        .attribute("variableNamingConvention", "structured")
+        .attribute("numberOfEventIndicators", 0)
+        .children();
+    interfaces(&mut xml, info);
+    units(&mut xml, table);
+    types(&mut xml, table);
+    xml.element("LogCategories").children();
+    for category in Category::ALL {
+        xml.element("Category")
+            .attribute("name", category.name())
+            .attribute("description", category.description())
+            .empty();
+    }
+    xml.close();
+    xml.element("DefaultExperiment")
+        .attribute("startTime", number(0.0))
+        .attribute("stopTime", number(info.stop_time_s))
+        .attribute("stepSize", number(info.step_s))
+        .empty();
+    variables(&mut xml, info, table);
+    if let Some(dependencies) = dependencies {
+        structure(&mut xml, dependencies);
+    }
+    xml.finish()
+}
+
+/// What each interface can do; exactly what the functions honour.
+fn interfaces(xml: &mut Xml, info: &Info) {
+    if info.model_exchange {
+        xml.element("ModelExchange")
+            .attribute("modelIdentifier", info.name)
+            .attribute("needsExecutionTool", false)
+            .attribute("completedIntegratorStepNotNeeded", true)
+            .attribute("canBeInstantiatedOnlyOncePerProcess", false)
+            .attribute("canNotUseMemoryManagementFunctions", true)
+            .attribute("canGetAndSetFMUstate", false)
+            .attribute("canSerializeFMUstate", false)
+            .attribute("providesDirectionalDerivative", false)
+            .empty();
+    }
+    xml.element("CoSimulation")
+        .attribute("modelIdentifier", info.name)
+        .attribute("needsExecutionTool", false)
+        .attribute("canHandleVariableCommunicationStepSize", true)
+        .attribute("canInterpolateInputs", false)
+        .attribute("maxOutputDerivativeOrder", 0)
+        .attribute("canRunAsynchronuously", false)
+        .attribute("canBeInstantiatedOnlyOncePerProcess", false)
+        .attribute("canNotUseMemoryManagementFunctions", true)
+        .attribute("canGetAndSetFMUstate", false)
+        .attribute("canSerializeFMUstate", false)
+        .attribute("providesDirectionalDerivative", false)
+        .empty();
+}
+
+fn units(xml: &mut Xml, table: &Table) {
+    let units: BTreeSet<&str> = table
+        .variables()
+        .iter()
+        .filter_map(|variable| variable.unit.as_deref())
+        .collect();
+    xml.element("UnitDefinitions").children();
+    for name in units {
+        let unit = Unit::parse(name).ok();
+        let base = unit.and_then(|unit| Some((unit, unit.whole_exponents()?)));
+        let element = xml.element("Unit").attribute("name", name);
+        let Some((unit, exponents)) = base else {
+            element.empty();
+            continue;
+        };
+        element.children();
+        let mut element = xml.element("BaseUnit");
+        for (symbol, exponent) in BASE.iter().zip(exponents).filter(|(_, n)| *n != 0) {
+            element = element.attribute(symbol, exponent);
+        }
+        element
+            .maybe("factor", (unit.factor != 1.0).then(|| number(unit.factor)))
+            .maybe("offset", (unit.offset != 0.0).then(|| number(unit.offset)))
+            .empty();
+        xml.close();
+    }
+    xml.close();
+}
+
+fn types(xml: &mut Xml, table: &Table) {
+    let mut enumerations = BTreeMap::new();
+    for variable in table.variables() {
+        if let Start::Enumeration {
+            name,
+            description,
+            items,
+            ..
+        } = variable.start
+        {
+            enumerations.insert(name, (description, items));
+        }
+    }
+    if enumerations.is_empty() {
+        return;
+    }
+    xml.element("TypeDefinitions").children();
+    for (name, (description, items)) in enumerations {
+        xml.element("SimpleType")
+            .attribute("name", name)
+            .maybe(
+                "description",
+                (!description.is_empty()).then_some(description),
+            )
+            .children();
+        xml.element("Enumeration").children();
+        for (value, (item, description)) in (1..).zip(items) {
+            xml.element("Item")
+                .attribute("name", item)
+                .attribute("value", value)
+                .maybe(
+                    "description",
+                    (!description.is_empty()).then_some(description),
+                )
+                .empty();
+        }
+        xml.close();
+        xml.close();
+    }
+    xml.close();
+}
+
+fn variables(xml: &mut Xml, info: &Info, table: &Table) {
+    xml.element("ModelVariables").children();
+    let first_state = table
+        .group(Group::State)
+        .map(|(index, _)| index)
+        .next()
+        .unwrap_or_default();
+    let mut derivatives = 0;
+    for variable in table.variables() {
+        let (causality, variability, initial) = role(variable.group, info.sampled);
+        let description = &variable.description;
+        xml.element("ScalarVariable")
+            .attribute("name", &variable.name)
+            .attribute("valueReference", variable.reference)
+            .maybe(
+                "description",
+                (!description.is_empty()).then_some(description),
+            )
+            .attribute("causality", causality)
+            .attribute("variability", variability)
+            .maybe("initial", initial)
+            .children();
+        let derivative_of = (variable.group == Group::Derivative).then(|| {
+            derivatives += 1;
+            first_state + derivatives
+        });
+        typed(xml, variable, derivative_of);
+        xml.close();
+    }
+    xml.close();
+}
+
+/// Causality, variability and initial of a group.
+fn role(group: Group, sampled: bool) -> (&'static str, &'static str, Option<&'static str>) {
+    let changing = if sampled { "discrete" } else { "continuous" };
+    match group {
+        Group::Parameter => ("parameter", "fixed", Some("exact")),
+        Group::Input => ("input", "continuous", None),
+        Group::Output => ("output", changing, Some("calculated")),
+        Group::State | Group::Derivative => ("local", "continuous", Some("calculated")),
+        Group::Time => ("independent", "continuous", None),
+    }
+}
+
+/// The element of the type: attributes, and a start value where one may be set.
+fn typed(xml: &mut Xml, variable: &Variable, derivative_of: Option<usize>) {
+    let settable = matches!(variable.group, Group::Parameter | Group::Input);
+    let real = |element: Element<'_>, start: f64| {
+        element
+            .maybe("unit", variable.unit.as_deref())
+            .maybe("min", variable.min.map(number))
+            .maybe("max", variable.max.map(number))
+            .maybe("nominal", variable.nominal.map(number))
+            .maybe("start", settable.then(|| number(start)))
+            .maybe("derivative", derivative_of)
+            .empty();
+    };
+    match &variable.start {
+        Start::Real(start) => real(xml.element("Real"), *start),
+        Start::Integer(start) => xml
+            .element("Integer")
+            .maybe("min", variable.min)
+            .maybe("max", variable.max)
+            .maybe("start", settable.then_some(start))
+            .empty(),
+        Start::Boolean(start) => {
+            xml.element("Boolean")
+                .maybe("start", settable.then_some(start))
+                .empty();
+        }
+        Start::String(start) => {
+            xml.element("String")
+                .maybe("start", settable.then_some(start))
+                .empty();
+        }
+        Start::Enumeration { name, value, .. } => xml
+            .element("Enumeration")
+            .attribute("declaredType", name)
+            .maybe("start", settable.then_some(value))
+            .empty(),
+    }
+}
+
+fn structure(xml: &mut Xml, dependencies: &Dependencies) {
+    xml.element("ModelStructure").children();
+    for (list, unknowns) in [
+        ("Outputs", &dependencies.outputs),
+        ("Derivatives", &dependencies.derivatives),
+        ("InitialUnknowns", &dependencies.initial),
+    ] {
+        if unknowns.is_empty() {
+            continue;
+        }
+        xml.element(list).children();
+        for (unknown, knowns) in unknowns {
+            let indices: Vec<String> = knowns.iter().map(|known| (known + 1).to_string()).collect();
+            xml.element("Unknown")
+                .attribute("index", unknown + 1)
+                .attribute("dependencies", indices.join(" "))
+                .empty();
+        }
+        xml.close();
+    }
+    xml.close();
+}

@@ -1,0 +1,335 @@
+//! One instance of a component: its life from instantiation to termination, by the rules of
+//! FMI 2.0 and without its C.
+//!
+//! Every function checks that it is legal now, does its work, and on trouble logs exactly one
+//! line `function: what, why, what to do` and returns a status. Values are computed when they are
+//! read, if something they depend on changed since.
+
+use std::sync::Arc;
+
+use crate::author::Time;
+
+use super::call::{Call, Phase};
+use super::log::{Log, Sink};
+use super::model::Model;
+use super::status::{Status, Trouble};
+use super::table::Table;
+use super::values::{Explicit, Values, all_finite};
+
+/// Which of FMI's two interfaces an instance serves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interface {
+    /// The importer integrates.
+    ModelExchange,
+    /// The instance integrates.
+    CoSimulation,
+}
+
+/// Latest start time: nanoseconds in 64 bits reach 292 years.
+const LATEST_S: f64 = 9e9;
+
+/// What has to be computed again before it can be read.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stale {
+    /// The component: a parameter changed.
+    pub(super) component: bool,
+    /// The initial states: a parameter, an input or the start time changed before the start.
+    pub(super) initial: bool,
+    pub(super) outputs: bool,
+    pub(super) derivatives: bool,
+}
+
+impl Stale {
+    const ALL: Self = Self {
+        component: true,
+        initial: true,
+        outputs: true,
+        derivatives: true,
+    };
+
+    #[inline]
+    pub(super) const fn any(self) -> bool {
+        self.component | self.initial | self.outputs | self.derivatives
+    }
+}
+
+/// One instance.
+pub struct Instance {
+    pub(super) table: Arc<Table>,
+    pub(super) model: Box<dyn Model>,
+    pub(super) interface: Interface,
+    pub(super) phase: Phase,
+    pub(super) values: Values,
+    pub(super) explicit: Explicit,
+    pub(super) stale: Stale,
+    pub(super) time_s: f64,
+    pub(super) stop_s: Option<f64>,
+    pub(super) log: Log,
+}
+
+impl Instance {
+    /// A new instance of a model over its table.
+    #[must_use]
+    pub fn new(
+        table: Arc<Table>,
+        model: Box<dyn Model>,
+        interface: Interface,
+        sink: Box<dyn Sink>,
+        logging_on: bool,
+    ) -> Self {
+        let mut instance = Self {
+            model,
+            interface,
+            phase: Phase::Instantiated,
+            values: table.start_values(),
+            explicit: Explicit::none(table.layout().parameters),
+            stale: Stale::ALL,
+            time_s: 0.0,
+            stop_s: None,
+            log: Log::new(sink, logging_on),
+            table,
+        };
+        // Dependent values are readable from here on; if the defaults do not suffice for that
+        // (a required parameter is empty), the start values stand until initialization.
+        let _ = instance.refresh();
+        instance
+    }
+
+    /// The variables.
+    #[must_use]
+    pub fn table(&self) -> &Table {
+        &self.table
+    }
+
+    /// The state of the state machine.
+    #[must_use]
+    pub fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    /// `fmi2SetDebugLogging`
+    pub fn set_debug_logging(&mut self, on: bool, categories: &[&str]) -> Status {
+        self.call(Call::SetDebugLogging, |me| {
+            me.log.choose(on, categories).map_err(Trouble::error)
+        })
+    }
+
+    /// `fmi2SetupExperiment`; the tolerance is ignored, since the integrator's step is fixed.
+    pub fn setup_experiment(&mut self, start_s: f64, stop_s: Option<f64>) -> Status {
+        self.call(Call::SetupExperiment, |me| {
+            if !(-LATEST_S..=LATEST_S).contains(&start_s) {
+                return Err(Trouble::error(format_args!(
+                    "startTime = {start_s} s is not within -{LATEST_S:e} s and {LATEST_S:e} s"
+                )));
+            }
+            if let Some(stop) = stop_s.filter(|stop| stop.is_nan() || *stop < start_s) {
+                return Err(Trouble::error(format_args!(
+                    "stopTime = {stop} s is before startTime = {start_s} s"
+                )));
+            }
+            me.set_clock(start_s);
+            me.stop_s = stop_s;
+            me.stale.initial = true;
+            Ok(())
+        })
+    }
+
+    /// `fmi2EnterInitializationMode`
+    pub fn enter_initialization_mode(&mut self) -> Status {
+        self.call(Call::EnterInitializationMode, |me| {
+            me.phase = Phase::Initialization;
+            Ok(())
+        })
+    }
+
+    /// `fmi2ExitInitializationMode`
+    pub fn exit_initialization_mode(&mut self) -> Status {
+        self.call(Call::ExitInitializationMode, |me| {
+            if let Err(trouble) = me.refresh() {
+                me.phase = Phase::Error;
+                return Err(Trouble {
+                    status: Status::Error,
+                    ..trouble
+                });
+            }
+            me.phase = match me.interface {
+                Interface::ModelExchange => Phase::Event,
+                Interface::CoSimulation => Phase::Step,
+            };
+            me.log.event(|| format!("initialized at {} s", me.time_s));
+            Ok(())
+        })
+    }
+
+    /// `fmi2Terminate`
+    pub fn terminate(&mut self) -> Status {
+        self.call(Call::Terminate, |me| {
+            me.phase = Phase::Terminated;
+            Ok(())
+        })
+    }
+
+    /// `fmi2Reset`: as just instantiated.
+    pub fn reset(&mut self) -> Status {
+        self.call(Call::Reset, |me| {
+            me.phase = Phase::Instantiated;
+            me.values = me.table.start_values();
+            me.explicit = Explicit::none(me.table.layout().parameters);
+            me.stop_s = None;
+            me.stale = Stale::ALL;
+            me.set_clock(0.0);
+            let _ = me.refresh();
+            Ok(())
+        })
+    }
+
+    /// Marks the instance as corrupt after a panic in `call`.
+    pub fn poison(&mut self, call: Call, reason: &str) -> Status {
+        self.phase = Phase::Fatal;
+        self.log.failure(
+            Status::Fatal,
+            &format!("{}: panicked: {reason}; free the instance", call.name()),
+        );
+        Status::Fatal
+    }
+
+    /// Refuses a function that is declared as not supported.
+    pub fn unsupported(&mut self, call: Call, flag: &str) -> Status {
+        self.call(call, |_| {
+            Err(Trouble::error(format_args!(
+                "not supported, as modelDescription.xml says: {flag}"
+            )))
+        })
+    }
+
+    /// Refuses a call for a reason its arguments gave away.
+    pub fn refuse(&mut self, call: Call, reason: &str) -> Status {
+        self.call(call, |_| Err(Trouble::error(reason)))
+    }
+
+    /// The frame of every function: legality, work, one line on failure.
+    #[inline]
+    pub(super) fn call(
+        &mut self,
+        call: Call,
+        work: impl FnOnce(&mut Self) -> Result<(), Trouble>,
+    ) -> Status {
+        if !self.phase.allows(call) {
+            return self.out_of_order(call);
+        }
+        match work(self) {
+            Ok(()) => Status::Ok,
+            Err(trouble) => self.failed(call, &trouble),
+        }
+    }
+
+    #[cold]
+    fn out_of_order(&mut self, call: Call) -> Status {
+        let status = if self.phase == Phase::Fatal {
+            Status::Fatal
+        } else {
+            Status::Error
+        };
+        let text = format!("{}: not allowed {}", call.name(), self.phase.words());
+        self.log.failure(status, &text);
+        status
+    }
+
+    #[cold]
+    fn failed(&mut self, call: Call, trouble: &Trouble) -> Status {
+        self.log.failure(
+            trouble.status,
+            &format!("{}: {}", call.name(), trouble.text),
+        );
+        trouble.status
+    }
+
+    pub(super) fn set_clock(&mut self, time_s: f64) {
+        self.time_s = time_s;
+        if let Some(time) = self.values.reals.last_mut() {
+            *time = time_s;
+        }
+    }
+
+    /// Computes what is stale, derivatives excepted, and checks that it is finite.
+    #[cold]
+    pub(super) fn refresh(&mut self) -> Result<(), Trouble> {
+        if self.stale.component {
+            self.model
+                .configure(&mut self.values, &self.explicit)
+                .map_err(Trouble::error)?;
+            self.stale.component = false;
+            self.stale.initial |= matches!(self.phase, Phase::Instantiated | Phase::Initialization);
+        }
+        if self.stale.initial {
+            let start = Time::from_seconds(self.time_s);
+            self.model
+                .initialize(start, &mut self.values)
+                .map_err(Trouble::error)?;
+            self.stale = Stale {
+                component: false,
+                initial: false,
+                ..Stale::ALL
+            };
+        }
+        if self.stale.outputs {
+            self.model.outputs(self.time_s, &mut self.values);
+            self.stale.outputs = false;
+            self.check_outputs()?;
+        }
+        Ok(())
+    }
+
+    /// Computes the derivatives if they are stale, and checks that they are finite.
+    pub(super) fn refresh_derivatives(&mut self) -> Result<(), Trouble> {
+        if self.stale.derivatives {
+            self.model.derivatives(self.time_s, &mut self.values);
+            self.stale.derivatives = false;
+            self.check_finite(self.table.layout().derivatives.clone())?;
+        }
+        Ok(())
+    }
+
+    /// Checks that outputs and states, which lie side by side, are finite.
+    #[inline]
+    pub(super) fn check_outputs(&self) -> Result<(), Trouble> {
+        let layout = self.table.layout();
+        self.check_finite(layout.outputs.start..layout.states.end)
+    }
+
+    #[inline]
+    fn check_finite(&self, place: std::ops::Range<usize>) -> Result<(), Trouble> {
+        match self.values.reals.get(place.clone()) {
+            Some(values) if !all_finite(values) => Err(self.not_finite(place)),
+            _ => Ok(()),
+        }
+    }
+
+    #[cold]
+    fn not_finite(&self, place: std::ops::Range<usize>) -> Trouble {
+        let bad = |variable: &&super::table::Variable| {
+            let reference = variable.reference as usize;
+            matches!(variable.start, crate::author::Start::Real(_))
+                && place.contains(&reference)
+                && self
+                    .values
+                    .reals
+                    .get(reference)
+                    .is_some_and(|value| !value.is_finite())
+        };
+        let name = self
+            .table
+            .variables()
+            .iter()
+            .find(bad)
+            .map_or("?", |v| v.name.as_str());
+        let text = format!(
+            "{name} is not finite at t = {} s; look at the inputs and start values that lead there",
+            self.time_s
+        );
+        match self.interface {
+            Interface::ModelExchange => Trouble::discard(text),
+            Interface::CoSimulation => Trouble::error(text),
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! What an instance tells its importer: exactly one line for each call that fails, and more on
+//! request. Failures are always told, since a status without a reason helps nobody; `loggingOn`
+//! and the categories choose among the debug messages, as the standard has it.
+
+use super::status::Status;
+
+/// The categories of messages, by the names the standard recommends (FMI 2.0.4, section 2.2.4).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Category {
+    /// Debug: initialization and time events.
+    Events,
+    /// A warning.
+    Warning,
+    /// A value or a step that was discarded.
+    Discard,
+    /// An error.
+    Error,
+    /// The end of this instance.
+    Fatal,
+}
+
+impl Category {
+    /// All of them, as listed in the description.
+    pub const ALL: [Self; 5] = [
+        Self::Events,
+        Self::Warning,
+        Self::Discard,
+        Self::Error,
+        Self::Fatal,
+    ];
+
+    /// Name in the description and in each message.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Events => "logEvents",
+            Self::Warning => "logStatusWarning",
+            Self::Discard => "logStatusDiscard",
+            Self::Error => "logStatusError",
+            Self::Fatal => "logStatusFatal",
+        }
+    }
+
+    /// Description in `LogCategories`.
+    #[must_use]
+    pub const fn description(self) -> &'static str {
+        match self {
+            Self::Events => "Initialization and time events, on request",
+            Self::Warning => "Warnings, always logged",
+            Self::Discard => "Values and steps that were discarded, always logged",
+            Self::Error => "Errors, always logged",
+            Self::Fatal => "Failures that end the instance, always logged",
+        }
+    }
+
+    const fn of(status: Status) -> Self {
+        match status {
+            Status::Ok => Self::Events,
+            Status::Warning => Self::Warning,
+            Status::Discard => Self::Discard,
+            Status::Error => Self::Error,
+            Status::Fatal => Self::Fatal,
+        }
+    }
+}
+
+/// Where messages go: the importer's logger.
+pub trait Sink: Send {
+    /// Delivers one finished line.
+    fn write(&self, status: Status, category: Category, text: &str);
+}
+
+/// The log of one instance.
+pub(crate) struct Log {
+    sink: Box<dyn Sink>,
+    events: bool,
+}
+
+impl Log {
+    pub(crate) fn new(sink: Box<dyn Sink>, logging_on: bool) -> Self {
+        Self {
+            sink,
+            events: logging_on,
+        }
+    }
+
+    /// Tells of a call that failed.
+    pub(crate) fn failure(&self, status: Status, text: &str) {
+        self.sink.write(status, Category::of(status), text);
+    }
+
+    /// Tells of an event, if someone asked; `text` is only made then.
+    pub(crate) fn event(&self, text: impl FnOnce() -> String) {
+        if self.events {
+            self.sink.write(Status::Ok, Category::Events, &text());
+        }
+    }
+
+    /// Chooses the debug messages; no categories means all. An unknown name is an error.
+    pub(crate) fn choose(&mut self, on: bool, categories: &[&str]) -> Result<(), String> {
+        let known = |name: &str| Category::ALL.iter().any(|category| category.name() == name);
+        if let Some(unknown) = categories.iter().find(|name| !known(name)) {
+            let names: Vec<_> = Category::ALL
+                .iter()
+                .map(|category| category.name())
+                .collect();
+            return Err(format!(
+                "unknown log category \"{unknown}\"; the categories are {}",
+                names.join(", ")
+            ));
+        }
+        self.events =
+            on && (categories.is_empty() || categories.contains(&Category::Events.name()));
+        Ok(())
+    }
+}

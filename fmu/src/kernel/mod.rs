@@ -1,0 +1,38 @@
+//! FMI 2.0 without its C: variable table, state machine, instances, stepper, description.
+//!
+//! | file | what |
+//! |---|---|
+//! | `table`, `unit`, `values` | the variables of a component and the arrays they live in |
+//! | `call`, `status`, `log` | legal calls per state, return status, one line per failure |
+//! | `model`, `adapter`, `stepper` | the seam to the mathematics, and components behind it |
+//! | `instance`, `access`, `co_simulation`, `model_exchange` | the functions of FMI 2.0 |
+//! | `registry`, `description`, `documentation`, `xml`, `dependencies` | components of a library, what they say of themselves |
+
+mod access;
+mod adapter;
+mod call;
+mod co_simulation;
+mod dependencies;
+mod description;
+mod documentation;
+mod instance;
+mod log;
+mod model;
+mod model_exchange;
+mod registry;
+mod status;
+mod stepper;
+mod table;
+mod unit;
+mod values;
+mod xml;
+
+pub use call::{Call, Phase};
+pub use instance::{Instance, Interface};
+pub use log::{Category, Sink};
+pub use model::Model;
+pub use model_exchange::EventOutcome;
+pub use registry::{Entry, Registry};
+pub use status::Status;
+pub use table::{Group, Layout, Table, TableError, Variable};
+pub use values::{Explicit, Values};

@@ -1,0 +1,180 @@
+//! The components a library holds, told apart by their GUIDs.
+
+use std::sync::Arc;
+
+use sha2::{Digest, Sha256};
+
+use crate::author::{Component, Info, Resources};
+
+use super::adapter::ComponentModel;
+use super::dependencies::{self, Dependencies};
+use super::description;
+use super::documentation;
+use super::instance::{Instance, Interface};
+use super::log::Sink;
+use super::model::Model;
+use super::table::{Table, TableError};
+
+/// One component of a library.
+#[derive(Debug)]
+pub struct Entry {
+    info: Info,
+    table: Arc<Table>,
+    flaw: Option<TableError>,
+    guid: String,
+    model: fn(&Table, Resources) -> Box<dyn Model>,
+    dependencies: fn(&Table) -> Result<Dependencies, String>,
+}
+
+impl Entry {
+    /// The entry of a component.
+    #[must_use]
+    pub fn of<C: Component>() -> Self {
+        let (table, flaw) = match Table::of::<C>() {
+            Ok(table) => (table, None),
+            Err(flaw) => (Table::default(), Some(flaw)),
+        };
+        let text = description::write(&C::INFO, &table, "", None);
+        Self {
+            info: C::INFO,
+            guid: guid(&text),
+            table: Arc::new(table),
+            flaw,
+            model: |table, resources| {
+                Box::new(ComponentModel::<C>::new(table.layout().clone(), resources))
+            },
+            dependencies: dependencies::probe::<C>,
+        }
+    }
+
+    /// Name, description, default experiment.
+    #[must_use]
+    pub fn info(&self) -> &Info {
+        &self.info
+    }
+
+    /// The variables.
+    #[must_use]
+    pub fn table(&self) -> &Table {
+        &self.table
+    }
+
+    /// What distinguishes this component, in this version of its interface, from all others.
+    #[must_use]
+    pub fn guid(&self) -> &str {
+        &self.guid
+    }
+
+    /// The text of its modelDescription.xml.
+    ///
+    /// # Errors
+    /// The variable table cannot stand, or the component cannot be probed for its dependencies.
+    pub fn describe(&self) -> Result<String, String> {
+        let name = self.info.name;
+        if let Some(flaw) = &self.flaw {
+            return Err(format!("{name}: {flaw}"));
+        }
+        let dependencies =
+            (self.dependencies)(&self.table).map_err(|reason| format!("{name}: {reason}"))?;
+        Ok(description::write(
+            &self.info,
+            &self.table,
+            &self.guid,
+            Some(&dependencies),
+        ))
+    }
+
+    /// The text of its documentation/index.html.
+    #[must_use]
+    pub fn documentation(&self) -> String {
+        documentation::write(&self.info, &self.table)
+    }
+
+    /// A new instance.
+    ///
+    /// # Errors
+    /// The interface is not offered, or the variable table cannot stand.
+    pub fn instantiate(
+        &self,
+        interface: Interface,
+        resources: Resources,
+        sink: Box<dyn Sink>,
+        logging_on: bool,
+    ) -> Result<Instance, String> {
+        let name = self.info.name;
+        if let Some(flaw) = &self.flaw {
+            return Err(format!("{name}: {flaw}"));
+        }
+        if interface == Interface::ModelExchange && !self.info.model_exchange {
+            return Err(format!(
+                "{name} offers co-simulation only, not model exchange"
+            ));
+        }
+        let model = (self.model)(&self.table, resources);
+        Ok(Instance::new(
+            Arc::clone(&self.table),
+            model,
+            interface,
+            sink,
+            logging_on,
+        ))
+    }
+}
+
+/// All components of a library.
+#[derive(Debug)]
+pub struct Registry {
+    entries: Vec<Entry>,
+}
+
+impl Registry {
+    /// A library of these components.
+    #[must_use]
+    pub fn new(entries: Vec<Entry>) -> Self {
+        Self { entries }
+    }
+
+    /// The components in the order of the export.
+    pub fn entries(&self) -> impl Iterator<Item = &Entry> {
+        self.entries.iter()
+    }
+
+    /// The component called `name`.
+    #[must_use]
+    pub fn named(&self, name: &str) -> Option<&Entry> {
+        self.entries().find(|entry| entry.info.name == name)
+    }
+
+    /// The component of a GUID.
+    ///
+    /// # Errors
+    /// There is none; the text names the GUID asked for and those there are.
+    pub fn by_guid(&self, guid: &str) -> Result<&Entry, String> {
+        self.entries()
+            .find(|entry| entry.guid == guid)
+            .ok_or_else(|| {
+                let known: Vec<_> = self
+                    .entries()
+                    .map(|e| format!("{} {}", e.info.name, e.guid))
+                    .collect();
+                format!(
+                    "GUID \"{guid}\" is not one of this library's, which are {}; \
+                 modelDescription.xml and library belong to different builds",
+                    known.join(", ")
+                )
+            })
+    }
+}
+
+/// SHA-256 of the description in the customary form of a GUID.
+fn guid(text: &str) -> String {
+    let mut guid = String::from("{");
+    for (index, byte) in Sha256::digest(text.as_bytes()).iter().take(16).enumerate() {
+        if matches!(index, 4 | 6 | 8 | 10) {
+            guid.push('-');
+        }
+        guid.push_str(&format!("{byte:02x}"));
+    }
+    guid.push('}');
+    guid
+}

@@ -1,0 +1,42 @@
+//! FMI's return status, and the trouble that leads to a bad one.
+
+use std::fmt::Display;
+
+/// `fmi2Status` (FMI 2.0.4, section 2.1.3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(i32)]
+pub enum Status {
+    /// All well.
+    Ok = 0,
+    /// Not quite right, but the computation can go on.
+    Warning = 1,
+    /// Not computed; a solver may try again with a shorter step.
+    Discard = 2,
+    /// The simulation cannot go on with this instance; reset or free it.
+    Error = 3,
+    /// The instance is corrupt; free it.
+    Fatal = 4,
+}
+
+/// Why a call did not succeed: what the log line says and the call returns.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Trouble {
+    pub(crate) status: Status,
+    pub(crate) text: String,
+}
+
+impl Trouble {
+    pub(crate) fn error(text: impl Display) -> Self {
+        Self {
+            status: Status::Error,
+            text: text.to_string(),
+        }
+    }
+
+    pub(crate) fn discard(text: impl Display) -> Self {
+        Self {
+            status: Status::Discard,
+            text: text.to_string(),
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! The flat value arrays of an instance, indexed by value reference, and which parameters its user
+//! set.
+
+use std::ffi::CString;
+use std::ops::Range;
+
+use crate::author::{Count, Reader, Variables, Writer};
+
+/// All values of an instance, one array per FMI type; a value reference is an index.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Values {
+    /// Reals: parameters, inputs, outputs, states, derivatives, time.
+    pub reals: Box<[f64]>,
+    /// Integers and enumerations.
+    pub integers: Box<[i32]>,
+    /// Booleans.
+    pub booleans: Box<[bool]>,
+    /// Strings, terminated for C.
+    pub strings: Box<[CString]>,
+}
+
+impl Values {
+    /// Zeros, as many as counted.
+    pub(crate) fn zeros(count: Count) -> Self {
+        Self {
+            reals: vec![0.0; count.reals].into(),
+            integers: vec![0; count.integers].into(),
+            booleans: vec![false; count.booleans].into(),
+            strings: vec![CString::default(); count.strings].into(),
+        }
+    }
+
+    /// The values of a struct alone.
+    pub(crate) fn of<V: Variables>(value: &V) -> Self {
+        let mut values = Self::zeros(V::COUNT);
+        values.store(value);
+        values
+    }
+
+    /// Puts a struct's values first.
+    pub(crate) fn store<V: Variables>(&mut self, value: &V) {
+        value.store(&mut Writer {
+            reals: &mut self.reals,
+            integers: &mut self.integers,
+            booleans: &mut self.booleans,
+            strings: &mut self.strings,
+        });
+    }
+
+    /// The struct whose values come first.
+    pub(crate) fn load<V: Variables>(&self) -> V {
+        V::load(&mut Reader {
+            reals: &self.reals,
+            integers: &self.integers,
+            booleans: &self.booleans,
+            strings: &self.strings,
+        })
+    }
+
+    /// Takes over from `other` what was set explicitly there.
+    pub(crate) fn overlay(&mut self, other: &Self, explicit: &Explicit) {
+        fn each<T: Clone>(own: &mut [T], theirs: &[T], set: &[bool]) {
+            for ((own, theirs), _) in own.iter_mut().zip(theirs).zip(set).filter(|(_, set)| **set) {
+                own.clone_from(theirs);
+            }
+        }
+        each(&mut self.reals, &other.reals, &explicit.reals);
+        each(&mut self.integers, &other.integers, &explicit.integers);
+        each(&mut self.booleans, &other.booleans, &explicit.booleans);
+        each(&mut self.strings, &other.strings, &explicit.strings);
+    }
+}
+
+/// Which parameters were set by the user, per type.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Explicit {
+    /// Real parameters.
+    pub reals: Box<[bool]>,
+    /// Integer and enumeration parameters.
+    pub integers: Box<[bool]>,
+    /// Boolean parameters.
+    pub booleans: Box<[bool]>,
+    /// String parameters.
+    pub strings: Box<[bool]>,
+}
+
+impl Explicit {
+    /// None set yet.
+    pub(crate) fn none(parameters: Count) -> Self {
+        let unset = |n: usize| vec![false; n].into();
+        Self {
+            reals: unset(parameters.reals),
+            integers: unset(parameters.integers),
+            booleans: unset(parameters.booleans),
+            strings: unset(parameters.strings),
+        }
+    }
+}
+
+/// Whether all values are finite; without a branch per value, so that it vectorizes.
+#[inline]
+pub(crate) fn all_finite(values: &[f64]) -> bool {
+    !values
+        .iter()
+        .fold(false, |bad, value| bad | !value.is_finite())
+}
+
+/// Reads a port group from its place among the reals.
+///
+/// The comparison of lengths tells the compiler the length of the slice, and with it every check
+/// inside `load` vanishes.
+#[inline]
+pub(crate) fn read<P: Variables + Default>(reals: &[f64], place: &Range<usize>) -> P {
+    match reals.get(place.clone()) {
+        Some(slice) if slice.len() == P::COUNT.reals => P::load(&mut Reader {
+            reals: slice,
+            ..Reader::default()
+        }),
+        _ => P::default(),
+    }
+}
+
+/// Writes a port group to its place among the reals.
+#[inline]
+pub(crate) fn write<P: Variables>(value: &P, reals: &mut [f64], place: &Range<usize>) {
+    match reals.get_mut(place.clone()) {
+        Some(slice) if slice.len() == P::COUNT.reals => {
+            value.store(&mut Writer {
+                reals: slice,
+                ..Writer::default()
+            });
+        }
+        _ => {}
+    }
+}

@@ -1,0 +1,104 @@
+//! modelDescription.xml: complete, true, and the same bytes every time.
+
+use crate::components::REGISTRY;
+
+fn text(name: &str) -> String {
+    REGISTRY.named(name).unwrap().describe().unwrap()
+}
+
+/// The names an unknown depends on, from a list of the model structure.
+fn dependencies(name: &str, list: &str, unknown: &str) -> Vec<String> {
+    let (text, table) = (text(name), REGISTRY.named(name).unwrap().table());
+    let names: Vec<_> = table.variables().iter().map(|v| v.name.as_str()).collect();
+    let index = names.iter().position(|name| *name == unknown).unwrap() + 1;
+    let start = text.find(&format!("<{list}>")).expect("the list is there");
+    let end = text.find(&format!("</{list}>")).unwrap();
+    let key = format!("index=\"{index}\" dependencies=\"");
+    let line = text[start..end]
+        .split_once(&key)
+        .expect("the unknown is listed")
+        .1;
+    let indices = line.split_once('"').unwrap().0.split_whitespace();
+    indices
+        .map(|index| names[index.parse::<usize>().unwrap() - 1].to_owned())
+        .collect()
+}
+
+#[test]
+fn the_same_component_gives_the_same_bytes() {
+    assert_eq!(text("Spring"), text("Spring"));
+    let guid = REGISTRY.named("Spring").unwrap().guid();
+    assert_eq!(guid.len(), 38);
+    assert!(text("Spring").contains(&format!("guid=\"{guid}\"")));
+    assert_ne!(guid, REGISTRY.named("Noise").unwrap().guid());
+}
+
+#[test]
+fn feed_through_is_found_where_it_is_and_only_there() {
+    assert_eq!(dependencies("Spring", "Outputs", "position"), ["state.x"]);
+    assert_eq!(
+        dependencies("Spring", "Outputs", "acceleration"),
+        ["force", "state.x"]
+    );
+    assert_eq!(
+        dependencies("Spring", "Derivatives", "der(state.x)"),
+        ["state.v"]
+    );
+    assert_eq!(
+        dependencies("Spring", "Derivatives", "der(state.v)"),
+        ["force", "state.x"]
+    );
+}
+
+#[test]
+fn a_sampled_output_depends_on_the_input_of_its_last_sample() {
+    assert_eq!(
+        dependencies("Noise", "Outputs", "value"),
+        ["signal", "enabled"]
+    );
+    assert_eq!(dependencies("Noise", "Outputs", "count"), ["enabled"]);
+}
+
+#[test]
+fn initial_values_depend_on_parameters_and_inputs() {
+    let of = |unknown| dependencies("Spring", "InitialUnknowns", unknown);
+    assert_eq!(of("position"), ["parameter_set", "start", "label"]);
+    assert_eq!(of("state.v"), ["label"]);
+    let all = [
+        "parameter_set",
+        "mass",
+        "stiffness",
+        "start",
+        "sign",
+        "sprung",
+        "label",
+        "force",
+    ];
+    assert_eq!(of("der(state.v)"), all);
+    assert_eq!(
+        dependencies("Noise", "InitialUnknowns", "value"),
+        ["seed", "signal", "enabled"]
+    );
+}
+
+#[test]
+fn the_parts_are_as_declared() {
+    let text = text("Spring");
+    for part in [
+        r#"description="A mass on a &quot;spring&quot; &amp; nothing else""#,
+        r#"version="1 &lt; 2""#,
+        r#"<CoSimulation modelIdentifier="Spring""#,
+        r#"<ModelExchange modelIdentifier="Spring""#,
+        r#"<Unit name="N/m">"#,
+        r#"<BaseUnit kg="1" s="-2"/>"#,
+        r#"<Item name="Heavy" value="2" description="A heavy mass"/>"#,
+        r#"<Enumeration declaredType="Set" start="1"/>"#,
+        r#"<Real unit="kg" min="0.001" start="1.0"/>"#,
+        r#"<Real unit="m/s2" derivative="13"/>"#,
+        r#"name="time" valueReference="10" description="Simulation time" causality="independent""#,
+    ] {
+        assert!(text.contains(part), "{part}\n{text}");
+    }
+    let clumsy = self::text("Clumsy");
+    assert!(!clumsy.contains("ModelExchange") && !clumsy.contains("TypeDefinitions"));
+}

@@ -1,0 +1,206 @@
+//! Every function in every state: what the table allows is done, all else is an error with one
+//! line and without effect.
+
+use fmu_kit::abi::types::fmi2EventInfo;
+use fmu_kit::kernel::{Call, Phase, Status};
+
+use crate::components::fmi2;
+use crate::driver::{CS, Fmu, ME};
+
+/// An instance in a state.
+fn in_phase(phase: Phase) -> Fmu {
+    let mut fmu = match phase {
+        Phase::Event | Phase::Continuous => Fmu::started("Spring", ME),
+        Phase::Step | Phase::Terminated => Fmu::started("Spring", CS),
+        Phase::Error | Phase::Fatal => Fmu::started("Clumsy", CS),
+        Phase::Instantiated | Phase::Initialization => Fmu::new("Spring", CS),
+    };
+    unsafe {
+        match phase {
+            Phase::Initialization => _ = fmu.enter(),
+            Phase::Continuous => _ = fmi2::fmi2EnterContinuousTimeMode(fmu.c),
+            Phase::Terminated => _ = fmi2::fmi2Terminate(fmu.c),
+            Phase::Error => {
+                fmu.set("command", crate::components::command::FAULT);
+                fmu.step(0.0, 1.0);
+            }
+            Phase::Fatal => {
+                fmu.set("command", crate::components::command::PANIC);
+                fmu.step(0.0, 1.0);
+            }
+            _ => {}
+        }
+    }
+    fmu.log();
+    fmu
+}
+
+/// Calls a function with harmless arguments.
+fn call(fmu: &Fmu, function: Call) -> Status {
+    use std::ptr::{null, null_mut};
+    let c = fmu.c;
+    let (mut info, mut a, mut b) = (fmi2EventInfo::default(), 0, 0);
+    let mut real = [0.0; 2];
+    let nx = if fmu.name == "Spring" { 2 } else { 0 };
+    unsafe {
+        match function {
+            Call::SetDebugLogging => fmi2::fmi2SetDebugLogging(c, 0, 0, null()),
+            Call::FreeInstance => Status::Ok,
+            Call::SetupExperiment => fmi2::fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0),
+            Call::EnterInitializationMode => fmi2::fmi2EnterInitializationMode(c),
+            Call::ExitInitializationMode => fmi2::fmi2ExitInitializationMode(c),
+            Call::Terminate => fmi2::fmi2Terminate(c),
+            Call::Reset => fmi2::fmi2Reset(c),
+            Call::GetReal => fmi2::fmi2GetReal(c, null(), 0, null_mut()),
+            Call::GetInteger => fmi2::fmi2GetInteger(c, null(), 0, null_mut()),
+            Call::GetBoolean => fmi2::fmi2GetBoolean(c, null(), 0, null_mut()),
+            Call::GetString => fmi2::fmi2GetString(c, null(), 0, null_mut()),
+            Call::SetReal => fmi2::fmi2SetReal(c, null(), 0, null()),
+            Call::SetInteger => fmi2::fmi2SetInteger(c, null(), 0, null()),
+            Call::SetBoolean => fmi2::fmi2SetBoolean(c, null(), 0, null()),
+            Call::SetString => fmi2::fmi2SetString(c, null(), 0, null()),
+            Call::GetFmuState => fmi2::fmi2GetFMUstate(c, null_mut()),
+            Call::SetFmuState => fmi2::fmi2SetFMUstate(c, null_mut()),
+            Call::FreeFmuState => fmi2::fmi2FreeFMUstate(c, null_mut()),
+            Call::SerializedFmuStateSize => {
+                fmi2::fmi2SerializedFMUstateSize(c, null_mut(), null_mut())
+            }
+            Call::SerializeFmuState => fmi2::fmi2SerializeFMUstate(c, null_mut(), null_mut(), 0),
+            Call::DeSerializeFmuState => fmi2::fmi2DeSerializeFMUstate(c, null(), 0, null_mut()),
+            Call::GetDirectionalDerivative => {
+                fmi2::fmi2GetDirectionalDerivative(c, null(), 0, null(), 0, null(), null_mut())
+            }
+            Call::EnterEventMode => fmi2::fmi2EnterEventMode(c),
+            Call::NewDiscreteStates => fmi2::fmi2NewDiscreteStates(c, &raw mut info),
+            Call::EnterContinuousTimeMode => fmi2::fmi2EnterContinuousTimeMode(c),
+            Call::CompletedIntegratorStep => {
+                fmi2::fmi2CompletedIntegratorStep(c, 1, &raw mut a, &raw mut b)
+            }
+            Call::SetTime => fmi2::fmi2SetTime(c, 0.0),
+            Call::SetContinuousStates => fmi2::fmi2SetContinuousStates(c, real.as_ptr(), nx),
+            Call::GetDerivatives => fmi2::fmi2GetDerivatives(c, real.as_mut_ptr(), nx),
+            Call::GetEventIndicators => fmi2::fmi2GetEventIndicators(c, null_mut(), 0),
+            Call::GetContinuousStates => fmi2::fmi2GetContinuousStates(c, real.as_mut_ptr(), nx),
+            Call::GetNominals => fmi2::fmi2GetNominalsOfContinuousStates(c, real.as_mut_ptr(), nx),
+            Call::SetRealInputDerivatives => {
+                fmi2::fmi2SetRealInputDerivatives(c, null(), 0, null(), null())
+            }
+            Call::GetRealOutputDerivatives => {
+                fmi2::fmi2GetRealOutputDerivatives(c, null(), 0, null(), null_mut())
+            }
+            Call::DoStep => fmi2::fmi2DoStep(c, 0.0, 0.1, 1),
+            Call::CancelStep => fmi2::fmi2CancelStep(c),
+            Call::GetStatus => fmi2::fmi2GetStatus(c, 0, null_mut()),
+            Call::GetRealStatus => fmi2::fmi2GetRealStatus(c, 2, real.as_mut_ptr()),
+            Call::GetIntegerStatus => fmi2::fmi2GetIntegerStatus(c, 0, null_mut()),
+            Call::GetBooleanStatus => fmi2::fmi2GetBooleanStatus(c, 3, &raw mut a),
+            Call::GetStringStatus => fmi2::fmi2GetStringStatus(c, 0, null_mut()),
+        }
+    }
+}
+
+const PHASES: [Phase; 8] = [
+    Phase::Instantiated,
+    Phase::Initialization,
+    Phase::Event,
+    Phase::Continuous,
+    Phase::Step,
+    Phase::Terminated,
+    Phase::Error,
+    Phase::Fatal,
+];
+
+/// Declared as not supported: an error even where the state would allow it.
+const UNSUPPORTED: [Call; 7] = [
+    Call::GetFmuState,
+    Call::SetFmuState,
+    Call::FreeFmuState,
+    Call::SerializedFmuStateSize,
+    Call::SerializeFmuState,
+    Call::DeSerializeFmuState,
+    Call::GetDirectionalDerivative,
+];
+
+/// Nothing to tell of, ever.
+const NO_STATUS: [Call; 3] = [
+    Call::GetStatus,
+    Call::GetIntegerStatus,
+    Call::GetStringStatus,
+];
+
+#[test]
+fn every_function_in_every_state_does_as_the_table_says() {
+    for phase in PHASES {
+        for function in Call::ALL {
+            let mut fmu = in_phase(phase);
+            let expected = match (phase, phase.allows(*function)) {
+                (Phase::Fatal, false) => Status::Fatal,
+                (_, false) => Status::Error,
+                _ if UNSUPPORTED.contains(function) => Status::Error,
+                _ if NO_STATUS.contains(function) => Status::Discard,
+                _ => Status::Ok,
+            };
+            let status = call(&fmu, *function);
+            let lines = fmu.log();
+            let what = format!("{} {phase:?}: {lines:?}", function.name());
+            assert_eq!(status, expected, "{what}");
+            assert_eq!(lines.len(), usize::from(expected != Status::Ok), "{what}");
+            if let Some(line) = lines.first() {
+                assert!(line.text.starts_with(function.name()), "{what}");
+                assert_eq!(line.status, status, "{what}");
+            }
+        }
+    }
+}
+
+/// The rows an importer's life depends on, written down a second time by hand.
+#[test]
+fn the_table_agrees_with_the_standard_where_it_matters() {
+    use Phase::*;
+    let legal = |call: Call| {
+        PHASES
+            .into_iter()
+            .filter(|p| p.allows(call))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(legal(Call::SetupExperiment), [Instantiated]);
+    assert_eq!(legal(Call::EnterInitializationMode), [Instantiated]);
+    assert_eq!(legal(Call::ExitInitializationMode), [Initialization]);
+    assert_eq!(legal(Call::Terminate), [Event, Continuous, Step]);
+    assert_eq!(legal(Call::DoStep), [Step]);
+    assert_eq!(legal(Call::SetTime), [Event, Continuous]);
+    assert_eq!(legal(Call::SetContinuousStates), [Continuous]);
+    assert_eq!(legal(Call::NewDiscreteStates), [Event]);
+    assert_eq!(legal(Call::CompletedIntegratorStep), [Continuous]);
+    assert_eq!(
+        legal(Call::SetReal),
+        [Instantiated, Initialization, Event, Continuous, Step]
+    );
+    assert_eq!(
+        legal(Call::SetString),
+        [Instantiated, Initialization, Event, Step]
+    );
+    assert_eq!(legal(Call::CancelStep), []);
+    assert_eq!(legal(Call::FreeInstance), PHASES);
+}
+
+#[test]
+fn only_inputs_can_be_set_once_the_simulation_runs() {
+    let mut fmu = Fmu::started("Spring", CS);
+    assert_eq!(fmu.set("force", 1.0), Status::Ok);
+    for (name, why) in [
+        ("mass", "fixed"),
+        ("position", "calculated"),
+        ("state.x", "calculated"),
+        ("der(state.x)", "calculated"),
+        ("time", "independent"),
+    ] {
+        assert_eq!(fmu.set(name, 2.0), Status::Error);
+        let line = fmu.line();
+        assert!(line.contains(name) && line.contains(why), "{line}");
+    }
+    assert_eq!(fmu.set_integer("sign", -1), Status::Error);
+    assert!(fmu.line().contains("sign cannot be set"));
+    assert_eq!(fmu.set_string("label", c"x"), Status::Error);
+    assert_eq!(fmu.get("mass"), 1.0);
+}

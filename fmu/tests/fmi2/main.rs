@@ -1,0 +1,13 @@
+//! FMI 2.0 as an importer sees it: the exported C functions, driven in the ways importers drive
+//! them, and abused in the ways importers abuse them.
+
+#![allow(unreachable_pub, reason = "shared modules of one test program")]
+
+mod abuse;
+mod co_simulation;
+mod components;
+mod description;
+mod driver;
+mod initialization;
+mod legality;
+mod model_exchange;
