@@ -1,0 +1,47 @@
+/* The yardstick: a chain of ten FMUs stepped by a plain C loop: set, step, get, nothing else.
+ * usage: chain LIBRARY STEPS; prints nanoseconds per FMU-step. */
+#include <dlfcn.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+enum { LENGTH = 10 };
+typedef void *Component;
+static void quiet(void *e, const char *n, int s, const char *c, const char *m, ...) {}
+struct callbacks {
+  void *log, *allocate, *release, *finished, *environment;
+};
+
+int main(int count, char **arguments) {
+  void *library = dlopen(arguments[1], RTLD_NOW);
+  long steps = atol(arguments[2]);
+  if (!library) return 1;
+  Component (*instantiate)() = (Component(*)())dlsym(library, "fmi2Instantiate");
+  int (*enter)(Component) = (int (*)(Component))dlsym(library, "fmi2EnterInitializationMode");
+  int (*leave)(Component) = (int (*)(Component))dlsym(library, "fmi2ExitInitializationMode");
+  int (*set)(Component, const unsigned *, size_t, const double *) = dlsym(library, "fmi2SetReal");
+  int (*get)(Component, const unsigned *, size_t, double *) = dlsym(library, "fmi2GetReal");
+  int (*step)(Component, double, double, int) = dlsym(library, "fmi2DoStep");
+  static struct callbacks callbacks = {quiet, calloc, free, 0, 0};
+  Component chain[LENGTH];
+  for (int c = 0; c < LENGTH; c++) {
+    chain[c] = instantiate("gain", 1, "{test}", "file:///", &callbacks, 0, 0);
+    enter(chain[c]);
+    leave(chain[c]);
+  }
+  const unsigned u = 0, y = 2;
+  double value = 1;
+  struct timespec begun, ended;
+  clock_gettime(CLOCK_MONOTONIC, &begun);
+  for (long k = 0; k < steps; k++)
+    for (int c = 0; c < LENGTH; c++) {
+      set(chain[c], &u, 1, &value);
+      if (step(chain[c], k * 1e-3, 1e-3, 1)) return 2;
+      get(chain[c], &y, 1, &value);
+    }
+  clock_gettime(CLOCK_MONOTONIC, &ended);
+  double ns = (ended.tv_sec - begun.tv_sec) * 1e9 + (ended.tv_nsec - begun.tv_nsec);
+  printf("%f\n", ns / steps / LENGTH);
+  return 0;
+}

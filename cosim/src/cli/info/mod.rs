@@ -1,0 +1,48 @@
+//! `cosim info`: what an FMU or a system is.
+
+mod fmu;
+mod system;
+
+use std::path::PathBuf;
+
+use clap::Args;
+use cosim::fmi::Fmu;
+use cosim::{Overrides, Result, System};
+
+use super::output::print;
+use super::{Format, messages};
+
+/// Show what an FMU or a system is; a system is checked wholly
+#[derive(Args)]
+pub(crate) struct Info {
+    /// A .fmu, .ssd or .ssp file
+    file: PathBuf,
+    /// For people or for programs
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+}
+
+impl Info {
+    pub(crate) fn run(self) -> Result<()> {
+        let ends_with = |end| {
+            self.file
+                .extension()
+                .is_some_and(|e| e.eq_ignore_ascii_case(end))
+        };
+        if ends_with("ssd") || ends_with("ssp") {
+            let system = System::load(&self.file, &Overrides::new())?;
+            for warning in system.warnings() {
+                messages::warning(warning);
+            }
+            return match self.format {
+                Format::Text => print(&system::text(&system)),
+                Format::Json => print(&system::json(&system).to_string()),
+            };
+        }
+        let fmu = Fmu::open(&self.file)?;
+        match self.format {
+            Format::Text => print(&fmu::text(&fmu)),
+            Format::Json => print(&fmu::json(&fmu).to_string()),
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! Verbs of the command line, one file each.
+//!
+//! Results and what was asked for go to stdout or files, everything else to stderr. Exit codes:
+//! 0 ok, 1 the run failed, 2 usage, 3 the input is not valid (`cosim::Code::exit_code`).
+
+mod explain;
+mod info;
+pub(crate) mod messages;
+mod output;
+mod report;
+mod run;
+mod simulate;
+mod values;
+
+use clap::{Parser, Subcommand, ValueEnum};
+use cosim::Result;
+
+/// Co-simulation of FMI 2.0 components
+#[derive(Parser)]
+#[command(version, about, max_term_width = 100)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    Info(info::Info),
+    Simulate(simulate::Simulate),
+    Run(run::Run),
+    Report(report::Report),
+    Explain(explain::Explain),
+}
+
+/// How something is printed.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Format {
+    /// For people
+    Text,
+    /// For programs
+    Json,
+}
+
+/// Does what was asked.
+pub(crate) fn run(arguments: Arguments) -> Result<()> {
+    match arguments.verb {
+        Verb::Info(verb) => verb.run(),
+        Verb::Simulate(verb) => verb.run(),
+        Verb::Run(verb) => verb.run(),
+        Verb::Report(verb) => verb.run(),
+        Verb::Explain(verb) => verb.run(),
+    }
+}

@@ -1,0 +1,101 @@
+//! Where results go, and running with a recorder and progress.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use cosim::observe::{CsvRecorder, Progress};
+use cosim::{Code, Error, Observer, Result, System};
+
+use super::messages;
+
+#[derive(Args)]
+pub(crate) struct Output {
+    /// Record this variable; * and ? make a pattern (repeatable; default: all outputs)
+    #[arg(long, value_name = "NAME")]
+    pub(crate) output_variable: Vec<String>,
+    /// Seconds between recorded samples (default: the smallest step)
+    #[arg(long, value_name = "SECONDS", value_parser = super::values::seconds)]
+    pub(crate) output_interval: Option<f64>,
+    /// Write the results there, - for stdout (default: NAME_out.csv)
+    #[arg(long, short, value_name = "FILE")]
+    output_file: Option<PathBuf>,
+    /// Write the results as NAME_out.csv into this folder, which is made if missing
+    #[arg(long, value_name = "FOLDER", conflicts_with = "output_file")]
+    output_dir: Option<PathBuf>,
+    /// No progress and no summary
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+impl Output {
+    /// Runs `system` and writes what it records.
+    pub(crate) fn run(&self, system: &System) -> Result<()> {
+        for warning in system.warnings() {
+            messages::warning(warning);
+        }
+        let target = self.target(system.name())?;
+        if target == Path::new("-") {
+            let recorder = CsvRecorder::new(io::BufWriter::new(io::stdout().lock()), "stdout");
+            return self.observe(system, recorder, "stdout");
+        }
+        self.observe(
+            system,
+            CsvRecorder::create(&target)?,
+            &target.display().to_string(),
+        )
+    }
+
+    fn observe(&self, system: &System, mut recorder: impl Observer, target: &str) -> Result<()> {
+        let begun = std::time::Instant::now();
+        let mut progress = Progress::new();
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut recorder];
+        if !self.quiet {
+            observers.push(&mut progress);
+        }
+        let summary = system.run(&mut observers).map_err(|e| match e.code() {
+            Code::Fmu => e.maybe_help(Some(format!("the results until then are in {target}"))),
+            _ => e,
+        })?;
+        for warning in &summary.warnings {
+            messages::warning(warning);
+        }
+        if !self.quiet {
+            let spent = begun.elapsed().as_secs_f64();
+            messages::note(&format!(
+                "{}: {} s simulated in {spent:.3} s ({:.0} x real time, {} steps); results in {target}",
+                system.name(),
+                summary.simulated,
+                summary.simulated / spent.max(1e-9),
+                summary.steps,
+            ));
+        }
+        Ok(())
+    }
+
+    fn target(&self, name: &str) -> Result<PathBuf> {
+        let file = format!("{}_out.csv", name.replace(['/', '\\', '\0'], "_"));
+        match (&self.output_file, &self.output_dir) {
+            (Some(file), _) => Ok(file.clone()),
+            (None, None) => Ok(PathBuf::from(file)),
+            (None, Some(folder)) => {
+                std::fs::create_dir_all(folder).map_err(|e| {
+                    Error::new(Code::Output, "the folder cannot be made")
+                        .at(folder)
+                        .why(e)
+                })?;
+                Ok(folder.join(file))
+            }
+        }
+    }
+}
+
+/// Prints to stdout; a closed pipe (`| head`) ends quietly.
+pub(crate) fn print(text: &str) -> Result<()> {
+    match writeln!(io::stdout(), "{text}") {
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Error::new(Code::Output, "stdout cannot be written").why(e))
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,70 @@
+//! `cosim simulate`: one FMU.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use cosim::{Overrides, Recording, Result, System};
+
+use super::output::Output;
+use super::values;
+
+/// Simulate one FMU
+#[derive(Args)]
+pub(crate) struct Simulate {
+    /// The FMU
+    file: PathBuf,
+    /// Give a parameter or input another start value (repeatable)
+    #[arg(long, value_name = "VARIABLE=VALUE", value_parser = values::assignment)]
+    start_value: Vec<(String, String)>,
+    /// Drive inputs by the columns of this CSV file, whose first column is the time
+    #[arg(long, value_name = "FILE")]
+    input_file: Option<PathBuf>,
+    /// First instant (default: the FMU's, or 0)
+    #[arg(long, value_name = "SECONDS", value_parser = values::seconds, allow_negative_numbers = true)]
+    start_time: Option<f64>,
+    /// Last instant (default: the FMU's, or one second after the start)
+    #[arg(long, value_name = "SECONDS", value_parser = values::seconds, allow_negative_numbers = true)]
+    stop_time: Option<f64>,
+    /// Communication step (default: the FMU's, or the output interval)
+    #[arg(long, value_name = "SECONDS", value_parser = values::seconds)]
+    step_size: Option<f64>,
+    /// Ask the FMU for debug messages, which are shown when it fails
+    #[arg(long)]
+    debug_logging: bool,
+    #[command(flatten)]
+    output: Output,
+}
+
+impl Simulate {
+    pub(crate) fn run(self) -> Result<()> {
+        let inputs = self
+            .input_file
+            .as_ref()
+            .map(Recording::read_csv)
+            .transpose()?;
+        let system = System::single(&self.file, &self.overrides(), inputs.as_ref())?;
+        self.output.run(&system)
+    }
+
+    fn overrides(&self) -> Overrides {
+        let mut overrides = Overrides::new()
+            .debug_logging(self.debug_logging)
+            .output_variables(&self.output.output_variable);
+        for (name, value) in &self.start_value {
+            overrides = overrides.start_value(name, value);
+        }
+        if let Some(seconds) = self.start_time {
+            overrides = overrides.start_time(seconds);
+        }
+        if let Some(seconds) = self.stop_time {
+            overrides = overrides.stop_time(seconds);
+        }
+        if let Some(seconds) = self.step_size {
+            overrides = overrides.step("", seconds);
+        }
+        match self.output.output_interval {
+            Some(seconds) => overrides.output_interval(seconds),
+            None => overrides,
+        }
+    }
+}

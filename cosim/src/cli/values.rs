@@ -1,0 +1,39 @@
+//! Values of options as typed: `name=value`, `component=seconds`.
+
+/// `name=value`; the value may contain further `=`.
+pub(crate) fn assignment(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() => {
+            Ok((name.trim().to_owned(), value.to_owned()))
+        }
+        _ => Err("it must have the form NAME=VALUE".to_owned()),
+    }
+}
+
+/// `component=seconds`.
+pub(crate) fn step(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = assignment(text)?;
+    Ok((name, seconds(&value)?))
+}
+
+/// A finite number of seconds.
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err(format!("'{text}' is no number of seconds")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn assignments() {
+        assert_eq!(assignment("a.b=c=d"), Ok(("a.b".into(), "c=d".into())));
+        assert_eq!(assignment("a="), Ok(("a".into(), String::new())));
+        assert!(assignment("a").is_err());
+        assert!(assignment("=1").is_err());
+        assert!(step("a=nan").is_err());
+    }
+}

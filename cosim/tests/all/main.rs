@@ -1,0 +1,10 @@
+//! The master against FMUs that are not ours, and the command line as a user sees it.
+
+mod archives;
+mod command;
+mod failures;
+mod import;
+mod models;
+mod scheduler;
+mod ssd;
+mod systems;

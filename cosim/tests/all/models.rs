@@ -1,0 +1,131 @@
+//! FMUs written in C, compiled by `cc` and packed on the fly.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::{Mutex, OnceLock};
+
+use zip::ZipWriter;
+use zip::write::SimpleFileOptions;
+
+/// A model of model.c: its name and whether y depends on u without delay.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Model {
+    /// y = k u, feed-through.
+    Gain,
+    /// y += u h, y(0) = second; no feed-through.
+    Integrator,
+    /// y = time; u is ignored.
+    Clock,
+    /// y = number of steps; Integer n = steps + m, Boolean even = !odd.
+    Counter,
+    /// A gain that fails in the first step that ends after `second`.
+    Failing,
+    /// A gain that logs in three formats and dies in its third step.
+    Logging,
+}
+
+impl Model {
+    pub fn name(self) -> &'static str {
+        match self {
+            Model::Gain => "GAIN",
+            Model::Integrator => "INTEGRATOR",
+            Model::Clock => "CLOCK",
+            Model::Counter => "COUNTER",
+            Model::Failing => "FAILING",
+            Model::Logging => "LOGGING",
+        }
+    }
+
+    fn feeds_through(self) -> bool {
+        matches!(self, Model::Gain | Model::Failing | Model::Logging)
+    }
+
+    pub fn description(self) -> String {
+        let name = self.name();
+        let dependencies = if self.feeds_through() { "1" } else { "" };
+        format!(
+            r#"<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="2.0" modelName="{name}" guid="{{test}}" generationTool="cc">
+  <CoSimulation modelIdentifier="{name}" canGetAndSetFMUstate="true"/>
+  <TypeDefinitions>
+    <SimpleType name="Mode"><Enumeration><Item name="Slow" value="1"/><Item name="Fast" value="4"/></Enumeration></SimpleType>
+  </TypeDefinitions>
+  <DefaultExperiment startTime="0" stopTime="1" stepSize="0.1"/>
+  <ModelVariables>
+    <ScalarVariable name="u" valueReference="0" causality="input"><Real start="0" unit="m"/></ScalarVariable>
+    <ScalarVariable name="k" valueReference="1" causality="parameter" variability="fixed"><Real start="1"/></ScalarVariable>
+    <ScalarVariable name="y" valueReference="2" causality="output"><Real unit="m"/></ScalarVariable>
+    <ScalarVariable name="second" valueReference="3" causality="parameter" variability="fixed"><Real start="1e9"/></ScalarVariable>
+    <ScalarVariable name="m" valueReference="0" causality="input" variability="discrete"><Integer start="0"/></ScalarVariable>
+    <ScalarVariable name="n" valueReference="1" causality="output" variability="discrete"><Integer/></ScalarVariable>
+    <ScalarVariable name="odd" valueReference="0" causality="input" variability="discrete"><Boolean start="false"/></ScalarVariable>
+    <ScalarVariable name="even" valueReference="1" causality="output" variability="discrete"><Boolean/></ScalarVariable>
+    <ScalarVariable name="text" valueReference="0" causality="parameter" variability="fixed"><String start=""/></ScalarVariable>
+    <ScalarVariable name="mode" valueReference="2" causality="parameter" variability="fixed"><Enumeration declaredType="Mode" start="1"/></ScalarVariable>
+  </ModelVariables>
+  <ModelStructure>
+    <Outputs>
+      <Unknown index="3" dependencies="{dependencies}"/>
+      <Unknown index="6" dependencies="5"/>
+      <Unknown index="8" dependencies="7"/>
+    </Outputs>
+  </ModelStructure>
+</fmiModelDescription>
+"#
+        )
+    }
+
+    /// The packed FMU, made once per test process.
+    pub fn fmu(self) -> PathBuf {
+        static MADE: Mutex<BTreeMap<Model, PathBuf>> = Mutex::new(BTreeMap::new());
+        let mut made = MADE.lock().unwrap();
+        made.entry(self)
+            .or_insert_with(|| {
+                let path = folder().join(format!("{}.fmu", self.name()));
+                let library = std::fs::read(compile(self)).unwrap();
+                let binary = format!("binaries/linux64/{}.so", self.name());
+                let entries = [
+                    ("modelDescription.xml", self.description().into_bytes()),
+                    (&binary, library),
+                ];
+                pack(&path, &entries);
+                path
+            })
+            .clone()
+    }
+}
+
+fn folder() -> &'static Path {
+    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
+    FOLDER.get_or_init(|| {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(std::process::id().to_string());
+        std::fs::create_dir_all(&folder).unwrap();
+        folder
+    })
+}
+
+/// Compiles a model of model.c into a shared library.
+pub fn compile(model: Model) -> PathBuf {
+    let library = folder().join(format!("{}.so", model.name()));
+    let done = Command::new("cc")
+        .args(["-O2", "-shared", "-fPIC", "-w", "-o"])
+        .arg(&library)
+        .arg(format!("-DMODEL_{}", model.name()))
+        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/all/model.c"))
+        .status()
+        .expect("a C compiler named cc");
+    assert!(done.success());
+    library
+}
+
+/// Packs files into an archive.
+pub fn pack(archive: &Path, entries: &[(&str, Vec<u8>)]) {
+    let mut zip = ZipWriter::new(std::fs::File::create(archive).unwrap());
+    for (name, bytes) in entries {
+        zip.start_file(*name, SimpleFileOptions::default()).unwrap();
+        zip.write_all(bytes).unwrap();
+    }
+    zip.finish().unwrap();
+}
