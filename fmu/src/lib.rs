@@ -1,4 +1,83 @@
-//! FMI 2.0 components in Rust.
+//! FMI 2.0 components in Rust: declare the variables as struct fields, implement one trait,
+//! export.
+//!
+//! ```
+//! use fmu_kit::{Component, Fault, Info, ParameterError, Resources, Time, Variables};
+//!
+//! #[derive(Clone, Debug, Variables)]
+//! struct Parameters {
+//!     /// Time constant of the filter
+//!     #[var(unit = "s", min = 1e-6)]
+//!     time_constant: f64,
+//! }
+//!
+//! impl Default for Parameters {
+//!     fn default() -> Self {
+//!         Self { time_constant: 0.5 }
+//!     }
+//! }
+//!
+//! #[derive(Clone, Copy, Debug, Default, Variables)]
+//! struct Signal {
+//!     /// Signal to be filtered
+//!     u: f64,
+//! }
+//!
+//! #[derive(Clone, Copy, Debug, Default, Variables)]
+//! struct Filtered {
+//!     /// Filtered signal
+//!     y: f64,
+//! }
+//!
+//! #[derive(Clone, Copy, Debug, Default, Variables)]
+//! struct States {
+//!     /// State of the filter
+//!     x: f64,
+//! }
+//!
+//! struct LowPass(Parameters);
+//!
+//! impl Component for LowPass {
+//!     const INFO: Info = Info::new("LowPass", "First-order low-pass filter");
+//!     type Parameters = Parameters;
+//!     type Inputs = Signal;
+//!     type Outputs = Filtered;
+//!     type States = States;
+//!     type Memory = ();
+//!
+//!     fn new(p: &Parameters, _: &Resources) -> Result<Self, ParameterError> {
+//!         Ok(Self(p.clone()))
+//!     }
+//!     fn initial(&self, _: Time, signal: &Signal) -> Result<(States, ()), Fault> {
+//!         Ok((States { x: signal.u }, ()))
+//!     }
+//!     fn derivatives(&self, _: f64, _: &(), s: &States, signal: &Signal) -> States {
+//!         States { x: (signal.u - s.x) / self.0.time_constant }
+//!     }
+//!     fn outputs(&self, _: f64, _: &(), s: &States, _: &Signal) -> Filtered {
+//!         Filtered { y: s.x }
+//!     }
+//! }
+//!
+//! fmu_kit::export!(LowPass);
+//! # fn main() {
+//! #     assert!(REGISTRY.named("LowPass").unwrap().describe().unwrap().contains("der(x)"));
+//! # }
+//! ```
+//!
+//! In a `cdylib` this is a complete library for an FMU, for co-simulation and model exchange;
+//! `REGISTRY` knows the text of its modelDescription.xml ([`kernel::Entry::describe`]). What a
+//! variable is called, its unit, bounds, description and start value are said once, at its field.
+//!
+//! | part | what it does | knows |
+//! |---|---|---|
+//! | the items of this page | what an author writes against | nothing of FMI's C or XML |
+//! | [`kernel`] | variables, state machine, stepper, description | nothing of C |
+//! | [`abi`] | the 44 C functions | nothing of components |
+//!
+//! A sampled component keeps a [`Sampler`] in its `Memory` and handles its instants in
+//! [`Component::event`]. Instances can be driven without C, for tests, through
+//! [`kernel::Entry::instantiate`].
 
 #![deny(unsafe_code)]
 #![cfg_attr(

@@ -1,6 +1,6 @@
 //! Co-simulation (FMI 2.0.4, section 4.2).
 
-use crate::kernel::{Call, Status};
+use crate::kernel::Call;
 
 use super::arguments::place;
 use super::guard::call;
@@ -19,12 +19,12 @@ pub unsafe fn fmi2SetRealInputDerivatives(
     _order: *const fmi2Integer,
     _value: *const fmi2Real,
 ) -> fmi2Status {
-    call(c, Call::SetRealInputDerivatives, |instance| match nvr {
-        0 => Status::Ok,
-        _ => instance.unsupported(
+    call(c, Call::SetRealInputDerivatives, |instance| {
+        instance.unsupported_for(
+            nvr,
             Call::SetRealInputDerivatives,
             "canInterpolateInputs = false",
-        ),
+        )
     })
 }
 
@@ -36,12 +36,12 @@ pub unsafe fn fmi2GetRealOutputDerivatives(
     _order: *const fmi2Integer,
     _value: *mut fmi2Real,
 ) -> fmi2Status {
-    call(c, Call::GetRealOutputDerivatives, |instance| match nvr {
-        0 => Status::Ok,
-        _ => instance.unsupported(
+    call(c, Call::GetRealOutputDerivatives, |instance| {
+        instance.unsupported_for(
+            nvr,
             Call::GetRealOutputDerivatives,
             "maxOutputDerivativeOrder = 0",
-        ),
+        )
     })
 }
 

@@ -202,6 +202,15 @@ impl Instance {
         })
     }
 
+    /// Refuses a function that is declared as not supported, unless it is called for nothing.
+    pub fn unsupported_for(&mut self, n: usize, call: Call, flag: &str) -> Status {
+        if n == 0 {
+            self.call(call, |_| Ok(()))
+        } else {
+            self.unsupported(call, flag)
+        }
+    }
+
     /// Refuses a call for a reason its arguments gave away.
     pub fn refuse(&mut self, call: Call, reason: &str) -> Status {
         self.call(call, |_| Err(Trouble::error(reason)))

@@ -94,7 +94,7 @@ fn the_parts_are_as_declared() {
         r#"<Item name="Heavy" value="2" description="A heavy mass"/>"#,
         r#"<Enumeration declaredType="Set" start="1"/>"#,
         r#"<Real unit="kg" min="0.001" start="1.0"/>"#,
-        r#"<Real unit="m/s2" derivative="13"/>"#,
+        r#"<Real unit="m/s2" derivative="12"/>"#,
         r#"name="time" valueReference="10" description="Simulation time" causality="independent""#,
     ] {
         assert!(text.contains(part), "{part}\n{text}");

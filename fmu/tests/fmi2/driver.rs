@@ -40,18 +40,21 @@ unsafe extern "C" fn collect(
     }
 }
 
+/// The logger as called with one text.
+type OneText = unsafe extern "C" fn(
+    fmi2ComponentEnvironment,
+    fmi2String,
+    fmi2Status,
+    fmi2String,
+    fmi2String,
+    *const c_char,
+);
+
 /// The callbacks with a logger that appends to `lines`.
 pub fn callbacks(lines: *mut Vec<Line>) -> fmi2CallbackFunctions {
-    let logger: unsafe extern "C" fn(
-        fmi2ComponentEnvironment,
-        fmi2String,
-        fmi2Status,
-        fmi2String,
-        fmi2String,
-        *const c_char,
-    ) = collect;
+    let logger: OneText = collect;
     // SAFETY: see `collect`.
-    let logger = unsafe { std::mem::transmute::<_, fmi2CallbackLogger>(logger) };
+    let logger = unsafe { std::mem::transmute::<OneText, fmi2CallbackLogger>(logger) };
     fmi2CallbackFunctions {
         logger: Some(logger),
         allocateMemory: None,
@@ -67,6 +70,11 @@ pub const CS: fmi2Type = 1;
 /// An instance under test.
 pub struct Fmu {
     pub c: fmi2Component,
+    /// Boxed, since the logger knows its address.
+    #[expect(
+        clippy::box_collection,
+        reason = "the address of the Vec itself must not change"
+    )]
     lines: Box<Vec<Line>>,
     pub name: &'static str,
 }
@@ -97,7 +105,7 @@ impl Fmu {
                 logging,
             )
         };
-        if c == null_mut() {
+        if c.is_null() {
             Err(*lines)
         } else {
             Ok(Self { c, lines, name })

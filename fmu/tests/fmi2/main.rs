@@ -1,6 +1,10 @@
 //! FMI 2.0 as an importer sees it: the exported C functions, driven in the ways importers drive
 //! them, and abused in the ways importers abuse them.
 
+#![allow(
+    clippy::undocumented_unsafe_blocks,
+    reason = "each is a call of the C interface as an importer makes it"
+)]
 #![allow(unreachable_pub, reason = "shared modules of one test program")]
 
 mod abuse;

@@ -83,10 +83,8 @@ fn time_events_happen_when_announced_and_once() {
     let mut cs = Fmu::started("Noise", CS);
     let mut next = info.nextEventTime;
     for k in 0..20 {
-        assert_eq!(
-            next,
-            f64::from(((k + 1) as f32 * 1e9 / 7.0).round() as i32) * 0.0 + next
-        );
+        let instant = ((f64::from(k) + 1.0) * 1e9 / 7.0).round() / 1e9;
+        assert_eq!(next, instant);
         let mut info = fmi2EventInfo::default();
         let (mut enter, mut end) = (9, 9);
         unsafe {
