@@ -1,1 +1,220 @@
+//! The binary: exit codes, what goes to stdout and to stderr.
 
+use std::path::Path;
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+use crate::models::Model;
+use crate::ssd::Ssd;
+
+fn cosim(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_cosim"))
+        .args(arguments)
+        .current_dir(folder)
+        .env("NO_COLOR", "1")
+        .output()
+        .unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Exit code and stderr.
+fn outcome(arguments: &[&str]) -> (i32, String) {
+    let folder = TempDir::new().unwrap();
+    let output = cosim(folder.path(), arguments);
+    (output.status.code().unwrap(), text(&output.stderr))
+}
+
+fn path(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+#[test]
+fn a_run_writes_its_results_and_nothing_to_stdout() {
+    let ssd = Ssd::new()
+        .add("clock", Model::Clock)
+        .add("g", Model::Gain)
+        .connect("clock.y", "g.u");
+    let (file, folder) = (ssd.write(), TempDir::new().unwrap());
+    let output = cosim(
+        folder.path(),
+        &[
+            "run",
+            path(&file),
+            "--start-value",
+            "g.k=2",
+            "--output-variable",
+            "g.?",
+            "--output-dir",
+            "a/b",
+            "--stop-time=0.2",
+        ],
+    );
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(output.stdout.is_empty());
+    assert!(text(&output.stderr).contains("results in a/b/test_out.csv"));
+    let results = std::fs::read_to_string(folder.path().join("a/b/test_out.csv")).unwrap();
+    assert_eq!(
+        results,
+        "time,g.u,g.k,g.y,g.m,g.n\n0.0,0.0,2.0,0.0,0,0\n0.1,0.1,2.0,0.2,0,0\n0.2,0.2,2.0,0.4,0,0\n"
+    );
+}
+
+#[test]
+fn results_on_stdout_when_asked_and_silence_when_quiet() {
+    let fmu = Model::Clock.fmu();
+    let folder = TempDir::new().unwrap();
+    let arguments = [
+        "simulate",
+        path(&fmu),
+        "-q",
+        "-o",
+        "-",
+        "--output-interval",
+        "0.5",
+    ];
+    let output = cosim(
+        folder.path(),
+        &[&arguments[..], &["--output-variable", "y"]].concat(),
+    );
+    assert_eq!(text(&output.stdout), "time,y\n0.0,0.0\n0.5,0.5\n1.0,1.0\n");
+    assert!(output.stderr.is_empty());
+}
+
+#[test]
+fn one_fmu_with_inputs_of_a_file() {
+    let folder = TempDir::new().unwrap();
+    std::fs::write(folder.path().join("in.csv"), "time,u\n0,0\n1,10\n").unwrap();
+    let fmu = Model::Integrator.fmu();
+    let arguments = [
+        "simulate",
+        path(&fmu),
+        "--input-file",
+        "in.csv",
+        "--output-variable",
+        "y",
+        "--start-value",
+        "second=1",
+        "--stop-time",
+        "0.3",
+        "-o",
+        "out.csv",
+    ];
+    let output = cosim(folder.path(), &arguments);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let results = cosim::Recording::read_csv(folder.path().join("out.csv")).unwrap();
+    crate::ssd::assert_near(results.column("y").unwrap(), &[1.0, 1.0, 1.1, 1.3]);
+    std::fs::write(folder.path().join("in.csv"), "time,uu\n0,0\n").unwrap();
+    let output = cosim(folder.path(), &arguments);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(text(&output.stderr).contains("did you mean 'u'?"));
+}
+
+#[test]
+fn exit_codes_tell_what_kind_of_failure() {
+    let good = Ssd::new().add("g", Model::Gain);
+    let file = good.write();
+    let failing = Ssd::new().add_with("g", Model::Failing, &[("second", 0.5)], None);
+    let failing = failing.write();
+    for (arguments, code, part) in [
+        (&["run", "missing.ssd"][..], 3, "missing.ssd"),
+        (
+            &["run", path(&file), "--start-value", "g.k"],
+            2,
+            "NAME=VALUE",
+        ),
+        (
+            &["run", path(&file), "--start-value", "g.kk=1"],
+            3,
+            "did you mean 'k'?",
+        ),
+        (
+            &["run", path(&file), "--step", "g=0"],
+            3,
+            "at least one nanosecond",
+        ),
+        (&["run", path(&file), "--algorithm", "magic"], 2, "jacobi"),
+        (
+            &["run", path(&file), "--output-file", "no/such/folder.csv"],
+            1,
+            "no/such/folder.csv",
+        ),
+        (
+            &["run", path(&failing)],
+            1,
+            "the results until then are in test_out.csv",
+        ),
+        (&["simulate", path(&file)], 3, "ZIP"),
+        (&["nonsense"], 2, "nonsense"),
+        (&[], 2, "Usage"),
+        (&["report", "missing.csv"], 3, "missing.csv"),
+        (&["explain", "E999"], 2, "E999"),
+    ] {
+        let (found, stderr) = outcome(arguments);
+        assert_eq!(found, code, "{arguments:?}: {stderr}");
+        assert!(stderr.contains(part), "{arguments:?}: {stderr}");
+    }
+}
+
+#[test]
+fn a_failing_run_keeps_its_results() {
+    let ssd = Ssd::new().add_with("g", Model::Failing, &[("second", 0.35)], None);
+    let (file, folder) = (ssd.write(), TempDir::new().unwrap());
+    let arguments = [
+        "run",
+        path(&file),
+        "--output-variable",
+        "g.y",
+        "-o",
+        "kept.csv",
+    ];
+    assert_eq!(cosim(folder.path(), &arguments).status.code(), Some(1));
+    let results = cosim::Recording::read_csv(folder.path().join("kept.csv")).unwrap();
+    crate::ssd::assert_near(results.time(), &[0.0, 0.1, 0.2, 0.3]);
+}
+
+#[test]
+fn info_is_readable_by_programs() {
+    let folder = TempDir::new().unwrap();
+    let fmu = Model::Gain.fmu();
+    let output = cosim(folder.path(), &["info", path(&fmu), "--format", "json"]);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["variables"][0]["directFeedThrough"], true);
+    assert_eq!(json["variables"][9]["items"][1][0], "Fast");
+    let ssd = Ssd::new()
+        .add("g", Model::Gain)
+        .add("c", Model::Clock)
+        .connect("c.y", "g.u");
+    let file = ssd.write();
+    let output = cosim(folder.path(), &["info", path(&file), "--format=json"]);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["order"], serde_json::json!(["c", "g"]));
+    assert_eq!(json["connections"][0]["delayed"], false);
+    let output = cosim(folder.path(), &["info", path(&file)]);
+    assert!(text(&output.stdout).contains("c.y => g.u"));
+}
+
+#[test]
+fn every_code_is_explained() {
+    let folder = TempDir::new().unwrap();
+    let output = cosim(folder.path(), &["explain", "e203"]);
+    assert!(text(&output.stdout).starts_with("E203  (exit code 3)"));
+}
+
+#[test]
+fn a_report_of_a_run() {
+    let folder = TempDir::new().unwrap();
+    let fmu = Model::Clock.fmu();
+    let simulate = cosim(
+        folder.path(),
+        &["simulate", path(&fmu), "-q", "-o", "r.csv"],
+    );
+    assert!(simulate.status.success());
+    let report = cosim(folder.path(), &["report", "r.csv"]);
+    assert!(report.status.success(), "{}", text(&report.stderr));
+    let page = std::fs::read_to_string(folder.path().join("r.html")).unwrap();
+    assert!(page.contains("<svg") && page.contains("</html>"));
+}

@@ -11,7 +11,7 @@ use zip::write::SimpleFileOptions;
 
 /// A model of model.c: its name and whether y depends on u without delay.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Model {
+pub(crate) enum Model {
     /// y = k u, feed-through.
     Gain,
     /// y += u h, y(0) = second; no feed-through.
@@ -27,7 +27,7 @@ pub enum Model {
 }
 
 impl Model {
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Model::Gain => "GAIN",
             Model::Integrator => "INTEGRATOR",
@@ -42,7 +42,7 @@ impl Model {
         matches!(self, Model::Gain | Model::Failing | Model::Logging)
     }
 
-    pub fn description(self) -> String {
+    pub(crate) fn description(self) -> String {
         let name = self.name();
         let dependencies = if self.feeds_through() { "1" } else { "" };
         format!(
@@ -78,19 +78,21 @@ impl Model {
     }
 
     /// The packed FMU, made once per test process.
-    pub fn fmu(self) -> PathBuf {
+    pub(crate) fn fmu(self) -> PathBuf {
         static MADE: Mutex<BTreeMap<Model, PathBuf>> = Mutex::new(BTreeMap::new());
         let mut made = MADE.lock().unwrap();
         made.entry(self)
             .or_insert_with(|| {
                 let path = folder().join(format!("{}.fmu", self.name()));
+                let unfinished = folder().join(format!("{}.{}", self.name(), std::process::id()));
                 let library = std::fs::read(compile(self)).unwrap();
                 let binary = format!("binaries/linux64/{}.so", self.name());
                 let entries = [
                     ("modelDescription.xml", self.description().into_bytes()),
                     (&binary, library),
                 ];
-                pack(&path, &entries);
+                pack(&unfinished, &entries);
+                std::fs::rename(&unfinished, &path).unwrap();
                 path
             })
             .clone()
@@ -100,28 +102,37 @@ impl Model {
 fn folder() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     FOLDER.get_or_init(|| {
-        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(std::process::id().to_string());
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("models");
         std::fs::create_dir_all(&folder).unwrap();
         folder
     })
 }
 
-/// Compiles a model of model.c into a shared library.
-pub fn compile(model: Model) -> PathBuf {
+/// Compiles a model of model.c into a shared library, once per test process.
+pub(crate) fn compile(model: Model) -> PathBuf {
+    static MADE: Mutex<BTreeMap<Model, PathBuf>> = Mutex::new(BTreeMap::new());
+    let mut made = MADE.lock().unwrap();
+    made.entry(model).or_insert_with(|| compile_now(model)).clone()
+}
+
+fn compile_now(model: Model) -> PathBuf {
     let library = folder().join(format!("{}.so", model.name()));
+    // Another test process may be reading the library: it is replaced as a whole.
+    let unfinished = folder().join(format!("{}.so.{}", model.name(), std::process::id()));
     let done = Command::new("cc")
         .args(["-O2", "-shared", "-fPIC", "-w", "-o"])
-        .arg(&library)
+        .arg(&unfinished)
         .arg(format!("-DMODEL_{}", model.name()))
         .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/all/model.c"))
         .status()
         .expect("a C compiler named cc");
     assert!(done.success());
+    std::fs::rename(&unfinished, &library).unwrap();
     library
 }
 
 /// Packs files into an archive.
-pub fn pack(archive: &Path, entries: &[(&str, Vec<u8>)]) {
+pub(crate) fn pack(archive: &Path, entries: &[(&str, Vec<u8>)]) {
     let mut zip = ZipWriter::new(std::fs::File::create(archive).unwrap());
     for (name, bytes) in entries {
         zip.start_file(*name, SimpleFileOptions::default()).unwrap();

@@ -9,7 +9,7 @@ use tempfile::TempDir;
 use crate::models::Model;
 
 /// A system description being written.
-pub struct Ssd {
+pub(crate) struct Ssd {
     folder: TempDir,
     components: String,
     connections: String,
@@ -18,7 +18,7 @@ pub struct Ssd {
 }
 
 impl Ssd {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self {
             folder: TempDir::new().unwrap(),
             components: String::new(),
@@ -28,12 +28,12 @@ impl Ssd {
         }
     }
 
-    pub fn add(self, name: &str, model: Model) -> Self {
+    pub(crate) fn add(self, name: &str, model: Model) -> Self {
         self.add_with(name, model, &[], None)
     }
 
     /// A component with values of Real parameters, and its step.
-    pub fn add_with(
+    pub(crate) fn add_with(
         mut self,
         name: &str,
         model: Model,
@@ -43,7 +43,9 @@ impl Ssd {
         let source = model.fmu();
         let parameters: String = values
             .iter()
-            .map(|(n, v)| format!("<ssv:Parameter name='{n}'><ssv:Real value='{v}'/></ssv:Parameter>\n"))
+            .map(|(n, v)| {
+                format!("<ssv:Parameter name='{n}'><ssv:Real value='{v}'/></ssv:Parameter>\n")
+            })
             .collect();
         let step = step.map_or(String::new(), |s| {
             format!(
@@ -73,7 +75,7 @@ impl Ssd {
     }
 
     /// Connects `a.y` to `b.u`.
-    pub fn connect(mut self, from: &str, to: &str) -> Self {
+    pub(crate) fn connect(mut self, from: &str, to: &str) -> Self {
         let (a, y) = from.split_once('.').unwrap();
         let (b, u) = to.split_once('.').unwrap();
         writeln!(
@@ -84,7 +86,7 @@ impl Ssd {
         self
     }
 
-    pub fn master(mut self, attributes: &str) -> Self {
+    pub(crate) fn master(mut self, attributes: &str) -> Self {
         self.annotation = format!(
             "<ssd:Annotations><ssc:Annotation type='cosim'><cosim:Master {attributes}/>\
              </ssc:Annotation></ssd:Annotations>"
@@ -92,12 +94,12 @@ impl Ssd {
         self
     }
 
-    pub fn stop(mut self, seconds: f64) -> Self {
+    pub(crate) fn stop(mut self, seconds: f64) -> Self {
         self.stop = seconds;
         self
     }
 
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         format!(
             "<?xml version='1.0' encoding='UTF-8'?>
 <ssd:SystemStructureDescription version='1.0' name='test'
@@ -116,30 +118,30 @@ impl Ssd {
     }
 
     /// Writes the file; it lives as long as `self`.
-    pub fn write(&self) -> PathBuf {
+    pub(crate) fn write(&self) -> PathBuf {
         let file = self.folder.path().join("test.ssd");
         std::fs::write(&file, self.text()).unwrap();
         file
     }
 
-    pub fn load(&self, overrides: &Overrides) -> Result<System, Error> {
+    pub(crate) fn load(&self, overrides: &Overrides) -> Result<System, Error> {
         System::load(self.write(), overrides)
     }
 
     /// Runs it as it is.
-    pub fn run(&self) -> Recording {
+    pub(crate) fn run(&self) -> Recording {
         run(&self.load(&Overrides::new()).unwrap())
     }
 }
 
-pub fn run(system: &System) -> Recording {
+pub(crate) fn run(system: &System) -> Recording {
     let mut recording = Recording::new();
     system.run(&mut [&mut recording]).unwrap();
     recording
 }
 
 /// Compares columns of decimal numbers.
-pub fn assert_near(found: &[f64], wanted: &[f64]) {
+pub(crate) fn assert_near(found: &[f64], wanted: &[f64]) {
     assert_eq!(found.len(), wanted.len(), "{found:?}");
     for (f, w) in found.iter().zip(wanted) {
         assert!((f - w).abs() < 1e-9, "{found:?} instead of {wanted:?}");
