@@ -1,0 +1,127 @@
+//! Runs all cases on all cores. The outcome does not depend on the number of threads.
+
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use anyhow::Context;
+use cosim::{Recording, System};
+
+use super::case::Case;
+use super::metrics::Metrics;
+use super::settings::{SYSTEM, overrides};
+use super::trace::Trace;
+use crate::paths;
+
+/// The seed whose runs are kept whole, for the figures.
+pub(crate) const SHOWN_SEED: u32 = 1;
+
+/// What is kept of one run.
+#[derive(Debug, Clone)]
+pub(crate) struct Outcome {
+    pub(crate) case: Case,
+    pub(crate) metrics: Metrics,
+    /// The signals, of the seed that the figures show.
+    pub(crate) trace: Option<Trace>,
+}
+
+/// All runs, in the order of their cases.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Campaign {
+    pub(crate) outcomes: Vec<Outcome>,
+}
+
+impl Campaign {
+    /// Runs the cases on so many threads; result files of the paper's columns go into a folder.
+    pub(crate) fn run(cases: &[Case], threads: usize, folder: &Path) -> anyhow::Result<Self> {
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot create {}", folder.display()))?;
+        // Kept while the others are derived from it, so that the FMUs are unpacked and mapped once.
+        let first = cases
+            .first()
+            .context("no case to run: ask for at least one seed")?;
+        let base = System::load(system_file(), &overrides(first)?)?;
+        let next = AtomicUsize::new(0);
+        let finished = Mutex::new(Vec::with_capacity(cases.len()));
+        let work = || -> anyhow::Result<()> {
+            while let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
+                let outcome = run_case(&base, case, folder).with_context(|| {
+                    // No further cases are taken once one has failed.
+                    next.store(cases.len(), Ordering::Relaxed);
+                    format!("the run {case} failed")
+                })?;
+                let mut finished = finished.lock().unwrap_or_else(|e| e.into_inner());
+                finished.push(outcome);
+                progress(finished.len(), cases.len());
+            }
+            Ok(())
+        };
+        std::thread::scope(|scope| {
+            let workers: Vec<_> = (0..threads.max(1)).map(|_| scope.spawn(work)).collect();
+            workers
+                .into_iter()
+                .try_for_each(|worker| match worker.join() {
+                    Ok(result) => result,
+                    Err(panic) => std::panic::resume_unwind(panic),
+                })
+        })?;
+        let mut outcomes = finished.into_inner().unwrap_or_else(|e| e.into_inner());
+        outcomes.sort_by_key(|outcome: &Outcome| outcome.case);
+        Ok(Campaign { outcomes })
+    }
+
+    /// The measures of all seeds of a kind of run.
+    pub(crate) fn metrics(&self, of: impl Fn(&Case) -> bool) -> Vec<Metrics> {
+        self.outcomes
+            .iter()
+            .filter(|o| of(&o.case))
+            .map(|o| o.metrics)
+            .collect()
+    }
+
+    /// The kept signals of a kind of run.
+    pub(crate) fn trace(&self, of: impl Fn(&Case) -> bool) -> anyhow::Result<&Trace> {
+        let found = self
+            .outcomes
+            .iter()
+            .filter(|o| of(&o.case))
+            .find_map(|o| o.trace.as_ref());
+        found.context("no signals were kept of a run that the report shows")
+    }
+
+    /// The runs that did not reach the end of their course.
+    pub(crate) fn unfinished(&self) -> impl Iterator<Item = &Case> {
+        self.outcomes
+            .iter()
+            .filter(|o| o.metrics.finish_time.is_nan())
+            .map(|o| &o.case)
+    }
+}
+
+fn system_file() -> PathBuf {
+    paths::root().join(SYSTEM)
+}
+
+fn run_case(base: &System, case: &Case, folder: &Path) -> anyhow::Result<Outcome> {
+    let system = base.with(&overrides(case)?)?;
+    let mut recording = Recording::new();
+    system.run(&mut [&mut recording])?;
+    if case.is_in_paper() {
+        recording.write_csv(folder.join(case.file_name()))?;
+    }
+    let trace = Trace::of(&recording)?;
+    let metrics = Metrics::of(&trace, &case.course.path()?);
+    let trace = (case.seed == SHOWN_SEED).then_some(trace);
+    Ok(Outcome {
+        case: *case,
+        metrics,
+        trace,
+    })
+}
+
+/// A line on the error stream at every tenth part.
+fn progress(done: usize, all: usize) {
+    if done * 10 / all != (done - 1) * 10 / all {
+        eprintln!("reproduce: {done} of {all} runs");
+    }
+}

@@ -1,0 +1,89 @@
+//! The paper's experiment (section 9), repeated: three courses, two filters, many seeds.
+//!
+//! Runs the closed loop of `examples/paper.ssd` from packaged FMUs, measures each run as the paper
+//! does, prints Tables 7 to 9 beside the paper's numbers and the verdicts of goal G1, and writes
+//! `target/reproduce`: `report.html`, `figures/*.svg`, `runs/*.csv`.
+
+mod campaign;
+mod case;
+mod figures;
+mod goals;
+mod metrics;
+mod page;
+mod paper;
+mod settings;
+mod tables;
+mod trace;
+
+use std::num::NonZero;
+use std::thread::available_parallelism;
+
+use anyhow::{Context, bail};
+
+use self::campaign::Campaign;
+use self::case::{Case, Course};
+use self::figures::Figures;
+use self::goals::{Verdict, verdicts};
+use crate::paths;
+
+/// Options of `reproduce`.
+#[derive(clap::Args)]
+pub(crate) struct Options {
+    /// Seeds of every course and filter.
+    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
+    seeds: u32,
+    /// Runs at the same time [default: one a core].
+    #[arg(long)]
+    threads: Option<usize>,
+}
+
+/// Runs the experiment; an error if a run fails or goal G1 is missed.
+pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
+    let threads = options
+        .threads
+        .unwrap_or_else(|| available_parallelism().map_or(1, NonZero::get));
+    let folder = paths::target().join("reproduce");
+    let campaign = Campaign::run(&Case::all(options.seeds), threads, &folder.join("runs"))?;
+    let verdicts = verdicts(&campaign);
+    print(&campaign, &verdicts);
+
+    let figures = Figures::of(&campaign)?;
+    figures.write(&folder.join("figures"))?;
+    let report = folder.join("report.html");
+    let html = page::page(&campaign, &verdicts, &figures, options.seeds)?.html()?;
+    std::fs::write(&report, html).with_context(|| format!("cannot write {}", report.display()))?;
+    println!("Report: {}", report.display());
+    conclude(&campaign, &verdicts)
+}
+
+/// The tables and verdicts as text.
+fn print(campaign: &Campaign, verdicts: &[Verdict]) {
+    for course in Course::ALL {
+        println!("{}", tables::of_course(campaign, course).text());
+    }
+    println!("{}", tables::equal_fix(campaign).text());
+    for line in page::DIFFERENCES {
+        println!("{line}\n");
+    }
+    println!("{}", tables::goals(verdicts).text());
+}
+
+/// An error that names the goals missed and the runs that did not arrive.
+fn conclude(campaign: &Campaign, verdicts: &[Verdict]) -> anyhow::Result<()> {
+    let missed = verdicts.iter().filter(|v| !v.is_reached());
+    let missed: Vec<String> = missed
+        .map(|v| format!("{} is {}, goal {}", v.what, v.value(), v.bounds()))
+        .collect();
+    let lost: Vec<String> = campaign
+        .unfinished()
+        .map(|case| format!("not finished: {case}"))
+        .collect();
+    if missed.is_empty() && lost.is_empty() {
+        println!("G1 reached; every run finished its course.");
+        return Ok(());
+    }
+    bail!(
+        "goal G1 is missed:\n  {}",
+        [missed, lost].concat().join("\n  ")
+    )
+}

@@ -1,0 +1,133 @@
+//! How a case becomes start values of the system `examples/paper.ssd`, for the library and, in the
+//! same words, for the command line.
+
+use std::path::PathBuf;
+
+use cosim::Overrides;
+
+use super::case::{Case, Filter};
+use super::trace::SIGNALS;
+use crate::paths;
+
+/// The paper's loop.
+pub(crate) const SYSTEM: &str = "examples/paper.ssd";
+/// Time between recorded rows, s.
+pub(crate) const OUTPUT_INTERVAL_S: f64 = 0.1;
+/// Rate of the position fix, Hz.
+pub(crate) const FIX_RATE_HZ: f64 = 10.0;
+/// Speed along the course (paper, section 9), m/s.
+pub(crate) const SPEED_M_S: f64 = 0.3;
+/// The sensors that draw noise, each from its own stream.
+const SENSORS: [&str; 4] = ["imu", "dvl", "gps", "pressure"];
+
+/// Start values of one run, as `component.variable` and text.
+pub(crate) fn start_values(case: &Case) -> Vec<(String, String)> {
+    let mut values = vec![
+        ("pursuit.course".to_string(), case.course.name().to_string()),
+        ("gps.sigma".to_string(), case.fix.sigma().to_string()),
+        ("gps.rate_hz".to_string(), FIX_RATE_HZ.to_string()),
+        ("ekf.fix_sigma".to_string(), case.fix.sigma().to_string()),
+    ];
+    for (i, sensor) in SENSORS.iter().enumerate() {
+        values.push((
+            format!("{sensor}.seed"),
+            sensor_seed(case.seed, i).to_string(),
+        ));
+    }
+    values
+}
+
+/// Seed of a sensor's noise: one for each run and sensor, the same for both filters.
+fn sensor_seed(seed: u32, sensor: usize) -> usize {
+    10 * seed as usize + sensor + 1
+}
+
+/// The last instant: a tenth more than the course takes at the set speed, and 10 s, s.
+pub(crate) fn stop_time(case: &Case) -> anyhow::Result<f64> {
+    Ok((1.1 * case.course.path()?.length() / SPEED_M_S + 10.0).ceil())
+}
+
+/// The filter's FMU where the system file has another.
+fn replacement(case: &Case) -> Option<PathBuf> {
+    (case.filter != Filter::Dynamic).then(|| paths::fmus().join(case.filter.fmu()))
+}
+
+/// The changes to the system for one run.
+pub(crate) fn overrides(case: &Case) -> anyhow::Result<Overrides> {
+    let mut overrides = Overrides::new()
+        .stop_time(stop_time(case)?)
+        .output_interval(OUTPUT_INTERVAL_S)
+        .output_variables(SIGNALS);
+    for (name, value) in start_values(case) {
+        overrides = overrides.start_value(name, value);
+    }
+    if let Some(fmu) = replacement(case) {
+        overrides = overrides.replace("ekf", fmu);
+    }
+    Ok(overrides)
+}
+
+/// The command that repeats one run.
+pub(crate) fn command(case: &Case) -> anyhow::Result<String> {
+    let mut parts = vec![format!("cosim run {SYSTEM}")];
+    if replacement(case).is_some() {
+        parts.push(format!("--replace ekf=target/fmus/{}", case.filter.fmu()));
+    }
+    for (name, value) in start_values(case) {
+        parts.push(format!("--start-value {name}={value}"));
+    }
+    parts.push(format!("--stop-time {}", stop_time(case)?));
+    parts.push(format!("--output-interval {OUTPUT_INTERVAL_S}"));
+    parts.push(format!("--output-file {}", case.file_name()));
+    Ok(parts.join(" \\\n    "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::case::{Course, Fix};
+    use super::*;
+
+    fn case(filter: Filter, seed: u32) -> Case {
+        Case {
+            course: Course::Be2,
+            filter,
+            fix: Fix::Coarse,
+            seed,
+        }
+    }
+
+    fn seeds(case: &Case) -> Vec<String> {
+        let values = start_values(case).into_iter();
+        values
+            .filter(|(name, _)| name.ends_with(".seed"))
+            .map(|(_, value)| value)
+            .collect()
+    }
+
+    #[test]
+    fn noise_differs_between_sensors_and_runs_but_not_between_filters() {
+        let mut all: Vec<String> = (1..=50)
+            .flat_map(|seed| seeds(&case(Filter::Dynamic, seed)))
+            .collect();
+        all.sort();
+        all.dedup();
+        assert_eq!(all.len(), 50 * SENSORS.len());
+        assert_eq!(
+            seeds(&case(Filter::Dynamic, 7)),
+            seeds(&case(Filter::Kinematic, 7))
+        );
+    }
+
+    #[test]
+    fn the_command_sets_what_the_run_sets() {
+        let case = case(Filter::Kinematic, 3);
+        let command = command(&case).unwrap();
+        for (name, value) in start_values(&case) {
+            assert!(
+                command.contains(&format!("--start-value {name}={value}")),
+                "{name}"
+            );
+        }
+        assert!(command.contains("--replace ekf=target/fmus/EkfKinematic.fmu"));
+    }
+}
