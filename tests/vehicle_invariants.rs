@@ -204,7 +204,7 @@ fn a_minute_of_mixed_thrust_agrees_between_step_sizes() {
             // Commands change at 50 Hz, as the controller's do, and alike in both runs.
             let t = (i * 50 / steps_per_second) as f64 / 50.0;
             let thruster_force =
-                core::array::from_fn(|k| 100.0 * libm::sin(0.3 * t + 1.7 * k as f64));
+                core::array::from_fn(|k| 100.0 * libm::sin((0.2 + 0.05 * k as f64) * t));
             let current_ned = [0.1, -0.2, 0.02];
             let inputs = Inputs {
                 thruster_force,
