@@ -14,6 +14,7 @@ const RIGHT: f64 = 22.0;
 const FIGURE_TITLE: f64 = 28.0;
 const PANEL_TITLE: f64 = 22.0;
 const TOP: f64 = 8.0;
+const ABOVE_LEGEND: f64 = 6.0;
 const BETWEEN_ROWS: f64 = 18.0;
 
 /// A rectangle, px; y grows downwards.
@@ -93,9 +94,9 @@ impl Layout {
         let (_, legend_height) = flow(&common, room);
         Layout {
             width,
-            height: bottom + legend_height + TOP,
+            height: bottom + ABOVE_LEGEND + legend_height + TOP,
             cells: plan.cells,
-            legend: Legend::rows(common, (Y_AXIS, bottom + 2.0), room),
+            legend: Legend::rows(common, (Y_AXIS, bottom + ABOVE_LEGEND), room),
         }
     }
 }

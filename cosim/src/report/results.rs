@@ -21,37 +21,14 @@ pub struct Options {
 
 /// The report of a result file as one HTML page.
 pub fn html(recording: &Recording, options: &Options) -> Result<String> {
-    let mut chosen = Section::new("Selected signals");
-    for plot in &options.paths {
-        chosen.blocks.push(Block::figure(
-            &path_figure(recording, plot)?,
-            plot.title.as_str(),
-        )?);
-    }
-    for plot in &options.plots {
-        chosen.blocks.push(Block::figure(
-            &time_figure(recording, plot)?,
-            plot.title.as_str(),
-        )?);
-    }
-    let mut sections = Vec::new();
-    if chosen.blocks.is_empty() {
-        for component in components(recording) {
-            let name = if component.name.is_empty() {
-                "Signals"
-            } else {
-                &component.name
-            };
-            let mut section = Section::new(name);
-            let figure = component_figure(recording, &component);
-            section
-                .blocks
-                .push(Block::figure(&figure, format!("All signals of {name}."))?);
-            sections.push(section);
-        }
+    let mut sections = if options.plots.is_empty() && options.paths.is_empty() {
+        components(recording)
+            .iter()
+            .map(|c| component_section(recording, c))
+            .collect::<Result<_>>()?
     } else {
-        sections.push(chosen);
-    }
+        vec![chosen_section(recording, options)?]
+    };
     let mut ranges = Section::new("Ranges");
     ranges.blocks.push(Block::Table(range_table(recording)));
     sections.push(ranges);
@@ -64,12 +41,44 @@ pub fn html(recording: &Recording, options: &Options) -> Result<String> {
     page.html()
 }
 
+fn component_section(recording: &Recording, component: &Component) -> Result<Section> {
+    let name = if component.name.is_empty() {
+        "Signals"
+    } else {
+        &component.name
+    };
+    let mut section = Section::new(name);
+    let figure = component_figure(recording, component);
+    section
+        .blocks
+        .push(Block::figure(&figure, format!("All signals of {name}."))?);
+    Ok(section)
+}
+
+fn chosen_section(recording: &Recording, options: &Options) -> Result<Section> {
+    let mut section = Section::new("Selected signals");
+    for plot in &options.paths {
+        let figure = path_figure(recording, plot)?;
+        section
+            .blocks
+            .push(Block::figure(&figure, "One unit is as long on both axes.")?);
+    }
+    for plot in &options.plots {
+        let figure = time_figure(recording, plot)?;
+        let caption = format!("{} over time.", plot.signals.join(", "));
+        section.blocks.push(Block::figure(&figure, caption)?);
+    }
+    Ok(section)
+}
+
 fn lead(recording: &Recording) -> String {
     match (recording.time().first(), recording.time().last()) {
         (Some(first), Some(last)) => format!(
-            "{} signals at {} instants from {first} s to {last} s.",
+            "{} signals at {} instants from {} s to {} s.",
             recording.names().len(),
-            recording.time().len()
+            recording.time().len(),
+            short(*first),
+            short(*last)
         ),
         _ => format!("{} signals, no instants.", recording.names().len()),
     }

@@ -12,7 +12,7 @@ use super::{Drawn, INK, Sheet, font, shapes, units};
 /// Left of the label of the vertical axis, px.
 const EDGE: f64 = 8.0;
 /// Ticks of the horizontal and of the vertical axis are about so far apart, px.
-const SPACING: (f64, f64) = (110.0, 42.0);
+const SPACING: (f64, f64) = (110.0, 36.0);
 const GRID: RGBColor = RGBColor(0xE4, 0xE4, 0xE4);
 const AXIS: RGBColor = RGBColor(0x9A, 0x9A, 0x9A);
 
