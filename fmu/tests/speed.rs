@@ -145,10 +145,16 @@ fn overhead() {
         fmi2::fmi2SetReal(c, vr.as_ptr(), 10, black_box(values.as_ptr()));
     });
     fmu.step(t, h);
+    t += h;
     let outputs = vr.map(|i| i + 10);
     let get = nanoseconds(|_| unsafe {
         fmi2::fmi2GetReal(c, outputs.as_ptr(), 10, black_box(values.as_mut_ptr()));
     });
+    let one = nanoseconds(|_| unsafe {
+        fmi2::fmi2GetReal(c, outputs.as_ptr(), 1, black_box(values.as_mut_ptr()));
+    });
+    let zero = nanoseconds(|_| assert_eq!(fmu.step(t, 0.0), Status::Ok));
+    println!("getReal of 1 {one:.1} ns, doStep of 0 s {zero:.1} ns");
     println!("setReal of 10 {set:.1} ns, getReal of 10 {get:.1} ns");
     let (mut x, u, mut t) = (States::default(), Forces { force: [0.1; 10] }, 0.0);
     let bare = nanoseconds(|_| {

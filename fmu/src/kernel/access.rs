@@ -4,11 +4,13 @@
 //! ends, then inputs only. A set either takes all its values or none.
 
 use std::ffi::{CStr, CString};
+use std::ops::Range;
 
 use super::call::{Call, Phase};
-use super::instance::{Instance, Interface};
+use super::instance::Instance;
 use super::status::{Status, Trouble};
 use super::table::{Group, Kind, Variable};
+use super::values::all_finite;
 
 impl Instance {
     /// `fmi2GetReal`
@@ -75,10 +77,10 @@ impl Instance {
             let inputs = me.table.layout().inputs.clone();
             let first = if me.is_starting() { 0 } else { inputs.start };
             let settable = first..inputs.end;
-            for (reference, value) in references.iter().zip(values) {
-                if !settable.contains(&(*reference as usize)) || !value.is_finite() {
-                    return Err(me.cannot_set_real(*reference, *value));
-                }
+            let outside = |reference: &u32| !settable.contains(&(*reference as usize));
+            let any_outside = references.iter().fold(false, |any, r| any | outside(r));
+            if any_outside || !all_finite(values) {
+                return Err(me.cannot_set_reals(&settable, references, values));
             }
             if me.is_starting() {
                 me.check_bounds(Kind::Real, references, values)?;
@@ -155,14 +157,14 @@ impl Instance {
                 done => done?,
             }
         }
-        let derivatives = &self.table.layout().derivatives;
-        if reals
-            .iter()
-            .any(|reference| derivatives.contains(&(*reference as usize)))
-        {
-            self.refresh_derivatives()?;
+        // Behind the derivatives there is time only.
+        let first = self.table.layout().derivatives.start;
+        let asked = |any: bool, reference: &u32| any | (*reference as usize >= first);
+        if reals.iter().fold(false, asked) {
+            self.refresh_derivatives()
+        } else {
+            Ok(())
         }
-        Ok(())
     }
 
     /// Remembers what was set and what depends on it.
@@ -227,23 +229,28 @@ impl Instance {
         Ok(())
     }
 
+    /// Why the first of the values that cannot be set cannot.
     #[cold]
-    fn cannot_set_real(&self, reference: u32, value: f64) -> Trouble {
-        let Some(variable) = self.table.find(Kind::Real, reference) else {
-            return self.unknown(Kind::Real, reference);
+    fn cannot_set_reals(
+        &self,
+        settable: &Range<usize>,
+        references: &[u32],
+        values: &[f64],
+    ) -> Trouble {
+        let bad = |(reference, value): &(&u32, &f64)| {
+            !settable.contains(&(**reference as usize)) || !value.is_finite()
         };
-        let settable = match variable.group {
-            Group::Input => true,
-            Group::Parameter => self.is_starting(),
-            _ => false,
+        let Some((reference, value)) = references.iter().zip(values).find(bad) else {
+            return Trouble::error("a value cannot be set");
         };
-        if !settable {
-            return self.not_settable(variable);
-        }
-        let text = format!("{} = {value} is not finite", variable.name);
-        match self.interface {
-            Interface::ModelExchange => Trouble::discard(text),
-            Interface::CoSimulation => Trouble::error(text),
+        match self.table.find(Kind::Real, *reference) {
+            None => self.unknown(Kind::Real, *reference),
+            Some(variable) if !settable.contains(&(*reference as usize)) => {
+                self.not_settable(variable)
+            }
+            Some(variable) => {
+                self.doubtful(format_args!("{} = {value} is not finite", variable.name))
+            }
         }
     }
 

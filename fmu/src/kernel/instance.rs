@@ -332,10 +332,14 @@ impl Instance {
             .iter()
             .find(bad)
             .map_or("?", |v| v.name.as_str());
-        let text = format!(
+        self.doubtful(format_args!(
             "{name} is not finite at t = {} s; look at the inputs and start values that lead there",
             self.time_s
-        );
+        ))
+    }
+
+    /// A value no computation can go on with: a solver may try a shorter step, a master cannot.
+    pub(super) fn doubtful(&self, text: impl std::fmt::Display) -> Trouble {
         match self.interface {
             Interface::ModelExchange => Trouble::discard(text),
             Interface::CoSimulation => Trouble::error(text),

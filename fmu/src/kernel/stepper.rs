@@ -56,8 +56,14 @@ impl<C: Component> Stepper<'_, C> {
         if x_is_empty::<C>() || h <= 0.0 {
             return;
         }
-        let steps = (h / C::INFO.integrator_step_s - SLACK).ceil().max(1.0);
-        let step = h / steps;
+        // The common case of a single step needs neither division.
+        let single = h <= C::INFO.integrator_step_s * (1.0 + SLACK);
+        let steps = if single {
+            1.0
+        } else {
+            (h / C::INFO.integrator_step_s - SLACK).ceil()
+        };
+        let step = if single { h } else { h / steps };
         for k in 0..steps as u64 {
             self.runge_kutta(x, t + k as f64 * step, step);
         }
