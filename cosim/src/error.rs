@@ -83,7 +83,10 @@ impl Error {
 
     /// Several problems as one error; `Ok` when there is none.
     pub fn all(problems: Vec<Error>) -> Result<()> {
-        let mut rest = problems.into_iter();
+        let mut rest = problems.into_iter().flat_map(|mut problem| {
+            let others = std::mem::take(&mut problem.0.others);
+            std::iter::once(problem).chain(others)
+        });
         match rest.next() {
             None => Ok(()),
             Some(mut first) => {

@@ -61,6 +61,12 @@ impl Output {
             messages::warning(warning);
         }
         if !self.quiet {
+            summary
+                .messages
+                .iter()
+                .for_each(|message| messages::note(message));
+        }
+        if !self.quiet {
             let spent = begun.elapsed().as_secs_f64();
             messages::note(&format!(
                 "{}: {} s simulated in {spent:.3} s ({:.0} x real time, {} steps); results in {target}",

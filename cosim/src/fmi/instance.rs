@@ -29,8 +29,6 @@ pub enum State {
     Ready,
     /// A step was refused: values may be read, nothing more.
     Failed,
-    /// After termination.
-    Terminated,
     /// The FMU said that it is beyond use: not even freeing is allowed.
     Fatal,
 }
@@ -192,6 +190,11 @@ impl Instance {
         self.state = State::Ready;
         self.time = time;
         Ok(())
+    }
+
+    /// What the FMU logged since this was asked last; only the newest messages are kept.
+    pub fn messages(&self) -> Vec<String> {
+        self.log.take()
     }
 
     fn require(&self, function: &'static str, allowed: &[State]) -> Result<()> {

@@ -7,23 +7,48 @@ const KEPT: usize = 20;
 
 /// Where the logger callback writes. An FMU may log from a thread of its own, hence the lock.
 #[derive(Default)]
-pub(super) struct Log(Mutex<VecDeque<String>>);
+pub(super) struct Log(Mutex<Messages>);
+
+#[derive(Default)]
+struct Messages {
+    newest: VecDeque<String>,
+    /// How many older ones were dropped.
+    dropped: usize,
+}
 
 impl Log {
     pub(super) fn push(&self, line: String) {
-        let mut lines = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if lines.len() == KEPT {
-            lines.pop_front();
+        let mut messages = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if messages.newest.len() == KEPT {
+            messages.newest.pop_front();
+            messages.dropped += 1;
         }
-        lines.push_back(line);
+        messages.newest.push_back(line);
     }
 
-    /// The kept lines, oldest first; the log is empty afterwards.
+    /// The kept messages, oldest first; the log is empty afterwards.
     pub(super) fn take(&self) -> Vec<String> {
-        self.0
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .drain(..)
-            .collect()
+        let mut guard = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let messages = std::mem::take(&mut *guard);
+        let note = (messages.dropped > 0)
+            .then(|| format!("({} earlier messages are not kept)", messages.dropped));
+        note.into_iter().chain(messages.newest).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_newest_are_kept_and_the_rest_is_counted() {
+        let log = Log::default();
+        for number in 0..25 {
+            log.push(number.to_string());
+        }
+        let lines = log.take();
+        assert_eq!((lines.len(), lines[1].as_str()), (KEPT + 1, "5"));
+        assert!(lines[0].starts_with("(5 earlier"));
+        assert!(log.take().is_empty());
     }
 }

@@ -35,8 +35,17 @@ impl Engine {
         self.steps
     }
 
+    /// What is odd but did not end the run: its own findings.
     pub(super) fn warnings(&self) -> &[String] {
         &self.warnings
+    }
+
+    /// The messages of every slave, by position.
+    pub(super) fn messages(&mut self) -> Vec<Vec<String>> {
+        self.slaves
+            .iter_mut()
+            .map(|slave| slave.messages())
+            .collect()
     }
 
     /// Initializes all components with values that agree along all connections.

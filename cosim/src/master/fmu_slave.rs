@@ -178,6 +178,10 @@ impl Slave for FmuSlave {
         self.recorded.get(&mut self.instance, values)
     }
 
+    fn messages(&mut self) -> Vec<String> {
+        self.instance.messages()
+    }
+
     fn save(&mut self) -> Result<()> {
         self.instance.save()
     }

@@ -39,6 +39,8 @@ pub struct Summary {
     pub simulated: f64,
     /// What is odd but did not end the run.
     pub warnings: Vec<String>,
+    /// What the components logged, `component: message`.
+    pub messages: Vec<String>,
 }
 
 impl System {
@@ -69,7 +71,14 @@ impl System {
             steps: engine.steps(),
             simulated: (self.stop_time() - self.start_time()).seconds(),
             warnings: engine.warnings().to_vec(),
+            messages: self.named(engine.messages()),
         })
+    }
+
+    fn named(&self, messages: Vec<Vec<String>>) -> Vec<String> {
+        let all = self.components().iter().zip(messages);
+        all.flat_map(|(c, lines)| lines.into_iter().map(move |l| format!("{}: {l}", c.name)))
+            .collect()
     }
 
     fn engine(&self) -> Result<Engine> {

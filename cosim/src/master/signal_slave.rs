@@ -56,6 +56,10 @@ impl Slave for SignalSlave {
         Ok(())
     }
 
+    fn messages(&mut self) -> Vec<String> {
+        Vec::new()
+    }
+
     fn save(&mut self) -> Result<()> {
         Ok(())
     }

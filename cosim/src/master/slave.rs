@@ -28,6 +28,9 @@ pub trait Slave {
     /// Reads the variables that are only recorded.
     fn read(&mut self, values: &mut [f64]) -> Result<()>;
 
+    /// What the slave had to say since this was asked last.
+    fn messages(&mut self) -> Vec<String>;
+
     /// Keeps the present state for [`Slave::restore`].
     fn save(&mut self) -> Result<()>;
 

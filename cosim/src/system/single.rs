@@ -25,11 +25,19 @@ impl System {
         let names = Names::single(&fmu);
         let description = fmu.description();
         let (start, stop, step, output_interval) = timing(description, overrides)?;
+        let mut problems = Vec::new();
+        let start_values = start_values(&names, overrides, &mut problems);
+        let columns = check::columns(&names, &overrides.output_variables);
+        let columns = columns.unwrap_or_else(|problem| {
+            problems.push(problem);
+            Vec::new()
+        });
+        Error::all(problems)?;
         let mut components = vec![Component {
             name: description.model_name.clone(),
             model: Model::Fmu(fmu.clone()),
             step,
-            start_values: start_values(&names, overrides)?,
+            start_values,
         }];
         let mut connections = Vec::new();
         if let Some(recording) = inputs {
@@ -52,7 +60,7 @@ impl System {
             order: Order::new(algorithm, &components, &connections),
             components,
             connections,
-            columns: check::columns(&names, &overrides.output_variables)?,
+            columns,
             start,
             stop,
             output_interval,
@@ -85,17 +93,19 @@ fn timing(description: &Description, overrides: &Overrides) -> Result<(Time, Tim
     Ok((start, stop, step, output_interval))
 }
 
-fn start_values(names: &Names, overrides: &Overrides) -> Result<Vec<(usize, Value)>> {
+fn start_values(
+    names: &Names,
+    overrides: &Overrides,
+    problems: &mut Vec<Error>,
+) -> Vec<(usize, Value)> {
     let mut values = Vec::new();
-    let mut problems = Vec::new();
     for (name, text) in &overrides.start_values {
         match check::start_value(names, name, text) {
             Ok(found) => values.extend(found.map(|(port, value)| (port.variable, value))),
             Err(problem) => problems.push(problem),
         }
     }
-    Error::all(problems)?;
-    Ok(values)
+    values
 }
 
 fn signals(description: &Description, recording: &Recording) -> Result<Signals> {

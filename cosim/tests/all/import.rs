@@ -163,7 +163,7 @@ fn wrong_descriptions_name_file_and_line() {
             "<!DOCTYPE x>",
             &["E103", ":1", "DTD"],
         ),
-        ("</ModelStructure>", "", &["E103", ":26"]),
+        ("</ModelStructure>", "", &["E103", ":27"]),
     ] {
         let error = changed(from, to);
         for part in parts {

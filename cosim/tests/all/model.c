@@ -109,6 +109,10 @@ Status fmi2DoStep(Component c, double t, double h, int no_set) {
 #ifdef MODEL_INTEGRATOR
   m->r[2] += m->r[0] * h;
 #endif
+#ifdef MODEL_COUNTER
+  if (m->steps == 2 && m->text[0])
+    m->callbacks->log(m->callbacks->environment, m->name, 1, "logAll", "%s", m->text);
+#endif
 #ifdef MODEL_FAILING
   if (m->time > m->r[3]) {
     m->callbacks->log(m->callbacks->environment, m->name, 3, "logStatusError", "%s",

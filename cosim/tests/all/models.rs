@@ -112,7 +112,9 @@ fn folder() -> &'static Path {
 pub(crate) fn compile(model: Model) -> PathBuf {
     static MADE: Mutex<BTreeMap<Model, PathBuf>> = Mutex::new(BTreeMap::new());
     let mut made = MADE.lock().unwrap();
-    made.entry(model).or_insert_with(|| compile_now(model)).clone()
+    made.entry(model)
+        .or_insert_with(|| compile_now(model))
+        .clone()
 }
 
 fn compile_now(model: Model) -> PathBuf {

@@ -248,3 +248,19 @@ fn recorded_parameters_and_inputs_show_what_the_fmu_has() {
         &[0.0, 0.1, 0.2, 0.3, 0.4, 0.5],
     );
 }
+
+#[test]
+fn what_a_component_says_is_passed_on() {
+    let system = Ssd::new()
+        .add("c", Counter)
+        .load(&Overrides::new())
+        .unwrap();
+    assert!(system.run(&mut []).unwrap().messages.is_empty());
+    let system = system
+        .with(&Overrides::new().start_value("c.text", "half empty"))
+        .unwrap();
+    assert_eq!(
+        system.run(&mut []).unwrap().messages,
+        ["c: Warning (logAll): half empty"]
+    );
+}

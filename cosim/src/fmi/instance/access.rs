@@ -6,12 +6,7 @@ use super::{Instance, State};
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Kind, Value, Variable};
 
-const READABLE: &[State] = &[
-    State::Initialization,
-    State::Ready,
-    State::Failed,
-    State::Terminated,
-];
+const READABLE: &[State] = &[State::Initialization, State::Ready, State::Failed];
 const WRITABLE: &[State] = &[State::Instantiated, State::Initialization, State::Ready];
 
 impl Instance {
