@@ -252,13 +252,18 @@ fn corner_cuts(points: &[Waypoint], legs: &[Leg]) -> Result<Vec<f64>, CourseErro
     }
     for (i, leg) in legs.iter().enumerate() {
         if cuts[i] + cuts[i + 1] > leg.length * (1.0 + TOLERANCE) {
-            // The corner that takes more is the one to blame.
-            let corner = if cuts[i] > cuts[i + 1] { i } else { i + 1 };
+            // The corner that takes more is to blame, of equal ones the first.
+            let later = cuts[i + 1] > cuts[i] * (1.0 + TOLERANCE);
+            let corner = if later { i + 1 } else { i };
+            let (from, to) = (points[i], points[i + 1]);
             let reason = format!(
-                "radius {} is too large: the corners at both ends of the leg from point {i} to {} \
-                 take {:.6} m, but it is only {:.6} m long",
+                "radius {} is too large: the corners of the leg from ({}, {}) to ({}, {}) take \
+                 {:.6} m of it, but it is only {:.6} m long",
                 points[corner].radius,
-                i + 1,
+                from.x,
+                from.y,
+                to.x,
+                to.y,
                 cuts[i] + cuts[i + 1],
                 leg.length
             );

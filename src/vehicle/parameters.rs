@@ -129,7 +129,9 @@ impl Parameters {
         m
     }
 
-    pub(crate) fn symmetric_added_mass(&self) -> [[f64; 6]; 6] {
+    /// The added mass with mirrored elements averaged: printed tables differ in the last digit.
+    #[must_use]
+    pub fn symmetric_added_mass(&self) -> [[f64; 6]; 6] {
         let a = &self.added_mass;
         core::array::from_fn(|i| core::array::from_fn(|j| 0.5 * (a[i][j] + a[j][i])))
     }
