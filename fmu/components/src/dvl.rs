@@ -19,7 +19,7 @@ pub struct Parameters {
     pub seed: i32,
     /// Place of the instrument in the body frame
     #[var(unit = "m")]
-    pub position: Vector,
+    pub mounting: Vector,
     /// Standard deviation of each axis
     #[var(unit = "m/s", min = 0.0)]
     pub sigma: f64,
@@ -31,7 +31,7 @@ impl Default for Parameters {
         Self {
             rate_hz: p.rate_hz,
             seed: seed_start(p.seed),
-            position: p.position.into(),
+            mounting: p.position.into(),
             sigma: p.sigma,
         }
     }
@@ -78,7 +78,7 @@ impl Sample for Dvl {
         let parameters = DvlParameters {
             rate_hz: p.rate_hz,
             seed: seed_value(p.seed),
-            position: p.position.into(),
+            position: p.mounting.into(),
             sigma: p.sigma,
         };
         sensors::Dvl::new(&parameters)

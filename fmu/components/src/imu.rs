@@ -97,7 +97,7 @@ pub struct Parameters {
     pub seed: i32,
     /// Place of the unit in the body frame
     #[var(unit = "m")]
-    pub position: Vector,
+    pub mounting: Vector,
     /// Orientation of the housing in the body frame
     pub orientation_deg: Orientation,
     /// Accelerometers
@@ -116,7 +116,7 @@ impl Default for Parameters {
         Self {
             rate_hz: p.rate_hz,
             seed: seed_start(p.seed),
-            position: p.position.into(),
+            mounting: p.position.into(),
             orientation_deg: Orientation { roll, pitch, yaw },
             accelerometer: p.accelerometer.into(),
             gyro: p.gyro.into(),
@@ -182,7 +182,7 @@ impl Sample for Imu {
         let parameters = ImuParameters {
             rate_hz: p.rate_hz,
             seed: seed_value(p.seed),
-            position: p.position.into(),
+            position: p.mounting.into(),
             orientation_deg: [roll, pitch, yaw],
             accelerometer: (&p.accelerometer).into(),
             gyro: (&p.gyro).into(),

@@ -6,7 +6,7 @@
 //! World frame NED, body frame FRD (forward, starboard, down), SI units; array indices count from
 //! zero as the paper's thrusters do.
 
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 #![deny(
     clippy::unwrap_used,
     clippy::expect_used,

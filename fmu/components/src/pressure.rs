@@ -17,7 +17,7 @@ pub struct Parameters {
     pub seed: i32,
     /// Place of the sensor in the body frame
     #[var(unit = "m")]
-    pub position: Vector,
+    pub mounting: Vector,
     /// Standard deviation
     #[var(unit = "Pa", min = 0.0, nominal = 1000.0)]
     pub sigma_pa: f64,
@@ -35,7 +35,7 @@ impl Default for Parameters {
         Self {
             rate_hz: p.rate_hz,
             seed: seed_start(p.seed),
-            position: p.position.into(),
+            mounting: p.position.into(),
             sigma_pa: p.sigma_pa,
             surface_pressure_pa: p.surface_pressure_pa,
             gradient_pa_per_m: p.gradient_pa_per_m,
@@ -105,7 +105,7 @@ impl Sample for PressureSensor {
         let parameters = PressureParameters {
             rate_hz: p.rate_hz,
             seed: seed_value(p.seed),
-            position: p.position.into(),
+            position: p.mounting.into(),
             sigma_pa: p.sigma_pa,
             surface_pressure_pa: p.surface_pressure_pa,
             gradient_pa_per_m: p.gradient_pa_per_m,
