@@ -28,18 +28,21 @@ pub struct Mass {
     pub v: f64,
 }
 
+/// The states.
 #[derive(Clone, Copy, Debug, Default, Variables)]
 pub struct States {
     /// Mass
     pub mass: [Mass; 12],
 }
 
+/// The inputs.
 #[derive(Clone, Copy, Debug, Default, Variables)]
 pub struct Forces {
     /// Force
     pub force: [f64; 10],
 }
 
+/// The outputs.
 #[derive(Clone, Copy, Debug, Default, Variables)]
 pub struct Outputs {
     /// Position
@@ -50,6 +53,7 @@ pub struct Outputs {
     pub total: [f64; 6],
 }
 
+/// The chain.
 pub struct Chain;
 
 impl Component for Chain {

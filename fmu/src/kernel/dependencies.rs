@@ -19,7 +19,7 @@ use super::table::{Group, Table, Variable};
 use super::values::{Explicit, Values};
 
 /// Random points tried.
-const POINTS: u64 = 48;
+const POINTS: u64 = 192;
 /// Most events before the one under test.
 const EVENTS: u64 = 6;
 
@@ -303,7 +303,8 @@ fn set<T>(values: &mut [T], reference: usize, value: T) -> bool {
         .is_some()
 }
 
-/// A value near the start, at a bound or of nominal size, within the bounds.
+/// A value near the start, at a bound, or of the nominal size times a power of ten, within the
+/// bounds. Inputs go furthest, so that saturated and far-off regions are seen as well as others.
 fn real(variable: &Variable, start: f64, random: &mut Random) -> f64 {
     let (min, max) = (
         variable.min.unwrap_or(f64::MIN),
@@ -312,13 +313,18 @@ fn real(variable: &Variable, start: f64, random: &mut Random) -> f64 {
     let scale = variable
         .nominal
         .unwrap_or(if start == 0.0 { 1.0 } else { start.abs() });
+    let powers = match variable.group {
+        Group::Input => 4,
+        Group::State => 2,
+        _ => 1,
+    };
+    let reach = (0..random.below(powers)).fold(scale, |reach, _| 10.0 * reach);
     let value = match (random.below(8), variable.min, variable.max) {
         (0, Some(min), _) => min,
         (1, _, Some(max)) => max,
         (2, Some(min), Some(max)) => min + (max - min) * random.unit(),
         (3 | 4, ..) => start + 1e-3 * scale * (2.0 * random.unit() - 1.0),
-        (5, ..) => 3.0 * scale * (2.0 * random.unit() - 1.0),
-        _ => start + scale * (2.0 * random.unit() - 1.0),
+        _ => start + reach * (2.0 * random.unit() - 1.0),
     };
     value.clamp(min, max)
 }
