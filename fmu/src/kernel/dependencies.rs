@@ -3,9 +3,11 @@
 //! A component is probed at many reproducible random points: parameters, inputs and states around
 //! their start and nominal values and at their bounds. At each point one quantity after the other
 //! is moved, and whatever differs in any bit depends on it. For outputs and derivatives the
-//! quantities are inputs and states; a sampled component handles some events first, and the moved
-//! input is there at the last one. For initial values the quantities are parameters and inputs.
-//! What cannot be tried (texts, parameters whose every move is refused) is listed as a dependency.
+//! quantities are inputs and states; a sampled component first handles some events with inputs
+//! that wander, and the moved input is there at the last one. For initial values the quantities
+//! are parameters and inputs. What cannot be tried is listed as a dependency: texts, parameters
+//! whose every move is refused, and all inputs for a sampled output that never moved (it may only
+//! do so after more events than were tried).
 //!
 //! Only the generator of modelDescription.xml runs this; instances never do.
 
@@ -19,9 +21,9 @@ use super::table::{Group, Table, Variable};
 use super::values::{Explicit, Values};
 
 /// Random points tried.
-const POINTS: u64 = 192;
+const POINTS: u64 = 256;
 /// Most events before the one under test.
-const EVENTS: u64 = 6;
+const EVENTS: u64 = 12;
 
 /// Knowns of each unknown, as indices into the table's variables, both in ascending order.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -44,6 +46,9 @@ pub(crate) fn probe<C: Component>(table: &Table) -> Result<Dependencies, String>
     });
     for point in 0..POINTS {
         probe.point(point);
+    }
+    if C::INFO.sampled {
+        probe.assume_the_worst_of_outputs();
     }
     probe.finish()
 }
@@ -202,12 +207,12 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
         let mut values = values.clone();
         let mut model = self.configured(&mut values)?;
         let mut now = Time::default();
-        for (_, input) in self.table.group(Group::Input) {
-            if random.below(2) == 0 {
-                shift(input, &mut values, &mut random);
-            }
-        }
         for _ in 0..experiment.events {
+            for (_, input) in self.table.group(Group::Input) {
+                if random.below(4) == 0 {
+                    shift(input, &mut values, &mut random);
+                }
+            }
             let Some(next) = model.next_event() else {
                 break;
             };
@@ -228,7 +233,24 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
         Some(values)
     }
 
-    /// Adds what could not be tried.
+    /// Outputs that seem to depend on nothing depend on all inputs.
+    fn assume_the_worst_of_outputs(&mut self) {
+        let inputs: BTreeSet<_> = self
+            .table
+            .group(Group::Input)
+            .map(|(index, _)| index)
+            .collect();
+        for knowns in self
+            .found
+            .outputs
+            .values_mut()
+            .filter(|knowns| knowns.is_empty())
+        {
+            knowns.clone_from(&inputs);
+        }
+    }
+
+    /// Adds the parameters that could not be tried.
     fn finish(mut self) -> Result<Dependencies, String> {
         if self.accepted == 0 {
             let refusal = self.refusal.unwrap_or_default();

@@ -317,6 +317,8 @@ pub struct Command {
 pub struct Echo {
     /// The command
     pub echo: f64,
+    /// Always the same
+    pub constant: f64,
 }
 
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -353,8 +355,10 @@ impl Component for Clumsy {
 
     fn outputs(&self, _: f64, _: &Clumsiness, (): &NoStates, u: &Command) -> Echo {
         let not_finite = u.command == command::NOT_FINITE;
+        let echo = if not_finite { f64::NAN } else { u.command };
         Echo {
-            echo: if not_finite { f64::NAN } else { u.command },
+            echo,
+            constant: 1.0,
         }
     }
 

@@ -59,6 +59,12 @@ fn a_sampled_output_depends_on_the_input_of_its_last_sample() {
     assert_eq!(dependencies("Noise", "Outputs", "count"), ["enabled"]);
 }
 
+/// It may move after more events than anyone tried.
+#[test]
+fn a_sampled_output_that_never_moves_is_taken_to_depend_on_all_inputs() {
+    assert_eq!(dependencies("Clumsy", "Outputs", "constant"), ["command"]);
+}
+
 #[test]
 fn initial_values_depend_on_parameters_and_inputs() {
     let of = |unknown| dependencies("Spring", "InitialUnknowns", unknown);
