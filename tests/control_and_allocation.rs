@@ -133,8 +133,15 @@ fn velocity_commands_are_met_without_offset_even_in_a_turn() {
 #[test]
 fn a_step_beyond_the_limits_of_the_thrusters_does_not_wind_up() {
     let mut control = Loop::new();
-    control.run([1.0, 0.0, 0.0, 0.0], 1);
-    assert!(control.demand.wrench[0] > 5657.0, "{:?}", control.demand);
+    let first = control.controller.update(
+        &mut ControllerMemory::default(),
+        [1.0, 0.0, 0.0, 0.0],
+        [0.0; 6],
+    );
+    assert!(
+        first.wrench[0] > 5657.0 && first.force[4] == 2000.0,
+        "{first:?}"
+    );
     let mut fastest = 0.0_f64;
     for _ in 0..20 {
         control.run([1.0, 0.0, 0.0, 0.0], 1);

@@ -99,8 +99,7 @@ impl Ekf {
         if next.running {
             let (p, yaw) = (&self.parameters, next.pose[3]);
             let motion = &next.motion;
-            next.covariance =
-                predict_covariance(p, &next.covariance, yaw, motion, before.acceleration);
+            next.covariance = predict_covariance(p, &next.covariance, yaw, motion, &before);
             next.pose = predict_pose(p, next.pose, motion);
         }
         self.fuse_new(&mut next, measured, imu_new);

@@ -6,8 +6,8 @@ use crate::error::{each, finite, non_negative, positive};
 /// Transition matrix F of the covariance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Transition {
-    /// Eqs (44)-(47), `F_ii = 1 + (a + da/2) dt / v`, guarded where they are singular: 1 at
-    /// speeds below 0.01, limited to [0, 2].
+    /// Eqs (44)-(47), `F_ii = 1 + (a + da/2) dt / v` with `a = v' + r z x v`; but 1 below
+    /// `guard_speed`, where the quotient loses all meaning.
     #[default]
     Paper,
     /// Eqs (44)-(47) as printed; only kept finite.
@@ -33,6 +33,8 @@ pub struct EkfParameters {
     pub rate_hz: f64,
     /// Transition matrix of the covariance.
     pub transition: Transition,
+    /// Speed (m/s, rad/s) below which F_ii of `Transition::Paper` is 1.
+    pub guard_speed: f64,
     /// Whether body displacements are turned into NED by psi; eq (36) as printed does not.
     pub rotate_to_ned: bool,
     /// Process noise covariance.
@@ -70,6 +72,7 @@ impl Default for EkfParameters {
         Self {
             rate_hz: 10.0,
             transition: Transition::Paper,
+            guard_speed: 0.005,
             rotate_to_ned: true,
             process_noise: ProcessNoise::Constant,
             process_variance: [1e-4; 4],
@@ -91,6 +94,7 @@ impl Default for EkfParameters {
 
 impl EkfParameters {
     pub(super) fn check(&self) -> Result<(), ParameterError> {
+        non_negative("guard_speed", self.guard_speed)?;
         each("process_variance", &self.process_variance, non_negative)?;
         non_negative("dvl_sigma", self.dvl_sigma)?;
         positive("dvl_rate_hz", self.dvl_rate_hz)?;

@@ -31,9 +31,7 @@ pub(super) struct Motion {
     pub(super) acceleration: [f64; 4],
 }
 
-/// Below this speed (m/s, rad/s) the guarded F of the paper is 1.
-const SLOW: f64 = 0.01;
-/// Bound of the unguarded F, whose quotient is singular at rest.
+/// Bound of the paper's F, whose quotient is singular at rest.
 const F_LIMIT: f64 = 1e3;
 /// Variances stop growing here: the position is unknown anyway, and stays finite without fixes.
 const VARIANCE_LIMIT: f64 = 1e12;
@@ -68,10 +66,17 @@ pub(super) fn predict_pose(p: &EkfParameters, pose: [f64; 4], motion: &Motion) -
     ]
 }
 
+/// Second derivative of the position along body axes, `v' + r z x v`, and of psi.
+fn total_acceleration(motion: &Motion) -> [f64; 4] {
+    let [u, v, _, r] = motion.velocity;
+    let a = motion.acceleration;
+    [a[0] - r * v, a[1] + r * u, a[2], a[3]]
+}
+
 /// Displacement of the position in a cycle, NED (m).
 fn displacement(p: &EkfParameters, yaw: f64, motion: &Motion) -> Vec3 {
     let dt = 1.0 / p.rate_hz;
-    let [u, v, w, r] = motion.velocity;
+    let [u, v, w, _] = motion.velocity;
     let a = motion.acceleration;
     let down = w * dt + 0.5 * a[2] * dt * dt;
     if !p.rotate_to_ned {
@@ -82,19 +87,20 @@ fn displacement(p: &EkfParameters, yaw: f64, motion: &Motion) -> Vec3 {
             down,
         ];
     }
-    let along = u * dt + 0.5 * (a[0] - r * v) * dt * dt;
-    let across = v * dt + 0.5 * (a[1] + r * u) * dt * dt;
+    let total = total_acceleration(motion);
+    let along = u * dt + 0.5 * total[0] * dt * dt;
+    let across = v * dt + 0.5 * total[1] * dt * dt;
     let (sin, cos) = libm::sincos(yaw);
     [cos * along - sin * across, sin * along + cos * across, down]
 }
 
-/// The covariance a cycle later; `before` is the acceleration of the previous cycle.
+/// The covariance a cycle later; `before` is the motion of the previous cycle.
 pub(super) fn predict_covariance(
     p: &EkfParameters,
     covariance: &[[f64; 4]; 4],
     yaw: f64,
     motion: &Motion,
-    before: [f64; 4],
+    before: &Motion,
 ) -> [[f64; 4]; 4] {
     let f = transition(p, yaw, motion, before);
     let q = process_variance(p);
@@ -114,18 +120,18 @@ pub(super) fn predict_covariance(
     limit(predicted)
 }
 
-fn transition(p: &EkfParameters, yaw: f64, motion: &Motion, before: [f64; 4]) -> [[f64; 4]; 4] {
+fn transition(p: &EkfParameters, yaw: f64, motion: &Motion, before: &Motion) -> [[f64; 4]; 4] {
     let mut f = [[0.0; 4]; 4];
+    let (now, before) = (total_acceleration(motion), total_acceleration(before));
     for i in 0..4 {
-        let (v, a) = (motion.velocity[i], motion.acceleration[i]);
-        let quotient = 1.0 + (a + 0.5 * (a - before[i])) / (v * p.rate_hz);
+        let v = motion.velocity[i];
+        let quotient = 1.0 + (now[i] + 0.5 * (now[i] - before[i])) / (v * p.rate_hz);
         f[i][i] = match p.transition {
             Transition::Repaired => 1.0,
-            Transition::Paper if v.abs() < SLOW => 1.0,
-            Transition::Paper => quotient.clamp(0.0, 2.0),
-            // At v = 0 with a = 0 the quotient 0/0 says nothing.
-            Transition::PaperUnguarded if quotient.is_nan() => 1.0,
-            Transition::PaperUnguarded => quotient.clamp(-F_LIMIT, F_LIMIT),
+            Transition::Paper if v.abs() < p.guard_speed => 1.0,
+            // At v = 0 with no acceleration the quotient 0/0 says nothing.
+            _ if quotient.is_nan() => 1.0,
+            _ => quotient.clamp(-F_LIMIT, F_LIMIT),
         };
     }
     if p.transition == Transition::Repaired && p.rotate_to_ned {
