@@ -90,20 +90,26 @@ pub(super) fn check(raw: Arc<RawSystem>, overrides: &Overrides) -> Result<System
     Ok(system)
 }
 
-/// An algebraic loop in words.
+/// An algebraic loop in words; connections between the same two components are told once.
 fn told(system: &System, found: &Loop) -> String {
-    let members: Vec<&str> = found
-        .members
-        .iter()
-        .map(|&m| system.components[m].name.as_str())
-        .collect();
-    let held: Vec<String> = found
-        .held
-        .iter()
-        .map(|&c| {
-            let connection = &system.connections[c];
-            let (from, to) = (connection.from, connection.to);
-            format!("{} -> {}", system.port_name(from), system.port_name(to))
+    let name = |component: usize| system.components[component].name.as_str();
+    let members: Vec<&str> = found.members.iter().map(|&m| name(m)).collect();
+    let mut pairs: Vec<(usize, usize, String, usize)> = Vec::new();
+    for connection in found.held.iter().map(|&c| &system.connections[c]) {
+        let (from, to) = (connection.from, connection.to);
+        match pairs.iter_mut().find(|p| (p.0, p.1) == (from.component, to.component)) {
+            Some(pair) => pair.3 += 1,
+            None => {
+                let first = format!("{} -> {}", system.port_name(from), system.port_name(to));
+                pairs.push((from.component, to.component, first, 1));
+            }
+        }
+    }
+    let held: Vec<String> = pairs
+        .into_iter()
+        .map(|(from, to, first, count)| match count {
+            1 => first,
+            _ => format!("{} -> {} ({count} connections)", name(from), name(to)),
         })
         .collect();
     format!(
