@@ -36,12 +36,18 @@ fn outputs_are_those_of_the_end_of_the_step_and_follow_new_inputs() {
     fmu.step(0.0, 0.5);
     let (x, a) = (fmu.get("position"), fmu.get("acceleration"));
     assert_eq!(a, 4.0 - 4.0 * x);
+    let v = fmu.get("state.v");
+    assert_eq!((fmu.get("der(state.x)"), fmu.get("der(state.v)")), (v, a));
+    fmu.step(0.5, 0.0);
+    fmu.step(0.5, 0.5);
+    assert_eq!(fmu.get("der(state.x)"), fmu.get("state.v"));
+    let x = fmu.get("position");
     fmu.set("force", 0.0);
     assert_eq!(
         (fmu.get("position"), fmu.get("acceleration")),
         (x, -4.0 * x)
     );
-    assert_eq!((fmu.get("time"), fmu.get("der(state.v)")), (0.5, -4.0 * x));
+    assert_eq!((fmu.get("time"), fmu.get("der(state.v)")), (1.0, -4.0 * x));
 }
 
 #[test]
