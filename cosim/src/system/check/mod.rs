@@ -97,7 +97,10 @@ fn told(system: &System, found: &Loop) -> String {
     let mut pairs: Vec<(usize, usize, String, usize)> = Vec::new();
     for connection in found.held.iter().map(|&c| &system.connections[c]) {
         let (from, to) = (connection.from, connection.to);
-        match pairs.iter_mut().find(|p| (p.0, p.1) == (from.component, to.component)) {
+        match pairs
+            .iter_mut()
+            .find(|p| (p.0, p.1) == (from.component, to.component))
+        {
             Some(pair) => pair.3 += 1,
             None => {
                 let first = format!("{} -> {}", system.port_name(from), system.port_name(to));
