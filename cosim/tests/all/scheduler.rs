@@ -274,8 +274,16 @@ fn a_loop_that_settles_begins_with_values_that_agree() {
         .connect("b.y", "a.u")
         .connect("a.y", "b.u")
         .stop(0.1);
-    let system = ssd.load(&Overrides::new().output_variables(["a.u", "b.u"])).unwrap();
+    let system = ssd
+        .load(&Overrides::new().output_variables(["a.u", "b.u"]))
+        .unwrap();
     let mut recording = cosim::Recording::new();
-    assert!(system.run(&mut [&mut recording]).unwrap().warnings.is_empty());
+    assert!(
+        system
+            .run(&mut [&mut recording])
+            .unwrap()
+            .warnings
+            .is_empty()
+    );
     assert_near(recording.column("a.u").unwrap(), &[0.0, 0.0]);
 }
