@@ -24,9 +24,9 @@ fn the_three_courses_have_their_lengths_and_ends() {
         assert_relative_eq!(course.length(), length, epsilon = 0.005);
         assert_eq!(course.point(0.0), [0.0, 0.0]);
         assert_eq!(course.heading(0.0), 0.0);
-        for i in 0..2 {
-            assert_relative_eq!(course.point(course.length())[i], end[i], epsilon = 1e-9);
-        }
+        let [x, y] = course.point(course.length());
+        assert_relative_eq!(x, end[0], epsilon = 1e-9);
+        assert_relative_eq!(y, end[1], epsilon = 1e-9);
     }
 }
 

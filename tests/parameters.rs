@@ -57,8 +57,10 @@ fn matrices_must_be_symmetric_and_positive_definite() {
 
 #[test]
 fn an_error_can_be_told_from_outside() {
-    let mut p = Parameters::default();
-    p.mass = 0.0;
+    let p = Parameters {
+        mass: 0.0,
+        ..Parameters::default()
+    };
     let error = Vehicle::new(&p).unwrap_err().within("vehicle");
     assert_eq!(error.name, "vehicle.mass");
 }

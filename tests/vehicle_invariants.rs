@@ -1,5 +1,10 @@
 //! Laws that the equations of motion keep for any state and any coefficients.
 
+#![allow(
+    clippy::needless_range_loop,
+    reason = "indices as the equations have them"
+)]
+
 use approx::assert_relative_eq;
 use nalgebra::{Matrix6, Vector6};
 use proptest::prelude::*;
