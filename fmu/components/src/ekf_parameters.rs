@@ -79,6 +79,9 @@ pub struct FilterParameters {
     pub rate_hz: f64,
     /// Transition matrix F of the covariance
     pub transition: Transition,
+    /// Speed (m/s, rad/s) below which F of transition Paper is 1
+    #[var(min = 0.0)]
+    pub guard_speed: f64,
     /// Turn body displacements into NED; eq (36) as printed does not
     pub rotate_to_ned: bool,
     /// Process noise covariance Q
@@ -116,6 +119,7 @@ impl Default for FilterParameters {
         Self {
             rate_hz: p.rate_hz,
             transition: Transition::default(),
+            guard_speed: p.guard_speed,
             rotate_to_ned: p.rotate_to_ned,
             process_noise: ProcessNoise::default(),
             process_variance: Variance { x, y, z, yaw },
@@ -149,6 +153,7 @@ impl From<&FilterParameters> for EkfParameters {
                 Transition::PaperUnguarded => estimation::Transition::PaperUnguarded,
                 Transition::Repaired => estimation::Transition::Repaired,
             },
+            guard_speed: p.guard_speed,
             rotate_to_ned: p.rotate_to_ned,
             process_noise: match p.process_noise {
                 ProcessNoise::Constant => estimation::ProcessNoise::Constant,
