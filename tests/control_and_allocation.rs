@@ -153,6 +153,22 @@ fn a_step_beyond_the_limits_of_the_thrusters_does_not_wind_up() {
 }
 
 #[test]
+fn an_error_that_the_thrusters_cannot_work_off_is_forgotten() {
+    let p = ControllerParameters {
+        thrust_limit: 200.0,
+        ..ControllerParameters::default()
+    };
+    let mut control = Loop {
+        controller: VelocityController::new(&p).unwrap(),
+        ..Loop::new()
+    };
+    control.run([0.0, 0.0, 1.0, 0.0], 60);
+    assert!(control.state.nu[2] < 0.5, "{:?}", control.state.nu);
+    control.run([0.0, 0.0, 0.0, 0.0], 10);
+    assert_relative_eq!(control.state.nu[2], 0.0, epsilon = 0.02);
+}
+
+#[test]
 fn gains_out_of_range_are_named() {
     let mut p = ControllerParameters::default();
     p.linear.p = -1.0;

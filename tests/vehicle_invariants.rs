@@ -9,7 +9,9 @@ use approx::assert_relative_eq;
 use nalgebra::{Matrix6, Vector6};
 use proptest::prelude::*;
 use rexrov::attitude;
-use rexrov::vehicle::{Inputs, Parameters, State, Vehicle};
+use rexrov::vehicle::{
+    Inputs, ParameterSet, Parameters, ReducedModel, State, ThrusterMode, Vehicle,
+};
 
 fn velocities() -> impl Strategy<Value = [f64; 6]> {
     prop::array::uniform6(-1.5..1.5)
@@ -162,6 +164,22 @@ proptest! {
     }
 
     #[test]
+    fn the_reduced_model_is_the_full_one_in_level_trim(
+        u in -1.5..1.5, v in -1.5..1.5, w in -1.5..1.5, r in -1.0..1.0,
+        force in prop::array::uniform8(-500.0..500.0)
+    ) {
+        let mut p = Parameters::preset(ParameterSet::UuvDiagonal);
+        p.propulsion.mode = ThrusterMode::Force;
+        let inputs = Inputs { thruster_force: force, ..Inputs::default() };
+        let state = state([u, v, w, 0.0, 0.0, r], [0.0, 0.0, 1.0]);
+        let full = Vehicle::new(&p).unwrap().derivative(&state, &inputs).nu;
+        let reduced = ReducedModel::new(&p).unwrap().acceleration([u, v, w, r], &force);
+        for (i, k) in [0, 1, 2, 5].into_iter().enumerate() {
+            prop_assert!((full[k] - reduced[i]).abs() < 1e-9, "{full:?} {reduced:?}");
+        }
+    }
+
+    #[test]
     fn the_length_of_the_quaternion_has_no_effect(
         nu in velocities(), euler in angles(), length in 0.5..2.0
     ) {
@@ -192,8 +210,11 @@ fn the_length_of_the_quaternion_returns_to_one() {
 
 #[test]
 fn mass_matrix_is_symmetric_and_positive_definite_in_every_set() {
-    use rexrov::vehicle::ParameterSet::{Paper, Uuv, UuvDiagonal};
-    for set in [Uuv, UuvDiagonal, Paper] {
+    for set in [
+        ParameterSet::Uuv,
+        ParameterSet::UuvDiagonal,
+        ParameterSet::Paper,
+    ] {
         let m = mass_matrix(&Parameters::preset(set));
         assert_eq!(m, m.transpose());
         assert!(m.symmetric_eigenvalues().min() > 500.0);
