@@ -2,6 +2,7 @@
 //!
 //! Everything that people and CI do with this project goes through here, so that both do the same.
 
+mod bench;
 mod describe;
 mod package;
 mod paths;
@@ -31,6 +32,8 @@ enum Task {
     },
     /// Run the paper's experiment from packaged FMUs and write target/reproduce/report.html.
     Reproduce(reproduce::Options),
+    /// Measure speed as ratios within one run.
+    Bench,
     /// Run every check and every test of the project.
     Test,
 }
@@ -41,6 +44,7 @@ fn main() -> std::process::ExitCode {
         Task::Describe { check: true } => describe::check(),
         Task::Describe { check: false } => describe::write(),
         Task::Reproduce(options) => package::run().and_then(|_| reproduce::run(&options)),
+        Task::Bench => bench::run(),
         Task::Test => test::run(),
     };
     match outcome {

@@ -16,6 +16,9 @@ use crate::paths;
 /// The seed whose runs are kept whole, for the figures.
 pub(crate) const SHOWN_SEED: u32 = 1;
 
+/// Seeds up to this one get result files, so that the folder stays below 250 MB.
+pub(crate) const FILED_SEEDS: u32 = 20;
+
 /// What is kept of one run.
 #[derive(Debug, Clone)]
 pub(crate) struct Outcome {
@@ -106,7 +109,7 @@ fn run_case(base: &System, case: &Case, folder: &Path) -> anyhow::Result<Outcome
     let system = base.with(&overrides(case)?)?;
     let mut recording = Recording::new();
     system.run(&mut [&mut recording])?;
-    if case.is_in_paper() {
+    if case.is_in_paper() && case.seed <= FILED_SEEDS {
         recording.write_csv(folder.join(case.file_name()))?;
     }
     let trace = Trace::of(&recording)?;

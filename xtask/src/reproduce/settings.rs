@@ -20,14 +20,26 @@ pub(crate) const SPEED_M_S: f64 = 0.3;
 /// The sensors that draw noise, each from its own stream.
 const SENSORS: [&str; 4] = ["imu", "dvl", "gps", "pressure"];
 
+/// What the paper does not say and what was chosen for the levels of its tables: turn-on biases of
+/// the IMU (m/s2, rad/s) and the speed below which eqs 44 to 47 are not used (m/s, rad/s).
+pub(crate) const CHOSEN: [(&str, f64); 3] = [
+    ("imu.accelerometer.turn_on_sigma", 0.1),
+    ("imu.gyro.turn_on_sigma", 0.006),
+    ("ekf.guard_speed", 0.005),
+];
+
 /// Start values of one run, as `component.variable` and text.
 pub(crate) fn start_values(case: &Case) -> Vec<(String, String)> {
+    let (course, sigma) = (case.course.name(), case.fix.sigma());
     let mut values = vec![
-        ("pursuit.course".to_string(), case.course.name().to_string()),
-        ("gps.sigma".to_string(), case.fix.sigma().to_string()),
+        ("pursuit.course".to_string(), course.to_string()),
+        ("gps.sigma".to_string(), sigma.to_string()),
         ("gps.rate_hz".to_string(), FIX_RATE_HZ.to_string()),
-        ("ekf.fix_sigma".to_string(), case.fix.sigma().to_string()),
+        ("ekf.fix_sigma".to_string(), sigma.to_string()),
     ];
+    for (name, value) in CHOSEN {
+        values.push((name.to_string(), value.to_string()));
+    }
     for (i, sensor) in SENSORS.iter().enumerate() {
         values.push((
             format!("{sensor}.seed"),
