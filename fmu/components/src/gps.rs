@@ -68,7 +68,7 @@ pub struct Outputs {
 pub struct Gps(sensors::Gps);
 
 impl Sample for Gps {
-    const INFO: Info = crate::sampled_info("Gps", "Doppler position fix with noise and lever arm");
+    const INFO: Info = crate::sampled_info("Gps", "Horizontal position fix (GPS, USBL, LBL) with noise and lever arm");
     type Parameters = Parameters;
     type Inputs = Inputs;
     type Outputs = Outputs;
