@@ -35,9 +35,7 @@ fn main() {
 
 /// The least of some repetitions: the others were disturbed.
 fn best(mut measure: impl FnMut() -> f64) -> f64 {
-    (0..REPETITIONS)
-        .map(|_| measure())
-        .fold(f64::INFINITY, f64::min)
+    (0..REPETITIONS).map(|_| measure()).fold(f64::INFINITY, f64::min)
 }
 
 fn plain_c_loop() -> impl FnMut() -> f64 {
@@ -45,18 +43,10 @@ fn plain_c_loop() -> impl FnMut() -> f64 {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/chain.c");
     let library = models::compile(Model::Gain);
     let mut compiler = Command::new("cc");
-    compiler
-        .args(["-O2", "-w", "-o"])
-        .arg(&program)
-        .arg(source)
-        .arg("-ldl");
+    compiler.args(["-O2", "-w", "-o"]).arg(&program).arg(source).arg("-ldl");
     assert!(compiler.status().expect("a C compiler named cc").success());
     move || {
-        let run = Command::new(&program)
-            .arg(&library)
-            .arg(STEPS.to_string())
-            .output()
-            .unwrap();
+        let run = Command::new(&program).arg(&library).arg(STEPS.to_string()).output().unwrap();
         String::from_utf8_lossy(&run.stdout).trim().parse().unwrap()
     }
 }
@@ -72,10 +62,8 @@ fn master(algorithm: Algorithm) -> f64 {
     // The chain ends in a recorded output, once per run, so that all ten are read.
     let stop = f64::from(STEPS) * 1e-3;
     let last = format!("g{}.y", LENGTH - 1);
-    let overrides = Overrides::new()
-        .algorithm(algorithm)
-        .output_interval(stop)
-        .output_variable(last);
+    let overrides =
+        Overrides::new().algorithm(algorithm).output_interval(stop).output_variable(last);
     let system = system.stop(stop).load(&overrides).unwrap();
     let begun = Instant::now();
     let summary = system.run(&mut []).unwrap();

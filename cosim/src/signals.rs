@@ -34,17 +34,10 @@ impl Signals {
             return wrong(format!("the time decreases at sample {}", late + 2));
         }
         if let Some(short) = signals.iter().find(|s| s.values.len() != time.len()) {
-            return wrong(format!(
-                "'{}' has another number of samples than time",
-                short.name
-            ));
+            return wrong(format!("'{}' has another number of samples than time", short.name));
         }
         let names = signals.iter().map(|s| s.name.clone()).collect();
-        Ok(Self {
-            time: time.to_vec(),
-            names,
-            signals,
-        })
+        Ok(Self { time: time.to_vec(), names, signals })
     }
 
     /// Names, in the order of the variables.

@@ -24,11 +24,8 @@ const MAX_ATTRIBUTES: usize = 256;
 /// Reads and parses `file`; `shown` is its name in messages (a file in an archive is unpacked
 /// somewhere the user has never seen).
 pub fn read(file: &Path, shown: &Path) -> Result<Element> {
-    let unreadable = |e: std::io::Error| {
-        Error::new(Code::File, "the file cannot be read")
-            .at(shown)
-            .why(e)
-    };
+    let unreadable =
+        |e: std::io::Error| Error::new(Code::File, "the file cannot be read").at(shown).why(e);
     let size = std::fs::metadata(file).map_err(unreadable)?.len();
     if size > MAX_BYTES {
         return Err(Error::new(Code::Xml, format!("the file has {size} bytes"))
@@ -41,9 +38,7 @@ pub fn read(file: &Path, shown: &Path) -> Result<Element> {
             .iter()
             .filter(|&&b| b == b'\n')
             .count();
-        Error::new(Code::Xml, "the file is not UTF-8")
-            .at_line(shown, line)
-            .why(e.utf8_error())
+        Error::new(Code::Xml, "the file is not UTF-8").at_line(shown, line).why(e.utf8_error())
     })?;
     parse(&text, shown)
 }
@@ -51,15 +46,7 @@ pub fn read(file: &Path, shown: &Path) -> Result<Element> {
 /// Parses `text`; `file` is its name in messages.
 pub fn parse(text: &str, file: &Path) -> Result<Element> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    Parser {
-        file,
-        text,
-        counted_to: 0,
-        line: 1,
-        open: Vec::new(),
-        elements: 0,
-    }
-    .document()
+    Parser { file, text, counted_to: 0, line: 1, open: Vec::new(), elements: 0 }.document()
 }
 
 struct Parser<'a> {
@@ -127,10 +114,7 @@ impl Parser<'_> {
             }
         }
         if let Some(open) = self.open.pop() {
-            return Err(self.wrong(format!(
-                "<{}> of line {} is not closed",
-                open.name, open.line
-            )));
+            return Err(self.wrong(format!("<{}> of line {} is not closed", open.name, open.line)));
         }
         root.ok_or_else(|| self.wrong("the file has no element"))
     }
@@ -140,9 +124,7 @@ impl Parser<'_> {
         if self.open.len() >= MAX_DEPTH || self.elements > MAX_ELEMENTS {
             return Err(self
                 .wrong("the XML is nested too deeply or has too many elements")
-                .why(format!(
-                    "the limits are {MAX_DEPTH} levels and {MAX_ELEMENTS} elements"
-                )));
+                .why(format!("the limits are {MAX_DEPTH} levels and {MAX_ELEMENTS} elements")));
         }
         let namespace = match namespace {
             ResolveResult::Bound(bound) => bound.into_inner().to_owned(),
@@ -177,10 +159,7 @@ impl Parser<'_> {
                 .map_err(|e| self.wrong("an attribute's value is wrong").why(e))?;
             let name = attribute.key.into_inner();
             if name != "xmlns" && !name.starts_with("xmlns:") {
-                attributes.push(Attribute {
-                    name: name.to_owned(),
-                    value: value.into_owned(),
-                });
+                attributes.push(Attribute { name: name.to_owned(), value: value.into_owned() });
             }
         }
         Ok(attributes)
@@ -214,10 +193,7 @@ impl Parser<'_> {
         let bytes = self.text.as_bytes();
         let to = to.min(bytes.len());
         if to > self.counted_to {
-            self.line += bytes[self.counted_to..to]
-                .iter()
-                .filter(|&&b| b == b'\n')
-                .count();
+            self.line += bytes[self.counted_to..to].iter().filter(|&&b| b == b'\n').count();
             self.counted_to = to;
         }
     }

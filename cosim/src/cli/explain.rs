@@ -18,24 +18,14 @@ impl Explain {
             let lines: Vec<String> = Code::ALL.iter().map(|&code| line(code)).collect();
             return print(&lines.join("\n"));
         };
-        match Code::ALL
-            .iter()
-            .find(|code| code.as_str().eq_ignore_ascii_case(&wanted))
-        {
+        match Code::ALL.iter().find(|code| code.as_str().eq_ignore_ascii_case(&wanted)) {
             Some(&code) => print(&line(code)),
-            None => Err(
-                Error::new(Code::Usage, format!("there is no error code '{wanted}'")).maybe_help(
-                    names::did_you_mean(&wanted, Code::ALL.iter().map(|c| c.as_str())),
-                ),
-            ),
+            None => Err(Error::new(Code::Usage, format!("there is no error code '{wanted}'"))
+                .maybe_help(names::did_you_mean(&wanted, Code::ALL.iter().map(|c| c.as_str())))),
         }
     }
 }
 
 fn line(code: Code) -> String {
-    format!(
-        "{code}  (exit code {})  {}",
-        code.exit_code(),
-        code.explanation().trim()
-    )
+    format!("{code}  (exit code {})  {}", code.exit_code(), code.explanation().trim())
 }

@@ -39,11 +39,7 @@ impl Output {
             let recorder = CsvRecorder::new(io::BufWriter::new(io::stdout().lock()), "stdout");
             return self.observe(system, recorder, "stdout");
         }
-        self.observe(
-            system,
-            CsvRecorder::create(&target)?,
-            &target.display().to_string(),
-        )
+        self.observe(system, CsvRecorder::create(&target)?, &target.display().to_string())
     }
 
     fn observe(&self, system: &System, mut recorder: impl Observer, target: &str) -> Result<()> {
@@ -61,10 +57,7 @@ impl Output {
             messages::warning(warning);
         }
         if !self.quiet {
-            summary
-                .messages
-                .iter()
-                .for_each(|message| messages::note(message));
+            summary.messages.iter().for_each(|message| messages::note(message));
         }
         if !self.quiet {
             let spent = begun.elapsed().as_secs_f64();
@@ -86,9 +79,7 @@ impl Output {
             (None, None) => Ok(PathBuf::from(file)),
             (None, Some(folder)) => {
                 std::fs::create_dir_all(folder).map_err(|e| {
-                    Error::new(Code::Output, "the folder cannot be made")
-                        .at(folder)
-                        .why(e)
+                    Error::new(Code::Output, "the folder cannot be made").at(folder).why(e)
                 })?;
                 Ok(folder.join(file))
             }

@@ -31,32 +31,15 @@ pub(crate) struct Report {
 impl Report {
     pub(crate) fn run(self) -> Result<()> {
         let recording = Recording::read_csv(&self.file)?;
-        let stem = || {
-            self.file
-                .file_stem()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned()
-        };
+        let stem = || self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let title = self.title.unwrap_or_else(stem);
-        let page = html(
-            &recording,
-            &Options {
-                title,
-                plots: self.plot,
-                paths: self.xy,
-            },
-        )?;
-        let target = self
-            .output_file
-            .unwrap_or_else(|| self.file.with_extension("html"));
+        let page = html(&recording, &Options { title, plots: self.plot, paths: self.xy })?;
+        let target = self.output_file.unwrap_or_else(|| self.file.with_extension("html"));
         if target.as_os_str() == "-" {
             return print(&page);
         }
         std::fs::write(&target, page).map_err(|e| {
-            Error::new(Code::Output, "the page cannot be written")
-                .at(&target)
-                .why(e)
+            Error::new(Code::Output, "the page cannot be written").at(&target).why(e)
         })?;
         messages::note(&format!("the report is in {}", target.display()));
         Ok(())

@@ -22,11 +22,8 @@ const RATIO_FROM: u64 = 10 << 20;
 
 /// Unpacks `archive` into a fresh folder.
 pub fn unpack(archive: &Path) -> Result<TempDir> {
-    let file = File::open(archive).map_err(|e| {
-        Error::new(Code::File, "the archive cannot be opened")
-            .at(archive)
-            .why(e)
-    })?;
+    let file = File::open(archive)
+        .map_err(|e| Error::new(Code::File, "the archive cannot be opened").at(archive).why(e))?;
     let mut zip = ZipArchive::new(BufReader::new(file)).map_err(|e| broken(archive, e))?;
     check(&mut zip, archive)?;
     let folder = tempfile::Builder::new()
@@ -42,10 +39,8 @@ pub fn unpack(archive: &Path) -> Result<TempDir> {
 
 fn check(zip: &mut ZipArchive<BufReader<File>>, archive: &Path) -> Result<()> {
     if zip.len() > MAX_ENTRIES {
-        return Err(
-            refused(archive, format!("an archive of {} entries", zip.len()))
-                .why(format!("more than {MAX_ENTRIES} are refused")),
-        );
+        return Err(refused(archive, format!("an archive of {} entries", zip.len()))
+            .why(format!("more than {MAX_ENTRIES} are refused")));
     }
     let mut total = 0_u64;
     for index in 0..zip.len() {
@@ -74,8 +69,7 @@ fn check(zip: &mut ZipArchive<BufReader<File>>, archive: &Path) -> Result<()> {
 }
 
 fn stays_inside(name: &Path) -> bool {
-    name.components()
-        .all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
+    name.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
         && name.components().next().is_some()
 }
 
@@ -88,12 +82,9 @@ fn extract(
     let mut entry = zip.by_index(index).map_err(|e| broken(archive, e))?;
     let name = entry.name().map_err(|e| broken(archive, e))?.into_owned();
     let failed = |e: std::io::Error| {
-        Error::new(
-            Code::Archive,
-            format!("the entry '{name}' cannot be unpacked"),
-        )
-        .at(archive)
-        .why(e)
+        Error::new(Code::Archive, format!("the entry '{name}' cannot be unpacked"))
+            .at(archive)
+            .why(e)
     };
     let path: PathBuf = folder.join(&name);
     if entry.is_dir() {

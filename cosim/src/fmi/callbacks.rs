@@ -70,11 +70,7 @@ unsafe extern "C" fn logger(
     let (category, format) = unsafe { (text(category), text(format)) };
     // SAFETY: `first` belongs to the conversion in `format`, if there is exactly one.
     let message = unsafe { render(&format, first) };
-    log.push(format!(
-        "{} ({category}): {}",
-        status::name(status),
-        message.trim_end()
-    ));
+    log.push(format!("{} ({category}): {}", status::name(status), message.trim_end()));
 }
 
 /// A copy of a C string; empty for NULL.
@@ -86,9 +82,7 @@ pub(super) unsafe fn text(pointer: *const c_char) -> String {
         return String::new();
     }
     // SAFETY: not NULL, so a C string by the function's contract.
-    unsafe { CStr::from_ptr(pointer) }
-        .to_string_lossy()
-        .into_owned()
+    unsafe { CStr::from_ptr(pointer) }.to_string_lossy().into_owned()
 }
 
 /// # Safety
@@ -96,11 +90,7 @@ pub(super) unsafe fn text(pointer: *const c_char) -> String {
 unsafe fn render(format: &str, first: usize) -> String {
     match single_conversion(format) {
         Conversions::None => format.replace("%%", "%"),
-        Conversions::One {
-            before,
-            kind,
-            after,
-        } => {
+        Conversions::One { before, kind, after } => {
             let value = match kind {
                 // SAFETY: the argument of %s is NULL or a C string.
                 's' => unsafe { text(first as *const c_char) },
@@ -108,11 +98,7 @@ unsafe fn render(format: &str, first: usize) -> String {
                 'd' | 'i' => (first as u32 as i32).to_string(),
                 _ => (first as u32).to_string(),
             };
-            format!(
-                "{}{value}{}",
-                before.replace("%%", "%"),
-                after.replace("%%", "%")
-            )
+            format!("{}{value}{}", before.replace("%%", "%"), after.replace("%%", "%"))
         }
         Conversions::Other => format!("{format} (the values are not shown)"),
     }
@@ -121,11 +107,7 @@ unsafe fn render(format: &str, first: usize) -> String {
 #[derive(Debug, PartialEq)]
 enum Conversions<'a> {
     None,
-    One {
-        before: &'a str,
-        kind: char,
-        after: &'a str,
-    },
+    One { before: &'a str, kind: char, after: &'a str },
     Other,
 }
 
@@ -138,11 +120,7 @@ fn single_conversion(format: &str) -> Conversions<'_> {
         match format[at + 1..].chars().next() {
             Some('%') => (),
             Some(kind @ ('s' | 'd' | 'i' | 'u')) if found == Conversions::None => {
-                found = Conversions::One {
-                    before: &format[..at],
-                    kind,
-                    after: &format[at + 2..],
-                };
+                found = Conversions::One { before: &format[..at], kind, after: &format[at + 2..] };
             }
             _ => return Conversions::Other,
         }
@@ -164,10 +142,7 @@ mod tests {
     fn one_conversion_is_rendered() {
         let name = c"tank";
         assert_eq!(shown("%s", name.as_ptr() as usize), "tank");
-        assert_eq!(
-            shown("100%% of %s empty", name.as_ptr() as usize),
-            "100% of tank empty"
-        );
+        assert_eq!(shown("100%% of %s empty", name.as_ptr() as usize), "100% of tank empty");
         assert_eq!(shown("step %d", 0xdead_beef_ffff_ffff), "step -1");
     }
 

@@ -51,11 +51,9 @@ impl Fmu {
         let folder = archive::unpack(path)?;
         let file = folder.path().join("modelDescription.xml");
         if !file.is_file() {
-            return Err(
-                Error::new(Code::Archive, "the archive has no modelDescription.xml")
-                    .at(path)
-                    .help("an .fmu has that file at its top level, in no folder"),
-            );
+            return Err(Error::new(Code::Archive, "the archive has no modelDescription.xml")
+                .at(path)
+                .help("an .fmu has that file at its top level, in no folder"));
         }
         let description = description::read(&file, &path.join("modelDescription.xml"))?;
         Ok(Self {
@@ -121,17 +119,12 @@ impl Fmu {
                 .map(|entry| entry.file_name().to_string_lossy().into_owned())
                 .collect();
             present.sort();
-            let wanted: Vec<String> = library::folders()
-                .iter()
-                .map(|f| format!("binaries/{f}/{name}"))
-                .collect();
+            let wanted: Vec<String> =
+                library::folders().iter().map(|f| format!("binaries/{f}/{name}")).collect();
             Error::new(Code::Library, "the FMU has no binary for this machine")
                 .at(&self.path)
                 .why(format!("it has binaries for: {}", present.join(", ")))
-                .help(format!(
-                    "export it so that it contains {}",
-                    wanted.join(" or ")
-                ))
+                .help(format!("export it so that it contains {}", wanted.join(" or ")))
         })
     }
 

@@ -53,11 +53,9 @@ impl Instance {
         let once = fmu.co_simulation()?.once_per_process;
         let functions = fmu.functions()?;
         if once && fmu.taken.swap(true, Ordering::AcqRel) {
-            return Err(
-                Error::new(Code::Fmu, format!("'{name}' cannot be instantiated"))
-                    .at(fmu.path())
-                    .why("the FMU allows one instance per process, and there is one already"),
-            );
+            return Err(Error::new(Code::Fmu, format!("'{name}' cannot be instantiated"))
+                .at(fmu.path())
+                .why("the FMU allows one instance per process, and there is one already"));
         }
         let text = |text: &str| CString::new(text.replace('\0', "")).unwrap_or_default();
         let (c_name, guid) = (text(name), text(&fmu.description().guid));
@@ -79,24 +77,13 @@ impl Instance {
         };
         if component.is_null() {
             fmu.taken.store(false, Ordering::Release);
-            return Err(
-                Error::new(Code::Fmu, format!("'{name}' cannot be instantiated"))
-                    .at(fmu.path())
-                    .why("fmi2Instantiate returned NULL")
-                    .log(log.take()),
-            );
+            return Err(Error::new(Code::Fmu, format!("'{name}' cannot be instantiated"))
+                .at(fmu.path())
+                .why("fmi2Instantiate returned NULL")
+                .log(log.take()));
         }
         let (name, state, time) = (name.to_owned(), State::Instantiated, Time::ZERO);
-        Ok(Self {
-            component,
-            name,
-            state,
-            time,
-            saved: None,
-            _callbacks: callbacks,
-            log,
-            fmu,
-        })
+        Ok(Self { component, name, state, time, saved: None, _callbacks: callbacks, log, fmu })
     }
 
     /// The instance's name.
@@ -159,11 +146,9 @@ impl Instance {
     pub fn save(&mut self) -> Result<()> {
         self.require("fmi2GetFMUstate", &[State::Ready])?;
         if !self.fmu.co_simulation()?.get_and_set_state {
-            return Err(
-                Error::new(Code::Fmu, format!("'{}' cannot save its state", self.name))
-                    .at(self.fmu.path())
-                    .why("its modelDescription.xml does not declare canGetAndSetFMUstate"),
-            );
+            return Err(Error::new(Code::Fmu, format!("'{}' cannot save its state", self.name))
+                .at(self.fmu.path())
+                .why("its modelDescription.xml does not declare canGetAndSetFMUstate"));
         }
         let mut saved = self.saved.take().unwrap_or(ptr::null_mut());
         let result = self.call("fmi2GetFMUstate", |f, c| {
@@ -178,10 +163,7 @@ impl Instance {
     pub fn restore(&mut self, time: Time) -> Result<()> {
         self.require("fmi2SetFMUstate", &[State::Ready, State::Failed])?;
         let Some(saved) = self.saved else {
-            return Err(Error::new(
-                Code::Fmu,
-                format!("'{}' has no saved state", self.name),
-            ));
+            return Err(Error::new(Code::Fmu, format!("'{}' has no saved state", self.name)));
         };
         self.call("fmi2SetFMUstate", |f, c| {
             // SAFETY: `saved` is a state of this instance.
@@ -201,11 +183,8 @@ impl Instance {
         if allowed.contains(&self.state) {
             return Ok(());
         }
-        Err(Error::new(
-            Code::Fmu,
-            format!("{function} of '{}' is not allowed now", self.name),
-        )
-        .why(format!("the instance is in the state {:?}", self.state)))
+        Err(Error::new(Code::Fmu, format!("{function} of '{}' is not allowed now", self.name))
+            .why(format!("the instance is in the state {:?}", self.state)))
     }
 
     #[inline]
@@ -223,11 +202,7 @@ impl Instance {
 
     #[cold]
     fn failed(&mut self, function: &'static str, status: RawStatus) -> Error {
-        self.state = if status == status::FATAL {
-            State::Fatal
-        } else {
-            State::Failed
-        };
+        self.state = if status == status::FATAL { State::Fatal } else { State::Failed };
         let what = format!("{function} of '{}' failed at t = {}", self.name, self.time);
         Error::new(Code::Fmu, what)
             .at(self.fmu.path())

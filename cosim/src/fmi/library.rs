@@ -80,11 +80,9 @@ pub(super) fn load(path: &Path, fmu: &Path) -> Result<Functions> {
     if version == "2.0" {
         return Ok(functions);
     }
-    Err(
-        Error::new(Code::Library, "the library of the FMU is not of FMI 2.0")
-            .at(fmu)
-            .why(format!("fmi2GetVersion returned '{version}'")),
-    )
+    Err(Error::new(Code::Library, "the library of the FMU is not of FMI 2.0")
+        .at(fmu)
+        .why(format!("fmi2GetVersion returned '{version}'")))
 }
 
 /// Places of the library in the unpacked FMU, newest convention last (FMI 2.0.4, 2.3).

@@ -42,10 +42,7 @@ impl Engine {
 
     /// The messages of every slave, by position.
     pub(super) fn messages(&mut self) -> Vec<Vec<String>> {
-        self.slaves
-            .iter_mut()
-            .map(|slave| slave.messages())
-            .collect()
+        self.slaves.iter_mut().map(|slave| slave.messages()).collect()
     }
 
     /// Initializes all components with values that agree along all connections.
@@ -69,21 +66,14 @@ impl Engine {
     fn settle(&mut self) -> Result<()> {
         let mut before = vec![0; self.values.len()];
         for _ in 0..=self.plan.nodes.len() {
-            before
-                .iter_mut()
-                .zip(&self.values)
-                .for_each(|(b, v)| *b = v.to_bits());
+            before.iter_mut().zip(&self.values).for_each(|(b, v)| *b = v.to_bits());
             for &c in &self.plan.sequence {
                 let node = &self.plan.nodes[c];
                 copy(&node.held, &self.values, &mut self.inputs);
                 copy(&node.fresh, &self.values, &mut self.inputs);
                 exchange(node, &mut *self.slaves[c], &self.inputs, &mut self.values)?;
             }
-            if before
-                .iter()
-                .zip(&self.values)
-                .all(|(b, v)| *b == v.to_bits())
-            {
+            if before.iter().zip(&self.values).all(|(b, v)| *b == v.to_bits()) {
                 return Ok(());
             }
         }

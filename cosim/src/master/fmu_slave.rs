@@ -32,19 +32,11 @@ impl Group {
     fn new(variables: &[Variable], positions: &[usize]) -> Self {
         let of = |wanted: u8| -> Vec<u32> {
             let chosen = positions.iter().map(|&p| &variables[p]);
-            chosen
-                .filter(|v| rank(&v.kind) == wanted)
-                .map(|v| v.value_reference)
-                .collect()
+            chosen.filter(|v| rank(&v.kind) == wanted).map(|v| v.value_reference).collect()
         };
         let (reals, integers, booleans) = (of(0), of(1), of(2));
         let buffer = vec![0; integers.len().max(booleans.len())];
-        Self {
-            reals,
-            integers,
-            booleans,
-            buffer,
-        }
+        Self { reals, integers, booleans, buffer }
     }
 
     #[inline]
@@ -53,11 +45,7 @@ impl Group {
         if !reals.is_empty() {
             instance.set_real(&self.reals, reals)?;
         }
-        if rest.is_empty() {
-            Ok(())
-        } else {
-            self.set_rest(instance, rest)
-        }
+        if rest.is_empty() { Ok(()) } else { self.set_rest(instance, rest) }
     }
 
     fn set_rest(&mut self, instance: &mut Instance, rest: &[f64]) -> Result<()> {
@@ -79,11 +67,7 @@ impl Group {
         if !reals.is_empty() {
             instance.get_real(&self.reals, reals)?;
         }
-        if rest.is_empty() {
-            Ok(())
-        } else {
-            self.get_rest(instance, rest)
-        }
+        if rest.is_empty() { Ok(()) } else { self.get_rest(instance, rest) }
     }
 
     fn get_rest(&mut self, instance: &mut Instance, rest: &mut [f64]) -> Result<()> {
@@ -91,19 +75,13 @@ impl Group {
         if !integers.is_empty() {
             let buffer = &mut self.buffer[..integers.len()];
             instance.get_integer(&self.integers, buffer)?;
-            integers
-                .iter_mut()
-                .zip(buffer)
-                .for_each(|(to, from)| *to = f64::from(*from));
+            integers.iter_mut().zip(buffer).for_each(|(to, from)| *to = f64::from(*from));
         }
         if !booleans.is_empty() {
             let buffer = &mut self.buffer[..booleans.len()];
             instance.get_boolean(&self.booleans, buffer)?;
             // Any number but 0 is true in C.
-            booleans
-                .iter_mut()
-                .zip(buffer)
-                .for_each(|(to, from)| *to = f64::from(*from != 0));
+            booleans.iter_mut().zip(buffer).for_each(|(to, from)| *to = f64::from(*from != 0));
         }
         Ok(())
     }
@@ -112,10 +90,7 @@ impl Group {
 /// Exact: the values came from an i32 or a Boolean, or from a file (then they are rounded).
 fn fill<'b>(buffer: &'b mut [i32], values: &[f64]) -> &'b [i32] {
     let buffer = &mut buffer[..values.len()];
-    buffer
-        .iter_mut()
-        .zip(values)
-        .for_each(|(to, from)| *to = from.round() as i32);
+    buffer.iter_mut().zip(values).for_each(|(to, from)| *to = from.round() as i32);
     buffer
 }
 

@@ -116,10 +116,6 @@ impl System {
 
     /// The part after the last output instant, when the interval does not divide the run.
     fn rest(&self, engine: &mut Engine, output: Time) -> Result<()> {
-        if output < self.stop_time() {
-            engine.run_until(self.stop_time())
-        } else {
-            Ok(())
-        }
+        if output < self.stop_time() { engine.run_until(self.stop_time()) } else { Ok(()) }
     }
 }

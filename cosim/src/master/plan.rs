@@ -67,19 +67,12 @@ impl Plan {
             let to = slot(&node.inputs, &node.input_slots, connection.to.variable);
             if let (Some(from), Some(to)) = (from, to) {
                 let node = &mut plan.nodes[connection.to.component];
-                let routes = if fresh {
-                    &mut node.fresh
-                } else {
-                    &mut node.held
-                };
+                let routes = if fresh { &mut node.fresh } else { &mut node.held };
                 routes.push(Route { from, to });
             }
         }
-        plan.columns = system
-            .columns()
-            .iter()
-            .filter_map(|column| plan.value_slot(column.port))
-            .collect();
+        plan.columns =
+            system.columns().iter().filter_map(|column| plan.value_slot(column.port)).collect();
         plan
     }
 
@@ -119,10 +112,8 @@ impl Plan {
             Model::Fmu(fmu) => rank(&fmu.description().variables[variable].kind),
             Model::Signals(_) => 0,
         };
-        let mut own: Vec<usize> = ports
-            .filter(|p| p.component == component)
-            .map(|p| p.variable)
-            .collect();
+        let mut own: Vec<usize> =
+            ports.filter(|p| p.component == component).map(|p| p.variable).collect();
         own.sort_by_key(|&variable| (rank_of(variable), variable));
         own.dedup();
         own
@@ -136,8 +127,5 @@ impl Plan {
 }
 
 fn slot(variables: &[usize], slots: &Range<usize>, variable: usize) -> Option<usize> {
-    variables
-        .iter()
-        .position(|&v| v == variable)
-        .map(|offset| slots.start + offset)
+    variables.iter().position(|&v| v == variable).map(|offset| slots.start + offset)
 }

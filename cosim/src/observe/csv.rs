@@ -24,28 +24,19 @@ impl CsvRecorder {
     pub fn create(file: impl AsRef<Path>) -> Result<Self> {
         let target = file.as_ref().to_owned();
         let output = File::create(&target).map_err(|e| not_written(&target, &e))?;
-        Ok(Self {
-            target,
-            output: BufWriter::with_capacity(1 << 16, output),
-            real: Vec::new(),
-        })
+        Ok(Self { target, output: BufWriter::with_capacity(1 << 16, output), real: Vec::new() })
     }
 }
 
 impl<W: Write> CsvRecorder<W> {
     /// Writes to `output`; `name` is what it is called in errors.
     pub fn new(output: W, name: impl Into<PathBuf>) -> Self {
-        Self {
-            target: name.into(),
-            output,
-            real: Vec::new(),
-        }
+        Self { target: name.into(), output, real: Vec::new() }
     }
 
     /// Writes one line.
     pub(super) fn row(&mut self, time: f64, values: &[f64]) -> Result<()> {
-        self.line(time, values)
-            .map_err(|e| not_written(&self.target, &e))
+        self.line(time, values).map_err(|e| not_written(&self.target, &e))
     }
 
     fn line(&mut self, time: f64, values: &[f64]) -> std::io::Result<()> {
@@ -73,9 +64,7 @@ impl<W: Write> CsvRecorder<W> {
             text.push_str(&quoted(name));
         }
         text.push('\n');
-        self.output
-            .write_all(text.as_bytes())
-            .map_err(|e| not_written(&self.target, &e))
+        self.output.write_all(text.as_bytes()).map_err(|e| not_written(&self.target, &e))
     }
 }
 
@@ -90,9 +79,7 @@ impl<W: Write> Observer for CsvRecorder<W> {
     }
 
     fn finish(&mut self) -> Result<()> {
-        self.output
-            .flush()
-            .map_err(|e| not_written(&self.target, &e))
+        self.output.flush().map_err(|e| not_written(&self.target, &e))
     }
 }
 
@@ -105,7 +92,5 @@ fn quoted(name: &str) -> String {
 }
 
 fn not_written(target: &Path, error: &std::io::Error) -> Error {
-    Error::new(Code::Output, "the results cannot be written")
-        .at(target)
-        .why(error)
+    Error::new(Code::Output, "the results cannot be written").at(target).why(error)
 }

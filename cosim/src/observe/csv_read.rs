@@ -7,31 +7,20 @@ use crate::error::{Code, Error, Result};
 
 /// Reads `file`.
 pub(super) fn read(file: &Path) -> Result<Recording> {
-    let text = std::fs::read_to_string(file).map_err(|e| {
-        Error::new(Code::File, "the results cannot be read")
-            .at(file)
-            .why(e)
-    })?;
+    let text = std::fs::read_to_string(file)
+        .map_err(|e| Error::new(Code::File, "the results cannot be read").at(file).why(e))?;
     parse(&text, file)
 }
 
 fn parse(text: &str, file: &Path) -> Result<Recording> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut lines = text
-        .lines()
-        .enumerate()
-        .filter(|(_, line)| !line.trim().is_empty());
+    let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
     let wrong = |line: usize, what: String| Error::new(Code::Results, what).at_line(file, line + 1);
-    let (_, header) = lines
-        .next()
-        .ok_or_else(|| wrong(0, "the file is empty".to_owned()))?;
+    let (_, header) = lines.next().ok_or_else(|| wrong(0, "the file is empty".to_owned()))?;
     let mut names = split(header);
     if names.first().is_none_or(|first| first != "time") {
-        return Err(wrong(
-            0,
-            format!("the first column is '{}'", names.first().map_or("", |n| n)),
-        )
-        .why("results begin with a header line whose first name is: time"));
+        return Err(wrong(0, format!("the first column is '{}'", names.first().map_or("", |n| n)))
+            .why("results begin with a header line whose first name is: time"));
     }
     names.remove(0);
     let mut time = Vec::new();
@@ -51,10 +40,7 @@ fn parse(text: &str, file: &Path) -> Result<Recording> {
             column.push(next(name)?);
         }
         if fields.next().is_some() {
-            return Err(wrong(
-                number,
-                "the line has more fields than the header".to_owned(),
-            ));
+            return Err(wrong(number, "the line has more fields than the header".to_owned()));
         }
     }
     Ok(Recording::from_columns(names, time, columns))
@@ -110,10 +96,7 @@ mod tests {
             ("time,a\n0,1,2", ":2"),
         ] {
             let error = parse(text, Path::new("x.csv")).err().map(|e| e.to_string());
-            assert!(
-                error.as_ref().is_some_and(|e| e.contains(place)),
-                "{text}: {error:?}"
-            );
+            assert!(error.as_ref().is_some_and(|e| e.contains(place)), "{text}: {error:?}");
         }
     }
 }

@@ -34,20 +34,11 @@ impl Progress {
             bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
             bar
         });
-        Self {
-            bar,
-            begun: now,
-            shown: now,
-            start: Time::ZERO,
-            stop: Time::ZERO,
-        }
+        Self { bar, begun: now, shown: now, start: Time::ZERO, stop: Time::ZERO }
     }
 
     fn message(&self, time: Time, now: Instant) -> String {
-        let (done, all) = (
-            (time - self.start).seconds(),
-            (self.stop - self.start).seconds(),
-        );
+        let (done, all) = ((time - self.start).seconds(), (self.stop - self.start).seconds());
         let spent = (now - self.begun).as_secs_f64().max(1e-9);
         let factor = done / spent;
         let remaining = (all - done) / factor.max(1e-9);
@@ -79,11 +70,7 @@ impl Observer for Progress {
 
     fn sample(&mut self, time: Time, _values: &[f64]) -> Result<()> {
         let now = Instant::now();
-        let pause = if self.bar.is_some() {
-            REDRAW
-        } else {
-            PLAIN_LINE
-        };
+        let pause = if self.bar.is_some() { REDRAW } else { PLAIN_LINE };
         if now - self.shown < pause {
             return Ok(());
         }

@@ -26,12 +26,7 @@ impl Recording {
 
     /// From columns that are there already, all of the length of `time`.
     pub fn from_columns(names: Vec<String>, time: Vec<f64>, columns: Vec<Vec<f64>>) -> Self {
-        Self {
-            real: vec![true; names.len()],
-            names,
-            time,
-            columns,
-        }
+        Self { real: vec![true; names.len()], names, time, columns }
     }
 
     /// Reads a CSV file with the time in its first column.
@@ -52,19 +47,15 @@ impl Recording {
     /// A column by its name.
     pub fn column(&self, name: &str) -> Result<&[f64]> {
         let position = self.names.iter().position(|n| n == name).ok_or_else(|| {
-            Error::new(Code::UnknownName, format!("'{name}' was not recorded")).maybe_help(
-                names::did_you_mean(name, self.names.iter().map(String::as_str)),
-            )
+            Error::new(Code::UnknownName, format!("'{name}' was not recorded"))
+                .maybe_help(names::did_you_mean(name, self.names.iter().map(String::as_str)))
         })?;
         Ok(&self.columns[position])
     }
 
     /// All columns with their names.
     pub fn columns(&self) -> impl Iterator<Item = (&str, &[f64])> {
-        self.names
-            .iter()
-            .map(String::as_str)
-            .zip(self.columns.iter().map(Vec::as_slice))
+        self.names.iter().map(String::as_str).zip(self.columns.iter().map(Vec::as_slice))
     }
 
     /// Writes CSV in the format of FMPy.
@@ -90,11 +81,7 @@ impl Observer for Recording {
         self.names = info.columns.iter().map(|c| c.name.clone()).collect();
         self.real = info.columns.iter().map(|c| c.kind == Kind::Real).collect();
         self.time = Vec::with_capacity(samples as usize);
-        self.columns = info
-            .columns
-            .iter()
-            .map(|_| Vec::with_capacity(samples as usize))
-            .collect();
+        self.columns = info.columns.iter().map(|_| Vec::with_capacity(samples as usize)).collect();
         Ok(())
     }
 
@@ -131,12 +118,6 @@ mod tests {
     #[test]
     fn an_unknown_column_names_the_nearest() {
         let recording = Recording::from_columns(vec!["pose.x".into()], vec![], vec![vec![]]);
-        assert!(
-            recording
-                .column("pose.xx")
-                .unwrap_err()
-                .to_string()
-                .contains("'pose.x'")
-        );
+        assert!(recording.column("pose.xx").unwrap_err().to_string().contains("'pose.x'"));
     }
 }

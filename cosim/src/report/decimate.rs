@@ -33,12 +33,7 @@ fn straighten(points: &[(f64, f64)], pixel: (f64, f64)) -> Vec<(f64, f64)> {
             spans.extend([(start, i), (i, end)]);
         }
     }
-    points
-        .iter()
-        .zip(keep)
-        .filter(|(_, keep)| *keep)
-        .map(|(point, _)| *point)
-        .collect()
+    points.iter().zip(keep).filter(|(_, keep)| *keep).map(|(point, _)| *point).collect()
 }
 
 /// Distance of a point from the segment between two others, px.
@@ -46,11 +41,7 @@ fn distance(p: (f64, f64), a: (f64, f64), b: (f64, f64), pixel: (f64, f64)) -> f
     let from_a = |q: (f64, f64)| ((q.0 - a.0) / pixel.0, (q.1 - a.1) / pixel.1);
     let (p, b) = (from_a(p), from_a(b));
     let length_squared = b.0 * b.0 + b.1 * b.1;
-    let along = if length_squared > 0.0 {
-        (p.0 * b.0 + p.1 * b.1) / length_squared
-    } else {
-        0.0
-    };
+    let along = if length_squared > 0.0 { (p.0 * b.0 + p.1 * b.1) / length_squared } else { 0.0 };
     let foot = along.clamp(0.0, 1.0);
     (p.0 - foot * b.0).hypot(p.1 - foot * b.1)
 }
@@ -60,10 +51,7 @@ fn over_x(points: &[(f64, f64)], column: f64) -> Vec<(f64, f64)> {
     let mut start = 0;
     while start < points.len() {
         let place = (points[start].0 / column).floor();
-        let length = points[start..]
-            .iter()
-            .take_while(|p| (p.0 / column).floor() == place)
-            .count();
+        let length = points[start..].iter().take_while(|p| (p.0 / column).floor() == place).count();
         keep_outline(&points[start..start + length], &mut kept);
         start += length;
     }
@@ -102,11 +90,7 @@ fn path(points: &[(f64, f64)], pixel: (f64, f64)) -> Vec<(f64, f64)> {
 
 /// The runs of points without NaN or infinity.
 pub(super) fn finite_runs<T: Copy>(points: &[T], finite: impl Fn(&T) -> bool) -> Vec<Vec<T>> {
-    points
-        .split(|p| !finite(p))
-        .filter(|run| !run.is_empty())
-        .map(<[T]>::to_vec)
-        .collect()
+    points.split(|p| !finite(p)).filter(|run| !run.is_empty()).map(<[T]>::to_vec).collect()
 }
 
 #[cfg(test)]
@@ -128,9 +112,7 @@ mod tests {
     #[test]
     fn a_path_that_turns_back_keeps_its_shape() {
         let angle = |i: i32| f64::from(i) * 0.001;
-        let circle: Vec<_> = (0..6284)
-            .map(|i| (angle(i).cos(), angle(i).sin()))
-            .collect();
+        let circle: Vec<_> = (0..6284).map(|i| (angle(i).cos(), angle(i).sin())).collect();
         let kept = decimate(&circle, (0.01, 0.01));
         assert!(kept.len() < 100, "{}", kept.len());
         for pair in kept.windows(2) {
@@ -141,25 +123,16 @@ mod tests {
 
     #[test]
     fn a_straight_line_needs_two_points_and_a_corner_one_more() {
-        let line: Vec<_> = (0..500)
-            .map(|i| (f64::from(i), 2.0 * f64::from(i)))
-            .collect();
+        let line: Vec<_> = (0..500).map(|i| (f64::from(i), 2.0 * f64::from(i))).collect();
         assert_eq!(decimate(&line, (1.0, 1.0)), [line[0], line[499]]);
-        let corner: Vec<_> = (0..500)
-            .map(|i| (f64::from(i), f64::from(i.min(200))))
-            .collect();
-        assert_eq!(
-            decimate(&corner, (1.0, 1.0)),
-            [corner[0], corner[200], corner[499]]
-        );
+        let corner: Vec<_> = (0..500).map(|i| (f64::from(i), f64::from(i.min(200)))).collect();
+        assert_eq!(decimate(&corner, (1.0, 1.0)), [corner[0], corner[200], corner[499]]);
         assert_eq!(decimate(&[], (1.0, 1.0)), []);
     }
 
     #[test]
     fn points_are_split_at_values_that_are_not_finite() {
-        let runs = finite_runs(&[1.0, f64::NAN, f64::NAN, 2.0, 3.0], |v: &f64| {
-            v.is_finite()
-        });
+        let runs = finite_runs(&[1.0, f64::NAN, f64::NAN, 2.0, 3.0], |v: &f64| v.is_finite());
         assert_eq!(runs, [vec![1.0], vec![2.0, 3.0]]);
     }
 }

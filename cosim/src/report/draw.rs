@@ -38,11 +38,7 @@ impl Figure {
             let sheet = SVGBackend::with_string(&mut svg, (size.0 as u32, size.1 as u32))
                 .into_drawing_area();
             draw(&sheet, self, &layout).map_err(|e| {
-                Error::new(
-                    Code::Report,
-                    format!("cannot draw the figure '{}'", self.title),
-                )
-                .why(e)
+                Error::new(Code::Report, format!("cannot draw the figure '{}'", self.title)).why(e)
             })?;
         }
         Ok(with_head(&svg, size, &self.title))
@@ -81,10 +77,7 @@ fn font(px: f64) -> FontDesc<'static> {
 }
 
 fn legend(sheet: &Sheet, legend: &Legend) -> Drawn {
-    legend
-        .entries
-        .iter()
-        .try_for_each(|(entry, rect)| legend_entry(sheet, entry, *rect))
+    legend.entries.iter().try_for_each(|(entry, rect)| legend_entry(sheet, entry, *rect))
 }
 
 fn legend_entry(sheet: &Sheet, entry: &Entry, rect: Rect) -> Drawn {
@@ -104,14 +97,8 @@ fn legend_entry(sheet: &Sheet, entry: &Entry, rect: Rect) -> Drawn {
             sheet.draw(&shapes::diamond(centre, entry.role))?;
         }
     }
-    let style = TextStyle::from(font(FONT))
-        .color(&INK)
-        .pos(Pos::new(HPos::Left, VPos::Center));
-    sheet.draw_text(
-        &entry.name,
-        &style,
-        (units(rect.x + SWATCH + GAP), units(middle)),
-    )
+    let style = TextStyle::from(font(FONT)).color(&INK).pos(Pos::new(HPos::Left, VPos::Center));
+    sheet.draw_text(&entry.name, &style, (units(rect.x + SWATCH + GAP), units(middle)))
 }
 
 #[cfg(test)]
@@ -121,25 +108,14 @@ mod tests {
 
     /// The corners of each line of the picture, px.
     fn lines(svg: &str) -> Vec<Vec<(f64, f64)>> {
-        let points = svg
-            .split("points=\"")
-            .skip(1)
-            .filter_map(|rest| rest.split('"').next());
+        let points = svg.split("points=\"").skip(1).filter_map(|rest| rest.split('"').next());
         let number = |text: &str| text.parse::<f64>().unwrap() / UNIT;
         let corner = |pair: &str| pair.split_once(',').map(|(x, y)| (number(x), number(y)));
-        points
-            .map(|list| list.split_whitespace().filter_map(corner).collect())
-            .collect()
+        points.map(|list| list.split_whitespace().filter_map(corner).collect()).collect()
     }
 
     fn square(x: f64, y: f64, side: f64) -> Figure {
-        let corners = [
-            (x, y),
-            (x + side, y),
-            (x + side, y + side),
-            (x, y + side),
-            (x, y),
-        ];
+        let corners = [(x, y), (x + side, y), (x + side, y + side), (x, y + side), (x, y)];
         let series = vec![Series::line("path", Role::Truth, corners.to_vec())];
         let line = Series::line("", Role::Truth, vec![(0.0, 0.0), (60.0, 25.0)]);
         let panel = Panel::new("x (m)", "y (m)", 300.0, [series, vec![line]].concat());
@@ -151,22 +127,13 @@ mod tests {
         let figure = square(10.0, 5.0, 12.0);
         let cell = &Layout::of(&figure).cells[0];
         let scale = cell.data.width / (cell.x.1 - cell.x.0);
-        let corners = lines(&figure.svg().unwrap())
-            .into_iter()
-            .find(|l| l.len() == 5)
-            .unwrap();
+        let corners = lines(&figure.svg().unwrap()).into_iter().find(|l| l.len() == 5).unwrap();
         let expected = |x: f64, y: f64| {
-            (
-                cell.data.x + (x - cell.x.0) * scale,
-                cell.data.y + (cell.y.1 - y) * scale,
-            )
+            (cell.data.x + (x - cell.x.0) * scale, cell.data.y + (cell.y.1 - y) * scale)
         };
         for (drawn, (x, y)) in corners.iter().zip([(10.0, 5.0), (22.0, 5.0), (22.0, 17.0)]) {
             let (x, y) = expected(x, y);
-            assert!(
-                (drawn.0 - x).abs() < 0.6 && (drawn.1 - y).abs() < 0.6,
-                "{drawn:?} {x} {y}"
-            );
+            assert!((drawn.0 - x).abs() < 0.6 && (drawn.1 - y).abs() < 0.6, "{drawn:?} {x} {y}");
         }
     }
 
@@ -179,25 +146,13 @@ mod tests {
 
     #[test]
     fn nan_interrupts_a_line_and_no_data_draw_an_empty_panel() {
-        let points = vec![
-            (0.0, 0.0),
-            (1.0, 1.0),
-            (2.0, f64::NAN),
-            (3.0, 1.0),
-            (4.0, 0.0),
-        ];
+        let points = vec![(0.0, 0.0), (1.0, 1.0), (2.0, f64::NAN), (3.0, 1.0), (4.0, 0.0)];
         let figure = |points| {
             let series = vec![Series::line("", Role::Truth, points)];
             Figure::stacked("", vec![Panel::new("t (s)", "y", 100.0, series)])
         };
         // Only the series is as wide as its role says; grid and axes are thinner.
-        let drawn = |points| {
-            figure(points)
-                .svg()
-                .unwrap()
-                .matches("stroke-width=\"6\"")
-                .count()
-        };
+        let drawn = |points| figure(points).svg().unwrap().matches("stroke-width=\"6\"").count();
         assert_eq!((drawn(points), drawn(vec![])), (2, 0));
         assert!(!figure(vec![(f64::NAN, 1.0)]).svg().unwrap().contains("NaN"));
     }

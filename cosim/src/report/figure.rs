@@ -100,25 +100,14 @@ impl Figure {
 
     /// Paths side by side at one scale, the same on both axes.
     pub fn paths(title: impl Into<String>, columns: usize, panels: Vec<Panel>) -> Self {
-        Figure {
-            columns,
-            common_x: false,
-            equal_scale: true,
-            ..Figure::stacked(title, panels)
-        }
+        Figure { columns, common_x: false, equal_scale: true, ..Figure::stacked(title, panels) }
     }
 }
 
 impl Panel {
     /// A panel with labelled axes.
     pub fn new(x: &str, y: &str, height: f64, series: Vec<Series>) -> Self {
-        Panel {
-            title: String::new(),
-            x: Axis::new(x),
-            y: Axis::new(y),
-            height,
-            series,
-        }
+        Panel { title: String::new(), x: Axis::new(x), y: Axis::new(y), height, series }
     }
 
     /// The same panel under a title.
@@ -131,30 +120,19 @@ impl Panel {
 impl Axis {
     /// A numeric axis with its range from the data.
     pub fn new(label: impl Into<String>) -> Self {
-        Axis {
-            label: label.into(),
-            ..Axis::default()
-        }
+        Axis { label: label.into(), ..Axis::default() }
     }
 }
 
 impl Series {
     /// A line through the points.
     pub fn line(name: &str, role: Role, points: Vec<(f64, f64)>) -> Self {
-        Series {
-            name: name.into(),
-            role,
-            shape: Shape::Line(points),
-        }
+        Series { name: name.into(), role, shape: Shape::Line(points) }
     }
 
     /// A band between a lower and an upper curve.
     pub fn band(name: &str, role: Role, points: Vec<(f64, f64, f64)>) -> Self {
-        Series {
-            name: name.into(),
-            role,
-            shape: Shape::Band(points),
-        }
+        Series { name: name.into(), role, shape: Shape::Band(points) }
     }
 }
 
@@ -172,20 +150,14 @@ impl Extent {
             (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
             (a, b) => a.or(b),
         };
-        Extent {
-            x: either(self.x, other.x),
-            y: either(self.y, other.y),
-        }
+        Extent { x: either(self.x, other.x), y: either(self.y, other.y) }
     }
 }
 
 impl Panel {
     /// Extent of all series.
     pub(super) fn extent(&self) -> Extent {
-        self.series
-            .iter()
-            .map(|s| s.shape.extent())
-            .fold(Extent::default(), Extent::union)
+        self.series.iter().map(|s| s.shape.extent()).fold(Extent::default(), Extent::union)
     }
 }
 
@@ -210,10 +182,8 @@ impl Shape {
 
 /// Smallest and greatest of the finite values.
 fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
-    values
-        .filter(|v| v.is_finite())
-        .fold(None, |range, v| match range {
-            None => Some((v, v)),
-            Some((low, high)) => Some((low.min(v), high.max(v))),
-        })
+    values.filter(|v| v.is_finite()).fold(None, |range, v| match range {
+        None => Some((v, v)),
+        Some((low, high)) => Some((low.min(v), high.max(v))),
+    })
 }

@@ -28,16 +28,10 @@ pub(super) fn components(recording: &Recording) -> Vec<Component<'_>> {
     let mut components: Vec<Component> = Vec::new();
     for (name, values) in recording.columns() {
         let (component, rest) = name.split_once('.').unwrap_or(("", name));
-        let place = components
-            .iter()
-            .position(|c| c.name == component)
-            .unwrap_or_else(|| {
-                components.push(Component {
-                    name: component.into(),
-                    groups: Vec::new(),
-                });
-                components.len() - 1
-            });
+        let place = components.iter().position(|c| c.name == component).unwrap_or_else(|| {
+            components.push(Component { name: component.into(), groups: Vec::new() });
+            components.len() - 1
+        });
         components[place].add(rest, values);
     }
     components
@@ -56,11 +50,7 @@ impl<'a> Component<'a> {
                 group.size = group.size.max(size);
                 group.signals.push(entry);
             }
-            None => self.groups.push(Group {
-                name,
-                size,
-                signals: vec![entry],
-            }),
+            None => self.groups.push(Group { name, size, signals: vec![entry] }),
         }
     }
 }
@@ -69,10 +59,7 @@ impl<'a> Component<'a> {
 fn group_name(signal: &str) -> String {
     match (signal.split_once('['), signal.rsplit_once('.')) {
         (Some((array, rest)), _) => {
-            format!(
-                "{array}[]{}",
-                rest.split_once(']').map_or("", |(_, leaf)| leaf)
-            )
+            format!("{array}[]{}", rest.split_once(']').map_or("", |(_, leaf)| leaf))
         }
         (None, Some((prefix, _))) => prefix.into(),
         (None, None) => signal.into(),
@@ -81,10 +68,7 @@ fn group_name(signal: &str) -> String {
 
 /// Greatest finite magnitude.
 fn size(values: &[f64]) -> f64 {
-    values
-        .iter()
-        .filter(|v| v.is_finite())
-        .fold(0.0, |greatest, v| greatest.max(v.abs()))
+    values.iter().filter(|v| v.is_finite()).fold(0.0, |greatest, v| greatest.max(v.abs()))
 }
 
 fn are_alike(a: f64, b: f64) -> bool {
@@ -122,21 +106,15 @@ mod tests {
             ("b", "depth", 1),
             ("", "alone", 1),
         ];
-        assert_eq!(
-            groups,
-            expected.map(|(c, g, n)| (c.to_string(), g.to_string(), n))
-        );
+        assert_eq!(groups, expected.map(|(c, g, n)| (c.to_string(), g.to_string(), n)));
     }
 
     #[test]
     fn a_panel_has_no_more_signals_than_distinct_colours() {
         let names = (0..20).map(|i| format!("a.cell[{i}].voltage")).collect();
         let recording = Recording::from_columns(names, vec![0.0], vec![vec![1.0]; 20]);
-        let counts = components(&recording)[0]
-            .groups
-            .iter()
-            .map(|g| g.signals.len())
-            .collect::<Vec<_>>();
+        let counts =
+            components(&recording)[0].groups.iter().map(|g| g.signals.len()).collect::<Vec<_>>();
         assert_eq!(counts, [8, 8, 4]);
     }
 }

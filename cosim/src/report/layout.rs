@@ -12,7 +12,7 @@ pub(super) const Y_AXIS: f64 = 70.0;
 pub(super) const X_AXIS: f64 = 42.0;
 const RIGHT: f64 = 22.0;
 const FIGURE_TITLE: f64 = 28.0;
-const PANEL_TITLE: f64 = 22.0;
+const PANEL_TITLE: f64 = 30.0;
 const TOP: f64 = 8.0;
 const ABOVE_LEGEND: f64 = 6.0;
 const BETWEEN_ROWS: f64 = 18.0;
@@ -79,12 +79,7 @@ impl Layout {
         let available = figure.width / columns as f64 - Y_AXIS - RIGHT - beside;
         let ranges = ranges(figure);
         let sizes = data_sizes(figure, &ranges, available.max(80.0));
-        let mut plan = Plan {
-            figure,
-            columns,
-            beside,
-            cells: Vec::new(),
-        };
+        let mut plan = Plan { figure, columns, beside, cells: Vec::new() };
         let (width, bottom) = plan.place(&ranges, &sizes);
         let common = match figure.legend {
             LegendPlace::Beneath => entries(&figure.panels),
@@ -111,40 +106,23 @@ struct Plan<'a> {
 impl Plan<'_> {
     /// Places the panels row by row; returns the figure's width and the lower edge of the last row.
     fn place(&mut self, ranges: &[Ranges], sizes: &[(f64, f64)]) -> (f64, f64) {
-        let title = if self.figure.title.is_empty() {
-            0.0
-        } else {
-            FIGURE_TITLE
-        };
+        let title = if self.figure.title.is_empty() { 0.0 } else { FIGURE_TITLE };
         let (mut y, mut width) = (TOP + title, 0.0_f64);
         let count = self.figure.panels.len();
         for row in (0..count).step_by(self.columns) {
             let in_row = row..(row + self.columns).min(count);
-            let titled = self.figure.panels[in_row.clone()]
-                .iter()
-                .any(|p| !p.title.is_empty());
+            let titled = self.figure.panels[in_row.clone()].iter().any(|p| !p.title.is_empty());
             y += if titled { PANEL_TITLE } else { 0.0 };
             let (mut x, mut bottom) = (0.0, y);
             for i in in_row {
-                let data = Rect {
-                    x: x + Y_AXIS,
-                    y,
-                    width: sizes[i].0,
-                    height: sizes[i].1,
-                };
+                let data = Rect { x: x + Y_AXIS, y, width: sizes[i].0, height: sizes[i].1 };
                 let x_labelled = !self.figure.common_x || i + self.columns >= count;
                 let axis = if x_labelled { X_AXIS } else { BETWEEN_ROWS };
                 bottom = f64::max(bottom, y + data.height + axis);
                 x += Y_AXIS + data.width + RIGHT + self.beside;
                 let legend = self.own_legend(&self.figure.panels[i], data);
                 let Ranges { x, y } = ranges[i];
-                self.cells.push(Cell {
-                    data,
-                    x,
-                    y,
-                    x_labelled,
-                    legend,
-                });
+                self.cells.push(Cell { data, x, y, x_labelled, legend });
             }
             width = width.max(x);
             y = bottom;
@@ -164,10 +142,7 @@ impl Plan<'_> {
 
 /// Width of the widest of all panels' legends with its distance, px.
 fn legend_width(figure: &Figure) -> f64 {
-    14.0 + entries(&figure.panels)
-        .iter()
-        .map(|e| e.width())
-        .fold(0.0, f64::max)
+    14.0 + entries(&figure.panels).iter().map(|e| e.width()).fold(0.0, f64::max)
 }
 
 /// Sizes of the data areas, px.
@@ -180,10 +155,9 @@ fn data_sizes(figure: &Figure, ranges: &[Ranges], available: f64) -> Vec<(f64, f
         .fold(f64::INFINITY, f64::min);
     let size = |((dx, dy), panel): ((f64, f64), &Panel)| match figure.equal_scale {
         true => (dx * scale, dy * scale),
-        false if figure.legend == LegendPlace::Right => (
-            available,
-            panel.height.max(entries([panel]).len() as f64 * ROW),
-        ),
+        false if figure.legend == LegendPlace::Right => {
+            (available, panel.height.max(entries([panel]).len() as f64 * ROW))
+        }
         false => (available, panel.height),
     };
     spans.zip(&figure.panels).map(size).collect()
@@ -198,10 +172,7 @@ struct Ranges {
 /// The ranges each panel shows.
 fn ranges(figure: &Figure) -> Vec<Ranges> {
     let extents: Vec<Extent> = figure.panels.iter().map(Panel::extent).collect();
-    let all = extents
-        .iter()
-        .copied()
-        .fold(Extent::default(), Extent::union);
+    let all = extents.iter().copied().fold(Extent::default(), Extent::union);
     let of_panel = |(panel, extent): (&Panel, &Extent)| {
         let x = if figure.common_x { all.x } else { extent.x };
         let span = |range: Option<(f64, f64)>| range.map_or(0.0, |(low, high)| high - low);
@@ -209,10 +180,7 @@ fn ranges(figure: &Figure) -> Vec<Ranges> {
             true => [0.04 * span(x).max(span(extent.y)); 2],
             false => [0.0, 0.05 * span(extent.y)],
         };
-        Ranges {
-            x: shown(&panel.x, x, margins[0]),
-            y: shown(&panel.y, extent.y, margins[1]),
-        }
+        Ranges { x: shown(&panel.x, x, margins[0]), y: shown(&panel.y, extent.y, margins[1]) }
     };
     figure.panels.iter().zip(&extents).map(of_panel).collect()
 }
@@ -254,43 +222,24 @@ mod tests {
         let scales: Vec<f64> = layout
             .cells
             .iter()
-            .flat_map(|c| {
-                [
-                    c.data.width / (c.x.1 - c.x.0),
-                    c.data.height / (c.y.1 - c.y.0),
-                ]
-            })
+            .flat_map(|c| [c.data.width / (c.x.1 - c.x.0), c.data.height / (c.y.1 - c.y.0)])
             .collect();
-        assert!(
-            scales.iter().all(|s| (s / scales[0] - 1.0).abs() < 1e-12),
-            "{scales:?}"
-        );
+        assert!(scales.iter().all(|s| (s / scales[0] - 1.0).abs() < 1e-12), "{scales:?}");
         assert!(layout.cells.iter().all(|c| c.data.height <= 300.0 + 1e-9));
         assert!(layout.width <= 860.0 + 1e-9);
     }
 
     #[test]
     fn legends_cover_no_data_and_stay_in_the_picture() {
-        let panels = || {
-            vec![
-                path(&[(0.0, 0.0), (9.0, 5.0)]),
-                path(&[(0.0, 0.0), (2.0, 3.0)]),
-            ]
-        };
+        let panels = || vec![path(&[(0.0, 0.0), (9.0, 5.0)]), path(&[(0.0, 0.0), (2.0, 3.0)])];
         for place in [LegendPlace::Beneath, LegendPlace::Right] {
-            let figure = Figure {
-                legend: place,
-                ..Figure::stacked("two", panels())
-            };
+            let figure = Figure { legend: place, ..Figure::stacked("two", panels()) };
             let layout = Layout::of(&figure);
             let own = layout.cells.iter().flat_map(|c| c.legend.rects());
             let rects: Vec<Rect> = own.chain(layout.legend.rects()).collect();
             assert!(!rects.is_empty());
             for rect in &rects {
-                assert!(
-                    layout.cells.iter().all(|c| !c.data.overlaps(rect)),
-                    "{place:?} {rect:?}"
-                );
+                assert!(layout.cells.iter().all(|c| !c.data.overlaps(rect)), "{place:?} {rect:?}");
                 assert!(rect.x + rect.width <= layout.width, "{place:?} {rect:?}");
                 assert!(rect.y + rect.height <= layout.height, "{place:?} {rect:?}");
             }
@@ -299,11 +248,7 @@ mod tests {
 
     #[test]
     fn no_data_constant_data_and_nan_give_a_usable_range() {
-        for points in [
-            vec![],
-            vec![(0.0, f64::NAN)],
-            vec![(1.0, 20.0), (2.0, 20.0)],
-        ] {
+        for points in [vec![], vec![(0.0, f64::NAN)], vec![(1.0, 20.0), (2.0, 20.0)]] {
             let layout = Layout::of(&Figure::stacked("", vec![path(&points)]));
             let cell = &layout.cells[0];
             assert!(cell.x.0 < cell.x.1 && cell.y.0 < cell.y.1, "{points:?}");
@@ -312,19 +257,9 @@ mod tests {
 
     #[test]
     fn stacked_panels_share_their_horizontal_range() {
-        let panels = vec![
-            path(&[(0.0, 0.0), (9.0, 5.0)]),
-            path(&[(3.0, 0.0), (12.0, 3.0)]),
-        ];
+        let panels = vec![path(&[(0.0, 0.0), (9.0, 5.0)]), path(&[(3.0, 0.0), (12.0, 3.0)])];
         let layout = Layout::of(&Figure::stacked("", panels));
         assert!(layout.cells.iter().all(|c| c.x == (0.0, 12.0)));
-        assert_eq!(
-            layout
-                .cells
-                .iter()
-                .map(|c| c.x_labelled)
-                .collect::<Vec<_>>(),
-            [false, true]
-        );
+        assert_eq!(layout.cells.iter().map(|c| c.x_labelled).collect::<Vec<_>>(), [false, true]);
     }
 }

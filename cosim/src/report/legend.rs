@@ -55,17 +55,9 @@ pub(super) fn text_width(text: &str, font: f64) -> f64 {
 /// The distinct named entries of the panels, in the order of their first appearance.
 pub(super) fn entries<'a>(panels: impl IntoIterator<Item = &'a Panel>) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
-    for series in panels
-        .into_iter()
-        .flat_map(|p| &p.series)
-        .filter(|s| !s.name.is_empty())
-    {
+    for series in panels.into_iter().flat_map(|p| &p.series).filter(|s| !s.name.is_empty()) {
         let sample = Sample::of(&series.shape);
-        let entry = Entry {
-            name: series.name.clone(),
-            role: series.role,
-            sample,
-        };
+        let entry = Entry { name: series.name.clone(), role: series.role, sample };
         if !entries.contains(&entry) {
             entries.push(entry);
         }
@@ -99,17 +91,10 @@ impl Legend {
     pub(super) fn rows(entries: Vec<Entry>, corner: (f64, f64), width: f64) -> Self {
         let (places, _) = flow(&entries, width);
         let placed = entries.into_iter().zip(places).map(|(entry, (x, y))| {
-            let rect = Rect {
-                x: corner.0 + x,
-                y: corner.1 + y,
-                width: entry.width(),
-                height: ROW,
-            };
+            let rect = Rect { x: corner.0 + x, y: corner.1 + y, width: entry.width(), height: ROW };
             (entry, rect)
         });
-        Legend {
-            entries: placed.collect(),
-        }
+        Legend { entries: placed.collect() }
     }
 
     /// The rectangles of the entries.

@@ -54,20 +54,14 @@ pub enum Block {
 impl Block {
     /// Draws a figure into a block.
     pub fn figure(figure: &Figure, caption: impl Into<String>) -> Result<Self> {
-        Ok(Block::Figure {
-            svg: figure.svg()?,
-            caption: caption.into(),
-        })
+        Ok(Block::Figure { svg: figure.svg()?, caption: caption.into() })
     }
 }
 
 impl Section {
     /// A section without contents.
     pub fn new(heading: impl Into<String>) -> Self {
-        Section {
-            heading: heading.into(),
-            blocks: Vec::new(),
-        }
+        Section { heading: heading.into(), blocks: Vec::new() }
     }
 
     /// Adds a paragraph.
@@ -80,19 +74,12 @@ impl Page {
     /// The page as HTML.
     pub fn html(&self) -> Result<String> {
         self.render().map_err(|e| {
-            Error::new(
-                Code::Report,
-                format!("cannot write the page '{}'", self.title),
-            )
-            .why(e)
+            Error::new(Code::Report, format!("cannot write the page '{}'", self.title)).why(e)
         })
     }
 
     fn render(&self) -> Result<String, minijinja::Error> {
-        let syntax = SyntaxConfig::builder()
-            .trim_blocks(true)
-            .lstrip_blocks(true)
-            .build()?;
+        let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?;
         let mut environment = Environment::new();
         environment.set_syntax(syntax);
         environment.add_template("page.html", include_str!("page.html"))?;
@@ -113,21 +100,11 @@ mod tests {
         let mut table = Table::new("Sizes", &["name", "value"]);
         table.push(["<script>", "1"]);
         section.blocks.push(Block::Table(table));
-        section
-            .blocks
-            .push(Block::Code("cosim run a.ssd --parameter \"x=1\"".into()));
+        section.blocks.push(Block::Code("cosim run a.ssd --parameter \"x=1\"".into()));
         let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\"><line x1=\"1\"/></svg>".into();
-        section.blocks.push(Block::Figure {
-            svg,
-            caption: "A line".into(),
-        });
+        section.blocks.push(Block::Figure { svg, caption: "A line".into() });
         let sections = vec![section.clone(), section];
-        Page {
-            title: "Run".into(),
-            summary: vec!["Short.".into()],
-            sections,
-            footer: "".into(),
-        }
+        Page { title: "Run".into(), summary: vec!["Short.".into()], sections, footer: "".into() }
     }
 
     #[test]
@@ -140,10 +117,7 @@ mod tests {
 
     #[test]
     fn the_page_loads_nothing() {
-        let html = page()
-            .html()
-            .unwrap()
-            .replace("http://www.w3.org/2000/svg", "");
+        let html = page().html().unwrap().replace("http://www.w3.org/2000/svg", "");
         for outside in ["http", "src=", "@import", "url("] {
             assert!(!html.contains(outside), "{outside}");
         }

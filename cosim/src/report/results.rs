@@ -42,16 +42,10 @@ pub fn html(recording: &Recording, options: &Options) -> Result<String> {
 }
 
 fn component_section(recording: &Recording, component: &Component) -> Result<Section> {
-    let name = if component.name.is_empty() {
-        "Signals"
-    } else {
-        &component.name
-    };
+    let name = if component.name.is_empty() { "Signals" } else { &component.name };
     let mut section = Section::new(name);
     let figure = component_figure(recording, component);
-    section
-        .blocks
-        .push(Block::figure(&figure, format!("All signals of {name}."))?);
+    section.blocks.push(Block::figure(&figure, format!("All signals of {name}."))?);
     Ok(section)
 }
 
@@ -59,9 +53,7 @@ fn chosen_section(recording: &Recording, options: &Options) -> Result<Section> {
     let mut section = Section::new("Selected signals");
     for plot in &options.paths {
         let figure = path_figure(recording, plot)?;
-        section
-            .blocks
-            .push(Block::figure(&figure, "One unit is as long on both axes.")?);
+        section.blocks.push(Block::figure(&figure, "One unit is as long on both axes.")?);
     }
     for plot in &options.plots {
         let figure = time_figure(recording, plot)?;
@@ -85,12 +77,7 @@ fn lead(recording: &Recording) -> String {
 }
 
 fn over_time(recording: &Recording, values: &[f64]) -> Vec<(f64, f64)> {
-    recording
-        .time()
-        .iter()
-        .copied()
-        .zip(values.iter().copied())
-        .collect()
+    recording.time().iter().copied().zip(values.iter().copied()).collect()
 }
 
 fn time_figure(recording: &Recording, plot: &Plot) -> Result<Figure> {
@@ -98,12 +85,7 @@ fn time_figure(recording: &Recording, plot: &Plot) -> Result<Figure> {
         let points = over_time(recording, recording.column(name)?);
         Ok::<_, Error>(Series::line(name, Role::Signal(i), points))
     };
-    let series = plot
-        .signals
-        .iter()
-        .enumerate()
-        .map(line)
-        .collect::<Result<_, _>>()?;
+    let series = plot.signals.iter().enumerate().map(line).collect::<Result<_, _>>()?;
     let panel = Panel::new("time (s)", "", 2.0 * PANEL_HEIGHT, series);
     Ok(Figure::stacked(plot.title.as_str(), vec![panel]))
 }
@@ -111,29 +93,12 @@ fn time_figure(recording: &Recording, plot: &Plot) -> Result<Figure> {
 fn path_figure(recording: &Recording, plot: &XyPlot) -> Result<Figure> {
     let line = |(i, (x, y)): (usize, &(String, String))| {
         let (x_values, y_values) = (recording.column(x)?, recording.column(y)?);
-        let points = x_values
-            .iter()
-            .copied()
-            .zip(y_values.iter().copied())
-            .collect();
+        let points = x_values.iter().copied().zip(y_values.iter().copied()).collect();
         Ok::<_, Error>(Series::line(&format!("{x}, {y}"), Role::Signal(i), points))
     };
-    let series = plot
-        .pairs
-        .iter()
-        .enumerate()
-        .map(line)
-        .collect::<Result<_, _>>()?;
-    let (x, y) = plot
-        .pairs
-        .first()
-        .map(|(x, y)| (x.as_str(), y.as_str()))
-        .unwrap_or_default();
-    Ok(Figure::paths(
-        plot.title.as_str(),
-        1,
-        vec![Panel::new(x, y, 480.0, series)],
-    ))
+    let series = plot.pairs.iter().enumerate().map(line).collect::<Result<_, _>>()?;
+    let (x, y) = plot.pairs.first().map(|(x, y)| (x.as_str(), y.as_str())).unwrap_or_default();
+    Ok(Figure::paths(plot.title.as_str(), 1, vec![Panel::new(x, y, 480.0, series)]))
 }
 
 fn component_figure(recording: &Recording, component: &Component) -> Figure {
@@ -145,22 +110,11 @@ fn component_figure(recording: &Recording, component: &Component) -> Figure {
         Panel::new("time (s)", &group.name, PANEL_HEIGHT, series)
     };
     let panels = component.groups.iter().map(panel).collect();
-    Figure {
-        legend: LegendPlace::Right,
-        ..Figure::stacked(component.name.as_str(), panels)
-    }
+    Figure { legend: LegendPlace::Right, ..Figure::stacked(component.name.as_str(), panels) }
 }
 
 fn range_table(recording: &Recording) -> Table {
-    let header = [
-        "signal",
-        "first",
-        "last",
-        "least",
-        "mean",
-        "greatest",
-        "not finite",
-    ];
+    let header = ["signal", "first", "last", "least", "mean", "greatest", "not finite"];
     let mut table = Table::new("Signals", &header);
     for (name, column) in recording.columns() {
         let finite: Vec<f64> = column.iter().copied().filter(|v| v.is_finite()).collect();
@@ -203,12 +157,9 @@ mod tests {
     use super::*;
 
     fn sample() -> Recording {
-        let names = ["a.pose.x", "a.pose.y", "a.pose.yaw", "b.depth", "alone"]
-            .map(String::from)
-            .to_vec();
-        let columns = [60.0, 30.0, 0.5, f64::NAN, 1.0]
-            .map(|last| vec![0.0, last])
-            .to_vec();
+        let names =
+            ["a.pose.x", "a.pose.y", "a.pose.yaw", "b.depth", "alone"].map(String::from).to_vec();
+        let columns = [60.0, 30.0, 0.5, f64::NAN, 1.0].map(|last| vec![0.0, last]).to_vec();
         Recording::from_columns(names, vec![0.0, 1.0], columns)
     }
 
@@ -216,10 +167,7 @@ mod tests {
     fn every_signal_is_shown_and_counted() {
         let page = html(&sample(), &Options::default()).unwrap();
         for name in sample().names() {
-            assert!(
-                page.contains(&format!("<th scope=\"row\">{name}</th>")),
-                "{name}"
-            );
+            assert!(page.contains(&format!("<th scope=\"row\">{name}</th>")), "{name}");
         }
         assert_eq!(page.matches("<svg").count(), 3);
     }
@@ -228,30 +176,16 @@ mod tests {
     fn selections_replace_the_figures_of_all_signals() {
         let plots = vec!["Heading: a.pose.yaw".parse().unwrap()];
         let paths = vec!["Path: a.pose.x, a.pose.y".parse().unwrap()];
-        let chosen = Options {
-            plots,
-            paths,
-            ..Options::default()
-        };
+        let chosen = Options { plots, paths, ..Options::default() };
         assert_eq!(html(&sample(), &chosen).unwrap().matches("<svg").count(), 2);
         let plots = vec!["Heading: a.pose.yow".parse().unwrap()];
-        let error = html(
-            &sample(),
-            &Options {
-                plots,
-                ..Options::default()
-            },
-        )
-        .unwrap_err();
+        let error = html(&sample(), &Options { plots, ..Options::default() }).unwrap_err();
         assert!(error.to_string().contains("a.pose.yaw"));
     }
 
     #[test]
     fn numbers_have_five_digits() {
         let texts = [1234.567, -0.012345678, 2.5, 1e-9, 123456.7, f64::NAN].map(short);
-        assert_eq!(
-            texts,
-            ["1234.6", "-0.012346", "2.5", "1.0000e-9", "123457", "–"]
-        );
+        assert_eq!(texts, ["1234.6", "-0.012346", "2.5", "1.0000e-9", "123457", "–"]);
     }
 }

@@ -40,10 +40,7 @@ impl std::str::FromStr for XyPlot {
             [x, y] if !x.is_empty() && !y.is_empty() => Ok((x.to_string(), y.to_string())),
             _ => Err(form(text, "'x, y'")),
         };
-        Ok(XyPlot {
-            title,
-            pairs: pairs.iter().map(pair).collect::<Result<_, _>>()?,
-        })
+        Ok(XyPlot { title, pairs: pairs.iter().map(pair).collect::<Result<_, _>>()? })
     }
 }
 
@@ -51,10 +48,7 @@ impl std::str::FromStr for XyPlot {
 fn split(text: &str, separator: char, expected: &str) -> Result<(String, Vec<String>)> {
     let parts = text.split_once(':').map(|(title, list)| {
         let parts = list.split(separator).map(|part| part.trim().to_string());
-        (
-            title.trim().to_string(),
-            parts.filter(|part| !part.is_empty()).collect::<Vec<_>>(),
-        )
+        (title.trim().to_string(), parts.filter(|part| !part.is_empty()).collect::<Vec<_>>())
     });
     match parts {
         Some((title, parts)) if !title.is_empty() && !parts.is_empty() => Ok((title, parts)),

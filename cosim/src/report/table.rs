@@ -34,12 +34,7 @@ impl Table {
         let columns = lines().map(Vec::len).max().unwrap_or(0);
         let cell = |row: &[String], i: usize| row.get(i).cloned().unwrap_or_default();
         let widths: Vec<usize> = (0..columns)
-            .map(|i| {
-                lines()
-                    .map(|row| cell(row, i).chars().count())
-                    .max()
-                    .unwrap_or(0)
-            })
+            .map(|i| lines().map(|row| cell(row, i).chars().count()).max().unwrap_or(0))
             .collect();
         let line = |row: &Vec<String>| {
             let cells = widths.iter().enumerate().map(|(i, &width)| match i {

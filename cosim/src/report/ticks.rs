@@ -40,11 +40,7 @@ impl Ticks {
         }
         let text = format!("{place:.*}", self.decimals);
         let is_zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
-        let digits = if is_zero {
-            text.trim_start_matches('-')
-        } else {
-            text.as_str()
-        };
+        let digits = if is_zero { text.trim_start_matches('-') } else { text.as_str() };
         // U+2212: a true minus sign, as wide as the plus sign.
         digits.replacen('-', "\u{2212}", 1)
     }
@@ -62,14 +58,8 @@ mod tests {
     #[test]
     fn steps_are_round_and_carry_no_rounding_error() {
         assert_eq!(labels(0.0, 0.3, 3), ["0.0", "0.1", "0.2", "0.3"]);
-        assert_eq!(
-            labels(-0.05, 0.05, 4),
-            ["−0.04", "−0.02", "0.00", "0.02", "0.04"]
-        );
-        assert_eq!(
-            labels(0.0, 321.0, 6),
-            ["0", "50", "100", "150", "200", "250", "300"]
-        );
+        assert_eq!(labels(-0.05, 0.05, 4), ["−0.04", "−0.02", "0.00", "0.02", "0.04"]);
+        assert_eq!(labels(0.0, 321.0, 6), ["0", "50", "100", "150", "200", "250", "300"]);
     }
 
     #[test]

@@ -173,11 +173,7 @@ impl System {
     /// `component.variable` of a port.
     pub fn port_name(&self, port: Port) -> String {
         let component = &self.components[port.component];
-        format!(
-            "{}.{}",
-            component.name,
-            component.model.variable_name(port.variable)
-        )
+        format!("{}.{}", component.name, component.model.variable_name(port.variable))
     }
 }
 

@@ -33,16 +33,10 @@ impl Order {
     pub fn new(algorithm: Algorithm, components: &[Component], connections: &[Connection]) -> Self {
         let wants: Vec<bool> = connections
             .iter()
-            .map(|c| {
-                components[c.to.component]
-                    .model
-                    .feeds_through(c.to.variable)
-            })
+            .map(|c| components[c.to.component].model.feeds_through(c.to.variable))
             .collect();
-        let edges: Vec<(usize, usize)> = connections
-            .iter()
-            .map(|c| (c.from.component, c.to.component))
-            .collect();
+        let edges: Vec<(usize, usize)> =
+            connections.iter().map(|c| (c.from.component, c.to.component)).collect();
         let mut order = of_graph(components.len(), &edges, &wants);
         if algorithm == Algorithm::Jacobi {
             order.fresh.fill(false);
@@ -88,20 +82,12 @@ fn of_graph(nodes: usize, edges: &[(usize, usize)], wants: &[bool]) -> Order {
         match loops.iter_mut().find(|l| l.members.contains(&to)) {
             Some(found) => found.held.push(edge),
             None => loops.push(Loop {
-                members: sequence
-                    .iter()
-                    .copied()
-                    .filter(|&n| same_loop(from, n))
-                    .collect(),
+                members: sequence.iter().copied().filter(|&n| same_loop(from, n)).collect(),
                 held: vec![edge],
             }),
         }
     }
-    Order {
-        sequence,
-        fresh,
-        loops,
-    }
+    Order { sequence, fresh, loops }
 }
 
 /// `reach[a][b]`: a path of wanted edges leads from a to b (Warshall).

@@ -94,8 +94,7 @@ impl Overrides {
         mut self,
         patterns: impl IntoIterator<Item = T>,
     ) -> Self {
-        self.output_variables
-            .extend(patterns.into_iter().map(Into::into));
+        self.output_variables.extend(patterns.into_iter().map(Into::into));
         self
     }
 

@@ -45,12 +45,7 @@ impl System {
             connections = connect(description, &signals);
             let model = Model::Signals(Arc::new(signals));
             let name = "input file".to_owned();
-            components.push(Component {
-                name,
-                model,
-                step,
-                start_values: Vec::new(),
-            });
+            components.push(Component { name, model, step, start_values: Vec::new() });
         }
         // Held: an input keeps the value of the beginning of the step, as fmusim and FMPy do it.
         let algorithm = Algorithm::Jacobi;
@@ -75,11 +70,7 @@ fn timing(description: &Description, overrides: &Overrides) -> Result<(Time, Tim
     let default = description.experiment;
     let start = overrides.start_time.or(default.start).unwrap_or(0.0);
     let stop = overrides.stop_time.or(default.stop).unwrap_or(start + 1.0);
-    let step = overrides
-        .steps
-        .last()
-        .map(|(_, step)| *step)
-        .or(default.step);
+    let step = overrides.steps.last().map(|(_, step)| *step).or(default.step);
     let interval = overrides.output_interval;
     let seconds = match (step, interval) {
         // The FMU's own step is only a suggestion: a finer output makes finer steps.
@@ -112,12 +103,7 @@ fn signals(description: &Description, recording: &Recording) -> Result<Signals> 
     let mut signals = Vec::new();
     let mut problems = Vec::new();
     for (name, values) in recording.columns() {
-        let inputs = || {
-            description
-                .variables
-                .iter()
-                .filter(|v| v.causality == Causality::Input)
-        };
+        let inputs = || description.variables.iter().filter(|v| v.causality == Causality::Input);
         match inputs().find(|v| v.name == name) {
             Some(input) if input.kind != Kind::String => signals.push(Signal {
                 name: name.to_owned(),
@@ -126,12 +112,9 @@ fn signals(description: &Description, recording: &Recording) -> Result<Signals> 
                 values: values.to_vec(),
             }),
             _ => problems.push(
-                Error::new(
-                    Code::UnknownName,
-                    format!("the input file's column '{name}'"),
-                )
-                .why(format!("'{}' has no such input", description.model_name))
-                .maybe_help(names::did_you_mean(name, inputs().map(|v| v.name.as_str()))),
+                Error::new(Code::UnknownName, format!("the input file's column '{name}'"))
+                    .why(format!("'{}' has no such input", description.model_name))
+                    .maybe_help(names::did_you_mean(name, inputs().map(|v| v.name.as_str()))),
             ),
         }
     }
@@ -140,21 +123,12 @@ fn signals(description: &Description, recording: &Recording) -> Result<Signals> 
 }
 
 fn connect(description: &Description, signals: &Signals) -> Vec<Connection> {
-    let ends = signals
-        .names()
-        .iter()
-        .map(|name| description.position(name));
+    let ends = signals.names().iter().map(|name| description.position(name));
     ends.enumerate()
         .filter_map(|(signal, input)| {
             Some(Connection {
-                from: Port {
-                    component: 1,
-                    variable: signal,
-                },
-                to: Port {
-                    component: 0,
-                    variable: input?,
-                },
+                from: Port { component: 1, variable: signal },
+                to: Port { component: 0, variable: input? },
             })
         })
         .collect()

@@ -34,10 +34,7 @@ pub struct Attribute {
 impl Element {
     /// The value of an attribute.
     pub fn get(&self, name: &str) -> Option<&str> {
-        self.attributes
-            .iter()
-            .find(|a| a.name == name)
-            .map(|a| a.value.as_str())
+        self.attributes.iter().find(|a| a.name == name).map(|a| a.value.as_str())
     }
 
     /// The value of an attribute that must be there.
@@ -64,11 +61,8 @@ impl Element {
         };
         text.trim().parse().map(Some).map_err(|_| {
             let kind = std::any::type_name::<T>();
-            Error::new(
-                code,
-                format!("{name}=\"{text}\" of <{}> is not a valid {kind}", self.name),
-            )
-            .at_line(file, self.line)
+            Error::new(code, format!("{name}=\"{text}\" of <{}> is not a valid {kind}", self.name))
+                .at_line(file, self.line)
         })
     }
 
@@ -89,10 +83,7 @@ impl Element {
             Some("true" | "1") => Ok(true),
             Some(text) => Err(Error::new(
                 code,
-                format!(
-                    "{name}=\"{text}\" of <{}> is neither true nor false",
-                    self.name
-                ),
+                format!("{name}=\"{text}\" of <{}> is neither true nor false", self.name),
             )
             .at_line(file, self.line)),
         }

@@ -10,10 +10,7 @@ fn tree_with_lines_and_namespaces() {
         "<?xml version='1.0'?>\n<p:a xmlns:p='urn:x'>\n <p:b\n  c='1 &lt; 2'/>\n t&amp;u</p:a>",
     )
     .unwrap();
-    assert_eq!(
-        (root.namespace.as_str(), root.name.as_str(), root.line),
-        ("urn:x", "a", 2)
-    );
+    assert_eq!((root.namespace.as_str(), root.name.as_str(), root.line), ("urn:x", "a", 2));
     assert_eq!(root.children[0].line, 3);
     assert_eq!(root.children[0].get("c"), Some("1 < 2"));
     assert_eq!(root.text.trim(), "t&u");
@@ -22,10 +19,7 @@ fn tree_with_lines_and_namespaces() {
 #[test]
 fn refused() {
     let deep = "<a>".repeat(1000);
-    let wide = format!(
-        "<a {}/>",
-        (0..1000).map(|i| format!("a{i}='' ")).collect::<String>()
-    );
+    let wide = format!("<a {}/>", (0..1000).map(|i| format!("a{i}='' ")).collect::<String>());
     let cases = [
         "<!DOCTYPE a [<!ENTITY b 'c'>]><a>&b;</a>",
         "<a>&b;</a>",

@@ -44,14 +44,10 @@ fn links() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("x.fmu");
     let mut zip = ZipWriter::new(std::fs::File::create(&path).unwrap());
-    zip.add_symlink("resources", "/etc", SimpleFileOptions::default())
-        .unwrap();
+    zip.add_symlink("resources", "/etc", SimpleFileOptions::default()).unwrap();
     zip.finish().unwrap();
     let error = Fmu::open(&path).err().unwrap().to_string();
-    assert!(
-        error.contains("symbolic link") && error.contains("'resources'"),
-        "{error}"
-    );
+    assert!(error.contains("symbolic link") && error.contains("'resources'"), "{error}");
 }
 
 #[test]
@@ -60,17 +56,10 @@ fn too_many_entries() {
     let path = folder.path().join("x.fmu");
     let mut zip = ZipWriter::new(std::fs::File::create(&path).unwrap());
     for entry in 0..10_001 {
-        zip.start_file(format!("{entry}"), SimpleFileOptions::default())
-            .unwrap();
+        zip.start_file(format!("{entry}"), SimpleFileOptions::default()).unwrap();
     }
     zip.finish().unwrap();
-    assert!(
-        Fmu::open(&path)
-            .err()
-            .unwrap()
-            .to_string()
-            .contains("10001 entries")
-    );
+    assert!(Fmu::open(&path).err().unwrap().to_string().contains("10001 entries"));
 }
 
 #[test]
@@ -79,10 +68,7 @@ fn cut_or_no_archive_at_all() {
     let whole = std::fs::read(Model::Gain.fmu()).unwrap();
     let path = folder.path().join("cut.fmu");
     for length in [0, 10, whole.len() / 2, whole.len() - 1] {
-        std::fs::File::create(&path)
-            .unwrap()
-            .write_all(&whole[..length])
-            .unwrap();
+        std::fs::File::create(&path).unwrap().write_all(&whole[..length]).unwrap();
         let error = Fmu::open(&path).err().expect("cut").to_string();
         assert!(error.contains("E102"), "{error}");
     }

@@ -34,10 +34,7 @@ fn path(path: &Path) -> &str {
 
 #[test]
 fn a_run_writes_its_results_and_nothing_to_stdout() {
-    let ssd = Ssd::new()
-        .add("clock", Model::Clock)
-        .add("g", Model::Gain)
-        .connect("clock.y", "g.u");
+    let ssd = Ssd::new().add("clock", Model::Clock).add("g", Model::Gain).connect("clock.y", "g.u");
     let (file, folder) = (ssd.write(), TempDir::new().unwrap());
     let output = cosim(
         folder.path(),
@@ -67,19 +64,8 @@ fn a_run_writes_its_results_and_nothing_to_stdout() {
 fn results_on_stdout_when_asked_and_silence_when_quiet() {
     let fmu = Model::Clock.fmu();
     let folder = TempDir::new().unwrap();
-    let arguments = [
-        "simulate",
-        path(&fmu),
-        "-q",
-        "-o",
-        "-",
-        "--output-interval",
-        "0.5",
-    ];
-    let output = cosim(
-        folder.path(),
-        &[&arguments[..], &["--output-variable", "y"]].concat(),
-    );
+    let arguments = ["simulate", path(&fmu), "-q", "-o", "-", "--output-interval", "0.5"];
+    let output = cosim(folder.path(), &[&arguments[..], &["--output-variable", "y"]].concat());
     assert_eq!(text(&output.stdout), "time,y\n0.0,0.0\n0.5,0.5\n1.0,1.0\n");
     assert!(output.stderr.is_empty());
 }
@@ -121,32 +107,12 @@ fn exit_codes_tell_what_kind_of_failure() {
     let failing = failing.write();
     for (arguments, code, part) in [
         (&["run", "missing.ssd"][..], 3, "missing.ssd"),
-        (
-            &["run", path(&file), "--start-value", "g.k"],
-            2,
-            "NAME=VALUE",
-        ),
-        (
-            &["run", path(&file), "--start-value", "g.kk=1"],
-            3,
-            "did you mean 'k'?",
-        ),
-        (
-            &["run", path(&file), "--step", "g=0"],
-            3,
-            "at least one nanosecond",
-        ),
+        (&["run", path(&file), "--start-value", "g.k"], 2, "NAME=VALUE"),
+        (&["run", path(&file), "--start-value", "g.kk=1"], 3, "did you mean 'k'?"),
+        (&["run", path(&file), "--step", "g=0"], 3, "at least one nanosecond"),
         (&["run", path(&file), "--algorithm", "magic"], 2, "jacobi"),
-        (
-            &["run", path(&file), "--output-file", "no/such/folder.csv"],
-            1,
-            "no/such/folder.csv",
-        ),
-        (
-            &["run", path(&failing)],
-            1,
-            "the results until then are in test_out.csv",
-        ),
+        (&["run", path(&file), "--output-file", "no/such/folder.csv"], 1, "no/such/folder.csv"),
+        (&["run", path(&failing)], 1, "the results until then are in test_out.csv"),
         (&["simulate", path(&file)], 3, "ZIP"),
         (&["nonsense"], 2, "nonsense"),
         (&[], 2, "Usage"),
@@ -163,14 +129,7 @@ fn exit_codes_tell_what_kind_of_failure() {
 fn a_failing_run_keeps_its_results() {
     let ssd = Ssd::new().add_with("g", Model::Failing, &[("second", 0.35)], None);
     let (file, folder) = (ssd.write(), TempDir::new().unwrap());
-    let arguments = [
-        "run",
-        path(&file),
-        "--output-variable",
-        "g.y",
-        "-o",
-        "kept.csv",
-    ];
+    let arguments = ["run", path(&file), "--output-variable", "g.y", "-o", "kept.csv"];
     assert_eq!(cosim(folder.path(), &arguments).status.code(), Some(1));
     let results = cosim::Recording::read_csv(folder.path().join("kept.csv")).unwrap();
     crate::ssd::assert_near(results.time(), &[0.0, 0.1, 0.2, 0.3]);
@@ -184,10 +143,7 @@ fn info_is_readable_by_programs() {
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(json["variables"][0]["directFeedThrough"], true);
     assert_eq!(json["variables"][9]["items"][1][0], "Fast");
-    let ssd = Ssd::new()
-        .add("g", Model::Gain)
-        .add("c", Model::Clock)
-        .connect("c.y", "g.u");
+    let ssd = Ssd::new().add("g", Model::Gain).add("c", Model::Clock).connect("c.y", "g.u");
     let file = ssd.write();
     let output = cosim(folder.path(), &["info", path(&file), "--format=json"]);
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -208,10 +164,7 @@ fn every_code_is_explained() {
 fn a_report_of_a_run() {
     let folder = TempDir::new().unwrap();
     let fmu = Model::Clock.fmu();
-    let simulate = cosim(
-        folder.path(),
-        &["simulate", path(&fmu), "-q", "-o", "r.csv"],
-    );
+    let simulate = cosim(folder.path(), &["simulate", path(&fmu), "-q", "-o", "r.csv"]);
     assert!(simulate.status.success());
     let report = cosim(folder.path(), &["report", "r.csv"]);
     assert!(report.status.success(), "{}", text(&report.stderr));

@@ -11,10 +11,7 @@ fn open_files() -> usize {
 
 #[test]
 fn two_thousand_runs_leak_no_instance_and_no_file() {
-    let ssd = Ssd::new()
-        .add("a", Model::Gain)
-        .add("b", Model::Integrator)
-        .connect("a.y", "b.u");
+    let ssd = Ssd::new().add("a", Model::Gain).add("b", Model::Integrator).connect("a.y", "b.u");
     let system = ssd.load(&Overrides::new()).unwrap();
     system.run(&mut []).unwrap();
     let before = open_files();

@@ -13,9 +13,7 @@ fn seconds(seconds: f64) -> Time {
 fn ready(model: Model) -> Instance {
     let fmu = Fmu::open(&model.fmu()).unwrap();
     let mut instance = Instance::new(fmu, "it", false).unwrap();
-    instance
-        .enter_initialization(Time::ZERO, seconds(1.0))
-        .unwrap();
+    instance.enter_initialization(Time::ZERO, seconds(1.0)).unwrap();
     instance.exit_initialization().unwrap();
     instance
 }
@@ -24,14 +22,8 @@ fn ready(model: Model) -> Instance {
 fn calls_out_of_order_are_refused_before_they_reach_the_fmu() {
     let fmu = Fmu::open(&Model::Gain.fmu()).unwrap();
     let mut instance = Instance::new(fmu, "it", false).unwrap();
-    let error = instance
-        .do_step(Time::ZERO, seconds(0.1))
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("fmi2DoStep of 'it'") && error.contains("Instantiated"),
-        "{error}"
-    );
+    let error = instance.do_step(Time::ZERO, seconds(0.1)).unwrap_err().to_string();
+    assert!(error.contains("fmi2DoStep of 'it'") && error.contains("Instantiated"), "{error}");
     assert!(instance.exit_initialization().is_err());
     assert!(instance.get_real(&[2], &mut [0.0]).is_err());
     assert!(instance.set_real(&[0, 1], &[0.0]).is_err());
@@ -50,12 +42,7 @@ fn a_fatal_status_ends_the_instance_and_shows_its_log() {
     };
     assert_eq!(time, seconds(0.2));
     assert_eq!(instance.state(), State::Fatal);
-    for part in [
-        "returned Fatal",
-        "step %d of %s (the values",
-        "level %f (the",
-        "at step 3",
-    ] {
+    for part in ["returned Fatal", "step %d of %s (the values", "level %f (the", "at step 3"] {
         assert!(error.contains(part), "{part} in {error}");
     }
     assert!(instance.get_real(&[2], &mut [0.0]).is_err());
@@ -86,10 +73,7 @@ fn changed(from: &str, to: &str) -> String {
     assert!(description.contains(from));
     let library = std::fs::read(crate::models::compile(Model::Gain)).unwrap();
     let entries = [
-        (
-            "modelDescription.xml",
-            description.replace(from, to).into_bytes(),
-        ),
+        ("modelDescription.xml", description.replace(from, to).into_bytes()),
         ("binaries/x86_64-linux/GAIN.so", library),
     ];
     pack(&path, &entries);
@@ -108,61 +92,17 @@ fn the_folder_named_by_the_tuple_is_found_too() {
 #[test]
 fn wrong_descriptions_name_file_and_line() {
     for (from, to, parts) in [
-        (
-            "fmiVersion=\"2.0\"",
-            "fmiVersion=\"3.0\"",
-            &["x.fmu/modelDescription.xml:2", "3.0"][..],
-        ),
-        (
-            "guid=\"{test}\"",
-            "guid=\"{other}\"",
-            &["returned NULL", "wrong GUID {other}"],
-        ),
-        (
-            "name=\"k\"",
-            "name=\"u\"",
-            &[":10", "declared twice", "line 9"],
-        ),
-        (
-            "valueReference=\"3\"",
-            "valueReference=\"x\"",
-            &[":12", "valueReference=\"x\""],
-        ),
-        (
-            "causality=\"output\"><Real",
-            "causality=\"sideways\"><Real",
-            &[":11", "sideways"],
-        ),
-        (
-            "start=\"0\" unit",
-            "start=\"zero\" unit",
-            &[":9", "'zero' is not a finite Real"],
-        ),
-        (
-            "index=\"6\"",
-            "index=\"66\"",
-            &[":23", "'66'", "10 variables"],
-        ),
-        (
-            "<CoSimulation",
-            "<ModelExchange",
-            &["no co-simulation part"],
-        ),
-        (
-            "modelIdentifier=\"GAIN\"",
-            "modelIdentifier=\"LOSS\"",
-            &["x86_64-linux", "LOSS.so"],
-        ),
-        (
-            "modelIdentifier=\"GAIN\"",
-            "modelIdentifier=\"../GAIN\"",
-            &[":3", "../GAIN"],
-        ),
-        (
-            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>",
-            "<!DOCTYPE x>",
-            &["E103", ":1", "DTD"],
-        ),
+        ("fmiVersion=\"2.0\"", "fmiVersion=\"3.0\"", &["x.fmu/modelDescription.xml:2", "3.0"][..]),
+        ("guid=\"{test}\"", "guid=\"{other}\"", &["returned NULL", "wrong GUID {other}"]),
+        ("name=\"k\"", "name=\"u\"", &[":10", "declared twice", "line 9"]),
+        ("valueReference=\"3\"", "valueReference=\"x\"", &[":12", "valueReference=\"x\""]),
+        ("causality=\"output\"><Real", "causality=\"sideways\"><Real", &[":11", "sideways"]),
+        ("start=\"0\" unit", "start=\"zero\" unit", &[":9", "'zero' is not a finite Real"]),
+        ("index=\"6\"", "index=\"66\"", &[":23", "'66'", "10 variables"]),
+        ("<CoSimulation", "<ModelExchange", &["no co-simulation part"]),
+        ("modelIdentifier=\"GAIN\"", "modelIdentifier=\"LOSS\"", &["x86_64-linux", "LOSS.so"]),
+        ("modelIdentifier=\"GAIN\"", "modelIdentifier=\"../GAIN\"", &[":3", "../GAIN"]),
+        ("<?xml version=\"1.0\" encoding=\"UTF-8\"?>", "<!DOCTYPE x>", &["E103", ":1", "DTD"]),
         ("</ModelStructure>", "", &["E103", ":27"]),
     ] {
         let error = changed(from, to);
@@ -177,10 +117,7 @@ fn a_file_that_is_no_library_is_refused() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("x.fmu");
     let entries = [
-        (
-            "modelDescription.xml",
-            Model::Gain.description().into_bytes(),
-        ),
+        ("modelDescription.xml", Model::Gain.description().into_bytes()),
         ("binaries/linux64/GAIN.so", b"not a library".to_vec()),
     ];
     pack(&path, &entries);

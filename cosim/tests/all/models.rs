@@ -87,10 +87,8 @@ impl Model {
                 let unfinished = folder().join(format!("{}.{}", self.name(), std::process::id()));
                 let library = std::fs::read(compile(self)).unwrap();
                 let binary = format!("binaries/linux64/{}.so", self.name());
-                let entries = [
-                    ("modelDescription.xml", self.description().into_bytes()),
-                    (&binary, library),
-                ];
+                let entries =
+                    [("modelDescription.xml", self.description().into_bytes()), (&binary, library)];
                 pack(&unfinished, &entries);
                 std::fs::rename(&unfinished, &path).unwrap();
                 path
@@ -112,9 +110,7 @@ fn folder() -> &'static Path {
 pub(crate) fn compile(model: Model) -> PathBuf {
     static MADE: Mutex<BTreeMap<Model, PathBuf>> = Mutex::new(BTreeMap::new());
     let mut made = MADE.lock().unwrap();
-    made.entry(model)
-        .or_insert_with(|| compile_now(model))
-        .clone()
+    made.entry(model).or_insert_with(|| compile_now(model)).clone()
 }
 
 fn compile_now(model: Model) -> PathBuf {

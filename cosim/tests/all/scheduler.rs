@@ -20,44 +20,24 @@ fn chain() -> Ssd {
 
 #[test]
 fn jacobi_delays_one_step_per_hop() {
-    let system = chain()
-        .load(&Overrides::new().algorithm(Algorithm::Jacobi))
-        .unwrap();
+    let system = chain().load(&Overrides::new().algorithm(Algorithm::Jacobi)).unwrap();
     let results = run(&system);
-    assert_near(
-        results.column("clock.y").unwrap(),
-        &[0.0, 0.1, 0.2, 0.3, 0.4, 0.5],
-    );
-    assert_near(
-        results.column("a.y").unwrap(),
-        &[0.0, 0.0, 0.1, 0.2, 0.3, 0.4],
-    );
-    assert_near(
-        results.column("c.y").unwrap(),
-        &[0.0, 0.0, 0.0, 0.0, 0.1, 0.2],
-    );
+    assert_near(results.column("clock.y").unwrap(), &[0.0, 0.1, 0.2, 0.3, 0.4, 0.5]);
+    assert_near(results.column("a.y").unwrap(), &[0.0, 0.0, 0.1, 0.2, 0.3, 0.4]);
+    assert_near(results.column("c.y").unwrap(), &[0.0, 0.0, 0.0, 0.0, 0.1, 0.2]);
 }
 
 #[test]
 fn gauss_seidel_has_no_delay_along_feed_through() {
     let results = chain().run();
-    assert_near(
-        results.column("c.y").unwrap(),
-        &[0.0, 0.1, 0.2, 0.3, 0.4, 0.5],
-    );
+    assert_near(results.column("c.y").unwrap(), &[0.0, 0.1, 0.2, 0.3, 0.4, 0.5]);
 }
 
 #[test]
 fn without_feed_through_the_input_is_of_the_beginning() {
-    let ssd = Ssd::new()
-        .add("clock", Clock)
-        .add("x", Integrator)
-        .connect("clock.y", "x.u");
+    let ssd = Ssd::new().add("clock", Clock).add("x", Integrator).connect("clock.y", "x.u");
     let results = ssd.stop(0.4).run();
-    assert_near(
-        results.column("x.y").unwrap(),
-        &[0.0, 0.0, 0.01, 0.03, 0.06],
-    );
+    assert_near(results.column("x.y").unwrap(), &[0.0, 0.0, 0.01, 0.03, 0.06]);
 }
 
 #[test]
@@ -85,10 +65,7 @@ fn a_slow_component_holds_its_input_from_the_beginning_of_its_own_step() {
         .connect("clock.y", "slow.u")
         .master("algorithm='jacobi'")
         .stop(0.6);
-    assert_near(
-        ssd.run().column("slow.y").unwrap(),
-        &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.3],
-    );
+    assert_near(ssd.run().column("slow.y").unwrap(), &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.3]);
 }
 
 #[test]
@@ -99,14 +76,8 @@ fn steps_that_do_not_divide_each_other() {
         .master("outputInterval='0.1'")
         .stop(0.7);
     let results = ssd.run();
-    assert_near(
-        results.column("two.y").unwrap(),
-        &[0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0],
-    );
-    assert_near(
-        results.column("three.y").unwrap(),
-        &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 2.0, 2.0],
-    );
+    assert_near(results.column("two.y").unwrap(), &[0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0]);
+    assert_near(results.column("three.y").unwrap(), &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 2.0, 2.0]);
 }
 
 #[test]
@@ -121,16 +92,11 @@ fn a_loop_is_broken_by_the_order_of_the_file_and_told() {
     let system = ssd.load(&Overrides::new()).unwrap();
     let warning = &system.warnings()[0];
     assert!(warning.contains("algebraic loop through a, b"), "{warning}");
-    assert!(
-        warning.contains("b.y -> a.u") && !warning.contains("a.y -> b.u"),
-        "{warning}"
-    );
+    assert!(warning.contains("b.y -> a.u") && !warning.contains("a.y -> b.u"), "{warning}");
     // Zero everywhere is consistent, so the initialization settles and nothing grows.
     assert_near(run(&system).column("b.y").unwrap(), &[0.0, 0.0, 0.0]);
     // Jacobi has no loops to break.
-    let jacobi = system
-        .with(&Overrides::new().algorithm(Algorithm::Jacobi))
-        .unwrap();
+    let jacobi = system.with(&Overrides::new().algorithm(Algorithm::Jacobi)).unwrap();
     assert!(jacobi.warnings().is_empty());
 }
 
@@ -145,17 +111,10 @@ fn a_loop_that_does_not_settle_is_told() {
     // Real to Integer is refused; the message names both types.
     let error = ssd.load(&Overrides::new()).err().unwrap().to_string();
     assert!(error.contains("Real and Integer"), "{error}");
-    let ssd = Ssd::new()
-        .add_with("a", Gain, &[("k", -1.0)], None)
-        .connect("a.y", "a.u")
-        .stop(0.2);
+    let ssd = Ssd::new().add_with("a", Gain, &[("k", -1.0)], None).connect("a.y", "a.u").stop(0.2);
     let system = ssd.load(&Overrides::new().start_value("a.u", 1.0)).unwrap();
     let summary = system.run(&mut []).unwrap();
-    assert!(
-        summary.warnings[0].contains("does not settle"),
-        "{:?}",
-        summary.warnings
-    );
+    assert!(summary.warnings[0].contains("does not settle"), "{:?}", summary.warnings);
 }
 
 #[test]
@@ -168,9 +127,7 @@ fn initial_values_travel_the_whole_chain() {
         .connect("b.y", "c.u")
         .connect("c.y", "x.u")
         .stop(0.1);
-    let system = ssd
-        .load(&Overrides::new().algorithm(Algorithm::Jacobi))
-        .unwrap();
+    let system = ssd.load(&Overrides::new().algorithm(Algorithm::Jacobi)).unwrap();
     let results = run(&system);
     assert_near(results.column("c.y").unwrap(), &[30.0, 30.0]);
     assert_near(results.column("x.y").unwrap(), &[2.0, 5.0]);
@@ -192,10 +149,7 @@ fn integers_and_booleans_travel() {
 
 #[test]
 fn the_same_run_gives_the_same_bytes_also_in_threads() {
-    let ssd = chain()
-        .add_with("x", Integrator, &[], Some(0.05))
-        .connect("c.y", "x.u")
-        .stop(5.0);
+    let ssd = chain().add_with("x", Integrator, &[], Some(0.05)).connect("c.y", "x.u").stop(5.0);
     let system = ssd.load(&Overrides::new()).unwrap();
     let bytes = || {
         let file = tempfile::NamedTempFile::new().unwrap();
@@ -215,19 +169,12 @@ fn the_same_run_gives_the_same_bytes_also_in_threads() {
 
 #[test]
 fn a_failing_component_keeps_results_and_says_when_and_why() {
-    let ssd = Ssd::new()
-        .add("clock", Clock)
-        .add_with("pump", Failing, &[("second", 0.35)], None);
+    let ssd = Ssd::new().add("clock", Clock).add_with("pump", Failing, &[("second", 0.35)], None);
     let ssd = ssd.connect("clock.y", "pump.u");
     let system = ssd.load(&Overrides::new()).unwrap();
     let mut recording = cosim::Recording::new();
     let error = system.run(&mut [&mut recording]).unwrap_err().to_string();
-    for part in [
-        "fmi2DoStep of 'pump'",
-        "t = 0.3",
-        "returned Error",
-        "the tank is empty",
-    ] {
+    for part in ["fmi2DoStep of 'pump'", "t = 0.3", "returned Error", "the tank is empty"] {
         assert!(error.contains(part), "{part} in {error}");
     }
     assert_near(recording.column("pump.y").unwrap(), &[0.0, 0.1, 0.2, 0.3]);
@@ -243,26 +190,15 @@ fn recorded_parameters_and_inputs_show_what_the_fmu_has() {
     let results = run(&chain().load(&overrides).unwrap());
     assert_eq!(results.names(), ["c.k", "c.u", "b.u", "a.u", "clock.u"]);
     assert_eq!(results.column("c.k").unwrap()[0], 4.0);
-    assert_near(
-        results.column("c.u").unwrap(),
-        &[0.0, 0.1, 0.2, 0.3, 0.4, 0.5],
-    );
+    assert_near(results.column("c.u").unwrap(), &[0.0, 0.1, 0.2, 0.3, 0.4, 0.5]);
 }
 
 #[test]
 fn what_a_component_says_is_passed_on() {
-    let system = Ssd::new()
-        .add("c", Counter)
-        .load(&Overrides::new())
-        .unwrap();
+    let system = Ssd::new().add("c", Counter).load(&Overrides::new()).unwrap();
     assert!(system.run(&mut []).unwrap().messages.is_empty());
-    let system = system
-        .with(&Overrides::new().start_value("c.text", "half empty"))
-        .unwrap();
-    assert_eq!(
-        system.run(&mut []).unwrap().messages,
-        ["c: Warning (logAll): half empty"]
-    );
+    let system = system.with(&Overrides::new().start_value("c.text", "half empty")).unwrap();
+    assert_eq!(system.run(&mut []).unwrap().messages, ["c: Warning (logAll): half empty"]);
 }
 
 #[test]
@@ -274,16 +210,8 @@ fn a_loop_that_settles_begins_with_values_that_agree() {
         .connect("b.y", "a.u")
         .connect("a.y", "b.u")
         .stop(0.1);
-    let system = ssd
-        .load(&Overrides::new().output_variables(["a.u", "b.u"]))
-        .unwrap();
+    let system = ssd.load(&Overrides::new().output_variables(["a.u", "b.u"])).unwrap();
     let mut recording = cosim::Recording::new();
-    assert!(
-        system
-            .run(&mut [&mut recording])
-            .unwrap()
-            .warnings
-            .is_empty()
-    );
+    assert!(system.run(&mut [&mut recording]).unwrap().warnings.is_empty());
     assert_near(recording.column("a.u").unwrap(), &[0.0, 0.0]);
 }

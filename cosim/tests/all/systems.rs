@@ -6,19 +6,14 @@ use crate::models::{Model, pack};
 use crate::ssd::{Ssd, assert_near, run};
 
 fn two() -> Ssd {
-    Ssd::new()
-        .add("clock", Model::Clock)
-        .add("gain", Model::Gain)
-        .connect("clock.y", "gain.u")
+    Ssd::new().add("clock", Model::Clock).add("gain", Model::Gain).connect("clock.y", "gain.u")
 }
 
 fn error_of(text: &str, overrides: &Overrides) -> String {
     let folder = tempfile::TempDir::new().unwrap();
     let file = folder.path().join("test.ssd");
     std::fs::write(&file, text).unwrap();
-    System::load(&file, overrides)
-        .err()
-        .map_or("none".to_owned(), |e| e.to_string())
+    System::load(&file, overrides).err().map_or("none".to_owned(), |e| e.to_string())
 }
 
 #[track_caller]
@@ -33,80 +28,36 @@ fn wrong_files_are_told_with_line_and_remedy() {
     let text = two().text();
     let none = Overrides::new();
     for (from, to, parts) in [
-        (
-            "startConnector='y'",
-            "startConnector='yy'",
-            &["test.ssd:33", "'yy'", "'y'?"][..],
-        ),
-        (
-            "startElement='clock'",
-            "startElement='clok'",
-            &["test.ssd:33", "'clock'?"],
-        ),
-        (
-            "startConnector='y'",
-            "startConnector='u'",
-            &["'clock.u' is no output"],
-        ),
-        (
-            "endConnector='u'",
-            "endConnector='y'",
-            &["'gain.y' is no input"],
-        ),
+        ("startConnector='y'", "startConnector='yy'", &["test.ssd:33", "'yy'", "'y'?"][..]),
+        ("startElement='clock'", "startElement='clok'", &["test.ssd:33", "'clock'?"]),
+        ("startConnector='y'", "startConnector='u'", &["'clock.u' is no output"]),
+        ("endConnector='u'", "endConnector='y'", &["'gain.y' is no input"]),
         (
             "endConnector='u'",
             "endConnector='k'",
             &["lists no connector 'k'", "<ssd:Connector name=\"k\""],
         ),
-        (
-            "endConnector='u'",
-            "endConnector='m'",
-            &["joins Real and Integer"],
-        ),
-        (
-            "name='u' kind='input'",
-            "name='u' kind='output'",
-            &[":10", "write kind=\"input\""],
-        ),
+        ("endConnector='u'", "endConnector='m'", &["joins Real and Integer"]),
+        ("name='u' kind='input'", "name='u' kind='output'", &[":10", "write kind=\"input\""]),
         (
             "name='u' kind='input'><ssc:Real/>",
             "name='u' kind='input'><ssc:Integer/>",
             &["write <ssc:Real/>"],
         ),
-        (
-            "CLOCK.fmu",
-            "missing.fmu",
-            &["E101", "FMU of 'clock'", "missing.fmu"],
-        ),
-        (
-            "version='1.0' name='test'",
-            "version='7' name='test'",
-            &["'7'"],
-        ),
+        ("CLOCK.fmu", "missing.fmu", &["E101", "FMU of 'clock'", "missing.fmu"]),
+        ("version='1.0' name='test'", "version='7' name='test'", &["'7'"]),
         ("stopTime='1'", "stopTime='0'", &["E205", "from 0 s to 0 s"]),
         ("stopTime='1'", "stopTime='0.25'", &["take 0.2 s or 0.3 s"]),
         ("stopTime='1'", "stopTime='soon'", &["stopTime=\"soon\""]),
-        (
-            "<ssd:Connections>",
-            "<ssd:Connections><ssd:Wire/>",
-            &["<Wire> among connections"],
-        ),
-        (
-            "</ssd:Elements>",
-            "<ssd:System name='inner'/></ssd:Elements>",
-            &["not supported"],
-        ),
+        ("<ssd:Connections>", "<ssd:Connections><ssd:Wire/>", &["<Wire> among connections"]),
+        ("</ssd:Elements>", "<ssd:System name='inner'/></ssd:Elements>", &["not supported"]),
         (
             "endConnector='u'/>",
             "endConnector='u'><ssc:LinearTransformation factor='2'/></ssd:Connection>",
             &["not supported"],
         ),
         ("</ssd:System>", "", &["E103"]),
-        (
-            "SSP1/SystemStructureDescription'",
-            "elsewhere'",
-            &["root element"],
-        ),
+        ("SSP1/SystemStructureDescription'", "elsewhere'", &["root element"]),
     ] {
         assert!(text.contains(from), "{from}");
         assert_parts(&error_of(&text.replacen(from, to, 1), &none), parts);
@@ -115,10 +66,12 @@ fn wrong_files_are_told_with_line_and_remedy() {
 
 #[test]
 fn all_problems_are_told_at_once() {
-    let ssd = two()
-        .connect("clock.y", "gain.u")
-        .connect("gain.y", "clock.uu")
-        .add_with("gain", Model::Gain, &[("kk", 1.0), ("y", 1.0)], None);
+    let ssd = two().connect("clock.y", "gain.u").connect("gain.y", "clock.uu").add_with(
+        "gain",
+        Model::Gain,
+        &[("kk", 1.0), ("y", 1.0)],
+        None,
+    );
     let error = ssd.load(&Overrides::new()).err().unwrap();
     assert_eq!(error.problems().count(), 5, "{error}");
     assert_parts(
@@ -138,56 +91,20 @@ fn all_problems_are_told_at_once() {
 fn overrides_are_checked_like_the_file() {
     let text = two().text();
     for (overrides, parts) in [
-        (
-            Overrides::new().start_value("gain.kk", 1),
-            &["'kk'", "did you mean 'k'?"][..],
-        ),
-        (
-            Overrides::new().start_value("gian.k", 1),
-            &["no component 'gian'", "'gain'?"],
-        ),
-        (
-            Overrides::new().start_value("k", 1),
-            &["component.variable"],
-        ),
-        (
-            Overrides::new().start_value("gain.k", "much"),
-            &["'much' is not a finite Real"],
-        ),
-        (
-            Overrides::new().start_value("gain.y", 1),
-            &["causality output"],
-        ),
-        (
-            Overrides::new().start_value("gain.mode", "Fats"),
-            &["'Fast'?"],
-        ),
-        (
-            Overrides::new().step("gain", 0.0),
-            &["step of 'gain' is 0 s"],
-        ),
-        (
-            Overrides::new().step("gain", 0.1 / 3.0),
-            &["do not fit together"],
-        ),
+        (Overrides::new().start_value("gain.kk", 1), &["'kk'", "did you mean 'k'?"][..]),
+        (Overrides::new().start_value("gian.k", 1), &["no component 'gian'", "'gain'?"]),
+        (Overrides::new().start_value("k", 1), &["component.variable"]),
+        (Overrides::new().start_value("gain.k", "much"), &["'much' is not a finite Real"]),
+        (Overrides::new().start_value("gain.y", 1), &["causality output"]),
+        (Overrides::new().start_value("gain.mode", "Fats"), &["'Fast'?"]),
+        (Overrides::new().step("gain", 0.0), &["step of 'gain' is 0 s"]),
+        (Overrides::new().step("gain", 0.1 / 3.0), &["do not fit together"]),
         (Overrides::new().step("gian", 0.1), &["'gain'?"]),
         (Overrides::new().replace("gian", "x.fmu"), &["'gain'?"]),
-        (
-            Overrides::new().replace("gain", "x.fmu"),
-            &["E101", "x.fmu"],
-        ),
-        (
-            Overrides::new().output_interval(0.05),
-            &["take 0.1 s or a multiple"],
-        ),
-        (
-            Overrides::new().output_interval(-1.0),
-            &["at least one nanosecond"],
-        ),
-        (
-            Overrides::new().output_variable("gain.z*"),
-            &["matches no variable"],
-        ),
+        (Overrides::new().replace("gain", "x.fmu"), &["E101", "x.fmu"]),
+        (Overrides::new().output_interval(0.05), &["take 0.1 s or a multiple"]),
+        (Overrides::new().output_interval(-1.0), &["at least one nanosecond"]),
+        (Overrides::new().output_variable("gain.z*"), &["matches no variable"]),
         (Overrides::new().output_variable("gain.text"), &["String"]),
         (Overrides::new().stop_time(f64::NAN), &["NaN"]),
     ] {
@@ -212,14 +129,9 @@ fn overrides_take_effect() {
 
 #[test]
 fn the_unknown_is_told_and_the_odd_too() {
-    let text = two()
-        .text()
-        .replacen("<ssd:Connections>", "<ssd:Extra/><ssd:Connections>", 1);
-    let text = text.replacen(
-        "<ssd:Component name='gain'",
-        "<ssd:Component colour='red' name='gain'",
-        1,
-    );
+    let text = two().text().replacen("<ssd:Connections>", "<ssd:Extra/><ssd:Connections>", 1);
+    let text =
+        text.replacen("<ssd:Component name='gain'", "<ssd:Component colour='red' name='gain'", 1);
     let folder = tempfile::TempDir::new().unwrap();
     let file = folder.path().join("test.ssd");
     std::fs::write(&file, text).unwrap();
@@ -245,15 +157,10 @@ fn a_replacement_without_an_input_loses_the_connection_with_a_warning() {
         path
     };
     let ssd = two().add("last", Model::Gain).connect("gain.y", "last.u");
-    let system = ssd
-        .load(&Overrides::new().replace("gain", without("u")))
-        .unwrap();
+    let system = ssd.load(&Overrides::new().replace("gain", without("u"))).unwrap();
     assert_parts(&system.warnings()[0], &["clock.y -> gain.u is dropped"]);
     assert_eq!(system.connections().len(), 1);
-    let error = ssd
-        .load(&Overrides::new().replace("gain", without("y")))
-        .err()
-        .unwrap();
+    let error = ssd.load(&Overrides::new().replace("gain", without("y"))).err().unwrap();
     assert_parts(&error.to_string(), &["E206", "no output 'y'", "last.u"]);
 }
 
@@ -265,14 +172,8 @@ fn a_package_runs_like_the_file() {
     let fmu = |model: Model| std::fs::read(model.fmu()).unwrap();
     let text = ssd
         .text()
-        .replace(
-            &Model::Clock.fmu().display().to_string(),
-            "resources/clock.fmu",
-        )
-        .replace(
-            &Model::Gain.fmu().display().to_string(),
-            "resources/gain.fmu",
-        );
+        .replace(&Model::Clock.fmu().display().to_string(), "resources/clock.fmu")
+        .replace(&Model::Gain.fmu().display().to_string(), "resources/gain.fmu");
     pack(
         &file,
         &[

@@ -68,7 +68,8 @@ fn through_fmu() -> Result<f64> {
         Ok(variable.with_context(|| format!("RexROV has no {name}"))?.value_reference)
     };
     let (_, inputs) = setting();
-    let forces = (0..8).map(|i| reference(&format!("thruster[{i}].force"))).collect::<Result<Vec<_>>>()?;
+    let forces =
+        (0..8).map(|i| reference(&format!("thruster[{i}].force"))).collect::<Result<Vec<_>>>()?;
     let motion = ["x", "y", "z", "roll", "pitch", "yaw"].map(|axis| format!("pose.{axis}"));
     let motion = motion.iter().map(|name| reference(name)).collect::<Result<Vec<_>>>()?;
     let mut instance = Instance::new(fmu.clone(), "bench", false)?;

@@ -40,9 +40,7 @@ impl Campaign {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("cannot create {}", folder.display()))?;
         // Kept while the others are derived from it, so that the FMUs are unpacked and mapped once.
-        let first = cases
-            .first()
-            .context("no case to run: ask for at least one seed")?;
+        let first = cases.first().context("no case to run: ask for at least one seed")?;
         let base = System::load(system_file(), &overrides(first)?)?;
         let next = AtomicUsize::new(0);
         let finished = Mutex::new(Vec::with_capacity(cases.len()));
@@ -61,12 +59,10 @@ impl Campaign {
         };
         std::thread::scope(|scope| {
             let workers: Vec<_> = (0..threads.max(1)).map(|_| scope.spawn(work)).collect();
-            workers
-                .into_iter()
-                .try_for_each(|worker| match worker.join() {
-                    Ok(result) => result,
-                    Err(panic) => std::panic::resume_unwind(panic),
-                })
+            workers.into_iter().try_for_each(|worker| match worker.join() {
+                Ok(result) => result,
+                Err(panic) => std::panic::resume_unwind(panic),
+            })
         })?;
         let mut outcomes = finished.into_inner().unwrap_or_else(|e| e.into_inner());
         outcomes.sort_by_key(|outcome: &Outcome| outcome.case);
@@ -75,29 +71,18 @@ impl Campaign {
 
     /// The measures of all seeds of a kind of run.
     pub(crate) fn metrics(&self, of: impl Fn(&Case) -> bool) -> Vec<Metrics> {
-        self.outcomes
-            .iter()
-            .filter(|o| of(&o.case))
-            .map(|o| o.metrics)
-            .collect()
+        self.outcomes.iter().filter(|o| of(&o.case)).map(|o| o.metrics).collect()
     }
 
     /// The kept signals of a kind of run.
     pub(crate) fn trace(&self, of: impl Fn(&Case) -> bool) -> anyhow::Result<&Trace> {
-        let found = self
-            .outcomes
-            .iter()
-            .filter(|o| of(&o.case))
-            .find_map(|o| o.trace.as_ref());
+        let found = self.outcomes.iter().filter(|o| of(&o.case)).find_map(|o| o.trace.as_ref());
         found.context("no signals were kept of a run that the report shows")
     }
 
     /// The runs that did not reach the end of their course.
     pub(crate) fn unfinished(&self) -> impl Iterator<Item = &Case> {
-        self.outcomes
-            .iter()
-            .filter(|o| o.metrics.finish_time.is_nan())
-            .map(|o| &o.case)
+        self.outcomes.iter().filter(|o| o.metrics.finish_time.is_nan()).map(|o| &o.case)
     }
 }
 
@@ -115,11 +100,7 @@ fn run_case(base: &System, case: &Case, folder: &Path) -> anyhow::Result<Outcome
     let trace = Trace::of(&recording)?;
     let metrics = Metrics::of(&trace, &case.course.path()?);
     let trace = (case.seed == SHOWN_SEED).then_some(trace);
-    Ok(Outcome {
-        case: *case,
-        metrics,
-        trace,
-    })
+    Ok(Outcome { case: *case, metrics, trace })
 }
 
 /// A line on the error stream at every tenth part.

@@ -129,12 +129,7 @@ impl Case {
         for course in Course::ALL {
             for filter in Filter::ALL {
                 for fix in Fix::ALL {
-                    cases.extend((1..=seeds).map(|seed| Case {
-                        course,
-                        filter,
-                        fix,
-                        seed,
-                    }));
+                    cases.extend((1..=seeds).map(|seed| Case { course, filter, fix, seed }));
                 }
             }
         }
@@ -148,24 +143,14 @@ impl Case {
 
     /// Name of the result file.
     pub(crate) fn file_name(&self) -> String {
-        format!(
-            "{}-{}-{}.csv",
-            self.course.name(),
-            self.filter.name(),
-            self.seed
-        )
+        format!("{}-{}-{}.csv", self.course.name(), self.filter.name(), self.seed)
     }
 }
 
 impl fmt::Display for Case {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (course, filter) = (self.course.name(), self.filter.name());
-        write!(
-            f,
-            "{course}, {filter} filter, fix {} m, seed {}",
-            self.fix.sigma(),
-            self.seed
-        )
+        write!(f, "{course}, {filter} filter, fix {} m, seed {}", self.fix.sigma(), self.seed)
     }
 }
 
@@ -189,11 +174,8 @@ mod tests {
 
     #[test]
     fn files_of_the_paper_s_runs_have_their_own_names() {
-        let mut names: Vec<String> = Case::all(4)
-            .iter()
-            .filter(|c| c.is_in_paper())
-            .map(Case::file_name)
-            .collect();
+        let mut names: Vec<String> =
+            Case::all(4).iter().filter(|c| c.is_in_paper()).map(Case::file_name).collect();
         names.sort();
         names.dedup();
         assert_eq!(names.len(), 24);

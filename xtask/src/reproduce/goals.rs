@@ -37,18 +37,12 @@ impl Verdict {
 
     /// The value as text.
     pub(crate) fn value(&self) -> String {
-        format!("{:.3} {}", self.value, self.unit)
-            .trim_end()
-            .to_string()
+        format!("{:.3} {}", self.value, self.unit).trim_end().to_string()
     }
 
     /// `reached` or `not reached`.
     pub(crate) fn word(&self) -> &'static str {
-        if self.is_reached() {
-            "reached"
-        } else {
-            "NOT REACHED"
-        }
+        if self.is_reached() { "reached" } else { "NOT REACHED" }
     }
 }
 
@@ -61,11 +55,7 @@ pub(crate) fn verdicts(campaign: &Campaign) -> Vec<Verdict> {
                 campaign
                     .metrics(|c: &Case| c.is_in_paper() && c.course == course && c.filter == filter)
             };
-            of_course(
-                course.name(),
-                &runs(Filter::Dynamic),
-                &runs(Filter::Kinematic),
-            )
+            of_course(course.name(), &runs(Filter::Dynamic), &runs(Filter::Kinematic))
         })
         .collect()
 }
@@ -87,19 +77,11 @@ fn of_course(course: &str, dynamic: &[Metrics], kinematic: &[Metrics]) -> Vec<Ve
         high: f64::INFINITY,
         unit: "",
     };
-    let (y_dynamic, y_kinematic) = (
-        median(dynamic, |m| m.y_rmse),
-        median(kinematic, |m| m.y_rmse),
-    );
+    let (y_dynamic, y_kinematic) = (median(dynamic, |m| m.y_rmse), median(kinematic, |m| m.y_rmse));
     let x_kinematic = median(kinematic, |m| m.x_rmse);
     vec![
         metres("dynamic Total", median(dynamic, |m| m.total), 0.0, 0.20),
-        metres(
-            "dynamic X-Kalman",
-            median(dynamic, |m| m.x_rmse),
-            0.08,
-            0.15,
-        ),
+        metres("dynamic X-Kalman", median(dynamic, |m| m.x_rmse), 0.08, 0.15),
         metres("dynamic Y-Kalman", y_dynamic, 0.25, 0.37),
         metres("kinematic X-Kalman", x_kinematic, 0.33, 0.50),
         metres("kinematic Y-Kalman", y_kinematic, 0.95, 1.5),
@@ -113,13 +95,7 @@ mod tests {
     use super::*;
 
     fn run(total: f64, x_rmse: f64, y_rmse: f64) -> Vec<Metrics> {
-        vec![Metrics {
-            total,
-            x_rmse,
-            y_rmse,
-            y_mse: y_rmse * y_rmse,
-            finish_time: 200.0,
-        }]
+        vec![Metrics { total, x_rmse, y_rmse, y_mse: y_rmse * y_rmse, finish_time: 200.0 }]
     }
 
     #[test]
@@ -137,34 +113,19 @@ mod tests {
             missed.map(|v| v.what).collect::<Vec<_>>()
         };
         let (dynamic, kinematic) = (run(0.164, 0.11, 0.304), run(0.444, 0.423, 1.2));
-        assert_eq!(
-            missed(&run(0.21, 0.11, 0.304), &kinematic),
-            ["BE1 dynamic Total"]
-        );
-        assert_eq!(
-            missed(&run(0.1, 0.07, 0.304), &kinematic),
-            ["BE1 dynamic X-Kalman"]
-        );
-        assert_eq!(
-            missed(&run(0.1, 0.11, 0.24), &kinematic),
-            ["BE1 dynamic Y-Kalman"]
-        );
+        assert_eq!(missed(&run(0.21, 0.11, 0.304), &kinematic), ["BE1 dynamic Total"]);
+        assert_eq!(missed(&run(0.1, 0.07, 0.304), &kinematic), ["BE1 dynamic X-Kalman"]);
+        assert_eq!(missed(&run(0.1, 0.11, 0.24), &kinematic), ["BE1 dynamic Y-Kalman"]);
         let far = missed(&dynamic, &run(0.4, 0.423, 1.6));
         assert_eq!(far, ["BE1 kinematic Y-Kalman"]);
-        assert_eq!(
-            missed(&dynamic, &run(0.4, 0.48, 1.0)),
-            ["BE1 kinematic Y / X"]
-        );
+        assert_eq!(missed(&dynamic, &run(0.4, 0.48, 1.0)), ["BE1 kinematic Y / X"]);
         assert_eq!(missed(&run(0.1, 0.1, 0.37), &run(0.4, 0.33, 0.8)).len(), 2);
         assert_eq!(missed(&dynamic, &[]).len(), 4);
     }
 
     #[test]
     fn bounds_read_as_they_are_meant() {
-        let texts: Vec<String> = of_course("BE1", &[], &[])
-            .iter()
-            .map(Verdict::bounds)
-            .collect();
+        let texts: Vec<String> = of_course("BE1", &[], &[]).iter().map(Verdict::bounds).collect();
         assert_eq!(texts[0], "at most 0.2 m");
         assert_eq!(texts[1], "0.08 to 0.15 m");
         assert_eq!(texts[5], "at least 2.2");

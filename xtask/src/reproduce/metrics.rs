@@ -72,17 +72,10 @@ mod tests {
     fn trace() -> Trace {
         let n = 50;
         let x: Vec<f64> = (0..n).map(|i| f64::from(i) * 0.1).collect();
-        let alternating = (0..n)
-            .map(|i| 0.3 + if i % 2 == 0 { 0.4 } else { -0.4 })
-            .collect();
+        let alternating = (0..n).map(|i| 0.3 + if i % 2 == 0 { 0.4 } else { -0.4 }).collect();
         Trace {
             time: (0..n).map(|i| f64::from(i) * 0.1).collect(),
-            estimate: [
-                x.iter().map(|x| x - 0.1).collect(),
-                alternating,
-                vec![],
-                vec![],
-            ],
+            estimate: [x.iter().map(|x| x - 0.1).collect(), alternating, vec![], vec![]],
             truth: [x, vec![0.3; n as usize], vec![], vec![]],
             finished: true,
             ..Trace::default()
@@ -103,25 +96,13 @@ mod tests {
     #[test]
     fn a_run_that_does_not_arrive_has_no_finish_time() {
         let path = Path::parse(Path::BE1).unwrap();
-        let metrics = Metrics::of(
-            &Trace {
-                finished: false,
-                ..trace()
-            },
-            &path,
-        );
+        let metrics = Metrics::of(&Trace { finished: false, ..trace() }, &path);
         assert!(metrics.finish_time.is_nan());
     }
 
     #[test]
     fn the_spread_is_taken_over_seeds() {
-        let run = |total| Metrics {
-            total,
-            x_rmse: 0.0,
-            y_rmse: 0.0,
-            y_mse: 0.0,
-            finish_time: 1.0,
-        };
+        let run = |total| Metrics { total, x_rmse: 0.0, y_rmse: 0.0, y_mse: 0.0, finish_time: 1.0 };
         let runs: Vec<Metrics> = (0..=100).map(|i| run(f64::from(i))).collect();
         let spread = Spread::of(&runs, |m| m.total);
         assert_eq!((spread.low, spread.median, spread.high), (5.0, 50.0, 95.0));

@@ -30,7 +30,7 @@ use crate::paths;
 #[derive(clap::Args)]
 pub(crate) struct Options {
     /// Seeds of every course and filter.
-    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..))]
     seeds: u32,
     /// Runs at the same time [default: one a core].
     #[arg(long)]
@@ -39,9 +39,8 @@ pub(crate) struct Options {
 
 /// Runs the experiment; an error if a run fails or goal G1 is missed.
 pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
-    let threads = options
-        .threads
-        .unwrap_or_else(|| available_parallelism().map_or(1, NonZero::get));
+    let threads =
+        options.threads.unwrap_or_else(|| available_parallelism().map_or(1, NonZero::get));
     let folder = paths::target().join("reproduce");
     let campaign = Campaign::run(&Case::all(options.seeds), threads, &folder.join("runs"))?;
     let verdicts = verdicts(&campaign);
@@ -71,19 +70,13 @@ fn print(campaign: &Campaign, verdicts: &[Verdict]) {
 /// An error that names the goals missed and the runs that did not arrive.
 fn conclude(campaign: &Campaign, verdicts: &[Verdict]) -> anyhow::Result<()> {
     let missed = verdicts.iter().filter(|v| !v.is_reached());
-    let missed: Vec<String> = missed
-        .map(|v| format!("{} is {}, goal {}", v.what, v.value(), v.bounds()))
-        .collect();
-    let lost: Vec<String> = campaign
-        .unfinished()
-        .map(|case| format!("not finished: {case}"))
-        .collect();
+    let missed: Vec<String> =
+        missed.map(|v| format!("{} is {}, goal {}", v.what, v.value(), v.bounds())).collect();
+    let lost: Vec<String> =
+        campaign.unfinished().map(|case| format!("not finished: {case}")).collect();
     if missed.is_empty() && lost.is_empty() {
         println!("G1 reached; every run finished its course.");
         return Ok(());
     }
-    bail!(
-        "goal G1 is missed:\n  {}",
-        [missed, lost].concat().join("\n  ")
-    )
+    bail!("goal G1 is missed:\n  {}", [missed, lost].concat().join("\n  "))
 }

@@ -70,17 +70,10 @@ fn summary(campaign: &Campaign, verdicts: &[Verdict], seeds: u32) -> Vec<String>
     let unfinished = campaign.unfinished().count();
     let arrived = match unfinished {
         0 => "every run finished its course".to_string(),
-        n => format!(
-            "{n} of {} runs did not finish their course",
-            campaign.outcomes.len()
-        ),
+        n => format!("{n} of {} runs did not finish their course", campaign.outcomes.len()),
     };
     let ratios = Course::ALL.map(|course| y_ratio(campaign, course));
-    let finding = if ratios.iter().all(|r| *r > 1.0) {
-        "stands"
-    } else {
-        "does not stand"
-    };
+    let finding = if ratios.iter().all(|r| *r > 1.0) { "stands" } else { "does not stand" };
     vec![
         format!(
             "Balasubramanian, Rajput, Hascaryo, Rastogi and Norris compare two extended Kalman \
@@ -105,11 +98,7 @@ fn summary(campaign: &Campaign, verdicts: &[Verdict], seeds: u32) -> Vec<String>
 
 /// A number with its noun.
 fn count(number: u32, noun: &str) -> String {
-    if number == 1 {
-        format!("1 {noun}")
-    } else {
-        format!("{number} {noun}s")
-    }
+    if number == 1 { format!("1 {noun}") } else { format!("{number} {noun}s") }
 }
 
 /// Y-Kalman of the kinematic filter by that of the dynamic one, medians, in the paper's settings.
@@ -143,9 +132,7 @@ fn setup(campaign: &Campaign, seeds: u32) -> Section {
             .to_string(),
         format!(
             "Chosen for the levels of the paper's tables: {}.",
-            CHOSEN
-                .map(|(name, value)| format!("{name} = {value}"))
-                .join(", ")
+            CHOSEN.map(|(name, value)| format!("{name} = {value}")).join(", ")
         ),
         format!(
             "{} of each kind, {} runs. Every sensor draws from a stream of its own; both \
@@ -168,9 +155,7 @@ fn results(campaign: &Campaign) -> Section {
         "Medians over seeds and the range of 5 to 95 % of them, beside the numbers that the paper prints.",
     );
     for course in Course::ALL {
-        section
-            .blocks
-            .push(Block::Table(tables::of_course(campaign, course)));
+        section.blocks.push(Block::Table(tables::of_course(campaign, course)));
     }
     section
 }
@@ -183,9 +168,7 @@ fn goals(verdicts: &[Verdict]) -> Section {
 
 fn differences() -> Section {
     let mut section = Section::new("Where this differs from the paper, and why");
-    section
-        .blocks
-        .push(Block::List(DIFFERENCES.map(String::from).to_vec()));
+    section.blocks.push(Block::List(DIFFERENCES.map(String::from).to_vec()));
     section
 }
 
@@ -195,9 +178,7 @@ fn equal_fix(campaign: &Campaign) -> Section {
         "A fair comparison gives both filters the same sensors. What is left of the difference comes \
          from the acceleration in eqs. 44 to 47.",
     );
-    section
-        .blocks
-        .push(Block::Table(tables::equal_fix(campaign)));
+    section.blocks.push(Block::Table(tables::equal_fix(campaign)));
     section
 }
 
@@ -211,12 +192,7 @@ fn paths(figures: &Figures) -> anyhow::Result<Section> {
 
 fn signals(figures: &Figures) -> anyhow::Result<Section> {
     let mut section = Section::new("Errors, acceleration, thrust and spread");
-    for figure in [
-        &figures.spread,
-        &figures.errors,
-        &figures.acceleration,
-        &figures.thrust,
-    ] {
+    for figure in [&figures.spread, &figures.errors, &figures.acceleration, &figures.thrust] {
         section.blocks.push(figure.block()?);
     }
     Ok(section)
@@ -229,19 +205,9 @@ fn repeat() -> anyhow::Result<Section> {
          them, from the packaged FMUs:"
     ));
     let filter = Filter::Kinematic;
-    let case = Case {
-        course: Course::Be3,
-        filter,
-        fix: filter.paper_fix(),
-        seed: SHOWN_SEED,
-    };
-    section.blocks.push(Block::Code(format!(
-        "cargo xtask package\n{}",
-        settings::command(&case)?
-    )));
+    let case = Case { course: Course::Be3, filter, fix: filter.paper_fix(), seed: SHOWN_SEED };
+    section.blocks.push(Block::Code(format!("cargo xtask package\n{}", settings::command(&case)?)));
     section.text("A page with all its signals:");
-    section
-        .blocks
-        .push(Block::Code(format!("cosim report {}", case.file_name())));
+    section.blocks.push(Block::Code(format!("cosim report {}", case.file_name())));
     Ok(section)
 }

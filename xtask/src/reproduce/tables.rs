@@ -10,21 +10,9 @@ use super::paper::printed;
 
 /// One of the paper's tables, with medians over seeds and the paper's numbers.
 pub(crate) fn of_course(campaign: &Campaign, course: Course) -> Table {
-    let caption = format!(
-        "Table {}: {}, {}",
-        course.number() + 6,
-        course.name(),
-        course.description()
-    );
-    let header = [
-        "error",
-        "dynamic",
-        "5–95 %",
-        "the paper",
-        "kinematic",
-        "5–95 %",
-        "the paper",
-    ];
+    let caption =
+        format!("Table {}: {}, {}", course.number() + 6, course.name(), course.description());
+    let header = ["error", "dynamic", "5–95 %", "the paper", "kinematic", "5–95 %", "the paper"];
     let mut table = Table::new(caption, &header);
     let runs = Filter::ALL.map(|filter| {
         campaign.metrics(|c: &Case| c.is_in_paper() && c.course == course && c.filter == filter)
@@ -35,27 +23,11 @@ pub(crate) fn of_course(campaign: &Campaign, course: Course) -> Table {
         let [dynamic_paper, kinematic_paper] = paper;
         let [d, d_range] = dynamic;
         let [k, k_range] = kinematic;
-        table.push([
-            name.to_string(),
-            d,
-            d_range,
-            dynamic_paper,
-            k,
-            k_range,
-            kinematic_paper,
-        ]);
+        table.push([name.to_string(), d, d_range, dynamic_paper, k, k_range, kinematic_paper]);
     };
     row("Total (m)", |m| m.total, paper.map(|p| metres(p.total)));
-    row(
-        "X-Kalman RMSE (m)",
-        |m| m.x_rmse,
-        paper.map(|p| metres(p.x)),
-    );
-    row(
-        "Y-Kalman RMSE (m)",
-        |m| m.y_rmse,
-        paper.map(|p| metres(p.y)),
-    );
+    row("X-Kalman RMSE (m)", |m| m.x_rmse, paper.map(|p| metres(p.x)));
+    row("Y-Kalman RMSE (m)", |m| m.y_rmse, paper.map(|p| metres(p.y)));
     row("Y-Kalman MSE (m²)", |m| m.y_mse, paper.map(|p| metres(p.y)));
     let [dynamic, kinematic] = [&runs[0], &runs[1]].map(|r| finished(r));
     table.push(["finished", &dynamic, "", "", &kinematic, "", ""]);
@@ -74,10 +46,7 @@ pub(crate) fn equal_fix(campaign: &Campaign) -> Table {
         "Y",
         "Y kinematic / dynamic",
     ];
-    let mut table = Table::new(
-        "Both filters with the same position fix: medians (m)",
-        &header,
-    );
+    let mut table = Table::new("Both filters with the same position fix: medians (m)", &header);
     for course in Course::ALL {
         for fix in Fix::ALL {
             let medians = Filter::ALL.map(|filter| {
@@ -97,10 +66,7 @@ pub(crate) fn equal_fix(campaign: &Campaign) -> Table {
 
 /// The goals with their verdicts.
 pub(crate) fn goals(verdicts: &[Verdict]) -> Table {
-    let mut table = Table::new(
-        "Goal G1",
-        &["quantity (median)", "value", "goal", "verdict"],
-    );
+    let mut table = Table::new("Goal G1", &["quantity (median)", "value", "goal", "verdict"]);
     for verdict in verdicts {
         let cells = [verdict.what.clone(), verdict.value(), verdict.bounds()];
         table.push(cells.into_iter().chain([verdict.word().to_string()]));
@@ -109,10 +75,7 @@ pub(crate) fn goals(verdicts: &[Verdict]) -> Table {
 }
 
 fn cells(spread: &Spread) -> [String; 2] {
-    [
-        metres(spread.median),
-        format!("{}–{}", metres(spread.low), metres(spread.high)),
-    ]
+    [metres(spread.median), format!("{}–{}", metres(spread.low), metres(spread.high))]
 }
 
 /// Millimetres are enough.
@@ -132,30 +95,14 @@ mod tests {
 
     fn campaign() -> Campaign {
         let outcome = |case: Case| {
-            let scale = if case.filter == Filter::Dynamic {
-                0.1
-            } else {
-                0.4
-            };
+            let scale = if case.filter == Filter::Dynamic { 0.1 } else { 0.4 };
             let y_rmse = 3.0 * scale * case.fix.sigma();
             let finish_time = if case.seed == 2 { f64::NAN } else { 190.0 };
             let (total, x_rmse, y_mse) = (scale, 2.0 * scale, y_rmse * y_rmse);
-            let metrics = Metrics {
-                total,
-                x_rmse,
-                y_rmse,
-                y_mse,
-                finish_time,
-            };
-            Outcome {
-                case,
-                metrics,
-                trace: None,
-            }
+            let metrics = Metrics { total, x_rmse, y_rmse, y_mse, finish_time };
+            Outcome { case, metrics, trace: None }
         };
-        Campaign {
-            outcomes: Case::all(3).into_iter().map(outcome).collect(),
-        }
+        Campaign { outcomes: Case::all(3).into_iter().map(outcome).collect() }
     }
 
     #[test]
@@ -163,22 +110,9 @@ mod tests {
         let text = of_course(&campaign(), Course::Be2).text();
         let lines: Vec<&str> = text.lines().collect();
         assert!(lines[0].starts_with("Table 8: BE2"));
-        let cells = |line: &str| {
-            line.split("  ")
-                .map(str::trim)
-                .filter(|c| !c.is_empty())
-                .count()
-        };
-        assert!(
-            lines[3].contains("0.100") && lines[3].contains("0.166"),
-            "{}",
-            lines[3]
-        );
-        assert!(
-            lines[5].contains("3.000") && lines[5].contains("4.336"),
-            "{}",
-            lines[5]
-        );
+        let cells = |line: &str| line.split("  ").map(str::trim).filter(|c| !c.is_empty()).count();
+        assert!(lines[3].contains("0.100") && lines[3].contains("0.166"), "{}", lines[3]);
+        assert!(lines[5].contains("3.000") && lines[5].contains("4.336"), "{}", lines[5]);
         assert_eq!(cells(lines[3]), 7);
         assert!(lines[7].contains("2 of 3"));
     }

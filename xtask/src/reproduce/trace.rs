@@ -80,10 +80,7 @@ impl Trace {
         for (i, values) in thrust.iter_mut().enumerate() {
             *values = column(&format!("vehicle.thruster[{i}].thrust"))?;
         }
-        let (force, pitch) = (
-            column("imu.specific_force.x")?,
-            column("imu.attitude.pitch")?,
-        );
+        let (force, pitch) = (column("imu.specific_force.x")?, column("imu.attitude.pitch")?);
         Ok(Trace {
             time: recording.time()[..length].to_vec(),
             truth: pose("vehicle.pose")?,
@@ -99,10 +96,7 @@ impl Trace {
 
     /// Error of one axis of the estimate; headings between -pi and pi.
     pub(crate) fn error(&self, axis: usize) -> Vec<f64> {
-        let errors = self.estimate[axis]
-            .iter()
-            .zip(&self.truth[axis])
-            .map(|(e, t)| e - t);
+        let errors = self.estimate[axis].iter().zip(&self.truth[axis]).map(|(e, t)| e - t);
         match AXES[axis] {
             "yaw" => errors.map(rexrov::attitude::wrap).collect(),
             _ => errors.collect(),
@@ -113,9 +107,5 @@ impl Trace {
 /// Acceleration along the body's x axis: f = a - g, and gravity along x is -g sin(pitch).
 fn without_gravity(force: &[f64], pitch: &[f64]) -> Vec<f64> {
     let gravity = rexrov::vehicle::Parameters::default().gravity;
-    force
-        .iter()
-        .zip(pitch)
-        .map(|(f, pitch)| f - gravity * pitch.sin())
-        .collect()
+    force.iter().zip(pitch).map(|(f, pitch)| f - gravity * pitch.sin()).collect()
 }

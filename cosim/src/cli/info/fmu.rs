@@ -11,24 +11,15 @@ pub(super) fn text(fmu: &Fmu) -> String {
         lines.push(format!("  {}", description.description));
     }
     let kinds = [
-        description
-            .co_simulation
-            .is_some()
-            .then_some("co-simulation"),
+        description.co_simulation.is_some().then_some("co-simulation"),
         description.model_exchange.then_some("model exchange"),
     ];
     let kinds: Vec<&str> = kinds.into_iter().flatten().collect();
-    lines.push(format!(
-        "  FMI 2.0, {}; by {}",
-        kinds.join(" and "),
-        description.generation_tool
-    ));
+    lines.push(format!("  FMI 2.0, {}; by {}", kinds.join(" and "), description.generation_tool));
     let Experiment { start, stop, step } = description.experiment;
     let shown = |seconds: Option<f64>| seconds.map_or("-".to_owned(), |s| format!("{s} s"));
     let (start, stop, step) = (shown(start), shown(stop), shown(step));
-    lines.push(format!(
-        "  default experiment: start {start}, stop {stop}, step {step}"
-    ));
+    lines.push(format!("  default experiment: start {start}, stop {stop}, step {step}"));
     for (title, causality) in [
         ("parameters", Causality::Parameter),
         ("inputs", Causality::Input),
@@ -42,30 +33,19 @@ pub(super) fn text(fmu: &Fmu) -> String {
 }
 
 fn list(description: &Description, title: &str, causality: Causality, lines: &mut Vec<String>) {
-    let chosen: Vec<&Variable> = description
-        .variables
-        .iter()
-        .filter(|v| v.causality == causality)
-        .collect();
+    let chosen: Vec<&Variable> =
+        description.variables.iter().filter(|v| v.causality == causality).collect();
     if chosen.is_empty() {
         return;
     }
     lines.push(format!("{title} ({})", chosen.len()));
     let width = chosen.iter().map(|v| v.name.len()).max().unwrap_or(0);
     for variable in chosen {
-        let start = variable
-            .start
-            .as_ref()
-            .map_or(String::new(), |v| format!(" = {v}"));
-        let unit = variable
-            .unit
-            .as_ref()
-            .map_or(String::new(), |u| format!(" {u}"));
+        let start = variable.start.as_ref().map_or(String::new(), |v| format!(" = {v}"));
+        let unit = variable.unit.as_ref().map_or(String::new(), |u| format!(" {u}"));
         let kind = variable.kind.name();
-        let line = format!(
-            "  {:width$}  {kind}{start}{unit}  {}",
-            variable.name, variable.description
-        );
+        let line =
+            format!("  {:width$}  {kind}{start}{unit}  {}", variable.name, variable.description);
         lines.push(line.trim_end().to_owned());
     }
 }
@@ -103,10 +83,7 @@ fn variable(description: &Description, position: usize, variable: &Variable) -> 
         "unit": variable.unit,
     });
     if let Kind::Enumeration(items) = &variable.kind {
-        object["items"] = items
-            .iter()
-            .map(|(name, value)| json!([name, value]))
-            .collect();
+        object["items"] = items.iter().map(|(name, value)| json!([name, value])).collect();
     }
     if variable.causality == Causality::Input {
         object["directFeedThrough"] = description.feeds_through(position).into();

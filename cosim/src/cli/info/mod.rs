@@ -24,11 +24,7 @@ pub(crate) struct Info {
 
 impl Info {
     pub(crate) fn run(self) -> Result<()> {
-        let ends_with = |end| {
-            self.file
-                .extension()
-                .is_some_and(|e| e.eq_ignore_ascii_case(end))
-        };
+        let ends_with = |end| self.file.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
         if ends_with("ssd") || ends_with("ssp") {
             let system = System::load(&self.file, &Overrides::new())?;
             for warning in system.warnings() {

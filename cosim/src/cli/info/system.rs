@@ -14,10 +14,7 @@ fn algorithm(system: &System) -> &'static str {
 /// The model's name and its file.
 fn model(component: &Component) -> (String, String) {
     match &component.model {
-        Model::Fmu(fmu) => (
-            fmu.description().model_name.clone(),
-            fmu.path().display().to_string(),
-        ),
+        Model::Fmu(fmu) => (fmu.description().model_name.clone(), fmu.path().display().to_string()),
         Model::Signals(_) => ("signals".to_owned(), String::new()),
     }
 }
@@ -32,26 +29,17 @@ pub(super) fn text(system: &System) -> String {
         system.output_interval()
     )];
     lines.push("components in stepping order".to_owned());
-    let components = system
-        .order()
-        .sequence
-        .iter()
-        .map(|&c| &system.components()[c]);
+    let components = system.order().sequence.iter().map(|&c| &system.components()[c]);
     let width = components.clone().map(|c| c.name.len()).max().unwrap_or(0);
     for component in components {
         let (model, file) = model(component);
-        lines.push(format!(
-            "  {:width$}  {model}, step {}  {file}",
-            component.name, component.step
-        ));
+        lines
+            .push(format!("  {:width$}  {model}, step {}  {file}", component.name, component.step));
     }
     lines.push("connections (=> without delay, -> held from the step's beginning)".to_owned());
     for (connection, &fresh) in system.connections().iter().zip(&system.order().fresh) {
         let arrow = if fresh { "=>" } else { "->" };
-        let (from, to) = (
-            system.port_name(connection.from),
-            system.port_name(connection.to),
-        );
+        let (from, to) = (system.port_name(connection.from), system.port_name(connection.to));
         lines.push(format!("  {from} {arrow} {to}"));
     }
     lines.join("\n")

@@ -181,8 +181,7 @@ impl Description {
 
     /// A variable by its name.
     pub fn variable(&self, name: &str) -> Option<&Variable> {
-        self.position(name)
-            .map(|position| &self.variables[position])
+        self.position(name).map(|position| &self.variables[position])
     }
 
     /// Names of all variables, in the order of the file.
@@ -194,10 +193,7 @@ impl Description {
     /// dependencies depends on every input (FMI 2.0.5, 2.2.8).
     pub fn feeds_through(&self, input: usize) -> bool {
         self.outputs.iter().any(|output| {
-            output
-                .dependencies
-                .as_ref()
-                .is_none_or(|dependencies| dependencies.contains(&input))
+            output.dependencies.as_ref().is_none_or(|dependencies| dependencies.contains(&input))
         })
     }
 }

@@ -15,10 +15,7 @@ type Enumerations = BTreeMap<String, Vec<(String, i32)>>;
 /// Reads `file`; `shown` is its name in messages.
 pub fn read(file: &Path, shown: &Path) -> Result<Description> {
     let root = xml::read(file, shown)?;
-    let reader = Reader {
-        file: shown,
-        enumerations: enumerations(&root, shown)?,
-    };
+    let reader = Reader { file: shown, enumerations: enumerations(&root, shown)? };
     reader.description(&root)
 }
 
@@ -39,10 +36,7 @@ fn enumerations(root: &Element, file: &Path) -> Result<Enumerations> {
             let value = item.parse("value", file, Code::Description)?.unwrap_or(0);
             items.push((name, value));
         }
-        found.insert(
-            simple.require("name", file, Code::Description)?.to_owned(),
-            items,
-        );
+        found.insert(simple.require("name", file, Code::Description)?.to_owned(), items);
     }
     Ok(found)
 }
@@ -71,15 +65,10 @@ impl Reader<'_> {
         let text = |name| root.get(name).unwrap_or_default().to_owned();
         Ok(Description {
             model_name: text("modelName"),
-            guid: root
-                .require("guid", self.file, Code::Description)?
-                .to_owned(),
+            guid: root.require("guid", self.file, Code::Description)?.to_owned(),
             description: text("description"),
             generation_tool: text("generationTool"),
-            co_simulation: root
-                .child("CoSimulation")
-                .map(|e| self.co_simulation(e))
-                .transpose()?,
+            co_simulation: root.child("CoSimulation").map(|e| self.co_simulation(e)).transpose()?,
             model_exchange: root.child("ModelExchange").is_some(),
             experiment: self.experiment(root)?,
             outputs: self.outputs(root, &variables)?,
@@ -115,16 +104,11 @@ impl Reader<'_> {
     }
 
     fn variables(&self, root: &Element) -> Result<Vec<Variable>> {
-        root.grandchildren("ModelVariables")
-            .iter()
-            .map(|e| self.variable(e))
-            .collect()
+        root.grandchildren("ModelVariables").iter().map(|e| self.variable(e)).collect()
     }
 
     fn variable(&self, element: &Element) -> Result<Variable> {
-        let name = element
-            .require("name", self.file, Code::Description)?
-            .to_owned();
+        let name = element.require("name", self.file, Code::Description)?.to_owned();
         let typed = element
             .children
             .iter()
@@ -134,13 +118,13 @@ impl Reader<'_> {
         let value_reference = element
             .parse("valueReference", self.file, Code::Description)?
             .ok_or_else(|| self.wrong(element, format!("'{name}' has no valueReference")))?;
-        let start = match typed.get("start") {
-            None => None,
-            Some(text) => Some(Value::parse(text, &kind).map_err(|e| {
-                self.wrong(typed, format!("the start value of '{name}'"))
-                    .why(e.0)
-            })?),
-        };
+        let start =
+            match typed.get("start") {
+                None => None,
+                Some(text) => Some(Value::parse(text, &kind).map_err(|e| {
+                    self.wrong(typed, format!("the start value of '{name}'")).why(e.0)
+                })?),
+            };
         let causality = self.causality(element)?;
         let variability = self.variability(element, &kind)?;
         let exact = match element.get("initial") {
@@ -225,10 +209,7 @@ impl Reader<'_> {
         for (variable, declared) in variables.iter().enumerate() {
             let listed = outputs.iter().any(|o| o.variable == variable);
             if declared.causality == Causality::Output && !listed {
-                outputs.push(Output {
-                    variable,
-                    dependencies: None,
-                });
+                outputs.push(Output { variable, dependencies: None });
             }
         }
         Ok(outputs)
@@ -239,10 +220,7 @@ impl Reader<'_> {
             Ok(index) if (1..=variables.len()).contains(&index) => Ok(index - 1),
             _ => Err(self
                 .wrong(element, format!("the index '{index}' names no variable"))
-                .why(format!(
-                    "there are {} variables, counted from 1",
-                    variables.len()
-                ))),
+                .why(format!("there are {} variables, counted from 1", variables.len()))),
         }
     }
 

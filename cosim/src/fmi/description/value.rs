@@ -30,10 +30,9 @@ impl Value {
                 Ok(number) if number.is_finite() => Ok(Value::Real(number)),
                 _ => Err(wrong("a finite Real")),
             },
-            Kind::Integer => trimmed
-                .parse()
-                .map(Value::Integer)
-                .map_err(|_| wrong("an Integer of 32 bits")),
+            Kind::Integer => {
+                trimmed.parse().map(Value::Integer).map_err(|_| wrong("an Integer of 32 bits"))
+            }
             Kind::Boolean => match trimmed {
                 "true" | "1" => Ok(Value::Boolean(true)),
                 "false" | "0" => Ok(Value::Boolean(false)),
@@ -47,18 +46,13 @@ impl Value {
 
 fn enumeration(text: &str, items: &[(String, i32)]) -> Result<Value, ValueError> {
     let number = text.parse::<i32>().ok();
-    let found = items
-        .iter()
-        .find(|(name, value)| name == text || Some(*value) == number);
+    let found = items.iter().find(|(name, value)| name == text || Some(*value) == number);
     if let Some((_, value)) = found {
         return Ok(Value::Integer(*value));
     }
     let names: Vec<&str> = items.iter().map(|(name, _)| name.as_str()).collect();
     let hint = names::did_you_mean(text, names.iter().copied()).unwrap_or_default();
-    Err(ValueError(format!(
-        "'{text}' is none of {}; {hint}",
-        names.join(", ")
-    )))
+    Err(ValueError(format!("'{text}' is none of {}; {hint}", names.join(", "))))
 }
 
 impl fmt::Display for Value {
@@ -81,19 +75,11 @@ mod tests {
         let modes = Kind::Enumeration(vec![("Force".into(), 1), ("Speed".into(), 5)]);
         assert_eq!(Value::parse("Speed", &modes).unwrap(), Value::Integer(5));
         assert_eq!(Value::parse("5", &modes).unwrap(), Value::Integer(5));
-        assert!(
-            Value::parse("Forse", &modes)
-                .unwrap_err()
-                .0
-                .contains("'Force'")
-        );
+        assert!(Value::parse("Forse", &modes).unwrap_err().0.contains("'Force'"));
         assert!(Value::parse("2", &modes).is_err());
         assert!(Value::parse("1e400", &Kind::Real).is_err());
         assert!(Value::parse("nan", &Kind::Real).is_err());
         assert!(Value::parse("3000000000", &Kind::Integer).is_err());
-        assert_eq!(
-            Value::parse(" a ", &Kind::String).unwrap(),
-            Value::String(" a ".into())
-        );
+        assert_eq!(Value::parse(" a ", &Kind::String).unwrap(), Value::String(" a ".into()));
     }
 }

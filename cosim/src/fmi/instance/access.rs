@@ -26,14 +26,7 @@ impl Instance {
         self.check("fmi2GetReal", READABLE, references.len(), values.len())?;
         self.call("fmi2GetReal", |f, c| {
             // SAFETY: `c` is alive; both arrays have that length.
-            unsafe {
-                (f.get_real)(
-                    c,
-                    references.as_ptr(),
-                    references.len(),
-                    values.as_mut_ptr(),
-                )
-            }
+            unsafe { (f.get_real)(c, references.as_ptr(), references.len(), values.as_mut_ptr()) }
         })
     }
 
@@ -52,12 +45,7 @@ impl Instance {
         self.call("fmi2GetInteger", |f, c| {
             // SAFETY: `c` is alive; both arrays have that length.
             unsafe {
-                (f.get_integer)(
-                    c,
-                    references.as_ptr(),
-                    references.len(),
-                    values.as_mut_ptr(),
-                )
+                (f.get_integer)(c, references.as_ptr(), references.len(), values.as_mut_ptr())
             }
         })
     }
@@ -77,12 +65,7 @@ impl Instance {
         self.call("fmi2GetBoolean", |f, c| {
             // SAFETY: `c` is alive; both arrays have that length.
             unsafe {
-                (f.get_boolean)(
-                    c,
-                    references.as_ptr(),
-                    references.len(),
-                    values.as_mut_ptr(),
-                )
+                (f.get_boolean)(c, references.as_ptr(), references.len(), values.as_mut_ptr())
             }
         })
     }
@@ -91,11 +74,7 @@ impl Instance {
     pub fn set_string(&mut self, reference: u32, value: &str) -> Result<()> {
         self.check("fmi2SetString", WRITABLE, 1, 1)?;
         let text = CString::new(value).map_err(|e| {
-            Error::new(
-                Code::Parameter,
-                format!("a String of '{}' contains NUL", self.name),
-            )
-            .why(e)
+            Error::new(Code::Parameter, format!("a String of '{}' contains NUL", self.name)).why(e)
         })?;
         let pointer: *const c_char = text.as_ptr();
         self.call("fmi2SetString", |f, c| {

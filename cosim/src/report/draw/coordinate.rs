@@ -24,12 +24,7 @@ impl Coordinate {
             0 => Ticks::new(low, high, (length / spacing).round().max(2.0) as usize),
             count => Ticks::new(0.0, (count - 1) as f64, (count - 1).max(1)),
         };
-        Coordinate {
-            low,
-            high,
-            axis: axis.clone(),
-            ticks,
-        }
+        Coordinate { low, high, axis: axis.clone(), ticks }
     }
 }
 
@@ -46,11 +41,7 @@ impl Ranged for Coordinate {
 
     fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
         // The library asks twice: for light lines, of which there are none, and for ticks.
-        if hint.weight().allow_light_points() {
-            Vec::new()
-        } else {
-            self.ticks.places.clone()
-        }
+        if hint.weight().allow_light_points() { Vec::new() } else { self.ticks.places.clone() }
     }
 
     fn range(&self) -> Range<f64> {

@@ -25,10 +25,7 @@ pub(super) fn draw(sheet: &Sheet, panel: &Panel, cell: &Cell) -> Drawn {
     let x_axis = if cell.x_labelled { X_AXIS } else { 0.0 };
     let area = sheet.clone().shrink(
         (units(cell.data.x - Y_AXIS + EDGE), units(cell.data.y)),
-        (
-            units(cell.data.width + Y_AXIS - EDGE),
-            units(cell.data.height + x_axis),
-        ),
+        (units(cell.data.width + Y_AXIS - EDGE), units(cell.data.height + x_axis)),
     );
     title(sheet, panel, cell)?;
     let mut chart = ChartBuilder::on(&area)
@@ -50,19 +47,12 @@ pub(super) fn draw(sheet: &Sheet, panel: &Panel, cell: &Cell) -> Drawn {
         .x_desc(panel.x.label.clone())
         .y_desc(panel.y.label.clone())
         .draw()?;
-    panel
-        .series
-        .iter()
-        .try_for_each(|series| shapes::draw(&mut chart, series, cell))
+    panel.series.iter().try_for_each(|series| shapes::draw(&mut chart, series, cell))
 }
 
 fn title(sheet: &Sheet, panel: &Panel, cell: &Cell) -> Drawn {
     let style = TextStyle::from(font(12.5).style(FontStyle::Bold))
         .color(&INK)
         .pos(Pos::new(HPos::Left, VPos::Bottom));
-    sheet.draw_text(
-        &panel.title,
-        &style,
-        (units(cell.data.x), units(cell.data.y - 3.0)),
-    )
+    sheet.draw_text(&panel.title, &style, (units(cell.data.x), units(cell.data.y - 3.0)))
 }

@@ -18,9 +18,9 @@ pub(super) fn draw(chart: &mut Chart, series: &Series, cell: &Cell) -> Drawn {
         Shape::Steps(points) => lines(chart, &stairs(points), series.role, cell),
         Shape::Band(points) => bands(chart, points, series.role, cell),
         Shape::Marks(points) => marks(chart, points, series.role),
-        Shape::Boxes(boxes) => boxes
-            .iter()
-            .try_for_each(|(x, sample)| one_box(chart, *x, sample, series.role, cell)),
+        Shape::Boxes(boxes) => {
+            boxes.iter().try_for_each(|(x, sample)| one_box(chart, *x, sample, series.role, cell))
+        }
     }
 }
 
@@ -30,10 +30,7 @@ fn is_finite(point: &(f64, f64)) -> bool {
 
 /// Size of a pixel in data units.
 fn pixel(cell: &Cell) -> (f64, f64) {
-    (
-        (cell.x.1 - cell.x.0) / cell.data.width,
-        (cell.y.1 - cell.y.0) / cell.data.height,
-    )
+    ((cell.x.1 - cell.x.0) / cell.data.width, (cell.y.1 - cell.y.0) / cell.data.height)
 }
 
 fn lines(chart: &mut Chart, points: &[(f64, f64)], role: Role, cell: &Cell) -> Drawn {
@@ -42,11 +39,7 @@ fn lines(chart: &mut Chart, points: &[(f64, f64)], role: Role, cell: &Cell) -> D
     for run in finite_runs(points, is_finite) {
         let thinned = decimate(&run, pixel(cell)).into_iter();
         let drawn = thinned.map(|p| area.map_coordinate(&p));
-        stroke(
-            &sheet,
-            drawn.map(|p| (p.0 - corner.0, p.1 - corner.1)).collect(),
-            role,
-        )?;
+        stroke(&sheet, drawn.map(|p| (p.0 - corner.0, p.1 - corner.1)).collect(), role)?;
     }
     Ok(())
 }
@@ -59,9 +52,7 @@ pub(super) fn stroke(sheet: &Sheet, points: Vec<(i32, i32)>, role: Role) -> Draw
         Some((dash, gap)) => {
             let (dash, gap) = (units(dash) as u32, units(gap) as u32);
             let series = DashedLineSeries::new(points, dash, gap, style);
-            series
-                .into_iter()
-                .try_for_each(|element| sheet.draw(&element))
+            series.into_iter().try_for_each(|element| sheet.draw(&element))
         }
     }
 }
@@ -84,9 +75,7 @@ fn bands(chart: &mut Chart, points: &[(f64, f64, f64)], role: Role, cell: &Cell)
         let upper: Vec<_> = run.iter().map(|p| (p.0, p.2)).collect();
         let mut outline = decimate(&lower, pixel(cell));
         outline.extend(decimate(&upper, pixel(cell)).into_iter().rev());
-        chart
-            .plotting_area()
-            .draw(&Polygon::new(outline, fill(role)))?;
+        chart.plotting_area().draw(&Polygon::new(outline, fill(role)))?;
     }
     Ok(())
 }
@@ -121,27 +110,12 @@ fn one_box(chart: &mut Chart, x: f64, sample: &[f64], role: Role, cell: &Cell) -
     area.draw(&Rectangle::new(corners, fill(role)))?;
     // As a path: the library writes the outline of a rectangle without its width.
     let [(left, top), (right, bottom)] = corners;
-    let outline = vec![
-        (left, top),
-        (right, top),
-        (right, bottom),
-        (left, bottom),
-        (left, top),
-    ];
+    let outline = vec![(left, top), (right, top), (right, bottom), (left, bottom), (left, top)];
     area.draw(&PathElement::new(outline, line))?;
-    path(
-        [(x - half, at(0.5)), (x + half, at(0.5))],
-        line.stroke_width(units(2.5) as u32),
-    )?;
+    path([(x - half, at(0.5)), (x + half, at(0.5))], line.stroke_width(units(2.5) as u32))?;
     for (box_end, whisker_end) in [(0.25, 0.05), (0.75, 0.95)] {
         path([(x, at(box_end)), (x, at(whisker_end))], line)?;
-        path(
-            [
-                (x - half / 2.0, at(whisker_end)),
-                (x + half / 2.0, at(whisker_end)),
-            ],
-            line,
-        )?;
+        path([(x - half / 2.0, at(whisker_end)), (x + half / 2.0, at(whisker_end))], line)?;
     }
     Ok(())
 }

@@ -11,11 +11,7 @@ pub(in crate::system) fn columns(names: &Names, patterns: &[String]) -> Result<V
     let mut columns: Vec<Column> = Vec::new();
     let mut add = |name: String, port, kind: &Kind| {
         if !columns.iter().any(|c: &Column| c.port == port) {
-            columns.push(Column {
-                name,
-                port,
-                kind: kind.clone(),
-            });
+            columns.push(Column { name, port, kind: kind.clone() });
         }
     };
     if patterns.is_empty() {
@@ -46,10 +42,8 @@ fn by_name(
         return Ok(());
     };
     if variable.kind == Kind::String {
-        return Err(
-            Error::new(Code::UnknownName, format!("'{name}' cannot be recorded"))
-                .why("it is a String, and results are numbers"),
-        );
+        return Err(Error::new(Code::UnknownName, format!("'{name}' cannot be recorded"))
+            .why("it is a String, and results are numbers"));
     }
     add(name.to_owned(), port, &variable.kind);
     Ok(())
@@ -70,10 +64,7 @@ fn by_pattern(
     if found || names.incomplete() {
         return Ok(());
     }
-    Err(Error::new(
-        Code::UnknownName,
-        format!("the pattern '{pattern}' matches no variable"),
-    )
-    .why("* stands for any text, ? for one character")
-    .help("list the variables by: cosim info FILE"))
+    Err(Error::new(Code::UnknownName, format!("the pattern '{pattern}' matches no variable"))
+        .why("* stands for any text, ? for one character")
+        .help("list the variables by: cosim info FILE"))
 }

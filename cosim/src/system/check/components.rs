@@ -23,9 +23,7 @@ pub(super) fn open(raw: &RawSystem, overrides: &Overrides, findings: &mut Findin
     let known = || raw.components.iter().map(|c| c.name.as_str());
     for (name, _) in &overrides.replacements {
         if !known().any(|n| n == name) {
-            findings
-                .problems
-                .push(unknown_component(name, known()).at(&raw.file));
+            findings.problems.push(unknown_component(name, known()).at(&raw.file));
         }
     }
     if raw.components.is_empty() {
@@ -39,9 +37,7 @@ pub(super) fn open(raw: &RawSystem, overrides: &Overrides, findings: &mut Findin
     for component in &raw.components {
         if opened.iter().any(|o| o.name == component.name) {
             let what = format!("two components are named '{}'", component.name);
-            findings
-                .problems
-                .push(Error::new(Code::Ssd, what).at_line(&raw.file, component.line));
+            findings.problems.push(Error::new(Code::Ssd, what).at_line(&raw.file, component.line));
         }
         opened.push(open_one(raw, component, overrides, findings));
     }
@@ -76,9 +72,8 @@ fn open_one(
             findings.note(checked);
         }
     }
-    if let Some(tool) = fmu
-        .as_ref()
-        .filter(|f| f.co_simulation().is_ok_and(|c| c.needs_execution_tool))
+    if let Some(tool) =
+        fmu.as_ref().filter(|f| f.co_simulation().is_ok_and(|c| c.needs_execution_tool))
     {
         findings.warnings.push(format!(
             "'{}' needs its tool installed ({})",
@@ -86,11 +81,7 @@ fn open_one(
             tool.description().generation_tool
         ));
     }
-    Opened {
-        name: component.name.clone(),
-        fmu,
-        replaced: replacement.is_some(),
-    }
+    Opened { name: component.name.clone(), fmu, replaced: replacement.is_some() }
 }
 
 fn named_in(error: Error, raw: &RawSystem, component: &RawComponent) -> Error {
@@ -100,10 +91,7 @@ fn named_in(error: Error, raw: &RawSystem, component: &RawComponent) -> Error {
     let what = format!("the FMU of '{}' cannot be opened", component.name);
     Error::new(Code::File, what)
         .at_line(&raw.file, component.line)
-        .why(format!(
-            "there is no readable file {}",
-            component.source.display()
-        ))
+        .why(format!("there is no readable file {}", component.source.display()))
         .help("build or copy it there, or correct the source; it is relative to the system's file")
 }
 
@@ -127,28 +115,16 @@ fn check_connector(
     };
     if connector.kind != causality {
         let (name, kind) = (&connector.name, &connector.kind);
-        return Err(wrong(format!(
-            "'{}.{name}' is listed as kind=\"{kind}\"",
-            component.name
-        ))
-        .why(format!(
-            "in the FMU it is of the causality {}",
-            variable.causality.name()
-        ))
-        .help(format!("write kind=\"{causality}\"")));
+        return Err(wrong(format!("'{}.{name}' is listed as kind=\"{kind}\"", component.name))
+            .why(format!("in the FMU it is of the causality {}", variable.causality.name()))
+            .help(format!("write kind=\"{causality}\"")));
     }
     match &connector.kind_of_value {
         Some(kind) if !same_kind(kind, &variable.kind) => {
             let name = &connector.name;
-            Err(wrong(format!(
-                "'{}.{name}' is listed as <ssc:{kind}/>",
-                component.name
-            ))
-            .why(format!(
-                "in the FMU it is of the type {}",
-                variable.kind.name()
-            ))
-            .help(format!("write <ssc:{}/>", variable.kind.name())))
+            Err(wrong(format!("'{}.{name}' is listed as <ssc:{kind}/>", component.name))
+                .why(format!("in the FMU it is of the type {}", variable.kind.name()))
+                .help(format!("write <ssc:{}/>", variable.kind.name())))
         }
         _ => Ok(()),
     }
@@ -168,9 +144,7 @@ fn once_per_process(opened: &[Opened], findings: &mut Findings) {
             .find(|o| o.fmu.as_ref().is_some_and(|other| Arc::ptr_eq(other, fmu)));
         if let (true, Some(twin)) = (once, twin) {
             let what = format!("'{}' and '{}' share one FMU", twin.name, component.name);
-            findings
-                .problems
-                .push(Error::new(Code::Ssd, what).at(fmu.path()).why(
+            findings.problems.push(Error::new(Code::Ssd, what).at(fmu.path()).why(
                 "it declares canBeInstantiatedOnlyOncePerProcess: only one component may use it",
             ));
         }
@@ -180,15 +154,12 @@ fn once_per_process(opened: &[Opened], findings: &mut Findings) {
 /// A variable of a component, or the error that names the nearest.
 pub(super) fn variable<'f>(component: &str, fmu: &'f Fmu, name: &str) -> Result<&'f Variable> {
     fmu.description().variable(name).ok_or_else(|| {
-        Error::new(
-            Code::UnknownName,
-            format!("'{component}' has no variable '{name}'"),
-        )
-        .at(fmu.path())
-        .help(
-            names::did_you_mean(name, fmu.description().names())
-                .unwrap_or_else(|| "list its variables by: cosim info FILE.fmu".to_owned()),
-        )
+        Error::new(Code::UnknownName, format!("'{component}' has no variable '{name}'"))
+            .at(fmu.path())
+            .help(
+                names::did_you_mean(name, fmu.description().names())
+                    .unwrap_or_else(|| "list its variables by: cosim info FILE.fmu".to_owned()),
+            )
     })
 }
 

@@ -15,11 +15,7 @@ pub(super) fn check(
 ) -> Vec<Connection> {
     let mut connections: Vec<(Connection, usize)> = Vec::new();
     for connection in &raw.connections {
-        let checker = Checker {
-            raw,
-            opened,
-            connection,
-        };
+        let checker = Checker { raw, opened, connection };
         let found = checker.check(&mut findings.warnings);
         let Some(found) = findings.note(found).flatten() else {
             continue;
@@ -29,10 +25,7 @@ pub(super) fn check(
             Some((_, first)) => findings.problems.push(checker.two_drivers(*first)),
         }
     }
-    connections
-        .into_iter()
-        .map(|(connection, _)| connection)
-        .collect()
+    connections.into_iter().map(|(connection, _)| connection).collect()
 }
 
 struct Checker<'a> {
@@ -77,10 +70,7 @@ impl<'a> Checker<'a> {
         self.causality(&end, &to.0, Causality::Input, "endElement")?;
         self.kinds(&start, &end)?;
         self.units(&start, &end, warnings);
-        Ok(Some(Connection {
-            from: start.port,
-            to: end.port,
-        }))
+        Ok(Some(Connection { from: start.port, to: end.port }))
     }
 
     /// The component of an end; its connector must be listed, as SSP demands.
@@ -90,12 +80,7 @@ impl<'a> Checker<'a> {
         kind: &str,
     ) -> Result<Option<(usize, &'a Fmu)>> {
         let names = self.raw.components.iter().map(|c| c.name.as_str());
-        let Some(position) = self
-            .raw
-            .components
-            .iter()
-            .position(|c| c.name == *component)
-        else {
+        let Some(position) = self.raw.components.iter().position(|c| c.name == *component) else {
             return Err(self.place(unknown_component(component, names)));
         };
         let listed = &self.raw.components[position];
@@ -107,10 +92,7 @@ impl<'a> Checker<'a> {
         let connectors = listed.connectors.iter().map(|c| c.name.as_str());
         let error = match exists {
             Some(variable) => self
-                .wrong(
-                    Code::Connection,
-                    format!("'{component}' lists no connector '{connector}'"),
-                )
+                .wrong(Code::Connection, format!("'{component}' lists no connector '{connector}'"))
                 .why("SSP connects only connectors that the component lists")
                 .help(format!(
                     "add to <ssd:Connectors> of '{component}': \
@@ -132,10 +114,7 @@ impl<'a> Checker<'a> {
         let Some(position) = fmu.description().position(name) else {
             if opened.replaced {
                 return Err(self
-                    .wrong(
-                        Code::Replacement,
-                        format!("'{}' has no output '{name}'", opened.name),
-                    )
+                    .wrong(Code::Replacement, format!("'{}' has no output '{name}'", opened.name))
                     .why(format!(
                         "{} was put in its place, and the connection to {}.{} needs it",
                         fmu.path().display(),
@@ -149,14 +128,8 @@ impl<'a> Checker<'a> {
                 Error::new(Code::UnknownName, format!("'{name}' is unknown"))
             })));
         };
-        let port = Port {
-            component,
-            variable: position,
-        };
-        Ok(End {
-            port,
-            variable: &fmu.description().variables[position],
-        })
+        let port = Port { component, variable: position };
+        Ok(End { port, variable: &fmu.description().variables[position] })
     }
 
     fn causality(
@@ -171,10 +144,7 @@ impl<'a> Checker<'a> {
         }
         let (name, causality) = (&end.variable.name, end.variable.causality.name());
         Err(self
-            .wrong(
-                Code::Connection,
-                format!("'{component}.{name}' is no {}", wanted.name()),
-            )
+            .wrong(Code::Connection, format!("'{component}.{name}' is no {}", wanted.name()))
             .why(format!("its causality is {causality}"))
             .help(format!(
                 "a connection goes from an output to an input: {attribute} must name an {}",
@@ -191,10 +161,7 @@ impl<'a> Checker<'a> {
         }
         let (from, to) = (&self.connection.from, &self.connection.to);
         Err(self
-            .wrong(
-                Code::Connection,
-                format!("{}.{} -> {}.{}", from.0, from.1, to.0, to.1),
-            )
+            .wrong(Code::Connection, format!("{}.{} -> {}.{}", from.0, from.1, to.0, to.1))
             .why(format!("it joins {} and {}", start.name(), end.name()))
             .help("Real joins Real, Integer and Enumeration each other, Boolean Boolean"))
     }
@@ -220,12 +187,9 @@ impl<'a> Checker<'a> {
 
     fn two_drivers(&self, first: usize) -> Error {
         let (component, name) = &self.connection.to;
-        self.wrong(
-            Code::Connection,
-            format!("the input '{component}.{name}' has two drivers"),
-        )
-        .why(format!("the connection on line {first} drives it already"))
-        .help("remove one of the two")
+        self.wrong(Code::Connection, format!("the input '{component}.{name}' has two drivers"))
+            .why(format!("the connection on line {first} drives it already"))
+            .help("remove one of the two")
     }
 
     fn wrong(&self, code: Code, what: String) -> Error {

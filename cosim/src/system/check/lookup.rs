@@ -29,23 +29,13 @@ impl Names {
             component,
             fmu: opened.fmu.clone(),
         });
-        Self {
-            targets: targets.collect(),
-            incomplete: opened.iter().any(|o| o.fmu.is_none()),
-        }
+        Self { targets: targets.collect(), incomplete: opened.iter().any(|o| o.fmu.is_none()) }
     }
 
     /// Names of one FMU without a prefix.
     pub(in crate::system) fn single(fmu: &Arc<Fmu>) -> Self {
-        let target = Target {
-            prefix: String::new(),
-            component: 0,
-            fmu: Some(fmu.clone()),
-        };
-        Self {
-            targets: vec![target],
-            incomplete: false,
-        }
+        let target = Target { prefix: String::new(), component: 0, fmu: Some(fmu.clone()) };
+        Self { targets: vec![target], incomplete: false }
     }
 
     /// A port and its variable by the full name; `None` when its component could not be opened.
@@ -69,13 +59,7 @@ impl Names {
         };
         let found = variable(owner, fmu, rest)?;
         let position = fmu.description().position(rest).unwrap_or_default();
-        Ok(Some((
-            Port {
-                component: target.component,
-                variable: position,
-            },
-            found,
-        )))
+        Ok(Some((Port { component: target.component, variable: position }, found)))
     }
 
     fn unknown(&self, name: &str) -> Error {
@@ -92,20 +76,10 @@ impl Names {
     /// Every variable with its full name, component by component.
     pub(in crate::system) fn all(&self) -> impl Iterator<Item = (String, Port, &Variable)> {
         self.targets.iter().flat_map(|target| {
-            let variables = target
-                .fmu
-                .iter()
-                .flat_map(|fmu| &fmu.description().variables);
+            let variables = target.fmu.iter().flat_map(|fmu| &fmu.description().variables);
             variables.enumerate().map(|(position, variable)| {
-                let port = Port {
-                    component: target.component,
-                    variable: position,
-                };
-                (
-                    format!("{}{}", target.prefix, variable.name),
-                    port,
-                    variable,
-                )
+                let port = Port { component: target.component, variable: position };
+                (format!("{}{}", target.prefix, variable.name), port, variable)
             })
         })
     }

@@ -34,10 +34,7 @@ impl Findings {
 
 /// Applies the overrides and checks everything.
 pub(super) fn check(raw: Arc<RawSystem>, overrides: &Overrides) -> Result<System> {
-    let mut findings = Findings {
-        problems: Vec::new(),
-        warnings: raw.warnings.clone(),
-    };
+    let mut findings = Findings { problems: Vec::new(), warnings: raw.warnings.clone() };
     let opened = components::open(&raw, overrides, &mut findings);
     let connections = connections::check(&raw, &opened, &mut findings);
     let names = Names::of(&opened);
@@ -54,18 +51,10 @@ pub(super) fn check(raw: Arc<RawSystem>, overrides: &Overrides) -> Result<System
         .zip(start_values)
         .filter_map(|((opened, step), start_values)| {
             let model = Model::Fmu(opened.fmu?);
-            Some(Component {
-                name: opened.name,
-                model,
-                step,
-                start_values,
-            })
+            Some(Component { name: opened.name, model, step, start_values })
         })
         .collect();
-    let algorithm = overrides
-        .algorithm
-        .or(raw.master.algorithm)
-        .unwrap_or_default();
+    let algorithm = overrides.algorithm.or(raw.master.algorithm).unwrap_or_default();
     let mut system = System {
         name: raw.name.clone(),
         raw: Some(raw),
@@ -80,12 +69,7 @@ pub(super) fn check(raw: Arc<RawSystem>, overrides: &Overrides) -> Result<System
         debug_logging: overrides.debug_logging,
         warnings: findings.warnings,
     };
-    let loops: Vec<String> = system
-        .order
-        .loops
-        .iter()
-        .map(|l| told(&system, l))
-        .collect();
+    let loops: Vec<String> = system.order.loops.iter().map(|l| told(&system, l)).collect();
     system.warnings.extend(loops);
     Ok(system)
 }
@@ -97,10 +81,7 @@ fn told(system: &System, found: &Loop) -> String {
     let mut pairs: Vec<(usize, usize, String, usize)> = Vec::new();
     for connection in found.held.iter().map(|&c| &system.connections[c]) {
         let (from, to) = (connection.from, connection.to);
-        match pairs
-            .iter_mut()
-            .find(|p| (p.0, p.1) == (from.component, to.component))
-        {
+        match pairs.iter_mut().find(|p| (p.0, p.1) == (from.component, to.component)) {
             Some(pair) => pair.3 += 1,
             None => {
                 let first = format!("{} -> {}", system.port_name(from), system.port_name(to));

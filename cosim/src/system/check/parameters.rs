@@ -18,10 +18,7 @@ pub(super) fn check(
     let mut values: Vec<Vec<(usize, Value)>> = vec![Vec::new(); opened.len()];
     let system = raw.parameters.iter().map(|p| (p.name.clone(), p));
     let own = raw.components.iter().flat_map(|component| {
-        component
-            .parameters
-            .iter()
-            .map(|p| (format!("{}.{}", component.name, p.name), p))
+        component.parameters.iter().map(|p| (format!("{}.{}", component.name, p.name), p))
     });
     for (name, parameter) in system.chain(own) {
         match of_file(&name, parameter, names) {
@@ -54,22 +51,16 @@ pub(super) fn check(
 fn keep(values: &mut [Vec<(usize, Value)>], found: Option<(Port, Value)>) {
     let Some((port, value)) = found else { return };
     let list = &mut values[port.component];
-    match list
-        .iter_mut()
-        .find(|(variable, _)| *variable == port.variable)
-    {
+    match list.iter_mut().find(|(variable, _)| *variable == port.variable) {
         Some(earlier) => earlier.1 = value,
         None => list.push((port.variable, value)),
     }
 }
 
 fn replaced(opened: &[Opened], name: &str) -> bool {
-    opened.iter().any(|o| {
-        o.replaced
-            && name
-                .strip_prefix(&o.name)
-                .is_some_and(|rest| rest.starts_with('.'))
-    })
+    opened
+        .iter()
+        .any(|o| o.replaced && name.strip_prefix(&o.name).is_some_and(|rest| rest.starts_with('.')))
 }
 
 fn of_file(name: &str, parameter: &RawParameter, names: &Names) -> Result<Option<(Port, Value)>> {
@@ -78,22 +69,13 @@ fn of_file(name: &str, parameter: &RawParameter, names: &Names) -> Result<Option
         return Ok(None);
     };
     let fits = same_kind(&parameter.kind, &variable.kind)
-        || matches!(
-            (parameter.kind.as_str(), variable.kind.name()),
-            ("Integer", "Real")
-        );
+        || matches!((parameter.kind.as_str(), variable.kind.name()), ("Integer", "Real"));
     if !fits {
         let what = format!("the value of '{name}' is given as <ssv:{}>", parameter.kind);
         return Err(place(
             Error::new(Code::Parameter, what)
-                .why(format!(
-                    "the variable is of the type {}",
-                    variable.kind.name()
-                ))
-                .help(format!(
-                    "write <ssv:{} value=\"...\"/>",
-                    variable.kind.name()
-                )),
+                .why(format!("the variable is of the type {}", variable.kind.name()))
+                .help(format!("write <ssv:{} value=\"...\"/>", variable.kind.name())),
         ));
     }
     start_value(names, name, &parameter.value).map_err(place)
@@ -118,20 +100,14 @@ pub(in crate::system) fn start_value(
 }
 
 fn not_settable(name: &str, variable: &Variable) -> Error {
-    let error = Error::new(
-        Code::Parameter,
-        format!("'{name}' cannot be given a start value"),
-    );
+    let error = Error::new(Code::Parameter, format!("'{name}' cannot be given a start value"));
     if variable.variability == Variability::Constant {
         return error.why("it is constant");
     }
     match variable.causality {
         Causality::Independent => error.why("it is the time"),
         causality => error
-            .why(format!(
-                "it is of the causality {}: the FMU computes it",
-                causality.name()
-            ))
+            .why(format!("it is of the causality {}: the FMU computes it", causality.name()))
             .help("set a parameter or an input; cosim info FILE.fmu lists them"),
     }
 }

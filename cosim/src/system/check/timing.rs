@@ -28,12 +28,7 @@ pub(super) fn check(
     let rest = span(raw, overrides, opened).and_then(|(start, stop)| {
         let wanted = overrides.output_interval.or(raw.master.output_interval);
         let output_interval = check_span(&steps, start, stop, wanted)?;
-        Ok(Timing {
-            start,
-            stop,
-            output_interval,
-            steps,
-        })
+        Ok(Timing { start, stop, output_interval, steps })
     });
     findings.note(rest.map_err(|e| e.at(&raw.file)))
 }
@@ -49,22 +44,10 @@ fn steps(
     let mut steps: Vec<Option<Time>> = Vec::new();
     let mut sound = true;
     for (component, opened) in raw.components.iter().zip(opened) {
-        let named = overrides
-            .steps
-            .iter()
-            .rev()
-            .find(|(name, _)| *name == component.name);
-        let default = || {
-            opened
-                .fmu
-                .as_ref()
-                .and_then(|f| f.description().experiment.step)
-        };
-        let seconds = named
-            .map(|(_, step)| *step)
-            .or(component.step)
-            .or_else(default)
-            .or(raw.master.step);
+        let named = overrides.steps.iter().rev().find(|(name, _)| *name == component.name);
+        let default = || opened.fmu.as_ref().and_then(|f| f.description().experiment.step);
+        let seconds =
+            named.map(|(_, step)| *step).or(component.step).or_else(default).or(raw.master.step);
         let name = format!("the step of '{}'", component.name);
         let step = seconds.map(|s| Time::positive(s, &name)).transpose();
         let step = step.map_err(|e| e.at_line(&raw.file, component.line));
@@ -78,21 +61,14 @@ fn steps(
     }
     if smallest.is_none() {
         findings.problems.push(
-            Error::new(Code::Timing, "no component has a step size")
-                .at(&raw.file)
-                .help(
-                    "give one by --step COMPONENT=SECONDS, or for all by the annotation \
+            Error::new(Code::Timing, "no component has a step size").at(&raw.file).help(
+                "give one by --step COMPONENT=SECONDS, or for all by the annotation \
                  <cosim:Master stepSize=\"0.01\"/>",
-                ),
+            ),
         );
     }
     let smallest = smallest?;
-    Some(
-        steps
-            .into_iter()
-            .map(|step| step.unwrap_or(smallest))
-            .collect(),
-    )
+    Some(steps.into_iter().map(|step| step.unwrap_or(smallest)).collect())
 }
 
 fn span(raw: &RawSystem, overrides: &Overrides, opened: &[Opened]) -> Result<(Time, Time)> {
@@ -101,19 +77,12 @@ fn span(raw: &RawSystem, overrides: &Overrides, opened: &[Opened]) -> Result<(Ti
         .iter()
         .filter_map(|o| o.fmu.as_ref()?.description().experiment.stop)
         .max_by(f64::total_cmp);
-    let stop = overrides
-        .stop_time
-        .or(raw.stop)
-        .or(suggested)
-        .ok_or_else(|| {
-            Error::new(Code::Timing, "there is no stop time").help(
+    let stop = overrides.stop_time.or(raw.stop).or(suggested).ok_or_else(|| {
+        Error::new(Code::Timing, "there is no stop time").help(
             "give --stop-time SECONDS, or <ssd:DefaultExperiment stopTime=\"...\"/> in the file",
         )
-        })?;
-    Ok((
-        Time::from_seconds(start, "the start time")?,
-        Time::from_seconds(stop, "the stop time")?,
-    ))
+    })?;
+    Ok((Time::from_seconds(start, "the start time")?, Time::from_seconds(stop, "the stop time")?))
 }
 
 /// Checks that everything is a multiple of the common base; gives the output interval.
@@ -128,22 +97,13 @@ pub(in crate::system) fn check_span(
     };
     let base = steps.iter().fold(smallest, |base, &step| base.gcd(step));
     if base.nanoseconds() < smallest.nanoseconds() / FINEST {
-        return Err(
-            Error::new(Code::Timing, "the step sizes do not fit together")
-                .why(format!(
-                    "their greatest common divisor is {base}, the smallest is {smallest}"
-                ))
-                .help(
-                    "choose steps that are multiples of one another, by --step COMPONENT=SECONDS",
-                ),
-        );
+        return Err(Error::new(Code::Timing, "the step sizes do not fit together")
+            .why(format!("their greatest common divisor is {base}, the smallest is {smallest}"))
+            .help("choose steps that are multiples of one another, by --step COMPONENT=SECONDS"));
     }
     if stop <= start {
-        return Err(Error::new(
-            Code::Timing,
-            format!("the run would go from {start} to {stop}"),
-        )
-        .help("choose a stop time after the start time"));
+        return Err(Error::new(Code::Timing, format!("the run would go from {start} to {stop}"))
+            .help("choose a stop time after the start time"));
     }
     if !(stop - start).is_multiple_of(base) {
         return Err(off_base("the duration", stop - start, base));
@@ -167,8 +127,6 @@ fn off_base(what: &str, time: Time, base: Time) -> Error {
         format!("take {base} or a multiple of it")
     };
     Error::new(Code::Timing, format!("{what} is {time}"))
-        .why(format!(
-            "it is no multiple of {base}, the common base of the step sizes"
-        ))
+        .why(format!("it is no multiple of {base}, the common base of the step sizes"))
         .help(nearest)
 }

@@ -49,10 +49,7 @@ impl Reader<'_> {
     fn ours<'e>(&mut self, owner: &'e Element, name: &str) -> Vec<&'e Element> {
         let mut found = Vec::new();
         let annotations = owner.grandchildren("Annotations").iter();
-        for element in annotations
-            .flat_map(|a| &a.children)
-            .filter(|e| e.namespace == NAMESPACE)
-        {
+        for element in annotations.flat_map(|a| &a.children).filter(|e| e.namespace == NAMESPACE) {
             if element.name == name {
                 found.push(element);
             } else {

@@ -19,12 +19,7 @@ impl Reader<'_> {
         }
         self.known(
             element,
-            &[
-                "Connectors",
-                "ElementGeometry",
-                "ParameterBindings",
-                "Annotations",
-            ],
+            &["Connectors", "ElementGeometry", "ParameterBindings", "Annotations"],
             &["name", "source", "type", "implementation"],
         );
         let name = element.require("name", self.file, Code::Ssd)?;
@@ -41,9 +36,7 @@ impl Reader<'_> {
         let source = element.require("source", self.file, Code::Ssd)?;
         Ok(RawComponent {
             name: name.to_owned(),
-            source: self
-                .folder
-                .join(source.strip_prefix("file://").unwrap_or(source)),
+            source: self.folder.join(source.strip_prefix("file://").unwrap_or(source)),
             step: self.step(element)?,
             connectors: element
                 .grandchildren("Connectors")
@@ -56,14 +49,7 @@ impl Reader<'_> {
     }
 
     fn connector(&mut self, element: &Element) -> Result<RawConnector> {
-        const TYPES: &[&str] = &[
-            "Real",
-            "Integer",
-            "Boolean",
-            "String",
-            "Enumeration",
-            "Binary",
-        ];
+        const TYPES: &[&str] = &["Real", "Integer", "Boolean", "String", "Enumeration", "Binary"];
         let other = ["ConnectorGeometry", "Annotations"];
         let children: Vec<&str> = TYPES.iter().copied().chain(other).collect();
         self.known(element, &children, &["name", "kind"]);

@@ -25,9 +25,7 @@ const COMMON: &[&str] = &["id", "description"];
 
 /// Reads a .ssd or .ssp file.
 pub(super) fn read(file: &Path) -> Result<RawSystem> {
-    let is_package = file
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("ssp"));
+    let is_package = file.extension().is_some_and(|e| e.eq_ignore_ascii_case("ssp"));
     if !is_package {
         let folder = file.parent().unwrap_or(Path::new("")).to_owned();
         return Reader::new(file, folder).system(&xml::read(file, file)?);
@@ -36,11 +34,9 @@ pub(super) fn read(file: &Path) -> Result<RawSystem> {
     let description = unpacked.path().join("SystemStructure.ssd");
     let shown = file.join("SystemStructure.ssd");
     if !description.is_file() {
-        return Err(
-            Error::new(Code::Archive, "the package has no SystemStructure.ssd")
-                .at(file)
-                .help("an .ssp has that file at its top level, in no folder"),
-        );
+        return Err(Error::new(Code::Archive, "the package has no SystemStructure.ssd")
+            .at(file)
+            .help("an .ssp has that file at its top level, in no folder"));
     }
     let reader = Reader::new(&shown, unpacked.path().to_owned());
     let mut system = reader.system(&xml::read(&description, &shown)?)?;
@@ -56,20 +52,14 @@ struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     fn new(file: &'a Path, folder: PathBuf) -> Self {
-        Self {
-            file,
-            folder,
-            warnings: Vec::new(),
-        }
+        Self { file, folder, warnings: Vec::new() }
     }
 
     fn system(mut self, root: &Element) -> Result<RawSystem> {
         if root.name != "SystemStructureDescription" || root.namespace != SSD {
             return Err(self
                 .wrong(root, format!("the root element is <{}>", root.name))
-                .why(format!(
-                    "a system description is a SystemStructureDescription of {SSD}"
-                )));
+                .why(format!("a system description is a SystemStructureDescription of {SSD}")));
         }
         let version = root.require("version", self.file, Code::Ssd)?;
         if !version.starts_with("1.") && !version.starts_with("2.") {
@@ -77,14 +67,7 @@ impl<'a> Reader<'a> {
         }
         self.known(
             root,
-            &[
-                "System",
-                "Enumerations",
-                "Units",
-                "DefaultExperiment",
-                "Annotations",
-                "MetaData",
-            ],
+            &["System", "Enumerations", "Units", "DefaultExperiment", "Annotations", "MetaData"],
             &[
                 "name",
                 "version",
@@ -96,9 +79,8 @@ impl<'a> Reader<'a> {
                 "generationDateAndTime",
             ],
         );
-        let system = root
-            .child("System")
-            .ok_or_else(|| self.wrong(root, "there is no <System>"))?;
+        let system =
+            root.child("System").ok_or_else(|| self.wrong(root, "there is no <System>"))?;
         self.flat(system)?;
         let mut master = RawMaster::default();
         self.master(root, &mut master)?;
@@ -106,11 +88,7 @@ impl<'a> Reader<'a> {
         let (start, stop) = self.experiment(root, &mut master)?;
         Ok(RawSystem {
             file: self.file.to_owned(),
-            name: system
-                .get("name")
-                .or(root.get("name"))
-                .unwrap_or("system")
-                .to_owned(),
+            name: system.get("name").or(root.get("name")).unwrap_or("system").to_owned(),
             components: system
                 .grandchildren("Elements")
                 .iter()
@@ -191,18 +169,10 @@ impl<'a> Reader<'a> {
                 "suppressUnitConversion",
             ],
         );
-        if let Some(other) = element
-            .children
-            .iter()
-            .find(|c| c.name.ends_with("Transformation"))
-        {
+        if let Some(other) = element.children.iter().find(|c| c.name.ends_with("Transformation")) {
             return Err(self.unsupported(other, "transformations of connections"));
         }
-        let text = |name| {
-            element
-                .require(name, self.file, Code::Ssd)
-                .map(str::to_owned)
-        };
+        let text = |name| element.require(name, self.file, Code::Ssd).map(str::to_owned);
         Ok(RawConnection {
             from: (text("startElement")?, text("startConnector")?),
             to: (text("endElement")?, text("endConnector")?),
@@ -218,15 +188,10 @@ impl<'a> Reader<'a> {
     /// Warns of children and attributes that SSP does not have there.
     fn known(&mut self, element: &Element, children: &[&str], attributes: &[&str]) {
         let (file, parent) = (self.file.display(), &element.name);
-        for child in element
-            .children
-            .iter()
-            .filter(|c| !children.contains(&c.name.as_str()))
-        {
+        for child in element.children.iter().filter(|c| !children.contains(&c.name.as_str())) {
             let (line, name) = (child.line, &child.name);
-            self.warnings.push(format!(
-                "{file}:{line}: <{name}> in <{parent}> is unknown and ignored"
-            ));
+            self.warnings
+                .push(format!("{file}:{line}: <{name}> in <{parent}> is unknown and ignored"));
         }
         for attribute in &element.attributes {
             let name = attribute.name.as_str();
@@ -244,11 +209,8 @@ impl<'a> Reader<'a> {
     }
 
     fn unsupported(&self, element: &Element, what: &str) -> Error {
-        self.wrong(
-            element,
-            format!("{what} are not supported (<{}>)", element.name),
-        )
-        .why("leaving them out would change what the system means")
-        .help("write the system flat: components, their connectors, connections between them")
+        self.wrong(element, format!("{what} are not supported (<{}>)", element.name))
+            .why("leaving them out would change what the system means")
+            .help("write the system flat: components, their connectors, connections between them")
     }
 }

@@ -46,10 +46,7 @@ impl Reader<'_> {
             Error::new(Code::Ssd, what).at_line(file, element.line)
         };
         if set.name != "ParameterSet" {
-            return Err(wrong(
-                set,
-                format!("<{}> where <ParameterSet> belongs", set.name),
-            ));
+            return Err(wrong(set, format!("<{}> where <ParameterSet> belongs", set.name)));
         }
         for parameter in set.grandchildren("Parameters") {
             let name = parameter.require("name", file, Code::Ssd)?;
@@ -60,10 +57,8 @@ impl Reader<'_> {
                 .ok_or_else(|| wrong(parameter, format!("'{name}' has no value")))?;
             let kinds = ["Real", "Integer", "Boolean", "String", "Enumeration"];
             if !kinds.contains(&typed.name.as_str()) {
-                return Err(
-                    wrong(typed, format!("'{name}' is of the type <{}>", typed.name))
-                        .why(format!("supported are {}", kinds.join(", "))),
-                );
+                return Err(wrong(typed, format!("'{name}' is of the type <{}>", typed.name))
+                    .why(format!("supported are {}", kinds.join(", "))));
             }
             values.push(RawParameter {
                 name: format!("{prefix}{name}"),

@@ -39,9 +39,7 @@ pub(crate) struct Figures {
 impl Figures {
     /// Plans all figures.
     pub(crate) fn of(campaign: &Campaign) -> anyhow::Result<Self> {
-        let paths = Course::ALL
-            .into_iter()
-            .map(|course| paths::figure(campaign, course));
+        let paths = Course::ALL.into_iter().map(|course| paths::figure(campaign, course));
         Ok(Figures {
             paths: paths.collect::<anyhow::Result<_>>()?,
             acceleration: acceleration::figure(campaign)?,
@@ -89,10 +87,5 @@ fn shown(campaign: &Campaign, course: Course, filter: Filter) -> anyhow::Result<
 
 /// Values over time as points.
 fn over_time(trace: &Trace, values: &[f64]) -> Vec<(f64, f64)> {
-    trace
-        .time
-        .iter()
-        .copied()
-        .zip(values.iter().copied())
-        .collect()
+    trace.time.iter().copied().zip(values.iter().copied()).collect()
 }

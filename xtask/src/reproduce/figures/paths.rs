@@ -17,20 +17,13 @@ pub(super) fn figure(campaign: &Campaign, course: Course) -> anyhow::Result<Capt
         let trace = shown(campaign, course, filter)?;
         Ok(panel(&reference, trace, filter))
     };
-    let panels = Filter::ALL
-        .into_iter()
-        .map(panel)
-        .collect::<anyhow::Result<Vec<_>>>()?;
+    let panels = Filter::ALL.into_iter().map(panel).collect::<anyhow::Result<Vec<_>>>()?;
     let extent = |of: fn(&(f64, f64)) -> f64| {
         let values = || reference.iter().map(of);
         values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
     };
     // Long courses one above the other, high ones side by side.
-    let columns = if extent(|p| p.0) > 1.5 * extent(|p| p.1) {
-        1
-    } else {
-        2
-    };
+    let columns = if extent(|p| p.0) > 1.5 * extent(|p| p.1) { 1 } else { 2 };
     let number = course.number() + 5;
     let title = format!("{}: {}", course.name(), course.description());
     Ok(Captioned {
@@ -57,11 +50,7 @@ fn reference(course: Course) -> anyhow::Result<Vec<(f64, f64)>> {
 
 fn panel(reference: &[(f64, f64)], trace: &Trace, filter: Filter) -> Panel {
     let path = |pose: &[Vec<f64>; 4]| -> Vec<(f64, f64)> {
-        pose[0]
-            .iter()
-            .copied()
-            .zip(pose[1].iter().copied())
-            .collect()
+        pose[0].iter().copied().zip(pose[1].iter().copied()).collect()
     };
     let name = format!("estimate, {} filter", filter.name());
     let series = vec![
@@ -70,11 +59,7 @@ fn panel(reference: &[(f64, f64)], trace: &Trace, filter: Filter) -> Panel {
         Series::line("reference path", Role::Reference, reference.to_vec()),
     ];
     let mut panel = Panel::new("x, north (m)", "y, east (m)", 420.0, series);
-    panel.title = format!(
-        "{} filter, fix {} m",
-        filter.name(),
-        filter.paper_fix().sigma()
-    );
+    panel.title = format!("{} filter, fix {} m", filter.name(), filter.paper_fix().sigma());
     panel.y.reversed = true;
     panel
 }

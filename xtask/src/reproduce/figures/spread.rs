@@ -21,11 +21,7 @@ pub(super) fn figure(campaign: &Campaign) -> Captioned {
     let stacked = Figure::stacked("Spread over seeds", panels);
     Captioned {
         name: "spread".into(),
-        figure: Figure {
-            columns: 3,
-            common_x: false,
-            ..stacked
-        },
+        figure: Figure { columns: 3, common_x: false, ..stacked },
         caption: "Distribution over seeds: box 25 to 75 %, thick bar at the median, whiskers 5 to \
                   95 %. Diamonds are the numbers of the paper's tables."
             .into(),
@@ -39,15 +35,8 @@ fn panel(
     paper: fn(&Printed) -> f64,
 ) -> Panel {
     let places = |filter: Filter| {
-        let aside = if filter == Filter::Dynamic {
-            -ASIDE
-        } else {
-            ASIDE
-        };
-        Course::ALL
-            .into_iter()
-            .enumerate()
-            .map(move |(i, course)| (i as f64 + aside, course))
+        let aside = if filter == Filter::Dynamic { -ASIDE } else { ASIDE };
+        Course::ALL.into_iter().enumerate().map(move |(i, course)| (i as f64 + aside, course))
     };
     let sample = |course: Course, filter: Filter| -> Vec<f64> {
         let runs = campaign
@@ -57,20 +46,12 @@ fn panel(
     let boxes = Filter::ALL.map(|filter| Series {
         name: format!("{} filter", filter.name()),
         role: role(filter),
-        shape: Shape::Boxes(
-            places(filter)
-                .map(|(x, c)| (x, sample(c, filter)))
-                .collect(),
-        ),
+        shape: Shape::Boxes(places(filter).map(|(x, c)| (x, sample(c, filter))).collect()),
     });
     let marks = Filter::ALL.map(|filter| Series {
         name: format!("the paper, {}", filter.name()),
         role: role(filter),
-        shape: Shape::Marks(
-            places(filter)
-                .map(|(x, c)| (x, paper(&printed(c, filter))))
-                .collect(),
-        ),
+        shape: Shape::Marks(places(filter).map(|(x, c)| (x, paper(&printed(c, filter)))).collect()),
     });
     let series = boxes.into_iter().chain(marks).collect();
     let mut panel = Panel::new("", "error (m)", 220.0, series).titled(title);
