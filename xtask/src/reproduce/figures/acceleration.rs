@@ -16,8 +16,8 @@ pub(super) fn figure(campaign: &Campaign) -> anyhow::Result<Captioned> {
     let truth = line("truth", Role::Truth, &trace.surge_acceleration);
     let panel = |series: Vec<Series>| Panel::new("time (s)", "acceleration (m/s²)", 190.0, series);
     let panels = vec![
-        panel(vec![imu, model.clone(), truth.clone()]).titled("IMU, model and truth"),
-        panel(vec![model, truth]).titled("model and truth"),
+        panel(vec![imu, truth.clone(), model.clone()]).titled("IMU, model and truth"),
+        panel(vec![truth, model]).titled("model and truth"),
     ];
     Ok(Captioned {
         name: "acceleration-BE3".into(),
