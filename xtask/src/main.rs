@@ -4,6 +4,7 @@
 
 mod bench;
 mod describe;
+mod examples;
 mod package;
 mod paths;
 mod process;

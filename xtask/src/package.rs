@@ -63,18 +63,20 @@ fn ssp(description: &Path, fmus: &[PathBuf]) -> Result<()> {
     archive(&paths::fmus().join(format!("{stem}.ssp")), &files)
 }
 
-/// Writes a zip file with fixed times and permissions, so that equal input gives equal bytes.
+/// Writes a zip file with fixed times and permissions, so that equal input gives equal bytes. It
+/// appears under its name when it is whole: somebody may be reading the old one.
 fn archive(path: &Path, files: &[(String, Vec<u8>)]) -> Result<()> {
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
         .last_modified_time(DateTime::default())
         .unix_permissions(0o644);
-    let file = File::create(path).with_context(|| path.display().to_string())?;
+    let partial = path.with_extension("partial");
+    let file = File::create(&partial).with_context(|| partial.display().to_string())?;
     let mut zip = ZipWriter::new(file);
     for (name, bytes) in files {
         zip.start_file(name.as_str(), options)?;
         zip.write_all(bytes)?;
     }
     zip.finish()?;
-    Ok(())
+    fs::rename(&partial, path).with_context(|| path.display().to_string())
 }

@@ -1,6 +1,6 @@
 //! `cargo xtask test`: every check and every test, in the order of what fails fastest.
 
-use crate::{describe, package, paths, process, python};
+use crate::{describe, examples, package, paths, process, python};
 use anyhow::Result;
 use std::process::Command;
 
@@ -14,6 +14,7 @@ pub(crate) fn run() -> Result<()> {
     describe::check()?;
     package::run()?;
     process::run(&mut process::cargo(&["test", "--release", "--workspace", "--no-fail-fast"]))?;
+    examples::run()?;
     let interpreter = python::environment()?;
     process::run(
         Command::new(interpreter)

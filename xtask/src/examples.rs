@@ -1,0 +1,58 @@
+//! The commands in the documents are run as a reader would type them.
+
+use crate::{paths, process};
+use anyhow::{Context, Result};
+use std::{fs, os::unix::fs::symlink, path::Path, process::Command};
+
+/// Documents whose `cosim` lines must work.
+const DOCUMENTS: [&str; 2] = ["README.md", "examples/README.md"];
+
+/// Runs every `cosim` command of the documents, in a folder under target/.
+pub(crate) fn run() -> Result<()> {
+    process::run(&mut process::cargo(&["build", "--release", "--quiet", "-p", "cosim"]))?;
+    let folder = paths::target().join("examples");
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder)?;
+    for name in ["examples", "target"] {
+        symlink(paths::root().join(name), folder.join(name))?;
+    }
+    let path = std::env::var("PATH").unwrap_or_default();
+    let path = format!("{}:{path}", paths::target().join("release").display());
+    for document in DOCUMENTS {
+        let text = fs::read_to_string(paths::root().join(document))
+            .with_context(|| document.to_owned())?;
+        for line in commands(&text) {
+            process::run(
+                Command::new("sh").args(["-c", &line]).current_dir(&folder).env("PATH", &path),
+            )
+            .with_context(|| Path::new(document).display().to_string())?;
+        }
+    }
+    Ok(())
+}
+
+/// The `cosim` commands in the shell blocks of a document; lines that end in a backslash go on.
+fn commands(markdown: &str) -> Vec<String> {
+    let mut commands = Vec::new();
+    let mut in_shell = false;
+    let joined = markdown.replace("\\\n", " ");
+    for line in joined.lines() {
+        match line.strip_prefix("```") {
+            Some(language) => in_shell = language == "sh",
+            None if in_shell && line.starts_with("cosim ") => commands.push(line.to_owned()),
+            None => (),
+        }
+    }
+    commands
+}
+
+#[cfg(test)]
+mod tests {
+    use super::commands;
+
+    #[test]
+    fn only_commands_in_shell_blocks_are_taken_and_lines_go_on() {
+        let text = "cosim no\n```sh\ncosim a \\\n  b # why\ncargo c\n```\n```text\ncosim no\n```\n";
+        assert_eq!(commands(text), ["cosim a    b # why"]);
+    }
+}
