@@ -56,6 +56,17 @@ fn dead_reckoning_closes_a_circle() {
 }
 
 #[test]
+fn only_the_yaw_rate_moves_the_dvl_velocity_to_the_centre_of_gravity() {
+    let (ekf, mut memory) = filter(EkfParameters::default(), Acceleration::Kinematic);
+    let mut m = turning(0.3, 0.1);
+    m.imu.value.rate = [0.2, -0.3, 0.1];
+    let velocity = ekf.update(&mut memory, &m).unwrap().velocity;
+    assert_relative_eq!(velocity[0], 0.3, epsilon = 1e-12);
+    assert_relative_eq!(velocity[1], 0.0, epsilon = 1e-12);
+    assert_relative_eq!(velocity[2], 0.0, epsilon = 1e-12);
+}
+
+#[test]
 fn without_rotation_the_filter_walks_north_as_printed() {
     let p = EkfParameters {
         rotate_to_ned: false,

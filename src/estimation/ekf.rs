@@ -138,12 +138,11 @@ impl Ekf {
             memory.motion.velocity[3] = imu.rate[2];
         }
         if measured.dvl.take_new(&mut memory.seen[1]) {
-            let rate = if measured.imu.valid {
-                imu.rate
-            } else {
-                [0.0; 3]
-            };
-            let v = sub(measured.dvl.value.velocity, cross(rate, p.dvl_position));
+            // Four degrees of freedom: p and q are zero in the model, and a gyro's bias in them is
+            // worth more than what it would correct.
+            let yaw_rate = if measured.imu.valid { imu.rate[2] } else { 0.0 };
+            let lever = cross([0.0, 0.0, yaw_rate], p.dvl_position);
+            let v = sub(measured.dvl.value.velocity, lever);
             memory.motion.velocity[..3].copy_from_slice(&v);
         }
         let velocity = memory.motion.velocity;

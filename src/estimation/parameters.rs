@@ -33,7 +33,8 @@ pub struct EkfParameters {
     pub rate_hz: f64,
     /// Transition matrix of the covariance.
     pub transition: Transition,
-    /// Speed (m/s, rad/s) below which F_ii of `Transition::Paper` is 1.
+    /// Speed (m/s, rad/s) below which F_ii of `Transition::Paper` is 1. The paper has none; the
+    /// default is chosen, with the sensors' noise, for the levels of its Tables 7 to 9.
     pub guard_speed: f64,
     /// Whether body displacements are turned into NED by psi; eq (36) as printed does not.
     pub rotate_to_ned: bool,
@@ -72,7 +73,7 @@ impl Default for EkfParameters {
         Self {
             rate_hz: 10.0,
             transition: Transition::Paper,
-            guard_speed: 0.005,
+            guard_speed: 0.002,
             rotate_to_ned: true,
             process_noise: ProcessNoise::Constant,
             process_variance: [1e-4; 4],
