@@ -52,7 +52,7 @@ impl Sensors {
             ..Default::default()
         };
         imu.accelerometer.turn_on_sigma = 0.13;
-        imu.gyro.turn_on_sigma = 0.0055;
+        imu.gyro.turn_on_sigma = 0.006;
         let imu = Imu::new(&imu).unwrap();
         let dvl = Dvl::new(&DvlParameters {
             seed: 4 * seed + 1,
