@@ -1,15 +1,18 @@
 //! Right-hand side of the six-degree-of-freedom equations of motion.
 //!
 //! Fossen (2011) eq (6.43) ff., eqs (5)-(26) of the paper, in the momentum form of Kirchhoff (Fossen
-//! 2011 ch. 6.3; 8.2 for the current). With the body frame at the centre of gravity, c = R^T v_c and
+//! 2011 ch. 6.3). With the body frame at the centre of gravity, c = R^T v_c and
 //! `[p; h] = (M_RB + M_A) nu_r`, rigid body, added mass and their Coriolis terms are together
 //!
 //! ```text
 //! M nu_r' = tau - g - (D_l + D_q |nu_r|) nu_r - [omega x p; omega x h + v_r x p]
 //! nu'     = nu_r' - [omega x c; 0]
 //! ```
-//! which is the equation of the module above, rewritten: M_RB nu' + C_RB nu = M_RB nu_r' + C_RB nu_r
-//! for a current that is steady in NED, and v_r x (m v_r) = 0.
+//! This is the equation of the module above with one matrix and one Coriolis term instead of two:
+//! M_RB nu' + C_RB(nu) nu = M_RB nu_r' + C_RB(nu_r) nu_r in a current that is steady in NED (Fossen
+//! 2011 ch. 8, irrotational constant currents), and v_r x (m v_r) = 0.
+//!
+//! [`super::tangent`] is the derivative of what stands here: change both together.
 
 use super::{Inputs, Outputs, Parameters, Propulsion, State, ThrusterMode};
 use crate::ParameterError;

@@ -20,7 +20,7 @@
 //! * a command at its limit counts as not clipped, beyond it as clipped (slope zero);
 //! * a force command of exactly zero in `ForceWithLag` has slope zero, not the infinite one of the
 //!   square root: one infinity would spoil every sum it enters, and the thrust, which is the square
-//!   of the rotor speed, does start with slope zero;
+//!   of the rotor speed, does start with slope zero. Any other command, however small, has its slope;
 //! * at a pitch of exactly 90 degrees roll and yaw turn about one axis: d(yaw) and d(pitch) are zero.
 
 use super::dynamics::{NORM_RATE, add_wrench, half_product, mul6, stretch_rate};
@@ -178,6 +178,7 @@ impl Tangent<'_> {
         }
     }
 
+    /// Change of the thrusts.
     #[inline(always)]
     fn thrust(&self, d_state: &State, d_inputs: &Inputs) -> [f64; 8] {
         let (p, s, d_s) = (&self.vehicle.propulsion, &self.state.rotor_speed, &d_state.rotor_speed);
@@ -261,6 +262,7 @@ fn dot(a: [f64; 4], b: [f64; 4]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
 }
 
+#[inline(always)]
 fn moves(direction: &[f64]) -> bool {
     direction.iter().any(|d| *d != 0.0)
 }
