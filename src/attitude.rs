@@ -31,7 +31,12 @@ pub fn from_euler([roll, pitch, yaw]: [f64; 3]) -> [f64; 4] {
 /// Roll and yaw in (-pi, pi], pitch in [-pi/2, pi/2] of a quaternion of any non-zero length.
 #[must_use]
 pub fn to_euler(q: [f64; 4]) -> [f64; 3] {
-    let r = rotation(q);
+    euler_of_rotation(&rotation(q))
+}
+
+/// Roll, pitch and yaw of a rotation matrix R (body to NED).
+#[inline(always)]
+pub(crate) fn euler_of_rotation(r: &[Vec3; 3]) -> [f64; 3] {
     [
         libm::atan2(r[2][1], r[2][2]),
         libm::asin((-r[2][0]).clamp(-1.0, 1.0)),

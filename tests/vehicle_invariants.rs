@@ -247,3 +247,56 @@ fn a_minute_of_mixed_thrust_agrees_between_step_sizes() {
         assert!(difference.abs() < 1e-6, "{difference:e} m on axis {i}");
     }
 }
+
+/// The state as 21 numbers.
+fn flat(x: &State) -> Vec<f64> {
+    [&x.p_ned[..], &x.quaternion, &x.nu, &x.rotor_speed].concat()
+}
+
+/// `x + h k`, number by number.
+fn moved(x: &State, k: &[f64], h: f64) -> State {
+    let sum: Vec<f64> = flat(x).iter().zip(k).map(|(x, k)| x + h * k).collect();
+    let part = |begin: usize, end: usize| &sum[begin..end];
+    State {
+        p_ned: part(0, 3).try_into().unwrap(),
+        quaternion: part(3, 7).try_into().unwrap(),
+        nu: part(7, 13).try_into().unwrap(),
+        rotor_speed: part(13, 21).try_into().unwrap(),
+    }
+}
+
+#[test]
+fn a_step_is_to_the_bit_a_general_runge_kutta_over_the_derivative() {
+    for mode in [ThrusterMode::ForceWithLag, ThrusterMode::Force, ThrusterMode::RotorSpeed] {
+        let mut p = Parameters::default();
+        p.propulsion.mode = mode;
+        let vehicle = Vehicle::new(&p).unwrap();
+        let inputs = Inputs {
+            thruster_force: [50.0, -20.0, 3000.0, 10.0, 100.0, 80.0, -90.0, -60.0],
+            thruster_speed: [50.0, -20.0, 30.0, 1e5, 100.0, 80.0, -90.0, -60.0],
+            wrench: [1.0, 2.0, 3.0, 4.0, 5.0, 6.0],
+            current_ned: [0.1, -0.2, 0.03],
+        };
+        let mut stepped = state([0.3, 0.2, -0.1, 0.05, -0.04, 0.1], [0.2, -0.1, 2.0]);
+        let mut general = stepped;
+        let (drive, h) = (vehicle.drive(&inputs), 0.01);
+        for _ in 0..1000 {
+            vehicle.step(&mut stepped, &inputs, h);
+            let f = |x: &State| {
+                let rate = vehicle.derivative(x, &inputs);
+                assert_eq!(rate, vehicle.rate(x, &drive));
+                flat(&rate)
+            };
+            let k1 = f(&general);
+            let k2 = f(&moved(&general, &k1, 0.5 * h));
+            let k3 = f(&moved(&general, &k2, 0.5 * h));
+            let k4 = f(&moved(&general, &k3, h));
+            let mut slope = k1;
+            for (k, weight) in [(k2, 2.0), (k3, 2.0), (k4, 1.0)] {
+                slope.iter_mut().zip(k).for_each(|(s, k)| *s += weight * k);
+            }
+            general = moved(&general, &slope, h / 6.0);
+        }
+        assert_eq!(flat(&stepped), flat(&general), "{mode:?}");
+    }
+}

@@ -1,8 +1,18 @@
 //! Right-hand side of the six-degree-of-freedom equations of motion.
 //!
-//! Fossen (2011) eq (6.43) ff., eqs (5)-(26) of the paper. Body frame at the centre of gravity, so
-//! `C_RB nu = [m omega x v; omega x I omega]`. Added mass: `[p_A; h_A] = M_A nu_r` and
-//! `C_A nu_r = [omega x p_A; omega x h_A + v_r x p_A]`, which for a diagonal M_A is eq (14).
+//! Fossen (2011) eq (6.43) ff., eqs (5)-(26) of the paper, in the momentum form of Kirchhoff (Fossen
+//! 2011 ch. 6.3). With the body frame at the centre of gravity, c = R^T v_c and
+//! `[p; h] = (M_RB + M_A) nu_r`, rigid body, added mass and their Coriolis terms are together
+//!
+//! ```text
+//! M nu_r' = tau - g - (D_l + D_q |nu_r|) nu_r - [omega x p; omega x h + v_r x p]
+//! nu'     = nu_r' - [omega x c; 0]
+//! ```
+//! This is the equation of the module above with one matrix and one Coriolis term instead of two:
+//! M_RB nu' + C_RB(nu) nu = M_RB nu_r' + C_RB(nu_r) nu_r in a current that is steady in NED (Fossen
+//! 2011 ch. 8, irrotational constant currents), and v_r x (m v_r) = 0.
+//!
+//! [`super::tangent`] is the derivative of what stands here: change both together.
 
 use super::{Inputs, Outputs, Parameters, Propulsion, State, ThrusterMode};
 use crate::ParameterError;
@@ -15,35 +25,37 @@ use nalgebra::Matrix6;
 /// R does not depend on the length (see [`attitude::rotation`]), so this only keeps it from
 /// wandering off over long runs. A term of the derivative serves any integrator alike, where
 /// normalising after a step would be a discrete event to an importer's variable-step solver.
-const NORM_RATE: f64 = 1.0;
+pub(super) const NORM_RATE: f64 = 1.0;
 
 /// The vehicle, its constants derived and checked.
 #[derive(Clone, Debug)]
 pub struct Vehicle {
-    mass: f64,
-    inertia: [Vec3; 3],
-    gravity: f64,
-    weight: f64,
-    buoyancy: f64,
-    centre_of_buoyancy: Vec3,
-    added_mass: [[f64; 6]; 6],
-    mass_inverse: [[f64; 6]; 6],
-    linear_damping: [f64; 6],
-    quadratic_damping: [f64; 6],
+    pub(super) gravity: f64,
+    /// Weight less buoyancy (N).
+    pub(super) excess_weight: f64,
+    /// Buoyancy times its lever arm (N.m).
+    pub(super) buoyant_moment: Vec3,
+    /// M = M_RB + M_A.
+    pub(super) mass: [[f64; 6]; 6],
+    pub(super) mass_inverse: [[f64; 6]; 6],
+    pub(super) linear_damping: [f64; 6],
+    pub(super) quadratic_damping: [f64; 6],
     /// Column i: wrench of one newton of thruster i.
-    thruster_wrench: [[f64; 6]; 8],
-    propulsion: Propulsion,
+    pub(super) thruster_wrench: [[f64; 6]; 8],
+    pub(super) propulsion: Propulsion,
 }
 
-/// What the inputs amount to for the length of a step, so that its four stages share it and have
-/// no branches on the thruster mode.
-pub(super) struct Drive {
+/// What the inputs amount to for as long as they are held, so that the stages of a step share it and
+/// have no branches on the thruster mode.
+#[derive(Clone, Copy, Debug)]
+pub struct Drive {
     /// Speeds that the rotors tend to, and the rate (1/s) at which they do.
     rotor_target: [f64; 8],
     rotor_rate: f64,
     /// Thrust over rotor speed squared; 0 where rotor speeds make no thrust.
     thrust_gain: f64,
-    /// Wrench that does not depend on the state.
+    /// Thrust that does not come from the rotors (N).
+    direct_thrust: [f64; 8],
     wrench: [f64; 6],
     current_ned: Vec3,
 }
@@ -56,15 +68,13 @@ impl Vehicle {
     /// not positive definite.
     pub fn new(parameters: &Parameters) -> Result<Self, ParameterError> {
         parameters.check()?;
+        let (mass, buoyancy) = (parameters.mass_matrix(), parameters.buoyancy_force());
         Ok(Self {
-            mass: parameters.mass,
-            inertia: parameters.inertia.matrix(),
             gravity: parameters.gravity,
-            weight: parameters.weight(),
-            buoyancy: parameters.buoyancy_force(),
-            centre_of_buoyancy: parameters.centre_of_buoyancy,
-            added_mass: parameters.symmetric_added_mass(),
-            mass_inverse: inverse(&parameters.mass_matrix())?,
+            excess_weight: parameters.weight() - buoyancy,
+            buoyant_moment: scale(parameters.centre_of_buoyancy, buoyancy),
+            mass,
+            mass_inverse: inverse(&mass)?,
             linear_damping: parameters.linear_damping,
             quadratic_damping: parameters.quadratic_damping,
             thruster_wrench: parameters.propulsion.thrusters.map(|t| t.unit_wrench()),
@@ -81,115 +91,134 @@ impl Vehicle {
     /// Everything that can be observed in a state.
     #[must_use]
     pub fn outputs(&self, state: &State, inputs: &Inputs) -> Outputs {
-        let drive = self.drive(inputs);
-        let dot = self.rate(state, &drive);
+        let thrust = self.thrust(state, inputs);
         let r_nb = attitude::rotation(state.quaternion);
-        let gravity_body = scale(r_nb[2], self.gravity);
+        let nu_dot =
+            self.acceleration(&state.nu, &r_nb, &thrust, &inputs.wrench, inputs.current_ned);
         let (v, omega) = (linear(&state.nu), angular(&state.nu));
+        let gravity_body = scale(r_nb[2], self.gravity);
         Outputs {
             p_ned: state.p_ned,
-            euler: attitude::to_euler(state.quaternion),
+            euler: attitude::euler_of_rotation(&r_nb),
             quaternion: attitude::normalised(state.quaternion),
             nu: state.nu,
-            nu_dot: dot.nu,
-            v_ned: dot.p_ned,
-            specific_force: sub(add(linear(&dot.nu), cross(omega, v)), gravity_body),
-            thrust: self.thrust(state, inputs),
+            nu_dot,
+            v_ned: mul(&r_nb, v),
+            specific_force: sub(add(linear(&nu_dot), cross(omega, v)), gravity_body),
+            thrust,
         }
     }
 
     fn thrust(&self, state: &State, inputs: &Inputs) -> [f64; 8] {
         let p = &self.propulsion;
         match p.mode {
-            ThrusterMode::Force => inputs
-                .thruster_force
-                .map(|f| f.clamp(-p.thrust_limit, p.thrust_limit)),
+            ThrusterMode::Force => p.clipped(&inputs.thruster_force),
             _ => state.rotor_speed.map(|s| p.thrust(s)),
         }
     }
 
-    pub(super) fn drive(&self, inputs: &Inputs) -> Drive {
+    /// Rate (1/s) of the rotors' lag; the mode without lag leaves them as they are.
+    pub(super) fn rotor_rate(&self) -> f64 {
+        match self.propulsion.mode {
+            ThrusterMode::Force => 0.0,
+            _ => 1.0 / self.propulsion.rotor_time_constant,
+        }
+    }
+
+    /// What the inputs amount to, for as long as they are held.
+    #[must_use]
+    pub fn drive(&self, inputs: &Inputs) -> Drive {
         let p = &self.propulsion;
-        let force = inputs
-            .thruster_force
-            .map(|f| f.clamp(-p.thrust_limit, p.thrust_limit));
         let mut drive = Drive {
             rotor_target: [0.0; 8],
-            rotor_rate: 1.0 / p.rotor_time_constant,
+            rotor_rate: self.rotor_rate(),
             thrust_gain: p.thrust_gain,
+            direct_thrust: [0.0; 8],
             wrench: inputs.wrench,
             current_ned: inputs.current_ned,
         };
         match p.mode {
-            ThrusterMode::ForceWithLag => drive.rotor_target = force.map(|f| p.speed(f)),
+            ThrusterMode::ForceWithLag => {
+                drive.rotor_target = p.clipped(&inputs.thruster_force).map(|f| p.speed(f));
+            }
             ThrusterMode::RotorSpeed => {
                 let fastest = p.speed(p.thrust_limit);
                 drive.rotor_target = inputs.thruster_speed.map(|s| s.clamp(-fastest, fastest));
             }
             ThrusterMode::Force => {
-                drive.rotor_rate = 0.0;
                 drive.thrust_gain = 0.0;
-                add_wrench(&mut drive.wrench, &self.thruster_wrench, &force);
+                drive.direct_thrust = p.clipped(&inputs.thruster_force);
             }
         }
         drive
     }
 
+    /// Time derivative of the state under a [`drive`](Self::drive): the bits of
+    /// [`derivative`](Self::derivative), without working the inputs out again.
     // Not inlined: four copies in a Runge-Kutta step overflow the processor's decoded-instruction
     // cache, which was measured to cost a third of its speed.
     #[inline(never)]
-    pub(super) fn rate(&self, state: &State, drive: &Drive) -> State {
+    #[must_use]
+    pub fn rate(&self, state: &State, drive: &Drive) -> State {
         let r_nb = attitude::rotation(state.quaternion);
+        let s = &state.rotor_speed;
+        let thrust = core::array::from_fn(|i| {
+            drive.direct_thrust[i] + drive.thrust_gain * s[i] * s[i].abs()
+        });
         State {
             p_ned: mul(&r_nb, linear(&state.nu)),
             quaternion: quaternion_rate(state.quaternion, angular(&state.nu)),
-            nu: self.acceleration(state, drive, &r_nb),
+            nu: self.acceleration(&state.nu, &r_nb, &thrust, &drive.wrench, drive.current_ned),
             rotor_speed: core::array::from_fn(|i| {
-                (drive.rotor_target[i] - state.rotor_speed[i]) * drive.rotor_rate
+                (drive.rotor_target[i] - s[i]) * drive.rotor_rate
             }),
         }
     }
 
     #[inline(always)]
-    fn acceleration(&self, state: &State, drive: &Drive, r_nb: &[Vec3; 3]) -> [f64; 6] {
-        let (v, omega) = (linear(&state.nu), angular(&state.nu));
-        let current = mul_transposed(r_nb, drive.current_ned);
-        let v_r = sub(v, current);
+    fn acceleration(
+        &self,
+        nu: &[f64; 6],
+        r_nb: &[Vec3; 3],
+        thrust: &[f64; 8],
+        wrench: &[f64; 6],
+        current_ned: Vec3,
+    ) -> [f64; 6] {
+        let omega = angular(nu);
+        let current = mul_transposed(r_nb, current_ned);
+        let v_r = sub(linear(nu), current);
         let nu_r = [v_r[0], v_r[1], v_r[2], omega[0], omega[1], omega[2]];
-
-        let momentum = mul6(&self.added_mass, &nu_r);
-        let (p_a, h_a) = (linear(&momentum), angular(&momentum));
-        let turn = cross(omega, current);
-        let linear_force = add(scale(cross(omega, v), self.mass), cross(omega, p_a));
-        let h = add(mul(&self.inertia, omega), h_a);
-        let moment = add(cross(omega, h), cross(v_r, p_a));
+        let momentum = mul6(&self.mass, &nu_r);
+        let (p, h) = (linear(&momentum), angular(&momentum));
 
         // Weight and buoyancy both act along the third row of R, which is down in body axes.
         let down = r_nb[2];
-        let restoring = scale(cross(self.centre_of_buoyancy, down), -self.buoyancy);
-        let excess = scale(down, self.weight - self.buoyancy);
+        let force = sub(scale(down, self.excess_weight), cross(omega, p));
+        let turning = add(cross(omega, h), cross(v_r, p));
+        let moment = sub(cross(down, self.buoyant_moment), turning);
 
-        let mut tau = drive.wrench;
-        let thrust = state.rotor_speed.map(|s| drive.thrust_gain * s * s.abs());
-        add_wrench(&mut tau, &self.thruster_wrench, &thrust);
-        for i in 0..3 {
-            tau[i] += excess[i] - linear_force[i];
-            tau[3 + i] += restoring[i] - moment[i];
-        }
+        let mut tau = *wrench;
+        add_wrench(&mut tau, &self.thruster_wrench, thrust);
         for i in 0..6 {
-            // M_A [omega x R^T v_c; 0]: the added mass feels the derivative of nu_r.
-            let a = &self.added_mass;
-            tau[i] -= a[0][i] * turn[0] + a[1][i] * turn[1] + a[2][i] * turn[2];
             let damping = self.linear_damping[i] + self.quadratic_damping[i] * nu_r[i].abs();
             tau[i] -= damping * nu_r[i];
         }
-        mul6(&self.mass_inverse, &tau)
+        for i in 0..3 {
+            tau[i] += force[i];
+            tau[3 + i] += moment[i];
+        }
+        let mut nu_dot = mul6(&self.mass_inverse, &tau);
+        let turn = cross(omega, current);
+        for i in 0..3 {
+            nu_dot[i] -= turn[i];
+        }
+        nu_dot
     }
 }
 
 /// Adds the wrench of eight thrusts (N).
 #[inline(always)]
-fn add_wrench(wrench: &mut [f64; 6], columns: &[[f64; 6]; 8], thrust: &[f64; 8]) {
+pub(super) fn add_wrench(wrench: &mut [f64; 6], columns: &[[f64; 6]; 8], thrust: &[f64; 8]) {
     for (column, t) in columns.iter().zip(thrust) {
         for i in 0..6 {
             wrench[i] += column[i] * t;
@@ -197,27 +226,38 @@ fn add_wrench(wrench: &mut [f64; 6], columns: &[[f64; 6]; 8], thrust: &[f64; 8])
     }
 }
 
+/// `q' = 1/2 q (0, omega)`, and towards unit length.
 #[inline(always)]
-fn quaternion_rate([w, x, y, z]: [f64; 4], [p, q, r]: Vec3) -> [f64; 4] {
-    let stretch = 0.5 * NORM_RATE * (1.0 - (w * w + x * x + y * y + z * z));
+fn quaternion_rate(q: [f64; 4], omega: Vec3) -> [f64; 4] {
+    let (spin, stretch) = (half_product(q, omega), stretch_rate(q));
+    core::array::from_fn(|i| spin[i] + stretch * q[i])
+}
+
+/// `1/2 q (0, omega)`.
+#[inline(always)]
+pub(super) fn half_product([w, x, y, z]: [f64; 4], [p, q, r]: Vec3) -> [f64; 4] {
     [
-        0.5 * (-x * p - y * q - z * r) + stretch * w,
-        0.5 * (w * p + y * r - z * q) + stretch * x,
-        0.5 * (w * q + z * p - x * r) + stretch * y,
-        0.5 * (w * r + x * q - y * p) + stretch * z,
+        0.5 * (-x * p - y * q - z * r),
+        0.5 * (w * p + y * r - z * q),
+        0.5 * (w * q + z * p - x * r),
+        0.5 * (w * r + x * q - y * p),
     ]
 }
 
-/// `m a` of a symmetric matrix: summed by columns (its rows), which the compiler vectorises.
+/// Rate (1/s) at which the quaternion grows towards unit length.
 #[inline(always)]
-fn mul6(m: &[[f64; 6]; 6], a: &[f64; 6]) -> [f64; 6] {
-    let mut y = [0.0; 6];
-    for (column, x) in m.iter().zip(a) {
-        for i in 0..6 {
-            y[i] += column[i] * x;
-        }
-    }
-    y
+pub(super) fn stretch_rate([w, x, y, z]: [f64; 4]) -> f64 {
+    0.5 * NORM_RATE * (1.0 - (w * w + x * x + y * y + z * z))
+}
+
+/// `m a` of a symmetric matrix: summed by columns (its rows), which the compiler vectorises, and in
+/// two halves, because the linear and the angular part of `a` are known at different times.
+#[inline(always)]
+pub(super) fn mul6(m: &[[f64; 6]; 6], a: &[f64; 6]) -> [f64; 6] {
+    core::array::from_fn(|i| {
+        (m[0][i] * a[0] + m[1][i] * a[1] + m[2][i] * a[2])
+            + (m[3][i] * a[3] + m[4][i] * a[4] + m[5][i] * a[5])
+    })
 }
 
 fn inverse(m: &[[f64; 6]; 6]) -> Result<[[f64; 6]; 6], ParameterError> {
@@ -226,7 +266,5 @@ fn inverse(m: &[[f64; 6]; 6]) -> Result<[[f64; 6]; 6], ParameterError> {
         return Err(ParameterError::new("added_mass", format!("{m:?}"), reason));
     };
     let n = factor.inverse();
-    Ok(core::array::from_fn(|i| {
-        core::array::from_fn(|j| 0.5 * (n[(i, j)] + n[(j, i)]))
-    }))
+    Ok(core::array::from_fn(|i| core::array::from_fn(|j| 0.5 * (n[(i, j)] + n[(j, i)]))))
 }

@@ -14,34 +14,12 @@ impl Vehicle {
         let k3 = self.rate(&advanced(state, 0.5 * h, &k2), &drive);
         let k4 = self.rate(&advanced(state, h, &k3), &drive);
         let sixth = h / 6.0;
-        let weigh = |x: &mut [f64], k: [&[f64]; 4]| {
-            for (i, x) in x.iter_mut().enumerate() {
-                *x += sixth * (k[0][i] + 2.0 * (k[1][i] + k[2][i]) + k[3][i]);
-            }
-        };
-        weigh(
-            &mut state.p_ned,
-            [&k1.p_ned, &k2.p_ned, &k3.p_ned, &k4.p_ned],
-        );
-        weigh(
-            &mut state.quaternion,
-            [
-                &k1.quaternion,
-                &k2.quaternion,
-                &k3.quaternion,
-                &k4.quaternion,
-            ],
-        );
-        weigh(&mut state.nu, [&k1.nu, &k2.nu, &k3.nu, &k4.nu]);
-        weigh(
-            &mut state.rotor_speed,
-            [
-                &k1.rotor_speed,
-                &k2.rotor_speed,
-                &k3.rotor_speed,
-                &k4.rotor_speed,
-            ],
-        );
+        state.p_ned = weighed(&state.p_ned, sixth, [&k1, &k2, &k3, &k4].map(|k| &k.p_ned));
+        let k_q = [&k1, &k2, &k3, &k4].map(|k| &k.quaternion);
+        state.quaternion = weighed(&state.quaternion, sixth, k_q);
+        state.nu = weighed(&state.nu, sixth, [&k1, &k2, &k3, &k4].map(|k| &k.nu));
+        let k_rotor = [&k1, &k2, &k3, &k4].map(|k| &k.rotor_speed);
+        state.rotor_speed = weighed(&state.rotor_speed, sixth, k_rotor);
     }
 }
 
@@ -59,4 +37,11 @@ fn advanced(state: &State, h: f64, rate: &State) -> State {
 #[inline(always)]
 fn axpy<const N: usize>(x: &[f64; N], h: f64, k: &[f64; N]) -> [f64; N] {
     core::array::from_fn(|i| x[i] + h * k[i])
+}
+
+/// Summed from the first slope to the last, as an integrator does that adds them up as they come:
+/// the same bits as any classical Runge-Kutta over [`Vehicle::derivative`] in that order.
+#[inline(always)]
+fn weighed<const N: usize>(x: &[f64; N], sixth: f64, k: [&[f64; N]; 4]) -> [f64; N] {
+    core::array::from_fn(|i| x[i] + sixth * (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]))
 }

@@ -15,9 +15,11 @@ mod presets;
 mod propulsion;
 mod reduced;
 mod state;
+mod tangent;
 
-pub use dynamics::Vehicle;
+pub use dynamics::{Drive, Vehicle};
 pub use parameters::{Inertia, ParameterSet, Parameters};
 pub use propulsion::{Propulsion, Thruster, ThrusterMode};
 pub use reduced::ReducedModel;
 pub use state::{Inputs, Outputs, State};
+pub use tangent::Tangent;

@@ -34,11 +34,7 @@ impl Inertia {
     /// The symmetric matrix.
     #[must_use]
     pub fn matrix(&self) -> [[f64; 3]; 3] {
-        [
-            [self.xx, self.xy, self.xz],
-            [self.xy, self.yy, self.yz],
-            [self.xz, self.yz, self.zz],
-        ]
+        [[self.xx, self.xy, self.xz], [self.xy, self.yy, self.yz], [self.xz, self.yz, self.zz]]
     }
 
     pub(crate) fn check(&self) -> Result<(), ParameterError> {
@@ -50,11 +46,7 @@ impl Inertia {
         let m = self.matrix();
         if Matrix3::from_fn(|i, j| m[i][j]).cholesky().is_none() {
             let value = format!("{values:?} (xx, yy, zz, xy, xz, yz)");
-            return Err(ParameterError::new(
-                "inertia",
-                value,
-                "must be positive definite",
-            ));
+            return Err(ParameterError::new("inertia", value, "must be positive definite"));
         }
         Ok(())
     }
@@ -111,8 +103,7 @@ impl Parameters {
     /// Buoyancy as given or by eq (17) (N).
     #[must_use]
     pub fn buoyancy_force(&self) -> f64 {
-        self.buoyancy
-            .unwrap_or(self.density * self.gravity * self.volume)
+        self.buoyancy.unwrap_or(self.density * self.gravity * self.volume)
     }
 
     /// M = M_RB + M_A, eqs (8) and (12), with the added mass made exactly symmetric.
@@ -142,8 +133,7 @@ impl Parameters {
         positive("volume", self.volume)?;
         positive("density", self.density)?;
         non_negative("gravity", self.gravity)?;
-        self.buoyancy
-            .map_or(Ok(()), |b| non_negative("buoyancy", b))?;
+        self.buoyancy.map_or(Ok(()), |b| non_negative("buoyancy", b))?;
         each("centre_of_buoyancy", &self.centre_of_buoyancy, finite)?;
         each("linear_damping", &self.linear_damping, non_negative)?;
         each("quadratic_damping", &self.quadratic_damping, non_negative)?;

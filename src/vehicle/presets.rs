@@ -16,14 +16,8 @@ const ADDED_MASS: [[f64; 6]; 6] = [
 ];
 
 // The simulator gives the inertia in forward-left-up axes; xy and xz change sign in FRD.
-const INERTIA: Inertia = Inertia {
-    xx: 525.39,
-    yy: 794.20,
-    zz: 691.23,
-    xy: -1.44,
-    xz: -33.41,
-    yz: 2.6,
-};
+const INERTIA: Inertia =
+    Inertia { xx: 525.39, yy: 794.20, zz: 691.23, xy: -1.44, xz: -33.41, yz: 2.6 };
 
 pub(super) fn uuv() -> Parameters {
     Parameters {
@@ -45,17 +39,8 @@ pub(super) fn uuv_diagonal() -> Parameters {
     let diagonal = core::array::from_fn(|i| {
         core::array::from_fn(|j| if i == j { ADDED_MASS[i][i] } else { 0.0 })
     });
-    let inertia = Inertia {
-        xy: 0.0,
-        xz: 0.0,
-        yz: 0.0,
-        ..INERTIA
-    };
-    Parameters {
-        inertia,
-        added_mass: diagonal,
-        ..uuv()
-    }
+    let inertia = Inertia { xy: 0.0, xz: 0.0, yz: 0.0, ..INERTIA };
+    Parameters { inertia, added_mass: diagonal, ..uuv() }
 }
 
 pub(super) fn paper() -> Parameters {
@@ -69,13 +54,7 @@ pub(super) fn paper() -> Parameters {
 }
 
 const fn thruster(lx: f64, ly: f64, lz: f64, theta_deg: f64, psi_deg: f64) -> Thruster {
-    Thruster {
-        lx,
-        ly,
-        lz,
-        theta_deg,
-        psi_deg,
-    }
+    Thruster { lx, ly, lz, theta_deg, psi_deg }
 }
 
 /// Tables 3 and 4: four near-vertical, four horizontal at 45 degrees.

@@ -4,6 +4,7 @@
 //! in rad/s). Axis of a thruster `e = (cos th cos ps, cos th sin ps, -sin th)`, moment `r x e T`:
 //! eqs (31)-(34) of the paper, (33) and (34) mended.
 
+use super::Inputs;
 use crate::ParameterError;
 use crate::error::{finite, positive};
 use crate::vector::cross;
@@ -76,10 +77,22 @@ impl Propulsion {
         positive("rotor_time_constant", self.rotor_time_constant)?;
         positive("thrust_gain", self.thrust_gain)?;
         positive("thrust_limit", self.thrust_limit)?;
-        self.thrusters
-            .iter()
-            .enumerate()
-            .try_for_each(|(i, t)| t.check(i))
+        self.thrusters.iter().enumerate().try_for_each(|(i, t)| t.check(i))
+    }
+
+    /// The inputs that command the thrusters in this mode: forces (N) or rotor speeds (rad/s).
+    #[inline(always)]
+    pub(super) fn command<'a>(&self, inputs: &'a Inputs) -> &'a [f64; 8] {
+        match self.mode {
+            ThrusterMode::RotorSpeed => &inputs.thruster_speed,
+            ThrusterMode::ForceWithLag | ThrusterMode::Force => &inputs.thruster_force,
+        }
+    }
+
+    /// Commanded thrusts (N) within the limit.
+    #[inline(always)]
+    pub(super) fn clipped(&self, thrust: &[f64; 8]) -> [f64; 8] {
+        thrust.map(|f| f.clamp(-self.thrust_limit, self.thrust_limit))
     }
 
     /// Thrust at a rotor speed (rad/s), in N.

@@ -35,20 +35,12 @@ impl ReducedModel {
         let pick = |d: &[f64; 6]| [d[0], d[1], d[2], d[5]];
         let m = parameters.mass;
         Ok(Self {
-            inertia: [
-                m + a[0][0],
-                m + a[1][1],
-                m + a[2][2],
-                parameters.inertia.zz + a[5][5],
-            ],
+            inertia: [m + a[0][0], m + a[1][1], m + a[2][2], parameters.inertia.zz + a[5][5]],
             linear_damping: pick(&parameters.linear_damping),
             quadratic_damping: pick(&parameters.quadratic_damping),
             munk: a[1][1] - a[0][0],
             excess_weight: parameters.weight() - parameters.buoyancy_force(),
-            thruster_wrench: parameters
-                .propulsion
-                .thrusters
-                .map(|t| pick(&t.unit_wrench())),
+            thruster_wrench: parameters.propulsion.thrusters.map(|t| pick(&t.unit_wrench())),
         })
     }
 
@@ -57,12 +49,7 @@ impl ReducedModel {
     pub fn acceleration(&self, velocity: [f64; 4], thrust: &[f64; 8]) -> [f64; 4] {
         let [u, v, _, r] = velocity;
         let m = &self.inertia;
-        let mut force = [
-            m[1] * v * r,
-            -m[0] * u * r,
-            self.excess_weight,
-            -self.munk * u * v,
-        ];
+        let mut force = [m[1] * v * r, -m[0] * u * r, self.excess_weight, -self.munk * u * v];
         for (column, t) in self.thruster_wrench.iter().zip(thrust) {
             for i in 0..4 {
                 force[i] += column[i] * t;

@@ -19,12 +19,7 @@ impl State {
     /// At rest, rotors stopped, at a position and an attitude `[roll, pitch, yaw]` (rad).
     #[must_use]
     pub fn at_rest(p_ned: [f64; 3], euler: [f64; 3]) -> Self {
-        Self {
-            p_ned,
-            quaternion: attitude::from_euler(euler),
-            nu: [0.0; 6],
-            rotor_speed: [0.0; 8],
-        }
+        Self { p_ned, quaternion: attitude::from_euler(euler), nu: [0.0; 6], rotor_speed: [0.0; 8] }
     }
 }
 

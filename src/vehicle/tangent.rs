@@ -1,0 +1,281 @@
+//! Directional derivatives: how derivative and outputs change as state and inputs move in a given
+//! direction, to first order. By hand, so exact to rounding and as cheap as the model itself.
+//!
+//! With d the change along the direction and all else the values at the point (see
+//! [`super::dynamics`] for them):
+//!
+//! ```text
+//! dtheta    = 2 Im(q* dq) / |q|^2              body turned about its own axes: dR = R [dtheta x]
+//! d(R^T a)  = R^T a x dtheta + R^T da          serves the current c and the direction of gravity
+//! M dnu_r'  = dtau - dg - (D_l + 2 D_q |nu_r|) dnu_r
+//!             - [domega x p + omega x dp; domega x h + omega x dh + dv_r x p + v_r x dp]
+//! dnu'      = dnu_r' - [domega x c + omega x dc; 0]
+//! dp'       = R (dv + dtheta x v)
+//! dq'       = 1/2 dq (0, omega) + 1/2 q (0, domega) + s dq + ds q,    s = NORM_RATE (1 - |q|^2) / 2
+//! dT        = 2 gain |w| dw,    dw' = (dw_cmd - dw) / tau
+//! ```
+//! The Euler angles follow dtheta as they follow omega: Fossen (2011) eq (2.41), eq (4) of the paper.
+//!
+//! Where there is no derivative, the convention is:
+//! * a command at its limit counts as not clipped, beyond it as clipped (slope zero);
+//! * a force command of exactly zero in `ForceWithLag` has slope zero, not the infinite one of the
+//!   square root: one infinity would spoil every sum it enters, and the thrust, which is the square
+//!   of the rotor speed, does start with slope zero. Any other command, however small, has its slope;
+//! * at a pitch of exactly 90 degrees roll and yaw turn about one axis: d(yaw) and d(pitch) are zero.
+
+use super::dynamics::{NORM_RATE, add_wrench, half_product, mul6, stretch_rate};
+use super::{Inputs, Outputs, State, ThrusterMode, Vehicle};
+use crate::attitude;
+use crate::vector::{Vec3, add, angular, cross, linear, mul, mul_transposed, scale, sub};
+
+/// The vehicle linearised at a point: made once, it serves any number of directions.
+#[derive(Clone, Debug)]
+pub struct Tangent<'a> {
+    vehicle: &'a Vehicle,
+    state: &'a State,
+    inputs: &'a Inputs,
+    /// `2 / |q|^2`.
+    two_over_norm2: f64,
+    r_nb: [Vec3; 3],
+    /// Current and velocity relative to the water, body.
+    current: Vec3,
+    v_r: Vec3,
+    /// `[p; h] = M nu_r`.
+    momentum: [f64; 6],
+}
+
+/// What derivative and outputs have in common.
+struct Motion {
+    /// dtheta.
+    turn: Vec3,
+    thrust: [f64; 8],
+    nu_dot: [f64; 6],
+    v_ned: Vec3,
+}
+
+impl Vehicle {
+    /// Linearises derivative and outputs at a point.
+    #[must_use]
+    pub fn tangent<'a>(&'a self, state: &'a State, inputs: &'a Inputs) -> Tangent<'a> {
+        let r_nb = attitude::rotation(state.quaternion);
+        let omega = angular(&state.nu);
+        let current = mul_transposed(&r_nb, inputs.current_ned);
+        let v_r = sub(linear(&state.nu), current);
+        let nu_r = [v_r[0], v_r[1], v_r[2], omega[0], omega[1], omega[2]];
+        Tangent {
+            vehicle: self,
+            state,
+            inputs,
+            two_over_norm2: 2.0 / dot(state.quaternion, state.quaternion),
+            r_nb,
+            current,
+            v_r,
+            momentum: mul6(&self.mass, &nu_r),
+        }
+    }
+}
+
+impl Tangent<'_> {
+    /// Change of [`Vehicle::derivative`] along a direction.
+    #[must_use]
+    pub fn derivative(&self, d_state: &State, d_inputs: &Inputs) -> State {
+        self.d_derivative(d_state, d_inputs, &self.motion(d_state, d_inputs))
+    }
+
+    /// Change of [`Vehicle::outputs`] along a direction.
+    #[must_use]
+    pub fn outputs(&self, d_state: &State, d_inputs: &Inputs) -> Outputs {
+        self.d_outputs(d_state, self.motion(d_state, d_inputs))
+    }
+
+    /// Both at once, their common part worked out once: a column of the Jacobian where the
+    /// direction is an axis.
+    #[must_use]
+    pub fn along(&self, d_state: &State, d_inputs: &Inputs) -> (State, Outputs) {
+        let motion = self.motion(d_state, d_inputs);
+        (self.d_derivative(d_state, d_inputs, &motion), self.d_outputs(d_state, motion))
+    }
+
+    // Not inlined: three copies of it are no faster.
+    #[inline(never)]
+    fn motion(&self, d_state: &State, d_inputs: &Inputs) -> Motion {
+        let turn = self.turn(d_state.quaternion);
+        let thrust = self.thrust(d_state, d_inputs);
+        let d_current =
+            add(cross(self.current, turn), mul_transposed(&self.r_nb, d_inputs.current_ned));
+        let (v, omega) = (linear(&self.state.nu), angular(&self.state.nu));
+        let (d_v, d_omega) = (linear(&d_state.nu), angular(&d_state.nu));
+        let d_v_r = sub(d_v, d_current);
+        let d_nu_r = [d_v_r[0], d_v_r[1], d_v_r[2], d_omega[0], d_omega[1], d_omega[2]];
+
+        // An axis moves few of these: what does not move is not worked out.
+        let mut tau = d_inputs.wrench;
+        if moves(&thrust) {
+            add_wrench(&mut tau, &self.vehicle.thruster_wrench, &thrust);
+        }
+        if moves(&turn) {
+            self.add_restoring(&mut tau, turn);
+        }
+        if moves(&d_nu_r) {
+            self.add_hydrodynamics(&mut tau, &d_nu_r);
+        }
+        let mut nu_dot = mul6(&self.vehicle.mass_inverse, &tau);
+        let drift = add(cross(d_omega, self.current), cross(omega, d_current));
+        for i in 0..3 {
+            nu_dot[i] -= drift[i];
+        }
+        Motion { turn, thrust, nu_dot, v_ned: mul(&self.r_nb, add(d_v, cross(turn, v))) }
+    }
+
+    /// dtheta: the rotation about body axes that a change of the quaternion means; a change of its
+    /// length means none.
+    #[inline(always)]
+    fn turn(&self, d_q: [f64; 4]) -> Vec3 {
+        let q = self.state.quaternion;
+        let (axis, d_axis) = ([q[1], q[2], q[3]], [d_q[1], d_q[2], d_q[3]]);
+        let across = add(scale(axis, d_q[0]), cross(axis, d_axis));
+        scale(sub(scale(d_axis, q[0]), across), self.two_over_norm2)
+    }
+
+    /// Change of `q / |q|`.
+    #[inline(always)]
+    fn d_normalised(&self, d_q: [f64; 4]) -> [f64; 4] {
+        let (q, over_norm2) = (self.state.quaternion, 0.5 * self.two_over_norm2);
+        let (over_norm, along) = (over_norm2.sqrt(), dot(q, d_q) * over_norm2);
+        core::array::from_fn(|i| (d_q[i] - along * q[i]) * over_norm)
+    }
+
+    /// Weight and buoyancy.
+    #[inline(always)]
+    fn add_restoring(&self, tau: &mut [f64; 6], turn: Vec3) {
+        let d_down = cross(self.r_nb[2], turn);
+        let d_moment = cross(d_down, self.vehicle.buoyant_moment);
+        for i in 0..3 {
+            tau[i] += self.vehicle.excess_weight * d_down[i];
+            tau[3 + i] += d_moment[i];
+        }
+    }
+
+    /// Coriolis forces of body and added mass, damping.
+    #[inline(always)]
+    fn add_hydrodynamics(&self, tau: &mut [f64; 6], d_nu_r: &[f64; 6]) {
+        let (vehicle, v_r, omega) = (self.vehicle, self.v_r, angular(&self.state.nu));
+        let (p, h) = (linear(&self.momentum), angular(&self.momentum));
+        let (d_v_r, d_omega) = (linear(d_nu_r), angular(d_nu_r));
+        let d_momentum = mul6(&vehicle.mass, d_nu_r);
+        let (d_p, d_h) = (linear(&d_momentum), angular(&d_momentum));
+        let coriolis = add(cross(d_omega, p), cross(omega, d_p));
+        let spin = add(cross(d_omega, h), cross(omega, d_h));
+        let munk = add(cross(d_v_r, p), cross(v_r, d_p));
+        let nu_r = [v_r[0], v_r[1], v_r[2], omega[0], omega[1], omega[2]];
+        for i in 0..6 {
+            let slope = 2.0 * vehicle.quadratic_damping[i] * nu_r[i].abs();
+            tau[i] -= (vehicle.linear_damping[i] + slope) * d_nu_r[i];
+        }
+        for i in 0..3 {
+            tau[i] -= coriolis[i];
+            tau[3 + i] -= spin[i] + munk[i];
+        }
+    }
+
+    /// Change of the thrusts.
+    #[inline(always)]
+    fn thrust(&self, d_state: &State, d_inputs: &Inputs) -> [f64; 8] {
+        let (p, s, d_s) = (&self.vehicle.propulsion, &self.state.rotor_speed, &d_state.rotor_speed);
+        match p.mode {
+            ThrusterMode::Force => {
+                let (command, d_command) = (p.command(self.inputs), p.command(d_inputs));
+                core::array::from_fn(|i| within(command[i], p.thrust_limit) * d_command[i])
+            }
+            _ => core::array::from_fn(|i| 2.0 * p.thrust_gain * s[i].abs() * d_s[i]),
+        }
+    }
+
+    /// Change of the speeds that the rotors tend to.
+    #[inline(always)]
+    fn rotor_target(&self, d_inputs: &Inputs) -> [f64; 8] {
+        let p = &self.vehicle.propulsion;
+        let (command, d_command) = (p.command(self.inputs), p.command(d_inputs));
+        if p.mode == ThrusterMode::Force || !moves(d_command) {
+            return [0.0; 8];
+        }
+        if p.mode == ThrusterMode::RotorSpeed {
+            let fastest = p.speed(p.thrust_limit);
+            return core::array::from_fn(|i| within(command[i], fastest) * d_command[i]);
+        }
+        core::array::from_fn(|i| {
+            let slope = inverse(2.0 * (p.thrust_gain * command[i].abs()).sqrt());
+            within(command[i], p.thrust_limit) * slope * d_command[i]
+        })
+    }
+
+    #[inline(always)]
+    fn d_derivative(&self, d_state: &State, d_inputs: &Inputs, motion: &Motion) -> State {
+        let (q, d_q) = (self.state.quaternion, d_state.quaternion);
+        let turned = half_product(d_q, angular(&self.state.nu));
+        let faster = half_product(q, angular(&d_state.nu));
+        let (stretch, d_stretch) = (stretch_rate(q), -NORM_RATE * dot(q, d_q));
+        let (d_target, d_speed) = (self.rotor_target(d_inputs), &d_state.rotor_speed);
+        let rate = self.vehicle.rotor_rate();
+        State {
+            p_ned: motion.v_ned,
+            quaternion: core::array::from_fn(|i| {
+                turned[i] + faster[i] + stretch * d_q[i] + d_stretch * q[i]
+            }),
+            nu: motion.nu_dot,
+            rotor_speed: core::array::from_fn(|i| (d_target[i] - d_speed[i]) * rate),
+        }
+    }
+
+    #[inline(always)]
+    fn d_outputs(&self, d_state: &State, motion: Motion) -> Outputs {
+        let (v, omega) = (linear(&self.state.nu), angular(&self.state.nu));
+        let down = self.r_nb[2];
+        let d_gravity_body = scale(cross(down, motion.turn), self.vehicle.gravity);
+        let (d_v, d_omega) = (linear(&d_state.nu), angular(&d_state.nu));
+        let centripetal = add(cross(d_omega, v), cross(omega, d_v));
+        Outputs {
+            p_ned: d_state.p_ned,
+            euler: euler_rate(down, motion.turn),
+            quaternion: self.d_normalised(d_state.quaternion),
+            nu: d_state.nu,
+            nu_dot: motion.nu_dot,
+            v_ned: motion.v_ned,
+            specific_force: sub(add(linear(&motion.nu_dot), centripetal), d_gravity_body),
+            thrust: motion.thrust,
+        }
+    }
+}
+
+/// Change of roll, pitch and yaw as the body turns about its own axes; `down` is the third row of
+/// R, `[-sin(pitch), cos(pitch) sin(roll), cos(pitch) cos(roll)]`.
+#[inline(always)]
+fn euler_rate(down: Vec3, turn: Vec3) -> Vec3 {
+    let over_cos2 = inverse(down[1] * down[1] + down[2] * down[2]);
+    let yaw = (down[1] * turn[1] + down[2] * turn[2]) * over_cos2;
+    let pitch = (down[2] * turn[1] - down[1] * turn[2]) * over_cos2.sqrt();
+    [turn[0] - down[0] * yaw, pitch, yaw]
+}
+
+#[inline(always)]
+fn dot(a: [f64; 4], b: [f64; 4]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
+}
+
+#[inline(always)]
+fn moves(direction: &[f64]) -> bool {
+    direction.iter().any(|d| *d != 0.0)
+}
+
+/// Slope of clipping at a limit.
+#[inline(always)]
+fn within(command: f64, limit: f64) -> f64 {
+    if command.abs() <= limit { 1.0 } else { 0.0 }
+}
+
+/// 1/x, and zero where that is infinite.
+#[inline(always)]
+fn inverse(x: f64) -> f64 {
+    let inverse = 1.0 / x;
+    if inverse.is_finite() { inverse } else { 0.0 }
+}
