@@ -44,15 +44,14 @@ struct Sensors {
 
 impl Sensors {
     fn new(seed: u64, fix_sigma: f64) -> Self {
-        // Turn-on biases below the nominal 0.196 and 0.0087, and a DVL noisier than the
+        // A turn-on bias of the accelerometers below the nominal 0.196, and a DVL noisier than the
         // simulator's 0.001. The paper gives neither; these were chosen, as was the filter's
         // guard_speed, for the levels of its tables.
         let mut imu = ImuParameters {
             seed: 4 * seed,
             ..Default::default()
         };
-        imu.accelerometer.turn_on_sigma = 0.13;
-        imu.gyro.turn_on_sigma = 0.006;
+        imu.accelerometer.turn_on_sigma = 0.1;
         let imu = Imu::new(&imu).unwrap();
         let dvl = Dvl::new(&DvlParameters {
             seed: 4 * seed + 1,

@@ -52,6 +52,8 @@ pub(crate) struct Spread {
     pub(crate) median: f64,
     pub(crate) low: f64,
     pub(crate) high: f64,
+    /// 95 % confidence interval of the median of all possible seeds.
+    pub(crate) median_interval: [f64; 2],
 }
 
 impl Spread {
@@ -59,8 +61,18 @@ impl Spread {
     pub(crate) fn of(runs: &[Metrics], measure: fn(&Metrics) -> f64) -> Self {
         let values: Vec<f64> = runs.iter().map(measure).collect();
         let [low, median, high] = [0.05, 0.5, 0.95].map(|p| quantile(&values, p));
-        Spread { median, low, high }
+        Spread { median, low, high, median_interval: median_interval(values) }
     }
+}
+
+/// Distribution-free 95 % interval of the median: order statistics `(n -+ 1.96 sqrt(n)) / 2`
+/// (normal approximation of the binomial); with few values all of their range.
+fn median_interval(mut values: Vec<f64>) -> [f64; 2] {
+    values.sort_by(f64::total_cmp);
+    let n = values.len() as f64;
+    let below = (0.5 * (n - 1.96 * n.sqrt())).floor().max(0.0) as usize;
+    let ends = [values.get(below), values.iter().rev().nth(below)];
+    ends.map(|end| end.copied().unwrap_or(f64::NAN))
 }
 
 #[cfg(test)]
@@ -106,5 +118,8 @@ mod tests {
         let runs: Vec<Metrics> = (0..=100).map(|i| run(f64::from(i))).collect();
         let spread = Spread::of(&runs, |m| m.total);
         assert_eq!((spread.low, spread.median, spread.high), (5.0, 50.0, 95.0));
+        // Of 101 values the 41st from either end.
+        assert_eq!(spread.median_interval, [40.0, 60.0]);
+        assert_eq!(Spread::of(&runs[..2], |m| m.total).median_interval, [0.0, 1.0]);
     }
 }

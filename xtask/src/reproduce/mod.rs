@@ -29,15 +29,16 @@ use crate::paths;
 /// Options of `reproduce`.
 #[derive(clap::Args)]
 pub(crate) struct Options {
-    /// Seeds of every course and filter.
-    #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..))]
+    /// Seeds of every course and filter; from few of them a median is not known well enough for
+    /// a verdict.
+    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..))]
     seeds: u32,
     /// Runs at the same time [default: one a core].
     #[arg(long)]
     threads: Option<usize>,
 }
 
-/// Runs the experiment; an error if a run fails or goal G1 is missed.
+/// Runs the experiment; an error if a run fails or a goal of G1 is clearly missed.
 pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     let threads =
         options.threads.unwrap_or_else(|| available_parallelism().map_or(1, NonZero::get));
@@ -69,13 +70,16 @@ fn print(campaign: &Campaign, verdicts: &[Verdict]) {
 
 /// An error that names the goals missed and the runs that did not arrive.
 fn conclude(campaign: &Campaign, verdicts: &[Verdict]) -> anyhow::Result<()> {
-    let missed = verdicts.iter().filter(|v| !v.is_reached());
+    let missed = verdicts.iter().filter(|v| v.is_missed());
     let missed: Vec<String> =
         missed.map(|v| format!("{} is {}, goal {}", v.what, v.value(), v.bounds())).collect();
     let lost: Vec<String> =
         campaign.unfinished().map(|case| format!("not finished: {case}")).collect();
     if missed.is_empty() && lost.is_empty() {
-        println!("G1 reached; every run finished its course.");
+        match verdicts.iter().filter(|v| !v.is_reached()).count() {
+            0 => println!("G1 reached; every run finished its course."),
+            open => println!("{open} goals open for want of seeds; every run finished."),
+        }
         return Ok(());
     }
     bail!("goal G1 is missed:\n  {}", [missed, lost].concat().join("\n  "))

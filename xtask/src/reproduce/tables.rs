@@ -69,7 +69,7 @@ pub(crate) fn goals(verdicts: &[Verdict]) -> Table {
     let mut table = Table::new("Goal G1", &["quantity (median)", "value", "goal", "verdict"]);
     for verdict in verdicts {
         let cells = [verdict.what.clone(), verdict.value(), verdict.bounds()];
-        table.push(cells.into_iter().chain([verdict.word().to_string()]));
+        table.push(cells.into_iter().chain([verdict.word()]));
     }
     table
 }
