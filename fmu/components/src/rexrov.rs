@@ -247,6 +247,11 @@ impl Component for RexRov {
         self.vehicle.derivative(&x.into(), &u.into()).into()
     }
 
+    fn held_derivatives(&self, (): &(), u: &Inputs) -> impl Fn(f64, &States) -> States {
+        let drive = self.vehicle.drive(&u.into());
+        move |_, x| self.vehicle.rate(&x.into(), &drive).into()
+    }
+
     fn outputs(&self, _: f64, (): &(), x: &States, u: &Inputs) -> Outputs {
         let y = self.vehicle.outputs(&x.into(), &u.into());
         let ([x, y_east, z], [roll, pitch, yaw]) = (y.p_ned, y.euler);

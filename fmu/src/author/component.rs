@@ -88,6 +88,19 @@ pub trait Component: Sized + Send + 'static {
         Self::States::default()
     }
 
+    /// [`derivatives`](Component::derivatives) as a function of time and states while memory and
+    /// inputs are held, for the stages of an integration step.
+    ///
+    /// Override it where part of the work depends on the inputs alone and need not be done again
+    /// for each stage; it must give the same bits.
+    fn held_derivatives(
+        &self,
+        memory: &Self::Memory,
+        inputs: &Self::Inputs,
+    ) -> impl Fn(f64, &Self::States) -> Self::States {
+        move |t, states| self.derivatives(t, memory, states, inputs)
+    }
+
     /// The outputs at time `t` in seconds.
     fn outputs(
         &self,

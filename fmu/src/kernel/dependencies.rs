@@ -5,9 +5,15 @@
 //! is moved, and whatever differs in any bit depends on it. For outputs and derivatives the
 //! quantities are inputs and states; a sampled component first handles some events with inputs
 //! that wander, and the moved input is there at the last one. For initial values the quantities
-//! are parameters and inputs. What cannot be tried is listed as a dependency: texts, parameters
-//! whose every move is refused, and all inputs for a sampled output that never moved (it may only
-//! do so after more events than were tried).
+//! are parameters and inputs. What cannot be tried is listed as a dependency: texts, and parameters
+//! whose every move is refused.
+//!
+//! A sampled component computes all outputs together at the sample, and some of its branches are
+//! rare: the last point of a course is reached once in a long run. Random trials see that an
+//! input matters, but not that it matters to each output. So what moves any output counts as a
+//! known of every output; what never moves anything (an input there for the sake of a common
+//! interface) is none. If nothing moved any output, all inputs are knowns: something may after
+//! more events than were tried.
 //!
 //! Only the generator of modelDescription.xml runs this; instances never do.
 
@@ -48,7 +54,7 @@ pub(crate) fn probe<C: Component>(table: &Table) -> Result<Dependencies, String>
         probe.point(point);
     }
     if C::INFO.sampled {
-        probe.assume_the_worst_of_outputs();
+        probe.share_among_outputs();
     }
     probe.finish()
 }
@@ -233,20 +239,19 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
         Some(values)
     }
 
-    /// Outputs that seem to depend on nothing depend on all inputs.
-    fn assume_the_worst_of_outputs(&mut self) {
-        let inputs: BTreeSet<_> = self
-            .table
-            .group(Group::Input)
-            .map(|(index, _)| index)
-            .collect();
-        for knowns in self
-            .found
-            .outputs
-            .values_mut()
-            .filter(|knowns| knowns.is_empty())
-        {
-            knowns.clone_from(&inputs);
+    /// What one output of a sampled component depends on, all may depend on.
+    fn share_among_outputs(&mut self) {
+        let inputs = || self.table.group(Group::Input).map(|(index, _)| index);
+        let outputs: Vec<usize> = self.found.outputs.keys().copied().collect();
+        for unknowns in [&mut self.found.outputs, &mut self.found.initial] {
+            let knowns = outputs.iter().filter_map(|output| unknowns.get(output));
+            let mut all: BTreeSet<usize> = knowns.flatten().copied().collect();
+            if all.is_empty() {
+                all.extend(inputs());
+            }
+            for output in &outputs {
+                unknowns.insert(*output, all.clone());
+            }
         }
     }
 

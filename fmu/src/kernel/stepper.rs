@@ -64,27 +64,31 @@ impl<C: Component> Stepper<'_, C> {
             (h / C::INFO.integrator_step_s - SLACK).ceil()
         };
         let step = if single { h } else { h / steps };
+        let f = self.component.held_derivatives(self.memory, self.inputs);
         for k in 0..steps as u64 {
-            self.runge_kutta(x, t + k as f64 * step, step);
+            runge_kutta::<C>(&f, x, t + k as f64 * step, step);
         }
     }
+}
 
-    /// One step of the classical Runge-Kutta method.
-    #[inline]
-    fn runge_kutta(&self, x: &mut C::States, t: f64, h: f64) {
-        let f = |t: f64, x: &C::States| self.component.derivatives(t, self.memory, x, self.inputs);
-        let along = |k: &C::States, h: f64| moved::<C>(x, k, h);
-        let half = 0.5 * h;
-        let k1 = f(t, x);
-        let k2 = f(t + half, &along(&k1, half));
-        let k3 = f(t + half, &along(&k2, half));
-        let k4 = f(t + h, &along(&k3, h));
-        let mut slope = k1;
-        add::<C>(&mut slope, &k2, 2.0);
-        add::<C>(&mut slope, &k3, 2.0);
-        add::<C>(&mut slope, &k4, 1.0);
-        add::<C>(x, &slope, h / 6.0);
-    }
+/// One step of the classical Runge-Kutta method.
+#[inline]
+fn runge_kutta<C: Component>(
+    f: &impl Fn(f64, &C::States) -> C::States,
+    x: &mut C::States,
+    t: f64,
+    h: f64,
+) {
+    let half = 0.5 * h;
+    let k1 = f(t, x);
+    let k2 = f(t + half, &moved::<C>(x, &k1, half));
+    let k3 = f(t + half, &moved::<C>(x, &k2, half));
+    let k4 = f(t + h, &moved::<C>(x, &k3, h));
+    let mut slope = k1;
+    add::<C>(&mut slope, &k2, 2.0);
+    add::<C>(&mut slope, &k3, 2.0);
+    add::<C>(&mut slope, &k4, 1.0);
+    add::<C>(x, &slope, h / 6.0);
 }
 
 const fn x_is_empty<C: Component>() -> bool {

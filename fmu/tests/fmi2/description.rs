@@ -50,13 +50,15 @@ fn feed_through_is_found_where_it_is_and_only_there() {
     );
 }
 
+/// All are computed at the same sample; `count` itself only follows `enabled`.
 #[test]
-fn a_sampled_output_depends_on_the_input_of_its_last_sample() {
-    assert_eq!(
-        dependencies("Noise", "Outputs", "value"),
-        ["signal", "enabled"]
-    );
-    assert_eq!(dependencies("Noise", "Outputs", "count"), ["enabled"]);
+fn sampled_outputs_share_the_inputs_that_move_any_of_them() {
+    for output in ["value", "count", "stamp"] {
+        assert_eq!(
+            dependencies("Noise", "Outputs", output),
+            ["signal", "enabled"]
+        );
+    }
 }
 
 /// It may move after more events than anyone tried.
