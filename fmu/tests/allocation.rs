@@ -44,10 +44,8 @@ static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn set_step_and_get_do_not_allocate() {
-    for (name, input, output) in [
-        ("Spring", "force", "acceleration"),
-        ("Noise", "signal", "value"),
-    ] {
+    for (name, input, output) in [("Spring", "force", "acceleration"), ("Noise", "signal", "value")]
+    {
         let mut fmu = Fmu::started(name, CS);
         let (input, output) = (fmu.reference(input), fmu.reference(output));
         let before = ALLOCATIONS.get();

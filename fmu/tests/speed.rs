@@ -80,10 +80,7 @@ impl Component for Chain {
             let m = s.mass[i];
             let force = if i < 10 { u.force[i] } else { 0.0 };
             let drag = m.v * (0.1 + 0.2 * m.v.abs()) + (m.v * m.v + 1.0).sqrt() - 1.0;
-            slope.mass[i] = Mass {
-                x: m.v,
-                v: force + 4.0 * (left + right - 2.0 * m.x) - drag,
-            };
+            slope.mass[i] = Mass { x: m.v, v: force + 4.0 * (left + right - 2.0 * m.x) - drag };
         }
         slope
     }
@@ -142,7 +139,7 @@ fn overhead() {
         assert_eq!(fmu.step(t, h), Status::Ok);
         t += h;
     });
-    let vr: [u32; 10] = std::array::from_fn(|i| i as u32);
+    let vr: [u32; 10] = std::array::from_fn(|i| fmu.reference(&format!("force[{i}]")));
     let mut values = [0.1; 10];
     let c = fmu.c;
     let set = nanoseconds(|_| unsafe {
@@ -165,8 +162,5 @@ fn overhead() {
         black_box(plain(&mut x, black_box(&u), t, h));
         t += h;
     });
-    println!(
-        "doStep {step:.1} ns, plain {bare:.1} ns, ratio {:.3}",
-        step / bare
-    );
+    println!("doStep {step:.1} ns, plain {bare:.1} ns, ratio {:.3}", step / bare);
 }

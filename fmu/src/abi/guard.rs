@@ -5,7 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::kernel::{Call, Instance, Status};
 
-use super::handles;
+use super::handles::{INSTANCES, Live};
 use super::types::{fmi2Component, fmi2Status};
 
 /// Runs `work` on the instance behind a handle.
@@ -17,13 +17,22 @@ pub(super) fn call(
     call: Call,
     work: impl FnOnce(&mut Instance) -> Status,
 ) -> fmi2Status {
-    handles::with(component, |instance| {
-        match catch_unwind(AssertUnwindSafe(|| work(instance))) {
+    call_live(component, call, |live| work(&mut live.instance))
+}
+
+/// The same for functions that also deal with saved states.
+#[inline]
+pub(super) fn call_live(
+    component: fmi2Component,
+    call: Call,
+    work: impl FnOnce(&mut Live) -> Status,
+) -> fmi2Status {
+    INSTANCES
+        .with(component, |live| match catch_unwind(AssertUnwindSafe(|| work(live))) {
             Ok(status) => status,
-            Err(payload) => panicked(instance, call, &*payload),
-        }
-    })
-    .unwrap_or(Status::Error)
+            Err(payload) => panicked(&mut live.instance, call, &*payload),
+        })
+        .unwrap_or(Status::Error)
 }
 
 #[cold]

@@ -25,12 +25,7 @@ pub struct Count {
 
 impl Count {
     /// Nothing.
-    pub const NONE: Self = Self {
-        reals: 0,
-        integers: 0,
-        booleans: 0,
-        strings: 0,
-    };
+    pub const NONE: Self = Self { reals: 0, integers: 0, booleans: 0, strings: 0 };
 
     /// Both together.
     #[must_use]
@@ -133,16 +128,10 @@ fn put<T>(rest: &mut &mut [T], value: T) {
 macro_rules! leaf {
     ($type:ty, $kind:ident, $list:ident, $load:expr, $store:expr) => {
         impl Variables for $type {
-            const COUNT: Count = Count {
-                $list: 1,
-                ..Count::NONE
-            };
+            const COUNT: Count = Count { $list: 1, ..Count::NONE };
 
             fn declare(&self, at: &Field, into: &mut Declarations) {
-                into.push(Declaration {
-                    field: at.clone(),
-                    start: Start::$kind(self.clone()),
-                });
+                into.push(Declaration { field: at.clone(), start: Start::$kind(self.clone()) });
             }
 
             #[inline]
@@ -162,9 +151,7 @@ macro_rules! leaf {
 }
 
 leaf!(i32, Integer, integers, |value| *value, |value: &i32| *value);
-leaf!(bool, Boolean, booleans, |value| *value, |value: &bool| {
-    *value
-});
+leaf!(bool, Boolean, booleans, |value| *value, |value: &bool| { *value });
 leaf!(
     String,
     String,
@@ -180,16 +167,10 @@ fn terminated(text: &str) -> CString {
 }
 
 impl Variables for f64 {
-    const COUNT: Count = Count {
-        reals: 1,
-        ..Count::NONE
-    };
+    const COUNT: Count = Count { reals: 1, ..Count::NONE };
 
     fn declare(&self, at: &Field, into: &mut Declarations) {
-        into.push(Declaration {
-            field: at.clone(),
-            start: Start::Real(*self),
-        });
+        into.push(Declaration { field: at.clone(), start: Start::Real(*self) });
     }
 
     #[inline]

@@ -44,12 +44,8 @@ pub(crate) struct Dependencies {
 
 /// Probes a component.
 pub(crate) fn probe<C: Component>(table: &Table) -> Result<Dependencies, String> {
-    let mut probe = Probe::new(table, || {
-        Box::new(ComponentModel::<C>::new(
-            table.layout().clone(),
-            Resources::none(),
-        ))
-    });
+    let mut probe =
+        Probe::new(table, || Box::new(ComponentModel::<C>::new(table, Resources::none())));
     for point in 0..POINTS {
         probe.point(point);
     }
@@ -88,14 +84,7 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
             derivatives: none(&[Group::Derivative]),
             initial: none(&[Group::Output, Group::State, Group::Derivative]),
         };
-        Self {
-            table,
-            model,
-            found,
-            moved: BTreeSet::new(),
-            refusal: None,
-            accepted: 0,
-        }
+        Self { table, model, found, moved: BTreeSet::new(), refusal: None, accepted: 0 }
     }
 
     /// Tries everything at one random point.
@@ -114,13 +103,7 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
             }
         }
         self.initial(&values, point);
-        self.running(
-            &values,
-            Experiment {
-                events: point % (EVENTS + 1),
-                seed: point,
-            },
-        );
+        self.running(&values, Experiment { events: point % (EVENTS + 1), seed: point });
     }
 
     /// Moves parameters and inputs before the start.
@@ -156,13 +139,7 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
             }
             if let Some(there) = self.run(values, experiment, Some(variable)) {
                 note(self.table, &mut self.found.outputs, index, &base, &there);
-                note(
-                    self.table,
-                    &mut self.found.derivatives,
-                    index,
-                    &base,
-                    &there,
-                );
+                note(self.table, &mut self.found.derivatives, index, &base, &there);
             }
         }
     }
@@ -177,7 +154,7 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
 
     fn configured(&mut self, values: &mut Values) -> Option<Box<dyn Model>> {
         let mut model = (self.model)();
-        if let Err(refusal) = model.configure(values, &self.explicit(values)) {
+        if let Err(refusal) = model.configure(values, &self.explicit(values), None) {
             self.refusal.get_or_insert_with(|| refusal.to_string());
             return None;
         }
@@ -223,7 +200,7 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
                 break;
             };
             now = next;
-            model.events(now, &mut values).ok()?;
+            model.events(now.seconds(), &mut values).ok()?;
         }
         for (_, state) in self.table.group(Group::State) {
             shift(state, &mut values, &mut random);
@@ -233,7 +210,7 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
         }
         if let Some(next) = model.next_event() {
             now = next;
-            model.events(now, &mut values).ok()?;
+            model.events(now.seconds(), &mut values).ok()?;
         }
         evaluate(&*model, now.seconds(), &mut values);
         Some(values)
@@ -290,11 +267,7 @@ fn note(
             continue;
         };
         let bits = |values: &Values| {
-            values
-                .reals
-                .get(variable.reference as usize)
-                .copied()
-                .map(f64::to_bits)
+            values.reals.get(variable.reference as usize).copied().map(f64::to_bits)
         };
         if bits(before) != bits(after) {
             knowns.insert(known);
@@ -324,22 +297,14 @@ fn shift(variable: &Variable, values: &mut Values, random: &mut Random) -> bool 
 }
 
 fn set<T>(values: &mut [T], reference: usize, value: T) -> bool {
-    values
-        .get_mut(reference)
-        .map(|place| *place = value)
-        .is_some()
+    values.get_mut(reference).map(|place| *place = value).is_some()
 }
 
 /// A value near the start, at a bound, or of the nominal size times a power of ten, within the
 /// bounds. Inputs go furthest, so that saturated and far-off regions are seen as well as others.
 fn real(variable: &Variable, start: f64, random: &mut Random) -> f64 {
-    let (min, max) = (
-        variable.min.unwrap_or(f64::MIN),
-        variable.max.unwrap_or(f64::MAX),
-    );
-    let scale = variable
-        .nominal
-        .unwrap_or(if start == 0.0 { 1.0 } else { start.abs() });
+    let (min, max) = (variable.min.unwrap_or(f64::MIN), variable.max.unwrap_or(f64::MAX));
+    let scale = variable.nominal.unwrap_or(if start == 0.0 { 1.0 } else { start.abs() });
     let powers = match variable.group {
         Group::Input => 4,
         Group::State => 2,
