@@ -252,6 +252,7 @@ impl Component for RexRov {
         move |_, x| self.vehicle.rate(&x.into(), &drive).into()
     }
 
+    #[inline]
     fn outputs(&self, _: f64, (): &(), x: &States, u: &Inputs) -> Outputs {
         let y = self.vehicle.outputs(&x.into(), &u.into());
         let ([x, y_east, z], [roll, pitch, yaw]) = (y.p_ned, y.euler);

@@ -27,12 +27,32 @@ pub(super) fn call_live(
     call: Call,
     work: impl FnOnce(&mut Live) -> Status,
 ) -> fmi2Status {
-    INSTANCES
-        .with(component, |live| match catch_unwind(AssertUnwindSafe(|| work(live))) {
-            Ok(status) => status,
-            Err(payload) => panicked(&mut live.instance, call, &*payload),
-        })
-        .unwrap_or(Status::Error)
+    INSTANCES.with(component, |live| guarded(live, call, work)).unwrap_or(Status::Error)
+}
+
+/// Tries the `simple` way first, which must not be able to panic, and then the guarded one.
+#[inline]
+pub(super) fn call_first(
+    component: fmi2Component,
+    call: Call,
+    simple: impl FnOnce(&mut Instance) -> bool,
+    work: impl FnOnce(&mut Instance) -> Status,
+) -> fmi2Status {
+    let done = INSTANCES.with(component, |live| {
+        if simple(&mut live.instance) {
+            return Status::Ok;
+        }
+        guarded(live, call, |live| work(&mut live.instance))
+    });
+    done.unwrap_or(Status::Error)
+}
+
+#[inline]
+fn guarded(live: &mut Live, call: Call, work: impl FnOnce(&mut Live) -> Status) -> Status {
+    match catch_unwind(AssertUnwindSafe(|| work(live))) {
+        Ok(status) => status,
+        Err(payload) => panicked(&mut live.instance, call, &*payload),
+    }
 }
 
 #[cold]

@@ -108,7 +108,7 @@ pub trait Variables: Sized {
 }
 
 /// The next element of what is left, or the default.
-#[inline]
+#[inline(always)]
 fn take<'a, T>(rest: &mut &'a [T]) -> Option<&'a T> {
     let (first, tail) = rest.split_first()?;
     *rest = tail;
@@ -116,7 +116,7 @@ fn take<'a, T>(rest: &mut &'a [T]) -> Option<&'a T> {
 }
 
 /// Puts `value` into the next place, if there is one left.
-#[inline]
+#[inline(always)]
 fn put<T>(rest: &mut &mut [T], value: T) {
     if let Some((first, tail)) = std::mem::take(rest).split_first_mut() {
         *first = value;
@@ -173,17 +173,17 @@ impl Variables for f64 {
         into.push(Declaration { field: at.clone(), start: Start::Real(*self) });
     }
 
-    #[inline]
+    #[inline(always)]
     fn load(from: &mut Reader<'_>) -> Self {
         take(&mut from.reals).copied().unwrap_or_default()
     }
 
-    #[inline]
+    #[inline(always)]
     fn store(&self, into: &mut Writer<'_>) {
         put(&mut into.reals, *self);
     }
 
-    #[inline]
+    #[inline(always)]
     fn zip_reals(&mut self, other: &Self, f: &mut impl FnMut(&mut f64, f64)) {
         f(self, *other);
     }
@@ -195,13 +195,13 @@ impl Variables for () {
 
     fn declare(&self, _: &Field, _: &mut Declarations) {}
 
-    #[inline]
+    #[inline(always)]
     fn load(_: &mut Reader<'_>) -> Self {}
 
-    #[inline]
+    #[inline(always)]
     fn store(&self, _: &mut Writer<'_>) {}
 
-    #[inline]
+    #[inline(always)]
     fn zip_reals(&mut self, _: &Self, _: &mut impl FnMut(&mut f64, f64)) {}
 }
 
@@ -214,19 +214,19 @@ impl<T: Variables, const N: usize> Variables for [T; N] {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn load(from: &mut Reader<'_>) -> Self {
         from_fn(|_| T::load(from))
     }
 
-    #[inline]
+    #[inline(always)]
     fn store(&self, into: &mut Writer<'_>) {
         for element in self {
             element.store(into);
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn zip_reals(&mut self, other: &Self, f: &mut impl FnMut(&mut f64, f64)) {
         for (own, theirs) in self.iter_mut().zip(other) {
             own.zip_reals(theirs, f);

@@ -13,8 +13,37 @@ use super::table::{Group, Kind, Variable};
 use super::values::all_finite;
 
 impl Instance {
-    /// `fmi2GetReal`
+    /// `fmi2GetReal` of values that need no computing; false if it is not so simple.
+    ///
+    /// No code of a component runs here.
     #[inline]
+    pub fn get_fresh(&self, references: &[u32], into: &mut [f64]) -> bool {
+        let Some(fresh) = self.values.reals.get(..self.fresh_reals()) else {
+            return false;
+        };
+        for (reference, place) in references.iter().zip(into) {
+            match fresh.get(*reference as usize) {
+                Some(value) => *place = *value,
+                None => return false,
+            }
+        }
+        true
+    }
+
+    /// How many of the Reals, counted from the first, are up to date.
+    #[inline]
+    fn fresh_reals(&self) -> usize {
+        let stale = self.run.stale;
+        if self.run.phase == Phase::Fatal || stale.component | stale.initial | stale.outputs {
+            0
+        } else if stale.derivatives {
+            self.table.layout().derivatives.start
+        } else {
+            self.values.reals.len()
+        }
+    }
+
+    /// `fmi2GetReal`
     pub fn get_real(&mut self, references: &[u32], into: &mut [f64]) -> Status {
         self.call(Call::GetReal, |me| {
             me.up_to_date(references)?;
@@ -64,26 +93,45 @@ impl Instance {
         })
     }
 
-    /// `fmi2SetReal`
+    /// `fmi2SetReal` of inputs while the simulation runs; false if it is not so simple.
+    ///
+    /// No code of a component runs here.
     #[inline]
+    pub fn set_inputs(&mut self, references: &[u32], values: &[f64]) -> bool {
+        let running = matches!(self.run.phase, Phase::Event | Phase::Continuous | Phase::Step);
+        let place = self.table.layout().inputs.clone();
+        let first = place.start;
+        let (true, Some(inputs)) = (running, self.values.reals.get_mut(place)) else {
+            return false;
+        };
+        let index = |reference: u32| (reference as usize).wrapping_sub(first);
+        if references.iter().any(|r| index(*r) >= inputs.len()) || !all_finite(values) {
+            return false;
+        }
+        for (reference, value) in references.iter().zip(values) {
+            if let Some(place) = inputs.get_mut(index(*reference)) {
+                *place = *value;
+            }
+        }
+        self.run.stale.outputs = true;
+        self.run.stale.derivatives = true;
+        true
+    }
+
+    /// `fmi2SetReal`
     pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Status {
         self.call(Call::SetReal, |me| {
             let inputs = me.table.layout().inputs.clone();
             let first = if me.is_starting() { 0 } else { inputs.start };
             let settable = first..inputs.end;
             let outside = |reference: &u32| !settable.contains(&(*reference as usize));
-            let any_outside = references.iter().fold(false, |any, r| any | outside(r));
-            if any_outside || !all_finite(values) {
+            if references.iter().any(outside) || !all_finite(values) {
                 return Err(me.cannot_set_reals(&settable, references, values));
             }
             if me.is_starting() {
                 me.check_bounds(Kind::Real, references, values)?;
             }
-            for (reference, value) in references.iter().zip(values) {
-                if let Some(place) = me.values.reals.get_mut(*reference as usize) {
-                    *place = *value;
-                }
-            }
+            assign(&mut me.values.reals, references, values);
             me.changed(references, |explicit| &mut explicit.reals);
             Ok(())
         })

@@ -111,7 +111,7 @@ impl Explicit {
 ///
 /// A value that is not has all bits of its exponent set; adding one to the exponent then carries
 /// into the sign bit. This takes three integer operations a value, no branch, any order.
-#[inline]
+#[inline(always)]
 fn carried(value: f64) -> u64 {
     const EXPONENT: u64 = 0x7FF0_0000_0000_0000;
     const ONE: u64 = 0x0010_0000_0000_0000;
@@ -126,13 +126,23 @@ pub(crate) fn all_finite(values: &[f64]) -> bool {
 
 /// Whether all values of a port group are finite.
 ///
-/// Looked at while they are still in registers: read back from an array just written by wider
-/// stores they would have to wait for those.
-#[inline]
+/// One branch a value, never taken, keeps the compiler from loading several at once: a wide load
+/// of values that were just stored one by one has to wait for all those stores.
+#[inline(always)]
 pub(crate) fn is_finite<P: Ports>(ports: &P) -> bool {
-    let (mut copy, mut bits) = (*ports, 0);
-    copy.zip_reals(ports, &mut |_, value| bits |= carried(value));
-    bits >> 63 == 0
+    let (mut copy, mut finite) = (*ports, true);
+    copy.zip_reals(ports, &mut |_, value| {
+        if carried(value) >> 63 != 0 {
+            found(&mut finite);
+        }
+    });
+    finite
+}
+
+#[cold]
+#[inline(never)]
+fn found(finite: &mut bool) {
+    *finite = false;
 }
 
 /// Index of the first value of a port group that is not finite.
@@ -152,7 +162,7 @@ pub(crate) fn first_not_finite<P: Ports>(ports: &P) -> usize {
 ///
 /// The comparison of lengths tells the compiler the length of the slice, and with it every check
 /// inside `load` vanishes.
-#[inline]
+#[inline(always)]
 pub(crate) fn read<P: Variables + Default>(reals: &[f64], place: &Range<usize>) -> P {
     match reals.get(place.clone()) {
         Some(slice) if slice.len() == P::COUNT.reals => {
@@ -163,7 +173,7 @@ pub(crate) fn read<P: Variables + Default>(reals: &[f64], place: &Range<usize>) 
 }
 
 /// Writes a port group to its place among the reals.
-#[inline]
+#[inline(always)]
 pub(crate) fn write<P: Variables>(value: &P, reals: &mut [f64], place: &Range<usize>) {
     match reals.get_mut(place.clone()) {
         Some(slice) if slice.len() == P::COUNT.reals => {

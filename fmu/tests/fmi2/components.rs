@@ -283,8 +283,7 @@ pub struct Clumsiness {
 pub struct Clumsy;
 
 impl Component for Clumsy {
-    const INFO: Info =
-        Info { sampled: true, ..Info::new("Clumsy", "Fails on command") };
+    const INFO: Info = Info { sampled: true, ..Info::new("Clumsy", "Fails on command") };
     type Parameters = ();
     type Inputs = Command;
     type Outputs = Echo;
