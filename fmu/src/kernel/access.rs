@@ -18,7 +18,8 @@ impl Instance {
     /// No code of a component runs here.
     #[inline]
     pub fn get_fresh(&self, references: &[u32], into: &mut [f64]) -> bool {
-        let Some(fresh) = self.values.reals.get(..self.fresh_reals()) else {
+        let legal = self.run.phase.allows(Call::GetReal);
+        let (true, Some(fresh)) = (legal, self.values.reals.get(..self.fresh_reals())) else {
             return false;
         };
         for (reference, place) in references.iter().zip(into) {
@@ -34,7 +35,7 @@ impl Instance {
     #[inline]
     fn fresh_reals(&self) -> usize {
         let stale = self.run.stale;
-        if self.run.phase == Phase::Fatal || stale.component | stale.initial | stale.outputs {
+        if stale.component | stale.initial | stale.outputs {
             0
         } else if stale.derivatives {
             self.table.layout().derivatives.start

@@ -348,4 +348,6 @@ impl Component for Solitary {
     fn outputs(&self, _: f64, (): &(), (): &NoStates, (): &()) {}
 }
 
-fmu_kit::export!(Spring, Noise, Clumsy, Solitary);
+use crate::hybrid::{Ball, Chatterer, Limiter, Pendulum};
+
+fmu_kit::export!(Spring, Noise, Clumsy, Solitary, Ball, Limiter, Chatterer, Pendulum);
