@@ -47,11 +47,14 @@ fn references(name: &str, variables: &[String]) -> Vec<u32> {
 
 /// Nanoseconds of one call: the best of many short rounds, so that some are undisturbed.
 fn nanoseconds(mut call: impl FnMut()) -> f64 {
-    const N: u32 = 1000;
+    nanoseconds_of(1000, &mut call)
+}
+
+fn nanoseconds_of(n: u32, call: &mut dyn FnMut()) -> f64 {
     let round = |_| {
         let start = Instant::now();
-        (0..N).for_each(|_| call());
-        start.elapsed().as_secs_f64() * 1e9 / f64::from(N)
+        (0..n).for_each(|_| call());
+        start.elapsed().as_secs_f64() * 1e9 / f64::from(n)
     };
     (0..1000).map(round).fold(f64::INFINITY, f64::min)
 }
@@ -118,4 +121,21 @@ fn vehicle() {
          {all:.1} ns, plain {plain:.1} ns, ratio {:.3}",
         all / plain
     );
+}
+
+#[test]
+#[ignore = "a measurement, for a quiet machine"]
+fn states_and_lives() {
+    for entry in REGISTRY.entries().filter(|entry| entry.info().name != "PurePursuit") {
+        let name = entry.info().name;
+        let c = started(name);
+        let mut state = std::ptr::null_mut();
+        unsafe { fmi2::fmi2GetFMUstate(c, &raw mut state) };
+        let get_set = nanoseconds(|| unsafe {
+            fmi2::fmi2GetFMUstate(c, &raw mut state);
+            fmi2::fmi2SetFMUstate(c, state);
+        });
+        let life = nanoseconds_of(20, &mut || unsafe { fmi2::fmi2FreeInstance(started(name)) });
+        println!("{name}: get + set state {get_set:.1} ns, instantiate to free {life:.0} ns");
+    }
 }

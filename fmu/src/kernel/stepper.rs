@@ -192,7 +192,7 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
     fn adaptive(&mut self, x: &mut C::States, t: f64, h: f64) -> Result<Option<f64>, Halt> {
         let Integrator { step: first, tolerance, .. } = self.scheme.integrator;
         let mut proposed = self.progress.proposed_s;
-        if proposed <= 0.0 {
+        if proposed.is_nan() || proposed <= 0.0 {
             proposed = first;
         }
         let f = self.signal.derivatives(self.component, &self.progress.memory);

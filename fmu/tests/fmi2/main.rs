@@ -17,5 +17,7 @@ mod initialization;
 mod integration;
 mod legality;
 mod model_exchange;
+mod random_calls;
+mod smoke;
 mod state;
 mod state_events;
