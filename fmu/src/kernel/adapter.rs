@@ -8,7 +8,7 @@ use super::parameters::Parameters;
 use super::signal::{Held, Moving, Signal, Slopes};
 use super::stepper::{Progress, Scheme, Stepper};
 use super::table::{Group, Layout, Table};
-use super::values::{Explicit, Values, first_not_finite, is_finite, read, write};
+use super::values::{Explicit, Values, all_finite, is_finite, read, write};
 
 /// A component together with everything that changes.
 pub(crate) struct ComponentModel<C: Component> {
@@ -64,22 +64,32 @@ impl<C: Component> ComponentModel<C> {
         let Some(component) = &self.component else {
             return Err(Halt::new(t, unconfigured()));
         };
-        let mut x = self.states(values);
+        let before = self.states(values);
+        let mut x = before;
         let mut stepper =
             Stepper { component, scheme: &self.scheme, progress: &mut self.progress, signal };
         let events = match stepper.advance(&mut x, t, h) {
             Ok(events) => events,
-            Err(halt) => return Err(self.halted(halt, &x, signal, values)),
+            Err(halt) => {
+                let halt = halt.in_table(self.layout.states.start);
+                return Err(self.halted(halt, &x, signal, values));
+            }
         };
         let memory = &self.progress.memory;
         let outputs = signal.with(t + h, |u| component.outputs(t + h, memory, &x, u));
-        if !is_finite(&outputs) {
-            let index = self.layout.outputs.start + first_not_finite(&outputs);
-            return Err(Halt { reached_s: t, cause: Cause::NotFinite(index) });
-        }
         write(&x, &mut values.reals, &self.layout.states);
         write(&outputs, &mut values.reals, &self.layout.outputs);
-        Ok(events)
+        // Outputs and states lie side by side.
+        let place = self.layout.outputs.start..self.layout.states.end;
+        match values.reals.get(place.clone()) {
+            Some(reals) if !all_finite(reals) => {
+                let first = reals.iter().position(|value| !value.is_finite());
+                let reference = place.start + first.unwrap_or_default();
+                let halt = Halt { reached_s: t, cause: Cause::NotFinite(reference) };
+                Err(self.halted(halt, &before, signal, values))
+            }
+            _ => Ok(events),
+        }
     }
 
     /// Leaves the values as they are where the step ended.
@@ -99,12 +109,7 @@ impl<C: Component> ComponentModel<C> {
                 write(&outputs, &mut values.reals, &self.layout.outputs);
             }
         }
-        match halt.cause {
-            Cause::NotFinite(state) => {
-                Halt { cause: Cause::NotFinite(self.layout.states.start + state), ..halt }
-            }
-            _ => halt,
-        }
+        halt
     }
 
     #[inline(never)]

@@ -170,11 +170,13 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
         let single = h <= longest * (1.0 + SLACK);
         let steps = if single { 1.0 } else { (h / longest - SLACK).ceil() };
         let step = if single { h } else { h / steps };
+        // The result of a single step is looked at once it is stored with the outputs.
+        let look = !single || has_indicators::<C>() || self.next_event().is_some();
         let f = self.signal.derivatives(self.component, &self.progress.memory);
         for k in 0..steps as u64 {
             let at = t + k as f64 * step;
             let there = runge_kutta(&f, x, at, step);
-            if !is_finite(&there) {
+            if look && !is_finite(&there) {
                 return Err(Halt::not_finite(at, &there));
             }
             if has_indicators::<C>() && self.crossed(&there, at + step) {
@@ -306,6 +308,16 @@ impl Halt {
     /// The component cannot go on.
     pub(crate) fn new(reached_s: f64, fault: Fault) -> Self {
         Self { reached_s, cause: Cause::Fault(fault) }
+    }
+
+    /// With a value reference in place of the index of a state.
+    pub(crate) fn in_table(self, states_start: usize) -> Self {
+        match self.cause {
+            Cause::NotFinite(state) => {
+                Self { cause: Cause::NotFinite(states_start + state), ..self }
+            }
+            _ => self,
+        }
     }
 
     /// The step from `reached_s` led to these states.

@@ -125,24 +125,11 @@ pub(crate) fn all_finite(values: &[f64]) -> bool {
 }
 
 /// Whether all values of a port group are finite.
-///
-/// One branch a value, never taken, keeps the compiler from loading several at once: a wide load
-/// of values that were just stored one by one has to wait for all those stores.
-#[inline(always)]
+#[inline]
 pub(crate) fn is_finite<P: Ports>(ports: &P) -> bool {
-    let (mut copy, mut finite) = (*ports, true);
-    copy.zip_reals(ports, &mut |_, value| {
-        if carried(value) >> 63 != 0 {
-            found(&mut finite);
-        }
-    });
-    finite
-}
-
-#[cold]
-#[inline(never)]
-fn found(finite: &mut bool) {
-    *finite = false;
+    let (mut copy, mut bits) = (*ports, 0);
+    copy.zip_reals(ports, &mut |_, value| bits |= carried(value));
+    bits >> 63 == 0
 }
 
 /// Index of the first value of a port group that is not finite.
