@@ -29,10 +29,7 @@ fn started(name: &str) -> fmi2Component {
     unsafe {
         let f = &raw const functions;
         let c = fmi2::fmi2Instantiate(c"speed".as_ptr(), 1, guid.as_ptr(), null(), f, 0, 0);
-        assert_eq!(
-            fmi2::fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0),
-            Status::Ok
-        );
+        assert_eq!(fmi2::fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), Status::Ok);
         assert_eq!(fmi2::fmi2EnterInitializationMode(c), Status::Ok);
         assert_eq!(fmi2::fmi2ExitInitializationMode(c), Status::Ok);
         c
@@ -82,10 +79,7 @@ fn vehicle() {
         outputs.extend(members.split(' ').map(|member| format!("{group}.{member}")));
     }
     outputs.extend((0..2).map(|i| format!("thruster[{i}].thrust")));
-    let (set, get) = (
-        references("RexROV", &inputs),
-        references("RexROV", &outputs),
-    );
+    let (set, get) = (references("RexROV", &inputs), references("RexROV", &outputs));
     let force = [100.0, 120.0, -80.0, 90.0, 10.0, -20.0, 15.0, 30.0];
     let (mut y, mut t, h) = ([0.0; 20], 0.0, 0.01);
     let all = nanoseconds(|| unsafe {
