@@ -52,6 +52,7 @@ struct World {
     serialized: Vec<u8>,
     /// Time of the last step, so that some steps join.
     time: f64,
+    #[expect(clippy::box_collection, reason = "the logger knows the address of the Vec itself")]
     lines: Box<Vec<Line>>,
 }
 
