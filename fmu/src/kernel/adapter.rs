@@ -170,7 +170,8 @@ impl<C: Component> Model for ComponentModel<C> {
         let selected: Parameters<C> = selected.load();
         let mut preset = Parameters::<C>::with(C::preset(&selected.author));
         if let Some(tolerance) = tolerance {
-            preset.integrator.tolerance = tolerance;
+            // Within the bounds of the parameter: some importers say 0.
+            preset.integrator.tolerance = tolerance.max(1e-14);
         }
         let mut complete = Values::of(&preset);
         complete.overlay(values, explicit);
