@@ -75,6 +75,11 @@
 //! | [`kernel`] | variables, state machine, stepper, description | nothing of C |
 //! | [`abi`] | the 44 C functions | nothing of components |
 //!
+//! A component with continuous states gets the parameters `integrator.method`, `integrator.step`
+//! and `integrator.tolerance` from the kernel. Where its equations change their form (a stop, a
+//! limit) it names [`Component::INDICATORS`] and handles [`Component::state_event`]; with a
+//! [`Component::tangent`] it provides directional and output derivatives.
+//!
 //! A sampled component keeps a [`Sampler`] in its `Memory` and handles its instants in
 //! [`Component::event`]. Instances can be driven without C, for tests, through
 //! [`kernel::Entry::instantiate`].

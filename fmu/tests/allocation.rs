@@ -14,6 +14,8 @@ mod components;
 #[expect(dead_code, reason = "shared with the other tests")]
 #[path = "fmi2/driver.rs"]
 mod driver;
+#[path = "fmi2/hybrid.rs"]
+mod hybrid;
 
 use driver::{CS, Fmu};
 use fmu_kit::kernel::Status;
@@ -44,10 +46,8 @@ static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn set_step_and_get_do_not_allocate() {
-    for (name, input, output) in [
-        ("Spring", "force", "acceleration"),
-        ("Noise", "signal", "value"),
-    ] {
+    for (name, input, output) in [("Spring", "force", "acceleration"), ("Noise", "signal", "value")]
+    {
         let mut fmu = Fmu::started(name, CS);
         let (input, output) = (fmu.reference(input), fmu.reference(output));
         let before = ALLOCATIONS.get();
@@ -60,6 +60,32 @@ fn set_step_and_get_do_not_allocate() {
                 let step = fmu.step(f64::from(k) * 0.01, 0.01);
                 let get = components::fmi2::fmi2GetReal(c, &raw const output, 1, &raw mut value);
                 assert_eq!([set, step, get], [Status::Ok; 3]);
+            }
+        }
+        assert_eq!(ALLOCATIONS.get(), before, "{name}");
+    }
+}
+
+#[test]
+fn the_adaptive_integrator_and_restoring_a_state_do_not_allocate() {
+    for (name, method) in [("Spring", 2), ("Noise", 0), ("Ball", 1), ("Pendulum", 2)] {
+        let mut fmu = Fmu::new(name, CS);
+        if method > 0 {
+            fmu.set_integer("integrator.method", method);
+        }
+        fmu.setup(0.0);
+        fmu.initialize();
+        let mut state = std::ptr::null_mut();
+        let c = fmu.c;
+        unsafe { components::fmi2::fmi2GetFMUstate(c, &raw mut state) };
+        let before = ALLOCATIONS.get();
+        for k in 0..100 {
+            let t = f64::from(k) * 0.1;
+            unsafe {
+                let get = components::fmi2::fmi2GetFMUstate(c, &raw mut state);
+                let step = fmu.step(t, 0.1);
+                let set = components::fmi2::fmi2SetFMUstate(c, state);
+                assert_eq!([get, step, set, fmu.step(t, 0.1)], [Status::Ok; 4]);
             }
         }
         assert_eq!(ALLOCATIONS.get(), before, "{name}");

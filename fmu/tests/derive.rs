@@ -74,33 +74,15 @@ fn descriptions_join_and_attributes_are_inherited() {
     let list = declared(&Everything::default());
     let leaf = &list[3].field;
     assert_eq!(leaf.description, "Force on the hull 1: starboard");
-    assert_eq!(
-        (leaf.unit, leaf.nominal, leaf.min),
-        (Some("N"), Some(100.0), None)
-    );
-    assert_eq!(
-        (list[5].field.min, list[5].field.max),
-        (Some(0.0), Some(1.0))
-    );
+    assert_eq!((leaf.unit, leaf.nominal, leaf.min), (Some("N"), Some(100.0), None));
+    assert_eq!((list[5].field.min, list[5].field.max), (Some(0.0), Some(1.0)));
 }
 
 #[test]
 fn start_values_are_the_values() {
-    let value = Everything {
-        mode: Mode::On,
-        n: 7,
-        label: "a".into(),
-        ..Default::default()
-    };
+    let value = Everything { mode: Mode::On, n: 7, label: "a".into(), ..Default::default() };
     let list = declared(&value);
-    assert!(matches!(
-        list[4].start,
-        Start::Enumeration {
-            name: "Mode",
-            value: 2,
-            ..
-        }
-    ));
+    assert!(matches!(list[4].start, Start::Enumeration { name: "Mode", value: 2, .. }));
     assert_eq!(list[6].start, Start::Integer(7));
     assert_eq!(list[8].start, Start::String("a".into()));
     assert_eq!(Mode::ITEMS, [("Off", "Idle"), ("On", "Turning")]);
@@ -110,15 +92,7 @@ fn start_values_are_the_values() {
 #[test]
 fn values_survive_the_flat_arrays() {
     let count = Everything::COUNT;
-    assert_eq!(
-        count,
-        Count {
-            reals: 5,
-            integers: 2,
-            booleans: 1,
-            strings: 1
-        }
-    );
+    assert_eq!(count, Count { reals: 5, integers: 2, booleans: 1, strings: 1 });
     let value = Everything {
         force: [Vector { x: 1.0, y: 2.0 }, Vector { x: 3.0, y: 4.0 }],
         mode: Mode::On,
@@ -136,27 +110,15 @@ fn values_survive_the_flat_arrays() {
         strings: &mut strings,
     });
     assert_eq!(reals, [1.0, 2.0, 3.0, 4.0, 5.0]);
-    let mut reader = Reader {
-        reals: &reals,
-        integers: &integers,
-        booleans: &booleans,
-        strings: &strings,
-    };
+    let mut reader =
+        Reader { reals: &reals, integers: &integers, booleans: &booleans, strings: &strings };
     assert_eq!(Everything::load(&mut reader), value);
 }
 
 #[test]
 fn zip_reals_pairs_the_numbers_and_leaves_the_rest() {
-    let mut a = Everything {
-        gain: 1.0,
-        n: 3,
-        ..Default::default()
-    };
-    let b = Everything {
-        gain: 10.0,
-        n: 4,
-        ..Default::default()
-    };
+    let mut a = Everything { gain: 1.0, n: 3, ..Default::default() };
+    let b = Everything { gain: 10.0, n: 4, ..Default::default() };
     a.zip_reals(&b, &mut |own, other| *own += 0.5 * other);
     assert_eq!((a.gain, a.n), (6.0, 3));
 }

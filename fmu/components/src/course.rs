@@ -5,11 +5,8 @@ use rexrov::guidance::Course;
 use std::path::Path;
 
 /// Built-in courses.
-const BUILT_IN: [(&str, &str); 3] = [
-    ("BE1", Course::BE1),
-    ("BE2", Course::BE2),
-    ("BE3", Course::BE3),
-];
+const BUILT_IN: [(&str, &str); 3] =
+    [("BE1", Course::BE1), ("BE2", Course::BE2), ("BE3", Course::BE3)];
 
 /// The course that the parameter `course` names.
 ///
@@ -24,9 +21,7 @@ pub fn load(name: &str, resources: &Resources) -> Result<Course, ParameterError>
         return Course::parse(text).map_err(|e| error(format!("{name}: {e}")));
     }
     let in_resources = resources.folder().map(|folder| folder.join(name));
-    let path = in_resources
-        .filter(|path| path.is_file())
-        .unwrap_or_else(|| Path::new(name).into());
+    let path = in_resources.filter(|path| path.is_file()).unwrap_or_else(|| Path::new(name).into());
     let text = std::fs::read_to_string(&path).map_err(|cause| {
         let known = BUILT_IN.map(|(name, _)| name).join(", ");
         error(format!(

@@ -81,9 +81,7 @@ impl Sample for Dvl {
             position: p.mounting.into(),
             sigma: p.sigma,
         };
-        sensors::Dvl::new(&parameters)
-            .map(Self)
-            .map_err(parameter_error)
+        sensors::Dvl::new(&parameters).map(Self).map_err(parameter_error)
     }
 
     fn period_s(&self) -> f64 {
@@ -101,17 +99,9 @@ impl Sample for Dvl {
         u: &Inputs,
         y: &mut Outputs,
     ) -> Result<(), Fault> {
-        let sample = self.0.sample(
-            memory,
-            &DvlTruth {
-                nu: u.vehicle.velocity.into(),
-            },
-        );
+        let sample = self.0.sample(memory, &DvlTruth { nu: u.vehicle.velocity.into() });
         if u.switch.is_on() {
-            *y = Outputs {
-                velocity: sample.velocity.into(),
-                stamp: Stamp::at(now),
-            };
+            *y = Outputs { velocity: sample.velocity.into(), stamp: Stamp::at(now) };
         }
         Ok(())
     }

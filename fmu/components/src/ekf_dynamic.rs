@@ -46,10 +46,7 @@ impl Sample for EkfDynamic {
     type Memory = EkfMemory;
 
     fn preset(selected: &Parameters) -> Parameters {
-        Parameters {
-            model: Coefficients::preset(selected.parameter_set),
-            ..Parameters::default()
-        }
+        Parameters { model: Coefficients::preset(selected.parameter_set), ..Parameters::default() }
     }
 
     fn new(p: &Parameters, _: &Resources) -> Result<Self, ParameterError> {
@@ -57,10 +54,7 @@ impl Sample for EkfDynamic {
         let coefficients = p.model.with_mode(ThrusterMode::Force);
         let model = ReducedModel::new(&coefficients)
             .map_err(|error| parameter_error(error.within("model")))?;
-        let ekf = Ekf::new(
-            &EkfParameters::from(&p.filter),
-            Acceleration::Dynamic(model),
-        );
+        let ekf = Ekf::new(&EkfParameters::from(&p.filter), Acceleration::Dynamic(model));
         ekf.map(Self).map_err(parameter_error)
     }
 

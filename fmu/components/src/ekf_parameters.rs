@@ -128,10 +128,7 @@ impl Default for FilterParameters {
             fix_sigma: p.fix_sigma,
             depth_sigma: p.depth_sigma,
             heading_sigma: p.heading_sigma,
-            initial: Start {
-                pose: p.initial_pose.into(),
-                sigma: p.initial_sigma.into(),
-            },
+            initial: Start { pose: p.initial_pose.into(), sigma: p.initial_sigma.into() },
             mounting: Mounting {
                 imu: p.imu_position.into(),
                 dvl: p.dvl_position.into(),

@@ -22,20 +22,13 @@ pub struct Stamp {
 
 impl Default for Stamp {
     fn default() -> Self {
-        Self {
-            stamp: -1.0,
-            valid: 1.0,
-        }
+        Self { stamp: -1.0, valid: 1.0 }
     }
 }
 
 impl Stamp {
     fn on<T>(self, value: T) -> Reading<T> {
-        Reading {
-            value,
-            stamp: self.stamp,
-            valid: self.valid >= 0.5,
-        }
+        Reading { value, stamp: self.stamp, valid: self.valid >= 0.5 }
     }
 }
 
@@ -107,12 +100,8 @@ impl From<&Inputs> for Measurements {
             rate: u.imu.rate.into(),
             euler: u.imu.attitude.into(),
         };
-        let dvl = DvlSample {
-            velocity: u.dvl.velocity.into(),
-        };
-        let fix = GpsSample {
-            position: u.fix.position.into(),
-        };
+        let dvl = DvlSample { velocity: u.dvl.velocity.into() };
+        let fix = GpsSample { position: u.fix.position.into() };
         Self {
             imu: u.imu.stamp.on(imu),
             dvl: u.dvl.stamp.on(dvl),
@@ -154,9 +143,7 @@ impl From<Estimate> for Outputs {
             velocity: e.velocity.into(),
             acceleration: e.acceleration.into(),
             sigma: e.sigma.into(),
-            covariance: Covariance {
-                x_y: e.covariance_xy,
-            },
+            covariance: Covariance { x_y: e.covariance_xy },
         }
     }
 }

@@ -68,7 +68,10 @@ pub struct Outputs {
 pub struct Gps(sensors::Gps);
 
 impl Sample for Gps {
-    const INFO: Info = crate::sampled_info("Gps", "Horizontal position fix (GPS, USBL, LBL) with noise and lever arm");
+    const INFO: Info = crate::sampled_info(
+        "Gps",
+        "Horizontal position fix (GPS, USBL, LBL) with noise and lever arm",
+    );
     type Parameters = Parameters;
     type Inputs = Inputs;
     type Outputs = Outputs;
@@ -81,9 +84,7 @@ impl Sample for Gps {
             position: p.mounting.into(),
             sigma: p.sigma,
         };
-        sensors::Gps::new(&parameters)
-            .map(Self)
-            .map_err(parameter_error)
+        sensors::Gps::new(&parameters).map(Self).map_err(parameter_error)
     }
 
     fn period_s(&self) -> f64 {
@@ -102,16 +103,10 @@ impl Sample for Gps {
         y: &mut Outputs,
     ) -> Result<(), Fault> {
         let [north, east, down, roll, pitch, yaw] = u.vehicle.pose.into();
-        let truth = GpsTruth {
-            p_ned: [north, east, down],
-            euler: [roll, pitch, yaw],
-        };
+        let truth = GpsTruth { p_ned: [north, east, down], euler: [roll, pitch, yaw] };
         let sample = self.0.sample(memory, &truth);
         if u.switch.is_on() {
-            *y = Outputs {
-                position: sample.position.into(),
-                stamp: Stamp::at(now),
-            };
+            *y = Outputs { position: sample.position.into(), stamp: Stamp::at(now) };
         }
         Ok(())
     }

@@ -251,10 +251,7 @@ pub struct Stamp {
 impl Stamp {
     /// A sample taken now.
     pub fn at(now: Time) -> Self {
-        Self {
-            stamp: now.seconds(),
-            valid: 1.0,
-        }
+        Self { stamp: now.seconds(), valid: 1.0 }
     }
 }
 
@@ -315,27 +312,13 @@ pub struct Inertia {
 
 impl From<::rexrov::vehicle::Inertia> for Inertia {
     fn from(i: ::rexrov::vehicle::Inertia) -> Self {
-        Self {
-            xx: i.xx,
-            yy: i.yy,
-            zz: i.zz,
-            xy: i.xy,
-            xz: i.xz,
-            yz: i.yz,
-        }
+        Self { xx: i.xx, yy: i.yy, zz: i.zz, xy: i.xy, xz: i.xz, yz: i.yz }
     }
 }
 
 impl From<Inertia> for ::rexrov::vehicle::Inertia {
     fn from(i: Inertia) -> Self {
-        Self {
-            xx: i.xx,
-            yy: i.yy,
-            zz: i.zz,
-            xy: i.xy,
-            xz: i.xz,
-            yz: i.yz,
-        }
+        Self { xx: i.xx, yy: i.yy, zz: i.zz, xy: i.xy, xz: i.xz, yz: i.yz }
     }
 }
 
@@ -361,25 +344,13 @@ pub struct Mounting {
 
 impl From<::rexrov::vehicle::Thruster> for Mounting {
     fn from(t: ::rexrov::vehicle::Thruster) -> Self {
-        Self {
-            lx: t.lx,
-            ly: t.ly,
-            lz: t.lz,
-            theta_deg: t.theta_deg,
-            psi_deg: t.psi_deg,
-        }
+        Self { lx: t.lx, ly: t.ly, lz: t.lz, theta_deg: t.theta_deg, psi_deg: t.psi_deg }
     }
 }
 
 impl From<Mounting> for ::rexrov::vehicle::Thruster {
     fn from(m: Mounting) -> Self {
-        Self {
-            lx: m.lx,
-            ly: m.ly,
-            lz: m.lz,
-            theta_deg: m.theta_deg,
-            psi_deg: m.psi_deg,
-        }
+        Self { lx: m.lx, ly: m.ly, lz: m.lz, theta_deg: m.theta_deg, psi_deg: m.psi_deg }
     }
 }
 

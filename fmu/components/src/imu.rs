@@ -168,10 +168,8 @@ pub struct Outputs {
 pub struct Imu(sensors::Imu);
 
 impl Sample for Imu {
-    const INFO: Info = crate::sampled_info(
-        "Imu",
-        "Specific force, angular rate and attitude with noise and bias",
-    );
+    const INFO: Info =
+        crate::sampled_info("Imu", "Specific force, angular rate and attitude with noise and bias");
     type Parameters = Parameters;
     type Inputs = Inputs;
     type Outputs = Outputs;
@@ -188,9 +186,7 @@ impl Sample for Imu {
             gyro: (&p.gyro).into(),
             attitude_sigma: p.attitude_sigma,
         };
-        sensors::Imu::new(&parameters)
-            .map(Self)
-            .map_err(parameter_error)
+        sensors::Imu::new(&parameters).map(Self).map_err(parameter_error)
     }
 
     fn period_s(&self) -> f64 {

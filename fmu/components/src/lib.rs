@@ -7,12 +7,7 @@
 //! zero as the paper's thrusters do.
 
 #![deny(unsafe_code)]
-#![deny(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing
-)]
+#![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
 pub mod added_mass;
 pub mod coefficients;
@@ -46,10 +41,7 @@ const fn info(name: &'static str, description: &'static str) -> Info {
 
 /// The same for a component that samples.
 const fn sampled_info(name: &'static str, description: &'static str) -> Info {
-    Info {
-        sampled: true,
-        ..info(name, description)
-    }
+    Info { sampled: true, ..info(name, description) }
 }
 
 fmu_kit::export!(

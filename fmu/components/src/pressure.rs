@@ -110,9 +110,7 @@ impl Sample for PressureSensor {
             surface_pressure_pa: p.surface_pressure_pa,
             gradient_pa_per_m: p.gradient_pa_per_m,
         };
-        sensors::PressureSensor::new(&parameters)
-            .map(Self)
-            .map_err(parameter_error)
+        sensors::PressureSensor::new(&parameters).map(Self).map_err(parameter_error)
     }
 
     fn period_s(&self) -> f64 {
@@ -131,13 +129,7 @@ impl Sample for PressureSensor {
         y: &mut Outputs,
     ) -> Result<(), Fault> {
         let Pose { z, roll, pitch } = u.vehicle.pose;
-        let sample = self.0.sample(
-            memory,
-            &PressureTruth {
-                z,
-                euler: [roll, pitch, 0.0],
-            },
-        );
+        let sample = self.0.sample(memory, &PressureTruth { z, euler: [roll, pitch, 0.0] });
         if u.switch.is_on() {
             *y = Outputs {
                 pressure: sample.pressure_pa,

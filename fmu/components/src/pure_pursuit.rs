@@ -131,10 +131,8 @@ pub struct Outputs {
 pub struct PurePursuit(guidance::PurePursuit);
 
 impl Sample for PurePursuit {
-    const INFO: Info = crate::sampled_info(
-        "PurePursuit",
-        "Follows a course at constant speed and depth",
-    );
+    const INFO: Info =
+        crate::sampled_info("PurePursuit", "Follows a course at constant speed and depth");
     type Parameters = Parameters;
     type Inputs = Inputs;
     type Outputs = Outputs;
@@ -142,9 +140,7 @@ impl Sample for PurePursuit {
 
     fn new(p: &Parameters, resources: &Resources) -> Result<Self, ParameterError> {
         let course = course::load(&p.course, resources)?;
-        guidance::PurePursuit::new(&p.into(), course)
-            .map(Self)
-            .map_err(parameter_error)
+        guidance::PurePursuit::new(&p.into(), course).map(Self).map_err(parameter_error)
     }
 
     fn period_s(&self) -> f64 {

@@ -45,10 +45,7 @@ impl Default for Start {
     /// Where the courses start, 20 m deep, at rest.
     fn default() -> Self {
         Self {
-            position: Position {
-                z: 20.0,
-                ..Position::default()
-            },
+            position: Position { z: 20.0, ..Position::default() },
             attitude: Attitude::default(),
             velocity: Velocity::default(),
         }
@@ -134,6 +131,22 @@ pub struct Outputs {
     pub thruster: [Thrust; 8],
 }
 
+impl From<vehicle::Outputs> for Outputs {
+    #[inline]
+    fn from(y: vehicle::Outputs) -> Self {
+        let ([x, y_east, z], [roll, pitch, yaw]) = (y.p_ned, y.euler);
+        Self {
+            pose: Pose { x, y: y_east, z, roll, pitch, yaw },
+            quaternion: y.quaternion.into(),
+            velocity: y.nu.into(),
+            velocity_ned: y.v_ned.into(),
+            acceleration: y.nu_dot.into(),
+            specific_force: y.specific_force.into(),
+            thruster: y.thrust.map(|thrust| Thrust { thrust }),
+        }
+    }
+}
+
 /// Rotor of one thruster.
 #[derive(Clone, Copy, Debug, Default, Variables)]
 pub struct Rotor {
@@ -213,6 +226,7 @@ impl Component for RexRov {
             "RexROV underwater vehicle, six degrees of freedom, eight thrusters",
         )
     };
+    const TANGENT: bool = true;
     type Parameters = Parameters;
     type Inputs = Inputs;
     type Outputs = Outputs;
@@ -233,10 +247,7 @@ impl Component for RexRov {
             nu: p.initial.velocity.into(),
             ..State::at_rest(p.initial.position.into(), p.initial.attitude.into())
         };
-        Ok(Self {
-            vehicle,
-            initial: state.into(),
-        })
+        Ok(Self { vehicle, initial: state.into() })
     }
 
     fn initial(&self, _: Time, _: &Inputs) -> Result<(States, ()), Fault> {
@@ -247,24 +258,27 @@ impl Component for RexRov {
         self.vehicle.derivative(&x.into(), &u.into()).into()
     }
 
+    fn held_derivatives(&self, (): &(), u: &Inputs) -> impl Fn(f64, &States) -> States {
+        let drive = self.vehicle.drive(&u.into());
+        move |_, x| self.vehicle.rate(&x.into(), &drive).into()
+    }
+
+    #[inline]
     fn outputs(&self, _: f64, (): &(), x: &States, u: &Inputs) -> Outputs {
-        let y = self.vehicle.outputs(&x.into(), &u.into());
-        let ([x, y_east, z], [roll, pitch, yaw]) = (y.p_ned, y.euler);
-        Outputs {
-            pose: Pose {
-                x,
-                y: y_east,
-                z,
-                roll,
-                pitch,
-                yaw,
-            },
-            quaternion: y.quaternion.into(),
-            velocity: y.nu.into(),
-            velocity_ned: y.v_ned.into(),
-            acceleration: y.nu_dot.into(),
-            specific_force: y.specific_force.into(),
-            thruster: y.thrust.map(|thrust| Thrust { thrust }),
-        }
+        self.vehicle.outputs(&x.into(), &u.into()).into()
+    }
+
+    fn tangent(
+        &self,
+        _: f64,
+        (): &(),
+        x: &States,
+        u: &Inputs,
+        dx: &States,
+        du: &Inputs,
+    ) -> (States, Outputs) {
+        let (x, u) = (x.into(), u.into());
+        let (derivatives, outputs) = self.vehicle.tangent(&x, &u).along(&dx.into(), &du.into());
+        (derivatives.into(), outputs.into())
     }
 }

@@ -74,14 +74,7 @@ impl<S: Sample> Component for Sampled<S> {
         let mut outputs = S::Outputs::default();
         self.0.sample(start, &mut memory, inputs, &mut outputs)?;
         let sampler = Sampler::new(start, self.0.period_s());
-        Ok((
-            (),
-            Held {
-                sampler,
-                memory,
-                outputs,
-            },
-        ))
+        Ok(((), Held { sampler, memory, outputs }))
     }
 
     fn outputs(&self, _: f64, held: &Self::Memory, _: &NoStates, _: &S::Inputs) -> S::Outputs {
@@ -100,7 +93,6 @@ impl<S: Sample> Component for Sampled<S> {
         inputs: &S::Inputs,
     ) -> Result<(), Fault> {
         held.sampler.advance();
-        self.0
-            .sample(now, &mut held.memory, inputs, &mut held.outputs)
+        self.0.sample(now, &mut held.memory, inputs, &mut held.outputs)
     }
 }

@@ -65,33 +65,13 @@ pub struct Parameters {
 impl Default for Parameters {
     fn default() -> Self {
         let c = ControllerParameters::default();
-        let Pid {
-            p,
-            i,
-            d,
-            saturation,
-        } = c.linear;
-        let linear = Linear {
-            p,
-            i,
-            d,
-            saturation,
-        };
-        let Pid {
-            p,
-            i,
-            d,
-            saturation,
-        } = c.angular;
+        let Pid { p, i, d, saturation } = c.linear;
+        let linear = Linear { p, i, d, saturation };
+        let Pid { p, i, d, saturation } = c.angular;
         Self {
             rate_hz: c.rate_hz,
             linear,
-            angular: Angular {
-                p,
-                i,
-                d,
-                saturation,
-            },
+            angular: Angular { p, i, d, saturation },
             mass: c.mass,
             inertia: c.inertia.into(),
             thruster: c.thrusters.map(Into::into),
@@ -102,33 +82,13 @@ impl Default for Parameters {
 
 impl From<&Parameters> for ControllerParameters {
     fn from(c: &Parameters) -> Self {
-        let Linear {
-            p,
-            i,
-            d,
-            saturation,
-        } = c.linear;
-        let linear = Pid {
-            p,
-            i,
-            d,
-            saturation,
-        };
-        let Angular {
-            p,
-            i,
-            d,
-            saturation,
-        } = c.angular;
+        let Linear { p, i, d, saturation } = c.linear;
+        let linear = Pid { p, i, d, saturation };
+        let Angular { p, i, d, saturation } = c.angular;
         Self {
             rate_hz: c.rate_hz,
             linear,
-            angular: Pid {
-                p,
-                i,
-                d,
-                saturation,
-            },
+            angular: Pid { p, i, d, saturation },
             mass: c.mass,
             inertia: c.inertia.into(),
             thrusters: c.thruster.map(Into::into),
@@ -169,9 +129,7 @@ impl Sample for VelocityController {
     type Memory = ControllerMemory;
 
     fn new(p: &Parameters, _: &Resources) -> Result<Self, ParameterError> {
-        control::VelocityController::new(&p.into())
-            .map(Self)
-            .map_err(parameter_error)
+        control::VelocityController::new(&p.into()).map(Self).map_err(parameter_error)
     }
 
     fn period_s(&self) -> f64 {

@@ -34,17 +34,17 @@ pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream> {
                 #(#declare)*
             }
 
-            #[inline]
+            #[inline(always)]
             fn load(from: &mut ::fmu_kit::Reader<'_>) -> Self {
                 Self { #(#idents: <#types as ::fmu_kit::Variables>::load(from),)* }
             }
 
-            #[inline]
+            #[inline(always)]
             fn store(&self, into: &mut ::fmu_kit::Writer<'_>) {
                 #(::fmu_kit::Variables::store(&self.#idents, into);)*
             }
 
-            #[inline]
+            #[inline(always)]
             fn zip_reals(&mut self, other: &Self, f: &mut impl FnMut(&mut f64, f64)) {
                 #(::fmu_kit::Variables::zip_reals(&mut self.#idents, &other.#idents, f);)*
             }

@@ -8,6 +8,10 @@ use super::types::fmi2String;
 /// What is wrong with an argument, in words for the log.
 pub(super) type Wrong = String;
 
+/// Most elements of an array. Nothing here has as many variables, and an importer that passes a
+/// wild number is better told than followed into memory that is not its own.
+const MOST: usize = 1 << 20;
+
 fn check<T>(name: &str, pointer: *const T, n: usize) -> Result<(), Wrong> {
     if pointer.is_null() {
         return Err(format!("{name} is NULL, but has {n} elements"));
@@ -15,10 +19,10 @@ fn check<T>(name: &str, pointer: *const T, n: usize) -> Result<(), Wrong> {
     if !pointer.is_aligned() {
         return Err(format!("{name} is not aligned for its type"));
     }
-    match n.checked_mul(size_of::<T>()) {
-        Some(bytes) if isize::try_from(bytes).is_ok() => Ok(()),
-        _ => Err(format!("{name} cannot have {n} elements")),
+    if n > MOST {
+        return Err(format!("{name} cannot have {n} elements; at most {MOST} are taken"));
     }
+    Ok(())
 }
 
 /// An array to read; NULL is fine if it is empty.

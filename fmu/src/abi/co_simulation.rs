@@ -2,7 +2,7 @@
 
 use crate::kernel::Call;
 
-use super::arguments::place;
+use super::arguments::{array, array_mut, place};
 use super::guard::call;
 use super::types::*;
 
@@ -11,37 +11,47 @@ const LAST_SUCCESSFUL_TIME: fmi2StatusKind = 2;
 /// `fmi2Terminated` of `fmi2StatusKind`
 const TERMINATED: fmi2StatusKind = 3;
 
-/// `fmi2SetRealInputDerivatives`: `canInterpolateInputs` is false.
+/// `fmi2SetRealInputDerivatives`
 pub unsafe fn fmi2SetRealInputDerivatives(
     c: fmi2Component,
-    _vr: *const fmi2ValueReference,
+    vr: *const fmi2ValueReference,
     nvr: usize,
-    _order: *const fmi2Integer,
-    _value: *const fmi2Real,
+    order: *const fmi2Integer,
+    value: *const fmi2Real,
 ) -> fmi2Status {
     call(c, Call::SetRealInputDerivatives, |instance| {
-        instance.unsupported_for(
-            nvr,
-            Call::SetRealInputDerivatives,
-            "canInterpolateInputs = false",
-        )
+        // SAFETY: the importer passes arrays of `nvr` elements, as the standard demands.
+        let arrays = unsafe {
+            (array("vr", vr, nvr), array("order", order, nvr), array("value", value, nvr))
+        };
+        match arrays {
+            (Ok(vr), Ok(order), Ok(value)) => instance.set_input_derivatives(vr, order, value),
+            (Err(wrong), ..) | (_, Err(wrong), _) | (.., Err(wrong)) => {
+                instance.refuse(Call::SetRealInputDerivatives, &wrong)
+            }
+        }
     })
 }
 
-/// `fmi2GetRealOutputDerivatives`: `maxOutputDerivativeOrder` is 0.
+/// `fmi2GetRealOutputDerivatives`
 pub unsafe fn fmi2GetRealOutputDerivatives(
     c: fmi2Component,
-    _vr: *const fmi2ValueReference,
+    vr: *const fmi2ValueReference,
     nvr: usize,
-    _order: *const fmi2Integer,
-    _value: *mut fmi2Real,
+    order: *const fmi2Integer,
+    value: *mut fmi2Real,
 ) -> fmi2Status {
     call(c, Call::GetRealOutputDerivatives, |instance| {
-        instance.unsupported_for(
-            nvr,
-            Call::GetRealOutputDerivatives,
-            "maxOutputDerivativeOrder = 0",
-        )
+        // SAFETY: the importer passes arrays of `nvr` elements, as the standard demands.
+        let arrays = unsafe {
+            (array("vr", vr, nvr), array("order", order, nvr), array_mut("value", value, nvr))
+        };
+        match arrays {
+            (Ok(vr), Ok(order), Ok(value)) => instance.output_derivatives(vr, order, value),
+            (Err(wrong), ..) | (_, Err(wrong), _) | (.., Err(wrong)) => {
+                instance.refuse(Call::GetRealOutputDerivatives, &wrong)
+            }
+        }
     })
 }
 
@@ -70,9 +80,7 @@ pub unsafe fn fmi2GetStatus(
     s: fmi2StatusKind,
     _value: *mut fmi2Status,
 ) -> fmi2Status {
-    call(c, Call::GetStatus, |instance| {
-        instance.no_status(Call::GetStatus, s)
-    })
+    call(c, Call::GetStatus, |instance| instance.no_status(Call::GetStatus, s))
 }
 
 /// `fmi2GetRealStatus`: the time of the last successful step.
@@ -97,9 +105,7 @@ pub unsafe fn fmi2GetIntegerStatus(
     s: fmi2StatusKind,
     _value: *mut fmi2Integer,
 ) -> fmi2Status {
-    call(c, Call::GetIntegerStatus, |instance| {
-        instance.no_status(Call::GetIntegerStatus, s)
-    })
+    call(c, Call::GetIntegerStatus, |instance| instance.no_status(Call::GetIntegerStatus, s))
 }
 
 /// `fmi2GetBooleanStatus`: a component never ends the simulation by itself.
@@ -129,7 +135,5 @@ pub unsafe fn fmi2GetStringStatus(
     s: fmi2StatusKind,
     _value: *mut fmi2String,
 ) -> fmi2Status {
-    call(c, Call::GetStringStatus, |instance| {
-        instance.no_status(Call::GetStringStatus, s)
-    })
+    call(c, Call::GetStringStatus, |instance| instance.no_status(Call::GetStringStatus, s))
 }

@@ -9,9 +9,10 @@ use crate::kernel::{Call, Category, Interface, Registry, Sink, Status};
 
 use super::arguments::{array, text};
 use super::guard::{call, panic_text};
+use super::handles::{INSTANCES, Live, STATES};
 use super::logger::Logger;
+use super::resource_uri;
 use super::types::*;
-use super::{handles, resource_uri};
 
 /// `fmi2GetTypesPlatform`
 #[must_use]
@@ -41,19 +42,14 @@ pub unsafe fn fmi2SetDebugLogging(
         };
         // SAFETY: as above, each text ends with a NUL.
         let names = names.iter().map(|name| unsafe { text(*name) });
-        let names: Vec<&str> = names
-            .flatten()
-            .map(|name| name.to_str().unwrap_or("not UTF-8"))
-            .collect();
+        let names: Vec<&str> =
+            names.flatten().map(|name| name.to_str().unwrap_or("not UTF-8")).collect();
         instance.set_debug_logging(loggingOn != FMI2_FALSE, &names)
     })
 }
 
 /// `fmi2Instantiate`; NULL when it fails, with a line in the log.
-#[expect(
-    clippy::too_many_arguments,
-    reason = "the standard's, plus the registry"
-)]
+#[expect(clippy::too_many_arguments, reason = "the standard's, plus the registry")]
 pub unsafe fn fmi2Instantiate(
     registry: &LazyLock<Registry>,
     instanceName: fmi2String,
@@ -88,7 +84,8 @@ pub unsafe fn fmi2Instantiate(
         let entry = registry.by_guid(guid)?;
         let logging_on = loggingOn != FMI2_FALSE;
         let instance = entry.instantiate(interface, resources, Box::new(logger()), logging_on)?;
-        handles::insert(Box::new(instance)).ok_or_else(|| "too many instances".to_owned())
+        let live = Live { instance, states: Vec::new() };
+        INSTANCES.insert(Box::new(live)).ok_or_else(|| "too many instances".to_owned())
     }));
     let (status, category, reason) = match made {
         Ok(Ok(handle)) => return handle,
@@ -106,42 +103,42 @@ fn utf8(text: &CStr) -> &str {
     text.to_str().unwrap_or_default()
 }
 
-/// `fmi2FreeInstance`
+/// `fmi2FreeInstance`, and with it the states that were made from it and not freed.
 pub unsafe fn fmi2FreeInstance(c: fmi2Component) {
     // A handle that leads nowhere leaves nothing to free and nobody to tell.
-    if let Ok(instance) = handles::remove(c) {
+    if let Ok(live) = INSTANCES.remove(c) {
         // A panic in an author's `drop` ends here.
-        let _ = catch_unwind(AssertUnwindSafe(|| drop(instance)));
+        let _ = catch_unwind(AssertUnwindSafe(|| {
+            for state in &live.states {
+                drop(STATES.remove(std::ptr::without_provenance_mut(*state)));
+            }
+            drop(live);
+        }));
     }
 }
 
 /// `fmi2SetupExperiment`
 pub unsafe fn fmi2SetupExperiment(
     c: fmi2Component,
-    _toleranceDefined: fmi2Boolean,
-    _tolerance: fmi2Real,
+    toleranceDefined: fmi2Boolean,
+    tolerance: fmi2Real,
     startTime: fmi2Real,
     stopTimeDefined: fmi2Boolean,
     stopTime: fmi2Real,
 ) -> fmi2Status {
+    let tolerance = (toleranceDefined != FMI2_FALSE).then_some(tolerance);
     let stop = (stopTimeDefined != FMI2_FALSE).then_some(stopTime);
-    call(c, Call::SetupExperiment, |instance| {
-        instance.setup_experiment(startTime, stop)
-    })
+    call(c, Call::SetupExperiment, |instance| instance.setup_experiment(tolerance, startTime, stop))
 }
 
 /// `fmi2EnterInitializationMode`
 pub unsafe fn fmi2EnterInitializationMode(c: fmi2Component) -> fmi2Status {
-    call(c, Call::EnterInitializationMode, |instance| {
-        instance.enter_initialization_mode()
-    })
+    call(c, Call::EnterInitializationMode, |instance| instance.enter_initialization_mode())
 }
 
 /// `fmi2ExitInitializationMode`
 pub unsafe fn fmi2ExitInitializationMode(c: fmi2Component) -> fmi2Status {
-    call(c, Call::ExitInitializationMode, |instance| {
-        instance.exit_initialization_mode()
-    })
+    call(c, Call::ExitInitializationMode, |instance| instance.exit_initialization_mode())
 }
 
 /// `fmi2Terminate`

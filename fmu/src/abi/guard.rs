@@ -5,7 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::kernel::{Call, Instance, Status};
 
-use super::handles;
+use super::handles::{INSTANCES, Live};
 use super::types::{fmi2Component, fmi2Status};
 
 /// Runs `work` on the instance behind a handle.
@@ -17,13 +17,42 @@ pub(super) fn call(
     call: Call,
     work: impl FnOnce(&mut Instance) -> Status,
 ) -> fmi2Status {
-    handles::with(component, |instance| {
-        match catch_unwind(AssertUnwindSafe(|| work(instance))) {
-            Ok(status) => status,
-            Err(payload) => panicked(instance, call, &*payload),
+    call_live(component, call, |live| work(&mut live.instance))
+}
+
+/// The same for functions that also deal with saved states.
+#[inline]
+pub(super) fn call_live(
+    component: fmi2Component,
+    call: Call,
+    work: impl FnOnce(&mut Live) -> Status,
+) -> fmi2Status {
+    INSTANCES.with(component, |live| guarded(live, call, work)).unwrap_or(Status::Error)
+}
+
+/// Tries the `simple` way first, which must not be able to panic, and then the guarded one.
+#[inline]
+pub(super) fn call_first(
+    component: fmi2Component,
+    call: Call,
+    simple: impl FnOnce(&mut Instance) -> bool,
+    work: impl FnOnce(&mut Instance) -> Status,
+) -> fmi2Status {
+    let done = INSTANCES.with(component, |live| {
+        if simple(&mut live.instance) {
+            return Status::Ok;
         }
-    })
-    .unwrap_or(Status::Error)
+        guarded(live, call, |live| work(&mut live.instance))
+    });
+    done.unwrap_or(Status::Error)
+}
+
+#[inline]
+fn guarded(live: &mut Live, call: Call, work: impl FnOnce(&mut Live) -> Status) -> Status {
+    match catch_unwind(AssertUnwindSafe(|| work(live))) {
+        Ok(status) => status,
+        Err(payload) => panicked(&mut live.instance, call, &*payload),
+    }
 }
 
 #[cold]

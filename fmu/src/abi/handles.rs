@@ -1,137 +1,163 @@
-//! Live instances by number.
+//! Live instances and saved states by number.
 //!
-//! A handle is `generation << 32 | slot + 1`, passed through C as if it were a pointer and never
-//! followed. Slots live in blocks that are never freed, so looking up any number whatsoever is
-//! sound; a freed slot gets a new generation, so an old handle does not fit it any more.
-//! Looking up takes two atomic loads and no lock.
+//! A handle is `generation << 32 | tag | slot + 1`, passed through C as if it were a pointer and
+//! never followed; the tag tells the handles of instances and of states apart. Slots live in blocks
+//! that are never freed, so looking up any number whatsoever is sound; a freed slot gets a new
+//! generation, so an old handle does not fit it any more. Looking up takes two atomic loads and no
+//! lock.
 
 use std::cell::UnsafeCell;
 use std::ffi::c_void;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-use crate::kernel::Instance;
+use crate::kernel::{Instance, State};
 
 const BLOCK: usize = 256;
 const BLOCKS: usize = 4096;
 
-struct Slot {
-    /// Odd while an instance lives here.
+/// An instance and the handles of its states, which go when it goes.
+pub(super) struct Live {
+    pub(super) instance: Instance,
+    pub(super) states: Vec<usize>,
+}
+
+/// All live instances.
+pub(super) static INSTANCES: Handles<Live> = Handles::new(0);
+/// All saved states.
+pub(super) static STATES: Handles<State> = Handles::new(1 << 31);
+
+/// Things by number.
+pub(super) struct Handles<T> {
+    tag: u32,
+    table: [OnceLock<Box<[Slot<T>]>>; BLOCKS],
+    /// Slots to use next, and how many were ever used.
+    free: Mutex<(Vec<u32>, u32)>,
+}
+
+struct Slot<T> {
+    /// Odd while something lives here.
     generation: AtomicU32,
     /// Set during a call, so that a logger calling back in, or a second thread, is turned away.
     busy: AtomicBool,
-    instance: UnsafeCell<Option<Box<Instance>>>,
+    thing: UnsafeCell<Option<Box<T>>>,
 }
 
-// SAFETY: `instance` is reached only by who holds `busy` (a caller of `with` or `remove`) or by
-// who took the slot from the free list (`insert`); FMI lets one thread at a time call an instance.
-unsafe impl Sync for Slot {}
+// SAFETY: `thing` is reached only by who holds `busy` (a caller of `with` or `remove`) or by who
+// took the slot from the free list (`insert`), and may go from thread to thread.
+unsafe impl<T: Send> Sync for Slot<T> {}
 
-impl Slot {
+impl<T> Slot<T> {
     const fn new() -> Self {
         Self {
             generation: AtomicU32::new(0),
             busy: AtomicBool::new(false),
-            instance: UnsafeCell::new(None),
+            thing: UnsafeCell::new(None),
         }
     }
 }
 
-static TABLE: [OnceLock<Box<[Slot]>>; BLOCKS] = [const { OnceLock::new() }; BLOCKS];
-
-/// Slots to use next, and how many were ever used.
-static FREE: Mutex<(Vec<u32>, u32)> = Mutex::new((Vec::new(), 0));
-
-/// Why a handle does not lead to an instance.
+/// Why a handle does not lead anywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum NoInstance {
+pub(super) enum Nothing {
     /// It was freed, or never given out.
     Dead,
     /// A call on it has not returned yet.
     Busy,
 }
 
-fn slot(index: u32) -> Option<&'static Slot> {
-    let index = index as usize;
-    TABLE.get(index / BLOCK)?.get()?.get(index % BLOCK)
+/// Leaves a slot even when the work on it panics.
+struct Leave<'a, T>(&'a Slot<T>);
+
+impl<T> Drop for Leave<'_, T> {
+    fn drop(&mut self) {
+        self.0.busy.store(false, Ordering::Release);
+    }
 }
 
-/// Gives an instance a handle; `None` if there are a million already.
-pub(super) fn insert(instance: Box<Instance>) -> Option<*mut c_void> {
-    let mut free = FREE.lock().unwrap_or_else(PoisonError::into_inner);
-    let index = match free.0.pop() {
-        Some(index) => index,
-        None => {
-            let index = free.1;
-            TABLE
-                .get(index as usize / BLOCK)?
-                .get_or_init(|| (0..BLOCK).map(|_| Slot::new()).collect());
-            free.1 += 1;
-            index
+impl<T> Handles<T> {
+    const fn new(tag: u32) -> Self {
+        Self { tag, table: [const { OnceLock::new() }; BLOCKS], free: Mutex::new((Vec::new(), 0)) }
+    }
+
+    #[inline]
+    fn slot(&self, index: usize) -> Option<&Slot<T>> {
+        self.table.get(index / BLOCK)?.get()?.get(index % BLOCK)
+    }
+
+    /// Gives a thing a handle; `None` if there are a million already.
+    pub(super) fn insert(&self, thing: Box<T>) -> Option<*mut c_void> {
+        let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
+        let index = match free.0.pop() {
+            Some(index) => index,
+            None => {
+                let index = free.1;
+                self.table
+                    .get(index as usize / BLOCK)?
+                    .get_or_init(|| (0..BLOCK).map(|_| Slot::new()).collect());
+                free.1 += 1;
+                index
+            }
+        };
+        drop(free);
+        let slot = self.slot(index as usize)?;
+        // SAFETY: the slot came from the free list and its generation is even, so nobody else
+        // reaches the cell.
+        unsafe { *slot.thing.get() = Some(thing) };
+        let generation = slot.generation.load(Ordering::Relaxed).wrapping_add(1);
+        slot.generation.store(generation, Ordering::Release);
+        let handle = (generation as usize) << 32 | (self.tag | (index + 1)) as usize;
+        Some(std::ptr::without_provenance_mut(handle))
+    }
+
+    /// The slot a handle leads to, if its thing lives and is not in a call.
+    #[inline]
+    fn enter(&self, handle: *mut c_void) -> Result<(u32, Leave<'_, T>), Nothing> {
+        let handle = handle.addr();
+        let index = (handle as u32 ^ self.tag).checked_sub(1).ok_or(Nothing::Dead)?;
+        let slot = self.slot(index as usize).ok_or(Nothing::Dead)?;
+        let generation = (handle >> 32) as u32;
+        if generation & 1 == 0 || slot.generation.load(Ordering::Acquire) != generation {
+            return Err(Nothing::Dead);
         }
-    };
-    drop(free);
-    let slot = slot(index)?;
-    // SAFETY: the slot came from the free list and its generation is even, so nobody else
-    // reaches the cell.
-    unsafe { *slot.instance.get() = Some(instance) };
-    let generation = slot.generation.load(Ordering::Relaxed).wrapping_add(1);
-    slot.generation.store(generation, Ordering::Release);
-    let handle = (generation as usize) << 32 | (index as usize + 1);
-    Some(std::ptr::without_provenance_mut(handle))
-}
-
-/// The slot a handle leads to, if its instance lives and is not in a call.
-#[inline]
-fn enter(handle: *mut c_void) -> Result<&'static Slot, NoInstance> {
-    let handle = handle.addr();
-    let index = (handle as u32).checked_sub(1).ok_or(NoInstance::Dead)?;
-    let slot = slot(index).ok_or(NoInstance::Dead)?;
-    let generation = (handle >> 32) as u32;
-    if generation & 1 == 0 || slot.generation.load(Ordering::Acquire) != generation {
-        return Err(NoInstance::Dead);
+        if slot.busy.load(Ordering::Acquire) {
+            return Err(Nothing::Busy);
+        }
+        slot.busy.store(true, Ordering::Relaxed);
+        Ok((index, Leave(slot)))
     }
-    if slot.busy.load(Ordering::Acquire) {
-        return Err(NoInstance::Busy);
-    }
-    slot.busy.store(true, Ordering::Relaxed);
-    Ok(slot)
-}
 
-/// Calls `work` with the instance of a handle.
-#[inline]
-pub(super) fn with<R>(
-    handle: *mut c_void,
-    work: impl FnOnce(&mut Instance) -> R,
-) -> Result<R, NoInstance> {
-    /// Leaves the slot even when `work` panics.
-    struct Leave(&'static Slot);
-    impl Drop for Leave {
-        fn drop(&mut self) {
-            self.0.busy.store(false, Ordering::Release);
+    /// Whether a handle leads to something.
+    pub(super) fn lives(&self, handle: *mut c_void) -> bool {
+        !matches!(self.enter(handle), Err(Nothing::Dead))
+    }
+
+    /// Calls `work` with the thing of a handle.
+    #[inline]
+    pub(super) fn with<R>(
+        &self,
+        handle: *mut c_void,
+        work: impl FnOnce(&mut T) -> R,
+    ) -> Result<R, Nothing> {
+        let (_, slot) = self.enter(handle)?;
+        // SAFETY: `enter` found the thing alive and marked it busy; `Leave` unmarks it only after
+        // the reference is gone.
+        match unsafe { &mut *slot.0.thing.get() } {
+            Some(thing) => Ok(work(thing)),
+            None => Err(Nothing::Dead),
         }
     }
-    let slot = Leave(enter(handle)?);
-    // SAFETY: `enter` found the instance alive and marked it busy; `Leave` unmarks it only after
-    // the reference is gone.
-    match unsafe { &mut *slot.0.instance.get() } {
-        Some(instance) => Ok(work(instance)),
-        None => Err(NoInstance::Dead),
-    }
-}
 
-/// Takes an instance out; its handle is dead from here on.
-pub(super) fn remove(handle: *mut c_void) -> Result<Box<Instance>, NoInstance> {
-    let slot = enter(handle)?;
-    let generation = slot.generation.load(Ordering::Relaxed).wrapping_add(1);
-    slot.generation.store(generation, Ordering::Release);
-    // SAFETY: as in `with`; the new generation keeps everyone else out from here on.
-    let instance = unsafe { (*slot.instance.get()).take() };
-    slot.busy.store(false, Ordering::Release);
-    let index = (handle.addr() as u32).wrapping_sub(1);
-    FREE.lock()
-        .unwrap_or_else(PoisonError::into_inner)
-        .0
-        .push(index);
-    instance.ok_or(NoInstance::Dead)
+    /// Takes a thing out; its handle is dead from here on.
+    pub(super) fn remove(&self, handle: *mut c_void) -> Result<Box<T>, Nothing> {
+        let (index, slot) = self.enter(handle)?;
+        let generation = slot.0.generation.load(Ordering::Relaxed).wrapping_add(1);
+        slot.0.generation.store(generation, Ordering::Release);
+        // SAFETY: as in `with`; the new generation keeps everyone else out from here on.
+        let thing = unsafe { (*slot.0.thing.get()).take() };
+        drop(slot);
+        let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
+        free.0.push(index);
+        thing.ok_or(Nothing::Dead)
+    }
 }

@@ -19,6 +19,7 @@ mod logger;
 mod model_exchange;
 mod resource_uri;
 mod state;
+mod tangent;
 pub mod types;
 mod values;
 
@@ -26,4 +27,5 @@ pub use co_simulation::*;
 pub use common::*;
 pub use model_exchange::*;
 pub use state::*;
+pub use tangent::*;
 pub use values::*;

@@ -8,9 +8,7 @@ use super::types::*;
 
 /// `fmi2EnterEventMode`
 pub unsafe fn fmi2EnterEventMode(c: fmi2Component) -> fmi2Status {
-    call(c, Call::EnterEventMode, |instance| {
-        instance.enter_event_mode()
-    })
+    call(c, Call::EnterEventMode, |instance| instance.enter_event_mode())
 }
 
 /// `fmi2NewDiscreteStates`
@@ -28,6 +26,7 @@ pub unsafe fn fmi2NewDiscreteStates(
         let status = instance.new_discrete_states(&mut outcome);
         if status == Status::Ok {
             *info = fmi2EventInfo {
+                newDiscreteStatesNeeded: outcome.again.into(),
                 valuesOfContinuousStatesChanged: outcome.states_changed.into(),
                 nextEventTimeDefined: outcome.next_event.is_some().into(),
                 nextEventTime: outcome.next_event.unwrap_or_default().seconds(),
@@ -40,9 +39,7 @@ pub unsafe fn fmi2NewDiscreteStates(
 
 /// `fmi2EnterContinuousTimeMode`
 pub unsafe fn fmi2EnterContinuousTimeMode(c: fmi2Component) -> fmi2Status {
-    call(c, Call::EnterContinuousTimeMode, |instance| {
-        instance.enter_continuous_time_mode()
-    })
+    call(c, Call::EnterContinuousTimeMode, |instance| instance.enter_continuous_time_mode())
 }
 
 /// `fmi2CompletedIntegratorStep`
@@ -120,24 +117,14 @@ pub unsafe fn fmi2GetEventIndicators(
 ) -> fmi2Status {
     // SAFETY: the importer passes an array of `ni` elements, as the standard demands.
     let into = unsafe { array_mut("eventIndicators", eventIndicators, ni) };
-    fill(
-        c,
-        Call::GetEventIndicators,
-        into,
-        Instance::get_event_indicators,
-    )
+    fill(c, Call::GetEventIndicators, into, Instance::get_event_indicators)
 }
 
 /// `fmi2GetContinuousStates`
 pub unsafe fn fmi2GetContinuousStates(c: fmi2Component, x: *mut fmi2Real, nx: usize) -> fmi2Status {
     // SAFETY: the importer passes an array of `nx` elements, as the standard demands.
     let into = unsafe { array_mut("x", x, nx) };
-    fill(
-        c,
-        Call::GetContinuousStates,
-        into,
-        Instance::get_continuous_states,
-    )
+    fill(c, Call::GetContinuousStates, into, Instance::get_continuous_states)
 }
 
 /// `fmi2GetNominalsOfContinuousStates`

@@ -61,9 +61,7 @@ mod tests {
     use super::*;
 
     fn folder(uri: &str) -> Option<String> {
-        resources(uri)
-            .folder()
-            .map(|path| path.to_str().unwrap().to_owned())
+        resources(uri).folder().map(|path| path.to_str().unwrap().to_owned())
     }
 
     #[test]

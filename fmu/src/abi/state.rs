@@ -1,82 +1,158 @@
-//! Functions this kit declares as not supported: saved states (FMI 2.0.4, section 2.1.8) and
-//! directional derivatives (section 2.1.9).
+//! Saved states (FMI 2.0.4, section 2.1.8).
+//!
+//! `fmi2FMUstate` is a number like a component handle. A state may be restored into any instance
+//! of its component; it goes when it is freed, or with the instance it was made from.
 
-use crate::kernel::Call;
+use std::ffi::c_void;
 
-use super::guard::call;
+use crate::kernel::{Call, Instance, State, Status};
+
+use super::arguments::{Wrong, array, array_mut, place};
+use super::guard::call_live;
+use super::handles::{Live, STATES};
 use super::types::*;
 
-const NO_STATE: &str = "canGetAndSetFMUstate = false";
-const NO_SERIALIZATION: &str = "canSerializeFMUstate = false";
+/// What to say of a handle that leads to no state.
+const NO_STATE: &str = "FMUstate is not a saved state; it was freed, or never given out";
 
-/// `fmi2GetFMUstate`
-pub unsafe fn fmi2GetFMUstate(c: fmi2Component, _state: *mut fmi2FMUstate) -> fmi2Status {
-    call(c, Call::GetFmuState, |instance| {
-        instance.unsupported(Call::GetFmuState, NO_STATE)
+/// Gives a state a handle that its instance remembers.
+fn keep(live: &mut Live, state: Box<State>, call: Call, into: &mut fmi2FMUstate) -> Status {
+    let Some(handle) = STATES.insert(state) else {
+        return live.instance.refuse(call, "there are too many saved states");
+    };
+    // Handles freed through another instance are forgotten when the list would have to grow.
+    if live.states.len() == live.states.capacity() {
+        live.states.retain(|old| STATES.lives(std::ptr::without_provenance_mut(*old)));
+    }
+    live.states.push(handle.addr());
+    *into = handle;
+    Status::Ok
+}
+
+/// Runs `work` on a saved state.
+fn with_state(
+    instance: &mut Instance,
+    call: Call,
+    handle: *mut c_void,
+    work: impl FnOnce(&mut Instance, &mut State) -> Status,
+) -> Status {
+    STATES
+        .with(handle, |state| work(instance, state))
+        .unwrap_or_else(|_| instance.refuse(call, NO_STATE))
+}
+
+/// `fmi2GetFMUstate`: a new state if `*FMUstate` is NULL, else that one is overwritten.
+pub unsafe fn fmi2GetFMUstate(c: fmi2Component, FMUstate: *mut fmi2FMUstate) -> fmi2Status {
+    let this = Call::GetFmuState;
+    call_live(c, this, |live| {
+        // SAFETY: the importer passes one handle to fill, as the standard demands.
+        let handle = match unsafe { place("FMUstate", FMUstate) } {
+            Ok(handle) => handle,
+            Err(wrong) => return live.instance.refuse(this, &wrong),
+        };
+        if !handle.is_null() {
+            let instance = &mut live.instance;
+            return with_state(instance, this, *handle, |me, state| me.get_state_again(state));
+        }
+        let mut state = None;
+        match (live.instance.get_state(&mut state), state) {
+            (Status::Ok, Some(state)) => keep(live, state, this, handle),
+            (status, _) => status,
+        }
     })
 }
 
 /// `fmi2SetFMUstate`
-pub unsafe fn fmi2SetFMUstate(c: fmi2Component, _state: fmi2FMUstate) -> fmi2Status {
-    call(c, Call::SetFmuState, |instance| {
-        instance.unsupported(Call::SetFmuState, NO_STATE)
+pub unsafe fn fmi2SetFMUstate(c: fmi2Component, FMUstate: fmi2FMUstate) -> fmi2Status {
+    let this = Call::SetFmuState;
+    call_live(c, this, |live| {
+        with_state(&mut live.instance, this, FMUstate, |me, state| me.set_state(state))
     })
 }
 
-/// `fmi2FreeFMUstate`
-pub unsafe fn fmi2FreeFMUstate(c: fmi2Component, _state: *mut fmi2FMUstate) -> fmi2Status {
-    call(c, Call::FreeFmuState, |instance| {
-        instance.unsupported(Call::FreeFmuState, NO_STATE)
+/// `fmi2FreeFMUstate`: NULL is ignored, and what was freed becomes NULL.
+pub unsafe fn fmi2FreeFMUstate(c: fmi2Component, FMUstate: *mut fmi2FMUstate) -> fmi2Status {
+    let this = Call::FreeFmuState;
+    call_live(c, this, |live| {
+        let status = live.instance.may(this);
+        if status != Status::Ok || FMUstate.is_null() {
+            return status;
+        }
+        // SAFETY: the importer passes one handle, as the standard demands.
+        let handle = match unsafe { place("FMUstate", FMUstate) } {
+            Ok(handle) if handle.is_null() => return Status::Ok,
+            Ok(handle) => handle,
+            Err(wrong) => return live.instance.refuse(this, &wrong),
+        };
+        if STATES.remove(*handle).is_err() {
+            return live.instance.refuse(this, NO_STATE);
+        }
+        let freed = handle.addr();
+        live.states.retain(|state| *state != freed);
+        *handle = std::ptr::null_mut();
+        Status::Ok
     })
 }
 
 /// `fmi2SerializedFMUstateSize`
 pub unsafe fn fmi2SerializedFMUstateSize(
     c: fmi2Component,
-    _state: fmi2FMUstate,
-    _size: *mut usize,
+    FMUstate: fmi2FMUstate,
+    size: *mut usize,
 ) -> fmi2Status {
-    call(c, Call::SerializedFmuStateSize, |instance| {
-        instance.unsupported(Call::SerializedFmuStateSize, NO_SERIALIZATION)
+    let this = Call::SerializedFmuStateSize;
+    call_live(c, this, |live| {
+        // SAFETY: the importer passes one size to fill, as the standard demands.
+        match unsafe { place("size", size) } {
+            Ok(size) => with_state(&mut live.instance, this, FMUstate, |me, state| {
+                me.serialized_size(state, size)
+            }),
+            Err(wrong) => live.instance.refuse(this, &wrong),
+        }
     })
 }
 
 /// `fmi2SerializeFMUstate`
 pub unsafe fn fmi2SerializeFMUstate(
     c: fmi2Component,
-    _state: fmi2FMUstate,
-    _bytes: *mut fmi2Byte,
-    _size: usize,
+    FMUstate: fmi2FMUstate,
+    serializedState: *mut fmi2Byte,
+    size: usize,
 ) -> fmi2Status {
-    call(c, Call::SerializeFmuState, |instance| {
-        instance.unsupported(Call::SerializeFmuState, NO_SERIALIZATION)
+    let this = Call::SerializeFmuState;
+    call_live(c, this, |live| {
+        // SAFETY: the importer passes `size` bytes to fill, as the standard demands.
+        match unsafe { array_mut("serializedState", serializedState.cast::<u8>(), size) } {
+            Ok(bytes) => with_state(&mut live.instance, this, FMUstate, |me, state| {
+                me.serialize_state(state, bytes)
+            }),
+            Err(wrong) => live.instance.refuse(this, &wrong),
+        }
     })
 }
 
-/// `fmi2DeSerializeFMUstate`
+/// `fmi2DeSerializeFMUstate`: always a new state.
 pub unsafe fn fmi2DeSerializeFMUstate(
     c: fmi2Component,
-    _bytes: *const fmi2Byte,
-    _size: usize,
-    _state: *mut fmi2FMUstate,
+    serializedState: *const fmi2Byte,
+    size: usize,
+    FMUstate: *mut fmi2FMUstate,
 ) -> fmi2Status {
-    call(c, Call::DeSerializeFmuState, |instance| {
-        instance.unsupported(Call::DeSerializeFmuState, NO_SERIALIZATION)
-    })
-}
-
-/// `fmi2GetDirectionalDerivative`
-pub unsafe fn fmi2GetDirectionalDerivative(
-    c: fmi2Component,
-    _unknowns: *const fmi2ValueReference,
-    _n_unknown: usize,
-    _knowns: *const fmi2ValueReference,
-    _n_known: usize,
-    _dv_known: *const fmi2Real,
-    _dv_unknown: *mut fmi2Real,
-) -> fmi2Status {
-    call(c, Call::GetDirectionalDerivative, |instance| {
-        let flag = "providesDirectionalDerivative = false";
-        instance.unsupported(Call::GetDirectionalDerivative, flag)
+    let this = Call::DeSerializeFmuState;
+    call_live(c, this, |live| {
+        // SAFETY: the importer passes `size` bytes and one handle to fill, as the standard demands.
+        let arguments: Result<_, Wrong> = unsafe {
+            array("serializedState", serializedState.cast::<u8>(), size)
+                .and_then(|bytes| Ok((bytes, place("FMUstate", FMUstate)?)))
+        };
+        let (bytes, handle) = match arguments {
+            Ok(arguments) => arguments,
+            Err(wrong) => return live.instance.refuse(this, &wrong),
+        };
+        let mut state = None;
+        match (live.instance.deserialize_state(bytes, &mut state), state) {
+            (Status::Ok, Some(state)) => keep(live, state, this, handle),
+            (status, _) => status,
+        }
     })
 }

@@ -5,7 +5,7 @@ use std::ffi::CString;
 use crate::kernel::Call;
 
 use super::arguments::{array, array_mut, text};
-use super::guard::call;
+use super::guard::{call, call_first};
 use super::types::*;
 
 /// Both arrays of a get or set function, or the refusal.
@@ -28,10 +28,24 @@ pub unsafe fn fmi2GetReal(
     nvr: usize,
     value: *mut fmi2Real,
 ) -> fmi2Status {
-    call(c, Call::GetReal, |instance| {
-        let (references, values) = arrays!(instance, Call::GetReal, vr, value, nvr, array_mut);
-        instance.get_real(references, values)
-    })
+    // Nothing here can panic unless something has to be computed.
+    call_first(
+        c,
+        Call::GetReal,
+        |instance| {
+            // SAFETY: the importer passes arrays of `nvr` elements, as the standard demands, and
+            // leaves them alone during the call.
+            let arrays = unsafe { (array("vr", vr, nvr), array_mut("value", value, nvr)) };
+            match arrays {
+                (Ok(vr), Ok(value)) => instance.get_fresh(vr, value),
+                _ => false,
+            }
+        },
+        |instance| {
+            let (references, values) = arrays!(instance, Call::GetReal, vr, value, nvr, array_mut);
+            instance.get_real(references, values)
+        },
+    )
 }
 
 /// `fmi2GetInteger`
@@ -88,10 +102,20 @@ pub unsafe fn fmi2SetReal(
     nvr: usize,
     value: *const fmi2Real,
 ) -> fmi2Status {
-    call(c, Call::SetReal, |instance| {
-        let (references, values) = arrays!(instance, Call::SetReal, vr, value, nvr, array);
-        instance.set_real(references, values)
-    })
+    // Nothing here can panic.
+    call_first(
+        c,
+        Call::SetReal,
+        |instance| {
+            // SAFETY: as in `fmi2GetReal`.
+            let arrays = unsafe { (array("vr", vr, nvr), array("value", value, nvr)) };
+            matches!(arrays, (Ok(vr), Ok(value)) if instance.set_inputs(vr, value))
+        },
+        |instance| {
+            let (references, values) = arrays!(instance, Call::SetReal, vr, value, nvr, array);
+            instance.set_real(references, values)
+        },
+    )
 }
 
 /// `fmi2SetInteger`
@@ -131,9 +155,7 @@ pub unsafe fn fmi2SetString(
     call(c, Call::SetString, |instance| {
         let (references, values) = arrays!(instance, Call::SetString, vr, value, nvr, array);
         // SAFETY: the importer passes texts that end with a NUL, as the standard demands.
-        let texts = values
-            .iter()
-            .map(|value| unsafe { text(*value) }.map(CString::from));
+        let texts = values.iter().map(|value| unsafe { text(*value) }.map(CString::from));
         match texts.collect::<Option<Vec<CString>>>() {
             Some(texts) => instance.set_string(references, &texts),
             None => instance.refuse(Call::SetString, "one of the texts is NULL"),

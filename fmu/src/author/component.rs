@@ -6,6 +6,7 @@
 //! dx/dt = derivatives(t, m, x, u)      continuous states x, held discrete memory m
 //! y     = outputs(t, m, x, u)
 //! (m, x) := event(t, m, x, u)          at the instants next_event announces
+//! (m, x) := state_event(t, m, x, u)    where one of indicators(t, m, x, u) changes its sign
 //! ```
 //!
 //! and the kernel makes both FMI interfaces from it: model exchange hands these functions to the
@@ -35,6 +36,10 @@ pub type NoStates = ();
 pub trait Component: Sized + Send + 'static {
     /// Name, description, default experiment.
     const INFO: Info;
+    /// Names of the event indicators, at most 64; none if the component has no state events.
+    const INDICATORS: &'static [&'static str] = &[];
+    /// Whether [`tangent`](Component::tangent) is there.
+    const TANGENT: bool = false;
     /// Parameters: of any variable type, fixed once initialization is over.
     type Parameters: Variables + Default;
     /// Inputs (Real only). Their `Default` is the start value.
@@ -88,6 +93,19 @@ pub trait Component: Sized + Send + 'static {
         Self::States::default()
     }
 
+    /// [`derivatives`](Component::derivatives) as a function of time and states while memory and
+    /// inputs are held, for the stages of an integration step.
+    ///
+    /// Override it where part of the work depends on the inputs alone and need not be done again
+    /// for each stage; it must give the same bits.
+    fn held_derivatives(
+        &self,
+        memory: &Self::Memory,
+        inputs: &Self::Inputs,
+    ) -> impl Fn(f64, &Self::States) -> Self::States {
+        move |t, states| self.derivatives(t, memory, states, inputs)
+    }
+
     /// The outputs at time `t` in seconds.
     fn outputs(
         &self,
@@ -116,5 +134,58 @@ pub trait Component: Sized + Send + 'static {
     ) -> Result<(), Fault> {
         let _ = (now, memory, states, inputs);
         Ok(())
+    }
+
+    /// Fills in the event indicators, as many as [`INDICATORS`](Component::INDICATORS) has names.
+    ///
+    /// Where one of them crosses zero, the right-hand side changes its form: a height at which
+    /// something bounces, the distance to a limit. Let them depend on the mode in `memory` so that
+    /// they are well off zero after the event (a limit that has been reached is left by another
+    /// condition than it was reached); that is what keeps a component from chattering.
+    fn indicators(
+        &self,
+        t: f64,
+        memory: &Self::Memory,
+        states: &Self::States,
+        inputs: &Self::Inputs,
+        indicators: &mut [f64],
+    ) {
+        let _ = (t, memory, states, inputs, indicators);
+    }
+
+    /// Brings mode and states into line where an indicator may have changed its sign; tells
+    /// whether it changed anything. It is called again until it has not.
+    ///
+    /// Solvers stop a little before or a little behind the crossing and also come for other
+    /// reasons, so look at the values and do nothing if there is nothing to do.
+    ///
+    /// # Errors
+    /// A [`Fault`] says why the simulation cannot go on.
+    fn state_event(
+        &self,
+        t: f64,
+        memory: &mut Self::Memory,
+        states: &mut Self::States,
+        inputs: &Self::Inputs,
+    ) -> Result<bool, Fault> {
+        let _ = (t, memory, states, inputs);
+        Ok(false)
+    }
+
+    /// The tangent-linear model: how derivatives and outputs change, to first order, when the
+    /// states change by `dx` and the inputs by `du`. Set [`TANGENT`](Component::TANGENT) if you
+    /// write it, and let neither derivatives nor outputs depend on time other than through states
+    /// and inputs: the time derivatives of the outputs are made from it, too.
+    fn tangent(
+        &self,
+        t: f64,
+        memory: &Self::Memory,
+        states: &Self::States,
+        inputs: &Self::Inputs,
+        dx: &Self::States,
+        du: &Self::Inputs,
+    ) -> (Self::States, Self::Outputs) {
+        let _ = (t, memory, states, inputs, dx, du);
+        (Self::States::default(), Self::Outputs::default())
     }
 }

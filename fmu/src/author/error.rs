@@ -14,10 +14,7 @@ impl ParameterError {
     /// `variable` is the FMI name (`thruster.time_constant`), `reason` says what is wrong with
     /// which value and what would be right.
     pub fn new(variable: impl Into<String>, reason: impl Display) -> Self {
-        Self {
-            variable: variable.into(),
-            reason: reason.to_string(),
-        }
+        Self { variable: variable.into(), reason: reason.to_string() }
     }
 
     /// FMI name of the offending variable.
@@ -37,8 +34,6 @@ pub struct Fault {
 impl Fault {
     /// What happened, to which quantity, and what the user can do about it.
     pub fn new(reason: impl Display) -> Self {
-        Self {
-            reason: reason.to_string(),
-        }
+        Self { reason: reason.to_string() }
     }
 }

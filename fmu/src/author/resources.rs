@@ -19,9 +19,7 @@ impl Resources {
 
     /// Resources in a folder of the file system.
     pub fn in_folder(folder: impl Into<PathBuf>) -> Self {
-        Self {
-            folder: Some(folder.into()),
-        }
+        Self { folder: Some(folder.into()) }
     }
 
     /// The folder itself.
@@ -37,15 +35,10 @@ impl Resources {
     pub fn read_to_string(&self, variable: &str, name: &str) -> Result<String, ParameterError> {
         let error = |reason: String| ParameterError::new(variable, reason);
         let folder = self.folder().ok_or_else(|| {
-            error(format!(
-                "needs the file \"{name}\", but the importer gave no resource location"
-            ))
+            error(format!("needs the file \"{name}\", but the importer gave no resource location"))
         })?;
         let relative = Path::new(name);
-        if !relative
-            .components()
-            .all(|part| matches!(part, std::path::Component::Normal(_)))
-        {
+        if !relative.components().all(|part| matches!(part, std::path::Component::Normal(_))) {
             return Err(error(format!(
                 "\"{name}\" leads out of the resources folder; name a file inside it"
             )));

@@ -20,11 +20,7 @@ impl Sampler {
     /// Samples every `period_s` seconds from `start` on; sample 0 counts as taken.
     #[must_use]
     pub const fn new(start: Time, period_s: f64) -> Self {
-        Self {
-            start,
-            period_s,
-            index: 0,
-        }
+        Self { start, period_s, index: 0 }
     }
 
     /// Index of the newest sample taken.
@@ -42,8 +38,7 @@ impl Sampler {
     /// Instant of the next sample, at least one nanosecond after the last.
     #[must_use]
     pub fn next(&self) -> Time {
-        self.instant(self.index.saturating_add(1))
-            .max(self.last().after_ns(1))
+        self.instant(self.index.saturating_add(1)).max(self.last().after_ns(1))
     }
 
     /// Counts the next sample as taken.
@@ -52,7 +47,6 @@ impl Sampler {
     }
 
     fn instant(&self, index: u64) -> Time {
-        self.start
-            .after_ns(Time::from_seconds(index as f64 * self.period_s).ns())
+        self.start.after_ns(Time::from_seconds(index as f64 * self.period_s).ns())
     }
 }

@@ -26,9 +26,7 @@ impl Time {
     /// The instant nearest to `seconds`.
     #[must_use]
     pub fn from_seconds(seconds: f64) -> Self {
-        Self {
-            ns: (seconds * NS_PER_S).round() as i64,
-        }
+        Self { ns: (seconds * NS_PER_S).round() as i64 }
     }
 
     /// Nanoseconds.
@@ -46,9 +44,7 @@ impl Time {
     /// This instant and `ns` nanoseconds later, held at the ends of the range.
     #[must_use]
     pub const fn after_ns(self, ns: i64) -> Self {
-        Self {
-            ns: self.ns.saturating_add(ns),
-        }
+        Self { ns: self.ns.saturating_add(ns) }
     }
 }
 

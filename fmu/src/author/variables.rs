@@ -25,12 +25,7 @@ pub struct Count {
 
 impl Count {
     /// Nothing.
-    pub const NONE: Self = Self {
-        reals: 0,
-        integers: 0,
-        booleans: 0,
-        strings: 0,
-    };
+    pub const NONE: Self = Self { reals: 0, integers: 0, booleans: 0, strings: 0 };
 
     /// Both together.
     #[must_use]
@@ -113,7 +108,7 @@ pub trait Variables: Sized {
 }
 
 /// The next element of what is left, or the default.
-#[inline]
+#[inline(always)]
 fn take<'a, T>(rest: &mut &'a [T]) -> Option<&'a T> {
     let (first, tail) = rest.split_first()?;
     *rest = tail;
@@ -121,7 +116,7 @@ fn take<'a, T>(rest: &mut &'a [T]) -> Option<&'a T> {
 }
 
 /// Puts `value` into the next place, if there is one left.
-#[inline]
+#[inline(always)]
 fn put<T>(rest: &mut &mut [T], value: T) {
     if let Some((first, tail)) = std::mem::take(rest).split_first_mut() {
         *first = value;
@@ -133,16 +128,10 @@ fn put<T>(rest: &mut &mut [T], value: T) {
 macro_rules! leaf {
     ($type:ty, $kind:ident, $list:ident, $load:expr, $store:expr) => {
         impl Variables for $type {
-            const COUNT: Count = Count {
-                $list: 1,
-                ..Count::NONE
-            };
+            const COUNT: Count = Count { $list: 1, ..Count::NONE };
 
             fn declare(&self, at: &Field, into: &mut Declarations) {
-                into.push(Declaration {
-                    field: at.clone(),
-                    start: Start::$kind(self.clone()),
-                });
+                into.push(Declaration { field: at.clone(), start: Start::$kind(self.clone()) });
             }
 
             #[inline]
@@ -162,9 +151,7 @@ macro_rules! leaf {
 }
 
 leaf!(i32, Integer, integers, |value| *value, |value: &i32| *value);
-leaf!(bool, Boolean, booleans, |value| *value, |value: &bool| {
-    *value
-});
+leaf!(bool, Boolean, booleans, |value| *value, |value: &bool| { *value });
 leaf!(
     String,
     String,
@@ -180,29 +167,23 @@ fn terminated(text: &str) -> CString {
 }
 
 impl Variables for f64 {
-    const COUNT: Count = Count {
-        reals: 1,
-        ..Count::NONE
-    };
+    const COUNT: Count = Count { reals: 1, ..Count::NONE };
 
     fn declare(&self, at: &Field, into: &mut Declarations) {
-        into.push(Declaration {
-            field: at.clone(),
-            start: Start::Real(*self),
-        });
+        into.push(Declaration { field: at.clone(), start: Start::Real(*self) });
     }
 
-    #[inline]
+    #[inline(always)]
     fn load(from: &mut Reader<'_>) -> Self {
         take(&mut from.reals).copied().unwrap_or_default()
     }
 
-    #[inline]
+    #[inline(always)]
     fn store(&self, into: &mut Writer<'_>) {
         put(&mut into.reals, *self);
     }
 
-    #[inline]
+    #[inline(always)]
     fn zip_reals(&mut self, other: &Self, f: &mut impl FnMut(&mut f64, f64)) {
         f(self, *other);
     }
@@ -214,13 +195,13 @@ impl Variables for () {
 
     fn declare(&self, _: &Field, _: &mut Declarations) {}
 
-    #[inline]
+    #[inline(always)]
     fn load(_: &mut Reader<'_>) -> Self {}
 
-    #[inline]
+    #[inline(always)]
     fn store(&self, _: &mut Writer<'_>) {}
 
-    #[inline]
+    #[inline(always)]
     fn zip_reals(&mut self, _: &Self, _: &mut impl FnMut(&mut f64, f64)) {}
 }
 
@@ -233,19 +214,19 @@ impl<T: Variables, const N: usize> Variables for [T; N] {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn load(from: &mut Reader<'_>) -> Self {
         from_fn(|_| T::load(from))
     }
 
-    #[inline]
+    #[inline(always)]
     fn store(&self, into: &mut Writer<'_>) {
         for element in self {
             element.store(into);
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn zip_reals(&mut self, other: &Self, f: &mut impl FnMut(&mut f64, f64)) {
         for (own, theirs) in self.iter_mut().zip(other) {
             own.zip_reals(theirs, f);

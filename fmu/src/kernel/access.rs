@@ -7,14 +7,44 @@ use std::ffi::{CStr, CString};
 use std::ops::Range;
 
 use super::call::{Call, Phase};
-use super::instance::Instance;
+use super::instance::{Instance, new_edition};
 use super::status::{Status, Trouble};
 use super::table::{Group, Kind, Variable};
 use super::values::all_finite;
 
 impl Instance {
-    /// `fmi2GetReal`
+    /// `fmi2GetReal` of values that need no computing; false if it is not so simple.
+    ///
+    /// No code of a component runs here.
     #[inline]
+    pub fn get_fresh(&self, references: &[u32], into: &mut [f64]) -> bool {
+        let legal = self.run.phase.allows(Call::GetReal);
+        let (true, Some(fresh)) = (legal, self.values.reals.get(..self.fresh_reals())) else {
+            return false;
+        };
+        for (reference, place) in references.iter().zip(into) {
+            match fresh.get(*reference as usize) {
+                Some(value) => *place = *value,
+                None => return false,
+            }
+        }
+        true
+    }
+
+    /// How many of the Reals, counted from the first, are up to date.
+    #[inline]
+    fn fresh_reals(&self) -> usize {
+        let stale = self.run.stale;
+        if stale.component | stale.initial | stale.outputs {
+            0
+        } else if stale.derivatives {
+            self.table.layout().derivatives.start
+        } else {
+            self.values.reals.len()
+        }
+    }
+
+    /// `fmi2GetReal`
     pub fn get_real(&mut self, references: &[u32], into: &mut [f64]) -> Status {
         self.call(Call::GetReal, |me| {
             me.up_to_date(references)?;
@@ -46,10 +76,7 @@ impl Instance {
             me.up_to_date(&[])?;
             for (index, reference) in references.iter().enumerate() {
                 let value = me.values.booleans.get(*reference as usize);
-                give(
-                    index,
-                    *value.ok_or_else(|| me.unknown(Kind::Boolean, *reference))?,
-                );
+                give(index, *value.ok_or_else(|| me.unknown(Kind::Boolean, *reference))?);
             }
             Ok(())
         })
@@ -61,35 +88,51 @@ impl Instance {
             me.up_to_date(&[])?;
             for (index, reference) in references.iter().enumerate() {
                 let value = me.values.strings.get(*reference as usize);
-                give(
-                    index,
-                    value.ok_or_else(|| me.unknown(Kind::String, *reference))?,
-                );
+                give(index, value.ok_or_else(|| me.unknown(Kind::String, *reference))?);
             }
             Ok(())
         })
     }
 
-    /// `fmi2SetReal`
+    /// `fmi2SetReal` of inputs while the simulation runs; false if it is not so simple.
+    ///
+    /// No code of a component runs here.
     #[inline]
+    pub fn set_inputs(&mut self, references: &[u32], values: &[f64]) -> bool {
+        let running = matches!(self.run.phase, Phase::Event | Phase::Continuous | Phase::Step);
+        let place = self.table.layout().inputs.clone();
+        let first = place.start;
+        let (true, Some(inputs)) = (running, self.values.reals.get_mut(place)) else {
+            return false;
+        };
+        let index = |reference: u32| (reference as usize).wrapping_sub(first);
+        if references.iter().any(|r| index(*r) >= inputs.len()) || !all_finite(values) {
+            return false;
+        }
+        for (reference, value) in references.iter().zip(values) {
+            if let Some(place) = inputs.get_mut(index(*reference)) {
+                *place = *value;
+            }
+        }
+        self.run.stale.outputs = true;
+        self.run.stale.derivatives = true;
+        true
+    }
+
+    /// `fmi2SetReal`
     pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Status {
         self.call(Call::SetReal, |me| {
             let inputs = me.table.layout().inputs.clone();
             let first = if me.is_starting() { 0 } else { inputs.start };
             let settable = first..inputs.end;
             let outside = |reference: &u32| !settable.contains(&(*reference as usize));
-            let any_outside = references.iter().fold(false, |any, r| any | outside(r));
-            if any_outside || !all_finite(values) {
+            if references.iter().any(outside) || !all_finite(values) {
                 return Err(me.cannot_set_reals(&settable, references, values));
             }
             if me.is_starting() {
                 me.check_bounds(Kind::Real, references, values)?;
             }
-            for (reference, value) in references.iter().zip(values) {
-                if let Some(place) = me.values.reals.get_mut(*reference as usize) {
-                    *place = *value;
-                }
-            }
+            assign(&mut me.values.reals, references, values);
             me.changed(references, |explicit| &mut explicit.reals);
             Ok(())
         })
@@ -124,9 +167,7 @@ impl Instance {
             for (reference, value) in references.iter().zip(values) {
                 if value.to_str().is_err() {
                     let name = me.name(Kind::String, *reference);
-                    return Err(Trouble::error(format_args!(
-                        "{name}: the text is not UTF-8"
-                    )));
+                    return Err(Trouble::error(format_args!("{name}: the text is not UTF-8")));
                 }
             }
             assign(&mut me.values.strings, references, values);
@@ -136,35 +177,27 @@ impl Instance {
     }
 
     fn is_starting(&self) -> bool {
-        matches!(self.phase, Phase::Instantiated | Phase::Initialization)
+        matches!(self.run.phase, Phase::Instantiated | Phase::Initialization)
     }
 
     /// Computes what is stale before it is read.
     #[inline]
     fn up_to_date(&mut self, reals: &[u32]) -> Result<(), Trouble> {
-        if self.stale.any() {
-            self.bring_up_to_date(reals)
-        } else {
-            Ok(())
-        }
+        if self.run.stale.any() { self.bring_up_to_date(reals) } else { Ok(()) }
     }
 
     fn bring_up_to_date(&mut self, reals: &[u32]) -> Result<(), Trouble> {
-        if self.stale.component | self.stale.initial | self.stale.outputs {
+        if self.run.stale.component | self.run.stale.initial | self.run.stale.outputs {
             match self.refresh() {
                 // Half of the parameters may be set by now: the older values stand.
-                Err(_) if self.phase == Phase::Instantiated => return Ok(()),
+                Err(_) if self.run.phase == Phase::Instantiated => return Ok(()),
                 done => done?,
             }
         }
         // Behind the derivatives there is time only.
         let first = self.table.layout().derivatives.start;
         let asked = |any: bool, reference: &u32| any | (*reference as usize >= first);
-        if reals.iter().fold(false, asked) {
-            self.refresh_derivatives()
-        } else {
-            Ok(())
-        }
+        if reals.iter().fold(false, asked) { self.refresh_derivatives() } else { Ok(()) }
     }
 
     /// Remembers what was set and what depends on it.
@@ -174,17 +207,18 @@ impl Instance {
         references: &[u32],
         list: impl FnOnce(&mut super::values::Explicit) -> &mut Box<[bool]>,
     ) {
-        self.stale.outputs = true;
-        self.stale.derivatives = true;
+        self.run.stale.outputs = true;
+        self.run.stale.derivatives = true;
         if !self.is_starting() {
             return;
         }
-        self.stale.initial = true;
+        self.run.stale.initial = true;
         let explicit = list(&mut self.explicit);
         for reference in references {
             if let Some(set) = explicit.get_mut(*reference as usize) {
                 *set = true;
-                self.stale.component = true;
+                self.run.stale.component = true;
+                self.edition = new_edition();
             }
         }
     }
@@ -214,10 +248,7 @@ impl Instance {
             }
             let (min, max) = match &variable.start {
                 Start::Enumeration { items, .. } => (1.0, items.len() as f64),
-                _ => (
-                    variable.min.unwrap_or(f64::MIN),
-                    variable.max.unwrap_or(f64::MAX),
-                ),
+                _ => (variable.min.unwrap_or(f64::MIN), variable.max.unwrap_or(f64::MAX)),
             };
             if !(min..=max).contains(value) {
                 return Err(Trouble::error(format_args!(
@@ -281,9 +312,7 @@ impl Instance {
     }
 
     fn name(&self, kind: Kind, reference: u32) -> &str {
-        self.table
-            .find(kind, reference)
-            .map_or("?", |variable| variable.name.as_str())
+        self.table.find(kind, reference).map_or("?", |variable| variable.name.as_str())
     }
 }
 

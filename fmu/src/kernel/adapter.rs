@@ -1,22 +1,26 @@
 //! A [`Component`] as a [`Model`]: typed structs on one side, flat values on the other.
 
-use crate::author::{Component, Fault, ParameterError, Ports, Resources, Time};
+use crate::author::{Component, Fault, ParameterError, Ports, Reader, Resources, Time, Variables};
 
-use super::model::Model;
-use super::stepper::Stepper;
-use super::table::Layout;
-use super::values::{Explicit, Values, read, write};
+use super::integrator::Integrator;
+use super::model::{Cause, Events, Halt, Memory, Model};
+use super::parameters::Parameters;
+use super::signal::{Held, Moving, Signal, Slopes};
+use super::stepper::{Progress, Scheme, Stepper};
+use super::table::{Group, Layout, Table};
+use super::values::{Explicit, Values, all_finite, is_finite, read, write};
 
-/// A component together with its memory.
+/// A component together with everything that changes.
 pub(crate) struct ComponentModel<C: Component> {
     layout: Layout,
     resources: Resources,
     component: Option<C>,
-    memory: C::Memory,
+    scheme: Scheme<C::States>,
+    progress: Progress<C::Memory>,
 }
 
 impl<C: Component> ComponentModel<C> {
-    pub(crate) fn new(layout: Layout, resources: Resources) -> Self {
+    pub(crate) fn new(table: &Table, resources: Resources) -> Self {
         const {
             assert!(
                 only_reals::<C::Inputs>()
@@ -24,12 +28,19 @@ impl<C: Component> ComponentModel<C> {
                     && only_reals::<C::States>(),
                 "inputs, outputs and states are Real only: use f64 in them"
             );
+            assert!(C::INDICATORS.len() <= 64, "there can be no more than 64 event indicators");
         }
+        let states = table.group(Group::State);
+        let nominals: Vec<f64> = states.map(|(_, state)| state.nominal.unwrap_or(1.0)).collect();
         Self {
-            layout,
+            layout: table.layout().clone(),
             resources,
             component: None,
-            memory: C::Memory::default(),
+            scheme: Scheme {
+                integrator: Integrator::of(&C::INFO),
+                nominal: C::States::load(&mut Reader { reals: &nominals, ..Reader::default() }),
+            },
+            progress: Progress::default(),
         }
     }
 
@@ -39,6 +50,102 @@ impl<C: Component> ComponentModel<C> {
 
     fn states(&self, values: &Values) -> C::States {
         read(&values.reals, &self.layout.states)
+    }
+
+    /// A step along a signal.
+    #[inline(always)]
+    fn advance(
+        &mut self,
+        t: f64,
+        h: f64,
+        signal: &impl Signal<C>,
+        values: &mut Values,
+    ) -> Result<usize, Halt> {
+        let Some(component) = &self.component else {
+            return Err(Halt::new(t, unconfigured()));
+        };
+        let before = self.states(values);
+        let mut x = before;
+        let mut stepper =
+            Stepper { component, scheme: &self.scheme, progress: &mut self.progress, signal };
+        let events = match stepper.advance(&mut x, t, h) {
+            Ok(events) => events,
+            Err(halt) => {
+                let halt = halt.in_table(self.layout.states.start);
+                return Err(self.halted(halt, &x, signal, values));
+            }
+        };
+        let memory = &self.progress.memory;
+        let outputs = signal.with(t + h, |u| component.outputs(t + h, memory, &x, u));
+        write(&x, &mut values.reals, &self.layout.states);
+        write(&outputs, &mut values.reals, &self.layout.outputs);
+        // Outputs and states lie side by side.
+        let place = self.layout.outputs.start..self.layout.states.end;
+        match values.reals.get(place.clone()) {
+            Some(reals) if !all_finite(reals) => {
+                let first = reals.iter().position(|value| !value.is_finite());
+                let reference = place.start + first.unwrap_or_default();
+                let halt = Halt { reached_s: t, cause: Cause::NotFinite(reference) };
+                Err(self.halted(halt, &before, signal, values))
+            }
+            _ => Ok(events),
+        }
+    }
+
+    /// Leaves the values as they are where the step ended.
+    #[cold]
+    fn halted(
+        &self,
+        halt: Halt,
+        x: &C::States,
+        signal: &impl Signal<C>,
+        values: &mut Values,
+    ) -> Halt {
+        let (t, memory) = (halt.reached_s, &self.progress.memory);
+        write(x, &mut values.reals, &self.layout.states);
+        if let Some(component) = &self.component {
+            let outputs = signal.with(t, |u| component.outputs(t, memory, x, u));
+            if is_finite(&outputs) {
+                write(&outputs, &mut values.reals, &self.layout.outputs);
+            }
+        }
+        halt
+    }
+
+    #[inline(never)]
+    fn step_moving(
+        &mut self,
+        t: f64,
+        h: f64,
+        slopes: &Slopes,
+        values: &mut Values,
+    ) -> Result<usize, Halt> {
+        let signal = Moving {
+            start_s: t,
+            value: self.inputs(values),
+            slopes: slopes.orders.each_ref().map(|slopes| read(slopes, &(0..slopes.len()))),
+        };
+        let done = self.advance(t, h, &signal, values);
+        let end = done.as_ref().map_or_else(|halt| halt.reached_s, |_| t + h);
+        write(&signal.at(end), &mut values.reals, &self.layout.inputs);
+        done
+    }
+
+    /// Works with the stepper at the present values, inputs held.
+    fn stepping<R>(
+        &mut self,
+        values: &Values,
+        work: impl FnOnce(&mut Stepper<'_, C, Held<C::Inputs>>, &mut C::States) -> R,
+    ) -> Result<(R, C::States), Fault> {
+        let (mut x, u) = (self.states(values), self.inputs(values));
+        let mut stepper = Stepper {
+            component: self.component.as_ref().ok_or_else(unconfigured)?,
+            scheme: &self.scheme,
+            progress: &mut self.progress,
+            signal: &Held(u),
+        };
+        let done = work(&mut stepper, &mut x);
+        Ok((done, x))
     }
 }
 
@@ -56,14 +163,22 @@ impl<C: Component> Model for ComponentModel<C> {
         &mut self,
         values: &mut Values,
         explicit: &Explicit,
+        tolerance: Option<f64>,
     ) -> Result<(), ParameterError> {
-        let mut selected = Values::of(&C::Parameters::default());
+        let mut selected = Values::of(&Parameters::<C>::with(C::Parameters::default()));
         selected.overlay(values, explicit);
-        let mut complete = Values::of(&C::preset(&selected.load()));
+        let selected: Parameters<C> = selected.load();
+        let mut preset = Parameters::<C>::with(C::preset(&selected.author));
+        if let Some(tolerance) = tolerance {
+            // Within the bounds of the parameter: some importers say 0.
+            preset.integrator.tolerance = tolerance.max(1e-14);
+        }
+        let mut complete = Values::of(&preset);
         complete.overlay(values, explicit);
-        let parameters: C::Parameters = complete.load();
+        let parameters: Parameters<C> = complete.load();
         values.store(&parameters);
-        self.component = Some(C::new(&parameters, &self.resources)?);
+        self.scheme.integrator = parameters.integrator;
+        self.component = Some(C::new(&parameters.author, &self.resources)?);
         Ok(())
     }
 
@@ -71,7 +186,12 @@ impl<C: Component> Model for ComponentModel<C> {
         let component = self.component.as_ref().ok_or_else(unconfigured)?;
         let (states, memory) = component.initial(start, &self.inputs(values))?;
         write(&states, &mut values.reals, &self.layout.states);
-        self.memory = memory;
+        self.progress = Progress { memory, proposed_s: 0.0, signs: 0 };
+        if !C::INDICATORS.is_empty() {
+            let t = start.seconds();
+            let (signs, _) = self.stepping(values, |stepper, x| stepper.signs(x, t))?;
+            self.progress.signs = signs;
+        }
         Ok(())
     }
 
@@ -80,7 +200,7 @@ impl<C: Component> Model for ComponentModel<C> {
             return;
         };
         let (x, u) = (self.states(values), self.inputs(values));
-        let outputs = component.outputs(t, &self.memory, &x, &u);
+        let outputs = component.outputs(t, &self.progress.memory, &x, &u);
         write(&outputs, &mut values.reals, &self.layout.outputs);
     }
 
@@ -89,45 +209,87 @@ impl<C: Component> Model for ComponentModel<C> {
             return;
         };
         let (x, u) = (self.states(values), self.inputs(values));
-        let derivatives = component.derivatives(t, &self.memory, &x, &u);
+        let derivatives = component.derivatives(t, &self.progress.memory, &x, &u);
         write(&derivatives, &mut values.reals, &self.layout.derivatives);
     }
 
-    fn next_event(&self) -> Option<Time> {
-        self.component
-            .as_ref()
-            .and_then(|component| component.next_event(&self.memory))
-    }
-
-    fn events(&mut self, now: Time, values: &mut Values) -> Result<usize, Fault> {
-        let (mut x, u) = (self.states(values), self.inputs(values));
-        let component = self.component.as_ref().ok_or_else(unconfigured)?;
-        let mut stepper = Stepper {
-            component,
-            memory: &mut self.memory,
-            inputs: &u,
-        };
-        let mut count = 0;
-        while let Some(instant) = component.next_event(stepper.memory).filter(|at| *at <= now) {
-            stepper.event(instant, &mut x)?;
-            count += 1;
+    fn indicators(&self, t: f64, values: &Values, into: &mut [f64]) {
+        if let Some(component) = &self.component {
+            let (x, u) = (self.states(values), self.inputs(values));
+            component.indicators(t, &self.progress.memory, &x, &u, into);
         }
-        write(&x, &mut values.reals, &self.layout.states);
-        Ok(count)
     }
 
-    fn step(&mut self, t: f64, h: f64, values: &mut Values) -> Result<usize, Fault> {
-        let (mut x, u) = (self.states(values), self.inputs(values));
-        let component = self.component.as_ref().ok_or_else(unconfigured)?;
-        let mut stepper = Stepper {
-            component,
-            memory: &mut self.memory,
-            inputs: &u,
+    fn tangent(&self, t: f64, values: &Values, changes: &mut [f64]) -> bool {
+        let Some(component) = self.component.as_ref().filter(|_| C::TANGENT) else {
+            return false;
         };
-        let events = stepper.advance(&mut x, t, h)?;
-        let outputs = component.outputs(t + h, &self.memory, &x, &u);
+        let (x, u) = (self.states(values), self.inputs(values));
+        let dx = read(changes, &self.layout.states);
+        let du = read(changes, &self.layout.inputs);
+        let (derivatives, outputs) = component.tangent(t, &self.progress.memory, &x, &u, &dx, &du);
+        write(&derivatives, changes, &self.layout.derivatives);
+        write(&outputs, changes, &self.layout.outputs);
+        true
+    }
+
+    fn next_event(&self) -> Option<Time> {
+        self.component.as_ref().and_then(|component| component.next_event(&self.progress.memory))
+    }
+
+    fn events(&mut self, t: f64, values: &mut Values) -> Result<Events, Fault> {
+        let now = Time::from_seconds(t);
+        let (done, x) = self.stepping(values, |stepper, x| {
+            let mut events = Events::default();
+            while let Some(instant) = stepper.next_event().filter(|at| *at <= now) {
+                stepper.time_event(instant, x)?;
+                events.time_events += 1;
+            }
+            events.changed = stepper.state_event(t, x)?;
+            Ok(events)
+        })?;
+        let events = done?;
         write(&x, &mut values.reals, &self.layout.states);
-        write(&outputs, &mut values.reals, &self.layout.outputs);
         Ok(events)
+    }
+
+    fn step(
+        &mut self,
+        t: f64,
+        h: f64,
+        slopes: Option<&Slopes>,
+        values: &mut Values,
+    ) -> Result<usize, Halt> {
+        match slopes {
+            None => self.advance(t, h, &Held(self.inputs(values)), values),
+            Some(slopes) => self.step_moving(t, h, slopes, values),
+        }
+    }
+
+    fn save(&self, into: &mut Option<Memory>) {
+        match into.as_mut().and_then(|memory| memory.downcast_mut::<Progress<C::Memory>>()) {
+            Some(place) => place.clone_from(&self.progress),
+            None => *into = Some(Box::new(self.progress.clone())),
+        }
+    }
+
+    fn restore(&mut self, from: &Memory) -> bool {
+        let saved = from.downcast_ref::<Progress<C::Memory>>();
+        saved.map(|saved| self.progress.clone_from(saved)).is_some()
+    }
+
+    fn pack(&self, memory: &Memory) -> Result<Vec<u8>, String> {
+        let progress = memory
+            .downcast_ref::<Progress<C::Memory>>()
+            .ok_or("the state is another component's")?;
+        postcard::to_stdvec(progress).map_err(|cause| cause.to_string())
+    }
+
+    fn unpack(&self, bytes: &[u8]) -> Result<Memory, String> {
+        match postcard::take_from_bytes::<Progress<C::Memory>>(bytes) {
+            Ok((progress, [])) => Ok(Box::new(progress)),
+            Ok((_, rest)) => Err(format!("{} bytes too many", rest.len())),
+            Err(cause) => Err(cause.to_string()),
+        }
     }
 }

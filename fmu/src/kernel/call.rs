@@ -4,9 +4,13 @@
 //! Two rows are wider than the standard's: values may be read right after instantiation, and
 //! event mode may be entered twice, since importers do both.
 
+use serde::{Deserialize, Serialize};
+
+use super::instance::Interface;
+
 /// The state of an instance, each a bit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(u16)]
 pub enum Phase {
     /// Made or reset.
     Instantiated = 1,
@@ -24,17 +28,24 @@ pub enum Phase {
     Error = 64,
     /// Corrupt: the instance can only be freed.
     Fatal = 128,
+    /// Co-simulation: a step was discarded; values are those of the last successful time.
+    Failed = 256,
 }
 
-const INSTANTIATED: u8 = Phase::Instantiated as u8;
-const INITIALIZATION: u8 = Phase::Initialization as u8;
-const EVENT: u8 = Phase::Event as u8;
-const CONTINUOUS: u8 = Phase::Continuous as u8;
-const STEP: u8 = Phase::Step as u8;
-const ENDED: u8 = Phase::Terminated as u8 | Phase::Error as u8;
-const ANY_BUT_FATAL: u8 = !(Phase::Fatal as u8);
-const BEFORE: u8 = INSTANTIATED | INITIALIZATION;
-const RUNNING: u8 = EVENT | CONTINUOUS | STEP;
+const INSTANTIATED: u16 = Phase::Instantiated as u16;
+const INITIALIZATION: u16 = Phase::Initialization as u16;
+const EVENT: u16 = Phase::Event as u16;
+const CONTINUOUS: u16 = Phase::Continuous as u16;
+const STEP: u16 = Phase::Step as u16;
+const FAILED: u16 = Phase::Failed as u16;
+const ENDED: u16 = Phase::Terminated as u16 | Phase::Error as u16 | FAILED;
+const ANY: u16 = 0x1FF;
+const ANY_BUT_FATAL: u16 = ANY & !(Phase::Fatal as u16);
+const BEFORE: u16 = INSTANTIATED | INITIALIZATION;
+const RUNNING: u16 = EVENT | CONTINUOUS | STEP;
+/// Functions of one interface only.
+const ME: u16 = 1 << 14;
+const CS: u16 = 1 << 15;
 
 /// Declares the functions and their legal states, so that a function cannot be left out.
 macro_rules! calls {
@@ -54,9 +65,8 @@ macro_rules! calls {
                 match self { $(Self::$variant => $name),+ }
             }
 
-            /// The states in which it may be called, one bit each.
-            #[must_use]
-            pub const fn legal(self) -> u8 {
+            /// The states in which it may be called, and the interface it belongs to.
+            const fn legal(self) -> u16 {
                 match self { $(Self::$variant => $legal),+ }
             }
         }
@@ -65,11 +75,11 @@ macro_rules! calls {
 
 calls! {
     SetDebugLogging, "fmi2SetDebugLogging", ANY_BUT_FATAL;
-    FreeInstance, "fmi2FreeInstance", u8::MAX;
+    FreeInstance, "fmi2FreeInstance", ANY;
     SetupExperiment, "fmi2SetupExperiment", INSTANTIATED;
     EnterInitializationMode, "fmi2EnterInitializationMode", INSTANTIATED;
     ExitInitializationMode, "fmi2ExitInitializationMode", INITIALIZATION;
-    Terminate, "fmi2Terminate", RUNNING;
+    Terminate, "fmi2Terminate", RUNNING | FAILED;
     Reset, "fmi2Reset", ANY_BUT_FATAL;
     GetReal, "fmi2GetReal", ANY_BUT_FATAL;
     GetInteger, "fmi2GetInteger", ANY_BUT_FATAL;
@@ -86,25 +96,38 @@ calls! {
     SerializeFmuState, "fmi2SerializeFMUstate", ANY_BUT_FATAL;
     DeSerializeFmuState, "fmi2DeSerializeFMUstate", ANY_BUT_FATAL;
     GetDirectionalDerivative, "fmi2GetDirectionalDerivative", INITIALIZATION | RUNNING | ENDED;
-    EnterEventMode, "fmi2EnterEventMode", EVENT | CONTINUOUS;
-    NewDiscreteStates, "fmi2NewDiscreteStates", EVENT;
-    EnterContinuousTimeMode, "fmi2EnterContinuousTimeMode", EVENT;
-    CompletedIntegratorStep, "fmi2CompletedIntegratorStep", CONTINUOUS;
-    SetTime, "fmi2SetTime", EVENT | CONTINUOUS;
-    SetContinuousStates, "fmi2SetContinuousStates", CONTINUOUS;
-    GetDerivatives, "fmi2GetDerivatives", INITIALIZATION | EVENT | CONTINUOUS | ENDED;
-    GetEventIndicators, "fmi2GetEventIndicators", INITIALIZATION | EVENT | CONTINUOUS | ENDED;
-    GetContinuousStates, "fmi2GetContinuousStates", INITIALIZATION | EVENT | CONTINUOUS | ENDED;
-    GetNominals, "fmi2GetNominalsOfContinuousStates", BEFORE | EVENT | CONTINUOUS | ENDED;
-    SetRealInputDerivatives, "fmi2SetRealInputDerivatives", BEFORE | STEP;
-    GetRealOutputDerivatives, "fmi2GetRealOutputDerivatives", STEP | ENDED;
-    DoStep, "fmi2DoStep", STEP;
-    CancelStep, "fmi2CancelStep", 0;
-    GetStatus, "fmi2GetStatus", STEP | ENDED;
-    GetRealStatus, "fmi2GetRealStatus", STEP | ENDED;
-    GetIntegerStatus, "fmi2GetIntegerStatus", STEP | ENDED;
-    GetBooleanStatus, "fmi2GetBooleanStatus", STEP | ENDED;
-    GetStringStatus, "fmi2GetStringStatus", STEP | ENDED;
+    EnterEventMode, "fmi2EnterEventMode", ME | EVENT | CONTINUOUS;
+    NewDiscreteStates, "fmi2NewDiscreteStates", ME | EVENT;
+    EnterContinuousTimeMode, "fmi2EnterContinuousTimeMode", ME | EVENT;
+    CompletedIntegratorStep, "fmi2CompletedIntegratorStep", ME | CONTINUOUS;
+    SetTime, "fmi2SetTime", ME | EVENT | CONTINUOUS;
+    SetContinuousStates, "fmi2SetContinuousStates", ME | CONTINUOUS;
+    GetDerivatives, "fmi2GetDerivatives", ME | INITIALIZATION | EVENT | CONTINUOUS | ENDED;
+    GetEventIndicators, "fmi2GetEventIndicators", ME | INITIALIZATION | EVENT | CONTINUOUS | ENDED;
+    GetContinuousStates, "fmi2GetContinuousStates", ME | INITIALIZATION | EVENT | CONTINUOUS | ENDED;
+    GetNominals, "fmi2GetNominalsOfContinuousStates", ME | BEFORE | EVENT | CONTINUOUS | ENDED;
+    SetRealInputDerivatives, "fmi2SetRealInputDerivatives", CS | BEFORE | STEP;
+    GetRealOutputDerivatives, "fmi2GetRealOutputDerivatives", CS | STEP | ENDED;
+    DoStep, "fmi2DoStep", CS | STEP;
+    CancelStep, "fmi2CancelStep", CS;
+    GetStatus, "fmi2GetStatus", CS | STEP | ENDED;
+    GetRealStatus, "fmi2GetRealStatus", CS | STEP | ENDED;
+    GetIntegerStatus, "fmi2GetIntegerStatus", CS | STEP | ENDED;
+    GetBooleanStatus, "fmi2GetBooleanStatus", CS | STEP | ENDED;
+    GetStringStatus, "fmi2GetStringStatus", CS | STEP | ENDED;
+}
+
+impl Call {
+    /// Whether it is a function of the interface at all.
+    #[inline]
+    #[must_use]
+    pub const fn belongs_to(self, interface: Interface) -> bool {
+        let others = match interface {
+            Interface::ModelExchange => CS,
+            Interface::CoSimulation => ME,
+        };
+        self.legal() & others == 0
+    }
 }
 
 impl Phase {
@@ -112,7 +135,7 @@ impl Phase {
     #[inline]
     #[must_use]
     pub const fn allows(self, call: Call) -> bool {
-        call.legal() & self as u8 != 0
+        call.legal() & self as u16 != 0
     }
 
     /// The state in words, for log lines.
@@ -126,6 +149,7 @@ impl Phase {
             Self::Terminated => "after termination",
             Self::Error => "after an error (reset or free the instance)",
             Self::Fatal => "after a fatal error (free the instance)",
+            Self::Failed => "after a discarded step (restore a state, reset or free the instance)",
         }
     }
 }

@@ -1,8 +1,11 @@
 //! Co-simulation: communication steps.
 
 use super::call::{Call, Phase};
-use super::instance::{Instance, Interface};
+use super::instance::{Instance, Interface, LATEST_S};
+use super::model::{Cause, Halt};
+use super::signal::{Course, ORDERS};
 use super::status::{Status, Trouble};
+use super::table::Kind;
 
 /// Two times are the same if no more than this many ulp apart …
 const SAME_ULP: f64 = 16.0;
@@ -27,21 +30,53 @@ impl Instance {
 
     fn step(&mut self, t: f64, h: f64) -> Result<(), Trouble> {
         self.check_step(t, h)?;
-        let events = self
-            .model
-            .step(t, h, &mut self.values)
-            .map_err(|fault| Trouble::error(format_args!("step from {t} s by {h} s: {fault}")))
-            .inspect_err(|_| self.phase = Phase::Error)?;
+        let slopes = (self.slopes.course == Course::Ahead).then_some(&self.slopes);
+        let events = match self.model.step(t, h, slopes, &mut self.values) {
+            Ok(events) => events,
+            Err(halt) => return Err(self.halted(t, h, &halt)),
+        };
         self.set_clock(t + h);
-        self.stale.outputs = false;
-        self.stale.derivatives = !self.table.layout().states.is_empty();
-        self.check_outputs()
-            .inspect_err(|_| self.phase = Phase::Error)?;
+        self.slopes.pass(h);
+        self.run.stale.outputs = false;
+        self.run.stale.derivatives = !self.table.layout().states.is_empty();
         if events > 0 {
-            self.log
-                .event(|| format!("{events} time events until {} s", self.time_s));
+            self.log.event(|| format!("{events} events until {} s", self.run.time_s));
         }
         Ok(())
+    }
+
+    /// A step that got only so far: an error, or discarded if a shorter step may do.
+    #[cold]
+    fn halted(&mut self, t: f64, h: f64, halt: &Halt) -> Trouble {
+        let reached = halt.reached_s;
+        self.set_clock(reached);
+        self.slopes.pass(reached - t);
+        self.run.stale.outputs = false;
+        self.run.stale.derivatives = true;
+        let step = format!("step from {t} s by {h} s, successful until {reached} s");
+        let discard = |reason: String| {
+            Trouble::discard(format_args!(
+                "{step}: {reason}; restore an earlier state and step to a time before, or look at \
+                 the inputs and start values that lead there"
+            ))
+        };
+        self.run.phase = Phase::Failed;
+        match &halt.cause {
+            Cause::Fault(fault) => {
+                self.run.phase = Phase::Error;
+                Trouble::error(format_args!("step from {t} s by {h} s, at {reached} s: {fault}"))
+            }
+            Cause::NotFinite(reference) => {
+                let variable = u32::try_from(*reference)
+                    .ok()
+                    .and_then(|reference| self.table.find(Kind::Real, reference));
+                let name = variable.map_or("?", |variable| variable.name.as_str());
+                discard(format!("{name} is not finite"))
+            }
+            Cause::Accuracy { error, tolerance } => discard(format!(
+                "the error of the shortest step is {error:e} times the tolerance of {tolerance:e}"
+            )),
+        }
     }
 
     fn check_step(&self, t: f64, h: f64) -> Result<(), Trouble> {
@@ -50,13 +85,18 @@ impl Instance {
                 "communicationStepSize = {h} s; it must not be negative and must be finite"
             )));
         }
-        if !same_time(t, self.time_s) {
+        if !same_time(t, self.run.time_s) {
             return Err(Trouble::error(format_args!(
                 "currentCommunicationPoint = {t} s, but this instance is at {} s; steps must join",
-                self.time_s
+                self.run.time_s
             )));
         }
-        match self.stop_s {
+        if t + h > LATEST_S {
+            return Err(Trouble::error(format_args!(
+                "communicationStepSize = {h} s leads beyond {LATEST_S:e} s"
+            )));
+        }
+        match self.run.stop_s {
             Some(stop) if t + h > stop && !same_time(t + h, stop) => {
                 Err(Trouble::error(format_args!(
                     "a step to {} s goes past the stop time of {stop} s given in \
@@ -68,10 +108,49 @@ impl Instance {
         }
     }
 
+    /// `fmi2SetRealInputDerivatives`: for the next step; after it inputs are held where they got to.
+    pub fn set_input_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        values: &[f64],
+    ) -> Status {
+        self.call(Call::SetRealInputDerivatives, |me| {
+            let inputs = me.table.layout().inputs.clone();
+            let each = || references.iter().zip(orders).zip(values);
+            for ((reference, order), value) in each() {
+                let name = || me.table.find(Kind::Real, *reference).map_or("?", |v| &v.name);
+                if !inputs.contains(&(*reference as usize)) {
+                    return Err(Trouble::error(format_args!(
+                        "{} (value reference {reference}) is not an input of type Real",
+                        name()
+                    )));
+                }
+                if !(1..=ORDERS as i32).contains(order) {
+                    return Err(Trouble::error(format_args!(
+                        "{}: order = {order}; derivatives of order 1 to {ORDERS} are taken",
+                        name()
+                    )));
+                }
+                if !value.is_finite() {
+                    return Err(Trouble::error(format_args!(
+                        "derivative {order} of {} = {value} is not finite",
+                        name()
+                    )));
+                }
+            }
+            for ((reference, order), value) in each() {
+                let input = (*reference as usize).saturating_sub(inputs.start);
+                me.slopes.set(input, usize::try_from(*order).unwrap_or_default(), *value);
+            }
+            Ok(())
+        })
+    }
+
     /// `fmi2GetRealStatus` of `fmi2LastSuccessfulTime`
     pub fn last_successful_time(&mut self, into: &mut f64) -> Status {
         self.call(Call::GetRealStatus, |me| {
-            *into = me.time_s;
+            *into = me.run.time_s;
             Ok(())
         })
     }
@@ -96,7 +175,7 @@ impl Instance {
     /// The time of the instance in seconds.
     #[must_use]
     pub fn time_s(&self) -> f64 {
-        self.time_s
+        self.run.time_s
     }
 
     /// Which interface the instance serves.

@@ -5,9 +5,15 @@
 //! is moved, and whatever differs in any bit depends on it. For outputs and derivatives the
 //! quantities are inputs and states; a sampled component first handles some events with inputs
 //! that wander, and the moved input is there at the last one. For initial values the quantities
-//! are parameters and inputs. What cannot be tried is listed as a dependency: texts, parameters
-//! whose every move is refused, and all inputs for a sampled output that never moved (it may only
-//! do so after more events than were tried).
+//! are parameters and inputs. What cannot be tried is listed as a dependency: texts, and parameters
+//! whose every move is refused.
+//!
+//! A sampled component computes all outputs together at the sample, and some of its branches are
+//! rare: the last point of a course is reached once in a long run. Random trials see that an
+//! input matters, but not that it matters to each output. So what moves any output counts as a
+//! known of every output; what never moves anything (an input there for the sake of a common
+//! interface) is none. If nothing moved any output, all inputs are knowns: something may after
+//! more events than were tried.
 //!
 //! Only the generator of modelDescription.xml runs this; instances never do.
 
@@ -38,17 +44,13 @@ pub(crate) struct Dependencies {
 
 /// Probes a component.
 pub(crate) fn probe<C: Component>(table: &Table) -> Result<Dependencies, String> {
-    let mut probe = Probe::new(table, || {
-        Box::new(ComponentModel::<C>::new(
-            table.layout().clone(),
-            Resources::none(),
-        ))
-    });
+    let mut probe =
+        Probe::new(table, || Box::new(ComponentModel::<C>::new(table, Resources::none())));
     for point in 0..POINTS {
         probe.point(point);
     }
     if C::INFO.sampled {
-        probe.assume_the_worst_of_outputs();
+        probe.share_among_outputs();
     }
     probe.finish()
 }
@@ -82,14 +84,7 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
             derivatives: none(&[Group::Derivative]),
             initial: none(&[Group::Output, Group::State, Group::Derivative]),
         };
-        Self {
-            table,
-            model,
-            found,
-            moved: BTreeSet::new(),
-            refusal: None,
-            accepted: 0,
-        }
+        Self { table, model, found, moved: BTreeSet::new(), refusal: None, accepted: 0 }
     }
 
     /// Tries everything at one random point.
@@ -108,13 +103,7 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
             }
         }
         self.initial(&values, point);
-        self.running(
-            &values,
-            Experiment {
-                events: point % (EVENTS + 1),
-                seed: point,
-            },
-        );
+        self.running(&values, Experiment { events: point % (EVENTS + 1), seed: point });
     }
 
     /// Moves parameters and inputs before the start.
@@ -150,13 +139,7 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
             }
             if let Some(there) = self.run(values, experiment, Some(variable)) {
                 note(self.table, &mut self.found.outputs, index, &base, &there);
-                note(
-                    self.table,
-                    &mut self.found.derivatives,
-                    index,
-                    &base,
-                    &there,
-                );
+                note(self.table, &mut self.found.derivatives, index, &base, &there);
             }
         }
     }
@@ -171,7 +154,7 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
 
     fn configured(&mut self, values: &mut Values) -> Option<Box<dyn Model>> {
         let mut model = (self.model)();
-        if let Err(refusal) = model.configure(values, &self.explicit(values)) {
+        if let Err(refusal) = model.configure(values, &self.explicit(values), None) {
             self.refusal.get_or_insert_with(|| refusal.to_string());
             return None;
         }
@@ -217,7 +200,7 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
                 break;
             };
             now = next;
-            model.events(now, &mut values).ok()?;
+            model.events(now.seconds(), &mut values).ok()?;
         }
         for (_, state) in self.table.group(Group::State) {
             shift(state, &mut values, &mut random);
@@ -227,26 +210,25 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
         }
         if let Some(next) = model.next_event() {
             now = next;
-            model.events(now, &mut values).ok()?;
+            model.events(now.seconds(), &mut values).ok()?;
         }
         evaluate(&*model, now.seconds(), &mut values);
         Some(values)
     }
 
-    /// Outputs that seem to depend on nothing depend on all inputs.
-    fn assume_the_worst_of_outputs(&mut self) {
-        let inputs: BTreeSet<_> = self
-            .table
-            .group(Group::Input)
-            .map(|(index, _)| index)
-            .collect();
-        for knowns in self
-            .found
-            .outputs
-            .values_mut()
-            .filter(|knowns| knowns.is_empty())
-        {
-            knowns.clone_from(&inputs);
+    /// What one output of a sampled component depends on, all may depend on.
+    fn share_among_outputs(&mut self) {
+        let inputs = || self.table.group(Group::Input).map(|(index, _)| index);
+        let outputs: Vec<usize> = self.found.outputs.keys().copied().collect();
+        for unknowns in [&mut self.found.outputs, &mut self.found.initial] {
+            let knowns = outputs.iter().filter_map(|output| unknowns.get(output));
+            let mut all: BTreeSet<usize> = knowns.flatten().copied().collect();
+            if all.is_empty() {
+                all.extend(inputs());
+            }
+            for output in &outputs {
+                unknowns.insert(*output, all.clone());
+            }
         }
     }
 
@@ -285,11 +267,7 @@ fn note(
             continue;
         };
         let bits = |values: &Values| {
-            values
-                .reals
-                .get(variable.reference as usize)
-                .copied()
-                .map(f64::to_bits)
+            values.reals.get(variable.reference as usize).copied().map(f64::to_bits)
         };
         if bits(before) != bits(after) {
             knowns.insert(known);
@@ -319,22 +297,14 @@ fn shift(variable: &Variable, values: &mut Values, random: &mut Random) -> bool 
 }
 
 fn set<T>(values: &mut [T], reference: usize, value: T) -> bool {
-    values
-        .get_mut(reference)
-        .map(|place| *place = value)
-        .is_some()
+    values.get_mut(reference).map(|place| *place = value).is_some()
 }
 
 /// A value near the start, at a bound, or of the nominal size times a power of ten, within the
 /// bounds. Inputs go furthest, so that saturated and far-off regions are seen as well as others.
 fn real(variable: &Variable, start: f64, random: &mut Random) -> f64 {
-    let (min, max) = (
-        variable.min.unwrap_or(f64::MIN),
-        variable.max.unwrap_or(f64::MAX),
-    );
-    let scale = variable
-        .nominal
-        .unwrap_or(if start == 0.0 { 1.0 } else { start.abs() });
+    let (min, max) = (variable.min.unwrap_or(f64::MIN), variable.max.unwrap_or(f64::MAX));
+    let scale = variable.nominal.unwrap_or(if start == 0.0 { 1.0 } else { start.abs() });
     let powers = match variable.group {
         Group::Input => 4,
         Group::State => 2,

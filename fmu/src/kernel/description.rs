@@ -29,14 +29,11 @@ pub(crate) fn write(
         .maybe("author", given(info.author))
         .maybe("version", given(info.version))
         .maybe("license", given(info.license))
-        .attribute(
-            "generationTool",
-            concat!("fmu-kit ", env!("CARGO_PKG_VERSION")),
-        )
+        .attribute("generationTool", concat!("fmu-kit ", env!("CARGO_PKG_VERSION")))
         .attribute("variableNamingConvention", "structured")
-        .attribute("numberOfEventIndicators", 0)
+        .attribute("numberOfEventIndicators", table.indicators().len())
         .children();
-    interfaces(&mut xml, info);
+    interfaces(&mut xml, info, table);
     units(&mut xml, table);
     types(&mut xml, table);
     xml.element("LogCategories").children();
@@ -60,7 +57,7 @@ pub(crate) fn write(
 }
 
 /// What each interface can do; exactly what the functions honour.
-fn interfaces(xml: &mut Xml, info: &Info) {
+fn interfaces(xml: &mut Xml, info: &Info, table: &Table) {
     if info.model_exchange {
         xml.element("ModelExchange")
             .attribute("modelIdentifier", info.name)
@@ -68,32 +65,29 @@ fn interfaces(xml: &mut Xml, info: &Info) {
             .attribute("completedIntegratorStepNotNeeded", true)
             .attribute("canBeInstantiatedOnlyOncePerProcess", false)
             .attribute("canNotUseMemoryManagementFunctions", true)
-            .attribute("canGetAndSetFMUstate", false)
-            .attribute("canSerializeFMUstate", false)
-            .attribute("providesDirectionalDerivative", false)
+            .attribute("canGetAndSetFMUstate", true)
+            .attribute("canSerializeFMUstate", true)
+            .attribute("providesDirectionalDerivative", table.has_tangent())
             .empty();
     }
     xml.element("CoSimulation")
         .attribute("modelIdentifier", info.name)
         .attribute("needsExecutionTool", false)
         .attribute("canHandleVariableCommunicationStepSize", true)
-        .attribute("canInterpolateInputs", false)
-        .attribute("maxOutputDerivativeOrder", 0)
+        .attribute("canInterpolateInputs", true)
+        .attribute("maxOutputDerivativeOrder", i32::from(table.has_tangent()))
         .attribute("canRunAsynchronuously", false)
         .attribute("canBeInstantiatedOnlyOncePerProcess", false)
         .attribute("canNotUseMemoryManagementFunctions", true)
-        .attribute("canGetAndSetFMUstate", false)
-        .attribute("canSerializeFMUstate", false)
-        .attribute("providesDirectionalDerivative", false)
+        .attribute("canGetAndSetFMUstate", true)
+        .attribute("canSerializeFMUstate", true)
+        .attribute("providesDirectionalDerivative", table.has_tangent())
         .empty();
 }
 
 fn units(xml: &mut Xml, table: &Table) {
-    let units: BTreeSet<&str> = table
-        .variables()
-        .iter()
-        .filter_map(|variable| variable.unit.as_deref())
-        .collect();
+    let units: BTreeSet<&str> =
+        table.variables().iter().filter_map(|variable| variable.unit.as_deref()).collect();
     xml.element("UnitDefinitions").children();
     for name in units {
         let unit = Unit::parse(name).ok();
@@ -120,13 +114,7 @@ fn units(xml: &mut Xml, table: &Table) {
 fn types(xml: &mut Xml, table: &Table) {
     let mut enumerations = BTreeMap::new();
     for variable in table.variables() {
-        if let Start::Enumeration {
-            name,
-            description,
-            items,
-            ..
-        } = variable.start
-        {
+        if let Start::Enumeration { name, description, items, .. } = variable.start {
             enumerations.insert(name, (description, items));
         }
     }
@@ -137,20 +125,14 @@ fn types(xml: &mut Xml, table: &Table) {
     for (name, (description, items)) in enumerations {
         xml.element("SimpleType")
             .attribute("name", name)
-            .maybe(
-                "description",
-                (!description.is_empty()).then_some(description),
-            )
+            .maybe("description", (!description.is_empty()).then_some(description))
             .children();
         xml.element("Enumeration").children();
         for (value, (item, description)) in (1..).zip(items) {
             xml.element("Item")
                 .attribute("name", item)
                 .attribute("value", value)
-                .maybe(
-                    "description",
-                    (!description.is_empty()).then_some(description),
-                )
+                .maybe("description", (!description.is_empty()).then_some(description))
                 .empty();
         }
         xml.close();
@@ -161,11 +143,7 @@ fn types(xml: &mut Xml, table: &Table) {
 
 fn variables(xml: &mut Xml, info: &Info, table: &Table) {
     xml.element("ModelVariables").children();
-    let first_state = table
-        .group(Group::State)
-        .map(|(index, _)| index)
-        .next()
-        .unwrap_or_default();
+    let first_state = table.group(Group::State).map(|(index, _)| index).next().unwrap_or_default();
     let mut derivatives = 0;
     for variable in table.variables() {
         let (causality, variability, initial) = role(variable.group, info.sampled);
@@ -173,10 +151,7 @@ fn variables(xml: &mut Xml, info: &Info, table: &Table) {
         xml.element("ScalarVariable")
             .attribute("name", &variable.name)
             .attribute("valueReference", variable.reference)
-            .maybe(
-                "description",
-                (!description.is_empty()).then_some(description),
-            )
+            .maybe("description", (!description.is_empty()).then_some(description))
             .attribute("causality", causality)
             .attribute("variability", variability)
             .maybe("initial", initial)
@@ -225,14 +200,10 @@ fn typed(xml: &mut Xml, variable: &Variable, derivative_of: Option<usize>) {
             .maybe("start", settable.then_some(start))
             .empty(),
         Start::Boolean(start) => {
-            xml.element("Boolean")
-                .maybe("start", settable.then_some(start))
-                .empty();
+            xml.element("Boolean").maybe("start", settable.then_some(start)).empty();
         }
         Start::String(start) => {
-            xml.element("String")
-                .maybe("start", settable.then_some(start))
-                .empty();
+            xml.element("String").maybe("start", settable.then_some(start)).empty();
         }
         Start::Enumeration { name, value, .. } => xml
             .element("Enumeration")

@@ -42,11 +42,7 @@ pub(crate) fn write(info: &Info, table: &Table) -> String {
         (Group::Parameter, "Parameters"),
         (Group::State, "Continuous states"),
     ] {
-        section(
-            &mut page,
-            title,
-            table.variables().iter().filter(|v| v.group == group),
-        );
+        section(&mut page, title, table.variables().iter().filter(|v| v.group == group));
     }
     page.push_str("</body></html>\n");
     page
@@ -98,10 +94,7 @@ fn start(start: &Start) -> (String, String) {
                     chosen = (*name).to_owned();
                 }
                 let (name, description) = (escape(name), escape(description));
-                let _ = write!(
-                    list,
-                    "<li>{value_of_item} <code>{name}</code>: {description}</li>"
-                );
+                let _ = write!(list, "<li>{value_of_item} <code>{name}</code>: {description}</li>");
             }
             (chosen, list + "</ul>")
         }

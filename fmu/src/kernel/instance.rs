@@ -6,18 +6,22 @@
 //! read, if something they depend on changed since.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use serde::{Deserialize, Serialize};
 
 use crate::author::Time;
 
 use super::call::{Call, Phase};
 use super::log::{Log, Sink};
 use super::model::Model;
+use super::signal::Slopes;
 use super::status::{Status, Trouble};
 use super::table::Table;
 use super::values::{Explicit, Values, all_finite};
 
 /// Which of FMI's two interfaces an instance serves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Interface {
     /// The importer integrates.
     ModelExchange,
@@ -26,10 +30,10 @@ pub enum Interface {
 }
 
 /// Latest start time: nanoseconds in 64 bits reach 292 years.
-const LATEST_S: f64 = 9e9;
+pub(super) const LATEST_S: f64 = 9e9;
 
 /// What has to be computed again before it can be read.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Stale {
     /// The component: a parameter changed.
     pub(super) component: bool,
@@ -40,12 +44,7 @@ pub(super) struct Stale {
 }
 
 impl Stale {
-    const ALL: Self = Self {
-        component: true,
-        initial: true,
-        outputs: true,
-        derivatives: true,
-    };
+    const ALL: Self = Self { component: true, initial: true, outputs: true, derivatives: true };
 
     #[inline]
     pub(super) const fn any(self) -> bool {
@@ -53,39 +52,72 @@ impl Stale {
     }
 }
 
-/// One instance.
-pub struct Instance {
-    pub(super) table: Arc<Table>,
-    pub(super) model: Box<dyn Model>,
-    pub(super) interface: Interface,
+/// Where a simulation is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Run {
     pub(super) phase: Phase,
-    pub(super) values: Values,
-    pub(super) explicit: Explicit,
     pub(super) stale: Stale,
     pub(super) time_s: f64,
     pub(super) stop_s: Option<f64>,
+    pub(super) tolerance: Option<f64>,
+}
+
+impl Run {
+    const FRESH: Self = Self {
+        phase: Phase::Instantiated,
+        stale: Stale::ALL,
+        time_s: 0.0,
+        stop_s: None,
+        tolerance: None,
+    };
+
+    /// Whether its numbers are numbers.
+    pub(super) fn is_sound(&self) -> bool {
+        self.time_s.is_finite() && self.phase != Phase::Fatal
+    }
+}
+
+/// Numbers the sets of parameters of all instances, so that equal numbers mean equal parameters.
+static EDITIONS: AtomicU64 = AtomicU64::new(1);
+
+/// One instance.
+pub struct Instance {
+    pub(super) table: Arc<Table>,
+    pub(super) guid: Arc<str>,
+    pub(super) model: Box<dyn Model>,
+    pub(super) interface: Interface,
+    pub(super) run: Run,
+    pub(super) values: Values,
+    pub(super) explicit: Explicit,
+    /// Changes with every change of a parameter.
+    pub(super) edition: u64,
+    pub(super) slopes: Slopes,
+    /// Changes of Reals along a direction, for directional derivatives; made when first needed.
+    pub(super) changes: Box<[f64]>,
     pub(super) log: Log,
 }
 
 impl Instance {
-    /// A new instance of a model over its table.
+    /// A new instance of a model over its table; `guid` is its component's.
     #[must_use]
     pub fn new(
         table: Arc<Table>,
+        guid: Arc<str>,
         model: Box<dyn Model>,
         interface: Interface,
         sink: Box<dyn Sink>,
         logging_on: bool,
     ) -> Self {
         let mut instance = Self {
+            guid,
             model,
             interface,
-            phase: Phase::Instantiated,
+            run: Run::FRESH,
             values: table.start_values(),
             explicit: Explicit::none(table.layout().parameters),
-            stale: Stale::ALL,
-            time_s: 0.0,
-            stop_s: None,
+            edition: new_edition(),
+            slopes: Slopes::held(table.layout().inputs.len()),
+            changes: Box::default(),
             log: Log::new(sink, logging_on),
             table,
         };
@@ -104,19 +136,27 @@ impl Instance {
     /// The state of the state machine.
     #[must_use]
     pub fn phase(&self) -> Phase {
-        self.phase
+        self.run.phase
     }
 
     /// `fmi2SetDebugLogging`
     pub fn set_debug_logging(&mut self, on: bool, categories: &[&str]) -> Status {
-        self.call(Call::SetDebugLogging, |me| {
-            me.log.choose(on, categories).map_err(Trouble::error)
-        })
+        self.call(Call::SetDebugLogging, |me| me.log.choose(on, categories).map_err(Trouble::error))
     }
 
-    /// `fmi2SetupExperiment`; the tolerance is ignored, since the integrator's step is fixed.
-    pub fn setup_experiment(&mut self, start_s: f64, stop_s: Option<f64>) -> Status {
+    /// `fmi2SetupExperiment`; the tolerance is that of the adaptive integrator.
+    pub fn setup_experiment(
+        &mut self,
+        tolerance: Option<f64>,
+        start_s: f64,
+        stop_s: Option<f64>,
+    ) -> Status {
         self.call(Call::SetupExperiment, |me| {
+            if let Some(bad) = tolerance.filter(|tolerance| !(0.0..=1.0).contains(tolerance)) {
+                return Err(Trouble::error(format_args!(
+                    "tolerance = {bad} is not within 0 and 1"
+                )));
+            }
             if !(-LATEST_S..=LATEST_S).contains(&start_s) {
                 return Err(Trouble::error(format_args!(
                     "startTime = {start_s} s is not within -{LATEST_S:e} s and {LATEST_S:e} s"
@@ -128,8 +168,13 @@ impl Instance {
                 )));
             }
             me.set_clock(start_s);
-            me.stop_s = stop_s;
-            me.stale.initial = true;
+            me.run.stop_s = stop_s;
+            if me.run.tolerance != tolerance {
+                me.run.tolerance = tolerance;
+                me.run.stale.component = true;
+                me.edition = new_edition();
+            }
+            me.run.stale.initial = true;
             Ok(())
         })
     }
@@ -137,7 +182,7 @@ impl Instance {
     /// `fmi2EnterInitializationMode`
     pub fn enter_initialization_mode(&mut self) -> Status {
         self.call(Call::EnterInitializationMode, |me| {
-            me.phase = Phase::Initialization;
+            me.run.phase = Phase::Initialization;
             Ok(())
         })
     }
@@ -146,17 +191,14 @@ impl Instance {
     pub fn exit_initialization_mode(&mut self) -> Status {
         self.call(Call::ExitInitializationMode, |me| {
             if let Err(trouble) = me.refresh() {
-                me.phase = Phase::Error;
-                return Err(Trouble {
-                    status: Status::Error,
-                    ..trouble
-                });
+                me.run.phase = Phase::Error;
+                return Err(Trouble { status: Status::Error, ..trouble });
             }
-            me.phase = match me.interface {
+            me.run.phase = match me.interface {
                 Interface::ModelExchange => Phase::Event,
                 Interface::CoSimulation => Phase::Step,
             };
-            me.log.event(|| format!("initialized at {} s", me.time_s));
+            me.log.event(|| format!("initialized at {} s", me.run.time_s));
             Ok(())
         })
     }
@@ -164,7 +206,7 @@ impl Instance {
     /// `fmi2Terminate`
     pub fn terminate(&mut self) -> Status {
         self.call(Call::Terminate, |me| {
-            me.phase = Phase::Terminated;
+            me.run.phase = Phase::Terminated;
             Ok(())
         })
     }
@@ -172,11 +214,11 @@ impl Instance {
     /// `fmi2Reset`: as just instantiated.
     pub fn reset(&mut self) -> Status {
         self.call(Call::Reset, |me| {
-            me.phase = Phase::Instantiated;
+            me.run = Run::FRESH;
             me.values = me.table.start_values();
             me.explicit = Explicit::none(me.table.layout().parameters);
-            me.stop_s = None;
-            me.stale = Stale::ALL;
+            me.edition = new_edition();
+            me.slopes = Slopes::held(me.table.layout().inputs.len());
             me.set_clock(0.0);
             let _ = me.refresh();
             Ok(())
@@ -185,7 +227,7 @@ impl Instance {
 
     /// Marks the instance as corrupt after a panic in `call`.
     pub fn poison(&mut self, call: Call, reason: &str) -> Status {
-        self.phase = Phase::Fatal;
+        self.run.phase = Phase::Fatal;
         self.log.failure(
             Status::Fatal,
             &format!("{}: panicked: {reason}; free the instance", call.name()),
@@ -196,19 +238,13 @@ impl Instance {
     /// Refuses a function that is declared as not supported.
     pub fn unsupported(&mut self, call: Call, flag: &str) -> Status {
         self.call(call, |_| {
-            Err(Trouble::error(format_args!(
-                "not supported, as modelDescription.xml says: {flag}"
-            )))
+            Err(Trouble::error(format_args!("not supported, as modelDescription.xml says: {flag}")))
         })
     }
 
-    /// Refuses a function that is declared as not supported, unless it is called for nothing.
-    pub fn unsupported_for(&mut self, n: usize, call: Call, flag: &str) -> Status {
-        if n == 0 {
-            self.call(call, |_| Ok(()))
-        } else {
-            self.unsupported(call, flag)
-        }
+    /// Whether a function may be called now; a line in the log if not.
+    pub fn may(&mut self, call: Call) -> Status {
+        self.call(call, |_| Ok(()))
     }
 
     /// Refuses a call for a reason its arguments gave away.
@@ -223,7 +259,7 @@ impl Instance {
         call: Call,
         work: impl FnOnce(&mut Self) -> Result<(), Trouble>,
     ) -> Status {
-        if !self.phase.allows(call) {
+        if !(self.run.phase.allows(call) && call.belongs_to(self.interface)) {
             return self.out_of_order(call);
         }
         match work(self) {
@@ -234,27 +270,25 @@ impl Instance {
 
     #[cold]
     fn out_of_order(&mut self, call: Call) -> Status {
-        let status = if self.phase == Phase::Fatal {
-            Status::Fatal
-        } else {
-            Status::Error
+        let status = if self.run.phase == Phase::Fatal { Status::Fatal } else { Status::Error };
+        let words = match self.interface {
+            _ if call.belongs_to(self.interface) => self.run.phase.words(),
+            Interface::ModelExchange => "in model exchange",
+            Interface::CoSimulation => "in co-simulation",
         };
-        let text = format!("{}: not allowed {}", call.name(), self.phase.words());
+        let text = format!("{}: not allowed {words}", call.name());
         self.log.failure(status, &text);
         status
     }
 
     #[cold]
     fn failed(&mut self, call: Call, trouble: &Trouble) -> Status {
-        self.log.failure(
-            trouble.status,
-            &format!("{}: {}", call.name(), trouble.text),
-        );
+        self.log.failure(trouble.status, &format!("{}: {}", call.name(), trouble.text));
         trouble.status
     }
 
     pub(super) fn set_clock(&mut self, time_s: f64) {
-        self.time_s = time_s;
+        self.run.time_s = time_s;
         if let Some(time) = self.values.reals.last_mut() {
             *time = time_s;
         }
@@ -263,27 +297,23 @@ impl Instance {
     /// Computes what is stale, derivatives excepted, and checks that it is finite.
     #[cold]
     pub(super) fn refresh(&mut self) -> Result<(), Trouble> {
-        if self.stale.component {
+        if self.run.stale.component {
             self.model
-                .configure(&mut self.values, &self.explicit)
+                .configure(&mut self.values, &self.explicit, self.run.tolerance)
                 .map_err(Trouble::error)?;
-            self.stale.component = false;
-            self.stale.initial |= matches!(self.phase, Phase::Instantiated | Phase::Initialization);
+            self.edition = new_edition();
+            self.run.stale.component = false;
+            self.run.stale.initial |=
+                matches!(self.run.phase, Phase::Instantiated | Phase::Initialization);
         }
-        if self.stale.initial {
-            let start = Time::from_seconds(self.time_s);
-            self.model
-                .initialize(start, &mut self.values)
-                .map_err(Trouble::error)?;
-            self.stale = Stale {
-                component: false,
-                initial: false,
-                ..Stale::ALL
-            };
+        if self.run.stale.initial {
+            let start = Time::from_seconds(self.run.time_s);
+            self.model.initialize(start, &mut self.values).map_err(Trouble::error)?;
+            self.run.stale = Stale { component: false, initial: false, ..Stale::ALL };
         }
-        if self.stale.outputs {
-            self.model.outputs(self.time_s, &mut self.values);
-            self.stale.outputs = false;
+        if self.run.stale.outputs {
+            self.model.outputs(self.run.time_s, &mut self.values);
+            self.run.stale.outputs = false;
             self.check_outputs()?;
         }
         Ok(())
@@ -291,9 +321,9 @@ impl Instance {
 
     /// Computes the derivatives if they are stale, and checks that they are finite.
     pub(super) fn refresh_derivatives(&mut self) -> Result<(), Trouble> {
-        if self.stale.derivatives {
-            self.model.derivatives(self.time_s, &mut self.values);
-            self.stale.derivatives = false;
+        if self.run.stale.derivatives {
+            self.model.derivatives(self.run.time_s, &mut self.values);
+            self.run.stale.derivatives = false;
             self.check_finite(self.table.layout().derivatives.clone())?;
         }
         Ok(())
@@ -315,26 +345,17 @@ impl Instance {
     }
 
     #[cold]
-    fn not_finite(&self, place: std::ops::Range<usize>) -> Trouble {
+    pub(super) fn not_finite(&self, place: std::ops::Range<usize>) -> Trouble {
         let bad = |variable: &&super::table::Variable| {
             let reference = variable.reference as usize;
             matches!(variable.start, crate::author::Start::Real(_))
                 && place.contains(&reference)
-                && self
-                    .values
-                    .reals
-                    .get(reference)
-                    .is_some_and(|value| !value.is_finite())
+                && self.values.reals.get(reference).is_some_and(|value| !value.is_finite())
         };
-        let name = self
-            .table
-            .variables()
-            .iter()
-            .find(bad)
-            .map_or("?", |v| v.name.as_str());
+        let name = self.table.variables().iter().find(bad).map_or("?", |v| v.name.as_str());
         self.doubtful(format_args!(
             "{name} is not finite at t = {} s; look at the inputs and start values that lead there",
-            self.time_s
+            self.run.time_s
         ))
     }
 
@@ -345,4 +366,9 @@ impl Instance {
             Interface::CoSimulation => Trouble::error(text),
         }
     }
+}
+
+/// The number of a set of parameters that no other had.
+pub(super) fn new_edition() -> u64 {
+    EDITIONS.fetch_add(1, Ordering::Relaxed)
 }

@@ -21,13 +21,8 @@ pub enum Category {
 
 impl Category {
     /// All of them, as listed in the description.
-    pub const ALL: [Self; 5] = [
-        Self::Events,
-        Self::Warning,
-        Self::Discard,
-        Self::Error,
-        Self::Fatal,
-    ];
+    pub const ALL: [Self; 5] =
+        [Self::Events, Self::Warning, Self::Discard, Self::Error, Self::Fatal];
 
     /// Name in the description and in each message.
     #[must_use]
@@ -78,10 +73,7 @@ pub(crate) struct Log {
 
 impl Log {
     pub(crate) fn new(sink: Box<dyn Sink>, logging_on: bool) -> Self {
-        Self {
-            sink,
-            events: logging_on,
-        }
+        Self { sink, events: logging_on }
     }
 
     /// Tells of a call that failed.
@@ -100,10 +92,7 @@ impl Log {
     pub(crate) fn choose(&mut self, on: bool, categories: &[&str]) -> Result<(), String> {
         let known = |name: &str| Category::ALL.iter().any(|category| category.name() == name);
         if let Some(unknown) = categories.iter().find(|name| !known(name)) {
-            let names: Vec<_> = Category::ALL
-                .iter()
-                .map(|category| category.name())
-                .collect();
+            let names: Vec<_> = Category::ALL.iter().map(|category| category.name()).collect();
             return Err(format!(
                 "unknown log category \"{unknown}\"; the categories are {}",
                 names.join(", ")

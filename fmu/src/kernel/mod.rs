@@ -4,8 +4,9 @@
 //! |---|---|
 //! | `table`, `unit`, `values` | the variables of a component and the arrays they live in |
 //! | `call`, `status`, `log` | legal calls per state, return status, one line per failure |
-//! | `model`, `adapter`, `stepper` | the seam to the mathematics, and components behind it |
-//! | `instance`, `access`, `co_simulation`, `model_exchange` | the functions of FMI 2.0 |
+//! | `model`, `adapter`, `parameters` | the seam to the mathematics, and components behind it |
+//! | `stepper`, `integrator`, `signal` | co-simulation: from event to event, between them, inputs |
+//! | `instance`, `access`, `co_simulation`, `model_exchange`, `state`, `tangent` | the functions of FMI 2.0 |
 //! | `registry`, `description`, `documentation`, `xml`, `dependencies` | components of a library, what they say of themselves |
 
 mod access;
@@ -16,23 +17,31 @@ mod dependencies;
 mod description;
 mod documentation;
 mod instance;
+mod integrator;
 mod log;
 mod model;
 mod model_exchange;
+mod parameters;
 mod registry;
+mod signal;
+mod state;
 mod status;
 mod stepper;
 mod table;
+mod tangent;
 mod unit;
 mod values;
 mod xml;
 
 pub use call::{Call, Phase};
 pub use instance::{Instance, Interface};
+pub use integrator::{Integrator, IntegratorMethod};
 pub use log::{Category, Sink};
-pub use model::Model;
+pub use model::{Cause, Events, Halt, Memory, Model};
 pub use model_exchange::EventOutcome;
 pub use registry::{Entry, Registry};
+pub use signal::Slopes;
+pub use state::State;
 pub use status::Status;
 pub use table::{Group, Layout, Table, TableError, Variable};
 pub use values::{Explicit, Values};

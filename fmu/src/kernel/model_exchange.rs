@@ -4,6 +4,7 @@ use crate::author::Time;
 
 use super::call::{Call, Phase};
 use super::instance::{Instance, Stale};
+use super::model::Events;
 use super::status::{Status, Trouble};
 use super::table::Group;
 use super::values::all_finite;
@@ -11,6 +12,8 @@ use super::values::all_finite;
 /// What `fmi2NewDiscreteStates` tells the importer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EventOutcome {
+    /// Whether to call again before going on.
+    pub again: bool,
     /// Whether an event changed the continuous states.
     pub states_changed: bool,
     /// The next time event.
@@ -21,7 +24,7 @@ impl Instance {
     /// `fmi2EnterEventMode`
     pub fn enter_event_mode(&mut self) -> Status {
         self.call(Call::EnterEventMode, |me| {
-            me.phase = Phase::Event;
+            me.run.phase = Phase::Event;
             Ok(())
         })
     }
@@ -29,26 +32,30 @@ impl Instance {
     /// `fmi2EnterContinuousTimeMode`
     pub fn enter_continuous_time_mode(&mut self) -> Status {
         self.call(Call::EnterContinuousTimeMode, |me| {
-            me.phase = Phase::Continuous;
+            me.run.phase = Phase::Continuous;
             Ok(())
         })
     }
 
-    /// `fmi2NewDiscreteStates`: handles the time events that are due.
+    /// `fmi2NewDiscreteStates`: handles the time events that are due, and looks for a state event.
     pub fn new_discrete_states(&mut self, outcome: &mut EventOutcome) -> Status {
         self.call(Call::NewDiscreteStates, |me| {
             let before: Vec<f64> = me.states().to_vec();
             let events = me
                 .model
-                .events(Time::from_seconds(me.time_s), &mut me.values)
-                .map_err(|fault| Trouble::error(format_args!("at {} s: {fault}", me.time_s)))
-                .inspect_err(|_| me.phase = Phase::Error)?;
-            if events > 0 {
+                .events(me.run.time_s, &mut me.values)
+                .map_err(|fault| Trouble::error(format_args!("at {} s: {fault}", me.run.time_s)))
+                .inspect_err(|_| me.run.phase = Phase::Error)?;
+            if events != Events::default() {
                 me.evaluate_again();
-                me.log
-                    .event(|| format!("{events} time events at {} s", me.time_s));
+                me.log.event(|| {
+                    let (n, t) = (events.time_events, me.run.time_s);
+                    let state = if events.changed { " and a state event" } else { "" };
+                    format!("{n} time events{state} at {t} s")
+                });
             }
             *outcome = EventOutcome {
+                again: events.changed,
                 states_changed: me.states() != before,
                 next_event: me.model.next_event(),
             };
@@ -65,9 +72,7 @@ impl Instance {
     pub fn set_time(&mut self, time_s: f64) -> Status {
         self.call(Call::SetTime, |me| {
             if !time_s.is_finite() {
-                return Err(Trouble::error(format_args!(
-                    "time = {time_s} s is not finite"
-                )));
+                return Err(Trouble::error(format_args!("time = {time_s} s is not finite")));
             }
             me.set_clock(time_s);
             me.evaluate_again();
@@ -124,38 +129,39 @@ impl Instance {
         })
     }
 
-    /// `fmi2GetEventIndicators`: there are none.
+    /// `fmi2GetEventIndicators`
     pub fn get_event_indicators(&mut self, indicators: &mut [f64]) -> Status {
-        self.call(Call::GetEventIndicators, |_| match indicators.len() {
-            0 => Ok(()),
-            n => Err(Trouble::error(format_args!(
-                "ni = {n}, but there are no event indicators"
-            ))),
+        self.call(Call::GetEventIndicators, |me| {
+            let names = me.table.indicators();
+            if indicators.len() != names.len() {
+                return Err(Trouble::error(format_args!(
+                    "ni = {}, but there are {} event indicators",
+                    indicators.len(),
+                    names.len()
+                )));
+            }
+            me.refresh_initial()?;
+            me.model.indicators(me.run.time_s, &me.values, indicators);
+            match names.iter().zip(&*indicators).find(|(_, z)| !z.is_finite()) {
+                Some((name, z)) => Err(Trouble::discard(format_args!(
+                    "event indicator {name} = {z} is not finite; try a shorter step"
+                ))),
+                None => Ok(()),
+            }
         })
     }
 
     fn states(&self) -> &[f64] {
-        self.values
-            .reals
-            .get(self.table.layout().states.clone())
-            .unwrap_or_default()
+        self.values.reals.get(self.table.layout().states.clone()).unwrap_or_default()
     }
 
     /// Before initialization ends, states follow from parameters and inputs.
     fn refresh_initial(&mut self) -> Result<(), Trouble> {
-        if self.stale.component | self.stale.initial {
-            self.refresh()
-        } else {
-            Ok(())
-        }
+        if self.run.stale.component | self.run.stale.initial { self.refresh() } else { Ok(()) }
     }
 
     fn evaluate_again(&mut self) {
-        self.stale = Stale {
-            outputs: true,
-            derivatives: true,
-            ..self.stale
-        };
+        self.run.stale = Stale { outputs: true, derivatives: true, ..self.run.stale };
     }
 
     fn check_number_of_states(&self, n: usize) -> Result<(), Trouble> {
@@ -163,16 +169,11 @@ impl Instance {
         if n == states {
             return Ok(());
         }
-        Err(Trouble::error(format_args!(
-            "nx = {n}, but there are {states} continuous states"
-        )))
+        Err(Trouble::error(format_args!("nx = {n}, but there are {states} continuous states")))
     }
 
     fn which_is_not_finite(&self, x: &[f64]) -> String {
-        let states = self
-            .table
-            .group(Group::State)
-            .map(|(_, state)| state.name.as_str());
+        let states = self.table.group(Group::State).map(|(_, state)| state.name.as_str());
         let bad = states.zip(x).find(|(_, value)| !value.is_finite());
         let (name, value) = bad.map_or(("?", f64::NAN), |(name, value)| (name, *value));
         format!("{name} = {value} is not finite; try a shorter step")

@@ -21,7 +21,7 @@ pub struct Entry {
     info: Info,
     table: Arc<Table>,
     flaw: Option<TableError>,
-    guid: String,
+    guid: Arc<str>,
     model: fn(&Table, Resources) -> Box<dyn Model>,
     dependencies: fn(&Table) -> Result<Dependencies, String>,
 }
@@ -37,12 +37,10 @@ impl Entry {
         let text = description::write(&C::INFO, &table, "", None);
         Self {
             info: C::INFO,
-            guid: guid(&text),
+            guid: guid(&text).into(),
             table: Arc::new(table),
             flaw,
-            model: |table, resources| {
-                Box::new(ComponentModel::<C>::new(table.layout().clone(), resources))
-            },
+            model: |table, resources| Box::new(ComponentModel::<C>::new(table, resources)),
             dependencies: dependencies::probe::<C>,
         }
     }
@@ -76,12 +74,7 @@ impl Entry {
         }
         let dependencies =
             (self.dependencies)(&self.table).map_err(|reason| format!("{name}: {reason}"))?;
-        Ok(description::write(
-            &self.info,
-            &self.table,
-            &self.guid,
-            Some(&dependencies),
-        ))
+        Ok(description::write(&self.info, &self.table, &self.guid, Some(&dependencies)))
     }
 
     /// The text of its documentation/index.html.
@@ -106,13 +99,12 @@ impl Entry {
             return Err(format!("{name}: {flaw}"));
         }
         if interface == Interface::ModelExchange && !self.info.model_exchange {
-            return Err(format!(
-                "{name} offers co-simulation only, not model exchange"
-            ));
+            return Err(format!("{name} offers co-simulation only, not model exchange"));
         }
         let model = (self.model)(&self.table, resources);
         Ok(Instance::new(
             Arc::clone(&self.table),
+            Arc::clone(&self.guid),
             model,
             interface,
             sink,
@@ -150,19 +142,15 @@ impl Registry {
     /// # Errors
     /// There is none; the text names the GUID asked for and those there are.
     pub fn by_guid(&self, guid: &str) -> Result<&Entry, String> {
-        self.entries()
-            .find(|entry| entry.guid == guid)
-            .ok_or_else(|| {
-                let known: Vec<_> = self
-                    .entries()
-                    .map(|e| format!("{} {}", e.info.name, e.guid))
-                    .collect();
-                format!(
-                    "GUID \"{guid}\" is not one of this library's, which are {}; \
+        self.entries().find(|entry| &*entry.guid == guid).ok_or_else(|| {
+            let known: Vec<_> =
+                self.entries().map(|e| format!("{} {}", e.info.name, e.guid)).collect();
+            format!(
+                "GUID \"{guid}\" is not one of this library's, which are {}; \
                  modelDescription.xml and library belong to different builds",
-                    known.join(", ")
-                )
-            })
+                known.join(", ")
+            )
+        })
     }
 }
 

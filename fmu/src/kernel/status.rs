@@ -27,16 +27,10 @@ pub(crate) struct Trouble {
 
 impl Trouble {
     pub(crate) fn error(text: impl Display) -> Self {
-        Self {
-            status: Status::Error,
-            text: text.to_string(),
-        }
+        Self { status: Status::Error, text: text.to_string() }
     }
 
     pub(crate) fn discard(text: impl Display) -> Self {
-        Self {
-            status: Status::Discard,
-            text: text.to_string(),
-        }
+        Self { status: Status::Discard, text: text.to_string() }
     }
 }

@@ -1,48 +1,102 @@
-//! The co-simulation stepper over the model-exchange view: classical Runge-Kutta of fourth order
-//! with a fixed step, stopping at time events.
+//! The co-simulation stepper over the model-exchange view: integrates from event to event.
 //!
-//! An interval h between events is cut into n = ceil(h / h_max) equal steps, so the step is h/n
-//! and depends on nothing but the interval. Inputs are held. Events in (t, t + h] are handled in
-//! integer nanoseconds; an instant whose component does not move on is an error, not a loop.
+//! Time events in (t, t + h] are handled in integer nanoseconds; an instant whose component does
+//! not move on is an error, not a loop. A state event is where the sign of an indicator at the end
+//! of an integration step differs from its sign after the last event; the step is halved until the
+//! crossing is known to [`RESOLUTION_S`], and the event is handled just behind it. A component that
+//! has [`CROWD`] state events within [`CROWD_S`] is stopped as chattering.
 
-use crate::author::{Component, Fault, Time};
+use serde::{Deserialize, Serialize};
+
+use crate::author::{Component, Fault, Ports, Time, Variables};
+
+use super::integrator::{
+    Integrator, IntegratorMethod, dormand_prince, runge_kutta, step_factor, weighed,
+};
+use super::model::{Cause, Halt};
+use super::signal::Signal;
+use super::values::{first_not_finite, is_finite};
 
 /// Slack of one part in 10^9 when counting steps: h may be an ulp longer than n steps.
 const SLACK: f64 = 1e-9;
+/// Width to which a crossing is located (s).
+const RESOLUTION_S: f64 = 1e-13;
+/// State events counted as chattering …
+const CROWD: usize = 1000;
+/// … if they lie within this time (s).
+const CROWD_S: f64 = 1e-6;
+/// Calls of `state_event` at one instant until it must have settled.
+const ITERATIONS: usize = 100;
 
-/// What is being stepped: a component, its memory and its held inputs.
-pub(crate) struct Stepper<'a, C: Component> {
-    pub(crate) component: &'a C,
-    pub(crate) memory: &'a mut C::Memory,
-    pub(crate) inputs: &'a C::Inputs,
+/// Everything about a running component that is neither a constant nor a value of its table.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Progress<M> {
+    pub(crate) memory: M,
+    /// Step that the adaptive integrator wants to take next; 0: none yet.
+    pub(crate) proposed_s: f64,
+    /// Which indicators were positive after the last event, one bit each.
+    pub(crate) signs: u64,
 }
 
-impl<C: Component> Stepper<'_, C> {
+/// How to integrate.
+pub(crate) struct Scheme<X> {
+    pub(crate) integrator: Integrator,
+    /// Nominal values of the states.
+    pub(crate) nominal: X,
+}
+
+/// What is being stepped.
+pub(crate) struct Stepper<'a, C: Component, S> {
+    pub(crate) component: &'a C,
+    pub(crate) scheme: &'a Scheme<C::States>,
+    pub(crate) progress: &'a mut Progress<C::Memory>,
+    pub(crate) signal: &'a S,
+}
+
+impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
     /// Advances the states from `t` by `h` seconds; returns how many events were handled.
     #[inline]
-    pub(crate) fn advance(&mut self, x: &mut C::States, t: f64, h: f64) -> Result<usize, Fault> {
-        let end = Time::from_seconds(t + h);
+    pub(crate) fn advance(&mut self, x: &mut C::States, t: f64, h: f64) -> Result<usize, Halt> {
         let (mut t, mut rest, mut events) = (t, h, 0);
-        while let Some(instant) = self
-            .component
-            .next_event(self.memory)
-            .filter(|at| *at <= end)
-        {
+        if has_indicators::<C>() && self.signs(x, t) != self.progress.signs {
+            self.settle(x, t)?;
+            events += 1;
+        }
+        while let Some(instant) = self.next_until(t + rest) {
             let until = instant.seconds().min(t + rest).max(t);
-            self.integrate(x, t, until - t);
+            events += self.integrate(x, t, until - t)?;
             rest = (t + rest - until).max(0.0);
             t = until;
             self.event(instant, x)?;
             events += 1;
         }
-        self.integrate(x, t, rest);
+        events += self.integrate(x, t, rest)?;
         Ok(events)
     }
 
-    /// Handles the event of one instant.
-    pub(crate) fn event(&mut self, instant: Time, x: &mut C::States) -> Result<(), Fault> {
-        self.component.event(instant, self.memory, x, self.inputs)?;
-        match self.component.next_event(self.memory) {
+    #[inline]
+    fn next_until(&self, end_s: f64) -> Option<Time> {
+        let next = self.next_event()?;
+        (next <= Time::from_seconds(end_s)).then_some(next)
+    }
+
+    /// The next time event.
+    pub(crate) fn next_event(&self) -> Option<Time> {
+        self.component.next_event(&self.progress.memory)
+    }
+
+    /// Handles the time event of one instant, and the state event it may lead to.
+    fn event(&mut self, instant: Time, x: &mut C::States) -> Result<(), Halt> {
+        let t = instant.seconds();
+        self.time_event(instant, x).map_err(|fault| Halt::new(t, fault))?;
+        if has_indicators::<C>() { self.settle(x, t) } else { Ok(()) }
+    }
+
+    /// Handles the time event of one instant.
+    pub(crate) fn time_event(&mut self, instant: Time, x: &mut C::States) -> Result<(), Fault> {
+        let memory = &mut self.progress.memory;
+        self.signal.with(instant.seconds(), |u| self.component.event(instant, memory, x, u))?;
+        match self.component.next_event(memory) {
             Some(next) if next <= instant => Err(Fault::new(format_args!(
                 "after the event at {instant} the next one is announced for {next}, which is not \
                  later; event() must move next_event() on"
@@ -51,55 +105,224 @@ impl<C: Component> Stepper<'_, C> {
         }
     }
 
-    #[inline]
-    fn integrate(&self, x: &mut C::States, t: f64, h: f64) {
-        if x_is_empty::<C>() || h <= 0.0 {
-            return;
+    /// Lets the component look for a state event once; tells whether it changed anything.
+    pub(crate) fn state_event(&mut self, t: f64, x: &mut C::States) -> Result<bool, Fault> {
+        if !has_indicators::<C>() {
+            return Ok(false);
         }
-        // The common case of a single step needs neither division.
-        let single = h <= C::INFO.integrator_step_s * (1.0 + SLACK);
-        let steps = if single {
-            1.0
-        } else {
-            (h / C::INFO.integrator_step_s - SLACK).ceil()
-        };
+        let memory = &mut self.progress.memory;
+        self.signal.with(t, |u| self.component.state_event(t, memory, x, u))
+    }
+
+    /// Integrates over `h` seconds without time events; returns how many state events there were.
+    #[inline]
+    fn integrate(&mut self, x: &mut C::States, t: f64, h: f64) -> Result<usize, Halt> {
+        if h <= 0.0 || (C::States::COUNT.reals == 0 && !has_indicators::<C>()) {
+            return Ok(0);
+        }
+        match self.smooth(x, t, h)? {
+            Some(crossing) if has_indicators::<C>() => self.cross(x, t, h, crossing),
+            _ => Ok(0),
+        }
+    }
+
+    /// Handles the state event at `crossing` and those that follow; returns how many there were.
+    #[cold]
+    #[inline(never)]
+    fn cross(
+        &mut self,
+        x: &mut C::States,
+        t: f64,
+        h: f64,
+        mut crossing: f64,
+    ) -> Result<usize, Halt> {
+        let (mut events, mut crowd_start) = (0, t);
+        loop {
+            self.settle(x, crossing)?;
+            events += 1;
+            if events % CROWD == 0 {
+                if crossing - crowd_start < CROWD_S {
+                    return Err(Halt::new(crossing, self.chatters(x, crossing)));
+                }
+                crowd_start = crossing;
+            }
+            let rest = t + h - crossing;
+            match if rest > 0.0 { self.smooth(x, crossing, rest)? } else { None } {
+                Some(next) => crossing = next,
+                None => return Ok(events),
+            }
+        }
+    }
+
+    /// Integrates up to the next crossing, whose time it returns, or to the end.
+    #[inline]
+    fn smooth(&mut self, x: &mut C::States, t: f64, h: f64) -> Result<Option<f64>, Halt> {
+        match self.scheme.integrator.method {
+            IntegratorMethod::RungeKutta4 => self.fixed(x, t, h),
+            IntegratorMethod::DormandPrince45 => self.adaptive(x, t, h),
+        }
+    }
+
+    #[inline]
+    fn fixed(&self, x: &mut C::States, t: f64, h: f64) -> Result<Option<f64>, Halt> {
+        // The common case of a single step needs no division.
+        let longest = self.scheme.integrator.step;
+        let single = h <= longest * (1.0 + SLACK);
+        let steps = if single { 1.0 } else { (h / longest - SLACK).ceil() };
         let step = if single { h } else { h / steps };
+        // The result of a single step is looked at once it is stored with the outputs.
+        let look = !single || has_indicators::<C>() || self.next_event().is_some();
+        let f = self.signal.derivatives(self.component, &self.progress.memory);
         for k in 0..steps as u64 {
-            self.runge_kutta(x, t + k as f64 * step, step);
+            let at = t + k as f64 * step;
+            let there = runge_kutta(&f, x, at, step);
+            if look && !is_finite(&there) {
+                return Err(Halt::not_finite(at, &there));
+            }
+            if has_indicators::<C>() && self.crossed(&there, at + step) {
+                let trial = |step| runge_kutta(&f, x, at, step);
+                let (there, length) = self.locate(there, at, step, trial);
+                *x = there;
+                return Ok(Some(at + length));
+            }
+            *x = there;
+        }
+        Ok(None)
+    }
+
+    #[inline(never)]
+    fn adaptive(&mut self, x: &mut C::States, t: f64, h: f64) -> Result<Option<f64>, Halt> {
+        let Integrator { step: first, tolerance, .. } = self.scheme.integrator;
+        let mut proposed = self.progress.proposed_s;
+        if proposed.is_nan() || proposed <= 0.0 {
+            proposed = first;
+        }
+        let f = self.signal.derivatives(self.component, &self.progress.memory);
+        let mut slope = f(t, x);
+        let (mut elapsed, mut crossing) = (0.0, None);
+        while elapsed < h && crossing.is_none() {
+            let (at, rest) = (t + elapsed, h - elapsed);
+            let last = proposed >= rest;
+            let step = if last { rest } else { proposed };
+            let trial = dormand_prince(&f, x, &slope, at, step);
+            let error = weighed(x, &trial, &self.scheme.nominal, tolerance);
+            // Not "greater", since the error may be no number.
+            if !(error <= 1.0 && is_finite(&trial.x)) {
+                if step <= 16.0 * f64::EPSILON * at.abs().max(1e-3) {
+                    return Err(Halt {
+                        reached_s: at,
+                        cause: Cause::Accuracy { error, tolerance },
+                    });
+                }
+                proposed = step * step_factor(error).min(0.9);
+                continue;
+            }
+            let wanted = step * step_factor(error);
+            // A last step is short for the sake of the interval, not of the error.
+            proposed = if last { wanted.max(proposed) } else { wanted };
+            if has_indicators::<C>() && self.crossed(&trial.x, at + step) {
+                let again = |step| dormand_prince(&f, x, &slope, at, step).x;
+                let (there, length) = self.locate(trial.x, at, step, again);
+                (*x, crossing) = (there, Some(at + length));
+            } else {
+                (*x, slope) = (trial.x, trial.slope);
+                elapsed = if last { h } else { elapsed + step };
+            }
+        }
+        drop(f);
+        self.progress.proposed_s = proposed;
+        Ok(crossing)
+    }
+
+    /// Halves a step that ends behind a crossing at `there`; returns the states just behind the
+    /// crossing and how long the step to there is.
+    #[cold]
+    fn locate(
+        &self,
+        mut there: C::States,
+        t: f64,
+        step: f64,
+        trial: impl Fn(f64) -> C::States,
+    ) -> (C::States, f64) {
+        let resolution = RESOLUTION_S.max(4.0 * f64::EPSILON * t.abs());
+        let (mut before, mut behind) = (0.0, step);
+        while behind - before > resolution {
+            let middle = 0.5 * (before + behind);
+            let x = trial(middle);
+            if self.crossed(&x, t + middle) {
+                (behind, there) = (middle, x);
+            } else {
+                before = middle;
+            }
+        }
+        (there, behind)
+    }
+
+    fn crossed(&self, x: &C::States, t: f64) -> bool {
+        self.signs(x, t) != self.progress.signs
+    }
+
+    /// Which indicators are positive.
+    pub(crate) fn signs(&self, x: &C::States, t: f64) -> u64 {
+        let mut indicators = [0.0; 64];
+        let own = indicators.get_mut(..C::INDICATORS.len()).unwrap_or_default();
+        let memory = &self.progress.memory;
+        self.signal.with(t, |u| self.component.indicators(t, memory, x, u, own));
+        own.iter().rev().fold(0, |bits, z| bits << 1 | u64::from(*z > 0.0))
+    }
+
+    /// Handles a state event: iterates until the component has nothing to change any more.
+    #[cold]
+    fn settle(&mut self, x: &mut C::States, t: f64) -> Result<(), Halt> {
+        for _ in 0..ITERATIONS {
+            if !self.state_event(t, x).map_err(|fault| Halt::new(t, fault))? {
+                self.progress.signs = self.signs(x, t);
+                return Ok(());
+            }
+        }
+        let reason = format!("state_event() still changed something after {ITERATIONS} calls");
+        Err(Halt::new(t, Fault::new(reason)))
+    }
+
+    #[cold]
+    fn chatters(&self, x: &C::States, t: f64) -> Fault {
+        let mut indicators = [f64::INFINITY; 64];
+        let own = indicators.get_mut(..C::INDICATORS.len()).unwrap_or_default();
+        let memory = &self.progress.memory;
+        self.signal.with(t, |u| self.component.indicators(t, memory, x, u, own));
+        let nearest =
+            C::INDICATORS.iter().zip(&*own).min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        Fault::new(format_args!(
+            "the component chatters: {CROWD} state events within {CROWD_S:e} s, the last of \
+             \"{}\"; give it a hysteresis or a mode of its own",
+            nearest.map_or("?", |(name, _)| name)
+        ))
+    }
+}
+
+const fn has_indicators<C: Component>() -> bool {
+    !C::INDICATORS.is_empty()
+}
+
+impl Halt {
+    /// The component cannot go on.
+    pub(crate) fn new(reached_s: f64, fault: Fault) -> Self {
+        Self { reached_s, cause: Cause::Fault(fault) }
+    }
+
+    /// With a value reference in place of the index of a state.
+    pub(crate) fn in_table(self, states_start: usize) -> Self {
+        match self.cause {
+            Cause::NotFinite(state) => {
+                Self { cause: Cause::NotFinite(states_start + state), ..self }
+            }
+            _ => self,
         }
     }
 
-    /// One step of the classical Runge-Kutta method.
-    #[inline]
-    fn runge_kutta(&self, x: &mut C::States, t: f64, h: f64) {
-        let f = |t: f64, x: &C::States| self.component.derivatives(t, self.memory, x, self.inputs);
-        let along = |k: &C::States, h: f64| moved::<C>(x, k, h);
-        let half = 0.5 * h;
-        let k1 = f(t, x);
-        let k2 = f(t + half, &along(&k1, half));
-        let k3 = f(t + half, &along(&k2, half));
-        let k4 = f(t + h, &along(&k3, h));
-        let mut slope = k1;
-        add::<C>(&mut slope, &k2, 2.0);
-        add::<C>(&mut slope, &k3, 2.0);
-        add::<C>(&mut slope, &k4, 1.0);
-        add::<C>(x, &slope, h / 6.0);
+    /// The step from `reached_s` led to these states.
+    #[cold]
+    fn not_finite<X: Ports>(reached_s: f64, states: &X) -> Self {
+        Self { reached_s, cause: Cause::NotFinite(first_not_finite(states)) }
     }
-}
-
-const fn x_is_empty<C: Component>() -> bool {
-    <C::States as crate::author::Variables>::COUNT.reals == 0
-}
-
-#[inline]
-fn moved<C: Component>(x: &C::States, k: &C::States, h: f64) -> C::States {
-    let mut there = *x;
-    add::<C>(&mut there, k, h);
-    there
-}
-
-#[inline]
-fn add<C: Component>(x: &mut C::States, k: &C::States, factor: f64) {
-    use crate::author::Variables;
-    x.zip_reals(k, &mut |x, k| *x += factor * k);
 }

@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use crate::author::{Component, Count, Declaration, Declarations, Field, Start, Variables};
 
+use super::parameters::Parameters;
 use super::unit::{Unit, per_second};
 use super::values::Values;
 
@@ -104,6 +105,8 @@ pub struct Layout {
 pub struct Table {
     variables: Vec<Variable>,
     layout: Layout,
+    indicators: &'static [&'static str],
+    tangent: bool,
 }
 
 impl Table {
@@ -112,12 +115,13 @@ impl Table {
     /// # Errors
     /// Names the variable whose declaration cannot stand.
     pub fn of<C: Component>() -> Result<Self, TableError> {
-        Self::new(
-            declarations(&C::Parameters::default()),
+        let table = Self::new(
+            declarations(&Parameters::<C>::with(C::Parameters::default())),
             declarations(&C::Inputs::default()),
             declarations(&C::Outputs::default()),
             declarations(&C::States::default()),
-        )
+        )?;
+        Ok(Self { indicators: C::INDICATORS, tangent: C::TANGENT, ..table })
     }
 
     /// The table of four groups of declared variables.
@@ -145,26 +149,13 @@ impl Table {
         let count = table.count;
         let inputs = table.add(Group::Input, inputs, None);
         let outputs = table.add(Group::Output, outputs, None);
-        let units: Vec<_> = states
-            .iter()
-            .map(|state| per_second(state.field.unit))
-            .collect();
+        let units: Vec<_> = states.iter().map(|state| per_second(state.field.unit)).collect();
         let states = table.add(Group::State, states, None);
         let derivatives = table.add(Group::Derivative, derivatives, Some(&units));
         let time = table.add(Group::Time, vec![time], None).start;
-        let layout = Layout {
-            parameters: count,
-            inputs,
-            outputs,
-            states,
-            derivatives,
-            time,
-        };
+        let layout = Layout { parameters: count, inputs, outputs, states, derivatives, time };
         check(&table.variables)?;
-        Ok(Self {
-            variables: table.variables,
-            layout,
-        })
+        Ok(Self { variables: table.variables, layout, indicators: &[], tangent: false })
     }
 
     /// The variables, in the order of the description.
@@ -179,12 +170,21 @@ impl Table {
         &self.layout
     }
 
+    /// Names of the event indicators.
+    #[must_use]
+    pub fn indicators(&self) -> &'static [&'static str] {
+        self.indicators
+    }
+
+    /// Whether there are directional derivatives.
+    #[must_use]
+    pub fn has_tangent(&self) -> bool {
+        self.tangent
+    }
+
     /// The variables of a group with their indices in the description, from zero.
     pub fn group(&self, group: Group) -> impl Iterator<Item = (usize, &Variable)> {
-        self.variables
-            .iter()
-            .enumerate()
-            .filter(move |(_, variable)| variable.group == group)
+        self.variables.iter().enumerate().filter(move |(_, variable)| variable.group == group)
     }
 
     /// The variable of a type and value reference.
@@ -202,10 +202,7 @@ impl Table {
 
     /// Every variable at its start value.
     pub(crate) fn start_values(&self) -> Values {
-        let count = self
-            .variables
-            .iter()
-            .fold(Count::NONE, |n, v| n.plus(one(&v.start)));
+        let count = self.variables.iter().fold(Count::NONE, |n, v| n.plus(one(&v.start)));
         let mut values = Values::zeros(count);
         let (mut reals, mut integers) = (values.reals.iter_mut(), values.integers.iter_mut());
         let (mut booleans, mut strings) = (values.booleans.iter_mut(), values.strings.iter_mut());
@@ -272,14 +269,7 @@ fn declarations(group: &impl Variables) -> Declarations {
 fn derivative(state: &Declaration) -> Declaration {
     let description = format!("Time derivative of {}", state.field.name);
     let name = format!("der({})", state.field.name);
-    Declaration {
-        field: Field {
-            name,
-            description,
-            ..Field::default()
-        },
-        start: Start::Real(0.0),
-    }
+    Declaration { field: Field { name, description, ..Field::default() }, start: Start::Real(0.0) }
 }
 
 #[derive(Default)]
@@ -330,41 +320,23 @@ fn check(variables: &[Variable]) -> Result<(), TableError> {
         if !names.insert(name) {
             return Err(TableError::Duplicate(name.clone()));
         }
-        if let Some(reason) = variable
-            .unit
-            .as_deref()
-            .and_then(|unit| Unit::parse(unit).err())
-        {
-            return Err(TableError::Unit {
-                name: name.clone(),
-                reason,
-            });
+        if let Some(reason) = variable.unit.as_deref().and_then(|unit| Unit::parse(unit).err()) {
+            return Err(TableError::Unit { name: name.clone(), reason });
         }
         let value = match &variable.start {
             Start::Real(value) => *value,
             Start::Integer(value) => f64::from(*value),
             Start::Enumeration { name, items, .. } => {
-                if types
-                    .insert(*name, *items)
-                    .is_some_and(|earlier| earlier != *items)
-                {
+                if types.insert(*name, *items).is_some_and(|earlier| earlier != *items) {
                     return Err(TableError::Enumeration((*name).to_owned()));
                 }
                 continue;
             }
             Start::Boolean(_) | Start::String(_) => continue,
         };
-        let (min, max) = (
-            variable.min.unwrap_or(f64::MIN),
-            variable.max.unwrap_or(f64::MAX),
-        );
+        let (min, max) = (variable.min.unwrap_or(f64::MIN), variable.max.unwrap_or(f64::MAX));
         if !(min..=max).contains(&value) {
-            return Err(TableError::Start {
-                name: name.clone(),
-                value,
-                min,
-                max,
-            });
+            return Err(TableError::Start { name: name.clone(), value, min, max });
         }
     }
     Ok(())

@@ -43,11 +43,7 @@ const DERIVED: [(&str, [i8; 8], f64, f64); 22] = [
 ];
 
 impl Unit {
-    const ONE: Self = Self {
-        exponents: [0.0; 8],
-        factor: 1.0,
-        offset: 0.0,
-    };
+    const ONE: Self = Self { exponents: [0.0; 8], factor: 1.0, offset: 0.0 };
 
     /// Reads a unit expression.
     pub(crate) fn parse(text: &str) -> Result<Self, String> {
@@ -61,10 +57,7 @@ impl Unit {
 
     /// The exponents as whole numbers, which is all the standard can express.
     pub(crate) fn whole_exponents(&self) -> Option<[i32; 8]> {
-        let whole = self
-            .exponents
-            .iter()
-            .all(|e| e.fract() == 0.0 && e.abs() < 100.0);
+        let whole = self.exponents.iter().all(|e| e.fract() == 0.0 && e.abs() < 100.0);
         whole.then(|| self.exponents.map(|exponent| exponent as i32))
     }
 
@@ -74,11 +67,7 @@ impl Unit {
         }
         self.factor *= power_of(other.factor, power);
         // An offset has a meaning only where the symbol stands alone.
-        self.offset = if self == Self::ONE {
-            other.offset
-        } else {
-            self.offset
-        };
+        self.offset = if self == Self::ONE { other.offset } else { self.offset };
         self
     }
 
@@ -90,29 +79,20 @@ impl Unit {
         }
         let (_, exponents, factor, offset) =
             *DERIVED.iter().find(|(symbol, ..)| *symbol == name)?;
-        Some(Self {
-            exponents: exponents.map(f64::from),
-            factor,
-            offset,
-        })
+        Some(Self { exponents: exponents.map(f64::from), factor, offset })
     }
 }
 
 /// `base^power` for the small powers units have, exactly the same on every machine.
 fn power_of(base: f64, power: f64) -> f64 {
     let whole = power.trunc() as i32;
-    let root = if power.fract() == 0.0 {
-        1.0
-    } else {
-        base.sqrt()
-    };
-    (0..whole.abs()).fold(root, |product, _| {
-        if whole < 0 {
-            product / base
-        } else {
-            product * base
-        }
-    })
+    let root = if power.fract() == 0.0 { 1.0 } else { base.sqrt() };
+    (0..whole.abs()).fold(
+        root,
+        |product, _| {
+            if whole < 0 { product / base } else { product * base }
+        },
+    )
 }
 
 struct Parser<'a> {
@@ -159,11 +139,7 @@ impl<'a> Parser<'a> {
             format!("unknown unit symbol \"{name}\"; {hint}")
         })?;
         let exponent = self.exponent();
-        let power = if exponent.is_empty() {
-            Ok(1.0)
-        } else {
-            exponent.parse()
-        };
+        let power = if exponent.is_empty() { Ok(1.0) } else { exponent.parse() };
         power
             .map(|power| (unit, power))
             .map_err(|_| format!("\"{exponent}\" is no exponent of the unit {name}"))
@@ -174,17 +150,9 @@ impl<'a> Parser<'a> {
         let digits = |text: &str| text.chars().take_while(char::is_ascii_digit).count();
         let sign = usize::from(self.rest.starts_with('-'));
         let mut length = sign + digits(self.rest.get(sign..).unwrap_or_default());
-        if let Some(fraction) = self
-            .rest
-            .get(length..)
-            .and_then(|rest| rest.strip_prefix('.'))
-        {
+        if let Some(fraction) = self.rest.get(length..).and_then(|rest| rest.strip_prefix('.')) {
             let more = digits(fraction);
-            length += if more > 0 && length > sign {
-                1 + more
-            } else {
-                0
-            };
+            length += if more > 0 && length > sign { 1 + more } else { 0 };
         }
         let (exponent, rest) = self.rest.split_at(length);
         self.rest = rest;

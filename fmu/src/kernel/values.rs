@@ -4,10 +4,12 @@
 use std::ffi::CString;
 use std::ops::Range;
 
-use crate::author::{Count, Reader, Variables, Writer};
+use serde::{Deserialize, Serialize};
+
+use crate::author::{Count, Ports, Reader, Variables, Writer};
 
 /// All values of an instance, one array per FMI type; a value reference is an index.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Values {
     /// Reals: parameters, inputs, outputs, states, derivatives, time.
     pub reals: Box<[f64]>,
@@ -72,7 +74,7 @@ impl Values {
 }
 
 /// Which parameters were set by the user, per type.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Explicit {
     /// Real parameters.
     pub reals: Box<[bool]>,
@@ -85,6 +87,14 @@ pub struct Explicit {
 }
 
 impl Explicit {
+    /// Whether both are of the same number of parameters.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        self.reals.len() == other.reals.len()
+            && self.integers.len() == other.integers.len()
+            && self.booleans.len() == other.booleans.len()
+            && self.strings.len() == other.strings.len()
+    }
+
     /// None set yet.
     pub(crate) fn none(parameters: Count) -> Self {
         let unset = |n: usize| vec![false; n].into();
@@ -97,42 +107,64 @@ impl Explicit {
     }
 }
 
-/// Whether all values are finite.
+/// Nonzero in its sign bit if a value is not finite.
 ///
 /// A value that is not has all bits of its exponent set; adding one to the exponent then carries
 /// into the sign bit. This takes three integer operations a value, no branch, any order.
-#[inline]
-pub(crate) fn all_finite(values: &[f64]) -> bool {
+#[inline(always)]
+fn carried(value: f64) -> u64 {
     const EXPONENT: u64 = 0x7FF0_0000_0000_0000;
     const ONE: u64 = 0x0010_0000_0000_0000;
-    let carried = |value: &f64| (value.to_bits() & EXPONENT).wrapping_add(ONE);
-    values.iter().fold(0, |bits, value| bits | carried(value)) >> 63 == 0
+    (value.to_bits() & EXPONENT).wrapping_add(ONE)
+}
+
+/// Whether all values are finite.
+#[inline]
+pub(crate) fn all_finite(values: &[f64]) -> bool {
+    values.iter().fold(0, |bits, value| bits | carried(*value)) >> 63 == 0
+}
+
+/// Whether all values of a port group are finite.
+#[inline]
+pub(crate) fn is_finite<P: Ports>(ports: &P) -> bool {
+    let (mut copy, mut bits) = (*ports, 0);
+    copy.zip_reals(ports, &mut |_, value| bits |= carried(value));
+    bits >> 63 == 0
+}
+
+/// Index of the first value of a port group that is not finite.
+#[cold]
+pub(crate) fn first_not_finite<P: Ports>(ports: &P) -> usize {
+    let (mut copy, mut index, mut found) = (*ports, 0, None);
+    copy.zip_reals(ports, &mut |_, value| {
+        if !value.is_finite() {
+            found.get_or_insert(index);
+        }
+        index += 1;
+    });
+    found.unwrap_or_default()
 }
 
 /// Reads a port group from its place among the reals.
 ///
 /// The comparison of lengths tells the compiler the length of the slice, and with it every check
 /// inside `load` vanishes.
-#[inline]
+#[inline(always)]
 pub(crate) fn read<P: Variables + Default>(reals: &[f64], place: &Range<usize>) -> P {
     match reals.get(place.clone()) {
-        Some(slice) if slice.len() == P::COUNT.reals => P::load(&mut Reader {
-            reals: slice,
-            ..Reader::default()
-        }),
+        Some(slice) if slice.len() == P::COUNT.reals => {
+            P::load(&mut Reader { reals: slice, ..Reader::default() })
+        }
         _ => P::default(),
     }
 }
 
 /// Writes a port group to its place among the reals.
-#[inline]
+#[inline(always)]
 pub(crate) fn write<P: Variables>(value: &P, reals: &mut [f64], place: &Range<usize>) {
     match reals.get_mut(place.clone()) {
         Some(slice) if slice.len() == P::COUNT.reals => {
-            value.store(&mut Writer {
-                reals: slice,
-                ..Writer::default()
-            });
+            value.store(&mut Writer { reals: slice, ..Writer::default() });
         }
         _ => {}
     }
@@ -144,15 +176,7 @@ mod tests {
 
     #[test]
     fn finite_is_what_std_says_it_is() {
-        let finite = [
-            0.0,
-            -0.0,
-            f64::MAX,
-            f64::MIN,
-            f64::MIN_POSITIVE,
-            5e-324,
-            -1.0,
-        ];
+        let finite = [0.0, -0.0, f64::MAX, f64::MIN, f64::MIN_POSITIVE, 5e-324, -1.0];
         assert!(all_finite(&finite) && all_finite(&[]));
         for bad in [f64::NAN, -f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             for place in 0..finite.len() {

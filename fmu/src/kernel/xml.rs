@@ -17,10 +17,7 @@ pub(crate) struct Element<'a> {
 impl Xml {
     pub(crate) fn new() -> Self {
         let declaration = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
-        Self {
-            text: declaration.to_owned(),
-            open: Vec::new(),
-        }
+        Self { text: declaration.to_owned(), open: Vec::new() }
     }
 
     /// Starts an element; finish it with `children` or `empty`.

@@ -28,10 +28,7 @@ fn a_wrong_guid_gives_null_and_a_line_that_names_both() {
     assert!(instantiate(c"{wrong}".as_ptr(), &raw const functions).is_null());
     let text = lines[0].text.clone();
     assert!(text.contains("{wrong}"), "{text}");
-    assert!(
-        text.contains(REGISTRY.named("Spring").unwrap().guid()),
-        "{text}"
-    );
+    assert!(text.contains(REGISTRY.named("Spring").unwrap().guid()), "{text}");
     assert!(instantiate(null(), &raw const functions).is_null());
     assert_eq!(lines.len(), 2);
     assert!(instantiate(c"{wrong}".as_ptr(), null()).is_null());
@@ -40,10 +37,7 @@ fn a_wrong_guid_gives_null_and_a_line_that_names_both() {
 #[test]
 fn no_logger_is_fine() {
     let guid = CString::new(REGISTRY.named("Spring").unwrap().guid()).unwrap();
-    let functions = fmi2CallbackFunctions {
-        logger: None,
-        ..callbacks(null_mut())
-    };
+    let functions = fmi2CallbackFunctions { logger: None, ..callbacks(null_mut()) };
     let c = instantiate(guid.as_ptr(), &raw const functions);
     unsafe {
         assert_eq!(fmi2::fmi2DoStep(c, 0.0, 0.1, 0), Status::Error);
@@ -70,15 +64,7 @@ fn an_unknown_type_or_an_empty_name_is_refused() {
 #[test]
 fn handles_that_lead_nowhere_give_an_error() {
     let freed = Fmu::started("Spring", CS).free();
-    for bad in [
-        0,
-        1,
-        2,
-        0x1234,
-        0xdead_beef_cafe_usize,
-        usize::MAX,
-        freed.addr(),
-    ] {
+    for bad in [0, 1, 2, 0x1234, 0xdead_beef_cafe_usize, usize::MAX, freed.addr()] {
         let c = without_provenance_mut(bad);
         unsafe {
             assert_eq!(fmi2::fmi2DoStep(c, 0.0, 0.1, 0), Status::Error, "{bad:#x}");
@@ -108,15 +94,9 @@ fn null_is_fine_for_nothing_and_refused_for_something() {
         assert_eq!(fmi2::fmi2GetReal(c, null(), 0, null_mut()), Status::Ok);
         assert_eq!(fmi2::fmi2SetReal(c, null(), 0, null()), Status::Ok);
         assert_eq!(fmu.log(), []);
-        assert_eq!(
-            fmi2::fmi2GetReal(c, null(), 1, &raw mut value),
-            Status::Error
-        );
+        assert_eq!(fmi2::fmi2GetReal(c, null(), 1, &raw mut value), Status::Error);
         assert!(fmu.line().contains("vr is NULL"));
-        assert_eq!(
-            fmi2::fmi2GetReal(c, &raw const reference, 1, null_mut()),
-            Status::Error
-        );
+        assert_eq!(fmi2::fmi2GetReal(c, &raw const reference, 1, null_mut()), Status::Error);
         assert!(fmu.line().contains("value is NULL"));
         let huge = usize::MAX - 1;
         let status = fmi2::fmi2GetReal(c, &raw const reference, huge, &raw mut value);
@@ -138,14 +118,8 @@ fn unknown_references_are_named_and_nothing_is_set() {
     let (mut reals, mut integers) = ([0.0; 2], [0; 2]);
     unsafe {
         let (c, vr) = (fmu.c, references.as_ptr());
-        assert_eq!(
-            fmi2::fmi2GetReal(c, vr, 2, reals.as_mut_ptr()),
-            Status::Error
-        );
-        assert_eq!(
-            fmi2::fmi2GetInteger(c, vr, 2, integers.as_mut_ptr()),
-            Status::Error
-        );
+        assert_eq!(fmi2::fmi2GetReal(c, vr, 2, reals.as_mut_ptr()), Status::Error);
+        assert_eq!(fmi2::fmi2GetInteger(c, vr, 2, integers.as_mut_ptr()), Status::Error);
     }
     assert_eq!(fmu.log().len(), 2);
 }
@@ -156,10 +130,7 @@ fn values_that_are_not_finite_are_refused_with_function_variable_and_reason() {
     for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         assert_eq!(fmu.set("force", value), Status::Error);
         let line = fmu.line();
-        assert!(
-            line.contains("fmi2SetReal: force = ") && line.contains("not finite"),
-            "{line}"
-        );
+        assert!(line.contains("fmi2SetReal: force = ") && line.contains("not finite"), "{line}");
     }
     assert_eq!(fmu.set("mass", f64::NAN), Status::Error);
     assert_eq!(fmu.setup(f64::NAN), Status::Error);
@@ -196,28 +167,15 @@ fn debug_messages_come_on_request_and_by_category() {
     fmu.step(0.0, 1.0);
     let lines = fmu.log();
     assert_eq!(lines.len(), 2, "{lines:?}");
-    assert!(
-        lines
-            .iter()
-            .all(|l| l.category == "logEvents" && l.status == Status::Ok)
-    );
+    assert!(lines.iter().all(|l| l.category == "logEvents" && l.status == Status::Ok));
     let names = [c"logStatusError".as_ptr()];
-    assert_eq!(
-        unsafe { fmi2::fmi2SetDebugLogging(fmu.c, 1, 1, names.as_ptr()) },
-        Status::Ok
-    );
+    assert_eq!(unsafe { fmi2::fmi2SetDebugLogging(fmu.c, 1, 1, names.as_ptr()) }, Status::Ok);
     fmu.step(1.0, 1.0);
     assert_eq!(fmu.log(), []);
     let names = [c"logEverything".as_ptr()];
-    assert_eq!(
-        unsafe { fmi2::fmi2SetDebugLogging(fmu.c, 1, 1, names.as_ptr()) },
-        Status::Error
-    );
+    assert_eq!(unsafe { fmi2::fmi2SetDebugLogging(fmu.c, 1, 1, names.as_ptr()) }, Status::Error);
     let line = fmu.line();
-    assert!(
-        line.contains("logEverything") && line.contains("logEvents"),
-        "{line}"
-    );
+    assert!(line.contains("logEverything") && line.contains("logEvents"), "{line}");
 }
 
 #[test]
@@ -231,10 +189,7 @@ fn texts_keep_their_utf8_and_booleans_any_truth() {
     assert!(fmu.line().contains("UTF-8"));
     let (sprung, mut value) = (fmu.reference("sprung"), 42);
     unsafe {
-        assert_eq!(
-            fmi2::fmi2SetBoolean(fmu.c, &raw const sprung, 1, &raw const value),
-            Status::Ok
-        );
+        assert_eq!(fmi2::fmi2SetBoolean(fmu.c, &raw const sprung, 1, &raw const value), Status::Ok);
         fmi2::fmi2GetBoolean(fmu.c, &raw const sprung, 1, &raw mut value);
     }
     assert_eq!(value, 1);

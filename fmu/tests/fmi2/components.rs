@@ -92,11 +92,7 @@ pub struct Spring {
 
 impl Spring {
     fn acceleration(&self, x: &SpringStates, u: &Force) -> f64 {
-        let spring = if self.p.sprung {
-            self.p.stiffness * x.state.x
-        } else {
-            0.0
-        };
+        let spring = if self.p.sprung { self.p.stiffness * x.state.x } else { 0.0 };
         (f64::from(self.p.sign) * u.force - spring) / self.p.mass
     }
 }
@@ -129,45 +125,24 @@ impl Component for Spring {
     fn new(p: &SpringParameters, resources: &Resources) -> Result<Self, ParameterError> {
         if p.label == "from file" {
             let label = resources.read_to_string("label", "label.txt")?;
-            return Ok(Self {
-                p: SpringParameters { label, ..p.clone() },
-            });
+            return Ok(Self { p: SpringParameters { label, ..p.clone() } });
         }
         if p.mass == 13.0 {
-            return Err(ParameterError::new(
-                "mass",
-                "13 kg brings bad luck; choose another",
-            ));
+            return Err(ParameterError::new("mass", "13 kg brings bad luck; choose another"));
         }
         Ok(Self { p: p.clone() })
     }
 
     fn initial(&self, _: Time, _: &Force) -> Result<(SpringStates, ()), Fault> {
-        Ok((
-            SpringStates {
-                state: Motion {
-                    x: self.p.start,
-                    v: 0.0,
-                },
-            },
-            (),
-        ))
+        Ok((SpringStates { state: Motion { x: self.p.start, v: 0.0 } }, ()))
     }
 
     fn derivatives(&self, _: f64, (): &(), x: &SpringStates, u: &Force) -> SpringStates {
-        SpringStates {
-            state: Motion {
-                x: x.state.v,
-                v: self.acceleration(x, u),
-            },
-        }
+        SpringStates { state: Motion { x: x.state.v, v: self.acceleration(x, u) } }
     }
 
     fn outputs(&self, _: f64, (): &(), x: &SpringStates, u: &Force) -> SpringOutputs {
-        SpringOutputs {
-            position: x.state.x,
-            acceleration: self.acceleration(x, u),
-        }
+        SpringOutputs { position: x.state.x, acceleration: self.acceleration(x, u) }
     }
 }
 
@@ -199,11 +174,7 @@ pub struct Signal {
 
 impl Default for Signal {
     fn default() -> Self {
-        Self {
-            signal: 0.0,
-            enabled: 1.0,
-            ignored: 0.0,
-        }
+        Self { signal: 0.0, enabled: 1.0, ignored: 0.0 }
     }
 }
 
@@ -235,25 +206,15 @@ impl Noise {
         if u.enabled < 0.5 {
             return;
         }
-        m.random = m
-            .random
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1);
+        m.random = m.random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         let noise = (m.random >> 40) as f64 * 1e-9;
         let count = m.newest.count + 1.0;
-        m.newest = Sample {
-            value: u.signal + noise,
-            count,
-            stamp: now.seconds(),
-        };
+        m.newest = Sample { value: u.signal + noise, count, stamp: now.seconds() };
     }
 }
 
 impl Component for Noise {
-    const INFO: Info = Info {
-        sampled: true,
-        ..Info::new("Noise", "Samples a signal with noise")
-    };
+    const INFO: Info = Info { sampled: true, ..Info::new("Noise", "Samples a signal with noise") };
     type Parameters = NoiseParameters;
     type Inputs = Signal;
     type Outputs = Sample;
@@ -261,19 +222,12 @@ impl Component for Noise {
     type Memory = NoiseMemory;
 
     fn new(p: &NoiseParameters, _: &Resources) -> Result<Self, ParameterError> {
-        Ok(Self {
-            period_s: 1.0 / p.rate,
-            seed: p.seed as u64,
-        })
+        Ok(Self { period_s: 1.0 / p.rate, seed: p.seed as u64 })
     }
 
     fn initial(&self, start: Time, u: &Signal) -> Result<(NoStates, NoiseMemory), Fault> {
         let sampler = Sampler::new(start, self.period_s);
-        let mut memory = NoiseMemory {
-            sampler,
-            random: self.seed,
-            newest: Sample::default(),
-        };
+        let mut memory = NoiseMemory { sampler, random: self.seed, newest: Sample::default() };
         self.sample(start, &mut memory, u);
         Ok(((), memory))
     }
@@ -329,11 +283,7 @@ pub struct Clumsiness {
 pub struct Clumsy;
 
 impl Component for Clumsy {
-    const INFO: Info = Info {
-        sampled: true,
-        model_exchange: false,
-        ..Info::new("Clumsy", "Fails on command")
-    };
+    const INFO: Info = Info { sampled: true, ..Info::new("Clumsy", "Fails on command") };
     type Parameters = ();
     type Inputs = Command;
     type Outputs = Echo;
@@ -345,21 +295,13 @@ impl Component for Clumsy {
     }
 
     fn initial(&self, start: Time, _: &Command) -> Result<(NoStates, Clumsiness), Fault> {
-        Ok((
-            (),
-            Clumsiness {
-                sampler: Sampler::new(start, 0.1),
-            },
-        ))
+        Ok(((), Clumsiness { sampler: Sampler::new(start, 0.1) }))
     }
 
     fn outputs(&self, _: f64, _: &Clumsiness, (): &NoStates, u: &Command) -> Echo {
         let not_finite = u.command == command::NOT_FINITE;
         let echo = if not_finite { f64::NAN } else { u.command };
-        Echo {
-            echo,
-            constant: 1.0,
-        }
+        Echo { echo, constant: 1.0 }
     }
 
     fn next_event(&self, m: &Clumsiness) -> Option<Time> {
@@ -383,4 +325,29 @@ impl Component for Clumsy {
     }
 }
 
-fmu_kit::export!(Spring, Noise, Clumsy);
+/// One that its author offers for co-simulation only.
+pub struct Solitary;
+
+impl Component for Solitary {
+    const INFO: Info =
+        Info { model_exchange: false, ..Info::new("Solitary", "Co-simulation only") };
+    type Parameters = ();
+    type Inputs = ();
+    type Outputs = ();
+    type States = NoStates;
+    type Memory = ();
+
+    fn new((): &(), _: &Resources) -> Result<Self, ParameterError> {
+        Ok(Self)
+    }
+
+    fn initial(&self, _: Time, (): &()) -> Result<(NoStates, ()), Fault> {
+        Ok(((), ()))
+    }
+
+    fn outputs(&self, _: f64, (): &(), (): &NoStates, (): &()) {}
+}
+
+use crate::hybrid::{Ball, Chatterer, Limiter, Pendulum};
+
+fmu_kit::export!(Spring, Noise, Clumsy, Solitary, Ball, Limiter, Chatterer, Pendulum);

@@ -32,11 +32,7 @@ unsafe extern "C" fn collect(
         assert_eq!(CStr::from_ptr(format), c"%s");
         let lines = &mut *environment.cast::<Vec<Line>>();
         let owned = |text: *const c_char| CStr::from_ptr(text).to_str().unwrap().to_owned();
-        lines.push(Line {
-            status,
-            category: owned(category),
-            text: owned(text),
-        });
+        lines.push(Line { status, category: owned(category), text: owned(text) });
     }
 }
 
@@ -71,10 +67,7 @@ pub const CS: fmi2Type = 1;
 pub struct Fmu {
     pub c: fmi2Component,
     /// Boxed, since the logger knows its address.
-    #[expect(
-        clippy::box_collection,
-        reason = "the address of the Vec itself must not change"
-    )]
+    #[expect(clippy::box_collection, reason = "the address of the Vec itself must not change")]
     lines: Box<Vec<Line>>,
     pub name: &'static str,
 }
@@ -105,11 +98,7 @@ impl Fmu {
                 logging,
             )
         };
-        if c.is_null() {
-            Err(*lines)
-        } else {
-            Ok(Self { c, lines, name })
-        }
+        if c.is_null() { Err(*lines) } else { Ok(Self { c, lines, name }) }
     }
 
     /// An instance of `name` past initialization.
@@ -145,9 +134,7 @@ impl Fmu {
 
     pub fn reference(&self, name: &str) -> u32 {
         let variable = REGISTRY.named(self.name).unwrap().table().named(name);
-        variable
-            .unwrap_or_else(|| panic!("no variable {name}"))
-            .reference
+        variable.unwrap_or_else(|| panic!("no variable {name}")).reference
     }
 
     pub fn set(&mut self, name: &str, value: f64) -> Status {

@@ -83,10 +83,7 @@ fn outputs_follow_inputs_and_parameters_in_initialization_mode() {
     fmu.set("force", 10.0);
     assert_eq!(fmu.get("acceleration"), 6.0);
     fmu.set("start", 0.0);
-    assert_eq!(
-        (fmu.get("acceleration"), fmu.get("der(state.v)")),
-        (10.0, 10.0)
-    );
+    assert_eq!((fmu.get("acceleration"), fmu.get("der(state.v)")), (10.0, 10.0));
     fmu.set_integer("sign", -1);
     assert_eq!(fmu.get("acceleration"), -10.0);
 }
@@ -110,10 +107,7 @@ fn a_parameter_out_of_bounds_is_refused_and_named() {
     let mut fmu = Fmu::new("Spring", CS);
     assert_eq!(fmu.set("mass", -1.0), Status::Error);
     let line = fmu.line();
-    assert!(
-        line.contains("fmi2SetReal") && line.contains("mass = -1"),
-        "{line}"
-    );
+    assert!(line.contains("fmi2SetReal") && line.contains("mass = -1"), "{line}");
     assert_eq!(fmu.set_integer("parameter_set", 3), Status::Error);
     assert!(fmu.line().contains("parameter_set = 3"));
     assert_eq!(fmu.get("mass"), 1.0);
@@ -137,14 +131,8 @@ fn reset_gives_a_fresh_instance() {
     let mut fmu = Fmu::started("Spring", CS);
     fmu.set("force", 3.0);
     fmu.step(0.0, 0.1);
-    assert_eq!(
-        unsafe { crate::components::fmi2::fmi2Reset(fmu.c) },
-        Status::Ok
-    );
-    assert_eq!(
-        (fmu.get("force"), fmu.get("time"), fmu.get("position")),
-        (0.0, 0.0, 1.0)
-    );
+    assert_eq!(unsafe { crate::components::fmi2::fmi2Reset(fmu.c) }, Status::Ok);
+    assert_eq!((fmu.get("force"), fmu.get("time"), fmu.get("position")), (0.0, 0.0, 1.0));
     fmu.set("mass", 2.0);
     assert_eq!((fmu.setup(5.0), fmu.initialize()), (Status::Ok, Status::Ok));
     assert_eq!((fmu.get("time"), fmu.step(5.0, 0.1)), (5.0, Status::Ok));
@@ -157,11 +145,8 @@ fn the_resource_folder_reaches_the_component_however_it_is_spelled() {
     std::fs::write(folder.join("label.txt"), "text").unwrap();
     let path = folder.to_str().unwrap();
     let encoded = path.replace(' ', "%20").replace('\u{fc}', "%C3%BC");
-    for uri in [
-        format!("file://{path}/"),
-        format!("file:///{encoded}"),
-        format!("file:{encoded}"),
-    ] {
+    for uri in [format!("file://{path}/"), format!("file:///{encoded}"), format!("file:{encoded}")]
+    {
         let mut fmu = Fmu::with("Spring", CS, 0, Some(&uri)).unwrap();
         fmu.set_string("label", c"from file");
         fmu.setup(0.0);

@@ -1,45 +1,55 @@
 //! Every function in every state: what the table allows is done, all else is an error with one
 //! line and without effect.
 
-use fmu_kit::abi::types::fmi2EventInfo;
-use fmu_kit::kernel::{Call, Phase, Status};
+use fmu_kit::abi::types::*;
+use fmu_kit::kernel::{Call, Interface, Phase, Status};
 
-use crate::components::fmi2;
+use crate::components::{command, fmi2};
 use crate::driver::{CS, Fmu, ME};
 
-/// An instance in a state.
-fn in_phase(phase: Phase) -> Fmu {
+/// An instance in a state; none if its interface has no such state.
+fn in_phase(interface: fmi2Type, phase: Phase) -> Option<Fmu> {
+    let me = interface == ME;
     let mut fmu = match phase {
-        Phase::Event | Phase::Continuous => Fmu::started("Spring", ME),
-        Phase::Step | Phase::Terminated => Fmu::started("Spring", CS),
-        Phase::Error | Phase::Fatal => Fmu::started("Clumsy", CS),
-        Phase::Instantiated | Phase::Initialization => Fmu::new("Spring", CS),
+        Phase::Event | Phase::Continuous if !me => return None,
+        Phase::Step | Phase::Failed if me => return None,
+        Phase::Instantiated | Phase::Initialization => Fmu::new("Spring", interface),
+        Phase::Error | Phase::Fatal | Phase::Failed => Fmu::started("Clumsy", interface),
+        _ => Fmu::started("Spring", interface),
+    };
+    let mut fail = |command: f64| {
+        fmu.set("command", command);
+        if me {
+            let mut info = fmi2EventInfo::default();
+            unsafe {
+                fmi2::fmi2SetTime(fmu.c, 1.0);
+                fmi2::fmi2NewDiscreteStates(fmu.c, &raw mut info);
+            }
+        } else {
+            fmu.step(0.0, 1.0);
+        }
     };
     unsafe {
         match phase {
+            Phase::Error => fail(command::FAULT),
+            Phase::Fatal => fail(command::PANIC),
+            Phase::Failed => fail(command::NOT_FINITE),
             Phase::Initialization => _ = fmu.enter(),
             Phase::Continuous => _ = fmi2::fmi2EnterContinuousTimeMode(fmu.c),
             Phase::Terminated => _ = fmi2::fmi2Terminate(fmu.c),
-            Phase::Error => {
-                fmu.set("command", crate::components::command::FAULT);
-                fmu.step(0.0, 1.0);
-            }
-            Phase::Fatal => {
-                fmu.set("command", crate::components::command::PANIC);
-                fmu.step(0.0, 1.0);
-            }
             _ => {}
         }
     }
     fmu.log();
-    fmu
+    Some(fmu)
 }
 
 /// Calls a function with harmless arguments.
-fn call(fmu: &Fmu, function: Call) -> Status {
+fn call(fmu: &mut Fmu, function: Call) -> Status {
     use std::ptr::{null, null_mut};
     let c = fmu.c;
     let (mut info, mut a, mut b) = (fmi2EventInfo::default(), 0, 0);
+    let (mut state, mut size) = (null_mut(), 0);
     let mut real = [0.0; 2];
     let nx = if fmu.name == "Spring" { 2 } else { 0 };
     unsafe {
@@ -59,14 +69,16 @@ fn call(fmu: &Fmu, function: Call) -> Status {
             Call::SetInteger => fmi2::fmi2SetInteger(c, null(), 0, null()),
             Call::SetBoolean => fmi2::fmi2SetBoolean(c, null(), 0, null()),
             Call::SetString => fmi2::fmi2SetString(c, null(), 0, null()),
-            Call::GetFmuState => fmi2::fmi2GetFMUstate(c, null_mut()),
+            Call::GetFmuState => fmi2::fmi2GetFMUstate(c, &raw mut state),
             Call::SetFmuState => fmi2::fmi2SetFMUstate(c, null_mut()),
             Call::FreeFmuState => fmi2::fmi2FreeFMUstate(c, null_mut()),
             Call::SerializedFmuStateSize => {
-                fmi2::fmi2SerializedFMUstateSize(c, null_mut(), null_mut())
+                fmi2::fmi2SerializedFMUstateSize(c, null_mut(), &raw mut size)
             }
             Call::SerializeFmuState => fmi2::fmi2SerializeFMUstate(c, null_mut(), null_mut(), 0),
-            Call::DeSerializeFmuState => fmi2::fmi2DeSerializeFMUstate(c, null(), 0, null_mut()),
+            Call::DeSerializeFmuState => {
+                fmi2::fmi2DeSerializeFMUstate(c, null(), 0, &raw mut state)
+            }
             Call::GetDirectionalDerivative => {
                 fmi2::fmi2GetDirectionalDerivative(c, null(), 0, null(), 0, null(), null_mut())
             }
@@ -99,7 +111,7 @@ fn call(fmu: &Fmu, function: Call) -> Status {
     }
 }
 
-const PHASES: [Phase; 8] = [
+const PHASES: [Phase; 9] = [
     Phase::Instantiated,
     Phase::Initialization,
     Phase::Event,
@@ -108,78 +120,71 @@ const PHASES: [Phase; 8] = [
     Phase::Terminated,
     Phase::Error,
     Phase::Fatal,
+    Phase::Failed,
 ];
 
-/// Declared as not supported: an error even where the state would allow it.
-const UNSUPPORTED: [Call; 7] = [
-    Call::GetFmuState,
-    Call::SetFmuState,
-    Call::FreeFmuState,
-    Call::SerializedFmuStateSize,
-    Call::SerializeFmuState,
-    Call::DeSerializeFmuState,
-    Call::GetDirectionalDerivative,
-];
-
-/// Nothing to tell of, ever.
-const NO_STATUS: [Call; 3] = [
-    Call::GetStatus,
-    Call::GetIntegerStatus,
-    Call::GetStringStatus,
-];
+/// What a function says where it is legal, called as in [`call`].
+fn when_legal(function: Call) -> Status {
+    match function {
+        // There is no state yet to set, to measure, to write; no bytes are no state.
+        Call::SetFmuState
+        | Call::SerializedFmuStateSize
+        | Call::SerializeFmuState
+        | Call::DeSerializeFmuState => Status::Error,
+        // There is nothing to tell of, ever.
+        Call::GetStatus | Call::GetIntegerStatus | Call::GetStringStatus => Status::Discard,
+        // These components have no tangent.
+        Call::GetDirectionalDerivative => Status::Error,
+        _ => Status::Ok,
+    }
+}
 
 #[test]
-fn every_function_in_every_state_does_as_the_table_says() {
-    for phase in PHASES {
-        for function in Call::ALL {
-            let mut fmu = in_phase(phase);
-            let expected = match (phase, phase.allows(*function)) {
-                (Phase::Fatal, false) => Status::Fatal,
-                (_, false) => Status::Error,
-                _ if UNSUPPORTED.contains(function) => Status::Error,
-                _ if NO_STATUS.contains(function) => Status::Discard,
-                _ => Status::Ok,
+fn every_function_in_every_state_of_both_interfaces_does_as_the_table_says() {
+    let mut walked = 0;
+    for (number, interface) in [(ME, Interface::ModelExchange), (CS, Interface::CoSimulation)] {
+        for (phase, function) in PHASES.iter().flat_map(|p| Call::ALL.iter().map(move |f| (p, f))) {
+            let Some(mut fmu) = in_phase(number, *phase) else {
+                continue;
             };
-            let status = call(&fmu, *function);
+            let legal = phase.allows(*function) && function.belongs_to(interface);
+            let expected = match legal {
+                true => when_legal(*function),
+                false if *phase == Phase::Fatal => Status::Fatal,
+                false => Status::Error,
+            };
+            let status = call(&mut fmu, *function);
             let lines = fmu.log();
-            let what = format!("{} {phase:?}: {lines:?}", function.name());
+            let what = format!("{} {interface:?} {phase:?}: {lines:?}", function.name());
             assert_eq!(status, expected, "{what}");
             assert_eq!(lines.len(), usize::from(expected != Status::Ok), "{what}");
             if let Some(line) = lines.first() {
                 assert!(line.text.starts_with(function.name()), "{what}");
                 assert_eq!(line.status, status, "{what}");
+                assert_eq!(line.text.contains("not allowed"), !legal, "{what}");
             }
+            walked += 1;
         }
     }
+    assert_eq!(walked, 14 * Call::ALL.len());
 }
 
 /// The rows an importer's life depends on, written down a second time by hand.
 #[test]
 fn the_table_agrees_with_the_standard_where_it_matters() {
     use Phase::*;
-    let legal = |call: Call| {
-        PHASES
-            .into_iter()
-            .filter(|p| p.allows(call))
-            .collect::<Vec<_>>()
-    };
+    let legal = |call: Call| PHASES.into_iter().filter(|p| p.allows(call)).collect::<Vec<_>>();
     assert_eq!(legal(Call::SetupExperiment), [Instantiated]);
     assert_eq!(legal(Call::EnterInitializationMode), [Instantiated]);
     assert_eq!(legal(Call::ExitInitializationMode), [Initialization]);
-    assert_eq!(legal(Call::Terminate), [Event, Continuous, Step]);
+    assert_eq!(legal(Call::Terminate), [Event, Continuous, Step, Failed]);
     assert_eq!(legal(Call::DoStep), [Step]);
     assert_eq!(legal(Call::SetTime), [Event, Continuous]);
     assert_eq!(legal(Call::SetContinuousStates), [Continuous]);
     assert_eq!(legal(Call::NewDiscreteStates), [Event]);
     assert_eq!(legal(Call::CompletedIntegratorStep), [Continuous]);
-    assert_eq!(
-        legal(Call::SetReal),
-        [Instantiated, Initialization, Event, Continuous, Step]
-    );
-    assert_eq!(
-        legal(Call::SetString),
-        [Instantiated, Initialization, Event, Step]
-    );
+    assert_eq!(legal(Call::SetReal), [Instantiated, Initialization, Event, Continuous, Step]);
+    assert_eq!(legal(Call::SetString), [Instantiated, Initialization, Event, Step]);
     assert_eq!(legal(Call::CancelStep), []);
     assert_eq!(legal(Call::FreeInstance), PHASES);
 }

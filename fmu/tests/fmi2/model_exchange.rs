@@ -10,35 +10,20 @@ fn derivatives(fmu: &Fmu, t: f64, x: [f64; 2]) -> [f64; 2] {
     let mut k = [f64::NAN; 2];
     unsafe {
         assert_eq!(fmi2::fmi2SetTime(fmu.c, t), Status::Ok);
-        assert_eq!(
-            fmi2::fmi2SetContinuousStates(fmu.c, x.as_ptr(), 2),
-            Status::Ok
-        );
-        assert_eq!(
-            fmi2::fmi2GetDerivatives(fmu.c, k.as_mut_ptr(), 2),
-            Status::Ok
-        );
+        assert_eq!(fmi2::fmi2SetContinuousStates(fmu.c, x.as_ptr(), 2), Status::Ok);
+        assert_eq!(fmi2::fmi2GetDerivatives(fmu.c, k.as_mut_ptr(), 2), Status::Ok);
     }
     k
 }
 
 fn started(name: &'static str) -> (Fmu, fmi2EventInfo) {
     let fmu = Fmu::started(name, ME);
-    let mut info = fmi2EventInfo {
-        newDiscreteStatesNeeded: 9,
-        ..Default::default()
-    };
+    let mut info = fmi2EventInfo { newDiscreteStatesNeeded: 9, ..Default::default() };
     unsafe {
-        assert_eq!(
-            fmi2::fmi2NewDiscreteStates(fmu.c, &raw mut info),
-            Status::Ok
-        );
+        assert_eq!(fmi2::fmi2NewDiscreteStates(fmu.c, &raw mut info), Status::Ok);
         assert_eq!(fmi2::fmi2EnterContinuousTimeMode(fmu.c), Status::Ok);
     }
-    assert_eq!(
-        (info.newDiscreteStatesNeeded, info.terminateSimulation),
-        (0, 0)
-    );
+    assert_eq!((info.newDiscreteStatesNeeded, info.terminateSimulation), (0, 0));
     (fmu, info)
 }
 
@@ -124,24 +109,15 @@ fn wrong_numbers_of_states_are_refused() {
     let (mut fmu, _) = started("Spring");
     let mut x = [0.0; 3];
     unsafe {
-        assert_eq!(
-            fmi2::fmi2GetDerivatives(fmu.c, x.as_mut_ptr(), 3),
-            Status::Error
-        );
-        assert_eq!(
-            fmi2::fmi2GetEventIndicators(fmu.c, x.as_mut_ptr(), 1),
-            Status::Error
-        );
-        assert_eq!(
-            fmi2::fmi2GetEventIndicators(fmu.c, std::ptr::null_mut(), 0),
-            Status::Ok
-        );
+        assert_eq!(fmi2::fmi2GetDerivatives(fmu.c, x.as_mut_ptr(), 3), Status::Error);
+        assert_eq!(fmi2::fmi2GetEventIndicators(fmu.c, x.as_mut_ptr(), 1), Status::Error);
+        assert_eq!(fmi2::fmi2GetEventIndicators(fmu.c, std::ptr::null_mut(), 0), Status::Ok);
     }
     assert_eq!(fmu.log().len(), 2);
 }
 
 #[test]
 fn an_interface_that_is_not_offered_is_refused() {
-    let lines = Fmu::with("Clumsy", ME, 0, None).err().unwrap();
+    let lines = Fmu::with("Solitary", ME, 0, None).err().unwrap();
     assert!(lines[0].text.contains("co-simulation only"), "{lines:?}");
 }

@@ -1,0 +1,289 @@
+//! Saved states: everything an instance needs to go on bit for bit (FMI 2.0.4, section 2.1.8).
+//!
+//! A state holds what changes during a simulation: where it is, inputs to derivatives, input
+//! slopes, the model's memory with random numbers, held samples and step-size control. Parameters
+//! come along, but are only copied where they differ: each set of parameters has a number of its
+//! own (its edition), so in the usual case saving and restoring are a few copies without
+//! allocation.
+//!
+//! As bytes: magic and version, length, the state in Postcard's format, SHA-256 of all before.
+//! The state names the GUID of its component, so that other components' states are refused.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::call::{Call, Phase};
+use super::instance::{Instance, Interface, Run, new_edition};
+use super::model::Memory;
+use super::signal::Slopes;
+use super::status::{Status, Trouble};
+use super::values::{Explicit, Values, all_finite};
+
+/// What serialized states begin with; the digit is the version of the format.
+const MAGIC: &[u8; 8] = b"fmu-kit1";
+/// Length of the magic and of the number of bytes that follow it.
+const HEAD: usize = 16;
+const CHECKSUM: usize = 32;
+
+/// A saved state of an instance.
+pub struct State {
+    guid: Arc<str>,
+    interface: Interface,
+    run: Run,
+    edition: u64,
+    /// Of the Reals the parameters only.
+    parameters: Values,
+    explicit: Explicit,
+    /// Inputs, outputs, states, derivatives, time.
+    ports: Box<[f64]>,
+    slopes: Slopes,
+    memory: Option<Memory>,
+}
+
+/// A state as it is serialized.
+#[derive(Serialize, Deserialize)]
+struct Packed<'a> {
+    guid: &'a str,
+    interface: Interface,
+    run: Run,
+    parameters: std::borrow::Cow<'a, Values>,
+    explicit: std::borrow::Cow<'a, Explicit>,
+    ports: std::borrow::Cow<'a, [f64]>,
+    slopes: Slopes,
+    memory: Vec<u8>,
+}
+
+impl Instance {
+    /// `fmi2GetFMUstate` into a new state.
+    pub fn get_state(&mut self, state: &mut Option<Box<State>>) -> Status {
+        self.call(Call::GetFmuState, |me| {
+            *state = Some(Box::new(me.saved()));
+            Ok(())
+        })
+    }
+
+    /// `fmi2GetFMUstate` into a state that is there already.
+    pub fn get_state_again(&mut self, state: &mut State) -> Status {
+        self.call(Call::GetFmuState, |me| {
+            if state.guid != me.guid {
+                return Err(Trouble::error("the state to overwrite is another component's"));
+            }
+            me.save_into(state);
+            Ok(())
+        })
+    }
+
+    fn ports(&self) -> &[f64] {
+        let first = self.table.layout().inputs.start;
+        self.values.reals.get(first..).unwrap_or_default()
+    }
+
+    fn saved(&self) -> State {
+        let mut state = State {
+            guid: Arc::clone(&self.guid),
+            interface: self.interface,
+            run: self.run,
+            edition: 0,
+            parameters: Values::default(),
+            explicit: Explicit::default(),
+            ports: self.ports().into(),
+            slopes: Slopes::held(self.table.layout().inputs.len()),
+            memory: None,
+        };
+        self.save_into(&mut state);
+        state
+    }
+
+    fn save_into(&self, state: &mut State) {
+        state.interface = self.interface;
+        state.run = self.run;
+        if state.edition != self.edition {
+            let first = self.table.layout().inputs.start;
+            state.edition = self.edition;
+            state.parameters = Values {
+                reals: self.values.reals.get(..first).unwrap_or_default().into(),
+                ..self.values.clone()
+            };
+            state.explicit = self.explicit.clone();
+        }
+        state.ports.copy_from_slice(self.ports());
+        state.slopes.copy_from(&self.slopes);
+        self.model.save(&mut state.memory);
+    }
+
+    /// `fmi2SetFMUstate`: goes on from a state of this or another instance.
+    pub fn set_state(&mut self, state: &State) -> Status {
+        self.call(Call::SetFmuState, |me| {
+            if state.guid != me.guid || state.interface != me.interface {
+                return Err(Trouble::error(format_args!(
+                    "the state is of a component with GUID {} for {:?}, this is {} for {:?}",
+                    state.guid, state.interface, me.guid, me.interface
+                )));
+            }
+            me.run = state.run;
+            if state.edition != me.edition {
+                me.take_parameters(state)?;
+            }
+            let first = me.table.layout().inputs.start;
+            if let Some(ports) = me.values.reals.get_mut(first..) {
+                ports.copy_from_slice(&state.ports);
+            }
+            me.slopes.copy_from(&state.slopes);
+            match &state.memory {
+                Some(memory) if me.model.restore(memory) => Ok(()),
+                _ => Err(Trouble::error("the state is another component's")),
+            }
+        })
+    }
+
+    /// Takes over another set of parameters and derives the constants from them again.
+    #[cold]
+    fn take_parameters(&mut self, state: &State) -> Result<(), Trouble> {
+        let reals = self.values.reals.iter_mut().zip(&state.parameters.reals);
+        reals.for_each(|(own, saved)| *own = *saved);
+        self.values.integers.clone_from(&state.parameters.integers);
+        self.values.booleans.clone_from(&state.parameters.booleans);
+        self.values.strings.clone_from(&state.parameters.strings);
+        self.explicit.clone_from(&state.explicit);
+        if !state.run.stale.component {
+            let tolerance = state.run.tolerance;
+            self.model.configure(&mut self.values, &self.explicit, tolerance).map_err(|error| {
+                self.run.phase = Phase::Error;
+                self.run.stale.component = true;
+                self.edition = new_edition();
+                Trouble::error(error)
+            })?;
+        }
+        self.edition = state.edition;
+        Ok(())
+    }
+
+    /// `fmi2SerializedFMUstateSize`
+    pub fn serialized_size(&mut self, state: &State, size: &mut usize) -> Status {
+        self.call(Call::SerializedFmuStateSize, |me| {
+            *size = me.bytes(state)?.len();
+            Ok(())
+        })
+    }
+
+    /// `fmi2SerializeFMUstate`
+    pub fn serialize_state(&mut self, state: &State, into: &mut [u8]) -> Status {
+        self.call(Call::SerializeFmuState, |me| {
+            let bytes = me.bytes(state)?;
+            if bytes.len() != into.len() {
+                return Err(Trouble::error(format_args!(
+                    "size = {}, but fmi2SerializedFMUstateSize said {}",
+                    into.len(),
+                    bytes.len()
+                )));
+            }
+            into.copy_from_slice(&bytes);
+            Ok(())
+        })
+    }
+
+    fn bytes(&self, state: &State) -> Result<Vec<u8>, Trouble> {
+        use std::borrow::Cow::Borrowed;
+        if state.guid != self.guid {
+            return Err(Trouble::error("the state is another component's"));
+        }
+        let memory = state.memory.as_ref().map_or(Ok(Vec::new()), |memory| self.model.pack(memory));
+        let mut slopes = Slopes::held(self.table.layout().inputs.len());
+        slopes.copy_from(&state.slopes);
+        let packed = Packed {
+            guid: &state.guid,
+            interface: state.interface,
+            run: state.run,
+            parameters: Borrowed(&state.parameters),
+            explicit: Borrowed(&state.explicit),
+            ports: Borrowed(&state.ports),
+            slopes,
+            memory: memory.map_err(Trouble::error)?,
+        };
+        let mut body = postcard::to_stdvec(&packed).map_err(Trouble::error)?;
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend((body.len() as u64).to_le_bytes());
+        bytes.append(&mut body);
+        bytes.extend(Sha256::digest(&bytes));
+        Ok(bytes)
+    }
+
+    /// `fmi2DeSerializeFMUstate`
+    pub fn deserialize_state(&mut self, bytes: &[u8], state: &mut Option<Box<State>>) -> Status {
+        self.call(Call::DeSerializeFmuState, |me| {
+            let read = me.read_state(bytes).map_err(|reason| {
+                Trouble::error(format_args!("these {} bytes {reason}", bytes.len()))
+            })?;
+            *state = Some(Box::new(read));
+            Ok(())
+        })
+    }
+
+    fn read_state(&self, bytes: &[u8]) -> Result<State, String> {
+        let packed: Packed<'_> = postcard::from_bytes(body(bytes)?)
+            .map_err(|cause| format!("cannot be read as a state: {cause}"))?;
+        if packed.guid != &*self.guid {
+            return Err(format!(
+                "are a state of the component with GUID {}, not of this one, {}",
+                packed.guid, self.guid
+            ));
+        }
+        if packed.interface != self.interface {
+            return Err(format!("are a state for {:?}", packed.interface));
+        }
+        let own = self.saved();
+        let (theirs, ours) = (&packed.parameters, &own.parameters);
+        let as_many = theirs.reals.len() == ours.reals.len()
+            && theirs.integers.len() == ours.integers.len()
+            && theirs.booleans.len() == ours.booleans.len()
+            && theirs.strings.len() == ours.strings.len()
+            && packed.ports.len() == own.ports.len()
+            && packed.explicit.is_like(&own.explicit)
+            && packed.slopes.is_like(&own.slopes);
+        if !as_many {
+            return Err("are a state with other variables".to_owned());
+        }
+        if !(all_finite(&packed.ports) && all_finite(&theirs.reals) && packed.run.is_sound()) {
+            return Err("are a state with values that are not finite".to_owned());
+        }
+        let memory = self
+            .model
+            .unpack(&packed.memory)
+            .map_err(|cause| format!("hold no memory of this component: {cause}"))?;
+        Ok(State {
+            run: packed.run,
+            edition: new_edition(),
+            parameters: packed.parameters.into_owned(),
+            explicit: packed.explicit.into_owned(),
+            ports: packed.ports.into_owned().into(),
+            slopes: packed.slopes,
+            memory: Some(memory),
+            ..own
+        })
+    }
+}
+
+/// What is between head and checksum, if both are right.
+fn body(bytes: &[u8]) -> Result<&[u8], String> {
+    let Some((head, rest)) = bytes.split_at_checked(HEAD) else {
+        return Err("are too few for a state".to_owned());
+    };
+    let (magic, length) = head.split_at(MAGIC.len());
+    if magic != MAGIC {
+        return Err("are not a state of this version of fmu-kit".to_owned());
+    }
+    let length = length.iter().rev().fold(0, |n: u64, byte| n << 8 | u64::from(*byte));
+    let Some((body, checksum)) = rest.split_last_chunk::<CHECKSUM>() else {
+        return Err("are cut short".to_owned());
+    };
+    if body.len() as u64 != length {
+        return Err(format!("hold {} bytes of state, not {length}", body.len()));
+    }
+    let digest = Sha256::new().chain_update(head).chain_update(body).finalize();
+    if digest[..] != checksum[..] {
+        return Err("were altered: their checksum does not fit".to_owned());
+    }
+    Ok(body)
+}

@@ -1,0 +1,130 @@
+//! Directional derivatives, and the time derivatives of outputs made from them.
+//!
+//! dz = (dh/dv) dv for unknowns z (outputs, derivatives) and knowns v (inputs, states), by the
+//! component's tangent-linear model (FMI 2.0.4, section 2.1.9).
+
+use super::call::{Call, Phase};
+use super::instance::Instance;
+use super::signal::Course;
+use super::status::{Status, Trouble};
+use super::table::{Group, Kind};
+use super::values::all_finite;
+
+impl Instance {
+    /// `fmi2GetDirectionalDerivative`
+    pub fn directional_derivative(
+        &mut self,
+        unknowns: &[u32],
+        knowns: &[u32],
+        along: &[f64],
+        into: &mut [f64],
+    ) -> Status {
+        self.call(Call::GetDirectionalDerivative, |me| {
+            if !me.table.has_tangent() {
+                return Err(Trouble::error(
+                    "not supported, as modelDescription.xml says: \
+                     providesDirectionalDerivative = false",
+                ));
+            }
+            if me.run.phase == Phase::Initialization {
+                return Err(Trouble::discard(
+                    "not available in initialization mode, where states follow from parameters",
+                ));
+            }
+            me.check_group("unknown", unknowns, &[Group::Output, Group::Derivative])?;
+            me.check_group("known", knowns, &[Group::Input, Group::State])?;
+            if !all_finite(along) {
+                return Err(Trouble::error("an element of dvKnown is not finite"));
+            }
+            me.still();
+            for (known, along) in knowns.iter().zip(along) {
+                if let Some(change) = me.changes.get_mut(*known as usize) {
+                    *change += along;
+                }
+            }
+            me.model.tangent(me.run.time_s, &me.values, &mut me.changes);
+            me.read_changes(unknowns, into)
+        })
+    }
+
+    /// `fmi2GetRealOutputDerivatives`: of order 1, where there is a tangent-linear model.
+    pub fn output_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        into: &mut [f64],
+    ) -> Status {
+        self.call(Call::GetRealOutputDerivatives, |me| {
+            me.check_group("output", references, &[Group::Output])?;
+            let highest = i32::from(me.table.has_tangent());
+            if let Some(order) = orders.iter().find(|order| !(1..=highest).contains(*order)) {
+                return Err(Trouble::error(format_args!(
+                    "order = {order}, but modelDescription.xml says: maxOutputDerivativeOrder = \
+                     {highest}"
+                )));
+            }
+            if references.is_empty() {
+                return Ok(());
+            }
+            me.refresh_derivatives()?;
+            me.still();
+            let layout = me.table.layout();
+            let rates = me.values.reals.get(layout.derivatives.clone());
+            if let (Some(dx), Some(rates)) = (me.changes.get_mut(layout.states.clone()), rates) {
+                dx.copy_from_slice(rates);
+            }
+            // At the end of a step the inputs still move as they did within it.
+            if let (Course::Behind, Some(du)) =
+                (me.slopes.course, me.changes.get_mut(layout.inputs.clone()))
+            {
+                du.copy_from_slice(&me.slopes.orders[0]);
+            }
+            me.model.tangent(me.run.time_s, &me.values, &mut me.changes);
+            me.read_changes(references, into)
+        })
+    }
+
+    fn check_group(&self, what: &str, references: &[u32], groups: &[Group]) -> Result<(), Trouble> {
+        let layout = self.table.layout();
+        let within = |reference: &u32| {
+            let reference = *reference as usize;
+            groups.iter().any(|group| match group {
+                Group::Input => layout.inputs.contains(&reference),
+                Group::Output => layout.outputs.contains(&reference),
+                Group::State => layout.states.contains(&reference),
+                Group::Derivative => layout.derivatives.contains(&reference),
+                Group::Parameter | Group::Time => false,
+            })
+        };
+        match references.iter().find(|reference| !within(reference)) {
+            None => Ok(()),
+            Some(bad) => {
+                let name = self.table.find(Kind::Real, *bad).map_or("?", |v| v.name.as_str());
+                Err(Trouble::error(format_args!(
+                    "{name} (value reference {bad}) cannot be an {what} here: it is none of \
+                     {groups:?}"
+                )))
+            }
+        }
+    }
+
+    /// No change of anything.
+    fn still(&mut self) {
+        if self.changes.len() != self.values.reals.len() {
+            self.changes = vec![0.0; self.values.reals.len()].into();
+        }
+        let layout = self.table.layout();
+        for place in [&layout.inputs, &layout.states] {
+            if let Some(changes) = self.changes.get_mut(place.clone()) {
+                changes.fill(0.0);
+            }
+        }
+    }
+
+    fn read_changes(&self, references: &[u32], into: &mut [f64]) -> Result<(), Trouble> {
+        for (reference, place) in references.iter().zip(&mut *into) {
+            *place = self.changes.get(*reference as usize).copied().unwrap_or(f64::NAN);
+        }
+        if all_finite(into) { Ok(()) } else { Err(self.doubtful("a derivative is not finite")) }
+    }
+}
