@@ -25,21 +25,13 @@ impl Allocation {
     /// # Errors
     /// A coefficient is not finite, or the thrusters cannot act in all six degrees of freedom.
     pub fn new(thrusters: &[Thruster; 8]) -> Result<Self, ParameterError> {
-        thrusters
-            .iter()
-            .enumerate()
-            .try_for_each(|(i, t)| t.check(i))?;
+        thrusters.iter().enumerate().try_for_each(|(i, t)| t.check(i))?;
         let columns = thrusters.map(|t| t.unit_wrench());
         let gram = Matrix6::from_fn(|i, j| columns.iter().map(|c| c[i] * c[j]).sum::<f64>());
         let threshold = RANK_TOLERANCE * gram.diagonal().max();
         let gram_inverse = gram
             .cholesky()
-            .filter(|f| {
-                f.l_dirty()
-                    .diagonal()
-                    .iter()
-                    .all(|&d: &f64| d * d > threshold)
-            })
+            .filter(|f| f.l_dirty().diagonal().iter().all(|&d: &f64| d * d > threshold))
             .map(|f| f.inverse());
         let Some(gram_inverse) = gram_inverse else {
             let reason = "the thrusters must be able to act in all six degrees of freedom \
@@ -61,7 +53,6 @@ impl Allocation {
     /// The smallest thrusts (in the sum of squares) that give a wrench; not limited.
     #[must_use]
     pub fn forces(&self, wrench: &[f64; 6]) -> [f64; 8] {
-        self.inverse
-            .map(|row| row.iter().zip(wrench).map(|(a, w)| a * w).sum())
+        self.inverse.map(|row| row.iter().zip(wrench).map(|(a, w)| a * w).sum())
     }
 }

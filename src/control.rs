@@ -49,18 +49,8 @@ impl Default for ControllerParameters {
         let vehicle = Parameters::default();
         Self {
             rate_hz: 50.0,
-            linear: Pid {
-                p: 10.0,
-                i: 2.0,
-                d: 0.0,
-                saturation: 20.0,
-            },
-            angular: Pid {
-                p: 10.0,
-                i: 2.0,
-                d: 1.0,
-                saturation: 5.0,
-            },
+            linear: Pid { p: 10.0, i: 2.0, d: 0.0, saturation: 20.0 },
+            angular: Pid { p: 10.0, i: 2.0, d: 1.0, saturation: 5.0 },
             mass: vehicle.mass,
             inertia: vehicle.inertia,
             thrusters: vehicle.propulsion.thrusters,
@@ -163,13 +153,6 @@ impl VelocityController {
     fn wrench(&self, a: &[f64; 6]) -> [f64; 6] {
         let moment = mul(&self.inertia, [a[3], a[4], a[5]]);
         let m = self.mass;
-        [
-            m * a[0],
-            m * a[1],
-            m * a[2],
-            moment[0],
-            moment[1],
-            moment[2],
-        ]
+        [m * a[0], m * a[1], m * a[2], moment[0], moment[1], moment[2]]
     }
 }

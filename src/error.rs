@@ -14,11 +14,7 @@ pub struct ParameterError {
 
 impl ParameterError {
     pub(crate) fn new(name: impl Into<String>, value: impl ToString, reason: &str) -> Self {
-        Self {
-            name: name.into(),
-            value: value.to_string(),
-            reason: reason.into(),
-        }
+        Self { name: name.into(), value: value.to_string(), reason: reason.into() }
     }
 
     /// The same error seen from an enclosing structure: `mass` becomes `vehicle.mass`.
@@ -40,22 +36,14 @@ pub(crate) fn positive(name: &str, value: f64) -> Result<(), ParameterError> {
     if value.is_finite() && value > 0.0 {
         return Ok(());
     }
-    Err(ParameterError::new(
-        name,
-        value,
-        "must be positive and finite",
-    ))
+    Err(ParameterError::new(name, value, "must be positive and finite"))
 }
 
 pub(crate) fn non_negative(name: &str, value: f64) -> Result<(), ParameterError> {
     if value.is_finite() && value >= 0.0 {
         return Ok(());
     }
-    Err(ParameterError::new(
-        name,
-        value,
-        "must be zero or positive, and finite",
-    ))
+    Err(ParameterError::new(name, value, "must be zero or positive, and finite"))
 }
 
 /// Applies `check` to each element, naming it by its index: `position[2]`.
@@ -64,8 +52,5 @@ pub(crate) fn each(
     values: &[f64],
     check: fn(&str, f64) -> Result<(), ParameterError>,
 ) -> Result<(), ParameterError> {
-    values
-        .iter()
-        .enumerate()
-        .try_for_each(|(i, &value)| check(&format!("{name}[{i}]"), value))
+    values.iter().enumerate().try_for_each(|(i, &value)| check(&format!("{name}[{i}]"), value))
 }

@@ -24,11 +24,7 @@ impl Sampler {
         if (MIN_RATE_HZ..=MAX_RATE_HZ).contains(&rate_hz) {
             return Ok(Self { rate_hz });
         }
-        Err(ParameterError::new(
-            "rate_hz",
-            rate_hz,
-            "must lie between 1e-8 and 1e6 Hz",
-        ))
+        Err(ParameterError::new("rate_hz", rate_hz, "must lie between 1e-8 and 1e6 Hz"))
     }
 
     /// Time of sample `k` since the start (ns); the first, k = 0, is at the start itself.

@@ -47,38 +47,21 @@ impl Sensors {
         // A turn-on bias of the accelerometers below the nominal 0.196, and a DVL noisier than the
         // simulator's 0.001. The paper gives neither; these were chosen, as was the filter's
         // guard_speed, for the levels of its tables.
-        let mut imu = ImuParameters {
-            seed: 4 * seed,
-            ..Default::default()
-        };
+        let mut imu = ImuParameters { seed: 4 * seed, ..Default::default() };
         imu.accelerometer.turn_on_sigma = 0.1;
         let imu = Imu::new(&imu).unwrap();
-        let dvl = Dvl::new(&DvlParameters {
-            seed: 4 * seed + 1,
-            sigma: 0.01,
-            ..Default::default()
-        })
-        .unwrap();
-        let fix = GpsParameters {
-            seed: 4 * seed + 2,
-            sigma: fix_sigma,
-            ..Default::default()
-        };
+        let dvl =
+            Dvl::new(&DvlParameters { seed: 4 * seed + 1, sigma: 0.01, ..Default::default() })
+                .unwrap();
+        let fix = GpsParameters { seed: 4 * seed + 2, sigma: fix_sigma, ..Default::default() };
         let gps = Gps::new(&fix).unwrap();
-        let depth = PressureParameters {
-            seed: 4 * seed + 3,
-            ..Default::default()
-        };
+        let depth = PressureParameters { seed: 4 * seed + 3, ..Default::default() };
         let pressure = PressureSensor::new(&depth).unwrap();
         Self {
             imu: (imu.clone(), imu.memory(), Clock::new(imu.sampler)),
             dvl: (dvl.clone(), dvl.memory(), Clock::new(dvl.sampler)),
             gps: (gps.clone(), gps.memory(), Clock::new(gps.sampler)),
-            pressure: (
-                pressure.clone(),
-                pressure.memory(),
-                Clock::new(pressure.sampler),
-            ),
+            pressure: (pressure.clone(), pressure.memory(), Clock::new(pressure.sampler)),
         }
     }
 
@@ -100,18 +83,12 @@ impl Sensors {
             measured.dvl.stamp = stamp;
         }
         if let Some(stamp) = self.gps.2.fires(now) {
-            let truth = GpsTruth {
-                p_ned: truth.p_ned,
-                euler: truth.euler,
-            };
+            let truth = GpsTruth { p_ned: truth.p_ned, euler: truth.euler };
             measured.fix.value = self.gps.0.sample(&mut self.gps.1, &truth);
             measured.fix.stamp = stamp;
         }
         if let Some(stamp) = self.pressure.2.fires(now) {
-            let truth = PressureTruth {
-                z: truth.p_ned[2],
-                euler: truth.euler,
-            };
+            let truth = PressureTruth { z: truth.p_ned[2], euler: truth.euler };
             let sample = self.pressure.0.sample(&mut self.pressure.1, &truth);
             measured.pressure.value = sample.depth;
             measured.pressure.stamp = stamp;
@@ -150,18 +127,9 @@ impl Run {
             Filter::Dynamic => Acceleration::Dynamic(ReducedModel::new(&vehicle).unwrap()),
             Filter::Kinematic => Acceleration::Kinematic,
         };
-        let ekf = Ekf::new(
-            &EkfParameters {
-                fix_sigma,
-                ..Default::default()
-            },
-            source,
-        )
-        .unwrap();
-        let pursuit = PurePursuit::new(
-            &PursuitParameters::default(),
-            Course::parse(course).unwrap(),
-        );
+        let ekf = Ekf::new(&EkfParameters { fix_sigma, ..Default::default() }, source).unwrap();
+        let pursuit =
+            PurePursuit::new(&PursuitParameters::default(), Course::parse(course).unwrap());
         let controller = VelocityController::new(&ControllerParameters::default()).unwrap();
         Self {
             plant: Vehicle::new(&vehicle).unwrap(),
@@ -194,12 +162,7 @@ impl Run {
                 if guidance.finished {
                     break;
                 }
-                assert!(
-                    now < limit,
-                    "{:.1} m after {} s",
-                    guidance.distance,
-                    now / 1_000_000_000
-                );
+                assert!(now < limit, "{:.1} m after {} s", guidance.distance, now / 1_000_000_000);
                 command = guidance.command;
                 let place = [truth.p_ned[0], truth.p_ned[1]];
                 let course = self.pursuit.0.course();
@@ -210,21 +173,13 @@ impl Run {
                 count += 1.0;
             }
             if self.controller.2.fires(now).is_some() {
-                let demand = self
-                    .controller
-                    .0
-                    .update(&mut self.controller.1, command, truth.nu);
+                let demand = self.controller.0.update(&mut self.controller.1, command, truth.nu);
                 self.inputs.thruster_force = demand.force;
             }
-            self.plant
-                .step(&mut self.state, &self.inputs, TICK_NS as f64 * 1e-9);
+            self.plant.step(&mut self.state, &self.inputs, TICK_NS as f64 * 1e-9);
             now += TICK_NS;
         }
-        Errors {
-            total: sums.total / count,
-            x: (sums.x / count).sqrt(),
-            y: (sums.y / count).sqrt(),
-        }
+        Errors { total: sums.total / count, x: (sums.x / count).sqrt(), y: (sums.y / count).sqrt() }
     }
 }
 
@@ -234,15 +189,10 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 fn medians(course: &str, filter: Filter, fix_sigma: f64) -> Errors {
-    let runs: Vec<Errors> = (1..=SEEDS)
-        .map(|seed| Run::new(course, filter, fix_sigma, seed).errors())
-        .collect();
+    let runs: Vec<Errors> =
+        (1..=SEEDS).map(|seed| Run::new(course, filter, fix_sigma, seed).errors()).collect();
     let of = |pick: fn(&Errors) -> f64| median(runs.iter().map(pick).collect());
-    Errors {
-        total: of(|e| e.total),
-        x: of(|e| e.x),
-        y: of(|e| e.y),
-    }
+    Errors { total: of(|e| e.total), x: of(|e| e.x), y: of(|e| e.y) }
 }
 
 fn check_course(course: &str) {
@@ -253,28 +203,10 @@ fn check_course(course: &str) {
     assert!(within(dynamic.x, 0.08, 0.15), "dynamic x {}", dynamic.x);
     assert!(within(dynamic.y, 0.25, 0.37), "dynamic y {}", dynamic.y);
     assert!(dynamic.total < 0.20, "dynamic total {}", dynamic.total);
-    assert!(
-        within(kinematic.x, 0.33, 0.50),
-        "kinematic x {}",
-        kinematic.x
-    );
-    assert!(
-        within(kinematic.y, 0.95, 1.5),
-        "kinematic y {}",
-        kinematic.y
-    );
-    assert!(
-        kinematic.y / dynamic.y >= 2.2,
-        "{} / {}",
-        kinematic.y,
-        dynamic.y
-    );
-    assert!(
-        kinematic.y / kinematic.x >= 2.4,
-        "{} / {}",
-        kinematic.y,
-        kinematic.x
-    );
+    assert!(within(kinematic.x, 0.33, 0.50), "kinematic x {}", kinematic.x);
+    assert!(within(kinematic.y, 0.95, 1.5), "kinematic y {}", kinematic.y);
+    assert!(kinematic.y / dynamic.y >= 2.2, "{} / {}", kinematic.y, dynamic.y);
+    assert!(kinematic.y / kinematic.x >= 2.4, "{} / {}", kinematic.y, kinematic.x);
 }
 
 #[test]

@@ -25,26 +25,14 @@ fn horizontal_patterns_give_surge_sway_and_yaw() {
     assert_relative_eq!(sway[1], 4.0 * half, epsilon = 1e-12);
     assert_relative_eq!(sway[0], 0.0, epsilon = 1e-12);
     let yaw = single([-1.0, 1.0, 1.0, -1.0]);
-    assert!(
-        yaw[5] > 2.5 && yaw[0].abs() < 1e-12 && yaw[1].abs() < 1e-12,
-        "{yaw:?}"
-    );
+    assert!(yaw[5] > 2.5 && yaw[0].abs() < 1e-12 && yaw[1].abs() < 1e-12, "{yaw:?}");
     let lift = allocation().wrench(&[1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
-    assert!(
-        lift[2] < -3.8 && lift[3].abs() < 1e-12 && lift[5].abs() < 1e-12,
-        "{lift:?}"
-    );
+    assert!(lift[2] < -3.8 && lift[3].abs() < 1e-12 && lift[5].abs() < 1e-12, "{lift:?}");
 }
 
 #[test]
 fn a_thruster_acts_along_its_axis_at_its_place() {
-    let t = Thruster {
-        lx: 1.0,
-        ly: 2.0,
-        lz: 3.0,
-        theta_deg: 90.0,
-        psi_deg: 0.0,
-    };
+    let t = Thruster { lx: 1.0, ly: 2.0, lz: 3.0, theta_deg: 90.0, psi_deg: 0.0 };
     // Straight up: pitches the bow up from ahead, rolls to port from starboard.
     let expected = [0.0, 0.0, -1.0, -2.0, 1.0, 0.0];
     for (value, expected) in t.unit_wrench().iter().zip(expected) {
@@ -79,10 +67,7 @@ fn thrusters_that_cannot_act_in_all_directions_are_refused() {
     let error = Allocation::new(&thrusters).unwrap_err();
     assert!(error.reason.contains("rank below 6"), "{error}");
     thrusters[2].lx = f64::NAN;
-    assert_eq!(
-        Allocation::new(&thrusters).unwrap_err().name,
-        "thrusters[2].lx"
-    );
+    assert_eq!(Allocation::new(&thrusters).unwrap_err().name, "thrusters[2].lx");
 }
 
 struct Loop {
@@ -106,14 +91,9 @@ impl Loop {
 
     fn run(&mut self, command: [f64; 4], seconds: usize) {
         for _ in 0..50 * seconds {
-            self.demand = self
-                .controller
-                .update(&mut self.memory, command, self.state.nu);
+            self.demand = self.controller.update(&mut self.memory, command, self.state.nu);
             assert!(self.demand.force.iter().all(|f| f.abs() <= 2000.0));
-            let inputs = Inputs {
-                thruster_force: self.demand.force,
-                ..Inputs::default()
-            };
+            let inputs = Inputs { thruster_force: self.demand.force, ..Inputs::default() };
             for _ in 0..2 {
                 self.vehicle.step(&mut self.state, &inputs, 0.01);
             }
@@ -133,15 +113,9 @@ fn velocity_commands_are_met_without_offset_even_in_a_turn() {
 #[test]
 fn a_step_beyond_the_limits_of_the_thrusters_does_not_wind_up() {
     let mut control = Loop::new();
-    let first = control.controller.update(
-        &mut ControllerMemory::default(),
-        [1.0, 0.0, 0.0, 0.0],
-        [0.0; 6],
-    );
-    assert!(
-        first.wrench[0] > 5657.0 && first.force[4] == 2000.0,
-        "{first:?}"
-    );
+    let first =
+        control.controller.update(&mut ControllerMemory::default(), [1.0, 0.0, 0.0, 0.0], [0.0; 6]);
+    assert!(first.wrench[0] > 5657.0 && first.force[4] == 2000.0, "{first:?}");
     let mut fastest = 0.0_f64;
     for _ in 0..20 {
         control.run([1.0, 0.0, 0.0, 0.0], 1);
@@ -154,14 +128,8 @@ fn a_step_beyond_the_limits_of_the_thrusters_does_not_wind_up() {
 
 #[test]
 fn an_error_that_the_thrusters_cannot_work_off_is_forgotten() {
-    let p = ControllerParameters {
-        thrust_limit: 200.0,
-        ..ControllerParameters::default()
-    };
-    let mut control = Loop {
-        controller: VelocityController::new(&p).unwrap(),
-        ..Loop::new()
-    };
+    let p = ControllerParameters { thrust_limit: 200.0, ..ControllerParameters::default() };
+    let mut control = Loop { controller: VelocityController::new(&p).unwrap(), ..Loop::new() };
     control.run([0.0, 0.0, 1.0, 0.0], 60);
     assert!(control.state.nu[2] < 0.5, "{:?}", control.state.nu);
     control.run([0.0, 0.0, 0.0, 0.0], 10);
@@ -173,9 +141,6 @@ fn gains_out_of_range_are_named() {
     let mut p = ControllerParameters::default();
     p.linear.p = -1.0;
     assert_eq!(VelocityController::new(&p).unwrap_err().name, "linear.p");
-    let p = ControllerParameters {
-        mass: 0.0,
-        ..ControllerParameters::default()
-    };
+    let p = ControllerParameters { mass: 0.0, ..ControllerParameters::default() };
     assert_eq!(VelocityController::new(&p).unwrap_err().name, "mass");
 }

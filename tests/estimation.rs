@@ -19,14 +19,9 @@ fn filter(p: EkfParameters, source: Acceleration) -> (Ekf, EkfMemory) {
 /// A steady turn at 20 m depth with perfect sensors but no fix, depth or compass.
 fn turning(u: f64, r: f64) -> Measurements {
     let mut m = Measurements::default();
-    m.imu.value = ImuSample {
-        specific_force: [0.0, r * u, -9.81],
-        rate: [0.0, 0.0, r],
-        euler: [0.0; 3],
-    };
-    m.dvl.value = DvlSample {
-        velocity: [u, -1.4 * r, 0.0],
-    };
+    m.imu.value =
+        ImuSample { specific_force: [0.0, r * u, -9.81], rate: [0.0, 0.0, r], euler: [0.0; 3] };
+    m.dvl.value = DvlSample { velocity: [u, -1.4 * r, 0.0] };
     m.fix.valid = false;
     m.pressure.valid = false;
     m
@@ -36,10 +31,7 @@ fn turning(u: f64, r: f64) -> Measurements {
 fn dead_reckoning_closes_a_circle() {
     let (u, r) = (0.3, core::f64::consts::TAU / 60.0);
     // The compass would be new in each cycle; far less certain than the gyro it hardly counts.
-    let p = EkfParameters {
-        heading_sigma: 1e9,
-        ..EkfParameters::default()
-    };
+    let p = EkfParameters { heading_sigma: 1e9, ..EkfParameters::default() };
     let (ekf, mut memory) = filter(p, Acceleration::Kinematic);
     let start = ekf.update(&mut memory, &turning(u, r)).unwrap();
     let mut widest = 0.0_f64;
@@ -92,11 +84,7 @@ fn the_dynamic_filter_predicts_with_the_thrust() {
     let expected = 400.0 * core::f64::consts::FRAC_1_SQRT_2 / (1862.87 + 779.79);
     assert_relative_eq!(estimate.acceleration[0], expected, epsilon = 1e-12);
     // Nothing holds the buoyancy down.
-    assert_relative_eq!(
-        estimate.acceleration[2],
-        -263.51 / (1862.87 + 3659.9),
-        epsilon = 1e-5
-    );
+    assert_relative_eq!(estimate.acceleration[2], -263.51 / (1862.87 + 3659.9), epsilon = 1e-5);
 }
 
 #[test]
@@ -108,23 +96,14 @@ fn gravity_leaves_the_kinematic_acceleration_at_any_tilt() {
     m.imu.value.specific_force = down.map(|d| -9.81 * d);
     m.imu.value.euler = [roll, pitch, 0.7];
     let estimate = ekf.update(&mut memory, &m).unwrap();
-    assert!(
-        estimate.acceleration.iter().all(|a| a.abs() < 1e-12),
-        "{estimate:?}"
-    );
+    assert!(estimate.acceleration.iter().all(|a| a.abs() < 1e-12), "{estimate:?}");
 }
 
 #[test]
 fn a_measurement_is_fused_once() {
     let (ekf, mut memory) = filter(EkfParameters::default(), Acceleration::Kinematic);
     let mut m = turning(0.0, 0.0);
-    m.fix = Reading {
-        value: GpsSample {
-            position: [1.0, 0.0],
-        },
-        stamp: 0.0,
-        valid: true,
-    };
+    m.fix = Reading { value: GpsSample { position: [1.0, 0.0] }, stamp: 0.0, valid: true };
     let first = ekf.update(&mut memory, &m).unwrap();
     assert!(first.pose[0] > 0.0);
     let second = ekf.update(&mut memory, &m).unwrap();
@@ -139,17 +118,11 @@ fn a_measurement_is_fused_once() {
 
 #[test]
 fn depth_is_that_of_the_centre_of_gravity() {
-    let p = EkfParameters {
-        initial_sigma: [1.0; 4],
-        ..EkfParameters::default()
-    };
+    let p = EkfParameters { initial_sigma: [1.0; 4], ..EkfParameters::default() };
     let (ekf, mut memory) = filter(p, Acceleration::Kinematic);
     let mut m = turning(0.0, 0.0);
     // Level, the sensor sits 0.85 m higher.
-    m.pressure = Reading {
-        value: 24.15,
-        ..Reading::default()
-    };
+    m.pressure = Reading { value: 24.15, ..Reading::default() };
     for _ in 0..2000 {
         ekf.update(&mut memory, &m).unwrap();
     }
@@ -158,10 +131,7 @@ fn depth_is_that_of_the_centre_of_gravity() {
 
 #[test]
 fn heading_is_wrapped_across_south() {
-    let p = EkfParameters {
-        initial_pose: [0.0, 0.0, 20.0, 3.1],
-        ..EkfParameters::default()
-    };
+    let p = EkfParameters { initial_pose: [0.0, 0.0, 20.0, 3.1], ..EkfParameters::default() };
     let (ekf, mut memory) = filter(p, Acceleration::Kinematic);
     let mut m = turning(0.0, 0.0);
     m.imu.value.euler[2] = -3.1;
@@ -175,10 +145,7 @@ fn heading_is_wrapped_across_south() {
 #[test]
 fn steady_variance_solves_the_riccati_equation() {
     // F = 1: P = sqrt(Q^2 / 4 + Q R) + Q / 2 before the update, less its share after.
-    let p = EkfParameters {
-        transition: Transition::Repaired,
-        ..EkfParameters::default()
-    };
+    let p = EkfParameters { transition: Transition::Repaired, ..EkfParameters::default() };
     let (ekf, mut memory) = filter(p, Acceleration::Kinematic);
     let mut m = turning(0.0, 0.0);
     m.fix.valid = true;
@@ -188,11 +155,7 @@ fn steady_variance_solves_the_riccati_equation() {
     let (q, r) = (1e-4_f64, 2.25);
     let before = q / 2.0 + (q * q / 4.0 + q * r).sqrt();
     let expected = before * r / (before + r);
-    assert_relative_eq!(
-        ekf.estimate(&memory).sigma[0],
-        expected.sqrt(),
-        epsilon = 1e-9
-    );
+    assert_relative_eq!(ekf.estimate(&memory).sigma[0], expected.sqrt(), epsilon = 1e-9);
 }
 
 #[test]
@@ -223,37 +186,22 @@ fn measurements_that_are_not_numbers_are_refused_and_change_nothing() {
     let mut m = turning(0.3, 0.1);
     m.dvl.value.velocity[1] = f64::NAN;
     let error = ekf.update(&mut memory, &m).unwrap_err().to_string();
-    assert!(
-        error.starts_with("dvl.velocity[1] = NaN: a measurement must be"),
-        "{error}"
-    );
+    assert!(error.starts_with("dvl.velocity[1] = NaN: a measurement must be"), "{error}");
     assert_eq!(memory, before);
     m.dvl.valid = false;
     assert!(ekf.update(&mut memory, &m).is_ok());
     m.thrust[7] = f64::INFINITY;
-    assert_eq!(
-        ekf.update(&mut memory, &m).unwrap_err().quantity,
-        "thrust[7]"
-    );
+    assert_eq!(ekf.update(&mut memory, &m).unwrap_err().quantity, "thrust[7]");
     let (kinematic, mut memory) = filter(EkfParameters::default(), Acceleration::Kinematic);
     assert!(kinematic.update(&mut memory, &m).is_ok());
 }
 
 #[test]
 fn parameters_out_of_range_are_named() {
-    let p = EkfParameters {
-        fix_sigma: 0.0,
-        ..EkfParameters::default()
-    };
+    let p = EkfParameters { fix_sigma: 0.0, ..EkfParameters::default() };
     assert_eq!(Ekf::new(&p, dynamic()).unwrap_err().name, "fix_sigma");
-    let p = EkfParameters {
-        process_variance: [0.0, 0.0, -1.0, 0.0],
-        ..EkfParameters::default()
-    };
-    assert_eq!(
-        Ekf::new(&p, dynamic()).unwrap_err().name,
-        "process_variance[2]"
-    );
+    let p = EkfParameters { process_variance: [0.0, 0.0, -1.0, 0.0], ..EkfParameters::default() };
+    assert_eq!(Ekf::new(&p, dynamic()).unwrap_err().name, "process_variance[2]");
 }
 
 proptest! {

@@ -15,11 +15,7 @@ fn corner(x: f64, y: f64, radius: f64) -> Waypoint {
 
 #[test]
 fn the_three_courses_have_their_lengths_and_ends() {
-    let expected = [
-        (57.85, [40.0, 20.0]),
-        (88.54, [60.0, 10.0]),
-        (96.42, [25.0, 40.0]),
-    ];
+    let expected = [(57.85, [40.0, 20.0]), (88.54, [60.0, 10.0]), (96.42, [25.0, 40.0])];
     for (course, (length, end)) in courses().iter().zip(expected) {
         assert_relative_eq!(course.length(), length, epsilon = 0.005);
         assert_eq!(course.point(0.0), [0.0, 0.0]);
@@ -116,10 +112,7 @@ fn message(text: &str) -> String {
 #[test]
 fn bad_courses_say_where_and_why() {
     assert_eq!(message(""), "course: needs at least two points, has 0");
-    assert_eq!(
-        message("x,y\n1,2\n"),
-        "course: needs at least two points, has 1"
-    );
+    assert_eq!(message("x,y\n1,2\n"), "course: needs at least two points, has 1");
     assert_eq!(
         message("0,0\n\n# comment\n1,north\n"),
         "course, line 4: y = `north` is not a number"
@@ -130,25 +123,15 @@ fn bad_courses_say_where_and_why() {
     assert!(message("0,0\n9,0,-1\n9,9\n").starts_with("course, line 2: radius -1 must not"));
     assert!(message("0,0\n9,0,1\n0,0\n").starts_with("course, line 2: turns back on itself"));
     let reason = message("x,y,radius\n0,0\n10,0,6\n10,10,6\n0,10\n");
-    assert!(
-        reason.starts_with("course, line 3: radius 6 is too large"),
-        "{reason}"
-    );
-    assert!(
-        reason.contains("(10, 0) to (10, 10) take 12.000000 m of it"),
-        "{reason}"
-    );
+    assert!(reason.starts_with("course, line 3: radius 6 is too large"), "{reason}");
+    assert!(reason.contains("(10, 0) to (10, 10) take 12.000000 m of it"), "{reason}");
 }
 
 #[test]
 fn courses_read_headers_comments_and_missing_radii() {
     let a =
         Course::parse("# survey\n X , Y, Radius\r\n 0, 0\r\n 10, 0, 2 # corner\r\n10,10").unwrap();
-    let b = Course::new(&[
-        corner(0.0, 0.0, 0.0),
-        corner(10.0, 0.0, 2.0),
-        corner(10.0, 10.0, 0.0),
-    ]);
+    let b = Course::new(&[corner(0.0, 0.0, 0.0), corner(10.0, 0.0, 2.0), corner(10.0, 10.0, 0.0)]);
     assert_eq!(a, b.unwrap());
     assert_relative_eq!(a.length(), 16.0 + PI, epsilon = 1e-12);
 }
@@ -189,10 +172,8 @@ fn an_ideal_vehicle_finishes_every_course_close_to_it() {
 fn the_printed_alpha_does_not_correct_a_distance_from_the_course() {
     let straight = "0,0\n1000,0\n";
     let start = [0.0, 1.0, 20.0, 0.0];
-    let printed = PursuitParameters {
-        heading_reference: HeadingReference::Segment,
-        ..Default::default()
-    };
+    let printed =
+        PursuitParameters { heading_reference: HeadingReference::Segment, ..Default::default() };
     let (end, _) = follow(&pursuit(&printed, straight), start, 60);
     assert_relative_eq!(end.cross_track, 1.0, epsilon = 1e-9);
     let (end, _) = follow(&pursuit(&PursuitParameters::default(), straight), start, 60);
@@ -202,16 +183,9 @@ fn the_printed_alpha_does_not_correct_a_distance_from_the_course() {
 #[test]
 fn turn_rate_follows_equations_54_and_55_and_stays_bounded() {
     let pursuit = pursuit(&PursuitParameters::default(), "0,0\n1000,0\n");
-    let rate = |yaw: f64| {
-        pursuit
-            .update(&mut PursuitMemory::default(), [0.0, 0.0, 20.0, yaw])
-            .command[3]
-    };
-    assert_relative_eq!(
-        rate(-0.2),
-        0.3 * (2.0 * 0.2_f64.sin()).atan(),
-        epsilon = 1e-12
-    );
+    let rate =
+        |yaw: f64| pursuit.update(&mut PursuitMemory::default(), [0.0, 0.0, 20.0, yaw]).command[3];
+    assert_relative_eq!(rate(-0.2), 0.3 * (2.0 * 0.2_f64.sin()).atan(), epsilon = 1e-12);
     assert_relative_eq!(rate(-FRAC_PI_2), 0.332, epsilon = 2e-4);
     // Facing away the hardest turn remains; the sine alone would fade.
     assert_relative_eq!(rate(3.1), -0.332, epsilon = 2e-4);
@@ -220,11 +194,8 @@ fn turn_rate_follows_equations_54_and_55_and_stays_bounded() {
 #[test]
 fn depth_error_commands_a_limited_heave() {
     let pursuit = pursuit(&PursuitParameters::default(), "0,0\n1000,0\n");
-    let heave = |z: f64| {
-        pursuit
-            .update(&mut PursuitMemory::default(), [0.0, 0.0, z, 0.0])
-            .command[2]
-    };
+    let heave =
+        |z: f64| pursuit.update(&mut PursuitMemory::default(), [0.0, 0.0, z, 0.0]).command[2];
     assert_relative_eq!(heave(19.8), 0.04, epsilon = 1e-12);
     assert_relative_eq!(heave(0.0), 0.1);
     assert_relative_eq!(heave(50.0), -0.1);

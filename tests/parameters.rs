@@ -10,11 +10,7 @@ fn refused(change: impl FnOnce(&mut Parameters)) -> String {
 
 #[test]
 fn every_named_set_is_accepted() {
-    for set in [
-        ParameterSet::Uuv,
-        ParameterSet::UuvDiagonal,
-        ParameterSet::Paper,
-    ] {
+    for set in [ParameterSet::Uuv, ParameterSet::UuvDiagonal, ParameterSet::Paper] {
         assert!(Vehicle::new(&Parameters::preset(set)).is_ok());
     }
 }
@@ -32,10 +28,7 @@ fn the_sets_have_the_weight_and_buoyancy_of_their_sources() {
 
 #[test]
 fn values_out_of_range_are_named() {
-    assert_eq!(
-        refused(|p| p.mass = -1.0),
-        "parameter `mass` = -1: must be positive and finite"
-    );
+    assert_eq!(refused(|p| p.mass = -1.0), "parameter `mass` = -1: must be positive and finite");
     assert!(refused(|p| p.density = f64::NAN).starts_with("parameter `density` = NaN"));
     assert!(refused(|p| p.buoyancy = Some(-1.0)).contains("`buoyancy`"));
     assert!(refused(|p| p.linear_damping[4] = -1.0).contains("`linear_damping[4]`"));
@@ -57,10 +50,7 @@ fn matrices_must_be_symmetric_and_positive_definite() {
 
 #[test]
 fn an_error_can_be_told_from_outside() {
-    let p = Parameters {
-        mass: 0.0,
-        ..Parameters::default()
-    };
+    let p = Parameters { mass: 0.0, ..Parameters::default() };
     let error = Vehicle::new(&p).unwrap_err().within("vehicle");
     assert_eq!(error.name, "vehicle.mass");
 }

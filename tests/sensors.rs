@@ -7,19 +7,11 @@ use rexrov::sensors::*;
 fn mean_and_sigma(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
-    (
-        mean,
-        (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt(),
-    )
+    (mean, (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt())
 }
 
 fn quiet() -> BiasNoise {
-    BiasNoise {
-        noise_density: 0.0,
-        random_walk: 0.0,
-        correlation_time: 1.0,
-        turn_on_sigma: 0.0,
-    }
+    BiasNoise { noise_density: 0.0, random_walk: 0.0, correlation_time: 1.0, turn_on_sigma: 0.0 }
 }
 
 fn quiet_imu() -> ImuParameters {
@@ -62,13 +54,9 @@ fn accelerometer_noise_is_its_density_times_the_root_of_the_rate() {
     p.accelerometer.noise_density = 0.004;
     let imu = Imu::new(&p).unwrap();
     let mut memory = imu.memory();
-    let truth = ImuTruth {
-        specific_force: [0.0, 0.0, -9.81],
-        ..Default::default()
-    };
-    let z: Vec<f64> = (0..20_000)
-        .map(|_| imu.sample(&mut memory, &truth).specific_force[2])
-        .collect();
+    let truth = ImuTruth { specific_force: [0.0, 0.0, -9.81], ..Default::default() };
+    let z: Vec<f64> =
+        (0..20_000).map(|_| imu.sample(&mut memory, &truth).specific_force[2]).collect();
     let (mean, sigma) = mean_and_sigma(&z);
     assert_relative_eq!(mean, -9.81, epsilon = 0.001);
     assert_relative_eq!(sigma, 0.0283, epsilon = 0.0005);
@@ -77,41 +65,24 @@ fn accelerometer_noise_is_its_density_times_the_root_of_the_rate() {
 #[test]
 fn slow_bias_has_the_stationary_variance_of_a_gauss_markov_process() {
     let mut p = quiet_imu();
-    p.gyro = BiasNoise {
-        random_walk: 0.01,
-        correlation_time: 2.0,
-        ..quiet()
-    };
+    p.gyro = BiasNoise { random_walk: 0.01, correlation_time: 2.0, ..quiet() };
     let imu = Imu::new(&p).unwrap();
     let mut memory = imu.memory();
-    let rates: Vec<f64> = (0..400_000)
-        .map(|_| imu.sample(&mut memory, &ImuTruth::default()).rate[0])
-        .collect();
+    let rates: Vec<f64> =
+        (0..400_000).map(|_| imu.sample(&mut memory, &ImuTruth::default()).rate[0]).collect();
     // b sqrt(tau / 2), and a correlation that falls to 1/e within tau.
     let (_, sigma) = mean_and_sigma(&rates);
     assert_relative_eq!(sigma, 0.01, epsilon = 0.0008);
     let covariance: f64 =
         rates.windows(101).map(|w| w[0] * w[100]).sum::<f64>() / rates.len() as f64;
-    assert_relative_eq!(
-        covariance / (sigma * sigma),
-        (-1.0_f64).exp(),
-        epsilon = 0.08
-    );
+    assert_relative_eq!(covariance / (sigma * sigma), (-1.0_f64).exp(), epsilon = 0.08);
 }
 
 #[test]
 fn turn_on_bias_is_constant_in_a_run_and_spread_over_seeds() {
     let bias = |seed| {
-        let gyro = BiasNoise {
-            turn_on_sigma: 0.0087,
-            ..quiet()
-        };
-        let imu = Imu::new(&ImuParameters {
-            seed,
-            gyro,
-            ..quiet_imu()
-        })
-        .unwrap();
+        let gyro = BiasNoise { turn_on_sigma: 0.0087, ..quiet() };
+        let imu = Imu::new(&ImuParameters { seed, gyro, ..quiet_imu() }).unwrap();
         let mut memory = imu.memory();
         let first = imu.sample(&mut memory, &ImuTruth::default()).rate[2];
         assert_eq!(first, imu.sample(&mut memory, &ImuTruth::default()).rate[2]);
@@ -123,15 +94,9 @@ fn turn_on_bias_is_constant_in_a_run_and_spread_over_seeds() {
 
 #[test]
 fn imu_feels_its_lever_arm_and_its_mounting() {
-    let turning = ImuTruth {
-        rate: [0.0, 0.0, 2.0],
-        rate_dot: [0.0, 0.0, 3.0],
-        ..Default::default()
-    };
-    let mut p = ImuParameters {
-        position: [0.5, 0.0, 0.0],
-        ..quiet_imu()
-    };
+    let turning =
+        ImuTruth { rate: [0.0, 0.0, 2.0], rate_dot: [0.0, 0.0, 3.0], ..Default::default() };
+    let mut p = ImuParameters { position: [0.5, 0.0, 0.0], ..quiet_imu() };
     let sample = |p: &ImuParameters| {
         let imu = Imu::new(p).unwrap();
         imu.sample(&mut imu.memory(), &turning)
@@ -151,17 +116,11 @@ fn imu_feels_its_lever_arm_and_its_mounting() {
 #[test]
 fn channels_draw_independently_of_each_other() {
     let noisy = ImuParameters::default();
-    let silent_gyro = ImuParameters {
-        gyro: quiet(),
-        ..noisy
-    };
+    let silent_gyro = ImuParameters { gyro: quiet(), ..noisy };
     let run = |p: &ImuParameters| {
         let imu = Imu::new(p).unwrap();
         let mut memory = imu.memory();
-        (0..50)
-            .map(|_| imu.sample(&mut memory, &ImuTruth::default()))
-            .last()
-            .unwrap()
+        (0..50).map(|_| imu.sample(&mut memory, &ImuTruth::default())).last().unwrap()
     };
     let (a, b) = (run(&noisy), run(&silent_gyro));
     assert_ne!(a.rate, b.rate);
@@ -170,16 +129,9 @@ fn channels_draw_independently_of_each_other() {
 
 #[test]
 fn orientation_stays_wrapped() {
-    let imu = Imu::new(&ImuParameters {
-        attitude_sigma: 0.5,
-        ..quiet_imu()
-    })
-    .unwrap();
+    let imu = Imu::new(&ImuParameters { attitude_sigma: 0.5, ..quiet_imu() }).unwrap();
     let mut memory = imu.memory();
-    let truth = ImuTruth {
-        euler: [0.0, 0.0, core::f64::consts::PI],
-        ..Default::default()
-    };
+    let truth = ImuTruth { euler: [0.0, 0.0, core::f64::consts::PI], ..Default::default() };
     for _ in 0..1000 {
         let yaw = imu.sample(&mut memory, &truth).euler[2];
         assert!(yaw > -core::f64::consts::PI && yaw <= core::f64::consts::PI);
@@ -188,66 +140,41 @@ fn orientation_stays_wrapped() {
 
 #[test]
 fn dvl_gps_and_pressure_measure_at_their_own_places() {
-    let dvl = Dvl::new(&DvlParameters {
-        sigma: 0.0,
-        ..Default::default()
-    })
-    .unwrap();
-    let truth = DvlTruth {
-        nu: [0.3, 0.0, 0.0, 0.0, 0.0, 0.1],
-    };
+    let dvl = Dvl::new(&DvlParameters { sigma: 0.0, ..Default::default() }).unwrap();
+    let truth = DvlTruth { nu: [0.3, 0.0, 0.0, 0.0, 0.0, 0.1] };
     let v = dvl.sample(&mut dvl.memory(), &truth).velocity;
     assert_relative_eq!(v[1], -0.14, epsilon = 1e-15);
 
-    let p = GpsParameters {
-        sigma: 0.0,
-        position: [2.0, 0.0, 0.0],
-        ..Default::default()
-    };
+    let p = GpsParameters { sigma: 0.0, position: [2.0, 0.0, 0.0], ..Default::default() };
     let gps = Gps::new(&p).unwrap();
     let east = [0.0, 0.0, core::f64::consts::FRAC_PI_2];
-    let truth = GpsTruth {
-        p_ned: [1.0, 1.0, 0.0],
-        euler: east,
-    };
+    let truth = GpsTruth { p_ned: [1.0, 1.0, 0.0], euler: east };
     let fix = gps.sample(&mut gps.memory(), &truth).position;
     assert_relative_eq!(fix[0], 1.0, epsilon = 1e-12);
     assert_relative_eq!(fix[1], 3.0, epsilon = 1e-12);
 
-    let p = PressureParameters {
-        sigma_pa: 0.0,
-        ..Default::default()
-    };
+    let p = PressureParameters { sigma_pa: 0.0, ..Default::default() };
     let sensor = PressureSensor::new(&p).unwrap();
-    let truth = PressureTruth {
-        z: 20.0,
-        euler: [0.0; 3],
-    };
+    let truth = PressureTruth { z: 20.0, euler: [0.0; 3] };
     let sample = sensor.sample(&mut sensor.memory(), &truth);
     assert_relative_eq!(sample.depth, 19.15, epsilon = 1e-12);
-    assert_relative_eq!(
-        sample.pressure_pa,
-        101_325.0 + 9806.38 * 19.15,
-        epsilon = 1e-6
-    );
+    assert_relative_eq!(sample.pressure_pa, 101_325.0 + 9806.38 * 19.15, epsilon = 1e-6);
 }
 
 #[test]
 fn position_and_depth_noise_have_their_standard_deviations() {
     let gps = Gps::new(&GpsParameters::default()).unwrap();
     let mut memory = gps.memory();
-    let fixes: Vec<[f64; 2]> = (0..20_000)
-        .map(|_| gps.sample(&mut memory, &GpsTruth::default()).position)
-        .collect();
+    let fixes: Vec<[f64; 2]> =
+        (0..20_000).map(|_| gps.sample(&mut memory, &GpsTruth::default()).position).collect();
     for axis in 0..2 {
         let values: Vec<f64> = fixes.iter().map(|f| f[axis]).collect();
         assert_relative_eq!(mean_and_sigma(&values).1, 1.5, epsilon = 0.03);
     }
     let sensor = PressureSensor::new(&PressureParameters::default()).unwrap();
     let mut memory = sensor.memory();
-    let depths: Vec<f64> = (0..20_000)
-        .map(|_| sensor.sample(&mut memory, &PressureTruth::default()).depth)
-        .collect();
+    let depths: Vec<f64> =
+        (0..20_000).map(|_| sensor.sample(&mut memory, &PressureTruth::default()).depth).collect();
     assert_relative_eq!(mean_and_sigma(&depths).1, 0.306, epsilon = 0.006);
 }
 
@@ -268,26 +195,14 @@ fn instants_are_counted_and_do_not_drift() {
 
 #[test]
 fn unusable_parameters_are_named() {
-    let gps = Gps::new(&GpsParameters {
-        sigma: -1.0,
-        ..Default::default()
-    });
+    let gps = Gps::new(&GpsParameters { sigma: -1.0, ..Default::default() });
     assert_eq!(
         gps.unwrap_err().to_string(),
         "parameter `sigma` = -1: must be zero or positive, and finite"
     );
-    let p = DvlParameters {
-        position: [0.0, f64::NAN, 0.0],
-        ..Default::default()
-    };
+    let p = DvlParameters { position: [0.0, f64::NAN, 0.0], ..Default::default() };
     assert_eq!(Dvl::new(&p).unwrap_err().name, "position[1]");
-    let gyro = BiasNoise {
-        correlation_time: 0.0,
-        ..quiet()
-    };
-    let imu = Imu::new(&ImuParameters {
-        gyro,
-        ..Default::default()
-    });
+    let gyro = BiasNoise { correlation_time: 0.0, ..quiet() };
+    let imu = Imu::new(&ImuParameters { gyro, ..Default::default() });
     assert_eq!(imu.unwrap_err().name, "gyro.correlation_time");
 }

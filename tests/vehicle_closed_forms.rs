@@ -41,10 +41,7 @@ fn surge_reaches_the_speed_where_drag_balances_thrust() {
     let full = 4.0 * 2000.0 * core::f64::consts::FRAC_1_SQRT_2;
     for (force, speed) in [(89.79, 0.300), (707.1, 0.92342), (full, 2.70008)] {
         for p in diagonal_sets() {
-            let inputs = Inputs {
-                wrench: [force, 0.0, 0.0, 0.0, 0.0, 0.0],
-                ..Inputs::default()
-            };
+            let inputs = Inputs { wrench: [force, 0.0, 0.0, 0.0, 0.0, 0.0], ..Inputs::default() };
             let state = simulate(&neutral(p), &inputs, 120.0);
             assert_relative_eq!(state.nu[0], speed, epsilon = 2e-5);
         }
@@ -57,29 +54,15 @@ fn the_four_horizontal_thrusters_at_their_limit_give_full_speed() {
     p.propulsion.mode = ThrusterMode::Force;
     // Above the limit on purpose. They sit 0.129 m above the centre of gravity, so the bow drops:
     // no moment from it here.
-    p.propulsion
-        .thrusters
-        .iter_mut()
-        .skip(4)
-        .for_each(|t| t.lz = 0.0);
+    p.propulsion.thrusters.iter_mut().skip(4).for_each(|t| t.lz = 0.0);
     let thruster_force = [0.0, 0.0, 0.0, 0.0, 3000.0, 3000.0, -3000.0, -3000.0];
-    let state = simulate(
-        &p,
-        &Inputs {
-            thruster_force,
-            ..Inputs::default()
-        },
-        60.0,
-    );
+    let state = simulate(&p, &Inputs { thruster_force, ..Inputs::default() }, 60.0);
     assert_relative_eq!(state.nu[0], 2.70008, epsilon = 2e-5);
 }
 
 #[test]
 fn yaw_reaches_the_rate_where_damping_balances_the_moment() {
-    let inputs = Inputs {
-        wrench: [0.0, 0.0, 0.0, 0.0, 0.0, 259.52],
-        ..Inputs::default()
-    };
+    let inputs = Inputs { wrench: [0.0, 0.0, 0.0, 0.0, 0.0, 259.52], ..Inputs::default() };
     for p in diagonal_sets() {
         let state = simulate(&neutral(p), &inputs, 60.0);
         assert_relative_eq!(state.nu[5], 0.611023, epsilon = 2e-6);
@@ -139,24 +122,13 @@ fn straight_surge_is_directionally_unstable_by_the_munk_moment() {
         let (trace, det) = (j[0][0] + j[1][1], j[0][0] * j[1][1] - j[0][1] * j[1][0]);
         0.5 * (trace + (trace * trace - 4.0 * det).sqrt())
     };
-    assert!(
-        growth(0.078) < 0.0 && growth(0.080) > 0.0,
-        "{} {}",
-        growth(0.078),
-        growth(0.080)
-    );
+    assert!(growth(0.078) < 0.0 && growth(0.080) > 0.0, "{} {}", growth(0.078), growth(0.080));
 
     let vehicle = Vehicle::new(&p).unwrap();
     let u: f64 = 0.3;
     let drag = (p.linear_damping[0] + p.quadratic_damping[0] * u) * u;
-    let inputs = Inputs {
-        wrench: [drag, 0.0, 0.0, 0.0, 0.0, 0.0],
-        ..Inputs::default()
-    };
-    let mut state = State {
-        nu: [u, 1e-9, 0.0, 0.0, 0.0, -1e-9],
-        ..State::default()
-    };
+    let inputs = Inputs { wrench: [drag, 0.0, 0.0, 0.0, 0.0, 0.0], ..Inputs::default() };
+    let mut state = State { nu: [u, 1e-9, 0.0, 0.0, 0.0, -1e-9], ..State::default() };
     let mut rates = Vec::new();
     for _ in 0..6000 {
         vehicle.step(&mut state, &inputs, STEP);
@@ -184,11 +156,7 @@ fn uncontrolled_sway_in_a_turn_reaches_half_a_metre_a_second() {
 fn the_accelerometer_shows_minus_g_at_rest_in_any_attitude() {
     let p = Parameters::default();
     let buoyancy = Some(p.weight());
-    let p = Parameters {
-        centre_of_buoyancy: [0.0; 3],
-        buoyancy,
-        ..p
-    };
+    let p = Parameters { centre_of_buoyancy: [0.0; 3], buoyancy, ..p };
     let vehicle = Vehicle::new(&p).unwrap();
     let level = vehicle.outputs(&State::default(), &Inputs::default());
     assert_relative_eq!(level.specific_force[2], -9.81, epsilon = 1e-12);
@@ -201,21 +169,11 @@ fn the_accelerometer_shows_minus_g_at_rest_in_any_attitude() {
 fn rotor_speed_follows_its_command_as_a_first_order_lag() {
     let mut p = Parameters::default();
     p.propulsion.mode = ThrusterMode::RotorSpeed;
-    let inputs = Inputs {
-        thruster_speed: [100.0; 8],
-        ..Inputs::default()
-    };
+    let inputs = Inputs { thruster_speed: [100.0; 8], ..Inputs::default() };
     let state = simulate(&p, &inputs, 0.05);
-    assert_relative_eq!(
-        state.rotor_speed[3],
-        100.0 * (1.0 - (-1.0_f64).exp()),
-        epsilon = 1e-3
-    );
+    assert_relative_eq!(state.rotor_speed[3], 100.0 * (1.0 - (-1.0_f64).exp()), epsilon = 1e-3);
     p.propulsion.mode = ThrusterMode::ForceWithLag;
-    let inputs = Inputs {
-        thruster_force: [-3.1; 8],
-        ..Inputs::default()
-    };
+    let inputs = Inputs { thruster_force: [-3.1; 8], ..Inputs::default() };
     let state = simulate(&p, &inputs, 2.0);
     assert_relative_eq!(state.rotor_speed[0], -100.0, epsilon = 1e-9);
     let thrust = Vehicle::new(&p).unwrap().outputs(&state, &inputs).thrust[0];

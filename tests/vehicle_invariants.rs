@@ -1,9 +1,6 @@
 //! Laws that the equations of motion keep for any state and any coefficients.
 
-#![allow(
-    clippy::needless_range_loop,
-    reason = "indices as the equations have them"
-)]
+#![allow(clippy::needless_range_loop, reason = "indices as the equations have them")]
 
 use approx::assert_relative_eq;
 use nalgebra::{Matrix6, Vector6};
@@ -23,20 +20,14 @@ fn angles() -> impl Strategy<Value = [f64; 3]> {
 
 /// Coefficients with a random symmetric positive definite added mass.
 fn vehicles() -> impl Strategy<Value = Parameters> {
-    (
-        prop::array::uniform6(prop::array::uniform6(-20.0..20.0)),
-        100.0..4000.0,
-    )
-        .prop_map(|(g, mass)| {
+    (prop::array::uniform6(prop::array::uniform6(-20.0..20.0)), 100.0..4000.0).prop_map(
+        |(g, mass)| {
             let g = Matrix6::from_fn(|i, j| g[i][j]);
             let a: Matrix6<f64> = g * g.transpose() + Matrix6::identity() * 50.0;
             let added_mass = core::array::from_fn(|i| core::array::from_fn(|j| a[(i, j)]));
-            Parameters {
-                mass,
-                added_mass,
-                ..Parameters::default()
-            }
-        })
+            Parameters { mass, added_mass, ..Parameters::default() }
+        },
+    )
 }
 
 /// The same vehicle without drag, weight and buoyancy.
@@ -59,11 +50,7 @@ fn kinetic_energy(p: &Parameters, nu: &[f64; 6]) -> f64 {
 }
 
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 fn rotate(r: &[[f64; 3]; 3], a: [f64; 3]) -> [f64; 3] {
@@ -81,10 +68,7 @@ fn world_impulse(p: &Parameters, state: &State) -> ([f64; 3], [f64; 3]) {
 }
 
 fn state(nu: [f64; 6], euler: [f64; 3]) -> State {
-    State {
-        nu,
-        ..State::at_rest([1.0, -2.0, 20.0], euler)
-    }
+    State { nu, ..State::at_rest([1.0, -2.0, 20.0], euler) }
 }
 
 proptest! {
@@ -210,11 +194,7 @@ fn the_length_of_the_quaternion_returns_to_one() {
 
 #[test]
 fn mass_matrix_is_symmetric_and_positive_definite_in_every_set() {
-    for set in [
-        ParameterSet::Uuv,
-        ParameterSet::UuvDiagonal,
-        ParameterSet::Paper,
-    ] {
+    for set in [ParameterSet::Uuv, ParameterSet::UuvDiagonal, ParameterSet::Paper] {
         let m = mass_matrix(&Parameters::preset(set));
         assert_eq!(m, m.transpose());
         assert!(m.symmetric_eigenvalues().min() > 500.0);
@@ -232,11 +212,7 @@ fn a_minute_of_mixed_thrust_agrees_between_step_sizes() {
             let thruster_force =
                 core::array::from_fn(|k| 100.0 * libm::sin((0.2 + 0.05 * k as f64) * t));
             let current_ned = [0.1, -0.2, 0.02];
-            let inputs = Inputs {
-                thruster_force,
-                current_ned,
-                ..Inputs::default()
-            };
+            let inputs = Inputs { thruster_force, current_ned, ..Inputs::default() };
             vehicle.step(&mut state, &inputs, h);
         }
         state

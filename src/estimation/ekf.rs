@@ -58,11 +58,7 @@ impl Ekf {
     pub fn new(parameters: &EkfParameters, source: Acceleration) -> Result<Self, ParameterError> {
         parameters.check()?;
         let sampler = Sampler::new(parameters.rate_hz)?;
-        Ok(Self {
-            sampler,
-            parameters: *parameters,
-            source,
-        })
+        Ok(Self { sampler, parameters: *parameters, source })
     }
 
     /// The memory at the start.
@@ -154,11 +150,7 @@ impl Ekf {
                 let v = [velocity[0], velocity[1], velocity[2]];
                 let a = inertial_acceleration(p, imu.specific_force, imu.rate, imu.euler, v);
                 memory.motion.acceleration[..3].copy_from_slice(&a);
-                let turned = if memory.running {
-                    velocity[3] - before.velocity[3]
-                } else {
-                    0.0
-                };
+                let turned = if memory.running { velocity[3] - before.velocity[3] } else { 0.0 };
                 memory.motion.acceleration[3] = turned * p.rate_hz;
             }
             Acceleration::Kinematic => {}

@@ -15,11 +15,7 @@ pub struct Reading<T> {
 
 impl<T: Default> Default for Reading<T> {
     fn default() -> Self {
-        Self {
-            value: T::default(),
-            stamp: -1.0,
-            valid: true,
-        }
+        Self { value: T::default(), stamp: -1.0, valid: true }
     }
 }
 
@@ -70,27 +66,15 @@ impl Measurements {
         check("imu.attitude", self.imu.valid, &imu.euler)?;
         check("dvl.velocity", self.dvl.valid, &self.dvl.value.velocity)?;
         check("fix.position", self.fix.valid, &self.fix.value.position)?;
-        check(
-            "pressure.depth",
-            self.pressure.valid,
-            &[self.pressure.value],
-        )?;
-        let stamps = [
-            self.imu.stamp,
-            self.dvl.stamp,
-            self.fix.stamp,
-            self.pressure.stamp,
-        ];
+        check("pressure.depth", self.pressure.valid, &[self.pressure.value])?;
+        let stamps = [self.imu.stamp, self.dvl.stamp, self.fix.stamp, self.pressure.stamp];
         check("stamp of imu, dvl, fix, pressure", true, &stamps)?;
         check("thrust", with_thrust, &self.thrust)
     }
 }
 
 fn check(name: &str, used: bool, values: &[f64]) -> Result<(), EstimationError> {
-    let bad = values
-        .iter()
-        .enumerate()
-        .find(|(_, v)| used && !v.is_finite());
+    let bad = values.iter().enumerate().find(|(_, v)| used && !v.is_finite());
     match bad {
         None => Ok(()),
         Some((i, &value)) => Err(EstimationError {

@@ -11,10 +11,7 @@ use serde::{Deserialize, Serialize};
 
 /// Where the acceleration of the prediction comes from.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(
-    clippy::large_enum_variant,
-    reason = "one per filter; a box would gain nothing"
-)]
+#[allow(clippy::large_enum_variant, reason = "one per filter; a box would gain nothing")]
 pub enum Acceleration {
     /// Eqs (27)-(30) at the measured velocity and thrusts.
     Dynamic(ReducedModel),
@@ -81,11 +78,7 @@ fn displacement(p: &EkfParameters, yaw: f64, motion: &Motion) -> Vec3 {
     let down = w * dt + 0.5 * a[2] * dt * dt;
     if !p.rotate_to_ned {
         // As printed: body velocity and acceleration added to an NED position.
-        return [
-            u * dt + 0.5 * a[0] * dt * dt,
-            v * dt + 0.5 * a[1] * dt * dt,
-            down,
-        ];
+        return [u * dt + 0.5 * a[0] * dt * dt, v * dt + 0.5 * a[1] * dt * dt, down];
     }
     let total = total_acceleration(motion);
     let along = u * dt + 0.5 * total[0] * dt * dt;

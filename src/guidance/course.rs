@@ -51,10 +51,7 @@ pub struct CourseError {
 
 impl CourseError {
     pub(super) fn new(place: Place, reason: impl Into<String>) -> Self {
-        Self {
-            place,
-            reason: reason.into(),
-        }
+        Self { place, reason: reason.into() }
     }
 }
 
@@ -151,11 +148,7 @@ impl Course {
 
     fn at(&self, s: f64) -> (Vec2, f64) {
         let last = self.segments.len() - 1;
-        let index = self
-            .starts
-            .partition_point(|&start| start <= s)
-            .saturating_sub(1)
-            .min(last);
+        let index = self.starts.partition_point(|&start| start <= s).saturating_sub(1).min(last);
         self.segments[index].at(s - self.starts[index])
     }
 }
@@ -171,18 +164,11 @@ impl Leg {
     fn new(a: Waypoint, b: Waypoint) -> Self {
         let length = distance([a.x, a.y], [b.x, b.y]);
         let direction = [(b.x - a.x) / length, (b.y - a.y) / length];
-        Self {
-            start: [a.x, a.y],
-            direction,
-            length,
-        }
+        Self { start: [a.x, a.y], direction, length }
     }
 
     fn point(&self, s: f64) -> Vec2 {
-        [
-            self.start[0] + s * self.direction[0],
-            self.start[1] + s * self.direction[1],
-        ]
+        [self.start[0] + s * self.direction[0], self.start[1] + s * self.direction[1]]
     }
 
     /// Sine and cosine of the turn from the leg before to this one, positive to starboard.
@@ -244,11 +230,8 @@ fn corner_cuts(points: &[Waypoint], legs: &[Leg]) -> Result<Vec<f64>, CourseErro
             let reason = "turns back on itself, which no radius can round; use radius 0";
             return Err(CourseError::new(Place::Point(i), reason));
         }
-        cuts[i] = if cos < -1.0 + TOLERANCE {
-            0.0
-        } else {
-            points[i].radius * sin.abs() / (1.0 + cos)
-        };
+        cuts[i] =
+            if cos < -1.0 + TOLERANCE { 0.0 } else { points[i].radius * sin.abs() / (1.0 + cos) };
     }
     for (i, leg) in legs.iter().enumerate() {
         if cuts[i] + cuts[i + 1] > leg.length * (1.0 + TOLERANCE) {

@@ -38,9 +38,7 @@ impl Course {
         }
         Self::new(&points).map_err(|mut error| {
             if let Place::Point(index) = error.place {
-                error.place = lines
-                    .get(index)
-                    .map_or(Place::Course, |&line| Place::Line(line));
+                error.place = lines.get(index).map_or(Place::Course, |&line| Place::Line(line));
             }
             error
         })
@@ -66,9 +64,5 @@ fn waypoint(line: &str, number: usize) -> Result<Waypoint, CourseError> {
             })
         })
     };
-    Ok(Waypoint {
-        x: number_at(0)?,
-        y: number_at(1)?,
-        radius: number_at(2)?,
-    })
+    Ok(Waypoint { x: number_at(0)?, y: number_at(1)?, radius: number_at(2)? })
 }

@@ -119,11 +119,7 @@ impl PurePursuit {
         non_negative("finish_tolerance", p.finish_tolerance)?;
         non_negative("search_back", p.search_back)?;
         positive("search_ahead", p.search_ahead)?;
-        Ok(Self {
-            sampler,
-            parameters: *p,
-            course,
-        })
+        Ok(Self { sampler, parameters: *p, course })
     }
 
     /// The course that is followed.
@@ -138,10 +134,7 @@ impl PurePursuit {
     /// itself or cross itself.
     pub fn update(&self, memory: &mut PursuitMemory, [x, y, z, yaw]: [f64; 4]) -> Guidance {
         let p = &self.parameters;
-        let (from, to) = (
-            memory.distance - p.search_back,
-            memory.distance + p.search_ahead,
-        );
+        let (from, to) = (memory.distance - p.search_back, memory.distance + p.search_ahead);
         memory.distance = self.course.nearest([x, y], from, to);
         memory.finished |= memory.distance >= self.course.length() - p.finish_tolerance;
 

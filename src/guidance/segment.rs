@@ -35,20 +35,10 @@ impl Segment {
     /// The point at arc length `s` from the start, and the course there (rad).
     pub(super) fn at(&self, s: f64) -> (Vec2, f64) {
         match *self {
-            Self::Straight {
-                start,
-                direction: d,
-                ..
-            } => (
-                [start[0] + s * d[0], start[1] + s * d[1]],
-                libm::atan2(d[1], d[0]),
-            ),
-            Self::Arc {
-                centre,
-                radius,
-                from,
-                turn,
-            } => {
+            Self::Straight { start, direction: d, .. } => {
+                ([start[0] + s * d[0], start[1] + s * d[1]], libm::atan2(d[1], d[0]))
+            }
+            Self::Arc { centre, radius, from, turn } => {
                 let angle = from + (s / radius).copysign(turn);
                 let (sin, cos) = libm::sincos(angle);
                 let course = wrap(angle + core::f64::consts::FRAC_PI_2.copysign(turn));
@@ -60,23 +50,12 @@ impl Segment {
     /// Arc length of the point nearest to `p` between arc lengths `low` and `high`.
     pub(super) fn nearest(&self, p: Vec2, low: f64, high: f64) -> f64 {
         let s = match *self {
-            Self::Straight {
-                start,
-                direction: d,
-                ..
-            } => (p[0] - start[0]) * d[0] + (p[1] - start[1]) * d[1],
-            Self::Arc {
-                centre,
-                radius,
-                from,
-                turn,
-            } => {
+            Self::Straight { start, direction: d, .. } => {
+                (p[0] - start[0]) * d[0] + (p[1] - start[1]) * d[1]
+            }
+            Self::Arc { centre, radius, from, turn } => {
                 let bearing = libm::atan2(p[1] - centre[1], p[0] - centre[0]);
-                let walked = if turn < 0.0 {
-                    from - bearing
-                } else {
-                    bearing - from
-                };
+                let walked = if turn < 0.0 { from - bearing } else { bearing - from };
                 // Counted from the middle of the range, so that each side falls to its own end.
                 let middle = 0.5 * (low + high) / radius;
                 radius * (middle + wrap(walked - middle))

@@ -24,12 +24,7 @@ pub struct DvlParameters {
 
 impl Default for DvlParameters {
     fn default() -> Self {
-        Self {
-            rate_hz: 7.0,
-            seed: 2,
-            position: [-1.4, 0.0, 0.312],
-            sigma: 0.001,
-        }
+        Self { rate_hz: 7.0, seed: 2, position: [-1.4, 0.0, 0.312], sigma: 0.001 }
     }
 }
 
@@ -72,28 +67,19 @@ impl Dvl {
         let sampler = Sampler::new(p.rate_hz)?;
         each("position", &p.position, finite)?;
         non_negative("sigma", p.sigma)?;
-        Ok(Self {
-            sampler,
-            seed: p.seed,
-            position: p.position,
-            sigma: p.sigma,
-        })
+        Ok(Self { sampler, seed: p.seed, position: p.position, sigma: p.sigma })
     }
 
     /// The memory at switch-on.
     #[must_use]
     pub fn memory(&self) -> DvlMemory {
-        DvlMemory {
-            noise: Gaussian::new(self.seed, 0),
-        }
+        DvlMemory { noise: Gaussian::new(self.seed, 0) }
     }
 
     /// The next sample.
     pub fn sample(&self, memory: &mut DvlMemory, truth: &DvlTruth) -> DvlSample {
         let lever = cross(angular(&truth.nu), self.position);
         let noise = memory.noise.draw_vector(self.sigma);
-        DvlSample {
-            velocity: add(add(linear(&truth.nu), lever), noise),
-        }
+        DvlSample { velocity: add(add(linear(&truth.nu), lever), noise) }
     }
 }

@@ -26,12 +26,7 @@ pub struct GpsParameters {
 
 impl Default for GpsParameters {
     fn default() -> Self {
-        Self {
-            rate_hz: 10.0,
-            seed: 3,
-            position: [0.0; 3],
-            sigma: 1.5,
-        }
+        Self { rate_hz: 10.0, seed: 3, position: [0.0; 3], sigma: 1.5 }
     }
 }
 
@@ -76,20 +71,13 @@ impl Gps {
         let sampler = Sampler::new(p.rate_hz)?;
         each("position", &p.position, finite)?;
         non_negative("sigma", p.sigma)?;
-        Ok(Self {
-            sampler,
-            seed: p.seed,
-            position: p.position,
-            sigma: p.sigma,
-        })
+        Ok(Self { sampler, seed: p.seed, position: p.position, sigma: p.sigma })
     }
 
     /// The memory at switch-on.
     #[must_use]
     pub fn memory(&self) -> GpsMemory {
-        GpsMemory {
-            noise: Gaussian::new(self.seed, 0),
-        }
+        GpsMemory { noise: Gaussian::new(self.seed, 0) }
     }
 
     /// The next fix.
@@ -97,8 +85,6 @@ impl Gps {
         let r_nb = attitude::rotation_euler(truth.euler);
         let place = add(truth.p_ned, mul(&r_nb, self.position));
         let noise: [f64; 2] = memory.noise.draw_vector(self.sigma);
-        GpsSample {
-            position: [place[0] + noise[0], place[1] + noise[1]],
-        }
+        GpsSample { position: [place[0] + noise[0], place[1] + noise[1]] }
     }
 }

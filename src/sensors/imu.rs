@@ -136,10 +136,8 @@ impl Imu {
     /// The next sample.
     pub fn sample(&self, memory: &mut ImuMemory, truth: &ImuTruth) -> ImuSample {
         let omega = truth.rate;
-        let lever = add(
-            cross(truth.rate_dot, self.position),
-            cross(omega, cross(omega, self.position)),
-        );
+        let lever =
+            add(cross(truth.rate_dot, self.position), cross(omega, cross(omega, self.position)));
         let force = mul_transposed(&self.mounting, add(truth.specific_force, lever));
         let rate = mul_transposed(&self.mounting, omega);
         let tilt = memory.attitude.draw_vector(self.attitude_sigma);

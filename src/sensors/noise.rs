@@ -111,11 +111,7 @@ impl BiasProcess {
     pub(super) fn memory(&self, seed: u64, stream: u64) -> BiasMemory {
         let mut noise = Gaussian::new(seed, stream);
         let turn_on = noise.draw_vector(self.turn_on_sigma);
-        BiasMemory {
-            noise,
-            turn_on,
-            slow: [0.0; 3],
-        }
+        BiasMemory { noise, turn_on, slow: [0.0; 3] }
     }
 
     /// The error of the next sample.

@@ -101,9 +101,7 @@ impl PressureSensor {
     /// The memory at switch-on.
     #[must_use]
     pub fn memory(&self) -> PressureMemory {
-        PressureMemory {
-            noise: Gaussian::new(self.seed, 0),
-        }
+        PressureMemory { noise: Gaussian::new(self.seed, 0) }
     }
 
     /// The next sample.

@@ -1,8 +1,11 @@
 //! `cargo xtask test`: every check and every test, in the order of what fails fastest.
 
-use crate::{describe, examples, package, paths, process, python};
+use crate::{describe, examples, package, paths, process, python, reproduce};
 use anyhow::Result;
 use std::process::Command;
+
+/// Seeds of the experiment's short run: enough to see a goal clearly missed.
+const SMOKE_SEEDS: u32 = 20;
 
 /// Runs everything; stops at the first step that fails.
 pub(crate) fn run() -> Result<()> {
@@ -15,6 +18,7 @@ pub(crate) fn run() -> Result<()> {
     package::run()?;
     process::run(&mut process::cargo(&["test", "--release", "--workspace", "--no-fail-fast"]))?;
     examples::run()?;
+    reproduce::run(&reproduce::Options { seeds: SMOKE_SEEDS, threads: None })?;
     let interpreter = python::environment()?;
     process::run(
         Command::new(interpreter)

@@ -19,16 +19,9 @@ pub(crate) struct Var {
 impl Var {
     pub(crate) fn parse(attributes: &[Attribute]) -> Result<Self> {
         let mut var = Self::default();
-        for attribute in attributes
-            .iter()
-            .filter(|attribute| attribute.path().is_ident("var"))
-        {
+        for attribute in attributes.iter().filter(|attribute| attribute.path().is_ident("var")) {
             attribute.parse_nested_meta(|meta| {
-                let name = meta
-                    .path
-                    .get_ident()
-                    .map(ToString::to_string)
-                    .unwrap_or_default();
+                let name = meta.path.get_ident().map(ToString::to_string).unwrap_or_default();
                 let known = matches!(
                     name.as_str(),
                     "unit" | "rename" | "min" | "max" | "nominal" | "flatten"
@@ -61,10 +54,7 @@ impl Var {
             ("nominal", self.nominal.is_some()),
             ("unit", self.unit.is_some()),
         ];
-        given
-            .into_iter()
-            .find(|(_, is_given)| *is_given)
-            .map(|(name, _)| name)
+        given.into_iter().find(|(_, is_given)| *is_given).map(|(name, _)| name)
     }
 }
 
@@ -107,16 +97,9 @@ pub(crate) fn description(attributes: &[Attribute]) -> String {
 }
 
 fn doc_line(attribute: &Attribute) -> Option<String> {
-    let pair = attribute
-        .meta
-        .require_name_value()
-        .ok()
-        .filter(|pair| pair.path.is_ident("doc"))?;
+    let pair = attribute.meta.require_name_value().ok().filter(|pair| pair.path.is_ident("doc"))?;
     match &pair.value {
-        Expr::Lit(ExprLit {
-            lit: Lit::Str(text),
-            ..
-        }) => Some(text.value()),
+        Expr::Lit(ExprLit { lit: Lit::Str(text), .. }) => Some(text.value()),
         _ => None,
     }
 }

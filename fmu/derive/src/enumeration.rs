@@ -13,11 +13,7 @@ pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream> {
             "Enumeration is for enums; derive Variables for a struct",
         ));
     };
-    if let Some(variant) = data
-        .variants
-        .iter()
-        .find(|v| !matches!(v.fields, Fields::Unit))
-    {
+    if let Some(variant) = data.variants.iter().find(|v| !matches!(v.fields, Fields::Unit)) {
         return Err(Error::new_spanned(
             variant,
             "an item of an FMI Enumeration carries no data: leave the fields out",
@@ -34,10 +30,7 @@ pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream> {
     let about = description(&input.attrs);
     let items: Vec<_> = data.variants.iter().map(|variant| &variant.ident).collect();
     let names = items.iter().map(ToString::to_string);
-    let descriptions = data
-        .variants
-        .iter()
-        .map(|variant| description(&variant.attrs));
+    let descriptions = data.variants.iter().map(|variant| description(&variant.attrs));
     let values: Vec<i32> = (1..).take(items.len()).collect();
     let variables = variables(name);
     Ok(quote! {

@@ -21,9 +21,7 @@ use syn::{DeriveInput, parse_macro_input};
 #[proc_macro_derive(Variables, attributes(var))]
 pub fn derive_variables(input: TokenStream) -> TokenStream {
     let input = parse_macro_input!(input as DeriveInput);
-    variables::derive(&input)
-        .unwrap_or_else(syn::Error::into_compile_error)
-        .into()
+    variables::derive(&input).unwrap_or_else(syn::Error::into_compile_error).into()
 }
 
 /// Makes a fieldless enum an FMI Enumeration type; its items count from 1 in the order written.
@@ -33,7 +31,5 @@ pub fn derive_variables(input: TokenStream) -> TokenStream {
 #[proc_macro_derive(Enumeration)]
 pub fn derive_enumeration(input: TokenStream) -> TokenStream {
     let input = parse_macro_input!(input as DeriveInput);
-    enumeration::derive(&input)
-        .unwrap_or_else(syn::Error::into_compile_error)
-        .into()
+    enumeration::derive(&input).unwrap_or_else(syn::Error::into_compile_error).into()
 }

@@ -15,14 +15,8 @@ const NO_SUCH_TYPE: [&str; 13] = [
 pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream> {
     let fields = fields(input)?;
     let name = &input.ident;
-    let declare = fields
-        .iter()
-        .map(|field| declare(field))
-        .collect::<Result<Vec<_>>>()?;
-    let idents: Vec<&Ident> = fields
-        .iter()
-        .filter_map(|field| field.ident.as_ref())
-        .collect();
+    let declare = fields.iter().map(|field| declare(field)).collect::<Result<Vec<_>>>()?;
+    let idents: Vec<&Ident> = fields.iter().filter_map(|field| field.ident.as_ref()).collect();
     let types: Vec<&Type> = fields.iter().map(|field| &field.ty).collect();
     Ok(quote! {
         #[automatically_derived]
@@ -78,9 +72,7 @@ fn declare(field: &Field) -> Result<TokenStream> {
     let ident = field.ident.as_ref();
     let var = Var::parse(&field.attrs)?;
     check(&field.ty, &var)?;
-    let rust_name = ident
-        .map(|ident| ident.unraw().to_string())
-        .unwrap_or_default();
+    let rust_name = ident.map(|ident| ident.unraw().to_string()).unwrap_or_default();
     let (name, description) = if var.flatten {
         (String::new(), String::new())
     } else {

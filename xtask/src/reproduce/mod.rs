@@ -32,10 +32,10 @@ pub(crate) struct Options {
     /// Seeds of every course and filter; from few of them a median is not known well enough for
     /// a verdict.
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..))]
-    seeds: u32,
+    pub(crate) seeds: u32,
     /// Runs at the same time [default: one a core].
     #[arg(long)]
-    threads: Option<usize>,
+    pub(crate) threads: Option<usize>,
 }
 
 /// Runs the experiment; an error if a run fails or a goal of G1 is clearly missed.
