@@ -73,7 +73,7 @@ impl Default for EkfParameters {
         Self {
             rate_hz: 10.0,
             transition: Transition::Paper,
-            guard_speed: 0.0028,
+            guard_speed: 0.0029,
             rotate_to_ned: true,
             process_noise: ProcessNoise::Constant,
             process_variance: [1e-4; 4],
