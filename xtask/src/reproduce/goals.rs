@@ -50,7 +50,7 @@ impl Verdict {
     pub(crate) fn is_missed(&self) -> bool {
         let [least, greatest] = self.interval;
         // Also when there is no value: NaN compares with nothing.
-        !self.is_reached() && !(least <= self.high && greatest >= self.low)
+        !(self.is_reached() || least <= self.high && greatest >= self.low)
     }
 
     /// The verdict in words.
