@@ -4,8 +4,8 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use cosim::observe::{CsvRecorder, Progress};
-use cosim::{Code, Error, Observer, Result, System};
+use cosim::observe::{CsvRecorder, Progress, Stop};
+use cosim::{Code, Error, Observer, Result, Summary, System};
 
 use super::messages;
 
@@ -31,9 +31,7 @@ pub(crate) struct Output {
 impl Output {
     /// Runs `system` and writes what it records.
     pub(crate) fn run(&self, system: &System) -> Result<()> {
-        for warning in system.warnings() {
-            messages::warning(warning);
-        }
+        messages::findings(system, self.quiet);
         let target = self.target(system.name())?;
         if target == Path::new("-") {
             let recorder = CsvRecorder::new(io::BufWriter::new(io::stdout().lock()), "stdout");
@@ -56,18 +54,9 @@ impl Output {
         for warning in &summary.warnings {
             messages::warning(warning);
         }
-        if !self.quiet {
-            summary.messages.iter().for_each(|message| messages::note(message));
-        }
-        if !self.quiet {
-            let spent = begun.elapsed().as_secs_f64();
-            messages::note(&format!(
-                "{}: {} s simulated in {spent:.3} s ({:.0} x real time, {} steps); results in {target}",
-                system.name(),
-                summary.simulated,
-                summary.simulated / spent.max(1e-9),
-                summary.steps,
-            ));
+        if !self.quiet && summary.stopped != Some(Stop::ReaderGone) {
+            summary.messages.iter().for_each(|message| messages::tell(message));
+            messages::tell(&told(system, &summary, begun.elapsed().as_secs_f64(), target));
         }
         Ok(())
     }
@@ -85,6 +74,17 @@ impl Output {
             }
         }
     }
+}
+
+/// What a run did, in one line.
+fn told(system: &System, summary: &Summary, spent: f64, target: &str) -> String {
+    format!(
+        "{}: {} s simulated in {spent:.3} s ({:.0} x real time, {} steps); results in {target}",
+        system.name(),
+        summary.simulated,
+        summary.simulated / spent.max(1e-9),
+        summary.steps,
+    )
 }
 
 /// Prints to stdout; a closed pipe (`| head`) ends quietly.

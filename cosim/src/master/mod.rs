@@ -22,7 +22,7 @@ mod slave;
 pub use slave::Slave;
 
 use crate::error::Result;
-use crate::observe::{Observer, RunInfo};
+use crate::observe::{Observer, RunInfo, Stop};
 use crate::system::{Model, System};
 use crate::time::Time;
 use engine::Engine;
@@ -37,6 +37,8 @@ pub struct Summary {
     pub steps: u64,
     /// Simulated seconds.
     pub simulated: f64,
+    /// Why it ended before the stop time, if it did.
+    pub stopped: Option<Stop>,
     /// What is odd but did not end the run.
     pub warnings: Vec<String>,
     /// What the components logged, `component: message`.
@@ -65,11 +67,12 @@ impl System {
             finished = finished.and(observer.finish());
         }
         // The reason why a run ended comes before what happened while closing files.
-        run?;
+        let (end, stopped) = run?;
         finished?;
         Ok(Summary {
             steps: engine.steps(),
-            simulated: (self.stop_time() - self.start_time()).seconds(),
+            simulated: (end - self.start_time()).seconds(),
+            stopped,
             warnings: engine.warnings().to_vec(),
             messages: self.named(engine.messages()),
         })
@@ -95,7 +98,12 @@ impl System {
         Ok(Engine::new(plan, slaves, self.start_time()))
     }
 
-    fn drive(&self, engine: &mut Engine, observers: &mut [&mut dyn Observer]) -> Result<()> {
+    /// Where the run ended, and why when that was before the stop time.
+    fn drive(
+        &self,
+        engine: &mut Engine,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<(Time, Option<Stop>)> {
         engine.initialize(self.stop_time())?;
         let mut row = vec![0.0; self.columns().len()];
         let mut output = self.start_time();
@@ -109,9 +117,13 @@ impl System {
             if next > self.stop_time() {
                 break;
             }
+            if let Some(reason) = observers.iter().find_map(|observer| observer.stop()) {
+                return Ok((output, Some(reason)));
+            }
             output = next;
         }
-        self.rest(engine, output)
+        self.rest(engine, output)?;
+        Ok((self.stop_time(), None))
     }
 
     /// The part after the last output instant, when the interval does not divide the run.

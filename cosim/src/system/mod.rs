@@ -4,6 +4,8 @@
 //! into a [`System`] or reports every problem found.
 
 mod check;
+mod loops;
+mod opened;
 mod order;
 mod overrides;
 mod raw;
@@ -35,6 +37,7 @@ pub struct System {
     algorithm: Algorithm,
     debug_logging: bool,
     warnings: Vec<String>,
+    notes: Vec<String>,
 }
 
 /// Who gets which values when; see the module `master`.
@@ -104,7 +107,8 @@ impl System {
         check::check(Arc::new(raw), overrides)
     }
 
-    /// The same file with other overrides: FMUs in use are shared, nothing is read again.
+    /// The same file with other overrides. No file is read again: neither the description nor an
+    /// FMU that a system of this file has used before, even when it has changed meanwhile.
     pub fn with(&self, overrides: &Overrides) -> Result<Self> {
         match &self.raw {
             Some(raw) => check::check(raw.clone(), overrides),
@@ -168,6 +172,11 @@ impl System {
     /// What is odd but not wrong.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
+    }
+
+    /// What is neither odd nor wrong, and good to know.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// `component.variable` of a port.

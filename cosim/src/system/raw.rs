@@ -4,12 +4,16 @@ use std::path::PathBuf;
 
 use tempfile::TempDir;
 
+use super::opened::OpenedFmus;
+
 /// One .ssd file, with the parameter files it names.
 pub(super) struct RawSystem {
     /// The file as the user named it, for messages.
     pub file: PathBuf,
     /// Keeps an unpacked .ssp.
     pub _unpacked: Option<TempDir>,
+    /// FMUs that systems of this file use or have used.
+    pub fmus: OpenedFmus,
     pub name: String,
     pub components: Vec<RawComponent>,
     pub connections: Vec<RawConnection>,

@@ -62,6 +62,7 @@ impl System {
             algorithm,
             debug_logging: overrides.debug_logging,
             warnings: Vec::new(),
+            notes: Vec::new(),
         })
     }
 }

@@ -171,3 +171,21 @@ fn a_report_of_a_run() {
     let page = std::fs::read_to_string(folder.path().join("r.html")).unwrap();
     assert!(page.contains("<svg") && page.contains("</html>"));
 }
+
+#[test]
+fn a_closed_pipe_ends_the_run_without_a_word() {
+    use std::io::{BufRead, BufReader, Read};
+    let fmu = Model::Clock.fmu();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_cosim"))
+        .args(["simulate", path(&fmu), "-o", "-", "--stop-time", "1e6"])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut header = String::new();
+    BufReader::new(child.stdout.take().unwrap()).read_line(&mut header).unwrap();
+    let mut stderr = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut stderr).unwrap();
+    assert_eq!((child.wait().unwrap().code(), stderr.as_str()), (Some(0), ""));
+    assert!(header.starts_with("time,"));
+}

@@ -73,5 +73,6 @@ pub(super) fn json(system: &System) -> Value {
             .map(|l| l.members.iter().map(name).collect::<Vec<_>>())
             .collect::<Vec<_>>(),
         "warnings": system.warnings(),
+        "notes": system.notes(),
     })
 }

@@ -58,7 +58,7 @@ fn open_one(
         .find(|(name, _)| *name == component.name)
         .map(|(_, path)| path);
     let path = replacement.unwrap_or(&component.source);
-    let fmu = Fmu::open(path).and_then(|fmu| {
+    let fmu = raw.fmus.open(path).and_then(|fmu| {
         fmu.co_simulation()?;
         Ok(fmu)
     });

@@ -9,9 +9,9 @@ mod timing;
 
 use std::sync::Arc;
 
-use super::order::{Loop, Order};
+use super::order::Order;
 use super::raw::RawSystem;
-use super::{Component, Model, Overrides, System};
+use super::{Component, Model, Overrides, System, loops};
 use crate::error::{Error, Result};
 
 pub(super) use columns::columns;
@@ -68,37 +68,8 @@ pub(super) fn check(raw: Arc<RawSystem>, overrides: &Overrides) -> Result<System
         algorithm,
         debug_logging: overrides.debug_logging,
         warnings: findings.warnings,
+        notes: Vec::new(),
     };
-    let loops: Vec<String> = system.order.loops.iter().map(|l| told(&system, l)).collect();
-    system.warnings.extend(loops);
+    loops::tell(&mut system);
     Ok(system)
-}
-
-/// An algebraic loop in words; connections between the same two components are told once.
-fn told(system: &System, found: &Loop) -> String {
-    let name = |component: usize| system.components[component].name.as_str();
-    let members: Vec<&str> = found.members.iter().map(|&m| name(m)).collect();
-    let mut pairs: Vec<(usize, usize, String, usize)> = Vec::new();
-    for connection in found.held.iter().map(|&c| &system.connections[c]) {
-        let (from, to) = (connection.from, connection.to);
-        match pairs.iter_mut().find(|p| (p.0, p.1) == (from.component, to.component)) {
-            Some(pair) => pair.3 += 1,
-            None => {
-                let first = format!("{} -> {}", system.port_name(from), system.port_name(to));
-                pairs.push((from.component, to.component, first, 1));
-            }
-        }
-    }
-    let held: Vec<String> = pairs
-        .into_iter()
-        .map(|(from, to, first, count)| match count {
-            1 => first,
-            _ => format!("{} -> {} ({count} connections)", name(from), name(to)),
-        })
-        .collect();
-    format!(
-        "algebraic loop through {}: one step of delay on {}",
-        members.join(", "),
-        held.join(", ")
-    )
 }

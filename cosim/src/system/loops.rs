@@ -1,0 +1,63 @@
+//! Loops of direct feed-through in words, and how bad they are.
+//!
+//! A loop cut at outputs of the variability `discrete` is well-defined: such a value holds from
+//! one event of its component to the next (FMI 2.0.5, 2.2.7), so holding it during a step is what
+//! a sampled system does anyway. That is a note. A loop cut at a continuous value is solved only
+//! up to one step of delay, and that is a warning.
+
+use super::order::Loop;
+use super::{Model, Port, System};
+use crate::fmi::Variability;
+
+/// Adds the loops that were cut to the system's notes or warnings.
+pub(super) fn tell(system: &mut System) {
+    let (notes, warnings): (Vec<&Loop>, Vec<&Loop>) =
+        system.order.loops.iter().partition(|found| sampled(system, found));
+    let words = |loops: Vec<&Loop>| loops.into_iter().map(|l| told(system, l)).collect::<Vec<_>>();
+    let (notes, warnings) = (words(notes), words(warnings));
+    system.notes.extend(notes);
+    system.warnings.extend(warnings);
+}
+
+/// Whether every value that is held is one that holds by its nature.
+fn sampled(system: &System, found: &Loop) -> bool {
+    found.held.iter().all(|&c| discrete(system, system.connections[c].from))
+}
+
+fn discrete(system: &System, port: Port) -> bool {
+    match &system.components[port.component].model {
+        Model::Fmu(fmu) => {
+            fmu.description().variables[port.variable].variability != Variability::Continuous
+        }
+        Model::Signals(_) => false,
+    }
+}
+
+/// A loop in words; connections between the same two components are told once.
+fn told(system: &System, found: &Loop) -> String {
+    let name = |component: usize| system.components[component].name.as_str();
+    let members: Vec<&str> = found.members.iter().map(|&m| name(m)).collect();
+    let mut pairs: Vec<(usize, usize, String, usize)> = Vec::new();
+    for connection in found.held.iter().map(|&c| &system.connections[c]) {
+        let (from, to) = (connection.from, connection.to);
+        match pairs.iter_mut().find(|p| (p.0, p.1) == (from.component, to.component)) {
+            Some(pair) => pair.3 += 1,
+            None => {
+                let first = format!("{} -> {}", system.port_name(from), system.port_name(to));
+                pairs.push((from.component, to.component, first, 1));
+            }
+        }
+    }
+    let held: Vec<String> = pairs
+        .into_iter()
+        .map(|(from, to, first, count)| match count {
+            1 => first,
+            _ => format!("{} -> {} ({count} connections)", name(from), name(to)),
+        })
+        .collect();
+    let (members, held) = (members.join(", "), held.join(", "));
+    match sampled(system, found) {
+        true => format!("sampled loop through {members}: held for one step on {held}"),
+        false => format!("algebraic loop through {members}: one step of delay on {held}"),
+    }
+}
