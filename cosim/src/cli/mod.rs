@@ -3,8 +3,10 @@
 //! Results and what was asked for go to stdout or files, everything else to stderr. Exit codes:
 //! 0 ok, 1 the run failed, 2 usage, 3 the input is not valid (`cosim::Code::exit_code`).
 
+mod changes;
 mod explain;
 mod info;
+mod inspect;
 pub(crate) mod messages;
 mod output;
 mod report;
@@ -26,6 +28,7 @@ pub(crate) struct Arguments {
 #[derive(Subcommand)]
 enum Verb {
     Info(info::Info),
+    Inspect(inspect::Inspect),
     Simulate(simulate::Simulate),
     Run(run::Run),
     Report(report::Report),
@@ -45,6 +48,7 @@ pub(crate) enum Format {
 pub(crate) fn run(arguments: Arguments) -> Result<()> {
     match arguments.verb {
         Verb::Info(verb) => verb.run(),
+        Verb::Inspect(verb) => verb.run(),
         Verb::Simulate(verb) => verb.run(),
         Verb::Run(verb) => verb.run(),
         Verb::Report(verb) => verb.run(),

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use cosim::observe::{CsvRecorder, Progress, Stop};
-use cosim::{Code, Error, Observer, Result, Summary, System};
+use cosim::{Code, Error, Observer, Overrides, Result, Summary, System};
 
 use super::messages;
 
@@ -13,10 +13,10 @@ use super::messages;
 pub(crate) struct Output {
     /// Record this variable; * and ? make a pattern (repeatable; default: all outputs)
     #[arg(long, value_name = "NAME")]
-    pub(crate) output_variable: Vec<String>,
+    output_variable: Vec<String>,
     /// Seconds between recorded samples (default: the smallest step)
     #[arg(long, value_name = "SECONDS", value_parser = super::values::seconds)]
-    pub(crate) output_interval: Option<f64>,
+    output_interval: Option<f64>,
     /// Write the results there, - for stdout (default: NAME_out.csv)
     #[arg(long, short, value_name = "FILE")]
     output_file: Option<PathBuf>,
@@ -29,6 +29,15 @@ pub(crate) struct Output {
 }
 
 impl Output {
+    /// What of this is decided when the system is made.
+    pub(crate) fn add_to(&self, overrides: Overrides) -> Overrides {
+        let overrides = overrides.output_variables(&self.output_variable);
+        match self.output_interval {
+            Some(seconds) => overrides.output_interval(seconds),
+            None => overrides,
+        }
+    }
+
     /// Runs `system` and writes what it records.
     pub(crate) fn run(&self, system: &System) -> Result<()> {
         messages::findings(system, self.quiet);

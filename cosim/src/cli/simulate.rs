@@ -43,9 +43,7 @@ impl Simulate {
     }
 
     fn overrides(&self) -> Overrides {
-        let mut overrides = Overrides::new()
-            .debug_logging(self.debug_logging)
-            .output_variables(&self.output.output_variable);
+        let mut overrides = self.output.add_to(Overrides::new().debug_logging(self.debug_logging));
         for (name, value) in &self.start_value {
             overrides = overrides.start_value(name, value);
         }
@@ -58,9 +56,6 @@ impl Simulate {
         if let Some(seconds) = self.step_size {
             overrides = overrides.step("", seconds);
         }
-        match self.output.output_interval {
-            Some(seconds) => overrides.output_interval(seconds),
-            None => overrides,
-        }
+        overrides
     }
 }

@@ -4,6 +4,7 @@
 //! into a [`System`] or reports every problem found.
 
 mod check;
+mod delay;
 mod loops;
 mod opened;
 mod order;
@@ -20,6 +21,7 @@ use crate::fmi::{Fmu, Kind, Value};
 use crate::signals::Signals;
 use crate::time::Time;
 
+pub use delay::{Cause, Delay};
 pub use order::{Loop, Order};
 pub use overrides::Overrides;
 
@@ -201,6 +203,15 @@ impl Model {
             Model::Fmu(fmu) => fmu.description().feeds_through(variable),
             Model::Signals(_) => false,
         }
+    }
+}
+
+impl std::fmt::Display for Algorithm {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Algorithm::Jacobi => "jacobi",
+            Algorithm::GaussSeidel => "gauss-seidel",
+        })
     }
 }
 

@@ -147,10 +147,45 @@ fn info_is_readable_by_programs() {
     let file = ssd.write();
     let output = cosim(folder.path(), &["info", path(&file), "--format=json"]);
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!(json["order"], serde_json::json!(["c", "g"]));
-    assert_eq!(json["connections"][0]["delayed"], false);
+    assert_eq!(json["connections"][0]["from"], "c.y");
     let output = cosim(folder.path(), &["info", path(&file)]);
-    assert!(text(&output.stdout).contains("c.y => g.u"));
+    assert!(text(&output.stdout).contains("c.y -> g.u"));
+}
+
+#[test]
+fn inspect_tells_how_late_values_are_and_why() {
+    let folder = TempDir::new().unwrap();
+    let ssd = Ssd::new()
+        .add("g", Model::Gain)
+        .add_with("c", Model::Clock, &[], Some(0.3))
+        .add("x", Model::Integrator)
+        .add("l", Model::Gain)
+        .connect("c.y", "g.u")
+        .connect("g.y", "x.u")
+        .connect("l.y", "l.u")
+        .stop(0.6);
+    let file = ssd.write();
+    let inspect = |arguments: &[&str]| {
+        let output = cosim(folder.path(), &[&["inspect", path(&file)], arguments].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let json: serde_json::Value = serde_json::from_str(&inspect(&["--format=json"])).unwrap();
+    assert_eq!(json["order"][0]["name"], "c");
+    let connections = &json["connections"];
+    assert_eq!((&connections[0]["late"], &connections[0]["heldUpTo"]), (&0.0.into(), &0.2.into()));
+    assert_eq!(connections[1]["late"], 0.1);
+    for (position, reason) in [
+        (0, "no delay: 'c' steps before 'g'; up to 0.2 s older because 'c' steps every 0.3 s"),
+        (1, "because no output of 'x' depends on the input directly"),
+        (2, "one step late (0.1 s) because 'l' feeds itself"),
+    ] {
+        let found = connections[position]["reason"].as_str().unwrap();
+        assert!(found.contains(reason), "{found}");
+    }
+    let shown = inspect(&["--algorithm=jacobi"]);
+    assert!(shown.contains("  c -> g: one step late (0.1 s) because Jacobi"), "{shown}");
+    assert!(shown.contains("    y -> u"), "{shown}");
 }
 
 #[test]
