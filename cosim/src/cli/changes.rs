@@ -1,8 +1,10 @@
 //! What the command line changes of a system description.
 
 use clap::Args;
+use cosim::fmi::InterfaceType;
 use cosim::{Algorithm, Overrides};
 
+use super::solver::Solver;
 use super::values;
 
 /// Changes to the file.
@@ -21,6 +23,11 @@ pub(crate) struct Changes {
     /// its end
     #[arg(long)]
     algorithm: Option<Algorithm>,
+    /// Drive a component's FMU by model exchange or by co-simulation (repeatable)
+    #[arg(long, value_name = "COMPONENT=me|cs", value_parser = values::interface)]
+    interface_type: Vec<(String, InterfaceType)>,
+    #[command(flatten)]
+    solver: Solver,
     /// First instant
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds, allow_negative_numbers = true)]
     start_time: Option<f64>,
@@ -53,6 +60,9 @@ impl Changes {
         if let Some(seconds) = self.stop_time {
             overrides = overrides.stop_time(seconds);
         }
-        overrides
+        for (component, kind) in &self.interface_type {
+            overrides = overrides.interface(component, *kind);
+        }
+        self.solver.add_to(overrides)
     }
 }

@@ -12,6 +12,7 @@ mod output;
 mod report;
 mod run;
 mod simulate;
+mod solver;
 mod values;
 
 use clap::{Parser, Subcommand, ValueEnum};

@@ -14,7 +14,9 @@
 //! until none changes, at most as often as there are components (plus one).
 
 mod engine;
+mod exchange_slave;
 mod fmu_slave;
+mod group;
 mod plan;
 mod signal_slave;
 mod slave;
@@ -22,10 +24,12 @@ mod slave;
 pub use slave::Slave;
 
 use crate::error::Result;
+use crate::fmi::InterfaceType;
 use crate::observe::{Observer, RunInfo, Stop};
 use crate::system::{Model, System};
 use crate::time::Time;
 use engine::Engine;
+use exchange_slave::ExchangeSlave;
 use fmu_slave::FmuSlave;
 use plan::Plan;
 use signal_slave::SignalSlave;
@@ -89,6 +93,10 @@ impl System {
         let mut slaves: Vec<Box<dyn Slave>> = Vec::with_capacity(plan.nodes.len());
         for (component, node) in self.components().iter().zip(&plan.nodes) {
             slaves.push(match &component.model {
+                Model::Fmu(fmu) if component.interface == InterfaceType::ModelExchange => {
+                    let (solver, logging) = (self.solver(), self.debug_logging());
+                    Box::new(ExchangeSlave::new(component, fmu, node, solver, logging)?)
+                }
                 Model::Fmu(fmu) => {
                     Box::new(FmuSlave::new(component, fmu, node, self.debug_logging())?)
                 }

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use super::fmu_slave::rank;
+use super::group::rank;
 use crate::system::{Model, Port, System};
 use crate::time::Time;
 
@@ -23,7 +23,7 @@ pub(super) struct Route {
 #[derive(Debug)]
 pub(super) struct Node {
     pub step: Time,
-    /// Positions of the variables, Reals first (`fmu_slave::rank`).
+    /// Positions of the variables, Reals first (`group::rank`).
     pub inputs: Vec<usize>,
     pub outputs: Vec<usize>,
     pub recorded: Vec<usize>,

@@ -17,8 +17,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::error::Result;
-use crate::fmi::{Fmu, Kind, Value};
+use crate::fmi::{Fmu, InterfaceType, Kind, Value};
 use crate::signals::Signals;
+use crate::solver;
 use crate::time::Time;
 
 pub use delay::{Cause, Delay};
@@ -37,6 +38,7 @@ pub struct System {
     stop: Time,
     output_interval: Time,
     algorithm: Algorithm,
+    solver: solver::Settings,
     debug_logging: bool,
     warnings: Vec<String>,
     notes: Vec<String>,
@@ -58,6 +60,8 @@ pub struct Component {
     pub name: String,
     /// What computes it.
     pub model: Model,
+    /// How its FMU is driven.
+    pub interface: InterfaceType,
     /// Communication step.
     pub step: Time,
     /// Start values: positions of variables and their values.
@@ -164,6 +168,11 @@ impl System {
     /// The algorithm.
     pub fn algorithm(&self) -> Algorithm {
         self.algorithm
+    }
+
+    /// How model exchange is integrated.
+    pub fn solver(&self) -> solver::Settings {
+        self.solver
     }
 
     /// Whether the FMUs are asked for debug messages.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use tempfile::TempDir;
 
 use super::opened::OpenedFmus;
+use crate::fmi::InterfaceType;
 
 /// One .ssd file, with the parameter files it names.
 pub(super) struct RawSystem {
@@ -36,6 +37,8 @@ pub(super) struct RawMaster {
 pub(super) struct RawComponent {
     pub name: String,
     pub source: PathBuf,
+    /// The interface type that the file asks for.
+    pub interface: Option<InterfaceType>,
     /// This master's annotation.
     pub step: Option<f64>,
     pub connectors: Vec<RawConnector>,

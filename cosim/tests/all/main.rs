@@ -2,6 +2,7 @@
 
 mod archives;
 mod command;
+mod exchange;
 mod failures;
 mod import;
 mod models;

@@ -40,9 +40,12 @@ pub(super) fn check(raw: Arc<RawSystem>, overrides: &Overrides) -> Result<System
     let names = Names::of(&opened);
     let start_values = parameters::check(&raw, overrides, &opened, &names, &mut findings);
     let timing = timing::check(&raw, overrides, &opened, &mut findings);
+    let suggested =
+        opened.iter().filter_map(|o| o.fmu.as_ref()?.description().experiment.tolerance);
+    let solver = findings.note(overrides.settings(suggested.reduce(f64::min)));
     let columns = findings.note(columns(&names, &overrides.output_variables));
     Error::all(findings.problems)?;
-    let (Some(timing), Some(columns)) = (timing, columns) else {
+    let (Some(timing), Some(solver), Some(columns)) = (timing, solver, columns) else {
         return Err(Error::new(crate::Code::Ssd, "the system is not valid").at(&raw.file));
     };
     let components: Vec<Component> = opened
@@ -50,8 +53,8 @@ pub(super) fn check(raw: Arc<RawSystem>, overrides: &Overrides) -> Result<System
         .zip(timing.steps)
         .zip(start_values)
         .filter_map(|((opened, step), start_values)| {
-            let model = Model::Fmu(opened.fmu?);
-            Some(Component { name: opened.name, model, step, start_values })
+            let (name, interface) = (opened.name, opened.interface);
+            Some(Component { name, model: Model::Fmu(opened.fmu?), interface, step, start_values })
         })
         .collect();
     let algorithm = overrides.algorithm.or(raw.master.algorithm).unwrap_or_default();
@@ -66,6 +69,7 @@ pub(super) fn check(raw: Arc<RawSystem>, overrides: &Overrides) -> Result<System
         stop: timing.stop,
         output_interval: timing.output_interval,
         algorithm,
+        solver,
         debug_logging: overrides.debug_logging,
         warnings: findings.warnings,
         notes: Vec::new(),
