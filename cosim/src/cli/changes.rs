@@ -20,7 +20,7 @@ pub(crate) struct Changes {
     #[arg(long, value_name = "COMPONENT=SECONDS", value_parser = values::step)]
     step: Vec<(String, f64)>,
     /// jacobi: all inputs are of the step's beginning; gauss-seidel: with direct feed-through of
-    /// its end
+    /// its end; iterative: and algebraic loops are solved at each step
     #[arg(long)]
     algorithm: Option<Algorithm>,
     /// Drive a component's FMU by model exchange or by co-simulation (repeatable)

@@ -64,6 +64,7 @@ impl Output {
             messages::warning(warning);
         }
         if !self.quiet && summary.stopped != Some(Stop::ReaderGone) {
+            summary.notes.iter().for_each(|note| messages::note(note));
             summary.messages.iter().for_each(|message| messages::tell(message));
             messages::tell(&told(system, &summary, begun.elapsed().as_secs_f64(), target));
         }

@@ -20,7 +20,8 @@ use crate::time::Time;
 pub(super) struct ExchangeSlave {
     instance: Instance,
     solver: Continuous,
-    saved: Option<Continuous>,
+    /// The integration, and the discrete inputs that the saved FMU has.
+    saved: Option<(Continuous, Vec<f64>)>,
     start: Time,
     continuous: Inputs,
     discrete: Inputs,
@@ -132,14 +133,15 @@ impl Slave for ExchangeSlave {
 
     fn save(&mut self) -> Result<()> {
         self.instance.save()?;
-        self.saved = Some(self.solver.clone());
+        self.saved = Some((self.solver.clone(), self.discrete.values.clone()));
         Ok(())
     }
 
     fn restore(&mut self, time: Time) -> Result<()> {
         self.instance.restore(time)?;
-        if let Some(saved) = &self.saved {
-            self.solver = saved.clone();
+        if let Some((solver, discrete)) = &self.saved {
+            self.solver = solver.clone();
+            self.discrete.values.clone_from(discrete);
         }
         Ok(())
     }

@@ -8,7 +8,8 @@
 //!    this instant and stay until its step ends.
 //!
 //! An algorithm is only data for this: the order, and which connections are fresh. Jacobi: none;
-//! Gauss-Seidel: those to inputs with direct feed-through (see `system::order`).
+//! Gauss-Seidel: those to inputs with direct feed-through (see `system::order`). Iterative: as
+//! Gauss-Seidel, and loops are solved instead of held (see `iterate`).
 //!
 //! Initialization: in initialization mode values are passed on in the same order, again and again
 //! until none changes, at most as often as there are components (plus one).
@@ -17,6 +18,8 @@ mod engine;
 mod exchange_slave;
 mod fmu_slave;
 mod group;
+mod iterate;
+mod newton;
 mod plan;
 mod signal_slave;
 mod slave;
@@ -45,6 +48,8 @@ pub struct Summary {
     pub stopped: Option<Stop>,
     /// What is odd but did not end the run.
     pub warnings: Vec<String>,
+    /// What is good to know: the iterations that loops needed.
+    pub notes: Vec<String>,
     /// What the components logged, `component: message`.
     pub messages: Vec<String>,
 }
@@ -77,9 +82,37 @@ impl System {
             steps: engine.steps(),
             simulated: (end - self.start_time()).seconds(),
             stopped,
-            warnings: engine.warnings().to_vec(),
+            warnings: engine.warnings().iter().cloned().chain(self.unsolved(&engine)).collect(),
+            notes: self.solved(&engine),
             messages: self.named(engine.messages()),
         })
+    }
+
+    /// The effort for each loop that was solved by iteration.
+    fn solved(&self, engine: &Engine) -> Vec<String> {
+        let loops = self.order().loops.iter().zip(&engine.efforts);
+        let told = loops.filter(|(_, effort)| effort.solved > 0).map(|(found, effort)| {
+            let mean = effort.passes as f64 / effort.solved as f64;
+            format!("loop through {}: {mean:.1} passes per solution", self.members(found))
+        });
+        told.collect()
+    }
+
+    /// The loops that did not converge.
+    fn unsolved(&self, engine: &Engine) -> Vec<String> {
+        let loops = self.order().loops.iter().zip(&engine.efforts);
+        let told = loops.filter(|(_, effort)| effort.failed > 0).map(|(found, effort)| {
+            format!(
+                "loop through {}: {} of {} iterations did not converge, the first at t = {} with \
+                 the residual {:.1e}",
+                self.members(found),
+                effort.failed,
+                effort.solved,
+                effort.first,
+                effort.residual
+            )
+        });
+        told.collect()
     }
 
     fn named(&self, messages: Vec<Vec<String>>) -> Vec<String> {

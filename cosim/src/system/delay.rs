@@ -29,6 +29,8 @@ pub enum Cause {
     NoFeedThrough,
     /// The loop at this position of `Order::loops` is cut here.
     Cut(usize),
+    /// The loop at this position of `Order::loops` is solved by iteration.
+    Solved(usize),
 }
 
 impl System {
@@ -43,7 +45,10 @@ impl System {
         let source = self.components[ends.from.component].step;
         let receiver = self.components[ends.to.component].step;
         Delay {
-            late: if cause == Cause::Fresh { Time::ZERO } else { receiver },
+            late: match cause {
+                Cause::Fresh | Cause::Solved(_) => Time::ZERO,
+                Cause::Jacobi | Cause::NoFeedThrough | Cause::Cut(_) => receiver,
+            },
             // Both count from the start, so they meet at every common multiple.
             held: source - source.gcd(receiver),
             cause,
@@ -58,6 +63,7 @@ impl System {
             return Cause::Jacobi;
         }
         match self.order.loops.iter().position(|l| l.held.contains(&connection)) {
+            Some(found) if self.algorithm == Algorithm::Iterative => Cause::Solved(found),
             Some(found) => Cause::Cut(found),
             None => Cause::NoFeedThrough,
         }
@@ -79,6 +85,10 @@ impl System {
                  the input directly"
             ),
             Cause::Cut(found) => self.explain_cut(found, to, late),
+            Cause::Solved(found) => {
+                let members = self.members(&self.order.loops[found]);
+                format!("no delay: the loop through {members} is solved at each step")
+            }
         };
         if delay.held > Time::ZERO {
             let step = self.components[ends.from.component].step;
@@ -88,16 +98,14 @@ impl System {
     }
 
     fn explain_cut(&self, found: usize, to: &str, late: Time) -> String {
-        let members = &self.order.loops[found].members;
-        let members: Vec<&str> =
-            members.iter().map(|&m| self.components[m].name.as_str()).collect();
-        if let [only] = members[..] {
-            return format!("one step late ({late}) because '{only}' feeds itself");
+        let found = &self.order.loops[found];
+        if found.members.len() == 1 {
+            return format!("one step late ({late}) because '{to}' feeds itself");
         }
         format!(
             "one step late ({late}) because the loop through {} is cut here: '{to}' stands before \
              its source in the file",
-            members.join(", ")
+            self.members(found)
         )
     }
 }

@@ -6,17 +6,45 @@
 //! up to one step of delay, and that is a warning.
 
 use super::order::Loop;
-use super::{Model, Port, System};
+use super::{Algorithm, Model, Port, System};
+use crate::error::{Code, Error, Result};
 use crate::fmi::Variability;
 
-/// Adds the loops that were cut to the system's notes or warnings.
-pub(super) fn tell(system: &mut System) {
+/// Adds the loops to the system's notes or warnings; an error if they cannot be solved.
+pub(super) fn tell(system: &mut System) -> Result<()> {
+    if system.algorithm == Algorithm::Iterative {
+        return solved(system);
+    }
     let (notes, warnings): (Vec<&Loop>, Vec<&Loop>) =
         system.order.loops.iter().partition(|found| sampled(system, found));
     let words = |loops: Vec<&Loop>| loops.into_iter().map(|l| told(system, l)).collect::<Vec<_>>();
     let (notes, warnings) = (words(notes), words(warnings));
     system.notes.extend(notes);
     system.warnings.extend(warnings);
+    Ok(())
+}
+
+/// A step of a loop is made again and again, so its members must be able to go back.
+fn solved(system: &mut System) -> Result<()> {
+    let mut problems = Vec::new();
+    for &member in system.order.loops.iter().flat_map(|found| &found.members) {
+        let component = &system.components[member];
+        let Model::Fmu(fmu) = &component.model else { continue };
+        if !fmu.interface(component.interface)?.get_and_set_state {
+            let what = format!("the loop with '{}' cannot be solved by iteration", component.name);
+            problems.push(
+                Error::new(Code::Connection, what)
+                    .at(fmu.path())
+                    .why("its FMU does not declare canGetAndSetFMUstate")
+                    .help("take --algorithm gauss-seidel, which cuts the loop"),
+            );
+        }
+    }
+    let told = system.order.loops.iter().map(|found| {
+        format!("algebraic loop through {}: solved at each step", system.members(found))
+    });
+    system.notes.extend(told.collect::<Vec<_>>());
+    Error::all(problems)
 }
 
 /// Whether every value that is held is one that holds by its nature.
@@ -36,7 +64,6 @@ fn discrete(system: &System, port: Port) -> bool {
 /// A loop in words; connections between the same two components are told once.
 fn told(system: &System, found: &Loop) -> String {
     let name = |component: usize| system.components[component].name.as_str();
-    let members: Vec<&str> = found.members.iter().map(|&m| name(m)).collect();
     let mut pairs: Vec<(usize, usize, String, usize)> = Vec::new();
     for connection in found.held.iter().map(|&c| &system.connections[c]) {
         let (from, to) = (connection.from, connection.to);
@@ -55,7 +82,7 @@ fn told(system: &System, found: &Loop) -> String {
             _ => format!("{} -> {} ({count} connections)", name(from), name(to)),
         })
         .collect();
-    let (members, held) = (members.join(", "), held.join(", "));
+    let (members, held) = (system.members(found), held.join(", "));
     match sampled(system, found) {
         true => format!("sampled loop through {members}: held for one step on {held}"),
         false => format!("algebraic loop through {members}: one step of delay on {held}"),

@@ -52,6 +52,8 @@ pub enum Algorithm {
     /// Inputs with direct feed-through get the value of the end of the step.
     #[default]
     GaussSeidel,
+    /// Like Gauss-Seidel, and algebraic loops are solved by iteration at each step.
+    Iterative,
 }
 
 /// A component of a system.
@@ -190,6 +192,13 @@ impl System {
         &self.notes
     }
 
+    /// The names of a loop's members, in stepping order.
+    pub fn members(&self, found: &Loop) -> String {
+        let names: Vec<&str> =
+            found.members.iter().map(|&m| self.components[m].name.as_str()).collect();
+        names.join(", ")
+    }
+
     /// `component.variable` of a port.
     pub fn port_name(&self, port: Port) -> String {
         let component = &self.components[port.component];
@@ -220,6 +229,7 @@ impl std::fmt::Display for Algorithm {
         f.write_str(match self {
             Algorithm::Jacobi => "jacobi",
             Algorithm::GaussSeidel => "gauss-seidel",
+            Algorithm::Iterative => "iterative",
         })
     }
 }
@@ -231,7 +241,8 @@ impl std::str::FromStr for Algorithm {
         match text {
             "jacobi" => Ok(Algorithm::Jacobi),
             "gauss-seidel" => Ok(Algorithm::GaussSeidel),
-            _ => Err(format!("'{text}' is neither jacobi nor gauss-seidel")),
+            "iterative" => Ok(Algorithm::Iterative),
+            _ => Err(format!("'{text}' is none of jacobi, gauss-seidel, iterative")),
         }
     }
 }

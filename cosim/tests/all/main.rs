@@ -5,6 +5,7 @@ mod command;
 mod exchange;
 mod failures;
 mod import;
+mod loops;
 mod models;
 mod scheduler;
 mod ssd;

@@ -20,6 +20,10 @@ pub(crate) enum Model {
     Clock,
     /// y = number of steps; Integer n = steps + m, Boolean even = !odd.
     Counter,
+    /// y = k u + time, feed-through.
+    Affine,
+    /// y = time - k u^3, feed-through.
+    Cubic,
     /// A gain that fails in the first step that ends after `second`.
     Failing,
     /// A gain that logs in three formats and dies in its third step.
@@ -43,6 +47,8 @@ impl Model {
             Model::Integrator => "INTEGRATOR",
             Model::Clock => "CLOCK",
             Model::Counter => "COUNTER",
+            Model::Affine => "AFFINE",
+            Model::Cubic => "CUBIC",
             Model::Failing => "FAILING",
             Model::Logging => "LOGGING",
             Model::Ball => "BALL",
@@ -54,7 +60,7 @@ impl Model {
     }
 
     fn feeds_through(self) -> bool {
-        matches!(self, Model::Gain | Model::Failing | Model::Logging)
+        matches!(self, Model::Gain | Model::Affine | Model::Cubic | Model::Failing | Model::Logging)
     }
 
     /// States and event indicators, for model exchange.

@@ -74,6 +74,6 @@ pub(super) fn check(raw: Arc<RawSystem>, overrides: &Overrides) -> Result<System
         warnings: findings.warnings,
         notes: Vec::new(),
     };
-    loops::tell(&mut system);
+    loops::tell(&mut system)?;
     Ok(system)
 }
