@@ -84,6 +84,7 @@ fn json(system: &System) -> Value {
         "loops": system.order().loops.iter().map(|l| json!({
             "members": l.members.iter().map(|&m| name(system, m)).collect::<Vec<_>>(),
             "cut": l.held,
+            "solved": l.solved,
         })).collect::<Vec<_>>(),
         "warnings": system.warnings(),
         "notes": system.notes(),

@@ -90,7 +90,7 @@ impl System {
 
     /// The effort for each loop that was solved by iteration.
     fn solved(&self, engine: &Engine) -> Vec<String> {
-        let loops = self.order().loops.iter().zip(&engine.efforts);
+        let loops = self.solved_loops().zip(&engine.efforts);
         let told = loops.filter(|(_, effort)| effort.solved > 0).map(|(found, effort)| {
             let mean = effort.passes as f64 / effort.solved as f64;
             format!("loop through {}: {mean:.1} passes per solution", self.members(found))
@@ -100,7 +100,7 @@ impl System {
 
     /// The loops that did not converge.
     fn unsolved(&self, engine: &Engine) -> Vec<String> {
-        let loops = self.order().loops.iter().zip(&engine.efforts);
+        let loops = self.solved_loops().zip(&engine.efforts);
         let told = loops.filter(|(_, effort)| effort.failed > 0).map(|(found, effort)| {
             format!(
                 "loop through {}: {} of {} iterations did not converge, the first at t = {} with \

@@ -12,6 +12,9 @@ const MAX_PASSES: u32 = 50;
 /// Relative step of the differences: the root of the precision.
 const DIFFERENCE: f64 = 1.5e-8;
 
+/// The function g: one pass of a loop, the second argument from the first.
+pub(super) type Loop<'a> = dyn FnMut(&[f64], &mut [f64]) -> Result<()> + 'a;
+
 /// How an iteration ended.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Outcome {
@@ -27,12 +30,8 @@ impl Outcome {
     }
 }
 
-/// Iterates from `v`; `g` computes its second argument from its first. The last call of `g` is
-/// with the values that `v` has at the end.
-pub(super) fn solve(
-    v: &mut [f64],
-    g: &mut dyn FnMut(&[f64], &mut [f64]) -> Result<()>,
-) -> Result<Outcome> {
+/// Iterates from `v`. The last call of `g` is with the values that `v` has at the end.
+pub(super) fn solve(v: &mut [f64], g: &mut Loop) -> Result<Outcome> {
     let mut image = vec![0.0; v.len()];
     g(v, &mut image)?;
     let mut outcome = Outcome { passes: 1, residual: residual(v, &image) };
@@ -70,7 +69,7 @@ fn newton_step(
     v: &[f64],
     image: &[f64],
     passes: &mut u32,
-    g: &mut dyn FnMut(&[f64], &mut [f64]) -> Result<()>,
+    g: &mut Loop,
 ) -> Result<Option<Vec<f64>>> {
     let n = v.len();
     // Rows of (dg/dv - 1 | v - g).

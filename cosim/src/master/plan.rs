@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use super::group::rank;
-use crate::system::{Algorithm, Connection, Model, Port, System};
+use crate::system::{Connection, Model, Port, System};
 use crate::time::Time;
 
 /// Copies one value.
@@ -89,9 +89,7 @@ impl Plan {
                 routes.push(route);
             }
         }
-        if system.algorithm() == Algorithm::Iterative {
-            plan.add_loops(system);
-        }
+        plan.add_loops(system);
         plan.columns =
             system.columns().iter().filter_map(|column| plan.value_slot(column.port)).collect();
         plan
@@ -106,7 +104,7 @@ impl Plan {
     }
 
     fn add_loops(&mut self, system: &System) {
-        for (position, found) in system.order().loops.iter().enumerate() {
+        for (position, found) in system.solved_loops().enumerate() {
             let held = found.held.iter().map(|&c| &system.connections()[c]);
             let cuts = held.filter_map(|c| {
                 let (from, to) = (c.from.component, c.to.component);

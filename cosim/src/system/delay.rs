@@ -63,7 +63,7 @@ impl System {
             return Cause::Jacobi;
         }
         match self.order.loops.iter().position(|l| l.held.contains(&connection)) {
-            Some(found) if self.algorithm == Algorithm::Iterative => Cause::Solved(found),
+            Some(found) if self.order.loops[found].solved => Cause::Solved(found),
             Some(found) => Cause::Cut(found),
             None => Cause::NoFeedThrough,
         }

@@ -12,39 +12,41 @@ use crate::fmi::Variability;
 
 /// Adds the loops to the system's notes or warnings; an error if they cannot be solved.
 pub(super) fn tell(system: &mut System) -> Result<()> {
-    if system.algorithm == Algorithm::Iterative {
-        return solved(system);
-    }
-    let (notes, warnings): (Vec<&Loop>, Vec<&Loop>) =
-        system.order.loops.iter().partition(|found| sampled(system, found));
-    let words = |loops: Vec<&Loop>| loops.into_iter().map(|l| told(system, l)).collect::<Vec<_>>();
-    let (notes, warnings) = (words(notes), words(warnings));
-    system.notes.extend(notes);
-    system.warnings.extend(warnings);
-    Ok(())
-}
-
-/// A step of a loop is made again and again, so its members must be able to go back.
-fn solved(system: &mut System) -> Result<()> {
     let mut problems = Vec::new();
-    for &member in system.order.loops.iter().flat_map(|found| &found.members) {
-        let component = &system.components[member];
-        let Model::Fmu(fmu) = &component.model else { continue };
-        if !fmu.interface(component.interface)?.get_and_set_state {
-            let what = format!("the loop with '{}' cannot be solved by iteration", component.name);
-            problems.push(
-                Error::new(Code::Connection, what)
-                    .at(fmu.path())
-                    .why("its FMU does not declare canGetAndSetFMUstate")
-                    .help("take --algorithm gauss-seidel, which cuts the loop"),
-            );
+    for position in 0..system.order.loops.len() {
+        let found = &system.order.loops[position];
+        if sampled(system, found) {
+            system.notes.push(told(system, found));
+        } else if system.algorithm == Algorithm::Iterative {
+            problems.extend(unable(system, found));
+            let members = system.members(found);
+            system.notes.push(format!("algebraic loop through {members}: solved at each step"));
+            system.order.loops[position].solved = true;
+        } else {
+            system.warnings.push(told(system, found));
         }
     }
-    let told = system.order.loops.iter().map(|found| {
-        format!("algebraic loop through {}: solved at each step", system.members(found))
-    });
-    system.notes.extend(told.collect::<Vec<_>>());
     Error::all(problems)
+}
+
+/// The members that cannot go back: a step of a loop is made again and again.
+fn unable(system: &System, found: &Loop) -> Vec<Error> {
+    let members = found.members.iter().map(|&member| &system.components[member]);
+    let unable = members.filter_map(|component| match &component.model {
+        Model::Fmu(fmu) => {
+            let able = fmu.interface(component.interface).is_ok_and(|i| i.get_and_set_state);
+            (!able).then_some((component, fmu))
+        }
+        Model::Signals(_) => None,
+    });
+    let problems = unable.map(|(component, fmu)| {
+        let what = format!("the loop with '{}' cannot be solved by iteration", component.name);
+        Error::new(Code::Connection, what)
+            .at(fmu.path())
+            .why("its FMU does not declare canGetAndSetFMUstate")
+            .help("take --algorithm gauss-seidel, which cuts the loop")
+    });
+    problems.collect()
 }
 
 /// Whether every value that is held is one that holds by its nature.

@@ -192,6 +192,11 @@ impl System {
         &self.notes
     }
 
+    /// The loops that are solved by iteration.
+    pub fn solved_loops(&self) -> impl Iterator<Item = &Loop> {
+        self.order.loops.iter().filter(|found| found.solved)
+    }
+
     /// The names of a loop's members, in stepping order.
     pub fn members(&self, found: &Loop) -> String {
         let names: Vec<&str> =

@@ -230,6 +230,9 @@ fn a_loop_that_is_cut_at_a_sampled_output_is_only_noted() {
     let held = ssd.load(&Overrides::new().replace("b", &sampled)).unwrap();
     assert!(held.warnings().is_empty(), "{:?}", held.warnings());
     assert!(held.notes()[0].starts_with("sampled loop through a, b"), "{:?}", held.notes());
+    // Nor is it solved: a sample would act on the step that it ends.
+    let iterative = Overrides::new().replace("b", &sampled).algorithm(Algorithm::Iterative);
+    assert_eq!(held.with(&iterative).unwrap().solved_loops().count(), 0);
     // The cut is not at the sampled one.
     let other = held.with(&Overrides::new().replace("a", &sampled)).unwrap();
     assert!(other.notes().is_empty() && other.warnings().len() == 1);
