@@ -7,12 +7,14 @@ mod changes;
 mod explain;
 mod info;
 mod inspect;
+mod interrupt;
 pub(crate) mod messages;
 mod output;
 mod report;
 mod run;
 mod simulate;
 mod solver;
+mod validate;
 mod values;
 
 use clap::{Parser, Subcommand, ValueEnum};
@@ -30,6 +32,7 @@ pub(crate) struct Arguments {
 enum Verb {
     Info(info::Info),
     Inspect(inspect::Inspect),
+    Validate(validate::Validate),
     Simulate(simulate::Simulate),
     Run(run::Run),
     Report(report::Report),
@@ -50,6 +53,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<()> {
     match arguments.verb {
         Verb::Info(verb) => verb.run(),
         Verb::Inspect(verb) => verb.run(),
+        Verb::Validate(verb) => verb.run(),
         Verb::Simulate(verb) => verb.run(),
         Verb::Run(verb) => verb.run(),
         Verb::Report(verb) => verb.run(),

@@ -7,6 +7,7 @@ use clap::Args;
 use cosim::observe::{CsvRecorder, Progress, Stop};
 use cosim::{Code, Error, Observer, Overrides, Result, Summary, System};
 
+use super::interrupt::Interrupt;
 use super::messages;
 
 #[derive(Args)]
@@ -52,7 +53,8 @@ impl Output {
     fn observe(&self, system: &System, mut recorder: impl Observer, target: &str) -> Result<()> {
         let begun = std::time::Instant::now();
         let mut progress = Progress::new();
-        let mut observers: Vec<&mut dyn Observer> = vec![&mut recorder];
+        let mut interrupt = Interrupt::new();
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut recorder, &mut interrupt];
         if !self.quiet {
             observers.push(&mut progress);
         }
@@ -68,7 +70,14 @@ impl Output {
             summary.messages.iter().for_each(|message| messages::tell(message));
             messages::tell(&told(system, &summary, begun.elapsed().as_secs_f64(), target));
         }
-        Ok(())
+        match summary.stopped {
+            Some(Stop::Interrupted) => {
+                Err(Error::new(Code::Interrupted, "the run was interrupted")
+                    .why(format!("at {} s after its start", summary.simulated))
+                    .help(format!("the results until then are in {target}")))
+            }
+            _ => Ok(()),
+        }
     }
 
     fn target(&self, name: &str) -> Result<PathBuf> {

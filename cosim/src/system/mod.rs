@@ -17,7 +17,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::error::Result;
-use crate::fmi::{Fmu, InterfaceType, Kind, Value};
+use crate::fmi::{Causality, Fmu, InterfaceType, Kind, Value};
 use crate::signals::Signals;
 use crate::solver;
 use crate::time::Time;
@@ -190,6 +190,20 @@ impl System {
     /// What is neither odd nor wrong, and good to know.
     pub fn notes(&self) -> &[String] {
         &self.notes
+    }
+
+    /// The inputs that no connection drives, component by component.
+    pub fn unconnected_inputs(&self) -> impl Iterator<Item = Port> {
+        let inputs = self.components.iter().enumerate().flat_map(|(component, c)| {
+            let variables = match &c.model {
+                Model::Fmu(fmu) => &fmu.description().variables[..],
+                Model::Signals(_) => &[],
+            };
+            let inputs = variables.iter().enumerate();
+            let inputs = inputs.filter(|(_, v)| v.causality == Causality::Input);
+            inputs.map(move |(variable, _)| Port { component, variable })
+        });
+        inputs.filter(|port| !self.connections.iter().any(|c| c.to == *port))
     }
 
     /// The loops that are solved by iteration.

@@ -224,3 +224,52 @@ fn a_closed_pipe_ends_the_run_without_a_word() {
     assert_eq!((child.wait().unwrap().code(), stderr.as_str()), (Some(0), ""));
     assert!(header.starts_with("time,"));
 }
+
+#[test]
+fn an_interrupted_run_keeps_its_results() {
+    let (fmu, folder) = (Model::Clock.fmu(), TempDir::new().unwrap());
+    let mut child = Command::new(env!("CARGO_BIN_EXE_cosim"))
+        .args(["simulate", path(&fmu), "-o", "kept.csv", "--stop-time", "1e8"])
+        .args(["--output-interval", "1000", "-q"])
+        .current_dir(folder.path())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The file is there when the handler is.
+    let file = folder.path().join("kept.csv");
+    while !file.is_file() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(200));
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    let mut stderr = String::new();
+    std::io::Read::read_to_string(&mut child.stderr.take().unwrap(), &mut stderr).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(1), "{stderr}");
+    assert!(stderr.contains("E303") && stderr.contains("kept.csv"), "{stderr}");
+    assert!(cosim::Recording::read_csv(file).unwrap().time().len() > 1);
+}
+
+#[test]
+fn validate_tells_all_problems_with_their_lines() {
+    let folder = TempDir::new().unwrap();
+    let ssd = Ssd::new().add("g", Model::Gain).add("c", Model::Clock).connect("c.y", "g.u");
+    let file = ssd.write();
+    let output = cosim(folder.path(), &["validate", path(&file)]);
+    assert!(output.status.success() && text(&output.stdout).contains("is valid"));
+    assert!(text(&output.stderr).contains("note: the input c.u is not connected"));
+    assert!(!text(&output.stderr).contains("g.u is not connected"));
+    let wrong = ssd.text().replace("startConnector='y'", "startConnector='yy'");
+    let wrong = wrong.replace("stopTime='1'", "stopTime='0'");
+    std::fs::write(folder.path().join("x.ssd"), wrong).unwrap();
+    let output = cosim(folder.path(), &["validate", "x.ssd", "--format=json"]);
+    assert_eq!(output.status.code(), Some(3));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&json["valid"], json["problems"].as_array().unwrap().len()), (&false.into(), 2));
+    assert_eq!(
+        (&json["problems"][0]["code"], &json["problems"][0]["line"]),
+        (&"E202".into(), &33.into())
+    );
+    let output = cosim(folder.path(), &["validate", path(&Model::Lag.fmu())]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+}
