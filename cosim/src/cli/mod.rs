@@ -4,6 +4,7 @@
 //! 0 ok, 1 the run failed, 2 usage, 3 the input is not valid (`cosim::Code::exit_code`).
 
 mod changes;
+mod completion;
 mod explain;
 mod info;
 mod inspect;
@@ -37,6 +38,8 @@ enum Verb {
     Run(run::Run),
     Report(report::Report),
     Explain(explain::Explain),
+    Completion(completion::Completion),
+    Man(completion::Man),
 }
 
 /// How something is printed.
@@ -58,5 +61,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<()> {
         Verb::Run(verb) => verb.run(),
         Verb::Report(verb) => verb.run(),
         Verb::Explain(verb) => verb.run(),
+        Verb::Completion(verb) => verb.run(),
+        Verb::Man(verb) => verb.run(),
     }
 }

@@ -7,6 +7,7 @@ use libloading::Library;
 
 use super::callbacks::{Callbacks, text};
 use super::description::InterfaceType;
+use super::elf;
 use super::status::RawStatus;
 use crate::error::{Code, Error, Result};
 
@@ -131,6 +132,12 @@ pub(super) struct Binary {
 
 /// Loads the library at `path`, which belongs to the FMU `fmu`.
 pub(super) fn load(path: &Path, fmu: &Path, kind: InterfaceType) -> Result<Binary> {
+    elf::check(path).map_err(|why| {
+        Error::new(Code::Library, "the library of the FMU cannot be loaded")
+            .at(fmu)
+            .why(why)
+            .help("export the FMU for this machine")
+    })?;
     // SAFETY: loading runs the library's constructors: whoever runs an FMU trusts its code.
     let library = unsafe { Library::new(path) }.map_err(|e| {
         Error::new(Code::Library, "the library of the FMU cannot be loaded")

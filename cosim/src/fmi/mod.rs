@@ -6,6 +6,7 @@
 pub mod archive;
 mod callbacks;
 pub mod description;
+mod elf;
 mod fmu;
 mod instance;
 mod library;

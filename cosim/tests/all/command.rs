@@ -273,3 +273,15 @@ fn validate_tells_all_problems_with_their_lines() {
     let output = cosim(folder.path(), &["validate", path(&Model::Lag.fmu())]);
     assert!(output.status.success(), "{}", text(&output.stderr));
 }
+
+#[test]
+fn completion_and_manual_know_every_verb() {
+    let folder = TempDir::new().unwrap();
+    for arguments in [&["completion", "bash"][..], &["completion", "zsh"], &["man"]] {
+        let output = cosim(folder.path(), arguments);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        for verb in ["inspect", "validate", "simulate", "interface"] {
+            assert!(text(&output.stdout).contains(verb), "{verb} in {arguments:?}");
+        }
+    }
+}
