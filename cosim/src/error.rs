@@ -106,6 +106,21 @@ impl Error {
         &self.0.what
     }
 
+    /// The file concerned, and the line if there is one.
+    pub fn place(&self) -> Option<(&Path, Option<usize>)> {
+        self.0.place.as_ref().map(|(file, line)| (file.as_path(), *line))
+    }
+
+    /// The cause, if it is known.
+    pub fn reason(&self) -> Option<&str> {
+        self.0.why.as_deref()
+    }
+
+    /// The remedy, if there is one to tell.
+    pub fn remedy(&self) -> Option<&str> {
+        self.0.help.as_deref()
+    }
+
     /// This problem and those reported with it.
     pub fn problems(&self) -> impl Iterator<Item = &Error> {
         std::iter::once(self).chain(&self.0.others)

@@ -1,6 +1,6 @@
 //! A co-simulation master for FMI 2.0.
 //!
-//! Loads co-simulation FMUs, links them as an SSP 1.0 system description says, steps them by a
+//! Loads FMUs (those of model exchange get an integrator of ours), links them as an SSP 1.0 system description says, steps them by a
 //! deterministic schedule in integer time and records the results. It knows FMI and SSP, and no
 //! component in particular.
 //!
@@ -25,6 +25,7 @@ pub mod names;
 pub mod observe;
 pub mod report;
 pub mod signals;
+pub mod solver;
 pub mod system;
 pub mod time;
 pub mod xml;

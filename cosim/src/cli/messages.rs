@@ -2,7 +2,7 @@
 
 use std::io::{IsTerminal, Write};
 
-use cosim::Error;
+use cosim::{Error, System};
 
 /// Prints an error, and those reported with it.
 pub(crate) fn error(error: &Error) {
@@ -14,9 +14,22 @@ pub(crate) fn warning(text: &str) {
     tagged("warning", "33", text);
 }
 
-/// Prints what is good to know.
+/// Prints what is neither odd nor wrong, and good to know.
 pub(crate) fn note(text: &str) {
+    tagged("note", "36", text);
+}
+
+/// Prints what was done, and what components said.
+pub(crate) fn tell(text: &str) {
     line(text);
+}
+
+/// Prints what a system's check found: warnings always, notes unless `quiet`.
+pub(crate) fn findings(system: &System, quiet: bool) {
+    system.warnings().iter().for_each(|text| warning(text));
+    if !quiet {
+        system.notes().iter().for_each(|text| note(text));
+    }
 }
 
 fn tagged(tag: &str, colour: &str, text: &str) {

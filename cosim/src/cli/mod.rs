@@ -3,13 +3,19 @@
 //! Results and what was asked for go to stdout or files, everything else to stderr. Exit codes:
 //! 0 ok, 1 the run failed, 2 usage, 3 the input is not valid (`cosim::Code::exit_code`).
 
+mod changes;
+mod completion;
 mod explain;
 mod info;
+mod inspect;
+mod interrupt;
 pub(crate) mod messages;
 mod output;
 mod report;
 mod run;
 mod simulate;
+mod solver;
+mod validate;
 mod values;
 
 use clap::{Parser, Subcommand, ValueEnum};
@@ -26,10 +32,14 @@ pub(crate) struct Arguments {
 #[derive(Subcommand)]
 enum Verb {
     Info(info::Info),
+    Inspect(inspect::Inspect),
+    Validate(validate::Validate),
     Simulate(simulate::Simulate),
     Run(run::Run),
     Report(report::Report),
     Explain(explain::Explain),
+    Completion(completion::Completion),
+    Man(completion::Man),
 }
 
 /// How something is printed.
@@ -45,9 +55,13 @@ pub(crate) enum Format {
 pub(crate) fn run(arguments: Arguments) -> Result<()> {
     match arguments.verb {
         Verb::Info(verb) => verb.run(),
+        Verb::Inspect(verb) => verb.run(),
+        Verb::Validate(verb) => verb.run(),
         Verb::Simulate(verb) => verb.run(),
         Verb::Run(verb) => verb.run(),
         Verb::Report(verb) => verb.run(),
         Verb::Explain(verb) => verb.run(),
+        Verb::Completion(verb) => verb.run(),
+        Verb::Man(verb) => verb.run(),
     }
 }

@@ -4,19 +4,20 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use cosim::observe::{CsvRecorder, Progress};
-use cosim::{Code, Error, Observer, Result, System};
+use cosim::observe::{CsvRecorder, Progress, Stop};
+use cosim::{Code, Error, Observer, Overrides, Result, Summary, System};
 
+use super::interrupt::Interrupt;
 use super::messages;
 
 #[derive(Args)]
 pub(crate) struct Output {
     /// Record this variable; * and ? make a pattern (repeatable; default: all outputs)
     #[arg(long, value_name = "NAME")]
-    pub(crate) output_variable: Vec<String>,
+    output_variable: Vec<String>,
     /// Seconds between recorded samples (default: the smallest step)
     #[arg(long, value_name = "SECONDS", value_parser = super::values::seconds)]
-    pub(crate) output_interval: Option<f64>,
+    output_interval: Option<f64>,
     /// Write the results there, - for stdout (default: NAME_out.csv)
     #[arg(long, short, value_name = "FILE")]
     output_file: Option<PathBuf>,
@@ -29,11 +30,18 @@ pub(crate) struct Output {
 }
 
 impl Output {
+    /// What of this is decided when the system is made.
+    pub(crate) fn add_to(&self, overrides: Overrides) -> Overrides {
+        let overrides = overrides.output_variables(&self.output_variable);
+        match self.output_interval {
+            Some(seconds) => overrides.output_interval(seconds),
+            None => overrides,
+        }
+    }
+
     /// Runs `system` and writes what it records.
     pub(crate) fn run(&self, system: &System) -> Result<()> {
-        for warning in system.warnings() {
-            messages::warning(warning);
-        }
+        messages::findings(system, self.quiet);
         let target = self.target(system.name())?;
         if target == Path::new("-") {
             let recorder = CsvRecorder::new(io::BufWriter::new(io::stdout().lock()), "stdout");
@@ -45,7 +53,8 @@ impl Output {
     fn observe(&self, system: &System, mut recorder: impl Observer, target: &str) -> Result<()> {
         let begun = std::time::Instant::now();
         let mut progress = Progress::new();
-        let mut observers: Vec<&mut dyn Observer> = vec![&mut recorder];
+        let mut interrupt = Interrupt::new();
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut recorder, &mut interrupt];
         if !self.quiet {
             observers.push(&mut progress);
         }
@@ -56,20 +65,19 @@ impl Output {
         for warning in &summary.warnings {
             messages::warning(warning);
         }
-        if !self.quiet {
-            summary.messages.iter().for_each(|message| messages::note(message));
+        if !self.quiet && summary.stopped != Some(Stop::ReaderGone) {
+            summary.notes.iter().for_each(|note| messages::note(note));
+            summary.messages.iter().for_each(|message| messages::tell(message));
+            messages::tell(&told(system, &summary, begun.elapsed().as_secs_f64(), target));
         }
-        if !self.quiet {
-            let spent = begun.elapsed().as_secs_f64();
-            messages::note(&format!(
-                "{}: {} s simulated in {spent:.3} s ({:.0} x real time, {} steps); results in {target}",
-                system.name(),
-                summary.simulated,
-                summary.simulated / spent.max(1e-9),
-                summary.steps,
-            ));
+        match summary.stopped {
+            Some(Stop::Interrupted) => {
+                Err(Error::new(Code::Interrupted, "the run was interrupted")
+                    .why(format!("at {} s after its start", summary.simulated))
+                    .help(format!("the results until then are in {target}")))
+            }
+            _ => Ok(()),
         }
-        Ok(())
     }
 
     fn target(&self, name: &str) -> Result<PathBuf> {
@@ -85,6 +93,17 @@ impl Output {
             }
         }
     }
+}
+
+/// What a run did, in one line.
+fn told(system: &System, summary: &Summary, spent: f64, target: &str) -> String {
+    format!(
+        "{}: {} s simulated in {spent:.3} s ({:.0} x real time, {} steps); results in {target}",
+        system.name(),
+        summary.simulated,
+        summary.simulated / spent.max(1e-9),
+        summary.steps,
+    )
 }
 
 /// Prints to stdout; a closed pipe (`| head`) ends quietly.

@@ -41,7 +41,7 @@ impl Report {
         std::fs::write(&target, page).map_err(|e| {
             Error::new(Code::Output, "the page cannot be written").at(&target).why(e)
         })?;
-        messages::note(&format!("the report is in {}", target.display()));
+        messages::tell(&format!("the report is in {}", target.display()));
         Ok(())
     }
 }

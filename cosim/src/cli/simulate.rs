@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use cosim::fmi::InterfaceType;
 use cosim::{Overrides, Recording, Result, System};
 
 use super::output::Output;
+use super::solver::Solver;
 use super::values;
 
 /// Simulate one FMU
@@ -28,6 +30,11 @@ pub(crate) struct Simulate {
     /// Communication step (default: the FMU's, or the output interval)
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds)]
     step_size: Option<f64>,
+    /// me: model exchange with our integrator, cs: co-simulation (default: cs if the FMU has it)
+    #[arg(long, value_name = "me|cs")]
+    interface_type: Option<InterfaceType>,
+    #[command(flatten)]
+    solver: Solver,
     /// Ask the FMU for debug messages, which are shown when it fails
     #[arg(long)]
     debug_logging: bool,
@@ -43,9 +50,7 @@ impl Simulate {
     }
 
     fn overrides(&self) -> Overrides {
-        let mut overrides = Overrides::new()
-            .debug_logging(self.debug_logging)
-            .output_variables(&self.output.output_variable);
+        let mut overrides = self.output.add_to(Overrides::new().debug_logging(self.debug_logging));
         for (name, value) in &self.start_value {
             overrides = overrides.start_value(name, value);
         }
@@ -58,9 +63,9 @@ impl Simulate {
         if let Some(seconds) = self.step_size {
             overrides = overrides.step("", seconds);
         }
-        match self.output.output_interval {
-            Some(seconds) => overrides.output_interval(seconds),
-            None => overrides,
+        if let Some(kind) = self.interface_type {
+            overrides = overrides.interface("", kind);
         }
+        self.solver.add_to(overrides)
     }
 }

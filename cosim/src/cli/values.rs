@@ -1,5 +1,7 @@
 //! Values of options as typed: `name=value`, `component=seconds`.
 
+use cosim::fmi::InterfaceType;
+
 /// `name=value`; the value may contain further `=`.
 pub(crate) fn assignment(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
@@ -14,6 +16,12 @@ pub(crate) fn assignment(text: &str) -> Result<(String, String), String> {
 pub(crate) fn step(text: &str) -> Result<(String, f64), String> {
     let (name, value) = assignment(text)?;
     Ok((name, seconds(&value)?))
+}
+
+/// `component=me` or `component=cs`.
+pub(crate) fn interface(text: &str) -> Result<(String, InterfaceType), String> {
+    let (name, value) = assignment(text)?;
+    Ok((name, value.trim().parse()?))
 }
 
 /// A finite number of seconds.

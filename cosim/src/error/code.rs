@@ -47,6 +47,7 @@ codes! {
     Replacement "E206" 3 "The FMU put in place of another lacks an output that other components need."
     Fmu "E301" 1 "A function of an FMU returned an error while the system ran."
     Output "E302" 1 "Results could not be written."
+    Interrupted "E303" 1 "The user ended the run by ctrl-C; the results until then are kept."
     Results "E401" 3 "A file of recorded results cannot be read."
     Report "E402" 1 "A report could not be made."
 }

@@ -10,15 +10,16 @@ use std::time::SystemTime;
 use tempfile::TempDir;
 
 use super::archive;
-use super::description::{self, CoSimulation, Description};
-use super::library::{self, Functions};
+use super::description::{self, Description, Interface, InterfaceType};
+use super::library::{self, Binary};
 use crate::error::{Code, Error, Result};
 
 /// An imported FMU.
 pub struct Fmu {
     path: PathBuf,
     description: Description,
-    functions: OnceLock<Functions>,
+    /// The libraries for co-simulation and for model exchange; often the same file.
+    binaries: [OnceLock<Binary>; 2],
     loading: Mutex<()>,
     /// An instance of an FMU that allows only one per process exists.
     pub(super) taken: AtomicBool,
@@ -59,7 +60,7 @@ impl Fmu {
         Ok(Self {
             path: path.to_owned(),
             description,
-            functions: OnceLock::new(),
+            binaries: Default::default(),
             loading: Mutex::new(()),
             taken: AtomicBool::new(false),
             folder,
@@ -76,36 +77,52 @@ impl Fmu {
         &self.description
     }
 
-    /// The co-simulation part, without which the FMU cannot be run here.
-    pub fn co_simulation(&self) -> Result<&CoSimulation> {
-        self.description.co_simulation.as_ref().ok_or_else(|| {
-            Error::new(Code::Description, "the FMU has no co-simulation part")
-                .at(&self.path)
-                .help("export it for co-simulation: model exchange alone has no solver")
+    /// The part for an interface type, or the error that there is none.
+    pub fn interface(&self, kind: InterfaceType) -> Result<&Interface> {
+        self.description.interface(kind).ok_or_else(|| {
+            let what = format!("the FMU has no {} part", kind.name());
+            Error::new(Code::Description, what).at(&self.path).help("export it with that interface")
         })
     }
 
-    /// Maps the library, if that was not done before.
-    pub fn load(&self) -> Result<()> {
-        self.functions().map(|_| ())
+    /// The interface type that is wanted, or without a wish co-simulation if there is that.
+    pub fn choose(&self, wanted: Option<InterfaceType>) -> Result<InterfaceType> {
+        let kind = wanted.unwrap_or(match self.description.co_simulation {
+            Some(_) => InterfaceType::CoSimulation,
+            None => InterfaceType::ModelExchange,
+        });
+        match (self.interface(kind), wanted) {
+            (Ok(_), _) => Ok(kind),
+            (Err(error), Some(_)) => Err(error),
+            (Err(_), None) => Err(Error::new(
+                Code::Description,
+                "the FMU has neither a co-simulation nor a model exchange part",
+            )
+            .at(&self.path)),
+        }
     }
 
-    #[inline]
-    pub(super) fn functions(&self) -> Result<&Functions> {
-        if let Some(functions) = self.functions.get() {
-            return Ok(functions);
+    /// Maps the library for `kind`, if that was not done before.
+    pub fn load(&self, kind: InterfaceType) -> Result<()> {
+        self.binary(kind).map(|_| ())
+    }
+
+    pub(super) fn binary(&self, kind: InterfaceType) -> Result<&Binary> {
+        let cell = &self.binaries[kind as usize];
+        if let Some(binary) = cell.get() {
+            return Ok(binary);
         }
         // The lock makes one thread load; OnceLock alone cannot hand an error back.
         let _loading = self.loading.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(functions) = self.functions.get() {
-            return Ok(functions);
+        if let Some(binary) = cell.get() {
+            return Ok(binary);
         }
-        let functions = library::load(&self.library_file()?, &self.path)?;
-        Ok(self.functions.get_or_init(|| functions))
+        let binary = library::load(&self.library_file(kind)?, &self.path, kind)?;
+        Ok(cell.get_or_init(|| binary))
     }
 
-    fn library_file(&self) -> Result<PathBuf> {
-        let name = format!("{}.so", self.co_simulation()?.model_identifier);
+    fn library_file(&self, kind: InterfaceType) -> Result<PathBuf> {
+        let name = format!("{}.so", self.interface(kind)?.model_identifier);
         let binaries = self.folder.path().join("binaries");
         let found = library::folders()
             .iter()

@@ -1,7 +1,7 @@
 //! The safe handle of one `fmi2Component`.
 //!
-//! It permits only the calls that FMI 2.0.5 (4.2.4, state machine for co-simulation) allows in
-//! the present [`State`], turns statuses into errors, and frees the instance when dropped.
+//! It permits only the calls that FMI 2.0.5 (3.2.3 and 4.2.4, state machines) allows in the
+//! present [`State`], turns statuses into errors, and frees the instance when dropped.
 
 use std::ffi::CString;
 use std::ptr;
@@ -9,14 +9,17 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use super::callbacks::Callbacks;
+use super::description::InterfaceType;
 use super::fmu::Fmu;
-use super::library::{Component, FmuState, Functions};
+use super::library::{Component, FmuState, Functions, Own};
 use super::log::Log;
 use super::status::{self, RawStatus};
 use crate::error::{Code, Error, Result};
 use crate::time::Time;
 
 mod access;
+mod exchange;
+pub use exchange::NextEvent;
 
 /// State of an instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,13 +28,22 @@ pub enum State {
     Instantiated,
     /// In initialization mode: inputs may be set, outputs read.
     Initialization,
-    /// Between communication points.
+    /// Co-simulation: between communication points.
     Ready,
+    /// Model exchange: at an event.
+    EventMode,
+    /// Model exchange: the importer integrates.
+    ContinuousTime,
     /// A step was refused: values may be read, nothing more.
     Failed,
     /// The FMU said that it is beyond use: not even freeing is allowed.
     Fatal,
 }
+
+/// After the initialization, and well.
+const RUNNING: &[State] = &[State::Ready, State::EventMode, State::ContinuousTime];
+const RESTORABLE: &[State] =
+    &[State::Ready, State::EventMode, State::ContinuousTime, State::Failed];
 
 /// An instance of an FMU.
 pub struct Instance {
@@ -40,18 +52,29 @@ pub struct Instance {
     name: String,
     state: State,
     time: Time,
-    saved: Option<FmuState>,
+    /// A saved state of the FMU, and of this handle.
+    saved: Option<(FmuState, State)>,
     /// The FMU holds pointers to both of these: boxed, so that they stay where they are.
     _callbacks: Box<Callbacks>,
     log: Box<Log>,
+    kind: InterfaceType,
+    /// Pointers into the library, which `fmu` keeps mapped.
+    functions: Functions,
+    own: Own,
     fmu: Arc<Fmu>,
 }
 
 impl Instance {
-    /// Instantiates `fmu` under `name`; `logging` asks it for debug messages.
+    /// Instantiates `fmu` for co-simulation under `name`; `logging` asks it for debug messages.
     pub fn new(fmu: Arc<Fmu>, name: &str, logging: bool) -> Result<Self> {
-        let once = fmu.co_simulation()?.once_per_process;
-        let functions = fmu.functions()?;
+        Self::of(fmu, InterfaceType::CoSimulation, name, logging)
+    }
+
+    /// Instantiates `fmu` for that interface type.
+    pub fn of(fmu: Arc<Fmu>, kind: InterfaceType, name: &str, logging: bool) -> Result<Self> {
+        let once = fmu.interface(kind)?.once_per_process;
+        let binary = fmu.binary(kind)?;
+        let (functions, own) = (binary.functions, binary.own);
         if once && fmu.taken.swap(true, Ordering::AcqRel) {
             return Err(Error::new(Code::Fmu, format!("'{name}' cannot be instantiated"))
                 .at(fmu.path())
@@ -62,12 +85,15 @@ impl Instance {
         let resources = text(&fmu.resource_uri());
         let log = Box::<Log>::default();
         let callbacks = Box::new(Callbacks::new(&log));
-        const CO_SIMULATION: i32 = 1;
+        let fmi_type = match kind {
+            InterfaceType::ModelExchange => 0,
+            InterfaceType::CoSimulation => 1,
+        };
         // SAFETY: the strings live during the call, callbacks and log as long as the instance.
         let component = unsafe {
             (functions.instantiate)(
                 c_name.as_ptr(),
-                CO_SIMULATION,
+                fmi_type,
                 guid.as_ptr(),
                 resources.as_ptr(),
                 &*callbacks,
@@ -83,7 +109,19 @@ impl Instance {
                 .log(log.take()));
         }
         let (name, state, time) = (name.to_owned(), State::Instantiated, Time::ZERO);
-        Ok(Self { component, name, state, time, saved: None, _callbacks: callbacks, log, fmu })
+        Ok(Self {
+            component,
+            name,
+            state,
+            time,
+            saved: None,
+            _callbacks: callbacks,
+            log,
+            kind,
+            functions,
+            own,
+            fmu,
+        })
     }
 
     /// The instance's name.
@@ -125,18 +163,24 @@ impl Instance {
             // SAFETY: `c` is alive and the state allows the call.
             unsafe { (f.exit_initialization)(c) }
         })?;
-        self.state = State::Ready;
+        self.state = match self.kind {
+            InterfaceType::CoSimulation => State::Ready,
+            InterfaceType::ModelExchange => State::EventMode,
+        };
         Ok(())
     }
 
     /// Advances from `start` by `step`.
     pub fn do_step(&mut self, start: Time, step: Time) -> Result<()> {
         self.require("fmi2DoStep", &[State::Ready])?;
+        let Own::Stepping(stepping) = self.own else {
+            return Err(self.refused("fmi2DoStep"));
+        };
         self.time = start;
         let (from, length) = (start.seconds(), step.seconds());
-        self.call("fmi2DoStep", |f, c| {
+        self.call("fmi2DoStep", |_, c| {
             // SAFETY: `c` is alive and the state allows the call.
-            unsafe { (f.do_step)(c, from, length, 1) }
+            unsafe { (stepping.do_step)(c, from, length, 1) }
         })?;
         self.time = start + step;
         Ok(())
@@ -144,32 +188,32 @@ impl Instance {
 
     /// Saves the FMU's whole state for [`Instance::restore`], in place of one saved before.
     pub fn save(&mut self) -> Result<()> {
-        self.require("fmi2GetFMUstate", &[State::Ready])?;
-        if !self.fmu.co_simulation()?.get_and_set_state {
+        self.require("fmi2GetFMUstate", RUNNING)?;
+        if !self.fmu.interface(self.kind)?.get_and_set_state {
             return Err(Error::new(Code::Fmu, format!("'{}' cannot save its state", self.name))
                 .at(self.fmu.path())
                 .why("its modelDescription.xml does not declare canGetAndSetFMUstate"));
         }
-        let mut saved = self.saved.take().unwrap_or(ptr::null_mut());
+        let mut saved = self.saved.take().map_or(ptr::null_mut(), |(saved, _)| saved);
         let result = self.call("fmi2GetFMUstate", |f, c| {
             // SAFETY: `saved` is NULL or a state of this instance, which is then overwritten.
             unsafe { (f.get_state)(c, &mut saved) }
         });
-        self.saved = (!saved.is_null()).then_some(saved);
+        self.saved = (!saved.is_null()).then_some((saved, self.state));
         result
     }
 
     /// Sets the FMU back to the state saved last, which was that of the instant `time`.
     pub fn restore(&mut self, time: Time) -> Result<()> {
-        self.require("fmi2SetFMUstate", &[State::Ready, State::Failed])?;
-        let Some(saved) = self.saved else {
+        self.require("fmi2SetFMUstate", RESTORABLE)?;
+        let Some((saved, state)) = self.saved else {
             return Err(Error::new(Code::Fmu, format!("'{}' has no saved state", self.name)));
         };
         self.call("fmi2SetFMUstate", |f, c| {
             // SAFETY: `saved` is a state of this instance.
             unsafe { (f.set_state)(c, saved) }
         })?;
-        self.state = State::Ready;
+        self.state = state;
         self.time = time;
         Ok(())
     }
@@ -183,8 +227,13 @@ impl Instance {
         if allowed.contains(&self.state) {
             return Ok(());
         }
-        Err(Error::new(Code::Fmu, format!("{function} of '{}' is not allowed now", self.name))
-            .why(format!("the instance is in the state {:?}", self.state)))
+        Err(self.refused(function))
+    }
+
+    #[cold]
+    fn refused(&self, function: &'static str) -> Error {
+        Error::new(Code::Fmu, format!("{function} of '{}' is not allowed now", self.name))
+            .why(format!("the instance is in the state {:?}", self.state))
     }
 
     #[inline]
@@ -193,7 +242,7 @@ impl Instance {
         function: &'static str,
         call: impl FnOnce(&Functions, Component) -> RawStatus,
     ) -> Result<()> {
-        let status = call(self.fmu.functions()?, self.component);
+        let status = call(&self.functions, self.component);
         if status == status::OK || status == status::WARNING {
             return Ok(());
         }
@@ -213,18 +262,16 @@ impl Instance {
 
 impl Drop for Instance {
     fn drop(&mut self) {
-        let Ok(functions) = self.fmu.functions() else {
-            return;
-        };
+        let functions = &self.functions;
         // FMI allows no call at all after a fatal error: the instance is leaked.
         if self.state == State::Fatal {
             return;
         }
-        if let Some(mut saved) = self.saved.take() {
+        if let Some((mut saved, _)) = self.saved.take() {
             // SAFETY: `saved` is a state of this living instance.
             unsafe { (functions.free_state)(self.component, &mut saved) };
         }
-        if self.state == State::Ready {
+        if RUNNING.contains(&self.state) {
             // SAFETY: the state allows it; a status would change nothing any more.
             unsafe { (functions.terminate)(self.component) };
         }

@@ -6,6 +6,8 @@ use std::path::Path;
 use libloading::Library;
 
 use super::callbacks::{Callbacks, text};
+use super::description::InterfaceType;
+use super::elf;
 use super::status::RawStatus;
 use crate::error::{Code, Error, Result};
 
@@ -14,16 +16,17 @@ pub(super) type Bool = c_int;
 pub(super) type FmuState = *mut c_void;
 
 macro_rules! functions {
-    ($($field:ident = $symbol:literal : fn($($argument:ty),*) $(-> $result:ty)?;)*) => {
-        /// The functions of FMI 2.0 for co-simulation that a master calls.
-        pub(super) struct Functions {
+    ($(#[$doc:meta])* $name:ident {
+        $($field:ident = $symbol:literal : fn($($argument:ty),*) $(-> $result:ty)?;)*
+    }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy)]
+        pub(super) struct $name {
             $(pub $field: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
-            /// Keeps the code mapped; the pointers above are into it.
-            _library: Library,
         }
 
-        impl Functions {
-            fn resolve(library: Library, fmu: &Path) -> Result<Self> {
+        impl $name {
+            fn resolve(library: &Library, fmu: &Path) -> Result<Self> {
                 $(
                     // SAFETY: FMI 2.0 fixes the type of the function of that name.
                     let $field = *unsafe {
@@ -33,40 +36,108 @@ macro_rules! functions {
                         Error::new(Code::Library, format!("the library lacks {}", $symbol))
                             .at(fmu)
                             .why(e)
-                            .help("the FMU was exported for model exchange only, or is damaged")
+                            .help("the FMU was exported for another interface, or is damaged")
                     })?;
                 )*
-                Ok(Self { $($field,)* _library: library })
+                Ok(Self { $($field),* })
             }
         }
     };
 }
 
 functions! {
-    get_version = "fmi2GetVersion": fn() -> *const c_char;
-    instantiate = "fmi2Instantiate": fn(
-        *const c_char, c_int, *const c_char, *const c_char, *const Callbacks, Bool, Bool
-    ) -> Component;
-    free_instance = "fmi2FreeInstance": fn(Component);
-    setup_experiment = "fmi2SetupExperiment": fn(Component, Bool, f64, f64, Bool, f64) -> RawStatus;
-    enter_initialization = "fmi2EnterInitializationMode": fn(Component) -> RawStatus;
-    exit_initialization = "fmi2ExitInitializationMode": fn(Component) -> RawStatus;
-    terminate = "fmi2Terminate": fn(Component) -> RawStatus;
-    get_real = "fmi2GetReal": fn(Component, *const u32, usize, *mut f64) -> RawStatus;
-    get_integer = "fmi2GetInteger": fn(Component, *const u32, usize, *mut c_int) -> RawStatus;
-    get_boolean = "fmi2GetBoolean": fn(Component, *const u32, usize, *mut Bool) -> RawStatus;
-    set_real = "fmi2SetReal": fn(Component, *const u32, usize, *const f64) -> RawStatus;
-    set_integer = "fmi2SetInteger": fn(Component, *const u32, usize, *const c_int) -> RawStatus;
-    set_boolean = "fmi2SetBoolean": fn(Component, *const u32, usize, *const Bool) -> RawStatus;
-    set_string = "fmi2SetString": fn(Component, *const u32, usize, *const *const c_char) -> RawStatus;
-    do_step = "fmi2DoStep": fn(Component, f64, f64, Bool) -> RawStatus;
-    get_state = "fmi2GetFMUstate": fn(Component, *mut FmuState) -> RawStatus;
-    set_state = "fmi2SetFMUstate": fn(Component, FmuState) -> RawStatus;
-    free_state = "fmi2FreeFMUstate": fn(Component, *mut FmuState) -> RawStatus;
+    /// What both interface types have.
+    Functions {
+        get_version = "fmi2GetVersion": fn() -> *const c_char;
+        instantiate = "fmi2Instantiate": fn(
+            *const c_char, c_int, *const c_char, *const c_char, *const Callbacks, Bool, Bool
+        ) -> Component;
+        free_instance = "fmi2FreeInstance": fn(Component);
+        setup_experiment = "fmi2SetupExperiment": fn(
+            Component, Bool, f64, f64, Bool, f64
+        ) -> RawStatus;
+        enter_initialization = "fmi2EnterInitializationMode": fn(Component) -> RawStatus;
+        exit_initialization = "fmi2ExitInitializationMode": fn(Component) -> RawStatus;
+        terminate = "fmi2Terminate": fn(Component) -> RawStatus;
+        get_real = "fmi2GetReal": fn(Component, *const u32, usize, *mut f64) -> RawStatus;
+        get_integer = "fmi2GetInteger": fn(Component, *const u32, usize, *mut c_int) -> RawStatus;
+        get_boolean = "fmi2GetBoolean": fn(Component, *const u32, usize, *mut Bool) -> RawStatus;
+        set_real = "fmi2SetReal": fn(Component, *const u32, usize, *const f64) -> RawStatus;
+        set_integer = "fmi2SetInteger": fn(
+            Component, *const u32, usize, *const c_int
+        ) -> RawStatus;
+        set_boolean = "fmi2SetBoolean": fn(Component, *const u32, usize, *const Bool) -> RawStatus;
+        set_string = "fmi2SetString": fn(
+            Component, *const u32, usize, *const *const c_char
+        ) -> RawStatus;
+        get_state = "fmi2GetFMUstate": fn(Component, *mut FmuState) -> RawStatus;
+        set_state = "fmi2SetFMUstate": fn(Component, FmuState) -> RawStatus;
+        free_state = "fmi2FreeFMUstate": fn(Component, *mut FmuState) -> RawStatus;
+    }
+}
+
+functions! {
+    /// What only co-simulation has.
+    Stepping {
+        do_step = "fmi2DoStep": fn(Component, f64, f64, Bool) -> RawStatus;
+    }
+}
+
+functions! {
+    /// What only model exchange has.
+    Exchange {
+        enter_event = "fmi2EnterEventMode": fn(Component) -> RawStatus;
+        new_discrete = "fmi2NewDiscreteStates": fn(Component, *mut EventInfo) -> RawStatus;
+        enter_continuous = "fmi2EnterContinuousTimeMode": fn(Component) -> RawStatus;
+        completed_step = "fmi2CompletedIntegratorStep": fn(
+            Component, Bool, *mut Bool, *mut Bool
+        ) -> RawStatus;
+        set_time = "fmi2SetTime": fn(Component, f64) -> RawStatus;
+        set_states = "fmi2SetContinuousStates": fn(Component, *const f64, usize) -> RawStatus;
+        get_derivatives = "fmi2GetDerivatives": fn(Component, *mut f64, usize) -> RawStatus;
+        get_indicators = "fmi2GetEventIndicators": fn(Component, *mut f64, usize) -> RawStatus;
+        get_states = "fmi2GetContinuousStates": fn(Component, *mut f64, usize) -> RawStatus;
+        get_nominals = "fmi2GetNominalsOfContinuousStates": fn(
+            Component, *mut f64, usize
+        ) -> RawStatus;
+    }
+}
+
+/// `fmi2EventInfo`.
+#[repr(C)]
+#[derive(Default)]
+pub(super) struct EventInfo {
+    pub new_discrete_states_needed: Bool,
+    pub terminate: Bool,
+    pub nominals_changed: Bool,
+    pub states_changed: Bool,
+    pub next_event_defined: Bool,
+    pub next_event: f64,
+}
+
+/// The functions of one interface type.
+#[derive(Clone, Copy)]
+pub(super) enum Own {
+    Stepping(Stepping),
+    Exchange(Exchange),
+}
+
+/// A mapped library.
+pub(super) struct Binary {
+    pub functions: Functions,
+    pub own: Own,
+    /// Keeps the code mapped; the pointers above are into it.
+    _library: Library,
 }
 
 /// Loads the library at `path`, which belongs to the FMU `fmu`.
-pub(super) fn load(path: &Path, fmu: &Path) -> Result<Functions> {
+pub(super) fn load(path: &Path, fmu: &Path, kind: InterfaceType) -> Result<Binary> {
+    elf::check(path).map_err(|why| {
+        Error::new(Code::Library, "the library of the FMU cannot be loaded")
+            .at(fmu)
+            .why(why)
+            .help("export the FMU for this machine")
+    })?;
     // SAFETY: loading runs the library's constructors: whoever runs an FMU trusts its code.
     let library = unsafe { Library::new(path) }.map_err(|e| {
         Error::new(Code::Library, "the library of the FMU cannot be loaded")
@@ -74,11 +145,15 @@ pub(super) fn load(path: &Path, fmu: &Path) -> Result<Functions> {
             .why(e)
             .help("it may be built for a newer system: look for GLIBC in the reason")
     })?;
-    let functions = Functions::resolve(library, fmu)?;
+    let functions = Functions::resolve(&library, fmu)?;
+    let own = match kind {
+        InterfaceType::CoSimulation => Own::Stepping(Stepping::resolve(&library, fmu)?),
+        InterfaceType::ModelExchange => Own::Exchange(Exchange::resolve(&library, fmu)?),
+    };
     // SAFETY: the function takes nothing and returns NULL or a C string that is never freed.
     let version = unsafe { text((functions.get_version)()) };
     if version == "2.0" {
-        return Ok(functions);
+        return Ok(Binary { functions, own, _library: library });
     }
     Err(Error::new(Code::Library, "the library of the FMU is not of FMI 2.0")
         .at(fmu)

@@ -1,4 +1,4 @@
-//! Import of FMI 2.0 co-simulation FMUs: archive, description, library, instances.
+//! Import of FMI 2.0 FMUs for co-simulation and model exchange: archive, description, library, instances.
 //!
 //! [`Fmu::open`] gives one shared value per file and process; [`Instance`] is the safe handle of
 //! one `fmi2Component`. All `unsafe` of this crate is in `library`, `callbacks` and `instance`.
@@ -6,12 +6,13 @@
 pub mod archive;
 mod callbacks;
 pub mod description;
+mod elf;
 mod fmu;
 mod instance;
 mod library;
 mod log;
 mod status;
 
-pub use description::{Causality, Description, Kind, Value, Variability, Variable};
+pub use description::{Causality, Description, InterfaceType, Kind, Value, Variability, Variable};
 pub use fmu::Fmu;
-pub use instance::{Instance, State};
+pub use instance::{Instance, NextEvent, State};

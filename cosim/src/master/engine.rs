@@ -1,18 +1,21 @@
 //! The scheduler. Nothing here allocates, hashes or compares text while stepping.
 
+use super::iterate::Effort;
 use super::plan::{Node, Plan, Route};
 use super::slave::Slave;
 use crate::error::Result;
 use crate::time::Time;
 
 pub(super) struct Engine {
-    plan: Plan,
-    slaves: Vec<Box<dyn Slave>>,
-    values: Vec<f64>,
-    inputs: Vec<f64>,
+    pub(super) plan: Plan,
+    pub(super) slaves: Vec<Box<dyn Slave>>,
+    pub(super) values: Vec<f64>,
+    pub(super) inputs: Vec<f64>,
     /// When each component's present step ends.
-    ends: Vec<Time>,
-    start: Time,
+    pub(super) ends: Vec<Time>,
+    pub(super) start: Time,
+    /// Per loop of the plan.
+    pub(super) efforts: Vec<Effort>,
     steps: u64,
     warnings: Vec<String>,
 }
@@ -23,6 +26,7 @@ impl Engine {
             values: vec![0.0; plan.values],
             inputs: vec![0.0; plan.inputs],
             ends: plan.nodes.iter().map(|node| start + node.step).collect(),
+            efforts: vec![Effort::default(); plan.loops.len()],
             plan,
             slaves,
             start,
@@ -64,6 +68,9 @@ impl Engine {
 
     /// Passes values on until none changes in any bit.
     fn settle(&mut self) -> Result<()> {
+        if !self.plan.loops.is_empty() {
+            return self.settle_with_loops();
+        }
         let mut before = vec![0; self.values.len()];
         for _ in 0..=self.plan.nodes.len() {
             before.iter_mut().zip(&self.values).for_each(|(b, v)| *b = v.to_bits());
@@ -85,6 +92,27 @@ impl Engine {
         Ok(())
     }
 
+    /// In the order of the system everything fresh is final after one pass; a second one brings
+    /// the held inputs, on which no output depends directly.
+    fn settle_with_loops(&mut self) -> Result<()> {
+        for _ in 0..2 {
+            let mut place = 0;
+            while let Some(&c) = self.plan.sequence.get(place) {
+                let node = &self.plan.nodes[c];
+                if let Some(found) = node.member_of {
+                    self.solve_initially(found)?;
+                    place += self.plan.loops[found].members.len();
+                    continue;
+                }
+                copy(&node.held, &self.values, &mut self.inputs);
+                copy(&node.fresh, &self.values, &mut self.inputs);
+                exchange(node, &mut *self.slaves[c], &self.inputs, &mut self.values)?;
+                place += 1;
+            }
+        }
+        Ok(())
+    }
+
     fn get_all(&mut self) -> Result<()> {
         for &c in &self.plan.sequence {
             let node = &self.plan.nodes[c];
@@ -102,21 +130,18 @@ impl Engine {
     }
 
     fn instant(&mut self, now: Time) -> Result<()> {
-        for &c in &self.plan.sequence {
-            if self.ends[c] != now {
+        let mut place = 0;
+        while let Some(&c) = self.plan.sequence.get(place) {
+            // The members of a loop follow one another in the sequence.
+            if let Some(found) = self.plan.nodes[c].member_of {
+                self.step_loop(found, now)?;
+                place += self.plan.loops[found].members.len();
                 continue;
             }
-            let node = &self.plan.nodes[c];
-            let slave = &mut *self.slaves[c];
-            copy(&node.fresh, &self.values, &mut self.inputs);
-            if !node.input_slots.is_empty() {
-                slave.set(&self.inputs[node.input_slots.clone()])?;
+            if self.ends[c] == now {
+                self.step_one(c, now)?;
             }
-            slave.step(now - node.step, node.step)?;
-            if !node.output_slots.is_empty() {
-                slave.get(&mut self.values[node.output_slots.clone()])?;
-            }
-            self.steps += 1;
+            place += 1;
         }
         for (node, end) in self.plan.nodes.iter().zip(&mut self.ends) {
             if *end == now {
@@ -124,6 +149,23 @@ impl Engine {
                 *end = now + node.step;
             }
         }
+        Ok(())
+    }
+
+    /// Makes the step of one component that ends now.
+    #[inline]
+    pub(super) fn step_one(&mut self, c: usize, now: Time) -> Result<()> {
+        let node = &self.plan.nodes[c];
+        let slave = &mut *self.slaves[c];
+        copy(&node.fresh, &self.values, &mut self.inputs);
+        if !node.input_slots.is_empty() {
+            slave.set(&self.inputs[node.input_slots.clone()])?;
+        }
+        slave.step(now - node.step, node.step)?;
+        if !node.output_slots.is_empty() {
+            slave.get(&mut self.values[node.output_slots.clone()])?;
+        }
+        self.steps += 1;
         Ok(())
     }
 
@@ -142,13 +184,18 @@ impl Engine {
 }
 
 #[inline]
-fn copy(routes: &[Route], values: &[f64], inputs: &mut [f64]) {
+pub(super) fn copy(routes: &[Route], values: &[f64], inputs: &mut [f64]) {
     for route in routes {
         inputs[route.to] = values[route.from];
     }
 }
 
-fn exchange(node: &Node, slave: &mut dyn Slave, inputs: &[f64], values: &mut [f64]) -> Result<()> {
+pub(super) fn exchange(
+    node: &Node,
+    slave: &mut dyn Slave,
+    inputs: &[f64],
+    values: &mut [f64],
+) -> Result<()> {
     if !node.input_slots.is_empty() {
         slave.set(&inputs[node.input_slots.clone()])?;
     }

@@ -1,98 +1,15 @@
-//! An FMU in this process as a slave.
+//! A co-simulation FMU in this process as a slave.
+
+use std::sync::Arc;
 
 use crate::error::Result;
-use crate::fmi::{Instance, Kind, Variable};
-use crate::system::{Component, Model};
+use crate::fmi::{Fmu, Instance};
+use crate::system::Component;
 use crate::time::Time;
 
+use super::group::Group;
 use super::plan::Node;
 use super::slave::Slave;
-
-/// Variables that are set or read together, one FMI call per type. A master's plan lists Reals
-/// first, then Integers, then Booleans ([`rank`]).
-struct Group {
-    reals: Vec<u32>,
-    integers: Vec<u32>,
-    booleans: Vec<u32>,
-    /// Room for the values that are not Reals.
-    buffer: Vec<i32>,
-}
-
-/// Order of types within a group.
-pub(super) fn rank(kind: &Kind) -> u8 {
-    match kind {
-        Kind::Real => 0,
-        Kind::Integer | Kind::Enumeration(_) => 1,
-        Kind::Boolean => 2,
-        Kind::String => 3,
-    }
-}
-
-impl Group {
-    fn new(variables: &[Variable], positions: &[usize]) -> Self {
-        let of = |wanted: u8| -> Vec<u32> {
-            let chosen = positions.iter().map(|&p| &variables[p]);
-            chosen.filter(|v| rank(&v.kind) == wanted).map(|v| v.value_reference).collect()
-        };
-        let (reals, integers, booleans) = (of(0), of(1), of(2));
-        let buffer = vec![0; integers.len().max(booleans.len())];
-        Self { reals, integers, booleans, buffer }
-    }
-
-    #[inline]
-    fn set(&mut self, instance: &mut Instance, values: &[f64]) -> Result<()> {
-        let (reals, rest) = values.split_at(self.reals.len());
-        if !reals.is_empty() {
-            instance.set_real(&self.reals, reals)?;
-        }
-        if rest.is_empty() { Ok(()) } else { self.set_rest(instance, rest) }
-    }
-
-    fn set_rest(&mut self, instance: &mut Instance, rest: &[f64]) -> Result<()> {
-        let (integers, booleans) = rest.split_at(self.integers.len());
-        if !integers.is_empty() {
-            let buffer = fill(&mut self.buffer, integers);
-            instance.set_integer(&self.integers, buffer)?;
-        }
-        if !booleans.is_empty() {
-            let buffer = fill(&mut self.buffer, booleans);
-            instance.set_boolean(&self.booleans, buffer)?;
-        }
-        Ok(())
-    }
-
-    #[inline]
-    fn get(&mut self, instance: &mut Instance, values: &mut [f64]) -> Result<()> {
-        let (reals, rest) = values.split_at_mut(self.reals.len());
-        if !reals.is_empty() {
-            instance.get_real(&self.reals, reals)?;
-        }
-        if rest.is_empty() { Ok(()) } else { self.get_rest(instance, rest) }
-    }
-
-    fn get_rest(&mut self, instance: &mut Instance, rest: &mut [f64]) -> Result<()> {
-        let (integers, booleans) = rest.split_at_mut(self.integers.len());
-        if !integers.is_empty() {
-            let buffer = &mut self.buffer[..integers.len()];
-            instance.get_integer(&self.integers, buffer)?;
-            integers.iter_mut().zip(buffer).for_each(|(to, from)| *to = f64::from(*from));
-        }
-        if !booleans.is_empty() {
-            let buffer = &mut self.buffer[..booleans.len()];
-            instance.get_boolean(&self.booleans, buffer)?;
-            // Any number but 0 is true in C.
-            booleans.iter_mut().zip(buffer).for_each(|(to, from)| *to = f64::from(*from != 0));
-        }
-        Ok(())
-    }
-}
-
-/// Exact: the values came from an i32 or a Boolean, or from a file (then they are rounded).
-fn fill<'b>(buffer: &'b mut [i32], values: &[f64]) -> &'b [i32] {
-    let buffer = &mut buffer[..values.len()];
-    buffer.iter_mut().zip(values).for_each(|(to, from)| *to = from.round() as i32);
-    buffer
-}
 
 /// An instance and the variables exchanged with it.
 pub(super) struct FmuSlave {
@@ -106,16 +23,12 @@ impl FmuSlave {
     /// Instantiates a component and gives it its start values.
     pub(super) fn new(
         component: &Component,
-        fmu: &std::sync::Arc<crate::fmi::Fmu>,
+        fmu: &Arc<Fmu>,
         node: &Node,
         logging: bool,
     ) -> Result<Self> {
-        debug_assert!(matches!(component.model, Model::Fmu(_)));
-        let mut instance = Instance::new(fmu.clone(), &component.name, logging)?;
+        let instance = instantiate(component, fmu, logging)?;
         let variables = &fmu.description().variables;
-        for (position, value) in &component.start_values {
-            instance.set_value(&variables[*position], value)?;
-        }
         Ok(Self {
             instance,
             inputs: Group::new(variables, &node.inputs),
@@ -123,6 +36,19 @@ impl FmuSlave {
             recorded: Group::new(variables, &node.recorded),
         })
     }
+}
+
+/// An instance with the component's start values.
+pub(super) fn instantiate(
+    component: &Component,
+    fmu: &Arc<Fmu>,
+    logging: bool,
+) -> Result<Instance> {
+    let mut instance = Instance::of(fmu.clone(), component.interface, &component.name, logging)?;
+    for (position, value) in &component.start_values {
+        instance.set_value(&fmu.description().variables[*position], value)?;
+    }
+    Ok(instance)
 }
 
 impl Slave for FmuSlave {

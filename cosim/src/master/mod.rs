@@ -8,13 +8,18 @@
 //!    this instant and stay until its step ends.
 //!
 //! An algorithm is only data for this: the order, and which connections are fresh. Jacobi: none;
-//! Gauss-Seidel: those to inputs with direct feed-through (see `system::order`).
+//! Gauss-Seidel: those to inputs with direct feed-through (see `system::order`). Iterative: as
+//! Gauss-Seidel, and loops are solved instead of held (see `iterate`).
 //!
 //! Initialization: in initialization mode values are passed on in the same order, again and again
 //! until none changes, at most as often as there are components (plus one).
 
 mod engine;
+mod exchange_slave;
 mod fmu_slave;
+mod group;
+mod iterate;
+mod newton;
 mod plan;
 mod signal_slave;
 mod slave;
@@ -22,10 +27,12 @@ mod slave;
 pub use slave::Slave;
 
 use crate::error::Result;
-use crate::observe::{Observer, RunInfo};
+use crate::fmi::InterfaceType;
+use crate::observe::{Observer, RunInfo, Stop};
 use crate::system::{Model, System};
 use crate::time::Time;
 use engine::Engine;
+use exchange_slave::ExchangeSlave;
 use fmu_slave::FmuSlave;
 use plan::Plan;
 use signal_slave::SignalSlave;
@@ -37,8 +44,12 @@ pub struct Summary {
     pub steps: u64,
     /// Simulated seconds.
     pub simulated: f64,
+    /// Why it ended before the stop time, if it did.
+    pub stopped: Option<Stop>,
     /// What is odd but did not end the run.
     pub warnings: Vec<String>,
+    /// What is good to know: the iterations that loops needed.
+    pub notes: Vec<String>,
     /// What the components logged, `component: message`.
     pub messages: Vec<String>,
 }
@@ -65,14 +76,43 @@ impl System {
             finished = finished.and(observer.finish());
         }
         // The reason why a run ended comes before what happened while closing files.
-        run?;
+        let (end, stopped) = run?;
         finished?;
         Ok(Summary {
             steps: engine.steps(),
-            simulated: (self.stop_time() - self.start_time()).seconds(),
-            warnings: engine.warnings().to_vec(),
+            simulated: (end - self.start_time()).seconds(),
+            stopped,
+            warnings: engine.warnings().iter().cloned().chain(self.unsolved(&engine)).collect(),
+            notes: self.solved(&engine),
             messages: self.named(engine.messages()),
         })
+    }
+
+    /// The effort for each loop that was solved by iteration.
+    fn solved(&self, engine: &Engine) -> Vec<String> {
+        let loops = self.solved_loops().zip(&engine.efforts);
+        let told = loops.filter(|(_, effort)| effort.solved > 0).map(|(found, effort)| {
+            let mean = effort.passes as f64 / effort.solved as f64;
+            format!("loop through {}: {mean:.1} passes per solution", self.members(found))
+        });
+        told.collect()
+    }
+
+    /// The loops that did not converge.
+    fn unsolved(&self, engine: &Engine) -> Vec<String> {
+        let loops = self.solved_loops().zip(&engine.efforts);
+        let told = loops.filter(|(_, effort)| effort.failed > 0).map(|(found, effort)| {
+            format!(
+                "loop through {}: {} of {} iterations did not converge, the first at t = {} with \
+                 the residual {:.1e}",
+                self.members(found),
+                effort.failed,
+                effort.solved,
+                effort.first,
+                effort.residual
+            )
+        });
+        told.collect()
     }
 
     fn named(&self, messages: Vec<Vec<String>>) -> Vec<String> {
@@ -86,6 +126,10 @@ impl System {
         let mut slaves: Vec<Box<dyn Slave>> = Vec::with_capacity(plan.nodes.len());
         for (component, node) in self.components().iter().zip(&plan.nodes) {
             slaves.push(match &component.model {
+                Model::Fmu(fmu) if component.interface == InterfaceType::ModelExchange => {
+                    let (solver, logging) = (self.solver(), self.debug_logging());
+                    Box::new(ExchangeSlave::new(component, fmu, node, solver, logging)?)
+                }
                 Model::Fmu(fmu) => {
                     Box::new(FmuSlave::new(component, fmu, node, self.debug_logging())?)
                 }
@@ -95,7 +139,12 @@ impl System {
         Ok(Engine::new(plan, slaves, self.start_time()))
     }
 
-    fn drive(&self, engine: &mut Engine, observers: &mut [&mut dyn Observer]) -> Result<()> {
+    /// Where the run ended, and why when that was before the stop time.
+    fn drive(
+        &self,
+        engine: &mut Engine,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<(Time, Option<Stop>)> {
         engine.initialize(self.stop_time())?;
         let mut row = vec![0.0; self.columns().len()];
         let mut output = self.start_time();
@@ -109,9 +158,13 @@ impl System {
             if next > self.stop_time() {
                 break;
             }
+            if let Some(reason) = observers.iter().find_map(|observer| observer.stop()) {
+                return Ok((output, Some(reason)));
+            }
             output = next;
         }
-        self.rest(engine, output)
+        self.rest(engine, output)?;
+        Ok((self.stop_time(), None))
     }
 
     /// The part after the last output instant, when the interval does not divide the run.

@@ -6,8 +6,8 @@
 
 use std::ops::Range;
 
-use super::fmu_slave::rank;
-use crate::system::{Model, Port, System};
+use super::group::rank;
+use crate::system::{Connection, Model, Port, System};
 use crate::time::Time;
 
 /// Copies one value.
@@ -19,11 +19,27 @@ pub(super) struct Route {
     pub to: usize,
 }
 
+/// A connection at which a loop is cut: its components and its way.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cut {
+    pub from: usize,
+    pub to: usize,
+    pub route: Route,
+}
+
+/// A loop that is solved by iteration.
+#[derive(Debug)]
+pub(super) struct SolvedLoop {
+    /// Positions of nodes in stepping order.
+    pub members: Vec<usize>,
+    pub cuts: Vec<Cut>,
+}
+
 /// A component's part of the plan.
 #[derive(Debug)]
 pub(super) struct Node {
     pub step: Time,
-    /// Positions of the variables, Reals first (`fmu_slave::rank`).
+    /// Positions of the variables, Reals first (`group::rank`).
     pub inputs: Vec<usize>,
     pub outputs: Vec<usize>,
     pub recorded: Vec<usize>,
@@ -35,6 +51,8 @@ pub(super) struct Node {
     pub held: Vec<Route>,
     /// Inputs that get the value of the end of the step.
     pub fresh: Vec<Route>,
+    /// Position of the solved loop that the component is in.
+    pub member_of: Option<usize>,
 }
 
 /// The layout of a system.
@@ -43,6 +61,8 @@ pub(super) struct Plan {
     pub nodes: Vec<Node>,
     /// Positions of nodes in stepping order.
     pub sequence: Vec<usize>,
+    /// Loops that are solved by iteration; none in the other algorithms.
+    pub loops: Vec<SolvedLoop>,
     pub values: usize,
     pub inputs: usize,
     /// Slot of each recorded column.
@@ -54,6 +74,7 @@ impl Plan {
         let mut plan = Plan {
             nodes: Vec::new(),
             sequence: system.order().sequence.clone(),
+            loops: Vec::new(),
             values: 0,
             inputs: 0,
             columns: Vec::new(),
@@ -62,18 +83,39 @@ impl Plan {
             plan.add(system, component);
         }
         for (connection, &fresh) in system.connections().iter().zip(&system.order().fresh) {
-            let from = plan.value_slot(connection.from);
-            let node = &plan.nodes[connection.to.component];
-            let to = slot(&node.inputs, &node.input_slots, connection.to.variable);
-            if let (Some(from), Some(to)) = (from, to) {
+            if let Some(route) = plan.route(connection) {
                 let node = &mut plan.nodes[connection.to.component];
                 let routes = if fresh { &mut node.fresh } else { &mut node.held };
-                routes.push(Route { from, to });
+                routes.push(route);
             }
         }
+        plan.add_loops(system);
         plan.columns =
             system.columns().iter().filter_map(|column| plan.value_slot(column.port)).collect();
         plan
+    }
+
+    fn route(&self, connection: &Connection) -> Option<Route> {
+        let node = &self.nodes[connection.to.component];
+        Some(Route {
+            from: self.value_slot(connection.from)?,
+            to: slot(&node.inputs, &node.input_slots, connection.to.variable)?,
+        })
+    }
+
+    fn add_loops(&mut self, system: &System) {
+        for (position, found) in system.solved_loops().enumerate() {
+            let held = found.held.iter().map(|&c| &system.connections()[c]);
+            let cuts = held.filter_map(|c| {
+                let (from, to) = (c.from.component, c.to.component);
+                Some(Cut { from, to, route: self.route(c)? })
+            });
+            let cuts = cuts.collect();
+            for &member in &found.members {
+                self.nodes[member].member_of = Some(position);
+            }
+            self.loops.push(SolvedLoop { members: found.members.clone(), cuts });
+        }
     }
 
     fn add(&mut self, system: &System, component: usize) {
@@ -98,6 +140,7 @@ impl Plan {
             recorded,
             held: Vec::new(),
             fresh: Vec::new(),
+            member_of: None,
         });
     }
 

@@ -6,7 +6,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use super::{Observer, RunInfo};
+use super::{Observer, RunInfo, Stop};
 use crate::error::{Code, Error, Result};
 use crate::fmi::Kind;
 use crate::time::Time;
@@ -17,6 +17,8 @@ pub struct CsvRecorder<W: Write = BufWriter<File>> {
     output: W,
     /// Per column: a Real; other types are written as whole numbers.
     real: Vec<bool>,
+    /// The output is a pipe that its reader has closed.
+    closed: bool,
 }
 
 impl CsvRecorder {
@@ -24,19 +26,31 @@ impl CsvRecorder {
     pub fn create(file: impl AsRef<Path>) -> Result<Self> {
         let target = file.as_ref().to_owned();
         let output = File::create(&target).map_err(|e| not_written(&target, &e))?;
-        Ok(Self { target, output: BufWriter::with_capacity(1 << 16, output), real: Vec::new() })
+        Ok(Self::new(BufWriter::with_capacity(1 << 16, output), target))
     }
 }
 
 impl<W: Write> CsvRecorder<W> {
     /// Writes to `output`; `name` is what it is called in errors.
     pub fn new(output: W, name: impl Into<PathBuf>) -> Self {
-        Self { target: name.into(), output, real: Vec::new() }
+        Self { target: name.into(), output, real: Vec::new(), closed: false }
     }
 
     /// Writes one line.
     pub(super) fn row(&mut self, time: f64, values: &[f64]) -> Result<()> {
-        self.line(time, values).map_err(|e| not_written(&self.target, &e))
+        let written = self.line(time, values);
+        self.outcome(written)
+    }
+
+    /// A reader that has gone (`| head`) is no error: the run is asked to end.
+    fn outcome(&mut self, written: std::io::Result<()>) -> Result<()> {
+        match written {
+            Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => {
+                self.closed = true;
+                Ok(())
+            }
+            written => written.map_err(|e| not_written(&self.target, &e)),
+        }
     }
 
     fn line(&mut self, time: f64, values: &[f64]) -> std::io::Result<()> {
@@ -64,7 +78,8 @@ impl<W: Write> CsvRecorder<W> {
             text.push_str(&quoted(name));
         }
         text.push('\n');
-        self.output.write_all(text.as_bytes()).map_err(|e| not_written(&self.target, &e))
+        let written = self.output.write_all(text.as_bytes());
+        self.outcome(written)
     }
 }
 
@@ -79,7 +94,12 @@ impl<W: Write> Observer for CsvRecorder<W> {
     }
 
     fn finish(&mut self) -> Result<()> {
-        self.output.flush().map_err(|e| not_written(&self.target, &e))
+        let written = self.output.flush();
+        self.outcome(written)
+    }
+
+    fn stop(&self) -> Option<Stop> {
+        self.closed.then_some(Stop::ReaderGone)
     }
 }
 

@@ -37,4 +37,20 @@ pub trait Observer {
 
     /// After the last sample, also when the run failed.
     fn finish(&mut self) -> Result<()>;
+
+    /// Asked after each sample; a reason ends the run there, without an error.
+    fn stop(&self) -> Option<Stop> {
+        None
+    }
+}
+
+/// Why an observer ends a run before its stop time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stop {
+    /// The observer has seen enough.
+    Enough,
+    /// Nobody reads the results any more: the pipe was closed.
+    ReaderGone,
+    /// The user asked for it.
+    Interrupted,
 }

@@ -4,6 +4,9 @@
 //! into a [`System`] or reports every problem found.
 
 mod check;
+mod delay;
+mod loops;
+mod opened;
 mod order;
 mod overrides;
 mod raw;
@@ -14,10 +17,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::error::Result;
-use crate::fmi::{Fmu, Kind, Value};
+use crate::fmi::{Causality, Fmu, InterfaceType, Kind, Value};
 use crate::signals::Signals;
+use crate::solver;
 use crate::time::Time;
 
+pub use delay::{Cause, Delay};
 pub use order::{Loop, Order};
 pub use overrides::Overrides;
 
@@ -33,8 +38,10 @@ pub struct System {
     stop: Time,
     output_interval: Time,
     algorithm: Algorithm,
+    solver: solver::Settings,
     debug_logging: bool,
     warnings: Vec<String>,
+    notes: Vec<String>,
 }
 
 /// Who gets which values when; see the module `master`.
@@ -45,6 +52,8 @@ pub enum Algorithm {
     /// Inputs with direct feed-through get the value of the end of the step.
     #[default]
     GaussSeidel,
+    /// Like Gauss-Seidel, and algebraic loops are solved by iteration at each step.
+    Iterative,
 }
 
 /// A component of a system.
@@ -53,6 +62,8 @@ pub struct Component {
     pub name: String,
     /// What computes it.
     pub model: Model,
+    /// How its FMU is driven.
+    pub interface: InterfaceType,
     /// Communication step.
     pub step: Time,
     /// Start values: positions of variables and their values.
@@ -104,7 +115,8 @@ impl System {
         check::check(Arc::new(raw), overrides)
     }
 
-    /// The same file with other overrides: FMUs in use are shared, nothing is read again.
+    /// The same file with other overrides. No file is read again: neither the description nor an
+    /// FMU that a system of this file has used before, even when it has changed meanwhile.
     pub fn with(&self, overrides: &Overrides) -> Result<Self> {
         match &self.raw {
             Some(raw) => check::check(raw.clone(), overrides),
@@ -160,6 +172,11 @@ impl System {
         self.algorithm
     }
 
+    /// How model exchange is integrated.
+    pub fn solver(&self) -> solver::Settings {
+        self.solver
+    }
+
     /// Whether the FMUs are asked for debug messages.
     pub fn debug_logging(&self) -> bool {
         self.debug_logging
@@ -168,6 +185,37 @@ impl System {
     /// What is odd but not wrong.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
+    }
+
+    /// What is neither odd nor wrong, and good to know.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// The inputs that no connection drives, component by component.
+    pub fn unconnected_inputs(&self) -> impl Iterator<Item = Port> {
+        let inputs = self.components.iter().enumerate().flat_map(|(component, c)| {
+            let variables = match &c.model {
+                Model::Fmu(fmu) => &fmu.description().variables[..],
+                Model::Signals(_) => &[],
+            };
+            let inputs = variables.iter().enumerate();
+            let inputs = inputs.filter(|(_, v)| v.causality == Causality::Input);
+            inputs.map(move |(variable, _)| Port { component, variable })
+        });
+        inputs.filter(|port| !self.connections.iter().any(|c| c.to == *port))
+    }
+
+    /// The loops that are solved by iteration.
+    pub fn solved_loops(&self) -> impl Iterator<Item = &Loop> {
+        self.order.loops.iter().filter(|found| found.solved)
+    }
+
+    /// The names of a loop's members, in stepping order.
+    pub fn members(&self, found: &Loop) -> String {
+        let names: Vec<&str> =
+            found.members.iter().map(|&m| self.components[m].name.as_str()).collect();
+        names.join(", ")
     }
 
     /// `component.variable` of a port.
@@ -195,6 +243,16 @@ impl Model {
     }
 }
 
+impl std::fmt::Display for Algorithm {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Algorithm::Jacobi => "jacobi",
+            Algorithm::GaussSeidel => "gauss-seidel",
+            Algorithm::Iterative => "iterative",
+        })
+    }
+}
+
 impl std::str::FromStr for Algorithm {
     type Err = String;
 
@@ -202,7 +260,8 @@ impl std::str::FromStr for Algorithm {
         match text {
             "jacobi" => Ok(Algorithm::Jacobi),
             "gauss-seidel" => Ok(Algorithm::GaussSeidel),
-            _ => Err(format!("'{text}' is neither jacobi nor gauss-seidel")),
+            "iterative" => Ok(Algorithm::Iterative),
+            _ => Err(format!("'{text}' is none of jacobi, gauss-seidel, iterative")),
         }
     }
 }

@@ -26,6 +26,8 @@ pub struct Loop {
     pub members: Vec<usize>,
     /// Positions of the connections that are held.
     pub held: Vec<usize>,
+    /// It is solved by iteration at each step; the connections are not held then.
+    pub solved: bool,
 }
 
 impl Order {
@@ -84,6 +86,7 @@ fn of_graph(nodes: usize, edges: &[(usize, usize)], wants: &[bool]) -> Order {
             None => loops.push(Loop {
                 members: sequence.iter().copied().filter(|&n| same_loop(from, n)).collect(),
                 held: vec![edge],
+                solved: false,
             }),
         }
     }

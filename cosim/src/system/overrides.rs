@@ -4,6 +4,9 @@ use std::fmt::Display;
 use std::path::PathBuf;
 
 use super::Algorithm;
+use crate::error::{Code, Error, Result};
+use crate::fmi::InterfaceType;
+use crate::solver::{Method, Settings};
 
 /// Changes to a system description, from the command line or from code.
 ///
@@ -18,6 +21,9 @@ pub struct Overrides {
     pub(super) start_values: Vec<(String, String)>,
     pub(super) replacements: Vec<(String, PathBuf)>,
     pub(super) steps: Vec<(String, f64)>,
+    pub(super) interfaces: Vec<(String, InterfaceType)>,
+    pub(super) method: Option<Method>,
+    pub(super) tolerance: Option<f64>,
     pub(super) algorithm: Option<Algorithm>,
     pub(super) start_time: Option<f64>,
     pub(super) stop_time: Option<f64>,
@@ -50,6 +56,27 @@ impl Overrides {
     #[must_use]
     pub fn step(mut self, component: impl Into<String>, seconds: f64) -> Self {
         self.steps.push((component.into(), seconds));
+        self
+    }
+
+    /// Drives a component's FMU by co-simulation or by model exchange.
+    #[must_use]
+    pub fn interface(mut self, component: impl Into<String>, kind: InterfaceType) -> Self {
+        self.interfaces.push((component.into(), kind));
+        self
+    }
+
+    /// The integrator of model exchange.
+    #[must_use]
+    pub fn solver(mut self, method: Method) -> Self {
+        self.method = Some(method);
+        self
+    }
+
+    /// The relative tolerance of model exchange.
+    #[must_use]
+    pub fn tolerance(mut self, tolerance: f64) -> Self {
+        self.tolerance = Some(tolerance);
         self
     }
 
@@ -103,5 +130,24 @@ impl Overrides {
     pub fn debug_logging(mut self, on: bool) -> Self {
         self.debug_logging = on;
         self
+    }
+
+    /// How model exchange is integrated; `suggested` is the tolerance of an FMU.
+    pub(super) fn settings(&self, suggested: Option<f64>) -> Result<Settings> {
+        let default = Settings::default();
+        let usable = |tolerance: f64| tolerance > 0.0 && tolerance < 1.0;
+        let suggested = suggested.filter(|t| usable(*t)).unwrap_or(default.tolerance);
+        let tolerance = self.tolerance.unwrap_or(suggested);
+        if !usable(tolerance) {
+            return Err(Error::new(Code::Timing, format!("the tolerance is {tolerance}"))
+                .why("it is relative and must lie between 0 and 1"));
+        }
+        Ok(Settings { method: self.method.unwrap_or(default.method), tolerance })
+    }
+
+    /// The interface type wanted for a component, if any.
+    pub(super) fn interface_of(&self, component: &str) -> Option<InterfaceType> {
+        let wanted = self.interfaces.iter().rev().find(|(name, _)| name == component);
+        wanted.map(|(_, kind)| *kind)
     }
 }

@@ -4,12 +4,17 @@ use std::path::PathBuf;
 
 use tempfile::TempDir;
 
+use super::opened::OpenedFmus;
+use crate::fmi::InterfaceType;
+
 /// One .ssd file, with the parameter files it names.
 pub(super) struct RawSystem {
     /// The file as the user named it, for messages.
     pub file: PathBuf,
     /// Keeps an unpacked .ssp.
     pub _unpacked: Option<TempDir>,
+    /// FMUs that systems of this file use or have used.
+    pub fmus: OpenedFmus,
     pub name: String,
     pub components: Vec<RawComponent>,
     pub connections: Vec<RawConnection>,
@@ -32,6 +37,8 @@ pub(super) struct RawMaster {
 pub(super) struct RawComponent {
     pub name: String,
     pub source: PathBuf,
+    /// The interface type that the file asks for.
+    pub interface: Option<InterfaceType>,
     /// This master's annotation.
     pub step: Option<f64>,
     pub connectors: Vec<RawConnector>,

@@ -21,7 +21,8 @@ impl System {
     /// drive inputs of the same names.
     pub fn single(fmu: &Path, overrides: &Overrides, inputs: Option<&Recording>) -> Result<Self> {
         let fmu = Fmu::open(fmu)?;
-        fmu.co_simulation()?;
+        let interface = fmu.choose(overrides.interface_of(""))?;
+        let solver = overrides.settings(fmu.description().experiment.tolerance)?;
         let names = Names::single(&fmu);
         let description = fmu.description();
         let (start, stop, step, output_interval) = timing(description, overrides)?;
@@ -36,6 +37,7 @@ impl System {
         let mut components = vec![Component {
             name: description.model_name.clone(),
             model: Model::Fmu(fmu.clone()),
+            interface,
             step,
             start_values,
         }];
@@ -45,7 +47,7 @@ impl System {
             connections = connect(description, &signals);
             let model = Model::Signals(Arc::new(signals));
             let name = "input file".to_owned();
-            components.push(Component { name, model, step, start_values: Vec::new() });
+            components.push(Component { name, model, interface, step, start_values: Vec::new() });
         }
         // Held: an input keeps the value of the beginning of the step, as fmusim and FMPy do it.
         let algorithm = Algorithm::Jacobi;
@@ -60,8 +62,10 @@ impl System {
             stop,
             output_interval,
             algorithm,
+            solver,
             debug_logging: overrides.debug_logging,
             warnings: Vec::new(),
+            notes: Vec::new(),
         })
     }
 }

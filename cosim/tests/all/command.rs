@@ -147,10 +147,45 @@ fn info_is_readable_by_programs() {
     let file = ssd.write();
     let output = cosim(folder.path(), &["info", path(&file), "--format=json"]);
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!(json["order"], serde_json::json!(["c", "g"]));
-    assert_eq!(json["connections"][0]["delayed"], false);
+    assert_eq!(json["connections"][0]["from"], "c.y");
     let output = cosim(folder.path(), &["info", path(&file)]);
-    assert!(text(&output.stdout).contains("c.y => g.u"));
+    assert!(text(&output.stdout).contains("c.y -> g.u"));
+}
+
+#[test]
+fn inspect_tells_how_late_values_are_and_why() {
+    let folder = TempDir::new().unwrap();
+    let ssd = Ssd::new()
+        .add("g", Model::Gain)
+        .add_with("c", Model::Clock, &[], Some(0.3))
+        .add("x", Model::Integrator)
+        .add("l", Model::Gain)
+        .connect("c.y", "g.u")
+        .connect("g.y", "x.u")
+        .connect("l.y", "l.u")
+        .stop(0.6);
+    let file = ssd.write();
+    let inspect = |arguments: &[&str]| {
+        let output = cosim(folder.path(), &[&["inspect", path(&file)], arguments].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let json: serde_json::Value = serde_json::from_str(&inspect(&["--format=json"])).unwrap();
+    assert_eq!(json["order"][0]["name"], "c");
+    let connections = &json["connections"];
+    assert_eq!((&connections[0]["late"], &connections[0]["heldUpTo"]), (&0.0.into(), &0.2.into()));
+    assert_eq!(connections[1]["late"], 0.1);
+    for (position, reason) in [
+        (0, "no delay: 'c' steps before 'g'; up to 0.2 s older because 'c' steps every 0.3 s"),
+        (1, "because no output of 'x' depends on the input directly"),
+        (2, "one step late (0.1 s) because 'l' feeds itself"),
+    ] {
+        let found = connections[position]["reason"].as_str().unwrap();
+        assert!(found.contains(reason), "{found}");
+    }
+    let shown = inspect(&["--algorithm=jacobi"]);
+    assert!(shown.contains("  c -> g: one step late (0.1 s) because Jacobi"), "{shown}");
+    assert!(shown.contains("    y -> u"), "{shown}");
 }
 
 #[test]
@@ -170,4 +205,83 @@ fn a_report_of_a_run() {
     assert!(report.status.success(), "{}", text(&report.stderr));
     let page = std::fs::read_to_string(folder.path().join("r.html")).unwrap();
     assert!(page.contains("<svg") && page.contains("</html>"));
+}
+
+#[test]
+fn a_closed_pipe_ends_the_run_without_a_word() {
+    use std::io::{BufRead, BufReader, Read};
+    let fmu = Model::Clock.fmu();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_cosim"))
+        .args(["simulate", path(&fmu), "-o", "-", "--stop-time", "1e6"])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut header = String::new();
+    BufReader::new(child.stdout.take().unwrap()).read_line(&mut header).unwrap();
+    let mut stderr = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut stderr).unwrap();
+    assert_eq!((child.wait().unwrap().code(), stderr.as_str()), (Some(0), ""));
+    assert!(header.starts_with("time,"));
+}
+
+#[test]
+fn an_interrupted_run_keeps_its_results() {
+    let (fmu, folder) = (Model::Clock.fmu(), TempDir::new().unwrap());
+    let mut child = Command::new(env!("CARGO_BIN_EXE_cosim"))
+        .args(["simulate", path(&fmu), "-o", "kept.csv", "--stop-time", "1e8"])
+        .args(["--output-interval", "1000", "-q"])
+        .current_dir(folder.path())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The file is there when the handler is.
+    let file = folder.path().join("kept.csv");
+    while !file.is_file() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(200));
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    let mut stderr = String::new();
+    std::io::Read::read_to_string(&mut child.stderr.take().unwrap(), &mut stderr).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(1), "{stderr}");
+    assert!(stderr.contains("E303") && stderr.contains("kept.csv"), "{stderr}");
+    assert!(cosim::Recording::read_csv(file).unwrap().time().len() > 1);
+}
+
+#[test]
+fn validate_tells_all_problems_with_their_lines() {
+    let folder = TempDir::new().unwrap();
+    let ssd = Ssd::new().add("g", Model::Gain).add("c", Model::Clock).connect("c.y", "g.u");
+    let file = ssd.write();
+    let output = cosim(folder.path(), &["validate", path(&file)]);
+    assert!(output.status.success() && text(&output.stdout).contains("is valid"));
+    assert!(text(&output.stderr).contains("note: the input c.u is not connected"));
+    assert!(!text(&output.stderr).contains("g.u is not connected"));
+    let wrong = ssd.text().replace("startConnector='y'", "startConnector='yy'");
+    let wrong = wrong.replace("stopTime='1'", "stopTime='0'");
+    std::fs::write(folder.path().join("x.ssd"), wrong).unwrap();
+    let output = cosim(folder.path(), &["validate", "x.ssd", "--format=json"]);
+    assert_eq!(output.status.code(), Some(3));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&json["valid"], json["problems"].as_array().unwrap().len()), (&false.into(), 2));
+    assert_eq!(
+        (&json["problems"][0]["code"], &json["problems"][0]["line"]),
+        (&"E202".into(), &33.into())
+    );
+    let output = cosim(folder.path(), &["validate", path(&Model::Lag.fmu())]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+}
+
+#[test]
+fn completion_and_manual_know_every_verb() {
+    let folder = TempDir::new().unwrap();
+    for arguments in [&["completion", "bash"][..], &["completion", "zsh"], &["man"]] {
+        let output = cosim(folder.path(), arguments);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        for verb in ["inspect", "validate", "simulate", "interface"] {
+            assert!(text(&output.stdout).contains(verb), "{verb} in {arguments:?}");
+        }
+    }
 }

@@ -78,7 +78,7 @@ fn changed(from: &str, to: &str) -> String {
     ];
     pack(&path, &entries);
     let made = Fmu::open(&path).and_then(|fmu| {
-        fmu.co_simulation()?;
+        fmu.interface(cosim::fmi::InterfaceType::CoSimulation)?;
         Instance::new(fmu, "it", false)
     });
     made.err().map_or("made".to_owned(), |e| e.to_string())
@@ -121,6 +121,10 @@ fn a_file_that_is_no_library_is_refused() {
         ("binaries/linux64/GAIN.so", b"not a library".to_vec()),
     ];
     pack(&path, &entries);
-    let error = Fmu::open(&path).unwrap().load().unwrap_err().to_string();
+    let error = Fmu::open(&path)
+        .unwrap()
+        .load(cosim::fmi::InterfaceType::CoSimulation)
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("E105") && error.contains("x.fmu"), "{error}");
 }

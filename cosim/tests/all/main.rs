@@ -2,8 +2,10 @@
 
 mod archives;
 mod command;
+mod exchange;
 mod failures;
 mod import;
+mod loops;
 mod models;
 mod scheduler;
 mod ssd;

@@ -30,6 +30,10 @@ typedef struct {
 static void outputs(Model *m) {
 #if defined MODEL_GAIN || defined MODEL_FAILING || defined MODEL_LOGGING
   m->r[2] = m->r[1] * m->r[0];
+#elif defined MODEL_AFFINE
+  m->r[2] = m->r[1] * m->r[0] + m->time;
+#elif defined MODEL_CUBIC
+  m->r[2] = m->time - m->r[1] * m->r[0] * m->r[0] * m->r[0];
 #elif defined MODEL_CLOCK
   m->r[2] = m->time;
 #elif defined MODEL_COUNTER

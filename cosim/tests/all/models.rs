@@ -1,4 +1,4 @@
-//! FMUs written in C, compiled by `cc` and packed on the fly.
+//! FMUs written in C (model.c: co-simulation, exchange.c: model exchange), compiled by `cc` and packed on the fly.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -9,7 +9,7 @@ use std::sync::{Mutex, OnceLock};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-/// A model of model.c: its name and whether y depends on u without delay.
+/// A model: its name and whether y depends on u without delay.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Model {
     /// y = k u, feed-through.
@@ -20,10 +20,24 @@ pub(crate) enum Model {
     Clock,
     /// y = number of steps; Integer n = steps + m, Boolean even = !odd.
     Counter,
+    /// y = k u + time, feed-through.
+    Affine,
+    /// y = time - k u^3, feed-through.
+    Cubic,
     /// A gain that fails in the first step that ends after `second`.
     Failing,
     /// A gain that logs in three formats and dies in its third step.
     Logging,
+    /// Model exchange: height y, falls from 1 m, keeps k of its speed; n bounces.
+    Ball,
+    /// Model exchange: n time events, every k seconds from the start on; even = (m is not 0).
+    Ticker,
+    /// Model exchange: x'' = -400 x from 1, and s' = -500 (s - sin t) + cos t from 0.
+    Oscillator,
+    /// Model exchange: x' = 1, set back by 1 by a step event; n of them.
+    Sawtooth,
+    /// Model exchange: x' = u - k x; n counts its events, the indicator is u - 0.5.
+    Lag,
 }
 
 impl Model {
@@ -33,16 +47,90 @@ impl Model {
             Model::Integrator => "INTEGRATOR",
             Model::Clock => "CLOCK",
             Model::Counter => "COUNTER",
+            Model::Affine => "AFFINE",
+            Model::Cubic => "CUBIC",
             Model::Failing => "FAILING",
             Model::Logging => "LOGGING",
+            Model::Ball => "BALL",
+            Model::Ticker => "TICKER",
+            Model::Oscillator => "OSCILLATOR",
+            Model::Sawtooth => "SAWTOOTH",
+            Model::Lag => "LAG",
         }
     }
 
     fn feeds_through(self) -> bool {
-        matches!(self, Model::Gain | Model::Failing | Model::Logging)
+        matches!(self, Model::Gain | Model::Affine | Model::Cubic | Model::Failing | Model::Logging)
+    }
+
+    /// States and event indicators, for model exchange.
+    fn exchange(self) -> Option<(usize, usize)> {
+        match self {
+            Model::Ball => Some((2, 1)),
+            Model::Ticker => Some((0, 0)),
+            Model::Oscillator => Some((3, 0)),
+            Model::Sawtooth => Some((1, 0)),
+            Model::Lag => Some((1, 1)),
+            _ => None,
+        }
     }
 
     pub(crate) fn description(self) -> String {
+        match self.exchange() {
+            Some((states, indicators)) => self.of_exchange(states, indicators),
+            None => self.of_co_simulation(),
+        }
+    }
+
+    fn of_exchange(self, states: usize, indicators: usize) -> String {
+        let name = self.name();
+        let unknowns: String =
+            (0..states).map(|s| format!("<Unknown index=\"{}\"/>", 5 + 2 * s)).collect();
+        let start = self.start_of_x();
+        let real = |name: &str, reference: u32, inside: &str| {
+            format!(
+                "<ScalarVariable name=\"{name}\" valueReference=\"{reference}\" {inside}/>\
+                 </ScalarVariable>\n"
+            )
+        };
+        let variables = [
+            real("u", 0, "causality=\"input\"><Real start=\"0\""),
+            real("k", 1, "causality=\"parameter\" variability=\"fixed\"><Real start=\"0.5\""),
+            real("y", 2, "causality=\"output\"><Real"),
+            real("x", 3, &format!("initial=\"exact\"><Real start=\"{start}\"")),
+            real("der(x)", 4, "><Real derivative=\"4\""),
+            real("v", 5, "initial=\"exact\"><Real start=\"0\""),
+            real("der(v)", 6, "><Real derivative=\"6\""),
+            real("s", 7, "initial=\"exact\"><Real start=\"0\""),
+            real("der(s)", 8, "><Real derivative=\"8\""),
+            real("m", 0, "causality=\"input\" variability=\"discrete\"><Integer start=\"0\""),
+            real("n", 1, "causality=\"output\" variability=\"discrete\"><Integer"),
+            real("odd", 0, "causality=\"input\" variability=\"discrete\"><Boolean start=\"false\""),
+            real("even", 1, "causality=\"output\" variability=\"discrete\"><Boolean"),
+        ];
+        format!(
+            r#"<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="2.0" modelName="{name}" guid="{{test}}" numberOfEventIndicators="{indicators}">
+  <ModelExchange modelIdentifier="{name}" canGetAndSetFMUstate="true"/>
+  <DefaultExperiment startTime="0" stopTime="1" stepSize="0.1"/>
+  <ModelVariables>
+{}  </ModelVariables>
+  <ModelStructure>
+    <Outputs><Unknown index="3" dependencies="4"/><Unknown index="11" dependencies=""/><Unknown index="13" dependencies=""/></Outputs>
+    <Derivatives>{unknowns}</Derivatives>
+  </ModelStructure>
+</fmiModelDescription>
+"#,
+            variables.concat()
+        )
+    }
+
+    /// x at the start.
+    fn start_of_x(self) -> u8 {
+        u8::from(matches!(self, Model::Ball | Model::Oscillator))
+    }
+
+    fn of_co_simulation(self) -> String {
         let name = self.name();
         let dependencies = if self.feeds_through() { "1" } else { "" };
         format!(
@@ -106,7 +194,7 @@ fn folder() -> &'static Path {
     })
 }
 
-/// Compiles a model of model.c into a shared library, once per test process.
+/// Compiles a model into a shared library, once per test process.
 pub(crate) fn compile(model: Model) -> PathBuf {
     static MADE: Mutex<BTreeMap<Model, PathBuf>> = Mutex::new(BTreeMap::new());
     let mut made = MADE.lock().unwrap();
@@ -117,11 +205,14 @@ fn compile_now(model: Model) -> PathBuf {
     let library = folder().join(format!("{}.so", model.name()));
     // Another test process may be reading the library: it is replaced as a whole.
     let unfinished = folder().join(format!("{}.so.{}", model.name(), std::process::id()));
+    let source = if model.exchange().is_some() { "exchange.c" } else { "model.c" };
     let done = Command::new("cc")
         .args(["-O2", "-shared", "-fPIC", "-w", "-o"])
         .arg(&unfinished)
         .arg(format!("-DMODEL_{}", model.name()))
-        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/all/model.c"))
+        .arg(format!("-DX0={}", model.start_of_x()))
+        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/all").join(source))
+        .arg("-lm")
         .status()
         .expect("a C compiler named cc");
     assert!(done.success());

@@ -215,3 +215,37 @@ fn a_loop_that_settles_begins_with_values_that_agree() {
     assert!(system.run(&mut [&mut recording]).unwrap().warnings.is_empty());
     assert_near(recording.column("a.u").unwrap(), &[0.0, 0.0]);
 }
+
+#[test]
+fn a_loop_that_is_cut_at_a_sampled_output_is_only_noted() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let sampled = folder.path().join("sampled.fmu");
+    let y = "name=\"y\" valueReference=\"2\" causality=\"output\"";
+    let description = Gain.description().replace(y, &format!("{y} variability=\"discrete\""));
+    let library = std::fs::read(crate::models::compile(Gain)).unwrap();
+    let entries =
+        [("modelDescription.xml", description.into_bytes()), ("binaries/linux64/GAIN.so", library)];
+    crate::models::pack(&sampled, &entries);
+    let ssd = Ssd::new().add("a", Gain).add("b", Gain).connect("b.y", "a.u").connect("a.y", "b.u");
+    let held = ssd.load(&Overrides::new().replace("b", &sampled)).unwrap();
+    assert!(held.warnings().is_empty(), "{:?}", held.warnings());
+    assert!(held.notes()[0].starts_with("sampled loop through a, b"), "{:?}", held.notes());
+    // Nor is it solved: a sample would act on the step that it ends.
+    let iterative = Overrides::new().replace("b", &sampled).algorithm(Algorithm::Iterative);
+    assert_eq!(held.with(&iterative).unwrap().solved_loops().count(), 0);
+    // The cut is not at the sampled one.
+    let other = held.with(&Overrides::new().replace("a", &sampled)).unwrap();
+    assert!(other.notes().is_empty() && other.warnings().len() == 1);
+}
+
+#[test]
+fn a_derived_system_opens_no_file_again() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let copy = folder.path().join("copy.fmu");
+    std::fs::copy(Gain.fmu(), &copy).unwrap();
+    let system = chain().load(&Overrides::new()).unwrap();
+    let replaced = Overrides::new().replace("c", &copy);
+    drop(system.with(&replaced).unwrap());
+    std::fs::remove_file(&copy).unwrap();
+    assert_near(&run(&system.with(&replaced).unwrap()).column("c.y").unwrap()[4..], &[0.4, 0.5]);
+}

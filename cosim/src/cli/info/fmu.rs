@@ -12,11 +12,11 @@ pub(super) fn text(fmu: &Fmu) -> String {
     }
     let kinds = [
         description.co_simulation.is_some().then_some("co-simulation"),
-        description.model_exchange.then_some("model exchange"),
+        description.model_exchange.is_some().then_some("model exchange"),
     ];
     let kinds: Vec<&str> = kinds.into_iter().flatten().collect();
     lines.push(format!("  FMI 2.0, {}; by {}", kinds.join(" and "), description.generation_tool));
-    let Experiment { start, stop, step } = description.experiment;
+    let Experiment { start, stop, step, .. } = description.experiment;
     let shown = |seconds: Option<f64>| seconds.map_or("-".to_owned(), |s| format!("{s} s"));
     let (start, stop, step) = (shown(start), shown(stop), shown(step));
     lines.push(format!("  default experiment: start {start}, stop {stop}, step {step}"));
@@ -60,11 +60,12 @@ pub(super) fn json(fmu: &Fmu) -> Value {
         "guid": description.guid,
         "generationTool": description.generation_tool,
         "coSimulation": description.co_simulation.is_some(),
-        "modelExchange": description.model_exchange,
+        "modelExchange": description.model_exchange.is_some(),
         "defaultExperiment": {
             "startTime": experiment.start,
             "stopTime": experiment.stop,
             "stepSize": experiment.step,
+            "tolerance": experiment.tolerance,
         },
         "variables": description.variables.iter().enumerate()
             .map(|(position, v)| variable(description, position, v))

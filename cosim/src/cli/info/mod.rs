@@ -27,9 +27,7 @@ impl Info {
         let ends_with = |end| self.file.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
         if ends_with("ssd") || ends_with("ssp") {
             let system = System::load(&self.file, &Overrides::new())?;
-            for warning in system.warnings() {
-                messages::warning(warning);
-            }
+            messages::findings(&system, false);
             return match self.format {
                 Format::Text => print(&system::text(&system)),
                 Format::Json => print(&system::json(&system).to_string()),

@@ -19,10 +19,14 @@ pub struct Description {
     pub description: String,
     /// Tool that wrote it.
     pub generation_tool: String,
-    /// Name of the library's file for co-simulation; `None` when the FMU has no such part.
-    pub co_simulation: Option<CoSimulation>,
-    /// Whether the FMU can also be used for model exchange.
-    pub model_exchange: bool,
+    /// The part for co-simulation, if there is one.
+    pub co_simulation: Option<Interface>,
+    /// The part for model exchange, if there is one.
+    pub model_exchange: Option<Interface>,
+    /// Number of continuous states.
+    pub states: usize,
+    /// Number of event indicators.
+    pub event_indicators: usize,
     /// Suggested experiment.
     pub experiment: Experiment,
     /// All variables, in the order of the file; FMI's indices are positions in it plus one.
@@ -32,9 +36,18 @@ pub struct Description {
     positions: HashMap<String, usize>,
 }
 
-/// The co-simulation part.
+/// How an FMU is driven.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum InterfaceType {
+    /// It brings its solver and is stepped.
+    CoSimulation,
+    /// It gives derivatives and events; the importer solves.
+    ModelExchange,
+}
+
+/// The part for co-simulation or for model exchange.
 #[derive(Debug, Clone)]
-pub struct CoSimulation {
+pub struct Interface {
     /// Name of the library's file without its ending.
     pub model_identifier: String,
     /// The FMU only wraps a tool that must be installed.
@@ -43,6 +56,10 @@ pub struct CoSimulation {
     pub once_per_process: bool,
     /// Its state can be saved and set back.
     pub get_and_set_state: bool,
+    /// It computes directional derivatives.
+    pub directional_derivative: bool,
+    /// Model exchange: it need not be told that a step was accepted.
+    pub no_completed_step: bool,
 }
 
 /// Suggested experiment, in seconds.
@@ -54,6 +71,8 @@ pub struct Experiment {
     pub stop: Option<f64>,
     /// Communication step.
     pub step: Option<f64>,
+    /// Relative tolerance, without a unit.
+    pub tolerance: Option<f64>,
 }
 
 /// A variable.
@@ -125,6 +144,29 @@ pub enum Kind {
     Enumeration(Vec<(String, i32)>),
 }
 
+impl InterfaceType {
+    /// Its name in sentences.
+    pub fn name(self) -> &'static str {
+        match self {
+            InterfaceType::CoSimulation => "co-simulation",
+            InterfaceType::ModelExchange => "model exchange",
+        }
+    }
+}
+
+impl std::str::FromStr for InterfaceType {
+    type Err = String;
+
+    /// `cs` or `me`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "cs" => Ok(InterfaceType::CoSimulation),
+            "me" => Ok(InterfaceType::ModelExchange),
+            _ => Err(format!("'{text}' is neither cs nor me")),
+        }
+    }
+}
+
 impl Kind {
     /// FMI's name.
     pub fn name(&self) -> &'static str {
@@ -174,6 +216,14 @@ impl Variable {
 }
 
 impl Description {
+    /// The part for an interface type, if there is one.
+    pub fn interface(&self, kind: InterfaceType) -> Option<&Interface> {
+        match kind {
+            InterfaceType::CoSimulation => self.co_simulation.as_ref(),
+            InterfaceType::ModelExchange => self.model_exchange.as_ref(),
+        }
+    }
+
     /// Position of a variable in [`Description::variables`].
     pub fn position(&self, name: &str) -> Option<usize> {
         self.positions.get(name).copied()

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 use super::{
-    Causality, CoSimulation, Description, Experiment, Kind, Output, Value, Variability, Variable,
+    Causality, Description, Experiment, Interface, Kind, Output, Value, Variability, Variable,
 };
 use crate::error::{Code, Error, Result};
 use crate::xml::{self, Element};
@@ -68,8 +68,12 @@ impl Reader<'_> {
             guid: root.require("guid", self.file, Code::Description)?.to_owned(),
             description: text("description"),
             generation_tool: text("generationTool"),
-            co_simulation: root.child("CoSimulation").map(|e| self.co_simulation(e)).transpose()?,
-            model_exchange: root.child("ModelExchange").is_some(),
+            co_simulation: root.child("CoSimulation").map(|e| self.interface(e)).transpose()?,
+            model_exchange: root.child("ModelExchange").map(|e| self.interface(e)).transpose()?,
+            states: self.states(root, &variables)?,
+            event_indicators: root
+                .parse("numberOfEventIndicators", self.file, Code::Description)?
+                .unwrap_or(0),
             experiment: self.experiment(root)?,
             outputs: self.outputs(root, &variables)?,
             variables,
@@ -77,18 +81,31 @@ impl Reader<'_> {
         })
     }
 
-    fn co_simulation(&self, element: &Element) -> Result<CoSimulation> {
+    fn interface(&self, element: &Element) -> Result<Interface> {
         let flag = |name| element.flag(name, self.file, Code::Description);
         let identifier = element.require("modelIdentifier", self.file, Code::Description)?;
         if identifier.is_empty() || identifier.contains(['/', '\\', '\0']) {
             return Err(self.wrong(element, format!("modelIdentifier=\"{identifier}\"")));
         }
-        Ok(CoSimulation {
+        Ok(Interface {
             model_identifier: identifier.to_owned(),
             needs_execution_tool: flag("needsExecutionTool")?,
             once_per_process: flag("canBeInstantiatedOnlyOncePerProcess")?,
             get_and_set_state: flag("canGetAndSetFMUstate")?,
+            directional_derivative: flag("providesDirectionalDerivative")?,
+            no_completed_step: flag("completedIntegratorStepNotNeeded")?,
         })
+    }
+
+    /// Number of continuous states: one per derivative of ModelStructure.
+    fn states(&self, root: &Element, variables: &[Variable]) -> Result<usize> {
+        let structure = root.child("ModelStructure");
+        let derivatives = structure.map_or(&[][..], |s| s.grandchildren("Derivatives"));
+        for unknown in derivatives {
+            let index = unknown.require("index", self.file, Code::Description)?;
+            self.position(unknown, index, variables)?;
+        }
+        Ok(derivatives.len())
     }
 
     fn experiment(&self, root: &Element) -> Result<Experiment> {
@@ -100,6 +117,7 @@ impl Reader<'_> {
             start: number("startTime")?,
             stop: number("stopTime")?,
             step: number("stepSize")?,
+            tolerance: number("tolerance")?,
         })
     }
 

@@ -6,8 +6,15 @@ use super::{Instance, State};
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Kind, Value, Variable};
 
-const READABLE: &[State] = &[State::Initialization, State::Ready, State::Failed];
-const WRITABLE: &[State] = &[State::Instantiated, State::Initialization, State::Ready];
+const READABLE: &[State] =
+    &[State::Ready, State::ContinuousTime, State::EventMode, State::Initialization, State::Failed];
+const WRITABLE: &[State] = &[
+    State::Ready,
+    State::ContinuousTime,
+    State::EventMode,
+    State::Initialization,
+    State::Instantiated,
+];
 
 impl Instance {
     /// Sets Real variables.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::Findings;
 use crate::error::{Code, Error, Result};
-use crate::fmi::{Causality, Fmu, Kind, Variable};
+use crate::fmi::{Causality, Fmu, InterfaceType, Kind, Variable};
 use crate::names;
 use crate::system::Overrides;
 use crate::system::raw::{RawComponent, RawConnector, RawSystem};
@@ -15,13 +15,15 @@ pub(super) struct Opened {
     pub name: String,
     /// `None` when it could not be opened; that is noted, and what depends on it is skipped.
     pub fmu: Option<Arc<Fmu>>,
+    pub interface: InterfaceType,
     /// The FMU is not the file's, so its connectors and parameters may be others.
     pub replaced: bool,
 }
 
 pub(super) fn open(raw: &RawSystem, overrides: &Overrides, findings: &mut Findings) -> Vec<Opened> {
     let known = || raw.components.iter().map(|c| c.name.as_str());
-    for (name, _) in &overrides.replacements {
+    let interfaces = overrides.interfaces.iter().map(|(name, _)| name);
+    for name in overrides.replacements.iter().map(|(name, _)| name).chain(interfaces) {
         if !known().any(|n| n == name) {
             findings.problems.push(unknown_component(name, known()).at(&raw.file));
         }
@@ -58,10 +60,12 @@ fn open_one(
         .find(|(name, _)| *name == component.name)
         .map(|(_, path)| path);
     let path = replacement.unwrap_or(&component.source);
-    let fmu = Fmu::open(path).and_then(|fmu| {
-        fmu.co_simulation()?;
-        Ok(fmu)
-    });
+    let wanted = overrides.interface_of(&component.name).or(component.interface);
+    let fmu = raw.fmus.open(path).and_then(|fmu| Ok((fmu.choose(wanted)?, fmu)));
+    let (interface, fmu) = match fmu {
+        Ok((interface, fmu)) => (interface, Ok(fmu)),
+        Err(error) => (InterfaceType::CoSimulation, Err(error)),
+    };
     let fmu = findings.note(fmu.map_err(|e| match replacement {
         Some(_) => e,
         None => named_in(e, raw, component),
@@ -73,7 +77,7 @@ fn open_one(
         }
     }
     if let Some(tool) =
-        fmu.as_ref().filter(|f| f.co_simulation().is_ok_and(|c| c.needs_execution_tool))
+        fmu.as_ref().filter(|f| f.interface(interface).is_ok_and(|i| i.needs_execution_tool))
     {
         findings.warnings.push(format!(
             "'{}' needs its tool installed ({})",
@@ -81,7 +85,7 @@ fn open_one(
             tool.description().generation_tool
         ));
     }
-    Opened { name: component.name.clone(), fmu, replaced: replacement.is_some() }
+    Opened { name: component.name.clone(), fmu, interface, replaced: replacement.is_some() }
 }
 
 fn named_in(error: Error, raw: &RawSystem, component: &RawComponent) -> Error {
@@ -138,7 +142,7 @@ pub(super) fn same_kind(named: &str, kind: &Kind) -> bool {
 fn once_per_process(opened: &[Opened], findings: &mut Findings) {
     for (position, component) in opened.iter().enumerate() {
         let Some(fmu) = &component.fmu else { continue };
-        let once = fmu.co_simulation().is_ok_and(|c| c.once_per_process);
+        let once = fmu.interface(component.interface).is_ok_and(|i| i.once_per_process);
         let twin = opened[..position]
             .iter()
             .find(|o| o.fmu.as_ref().is_some_and(|other| Arc::ptr_eq(other, fmu)));

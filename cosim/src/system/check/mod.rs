@@ -9,9 +9,9 @@ mod timing;
 
 use std::sync::Arc;
 
-use super::order::{Loop, Order};
+use super::order::Order;
 use super::raw::RawSystem;
-use super::{Component, Model, Overrides, System};
+use super::{Component, Model, Overrides, System, loops};
 use crate::error::{Error, Result};
 
 pub(super) use columns::columns;
@@ -40,9 +40,12 @@ pub(super) fn check(raw: Arc<RawSystem>, overrides: &Overrides) -> Result<System
     let names = Names::of(&opened);
     let start_values = parameters::check(&raw, overrides, &opened, &names, &mut findings);
     let timing = timing::check(&raw, overrides, &opened, &mut findings);
+    let suggested =
+        opened.iter().filter_map(|o| o.fmu.as_ref()?.description().experiment.tolerance);
+    let solver = findings.note(overrides.settings(suggested.reduce(f64::min)));
     let columns = findings.note(columns(&names, &overrides.output_variables));
     Error::all(findings.problems)?;
-    let (Some(timing), Some(columns)) = (timing, columns) else {
+    let (Some(timing), Some(solver), Some(columns)) = (timing, solver, columns) else {
         return Err(Error::new(crate::Code::Ssd, "the system is not valid").at(&raw.file));
     };
     let components: Vec<Component> = opened
@@ -50,8 +53,8 @@ pub(super) fn check(raw: Arc<RawSystem>, overrides: &Overrides) -> Result<System
         .zip(timing.steps)
         .zip(start_values)
         .filter_map(|((opened, step), start_values)| {
-            let model = Model::Fmu(opened.fmu?);
-            Some(Component { name: opened.name, model, step, start_values })
+            let (name, interface) = (opened.name, opened.interface);
+            Some(Component { name, model: Model::Fmu(opened.fmu?), interface, step, start_values })
         })
         .collect();
     let algorithm = overrides.algorithm.or(raw.master.algorithm).unwrap_or_default();
@@ -66,39 +69,11 @@ pub(super) fn check(raw: Arc<RawSystem>, overrides: &Overrides) -> Result<System
         stop: timing.stop,
         output_interval: timing.output_interval,
         algorithm,
+        solver,
         debug_logging: overrides.debug_logging,
         warnings: findings.warnings,
+        notes: Vec::new(),
     };
-    let loops: Vec<String> = system.order.loops.iter().map(|l| told(&system, l)).collect();
-    system.warnings.extend(loops);
+    loops::tell(&mut system)?;
     Ok(system)
-}
-
-/// An algebraic loop in words; connections between the same two components are told once.
-fn told(system: &System, found: &Loop) -> String {
-    let name = |component: usize| system.components[component].name.as_str();
-    let members: Vec<&str> = found.members.iter().map(|&m| name(m)).collect();
-    let mut pairs: Vec<(usize, usize, String, usize)> = Vec::new();
-    for connection in found.held.iter().map(|&c| &system.connections[c]) {
-        let (from, to) = (connection.from, connection.to);
-        match pairs.iter_mut().find(|p| (p.0, p.1) == (from.component, to.component)) {
-            Some(pair) => pair.3 += 1,
-            None => {
-                let first = format!("{} -> {}", system.port_name(from), system.port_name(to));
-                pairs.push((from.component, to.component, first, 1));
-            }
-        }
-    }
-    let held: Vec<String> = pairs
-        .into_iter()
-        .map(|(from, to, first, count)| match count {
-            1 => first,
-            _ => format!("{} -> {} ({count} connections)", name(from), name(to)),
-        })
-        .collect();
-    format!(
-        "algebraic loop through {}: one step of delay on {}",
-        members.join(", "),
-        held.join(", ")
-    )
 }

@@ -2,6 +2,7 @@
 
 use super::Reader;
 use crate::error::{Code, Result};
+use crate::fmi::InterfaceType;
 use crate::system::raw::{RawComponent, RawConnector};
 use crate::xml::Element;
 
@@ -28,15 +29,21 @@ impl Reader<'_> {
                 .wrong(element, format!("the type of '{name}' is \"{other}\""))
                 .why(format!("only FMUs can be run: \"{FMU}\"")));
         }
-        if element.get("implementation") == Some("ModelExchange") {
-            return Err(self
-                .wrong(element, format!("'{name}' asks for model exchange"))
-                .help("write implementation=\"CoSimulation\", or leave the attribute out"));
-        }
+        let interface = match element.get("implementation") {
+            None | Some("any") => None,
+            Some("CoSimulation") => Some(InterfaceType::CoSimulation),
+            Some("ModelExchange") => Some(InterfaceType::ModelExchange),
+            Some(other) => {
+                return Err(self
+                    .wrong(element, format!("implementation=\"{other}\" of '{name}'"))
+                    .help("write any, CoSimulation or ModelExchange"));
+            }
+        };
         let source = element.require("source", self.file, Code::Ssd)?;
         Ok(RawComponent {
             name: name.to_owned(),
             source: self.folder.join(source.strip_prefix("file://").unwrap_or(source)),
+            interface,
             step: self.step(element)?,
             connectors: element
                 .grandchildren("Connectors")

@@ -12,6 +12,7 @@ mod parameters;
 
 use std::path::{Path, PathBuf};
 
+use super::opened::OpenedFmus;
 use super::raw::{RawConnection, RawMaster, RawSystem};
 use crate::error::{Code, Error, Result};
 use crate::fmi::archive;
@@ -105,6 +106,7 @@ impl<'a> Reader<'a> {
             master,
             warnings: self.warnings,
             _unpacked: None,
+            fmus: OpenedFmus::default(),
         })
     }
 

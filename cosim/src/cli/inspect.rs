@@ -1,0 +1,103 @@
+//! `cosim inspect`: who steps when, and how late values arrive and why.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use cosim::Result;
+use cosim::System;
+use cosim::system::Delay;
+use serde_json::{Value, json};
+
+use super::changes::Changes;
+use super::output::print;
+use super::{Format, messages};
+
+/// Show the order of stepping, and of each connection the delay and its reason
+#[derive(Args)]
+pub(crate) struct Inspect {
+    /// A system description (.ssd) or package (.ssp)
+    file: PathBuf,
+    #[command(flatten)]
+    changes: Changes,
+    /// For people or for programs
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+}
+
+impl Inspect {
+    pub(crate) fn run(self) -> Result<()> {
+        let system = System::load(&self.file, &self.changes.overrides())?;
+        match self.format {
+            Format::Text => {
+                messages::findings(&system, false);
+                print(&text(&system))
+            }
+            Format::Json => print(&json(&system).to_string()),
+        }
+    }
+}
+
+fn name(system: &System, component: usize) -> &str {
+    &system.components()[component].name
+}
+
+fn text(system: &System) -> String {
+    let mut lines = vec![format!("order of stepping ({})", system.algorithm())];
+    let sequence = &system.order().sequence;
+    let width = sequence.iter().map(|&c| name(system, c).len()).max().unwrap_or(0);
+    for (place, &c) in sequence.iter().enumerate() {
+        let (name, step) = (name(system, c), system.components()[c].step);
+        lines.push(format!("  {:>3}  {name:width$}  every {step}", place + 1));
+    }
+    lines.push(format!("connections ({})", system.connections().len()));
+    // Neighbours with the same ends and the same delay share one explanation.
+    let mut last = String::new();
+    for (position, delay) in system.delays().iter().enumerate() {
+        let ends = &system.connections()[position];
+        let (from, to) = (ends.from.component, ends.to.component);
+        let reason = system.explain(position, delay);
+        let title = format!("  {} -> {}: {reason}", name(system, from), name(system, to));
+        if title != last {
+            lines.push(title.clone());
+            last = title;
+        }
+        let variable = |port: cosim::system::Port| {
+            system.components()[port.component].model.variable_name(port.variable).to_owned()
+        };
+        lines.push(format!("    {} -> {}", variable(ends.from), variable(ends.to)));
+    }
+    lines.join("\n")
+}
+
+fn json(system: &System) -> Value {
+    let delays = system.delays();
+    json!({
+        "name": system.name(),
+        "algorithm": system.algorithm().to_string(),
+        "order": system.order().sequence.iter().map(|&c| json!({
+            "name": name(system, c),
+            "stepSize": system.components()[c].step.seconds(),
+        })).collect::<Vec<_>>(),
+        "connections": delays.iter().enumerate().map(|(position, delay)| {
+            connection(system, position, delay)
+        }).collect::<Vec<_>>(),
+        "loops": system.order().loops.iter().map(|l| json!({
+            "members": l.members.iter().map(|&m| name(system, m)).collect::<Vec<_>>(),
+            "cut": l.held,
+            "solved": l.solved,
+        })).collect::<Vec<_>>(),
+        "warnings": system.warnings(),
+        "notes": system.notes(),
+    })
+}
+
+fn connection(system: &System, position: usize, delay: &Delay) -> Value {
+    let ends = &system.connections()[position];
+    json!({
+        "from": system.port_name(ends.from),
+        "to": system.port_name(ends.to),
+        "late": delay.late.seconds(),
+        "heldUpTo": delay.held.seconds(),
+        "reason": system.explain(position, delay),
+    })
+}

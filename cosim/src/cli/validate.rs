@@ -1,0 +1,88 @@
+//! `cosim validate`: everything that is wrong with an FMU or a system, at once.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use cosim::fmi::{Fmu, InterfaceType};
+use cosim::{Error, Overrides, Result, System};
+use serde_json::{Value, json};
+
+use super::output::print;
+use super::{Format, messages};
+
+/// Check an FMU or a system without running it, and report all problems at once
+#[derive(Args)]
+pub(crate) struct Validate {
+    /// A .fmu, .ssd or .ssp file
+    file: PathBuf,
+    /// For people or for programs
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+}
+
+/// What a valid file is like.
+#[derive(Default)]
+struct Findings {
+    warnings: Vec<String>,
+    notes: Vec<String>,
+}
+
+impl Validate {
+    pub(crate) fn run(self) -> Result<()> {
+        let result = check(&self.file);
+        if self.format == Format::Json {
+            print(&json(&self.file, &result).to_string())?;
+        }
+        let findings = result?;
+        if self.format == Format::Text {
+            findings.warnings.iter().for_each(|text| messages::warning(text));
+            findings.notes.iter().for_each(|text| messages::note(text));
+            print(&format!("{} is valid", self.file.display()))?;
+        }
+        Ok(())
+    }
+}
+
+fn check(file: &Path) -> Result<Findings> {
+    let ends_with = |end| file.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
+    if !ends_with("ssd") && !ends_with("ssp") {
+        let fmu = Fmu::open(file)?;
+        fmu.choose(None)?;
+        for kind in [InterfaceType::CoSimulation, InterfaceType::ModelExchange] {
+            if fmu.description().interface(kind).is_some() {
+                fmu.load(kind)?;
+            }
+        }
+        return Ok(Findings::default());
+    }
+    let system = System::load(file, &Overrides::new())?;
+    let mut notes = system.notes().to_vec();
+    notes.extend(system.unconnected_inputs().map(|port| {
+        format!("the input {} is not connected: it keeps its start value", system.port_name(port))
+    }));
+    Ok(Findings { warnings: system.warnings().to_vec(), notes })
+}
+
+fn json(file: &Path, result: &Result<Findings>) -> Value {
+    let (problems, empty) = (result.as_ref().err(), Findings::default());
+    let findings = result.as_ref().unwrap_or(&empty);
+    json!({
+        "file": file.display().to_string(),
+        "valid": problems.is_none(),
+        "problems": problems.iter().flat_map(|e| e.problems()).map(problem).collect::<Vec<_>>(),
+        "warnings": findings.warnings,
+        "notes": findings.notes,
+    })
+}
+
+fn problem(error: &Error) -> Value {
+    let (file, line) = error.place().map_or((None, None), |(f, l)| (Some(f), l));
+    json!({
+        "code": error.code().as_str(),
+        "what": error.what(),
+        "file": file.map(|f| f.display().to_string()),
+        "line": line,
+        "why": error.reason(),
+        "help": error.remedy(),
+    })
+}

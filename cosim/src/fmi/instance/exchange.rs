@@ -1,0 +1,164 @@
+//! Calls of model exchange (FMI 2.0.5, 3.2): time, states, derivatives, events.
+
+use super::{Instance, State};
+use crate::error::{Code, Error, Result};
+use crate::fmi::library::{EventInfo, Exchange, Own};
+use crate::fmi::status::RawStatus;
+use crate::time::Time;
+
+/// Iterations of one event after which the FMU is taken to never settle.
+const MAX_ITERATIONS: usize = 1000;
+
+const CONTINUOUS: &[State] = &[State::ContinuousTime];
+const BOTH: &[State] = &[State::ContinuousTime, State::EventMode];
+
+/// What an event left behind.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct NextEvent {
+    /// The next time event in seconds, if there is one.
+    pub time: Option<f64>,
+    /// The continuous states have jumped.
+    pub states_changed: bool,
+    /// The nominal values of the states have changed.
+    pub nominals_changed: bool,
+}
+
+impl Instance {
+    /// Sets the time in seconds.
+    #[inline]
+    pub fn set_time(&mut self, time: f64) -> Result<()> {
+        // For messages; beyond 146 years the last instant stands there.
+        self.time = Time::from_seconds(time, "the time").unwrap_or(self.time);
+        // SAFETY: `c` is alive and the state allows the call.
+        self.exchange("fmi2SetTime", BOTH, |f, c| unsafe { (f.set_time)(c, time) })
+    }
+
+    /// Sets the continuous states.
+    #[inline]
+    pub fn set_states(&mut self, states: &[f64]) -> Result<()> {
+        self.length("fmi2SetContinuousStates", states.len(), self.fmu.description().states)?;
+        self.exchange("fmi2SetContinuousStates", CONTINUOUS, |f, c| {
+            // SAFETY: `c` is alive; the array has that length.
+            unsafe { (f.set_states)(c, states.as_ptr(), states.len()) }
+        })
+    }
+
+    /// Reads the continuous states.
+    pub fn get_states(&mut self, states: &mut [f64]) -> Result<()> {
+        self.length("fmi2GetContinuousStates", states.len(), self.fmu.description().states)?;
+        self.exchange("fmi2GetContinuousStates", BOTH, |f, c| {
+            // SAFETY: `c` is alive; the array has that length.
+            unsafe { (f.get_states)(c, states.as_mut_ptr(), states.len()) }
+        })
+    }
+
+    /// Reads the derivatives of the continuous states.
+    #[inline]
+    pub fn get_derivatives(&mut self, derivatives: &mut [f64]) -> Result<()> {
+        self.length("fmi2GetDerivatives", derivatives.len(), self.fmu.description().states)?;
+        self.exchange("fmi2GetDerivatives", BOTH, |f, c| {
+            // SAFETY: `c` is alive; the array has that length.
+            unsafe { (f.get_derivatives)(c, derivatives.as_mut_ptr(), derivatives.len()) }
+        })
+    }
+
+    /// Reads the nominal values of the continuous states.
+    pub fn get_nominals(&mut self, nominals: &mut [f64]) -> Result<()> {
+        let function = "fmi2GetNominalsOfContinuousStates";
+        self.length(function, nominals.len(), self.fmu.description().states)?;
+        self.exchange(function, BOTH, |f, c| {
+            // SAFETY: `c` is alive; the array has that length.
+            unsafe { (f.get_nominals)(c, nominals.as_mut_ptr(), nominals.len()) }
+        })
+    }
+
+    /// Reads the event indicators.
+    #[inline]
+    pub fn get_indicators(&mut self, indicators: &mut [f64]) -> Result<()> {
+        let wanted = self.fmu.description().event_indicators;
+        self.length("fmi2GetEventIndicators", indicators.len(), wanted)?;
+        self.exchange("fmi2GetEventIndicators", BOTH, |f, c| {
+            // SAFETY: `c` is alive; the array has that length.
+            unsafe { (f.get_indicators)(c, indicators.as_mut_ptr(), indicators.len()) }
+        })
+    }
+
+    /// Tells that a step was accepted; whether the FMU wants a step event.
+    pub fn completed_step(&mut self) -> Result<bool> {
+        let (mut event, mut terminate) = (0, 0);
+        self.exchange("fmi2CompletedIntegratorStep", CONTINUOUS, |f, c| {
+            // SAFETY: `c` is alive; both flags live during the call.
+            unsafe { (f.completed_step)(c, 0, &mut event, &mut terminate) }
+        })?;
+        self.ended(terminate)?;
+        Ok(event != 0)
+    }
+
+    /// Enters event mode.
+    pub fn enter_event_mode(&mut self) -> Result<()> {
+        // SAFETY: `c` is alive and the state allows the call.
+        self.exchange("fmi2EnterEventMode", CONTINUOUS, |f, c| unsafe { (f.enter_event)(c) })?;
+        self.state = State::EventMode;
+        Ok(())
+    }
+
+    /// Iterates over the event until nothing new happens, and enters continuous-time mode.
+    pub fn finish_event(&mut self) -> Result<NextEvent> {
+        let mut next = NextEvent::default();
+        for _ in 0..MAX_ITERATIONS {
+            let mut info = EventInfo::default();
+            self.exchange("fmi2NewDiscreteStates", &[State::EventMode], |f, c| {
+                // SAFETY: `c` is alive; `info` lives during the call.
+                unsafe { (f.new_discrete)(c, &mut info) }
+            })?;
+            self.ended(info.terminate)?;
+            next.states_changed |= info.states_changed != 0;
+            next.nominals_changed |= info.nominals_changed != 0;
+            next.time = (info.next_event_defined != 0).then_some(info.next_event);
+            if info.new_discrete_states_needed == 0 {
+                self.exchange("fmi2EnterContinuousTimeMode", &[State::EventMode], |f, c| {
+                    // SAFETY: `c` is alive and the state allows the call.
+                    unsafe { (f.enter_continuous)(c) }
+                })?;
+                self.state = State::ContinuousTime;
+                return Ok(next);
+            }
+        }
+        Err(Error::new(Code::Fmu, format!("'{}' does not settle at t = {}", self.name, self.time))
+            .at(self.fmu.path())
+            .why(format!("the event asked for {MAX_ITERATIONS} iterations and still for more")))
+    }
+
+    fn ended(&self, terminate: i32) -> Result<()> {
+        if terminate == 0 {
+            return Ok(());
+        }
+        Err(Error::new(Code::Fmu, format!("'{}' ended the run at t = {}", self.name, self.time))
+            .at(self.fmu.path())
+            .why("the FMU set terminateSimulation")
+            .log(self.log.take()))
+    }
+
+    #[inline]
+    fn exchange(
+        &mut self,
+        function: &'static str,
+        allowed: &[State],
+        call: impl FnOnce(&Exchange, crate::fmi::library::Component) -> RawStatus,
+    ) -> Result<()> {
+        self.require(function, allowed)?;
+        let Own::Exchange(own) = self.own else {
+            return Err(self.refused(function));
+        };
+        self.call(function, |_, c| call(&own, c))
+    }
+
+    #[inline]
+    fn length(&self, function: &'static str, found: usize, wanted: usize) -> Result<()> {
+        if found == wanted {
+            return Ok(());
+        }
+        Err(Error::new(Code::Fmu, format!("{function} of '{}'", self.name))
+            .why(format!("{found} values were passed, the FMU has {wanted}")))
+    }
+}

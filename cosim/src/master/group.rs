@@ -1,0 +1,90 @@
+//! Variables of one instance that are exchanged together.
+
+use crate::error::Result;
+use crate::fmi::{Instance, Kind, Variable};
+
+/// Variables that are set or read together, one FMI call per type. A master's plan lists Reals
+/// first, then Integers, then Booleans ([`rank`]).
+pub(super) struct Group {
+    reals: Vec<u32>,
+    integers: Vec<u32>,
+    booleans: Vec<u32>,
+    /// Room for the values that are not Reals.
+    buffer: Vec<i32>,
+}
+
+/// Order of types within a group.
+pub(super) fn rank(kind: &Kind) -> u8 {
+    match kind {
+        Kind::Real => 0,
+        Kind::Integer | Kind::Enumeration(_) => 1,
+        Kind::Boolean => 2,
+        Kind::String => 3,
+    }
+}
+
+impl Group {
+    pub(super) fn new(variables: &[Variable], positions: &[usize]) -> Self {
+        let of = |wanted: u8| -> Vec<u32> {
+            let chosen = positions.iter().map(|&p| &variables[p]);
+            chosen.filter(|v| rank(&v.kind) == wanted).map(|v| v.value_reference).collect()
+        };
+        let (reals, integers, booleans) = (of(0), of(1), of(2));
+        let buffer = vec![0; integers.len().max(booleans.len())];
+        Self { reals, integers, booleans, buffer }
+    }
+
+    #[inline]
+    pub(super) fn set(&mut self, instance: &mut Instance, values: &[f64]) -> Result<()> {
+        let (reals, rest) = values.split_at(self.reals.len());
+        if !reals.is_empty() {
+            instance.set_real(&self.reals, reals)?;
+        }
+        if rest.is_empty() { Ok(()) } else { self.set_rest(instance, rest) }
+    }
+
+    fn set_rest(&mut self, instance: &mut Instance, rest: &[f64]) -> Result<()> {
+        let (integers, booleans) = rest.split_at(self.integers.len());
+        if !integers.is_empty() {
+            let buffer = fill(&mut self.buffer, integers);
+            instance.set_integer(&self.integers, buffer)?;
+        }
+        if !booleans.is_empty() {
+            let buffer = fill(&mut self.buffer, booleans);
+            instance.set_boolean(&self.booleans, buffer)?;
+        }
+        Ok(())
+    }
+
+    #[inline]
+    pub(super) fn get(&mut self, instance: &mut Instance, values: &mut [f64]) -> Result<()> {
+        let (reals, rest) = values.split_at_mut(self.reals.len());
+        if !reals.is_empty() {
+            instance.get_real(&self.reals, reals)?;
+        }
+        if rest.is_empty() { Ok(()) } else { self.get_rest(instance, rest) }
+    }
+
+    fn get_rest(&mut self, instance: &mut Instance, rest: &mut [f64]) -> Result<()> {
+        let (integers, booleans) = rest.split_at_mut(self.integers.len());
+        if !integers.is_empty() {
+            let buffer = &mut self.buffer[..integers.len()];
+            instance.get_integer(&self.integers, buffer)?;
+            integers.iter_mut().zip(buffer).for_each(|(to, from)| *to = f64::from(*from));
+        }
+        if !booleans.is_empty() {
+            let buffer = &mut self.buffer[..booleans.len()];
+            instance.get_boolean(&self.booleans, buffer)?;
+            // Any number but 0 is true in C.
+            booleans.iter_mut().zip(buffer).for_each(|(to, from)| *to = f64::from(*from != 0));
+        }
+        Ok(())
+    }
+}
+
+/// Exact: the values came from an i32 or a Boolean, or from a file (then they are rounded).
+fn fill<'b>(buffer: &'b mut [i32], values: &[f64]) -> &'b [i32] {
+    let buffer = &mut buffer[..values.len()];
+    buffer.iter_mut().zip(values).for_each(|(to, from)| *to = from.round() as i32);
+    buffer
+}

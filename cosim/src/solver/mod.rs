@@ -1,0 +1,48 @@
+//! Our own integrators for model exchange: x' = f(t, x), with events.
+//!
+//! `runge_kutta` is one explicit Runge-Kutta step of a Butcher tableau, `continuous` drives an
+//! FMU with it from event to event.
+
+mod continuous;
+mod locate;
+mod runge_kutta;
+
+pub(crate) use continuous::Continuous;
+pub(crate) use runge_kutta::RungeKutta;
+
+/// A Runge-Kutta method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// The classical one of order 4, one step per communication step (fewer before events).
+    RungeKutta4,
+    /// Dormand and Prince's pair of the orders 5 and 4, with steps chosen by the tolerance.
+    #[default]
+    DormandPrince,
+}
+
+/// How model exchange is integrated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// The method.
+    pub method: Method,
+    /// Error permitted per step, relative to the state and to its nominal value.
+    pub tolerance: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { method: Method::default(), tolerance: 1e-6 }
+    }
+}
+
+impl std::str::FromStr for Method {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "rk4" => Ok(Method::RungeKutta4),
+            "dopri5" => Ok(Method::DormandPrince),
+            _ => Err(format!("'{text}' is neither rk4 nor dopri5")),
+        }
+    }
+}

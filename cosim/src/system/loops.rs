@@ -1,0 +1,92 @@
+//! Loops of direct feed-through in words, and how bad they are.
+//!
+//! A loop cut at outputs of the variability `discrete` is well-defined: such a value holds from
+//! one event of its component to the next (FMI 2.0.5, 2.2.7), so holding it during a step is what
+//! a sampled system does anyway. That is a note. A loop cut at a continuous value is solved only
+//! up to one step of delay, and that is a warning.
+
+use super::order::Loop;
+use super::{Algorithm, Model, Port, System};
+use crate::error::{Code, Error, Result};
+use crate::fmi::Variability;
+
+/// Adds the loops to the system's notes or warnings; an error if they cannot be solved.
+pub(super) fn tell(system: &mut System) -> Result<()> {
+    let mut problems = Vec::new();
+    for position in 0..system.order.loops.len() {
+        let found = &system.order.loops[position];
+        if sampled(system, found) {
+            system.notes.push(told(system, found));
+        } else if system.algorithm == Algorithm::Iterative {
+            problems.extend(unable(system, found));
+            let members = system.members(found);
+            system.notes.push(format!("algebraic loop through {members}: solved at each step"));
+            system.order.loops[position].solved = true;
+        } else {
+            system.warnings.push(told(system, found));
+        }
+    }
+    Error::all(problems)
+}
+
+/// The members that cannot go back: a step of a loop is made again and again.
+fn unable(system: &System, found: &Loop) -> Vec<Error> {
+    let members = found.members.iter().map(|&member| &system.components[member]);
+    let unable = members.filter_map(|component| match &component.model {
+        Model::Fmu(fmu) => {
+            let able = fmu.interface(component.interface).is_ok_and(|i| i.get_and_set_state);
+            (!able).then_some((component, fmu))
+        }
+        Model::Signals(_) => None,
+    });
+    let problems = unable.map(|(component, fmu)| {
+        let what = format!("the loop with '{}' cannot be solved by iteration", component.name);
+        Error::new(Code::Connection, what)
+            .at(fmu.path())
+            .why("its FMU does not declare canGetAndSetFMUstate")
+            .help("take --algorithm gauss-seidel, which cuts the loop")
+    });
+    problems.collect()
+}
+
+/// Whether every value that is held is one that holds by its nature.
+fn sampled(system: &System, found: &Loop) -> bool {
+    found.held.iter().all(|&c| discrete(system, system.connections[c].from))
+}
+
+fn discrete(system: &System, port: Port) -> bool {
+    match &system.components[port.component].model {
+        Model::Fmu(fmu) => {
+            fmu.description().variables[port.variable].variability != Variability::Continuous
+        }
+        Model::Signals(_) => false,
+    }
+}
+
+/// A loop in words; connections between the same two components are told once.
+fn told(system: &System, found: &Loop) -> String {
+    let name = |component: usize| system.components[component].name.as_str();
+    let mut pairs: Vec<(usize, usize, String, usize)> = Vec::new();
+    for connection in found.held.iter().map(|&c| &system.connections[c]) {
+        let (from, to) = (connection.from, connection.to);
+        match pairs.iter_mut().find(|p| (p.0, p.1) == (from.component, to.component)) {
+            Some(pair) => pair.3 += 1,
+            None => {
+                let first = format!("{} -> {}", system.port_name(from), system.port_name(to));
+                pairs.push((from.component, to.component, first, 1));
+            }
+        }
+    }
+    let held: Vec<String> = pairs
+        .into_iter()
+        .map(|(from, to, first, count)| match count {
+            1 => first,
+            _ => format!("{} -> {} ({count} connections)", name(from), name(to)),
+        })
+        .collect();
+    let (members, held) = (system.members(found), held.join(", "));
+    match sampled(system, found) {
+        true => format!("sampled loop through {members}: held for one step on {held}"),
+        false => format!("algebraic loop through {members}: one step of delay on {held}"),
+    }
+}
