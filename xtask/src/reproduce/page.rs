@@ -27,14 +27,14 @@ pub(crate) const DIFFERENCES: [&str; 8] = [
      one, whose acceleration is noisy. The filters here keep these equations, since they are the \
      paper's, with one guard: below a speed of 0.0029 m/s (rad/s) the quotient is not used. The acceleration \
      in it is that of the position, the printed one plus r z x v, as in the prediction; with the \
-     printed one alone Y-Kalman comes out about a third lower.",
+     printed one alone the dynamic filter's Y-Kalman was about a third lower.",
     "The paper says neither how accurate its position fix is nor how noisy its DVL and IMU are. Its \
      two columns fit one loop only with a fix of 1.5 m for the dynamic filter and 2.5 m for the \
      kinematic one. These, the DVL's 0.01 m/s, the accelerometers' turn-on bias of 0.1 m/s2 and the \
      guard of eqs. 44 to 47 were chosen for the levels of the paper's tables, after more than two hundred \
      combinations had been tried; neighbouring choices miss some of them. So the levels are \
-     reproducible by choice, not predicted by the paper. What stands without any choice is the order: \
-     the dynamic filter is better than the kinematic one, and y is worse than x. The table with equal \
+     reproducible by choice, not predicted by the paper. With the nominal noise, too, the \
+     dynamic filter is better than the kinematic one, and y is worse than x. The table with equal \
      fixes shows what the filter itself is worth.",
     "A run's turn-on biases are constant and decide much of its errors, so runs differ widely: the \
      median of twenty seeds says little. A verdict is given from the median and its 95 % interval.",
