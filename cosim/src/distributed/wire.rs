@@ -1,0 +1,287 @@
+//! Messages between the coordinator and a host, as bytes.
+//!
+//! A message is a fixed header in little-endian and a body of raw numbers in the order of tables
+//! that both sides made from the same plan; names and types are never sent in a step. Raw bits
+//! keep every NaN and the sign of zero. The header carries a digest of the plan, so two sides
+//! that do not agree on the tables notice before any number is read.
+
+use crate::time::Time;
+
+/// Version of the protocol; both sides must have the same.
+pub const VERSION: u8 = 1;
+const MAGIC: u8 = 0xC5;
+/// Octets of a header.
+pub const HEADER: usize = 32;
+
+/// What a message is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Kind {
+    /// Make these components: the body is a `Setup`.
+    Setup = 1,
+    /// Take on this state instead of initializing.
+    Restore = 2,
+    /// Enter initialization mode.
+    Enter = 3,
+    /// Pass values on once, in initialization mode.
+    Exchange = 4,
+    /// Leave initialization mode.
+    Exit = 5,
+    /// Make the steps of one part that end at the message's time.
+    Step = 6,
+    /// Read the recorded values.
+    Sample = 7,
+    /// Give the present state.
+    Save = 8,
+    /// Change a variable from outside.
+    Patch = 9,
+    /// Give the messages of the components and end.
+    Finish = 10,
+    /// It is done: the answer to any of these.
+    Done = 64,
+    /// It could not be done: the body is a `Failure`.
+    Failed = 65,
+}
+
+/// Values of the recorded variables follow the outputs.
+pub const RECORD: u8 = 1;
+/// The state follows: the group has no other part at this instant.
+pub const SAVE: u8 = 2;
+/// The values at the end of the instant before come first in the body.
+pub const OPENING: u8 = 4;
+
+/// The head of a message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Header {
+    /// What it is.
+    pub kind: Kind,
+    /// Of [`RECORD`], [`SAVE`], [`OPENING`].
+    pub flags: u8,
+    /// Which life of the group this is for; messages of former lives are ignored.
+    pub generation: u32,
+    /// Counts the commands to a group from 1; an answer has its command's.
+    pub sequence: u64,
+    /// Digest of the plan.
+    pub tables: u64,
+    /// The instant that is computed.
+    pub time: Time,
+}
+
+/// Why bytes are no message for us.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Malformed {
+    /// Shorter than its kind asks for.
+    #[error("the message is cut: {has} octets where {needs} are needed")]
+    Cut {
+        /// Octets present.
+        has: usize,
+        /// Octets needed.
+        needs: usize,
+    },
+    /// Longer than its kind asks for.
+    #[error("{0} octets too many")]
+    Surplus(usize),
+    /// Not ours at all.
+    #[error("it does not begin like a message of cosim")]
+    Foreign,
+    /// Of another version.
+    #[error("it is of version {0} of the protocol, this cosim speaks version {VERSION}")]
+    Version(u8),
+    /// Of no known kind.
+    #[error("it is of the unknown kind {0}")]
+    Unknown(u8),
+    /// A structured body that cannot be read.
+    #[error("its body cannot be read: {0}")]
+    Body(String),
+}
+
+impl Kind {
+    fn from_octet(octet: u8) -> Option<Self> {
+        use Kind::*;
+        let all =
+            [Setup, Restore, Enter, Exchange, Exit, Step, Sample, Save, Patch, Finish, Done, Failed];
+        all.into_iter().find(|kind| *kind as u8 == octet)
+    }
+}
+
+impl Header {
+    /// A message with this header and nothing in its body yet.
+    pub fn message(&self) -> Vec<u8> {
+        let mut bytes = Vec::with_capacity(512);
+        bytes.extend([MAGIC, VERSION, self.kind as u8, self.flags]);
+        bytes.extend(self.generation.to_le_bytes());
+        bytes.extend(self.sequence.to_le_bytes());
+        bytes.extend(self.tables.to_le_bytes());
+        bytes.extend(self.time.nanoseconds().to_le_bytes());
+        bytes
+    }
+
+    /// The header of a message, and its body.
+    pub fn read(bytes: &[u8]) -> Result<(Self, Body<'_>), Malformed> {
+        // A foreign message may be short as well: its first octets tell more than its length.
+        match bytes {
+            [MAGIC, VERSION, ..] => {}
+            [MAGIC, version, ..] => return Err(Malformed::Version(*version)),
+            [] | [MAGIC] => return Err(Malformed::Cut { has: bytes.len(), needs: HEADER }),
+            _ => return Err(Malformed::Foreign),
+        }
+        let mut body = Body(bytes.get(2..).unwrap_or_default());
+        if bytes.len() < HEADER {
+            return Err(Malformed::Cut { has: bytes.len(), needs: HEADER });
+        }
+        let [kind, flags] = body.take()?;
+        let header = Header {
+            kind: Kind::from_octet(kind).ok_or(Malformed::Unknown(kind))?,
+            flags,
+            generation: u32::from_le_bytes(body.take()?),
+            sequence: u64::from_le_bytes(body.take()?),
+            tables: u64::from_le_bytes(body.take()?),
+            time: Time::from_nanoseconds(i64::from_le_bytes(body.take()?)),
+        };
+        Ok((header, body))
+    }
+
+    /// Whether a flag is set.
+    pub fn has(&self, flag: u8) -> bool {
+        self.flags & flag != 0
+    }
+}
+
+/// The part of a body that was not read yet.
+#[derive(Debug, Clone, Copy)]
+pub struct Body<'a>(&'a [u8]);
+
+impl<'a> Body<'a> {
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], Malformed> {
+        let cut = Malformed::Cut { has: self.0.len(), needs: N };
+        let (first, rest) = self.0.split_first_chunk::<N>().ok_or(cut)?;
+        self.0 = rest;
+        Ok(*first)
+    }
+
+    /// A count or position.
+    pub fn number(&mut self) -> Result<u32, Malformed> {
+        Ok(u32::from_le_bytes(self.take()?))
+    }
+
+    /// As many values as there are `slots`, each into its place of `values`.
+    pub fn values(
+        &mut self,
+        slots: impl IntoIterator<Item = usize>,
+        values: &mut [f64],
+    ) -> Result<(), Malformed> {
+        for slot in slots {
+            values[slot] = f64::from_le_bytes(self.take()?);
+        }
+        Ok(())
+    }
+
+    /// Octets with their number before them.
+    pub fn blob(&mut self) -> Result<&'a [u8], Malformed> {
+        let length = u64::from_le_bytes(self.take()?);
+        let cut = Malformed::Cut { has: self.0.len(), needs: usize::MAX };
+        let length = usize::try_from(length).map_err(|_| cut.clone())?;
+        let (blob, rest) = self
+            .0
+            .split_at_checked(length)
+            .ok_or(Malformed::Cut { has: self.0.len(), needs: length })?;
+        self.0 = rest;
+        Ok(blob)
+    }
+
+    /// Everything that is left, as one structure.
+    pub fn structure<T: serde::de::DeserializeOwned>(self) -> Result<T, Malformed> {
+        let (value, rest) =
+            postcard::take_from_bytes(self.0).map_err(|e| Malformed::Body(e.to_string()))?;
+        Body(rest).end().map(|()| value)
+    }
+
+    /// There is nothing more.
+    pub fn end(self) -> Result<(), Malformed> {
+        if self.0.is_empty() { Ok(()) } else { Err(Malformed::Surplus(self.0.len())) }
+    }
+}
+
+/// Appends values.
+pub fn put_values(message: &mut Vec<u8>, slots: impl IntoIterator<Item = usize>, values: &[f64]) {
+    for slot in slots {
+        message.extend(values[slot].to_le_bytes());
+    }
+}
+
+/// Appends octets with their number before them.
+pub fn put_blob(message: &mut Vec<u8>, blob: &[u8]) {
+    message.extend((blob.len() as u64).to_le_bytes());
+    message.extend(blob);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn header() -> Header {
+        Header {
+            kind: Kind::Step,
+            flags: RECORD | SAVE,
+            generation: 0x0102_0304,
+            sequence: 0x1122_3344_5566_7788,
+            tables: 0xA0A1_A2A3_A4A5_A6A7,
+            time: Time::from_nanoseconds(-2),
+        }
+    }
+
+    /// The bytes that other versions and other languages must agree with.
+    #[test]
+    fn a_header_has_these_bytes() {
+        let expected = [
+            0xC5, 1, 6, 3, 4, 3, 2, 1, 0x88, 0x77, 0x66, 0x55, 0x44, 0x33, 0x22, 0x11, 0xA7, 0xA6,
+            0xA5, 0xA4, 0xA3, 0xA2, 0xA1, 0xA0, 0xFE, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF,
+        ];
+        assert_eq!(header().message(), expected);
+        assert_eq!(Header::read(&expected).unwrap().0, header());
+    }
+
+    #[test]
+    fn values_keep_their_bits() {
+        let odd = [-0.0, f64::from_bits(0x7FF8_0000_DEAD_BEEF), f64::INFINITY, 5e-324];
+        let mut message = header().message();
+        put_values(&mut message, [3, 0, 1, 2], &odd);
+        let mut read = [0.0; 4];
+        let (_, mut body) = Header::read(&message).unwrap();
+        body.values([3, 0, 1, 2], &mut read).unwrap();
+        assert_eq!(read.map(f64::to_bits), odd.map(f64::to_bits));
+        assert!(body.end().is_ok());
+    }
+
+    #[test]
+    fn every_cut_is_noticed() {
+        let mut message = header().message();
+        message.extend(7_u32.to_le_bytes());
+        put_values(&mut message, [0], &[1.5]);
+        put_blob(&mut message, b"state");
+        let read = |bytes: &[u8]| -> Result<(), Malformed> {
+            let (_, mut body) = Header::read(bytes)?;
+            body.number()?;
+            body.values([0], &mut [0.0])?;
+            body.blob()?;
+            body.end()
+        };
+        assert_eq!(read(&message), Ok(()));
+        for length in 0..message.len() {
+            assert!(matches!(read(&message[..length]), Err(Malformed::Cut { .. })), "{length}");
+        }
+        message.push(0);
+        assert_eq!(read(&message), Err(Malformed::Surplus(1)));
+    }
+
+    #[test]
+    fn what_is_not_ours_is_named() {
+        let mut message = header().message();
+        message[1] = 9;
+        assert_eq!(Header::read(&message).unwrap_err(), Malformed::Version(9));
+        message[1] = VERSION;
+        message[2] = 63;
+        assert_eq!(Header::read(&message).unwrap_err(), Malformed::Unknown(63));
+        assert_eq!(Header::read(b"GET / HTTP/1.1").unwrap_err(), Malformed::Foreign);
+    }
+}
