@@ -121,6 +121,11 @@ impl Error {
         self.0.help.as_deref()
     }
 
+    /// What the FMU had logged before the failure.
+    pub fn logged(&self) -> &[String] {
+        &self.0.log
+    }
+
     /// This problem and those reported with it.
     pub fn problems(&self) -> impl Iterator<Item = &Error> {
         std::iter::once(self).chain(&self.0.others)

@@ -19,6 +19,7 @@
 //! many runs keep one and derive the others by [`System::with`].
 
 mod digest;
+pub mod distributed;
 pub mod error;
 pub mod fmi;
 pub mod master;

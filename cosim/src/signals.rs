@@ -1,11 +1,14 @@
 //! Signals given in advance: what drives inputs of an FMU that no other component drives.
 
+use serde::{Deserialize, Serialize};
+
 use crate::digest::sha256;
 use crate::error::{Code, Error, Result};
 use crate::fmi::Kind;
 use crate::time::Time;
 
 /// Signals over a common time.
+#[derive(Clone, Serialize, Deserialize)]
 pub struct Signals {
     time: Vec<f64>,
     names: Vec<String>,
@@ -13,6 +16,7 @@ pub struct Signals {
 }
 
 /// One signal.
+#[derive(Clone, Serialize, Deserialize)]
 pub struct Signal {
     /// Name.
     pub name: String,

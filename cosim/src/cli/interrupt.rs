@@ -27,6 +27,13 @@ impl Interrupt {
     }
 }
 
+impl Interrupt {
+    /// Whether SIGINT came.
+    pub(crate) fn came(&self) -> bool {
+        INTERRUPTED.load(Ordering::Relaxed)
+    }
+}
+
 impl Observer for Interrupt {
     fn start(&mut self, _: &RunInfo<'_>) -> Result<()> {
         Ok(())
@@ -41,6 +48,6 @@ impl Observer for Interrupt {
     }
 
     fn stop(&self) -> Option<Stop> {
-        INTERRUPTED.load(Ordering::Relaxed).then_some(Stop::Interrupted)
+        self.came().then_some(Stop::Interrupted)
     }
 }

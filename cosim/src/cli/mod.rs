@@ -5,6 +5,7 @@
 
 mod changes;
 mod completion;
+mod distributed;
 mod explain;
 mod info;
 mod inspect;
@@ -17,6 +18,7 @@ mod simulate;
 mod solver;
 mod validate;
 mod values;
+mod worker;
 
 use clap::{Parser, Subcommand, ValueEnum};
 use cosim::Result;
@@ -36,6 +38,8 @@ enum Verb {
     Validate(validate::Validate),
     Simulate(simulate::Simulate),
     Run(run::Run),
+    Worker(worker::Worker),
+    Group(worker::Group),
     Report(report::Report),
     Explain(explain::Explain),
     Completion(completion::Completion),
@@ -59,6 +63,8 @@ pub(crate) fn run(arguments: Arguments) -> Result<()> {
         Verb::Validate(verb) => verb.run(),
         Verb::Simulate(verb) => verb.run(),
         Verb::Run(verb) => verb.run(),
+        Verb::Worker(verb) => verb.run(),
+        Verb::Group(verb) => verb.run(),
         Verb::Report(verb) => verb.run(),
         Verb::Explain(verb) => verb.run(),
         Verb::Completion(verb) => verb.run(),

@@ -4,8 +4,9 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use cosim::distributed::Cluster;
 use cosim::observe::{CsvRecorder, Progress, Stop};
-use cosim::{Code, Error, Observer, Overrides, Result, Summary, System};
+use cosim::{Code, Error, Observer, Overrides, Result, Run, Summary, System};
 
 use super::interrupt::Interrupt;
 use super::messages;
@@ -40,17 +41,24 @@ impl Output {
     }
 
     /// Runs `system` and writes what it records.
-    pub(crate) fn run(&self, system: &System) -> Result<()> {
+    pub(crate) fn run(&self, system: &System, cluster: Option<&Cluster>) -> Result<()> {
         messages::findings(system, self.quiet);
         let target = self.target(system.name())?;
         if target == Path::new("-") {
             let recorder = CsvRecorder::new(io::BufWriter::new(io::stdout().lock()), "stdout");
-            return self.observe(system, recorder, "stdout");
+            return self.observe(system, cluster, recorder, "stdout");
         }
-        self.observe(system, CsvRecorder::create(&target)?, &target.display().to_string())
+        let recorder = CsvRecorder::create(&target)?;
+        self.observe(system, cluster, recorder, &target.display().to_string())
     }
 
-    fn observe(&self, system: &System, mut recorder: impl Observer, target: &str) -> Result<()> {
+    fn observe(
+        &self,
+        system: &System,
+        cluster: Option<&Cluster>,
+        mut recorder: impl Observer,
+        target: &str,
+    ) -> Result<()> {
         let begun = std::time::Instant::now();
         let mut progress = Progress::new();
         let mut interrupt = Interrupt::new();
@@ -58,7 +66,12 @@ impl Output {
         if !self.quiet {
             observers.push(&mut progress);
         }
-        let summary = system.run(&mut observers).map_err(|e| match e.code() {
+        let run = observers.iter_mut().fold(Run::new(system), |run, one| run.observe(*one));
+        let outcome = match cluster {
+            Some(cluster) => cluster.go(system, run),
+            None => run.go(),
+        };
+        let summary = outcome.map_err(|e| match e.code() {
             Code::Fmu => e.maybe_help(Some(format!("the results until then are in {target}"))),
             _ => e,
         })?;

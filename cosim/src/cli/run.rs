@@ -6,6 +6,7 @@ use clap::Args;
 use cosim::{Result, System};
 
 use super::changes::Changes;
+use super::distributed::Distributed;
 use super::output::Output;
 
 /// Run a system description (.ssd) or package (.ssp)
@@ -17,11 +18,14 @@ pub(crate) struct Run {
     changes: Changes,
     #[command(flatten)]
     output: Output,
+    #[command(flatten)]
+    distributed: Distributed,
 }
 
 impl Run {
     pub(crate) fn run(self) -> Result<()> {
         let overrides = self.output.add_to(self.changes.overrides());
-        self.output.run(&System::load(&self.file, &overrides)?)
+        let system = System::load(&self.file, &overrides)?;
+        self.output.run(&system, self.distributed.cluster()?.as_ref())
     }
 }

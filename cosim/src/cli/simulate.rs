@@ -46,7 +46,7 @@ impl Simulate {
     pub(crate) fn run(self) -> Result<()> {
         let inputs = self.input_file.as_ref().map(Recording::read_csv).transpose()?;
         let system = System::single(&self.file, &self.overrides(), inputs.as_ref())?;
-        self.output.run(&system)
+        self.output.run(&system, None)
     }
 
     fn overrides(&self) -> Overrides {

@@ -22,7 +22,7 @@ use crate::master::{Node, Plan, Route};
 
 /// Components that are computed one after the other in one place.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Part {
+pub(crate) struct Part {
     /// Their positions, in stepping order.
     pub members: Vec<usize>,
     /// Slots of other groups' values that must be there before.
@@ -31,7 +31,7 @@ pub struct Part {
 
 /// The components in one place.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Group {
+pub(crate) struct Group {
     /// Positions of the components, in stepping order.
     pub own: Vec<usize>,
     /// Slots of other groups' values that are held during steps.
@@ -44,7 +44,7 @@ pub struct Group {
 
 /// The groups of a system.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Layout {
+pub(crate) struct Layout {
     /// By position of the place.
     pub groups: Vec<Group>,
     /// Group and number of each stretch, in the order of the sequence.
@@ -56,7 +56,7 @@ pub struct Layout {
 impl Layout {
     /// The layout for `places`: the group of each component. All members of a solved loop must be
     /// in one group; otherwise the loop's position is the error.
-    pub fn new(plan: &Plan, places: &[usize]) -> Result<Self, usize> {
+    pub(crate) fn new(plan: &Plan, places: &[usize]) -> Result<Self, usize> {
         for (position, solved) in plan.loops.iter().enumerate() {
             let mut homes = solved.members.iter().map(|&member| places[member]);
             let first = homes.next();
@@ -111,7 +111,7 @@ impl Group {
     }
 
     /// The same with positions among its own components.
-    pub fn local(&self) -> Self {
+    pub(crate) fn local(&self) -> Self {
         let mut local = self.clone();
         let position = |component: usize| self.own.iter().position(|&own| own == component);
         for part in local.parts.iter_mut().chain(&mut local.stretches) {

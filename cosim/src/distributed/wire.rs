@@ -8,19 +8,17 @@
 use crate::time::Time;
 
 /// Version of the protocol; both sides must have the same.
-pub const VERSION: u8 = 1;
+pub(crate) const VERSION: u8 = 1;
 const MAGIC: u8 = 0xC5;
 /// Octets of a header.
-pub const HEADER: usize = 32;
+pub(crate) const HEADER: usize = 32;
 
 /// What a message is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Kind {
+pub(crate) enum Kind {
     /// Make these components: the body is a `Setup`.
     Setup = 1,
-    /// Take on this state instead of initializing.
-    Restore = 2,
     /// Enter initialization mode.
     Enter = 3,
     /// Pass values on once, in initialization mode.
@@ -34,7 +32,7 @@ pub enum Kind {
     /// Give the present state.
     Save = 8,
     /// Change a variable from outside.
-    Patch = 9,
+    Change = 9,
     /// Give the messages of the components and end.
     Finish = 10,
     /// It is done: the answer to any of these.
@@ -44,18 +42,16 @@ pub enum Kind {
 }
 
 /// Values of the recorded variables follow the outputs.
-pub const RECORD: u8 = 1;
-/// The state follows: the group has no other part at this instant.
-pub const SAVE: u8 = 2;
-/// The values at the end of the instant before come first in the body.
-pub const OPENING: u8 = 4;
+pub(crate) const RECORD: u8 = 1;
+/// The values that are held from the end of the last instant come first in the body.
+pub(crate) const OPENING: u8 = 2;
 
 /// The head of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Header {
+pub(crate) struct Header {
     /// What it is.
     pub kind: Kind,
-    /// Of [`RECORD`], [`SAVE`], [`OPENING`].
+    /// Of [`RECORD`] and [`OPENING`].
     pub flags: u8,
     /// Which life of the group this is for; messages of former lives are ignored.
     pub generation: u32,
@@ -69,7 +65,7 @@ pub struct Header {
 
 /// Why bytes are no message for us.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum Malformed {
+pub(crate) enum Malformed {
     /// Shorter than its kind asks for.
     #[error("the message is cut: {has} octets where {needs} are needed")]
     Cut {
@@ -99,14 +95,14 @@ impl Kind {
     fn from_octet(octet: u8) -> Option<Self> {
         use Kind::*;
         let all =
-            [Setup, Restore, Enter, Exchange, Exit, Step, Sample, Save, Patch, Finish, Done, Failed];
+            [Setup, Enter, Exchange, Exit, Step, Sample, Save, Change, Finish, Done, Failed];
         all.into_iter().find(|kind| *kind as u8 == octet)
     }
 }
 
 impl Header {
     /// A message with this header and nothing in its body yet.
-    pub fn message(&self) -> Vec<u8> {
+    pub(crate) fn message(&self) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(512);
         bytes.extend([MAGIC, VERSION, self.kind as u8, self.flags]);
         bytes.extend(self.generation.to_le_bytes());
@@ -117,7 +113,7 @@ impl Header {
     }
 
     /// The header of a message, and its body.
-    pub fn read(bytes: &[u8]) -> Result<(Self, Body<'_>), Malformed> {
+    pub(crate) fn read(bytes: &[u8]) -> Result<(Self, Body<'_>), Malformed> {
         // A foreign message may be short as well: its first octets tell more than its length.
         match bytes {
             [MAGIC, VERSION, ..] => {}
@@ -142,16 +138,21 @@ impl Header {
     }
 
     /// Whether a flag is set.
-    pub fn has(&self, flag: u8) -> bool {
+    pub(crate) fn has(&self, flag: u8) -> bool {
         self.flags & flag != 0
     }
 }
 
 /// The part of a body that was not read yet.
 #[derive(Debug, Clone, Copy)]
-pub struct Body<'a>(&'a [u8]);
+pub(crate) struct Body<'a>(&'a [u8]);
 
 impl<'a> Body<'a> {
+    /// The body of a message whose header was read before.
+    pub(crate) fn after_header(message: &'a [u8]) -> Self {
+        Self(message.get(HEADER..).unwrap_or_default())
+    }
+
     fn take<const N: usize>(&mut self) -> Result<[u8; N], Malformed> {
         let cut = Malformed::Cut { has: self.0.len(), needs: N };
         let (first, rest) = self.0.split_first_chunk::<N>().ok_or(cut)?;
@@ -160,12 +161,12 @@ impl<'a> Body<'a> {
     }
 
     /// A count or position.
-    pub fn number(&mut self) -> Result<u32, Malformed> {
+    pub(crate) fn number(&mut self) -> Result<u32, Malformed> {
         Ok(u32::from_le_bytes(self.take()?))
     }
 
     /// As many values as there are `slots`, each into its place of `values`.
-    pub fn values(
+    pub(crate) fn values(
         &mut self,
         slots: impl IntoIterator<Item = usize>,
         values: &mut [f64],
@@ -177,7 +178,7 @@ impl<'a> Body<'a> {
     }
 
     /// Octets with their number before them.
-    pub fn blob(&mut self) -> Result<&'a [u8], Malformed> {
+    pub(crate) fn blob(&mut self) -> Result<&'a [u8], Malformed> {
         let length = u64::from_le_bytes(self.take()?);
         let cut = Malformed::Cut { has: self.0.len(), needs: usize::MAX };
         let length = usize::try_from(length).map_err(|_| cut.clone())?;
@@ -190,27 +191,27 @@ impl<'a> Body<'a> {
     }
 
     /// Everything that is left, as one structure.
-    pub fn structure<T: serde::de::DeserializeOwned>(self) -> Result<T, Malformed> {
+    pub(crate) fn structure<T: serde::de::DeserializeOwned>(self) -> Result<T, Malformed> {
         let (value, rest) =
             postcard::take_from_bytes(self.0).map_err(|e| Malformed::Body(e.to_string()))?;
         Body(rest).end().map(|()| value)
     }
 
     /// There is nothing more.
-    pub fn end(self) -> Result<(), Malformed> {
+    pub(crate) fn end(self) -> Result<(), Malformed> {
         if self.0.is_empty() { Ok(()) } else { Err(Malformed::Surplus(self.0.len())) }
     }
 }
 
 /// Appends values.
-pub fn put_values(message: &mut Vec<u8>, slots: impl IntoIterator<Item = usize>, values: &[f64]) {
+pub(crate) fn put_values(message: &mut Vec<u8>, slots: impl IntoIterator<Item = usize>, values: &[f64]) {
     for slot in slots {
         message.extend(values[slot].to_le_bytes());
     }
 }
 
 /// Appends octets with their number before them.
-pub fn put_blob(message: &mut Vec<u8>, blob: &[u8]) {
+pub(crate) fn put_blob(message: &mut Vec<u8>, blob: &[u8]) {
     message.extend((blob.len() as u64).to_le_bytes());
     message.extend(blob);
 }
@@ -222,7 +223,7 @@ mod tests {
     fn header() -> Header {
         Header {
             kind: Kind::Step,
-            flags: RECORD | SAVE,
+            flags: RECORD | OPENING,
             generation: 0x0102_0304,
             sequence: 0x1122_3344_5566_7788,
             tables: 0xA0A1_A2A3_A4A5_A6A7,

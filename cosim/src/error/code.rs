@@ -52,6 +52,11 @@ codes! {
     Loop "E305" 1 "The iteration that solves an algebraic loop did not converge."
     Step "E306" 1 "No communication step was small enough: for the tolerance, or for an FMU that discards steps."
     Snapshot "E307" 3 "A snapshot cannot be read, is damaged, or belongs to another system."
+    Protocol "E501" 1 "The coordinator and a worker did not understand each other, or a message came out of turn."
+    Lost "E502" 1 "A worker, or the process with its components, ended or fell silent, and no other could take over."
+    Placement "E503" 2 "A component cannot be where it was placed, or the run cannot be distributed like this."
+    Session "E504" 1 "A Zenoh session could not be opened: an endpoint, a certificate or a right is missing or wrong."
+    Differs "E505" 1 "A repeated computation gave other values: an FMU is not deterministic, or its state is not complete."
     Results "E401" 3 "A file of recorded results cannot be read."
     Report "E402" 1 "A report could not be made."
 }

@@ -12,13 +12,13 @@ use super::trend::{Ramp, Trend};
 use crate::error::Result;
 use crate::time::Time;
 
-pub(super) struct Engine {
-    pub(super) plan: Plan,
+pub(crate) struct Engine {
+    pub(crate) plan: Plan,
     pub(super) slaves: Vec<Box<dyn Slave>>,
-    pub(super) values: Vec<f64>,
+    pub(crate) values: Vec<f64>,
     pub(super) inputs: Vec<f64>,
     /// When each component's present step ends.
-    pub(super) ends: Vec<Time>,
+    pub(crate) ends: Vec<Time>,
     pub(super) start: Time,
     /// Per loop of the plan.
     pub(super) efforts: Vec<Effort>,
@@ -36,7 +36,7 @@ pub(super) struct Engine {
 }
 
 impl Engine {
-    pub(super) fn new(plan: Plan, slaves: Vec<Box<dyn Slave>>, start: Time) -> Self {
+    pub(crate) fn new(plan: Plan, slaves: Vec<Box<dyn Slave>>, start: Time) -> Self {
         Self {
             values: vec![0.0; plan.values],
             inputs: vec![0.0; plan.inputs],
@@ -55,73 +55,72 @@ impl Engine {
         }
     }
 
-    /// The messages of every slave, by position.
-    pub(super) fn messages(&mut self) -> Vec<Vec<String>> {
-        self.slaves.iter_mut().map(|slave| slave.messages()).collect()
+    /// Initializes all components with values that agree along all connections.
+    pub(crate) fn initialize(&mut self, stop: Time) -> Result<()> {
+        self.enter(stop)?;
+        self.settle()?;
+        self.exit()?;
+        self.begin()
     }
 
-    /// Initializes all components with values that agree along all connections.
-    pub(super) fn initialize(&mut self, stop: Time) -> Result<()> {
+    /// Enters initialization mode.
+    pub(crate) fn enter(&mut self, stop: Time) -> Result<()> {
         for &c in &self.plan.sequence {
             self.slaves[c].enter_initialization(self.start, stop)?;
         }
-        self.get_all()?;
-        self.settle()?;
-        for &c in &self.plan.sequence {
-            self.slaves[c].exit_initialization()?;
-        }
-        self.get_all()?;
-        for node in &self.plan.nodes {
-            copy(&node.held, &self.values, &mut self.inputs);
-        }
-        self.begin_trends()
+        self.get_all()
     }
 
-    /// Passes values on until none changes in any bit.
+    /// Passes values on until none changes in any bit. With loops that are solved, everything
+    /// fresh is final after one pass; a second one brings the held inputs, on which no output
+    /// depends directly.
     fn settle(&mut self) -> Result<()> {
-        if !self.plan.loops.is_empty() {
-            return self.settle_with_loops();
-        }
         let mut before = vec![0; self.values.len()];
-        for _ in 0..=self.plan.nodes.len() {
+        for _ in 0..passes(&self.plan) {
             before.iter_mut().zip(&self.values).for_each(|(b, v)| *b = v.to_bits());
-            for &c in &self.plan.sequence {
-                let node = &self.plan.nodes[c];
-                copy(&node.held, &self.values, &mut self.inputs);
-                copy(&node.fresh, &self.values, &mut self.inputs);
-                exchange(node, &mut *self.slaves[c], &self.inputs, &mut self.values)?;
-            }
+            self.with_sequence(|engine, sequence| engine.pass(sequence))?;
             if before.iter().zip(&self.values).all(|(b, v)| *b == v.to_bits()) {
                 return Ok(());
             }
         }
-        self.warnings.push(
-            "the initial values still changed after the last pass: an algebraic loop does not \
-             settle; the run begins with the values of that pass"
-                .to_owned(),
-        );
+        if self.plan.loops.is_empty() {
+            self.warnings.push(UNSETTLED.to_owned());
+        }
         Ok(())
     }
 
-    /// In the order of the system everything fresh is final after one pass; a second one brings
-    /// the held inputs, on which no output depends directly.
-    fn settle_with_loops(&mut self) -> Result<()> {
-        for _ in 0..2 {
-            let mut place = 0;
-            while let Some(&c) = self.plan.sequence.get(place) {
-                let node = &self.plan.nodes[c];
-                if let Some(found) = node.member_of {
-                    self.solve_initially(found)?;
-                    place += self.plan.loops[found].members.len();
-                    continue;
-                }
-                copy(&node.held, &self.values, &mut self.inputs);
-                copy(&node.fresh, &self.values, &mut self.inputs);
-                exchange(node, &mut *self.slaves[c], &self.inputs, &mut self.values)?;
-                place += 1;
+    /// One exchange of values in initialization mode.
+    pub(crate) fn pass(&mut self, members: &[usize]) -> Result<()> {
+        let mut place = 0;
+        while let Some(&c) = members.get(place) {
+            let node = &self.plan.nodes[c];
+            if let Some(found) = node.member_of {
+                self.solve_initially(found)?;
+                place += self.plan.loops[found].members.len();
+                continue;
             }
+            copy(&node.held, &self.values, &mut self.inputs);
+            copy(&node.fresh, &self.values, &mut self.inputs);
+            exchange(node, &mut *self.slaves[c], &self.inputs, &mut self.values)?;
+            place += 1;
         }
         Ok(())
+    }
+
+    /// Leaves initialization mode.
+    pub(crate) fn exit(&mut self) -> Result<()> {
+        for &c in &self.plan.sequence {
+            self.slaves[c].exit_initialization()?;
+        }
+        self.get_all()
+    }
+
+    /// Begins the first step of every component.
+    pub(crate) fn begin(&mut self) -> Result<()> {
+        for node in &self.plan.nodes {
+            copy(&node.held, &self.values, &mut self.inputs);
+        }
+        self.begin_trends()
     }
 
     fn get_all(&mut self) -> Result<()> {
@@ -130,6 +129,15 @@ impl Engine {
             self.slaves[c].get(&mut self.values[node.output_slots.clone()])?;
         }
         Ok(())
+    }
+
+    /// Lends the stepping order without a copy.
+    #[inline]
+    fn with_sequence<T>(&mut self, act: impl FnOnce(&mut Self, &[usize]) -> T) -> T {
+        let sequence = std::mem::take(&mut self.plan.sequence);
+        let result = act(self, &sequence);
+        self.plan.sequence = sequence;
+        result
     }
 
     /// Makes every step that ends at or before `limit`.
@@ -144,9 +152,16 @@ impl Engine {
     }
 
     pub(super) fn instant(&mut self, now: Time) -> Result<()> {
+        self.with_sequence(|engine, sequence| engine.end_steps(sequence, now))?;
+        self.begin_steps(now)
+    }
+
+    /// The first half of an instant: every step of `members` that ends now, in their order.
+    #[inline]
+    pub(crate) fn end_steps(&mut self, members: &[usize], now: Time) -> Result<()> {
         self.meter.instant();
         let mut place = 0;
-        while let Some(&c) = self.plan.sequence.get(place) {
+        while let Some(&c) = members.get(place) {
             // The members of a loop follow one another in the sequence.
             if let Some(found) = self.plan.nodes[c].member_of {
                 self.step_loop(found, now)?;
@@ -158,6 +173,12 @@ impl Engine {
             }
             place += 1;
         }
+        Ok(())
+    }
+
+    /// The second half: who ended a step begins the next one, with the values held during it.
+    #[inline]
+    pub(crate) fn begin_steps(&mut self, now: Time) -> Result<()> {
         if !self.ramps.is_empty() {
             self.follow(now)?;
         }
@@ -208,18 +229,24 @@ impl Engine {
         Ok(())
     }
 
-    /// The recorded values of the present instant.
-    pub(super) fn sample(&mut self, row: &mut [f64]) -> Result<()> {
+    /// Reads the variables that are only recorded.
+    pub(crate) fn read_recorded(&mut self) -> Result<()> {
         for (node, slave) in self.plan.nodes.iter().zip(&mut self.slaves) {
             if !node.recorded.is_empty() {
                 slave.read(&mut self.values[node.recorded_slots.clone()])?;
             }
         }
-        for (value, &slot) in row.iter_mut().zip(&self.plan.columns) {
-            *value = self.values[slot];
-        }
         Ok(())
     }
+}
+
+/// What is told when initial values do not come to rest.
+pub(crate) const UNSETTLED: &str = "the initial values still changed after the last pass: an \
+     algebraic loop does not settle; the run begins with the values of that pass";
+
+/// How often values are passed on at most in initialization mode.
+pub(crate) fn passes(plan: &Plan) -> usize {
+    if plan.loops.is_empty() { plan.nodes.len() + 1 } else { 2 }
 }
 
 #[inline]

@@ -4,6 +4,8 @@
 //! a pass sets and reads the members in their order; at a step it takes them back to its
 //! beginning first (fmi2SetFMUstate) and steps them again.
 
+use serde::{Deserialize, Serialize};
+
 use super::engine::{Engine, copy, exchange};
 use super::newton::{self, Outcome};
 use super::plan::Cut;
@@ -12,8 +14,8 @@ use crate::fmi::Place;
 use crate::time::Time;
 
 /// What the iterations of one loop needed.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Effort {
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
+pub(crate) struct Effort {
     /// How often the loop was solved.
     pub solved: u64,
     /// Passes of all of these together.

@@ -5,6 +5,9 @@
 //! recorded, then it acts; every step that ends later sees what it did. (A step is made as a
 //! whole when its end is reached, so a step already begun sees it from its beginning.)
 
+use serde::{Deserialize, Serialize};
+
+use super::drive::Drive;
 use super::engine::Engine;
 use super::patched_slave::{Patch, PatchedSlave, SharedPatches};
 use crate::error::{Code, Error, Result};
@@ -31,7 +34,7 @@ pub trait Manipulator {
 /// What a manipulator can do to a running system. Variables are named as in the results.
 pub struct Controls<'a> {
     pub(super) system: &'a System,
-    pub(super) engine: &'a mut Engine,
+    pub(super) driven: &'a mut dyn Drive,
     pub(super) stop: Option<Stop>,
 }
 
@@ -58,20 +61,35 @@ impl Controls<'_> {
 
     fn change(&mut self, name: &str, patch: Option<Patch>) -> Result<()> {
         let port = self.system.manipulable(name)?;
-        let Port { component, variable } = port;
-        let passed = self.engine.plan.nodes[component].exchanges(variable);
-        if !passed {
-            let start = start_of(self.system, port);
-            self.engine.slaves[component]
-                .assign(variable, patch.map_or(start, |patch| patch.of(start)))?;
-        }
-        // What was assigned is kept in the list too, for a snapshot.
-        self.engine.patch(component, variable, patch);
-        Ok(())
+        let start = start_of(self.system, port);
+        self.driven.change(port.component, Change { variable: port.variable, patch, start })
     }
 }
 
+/// A manipulation of one variable of a component.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Change {
+    /// Position of the variable.
+    pub variable: usize,
+    /// What is done to it; nothing any more without.
+    pub patch: Option<Patch>,
+    /// What it was at the start.
+    pub start: f64,
+}
+
 impl Engine {
+    /// Changes a variable from now on.
+    pub(crate) fn change(&mut self, component: usize, change: Change) -> Result<()> {
+        let Change { variable, patch, start } = change;
+        if !self.plan.nodes[component].exchanges(variable) {
+            self.slaves[component]
+                .assign(variable, patch.map_or(start, |patch| patch.of(start)))?;
+        }
+        // What was assigned is kept in the list too, for a snapshot.
+        self.patch(component, variable, patch);
+        Ok(())
+    }
+
     /// Replaces what is done to a variable.
     pub(super) fn patch(&mut self, component: usize, variable: usize, patch: Option<Patch>) {
         let shared = self.patches_of(component);

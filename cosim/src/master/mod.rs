@@ -17,6 +17,7 @@
 //! until none changes, at most as often as there are components (plus one).
 
 mod control;
+mod drive;
 mod engine;
 mod exchange_slave;
 mod fmu_slave;
@@ -34,6 +35,13 @@ mod snapshot;
 mod summary;
 mod trend;
 
+pub(crate) use engine::{Engine, UNSETTLED, passes};
+pub(crate) use drive::Drive;
+pub(crate) use manipulate::Change;
+pub(crate) use plan::{Node, Plan, Route};
+pub(crate) use snapshot::{EngineState, Saved};
+pub(crate) use summary::Report;
+
 pub use manipulate::{Controls, Manipulator};
 pub use run::Run;
 pub use slave::{Slave, Step};
@@ -42,20 +50,51 @@ pub use summary::{ComponentSummary, Summary};
 
 use crate::error::Result;
 use crate::fmi::{InterfaceType, Kind, Variability};
+use crate::solver;
 use crate::system::{Component, Model, System};
+use serde::{Deserialize, Serialize};
 use control::Control;
-use engine::Engine;
 use exchange_slave::ExchangeSlave;
 use fmu_slave::{Discards, FmuSlave};
-use plan::{Node, Plan};
 use signal_slave::SignalSlave;
+
+/// What all slaves of a system have in common.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub(crate) struct Making {
+    pub solver: solver::Settings,
+    /// Whether the FMUs are asked for debug messages.
+    pub logging: bool,
+    /// How often a discarded step is made smaller.
+    pub retries: u32,
+    /// Whether steps have an error control.
+    pub controlled: bool,
+}
+
+/// A component as a slave of this process.
+pub(crate) fn slave(component: &Component, node: &Node, making: Making) -> Result<Box<dyn Slave>> {
+    let Making { solver, logging, retries, controlled } = making;
+    Ok(match &component.model {
+        Model::Fmu(fmu) if component.interface == InterfaceType::ModelExchange => {
+            Box::new(ExchangeSlave::new(component, fmu, node, solver, logging)?)
+        }
+        Model::Fmu(fmu) => {
+            let discards = match controlled {
+                true => Discards::Told,
+                false if component.can_repeat(fmu) => Discards::Repeated(retries),
+                false => Discards::Repeated(0),
+            };
+            Box::new(FmuSlave::new(component, fmu, node, discards, logging)?)
+        }
+        Model::Signals(signals) => Box::new(SignalSlave::new(signals, node)),
+    })
+}
 
 impl System {
     fn engine(&self) -> Result<Engine> {
         let plan = Plan::new(self);
         let mut slaves: Vec<Box<dyn Slave>> = Vec::with_capacity(plan.nodes.len());
         for (component, node) in self.components().iter().zip(&plan.nodes) {
-            slaves.push(self.slave(component, node)?);
+            slaves.push(slave(component, node, self.making())?);
         }
         let control = self.step_control().map(|tolerance| {
             let steps = plan.nodes.iter().map(|node| node.step);
@@ -68,22 +107,14 @@ impl System {
         Ok(engine)
     }
 
-    fn slave(&self, component: &Component, node: &Node) -> Result<Box<dyn Slave>> {
-        Ok(match &component.model {
-            Model::Fmu(fmu) if component.interface == InterfaceType::ModelExchange => {
-                let (solver, logging) = (self.solver(), self.debug_logging());
-                Box::new(ExchangeSlave::new(component, fmu, node, solver, logging)?)
-            }
-            Model::Fmu(fmu) => {
-                let discards = match self.step_control() {
-                    Some(_) => Discards::Told,
-                    None if component.can_repeat(fmu) => Discards::Repeated(self.retries()),
-                    None => Discards::Repeated(0),
-                };
-                Box::new(FmuSlave::new(component, fmu, node, discards, self.debug_logging())?)
-            }
-            Model::Signals(signals) => Box::new(SignalSlave::new(signals, node)),
-        })
+    /// How the slaves of this system are made.
+    pub(crate) fn making(&self) -> Making {
+        Making {
+            solver: self.solver(),
+            logging: self.debug_logging(),
+            retries: self.retries(),
+            controlled: self.step_control().is_some(),
+        }
     }
 
     /// The usual magnitudes of the connected outputs whose errors count: the continuous ones.

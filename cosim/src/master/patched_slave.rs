@@ -17,7 +17,7 @@ use crate::time::Time;
 
 /// What is done to a value.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(super) enum Patch {
+pub(crate) enum Patch {
     Override(f64),
     Bias(f64),
 }
@@ -32,10 +32,10 @@ impl Patch {
 }
 
 /// The patches of one component, by position of the variable.
-pub(super) type Patches = Vec<(usize, Patch)>;
+pub(crate) type Patches = Vec<(usize, Patch)>;
 
 /// They are shared with the engine, which changes them between steps.
-pub(super) type SharedPatches = Rc<RefCell<Patches>>;
+pub(crate) type SharedPatches = Rc<RefCell<Patches>>;
 
 pub(super) struct PatchedSlave {
     inner: Box<dyn Slave>,

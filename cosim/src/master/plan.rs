@@ -6,13 +6,15 @@
 
 use std::ops::Range;
 
+use serde::{Deserialize, Serialize};
+
 use super::group::rank;
 use crate::system::{Connection, Model, Port, System};
 use crate::time::Time;
 
 /// Copies one value.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Route {
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub(crate) struct Route {
     /// Slot in `values`.
     pub from: usize,
     /// Slot in `inputs`.
@@ -20,16 +22,16 @@ pub(super) struct Route {
 }
 
 /// A connection at which a loop is cut: its components and its way.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Cut {
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub(crate) struct Cut {
     pub from: usize,
     pub to: usize,
     pub route: Route,
 }
 
 /// A loop that is solved by iteration.
-#[derive(Debug)]
-pub(super) struct SolvedLoop {
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct SolvedLoop {
     /// Positions of nodes in stepping order.
     pub members: Vec<usize>,
     /// The members' names, for messages.
@@ -38,8 +40,8 @@ pub(super) struct SolvedLoop {
 }
 
 /// An input that moves during steps, and what it follows.
-#[derive(Debug)]
-pub(super) struct RampWay {
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct RampWay {
     /// Slot in `inputs`.
     pub input: usize,
     /// Position of the component that it comes from, and of the trend.
@@ -50,8 +52,8 @@ pub(super) struct RampWay {
 }
 
 /// A component's part of the plan.
-#[derive(Debug)]
-pub(super) struct Node {
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct Node {
     pub step: Time,
     /// Positions of the variables, Reals first (`group::rank`).
     pub inputs: Vec<usize>,
@@ -80,8 +82,8 @@ impl Node {
 }
 
 /// The layout of a system.
-#[derive(Debug)]
-pub(super) struct Plan {
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct Plan {
     pub nodes: Vec<Node>,
     /// Positions of nodes in stepping order.
     pub sequence: Vec<usize>,
@@ -98,7 +100,7 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    pub(super) fn new(system: &System) -> Self {
+    pub(crate) fn new(system: &System) -> Self {
         let mut plan = Plan {
             nodes: Vec::new(),
             sequence: system.order().sequence.clone(),
@@ -128,6 +130,44 @@ impl Plan {
         plan.columns =
             system.columns().iter().filter_map(|column| plan.value_slot(column.port)).collect();
         plan
+    }
+
+    /// What concerns the components `own`, in this order, with the same slots. A loop must be
+    /// inside or outside as a whole, and what an input follows during a step is inside.
+    pub(crate) fn restrict(&self, own: &[usize]) -> Self {
+        let position = |component: usize| own.iter().position(|&own| own == component);
+        let mut part = Self { nodes: Vec::new(), sequence: Vec::new(), loops: vec![], ..self.clone() };
+        for found in &self.loops {
+            let members: Vec<usize> = found.members.iter().filter_map(|&c| position(c)).collect();
+            if members.len() != found.members.len() {
+                continue;
+            }
+            let cuts = found.cuts.iter().filter_map(|cut| {
+                Some(Cut { from: position(cut.from)?, to: position(cut.to)?, route: cut.route })
+            });
+            let cuts = cuts.collect();
+            part.loops.push(SolvedLoop { members, names: found.names.clone(), cuts });
+        }
+        for (place, &component) in own.iter().enumerate() {
+            let member_of = part.loops.iter().position(|found| found.members.contains(&place));
+            part.nodes.push(Node { member_of, ..self.nodes[component].clone() });
+            part.sequence.push(place);
+        }
+        for ramp in &mut part.ramps {
+            // Those of other components are not looked at.
+            ramp.source = position(ramp.source).unwrap_or(0);
+        }
+        part
+    }
+
+    /// Slots of the outputs of `members`.
+    pub(crate) fn outputs(&self, members: &[usize]) -> impl Iterator<Item = usize> {
+        members.iter().flat_map(|&member| self.nodes[member].output_slots.clone())
+    }
+
+    /// Slots of what is recorded of `members` and no output.
+    pub(crate) fn recorded(&self, members: &[usize]) -> impl Iterator<Item = usize> {
+        members.iter().flat_map(|&member| self.nodes[member].recorded_slots.clone())
     }
 
     fn route(&self, connection: &Connection) -> Option<Route> {

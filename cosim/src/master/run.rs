@@ -1,6 +1,6 @@
 //! A run: from one output instant or action to the next.
 
-use super::engine::Engine;
+use super::drive::Drive;
 use super::manipulate::{Controls, Manipulator};
 use super::snapshot::Snapshot;
 use super::summary::Summary;
@@ -90,12 +90,17 @@ impl<'a> Run<'a> {
     }
 
     /// Runs.
-    pub fn go(mut self) -> Result<Summary> {
+    pub fn go(self) -> Result<Summary> {
+        let mut engine = self.system.engine()?;
+        self.drive_all(&mut engine)
+    }
+
+    /// Runs what was made of the system.
+    pub(crate) fn drive_all(mut self, driven: &mut dyn Drive) -> Result<Summary> {
         let system = self.system;
         let resumed = self.resume.map(Snapshot::time);
         let begin = resumed.unwrap_or(system.start_time());
-        let mut engine = system.engine()?;
-        let run = self.prepare(resumed).and_then(|()| self.drive(&mut engine, begin));
+        let run = self.prepare(resumed).and_then(|()| self.drive(driven, begin));
         let mut finished = Ok(());
         for observer in &mut self.observers {
             finished = finished.and(observer.finish());
@@ -103,7 +108,7 @@ impl<'a> Run<'a> {
         // The reason why a run ended comes before what happened while closing files.
         let (end, stopped) = run?;
         finished?;
-        Ok(system.summary(&mut engine, begin, end, stopped))
+        Ok(system.summary(driven.report()?, begin, end, stopped))
     }
 
     fn prepare(&mut self, resumed: Option<Time>) -> Result<()> {
@@ -132,33 +137,34 @@ impl<'a> Run<'a> {
     }
 
     /// Where the run ended, and why when that was before the stop time.
-    fn drive(&mut self, engine: &mut Engine, begin: Time) -> Result<(Time, Option<Stop>)> {
+    fn drive(&mut self, driven: &mut dyn Drive, begin: Time) -> Result<(Time, Option<Stop>)> {
         let (stop, interval) = (self.system.stop_time(), self.system.output_interval());
-        engine.initialize(stop)?;
         let mut output = self.system.start_time();
         let mut acted = None;
         if let Some(snapshot) = self.resume {
-            engine.resume(snapshot)?;
+            driven.resume(snapshot.state(), begin, stop)?;
             output = next_multiple(begin, output, interval);
             acted = Some(begin);
+        } else {
+            driven.initialize(stop)?;
         }
         let mut row = vec![0.0; self.system.columns().len()];
         let mut taken = acted;
         loop {
             let action = self.action(acted).map(|at| at.max(begin)).filter(|at| *at <= stop);
             let goal = action.map_or(output, |action| action.min(output)).min(stop);
-            engine.run_until(goal)?;
+            driven.run_until(goal)?;
             if goal == output {
-                engine.sample(&mut row)?;
+                driven.sample(&mut row)?;
                 self.observers.iter_mut().try_for_each(|o| o.sample(output, &row))?;
             }
             let mut ended = None;
             if action == Some(goal) {
-                ended = self.act(engine, goal, acted)?;
+                ended = self.act(driven, goal, acted)?;
                 acted = Some(goal);
             }
             if goal == output {
-                self.take_snapshots(engine, goal, &mut taken)?;
+                self.take_snapshots(driven, goal, &mut taken)?;
                 output = output + interval;
                 ended = ended.or_else(|| self.observers.iter().find_map(|o| o.stop()));
             }
@@ -170,7 +176,7 @@ impl<'a> Run<'a> {
             }
         }
         // The part after the last output instant, when the interval does not divide the run.
-        engine.run_until(stop)?;
+        driven.run_until(stop)?;
         Ok((stop, None))
     }
 
@@ -180,8 +186,8 @@ impl<'a> Run<'a> {
         wishes.filter(|at| acted.is_none_or(|acted| *at > acted)).min()
     }
 
-    fn act(&mut self, engine: &mut Engine, now: Time, acted: Option<Time>) -> Result<Option<Stop>> {
-        let mut controls = Controls { system: self.system, engine, stop: None };
+    fn act(&mut self, driven: &mut dyn Drive, now: Time, acted: Option<Time>) -> Result<Option<Stop>> {
+        let mut controls = Controls { system: self.system, driven, stop: None };
         for manipulator in &mut self.manipulators {
             let due = |at: Time| at <= now && acted.is_none_or(|acted| at > acted);
             if manipulator.next().is_some_and(due) {
@@ -193,7 +199,7 @@ impl<'a> Run<'a> {
 
     fn take_snapshots(
         &mut self,
-        engine: &mut Engine,
+        driven: &mut dyn Drive,
         now: Time,
         taken: &mut Option<Time>,
     ) -> Result<()> {
@@ -207,7 +213,7 @@ impl<'a> Run<'a> {
             next_multiple(last, start, every) <= now
         });
         if periodic || snapshots.at.iter().any(|&at| since(at)) {
-            (snapshots.keep)(engine.snapshot(self.system, now)?)?;
+            (snapshots.keep)(Snapshot::new(self.system, now, driven.save()?)?)?;
         }
         *taken = Some(now);
         Ok(())

@@ -26,19 +26,25 @@ const HEADER: usize = 8 + 4 + 32;
 pub struct Snapshot {
     time: Time,
     identity: Vec<String>,
-    values: Vec<f64>,
-    inputs: Vec<f64>,
-    ends: Vec<Time>,
-    trends: Vec<Trend>,
-    ramps: Vec<Ramp>,
+    state: EngineState,
+}
+
+/// What the scheduler keeps between two instants, and the components' states.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct EngineState {
+    pub(crate) values: Vec<f64>,
+    pub(crate) inputs: Vec<f64>,
+    pub(crate) ends: Vec<Time>,
+    pub(crate) trends: Vec<Trend>,
+    pub(crate) ramps: Vec<Ramp>,
     /// The step that the error control tries next.
-    step: Option<Time>,
-    components: Vec<Saved>,
+    pub(crate) step: Option<Time>,
+    pub(crate) components: Vec<Saved>,
 }
 
 /// A component's state.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Saved {
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Saved {
     state: Vec<u8>,
     /// How it was manipulated.
     patches: Patches,
@@ -48,6 +54,15 @@ impl Snapshot {
     /// The instant.
     pub fn time(&self) -> Time {
         self.time
+    }
+
+    /// Of a system whose state at `time` is known.
+    pub(crate) fn new(system: &System, time: Time, state: EngineState) -> Result<Self> {
+        Ok(Self { time, identity: system.identity()?, state })
+    }
+
+    pub(crate) fn state(&self) -> &EngineState {
+        &self.state
     }
 
     /// Writes a file, and replaces it as a whole if it exists.
@@ -145,16 +160,14 @@ impl System {
 }
 
 impl Engine {
-    /// The state after all steps that end at `time` or before.
-    pub(super) fn snapshot(&mut self, system: &System, time: Time) -> Result<Snapshot> {
+    /// The state after all steps that end now or before.
+    pub(crate) fn save(&mut self) -> Result<EngineState> {
         let mut components = Vec::with_capacity(self.slaves.len());
         for (slave, patches) in self.slaves.iter_mut().zip(&self.patches) {
             let patches = patches.as_ref().map(|p| p.borrow().clone()).unwrap_or_default();
             components.push(Saved { state: slave.serialize()?, patches });
         }
-        Ok(Snapshot {
-            time,
-            identity: system.identity()?,
+        Ok(EngineState {
             values: self.values.clone(),
             inputs: self.inputs.clone(),
             ends: self.ends.clone(),
@@ -165,18 +178,18 @@ impl Engine {
         })
     }
 
-    /// Goes on from a snapshot of this system, after its own initialization.
-    pub(super) fn resume(&mut self, snapshot: &Snapshot) -> Result<()> {
-        self.values.clone_from(&snapshot.values);
-        self.inputs.clone_from(&snapshot.inputs);
-        self.ends.clone_from(&snapshot.ends);
-        self.trends.clone_from(&snapshot.trends);
-        self.ramps.clone_from(&snapshot.ramps);
-        if let (Some(control), Some(step)) = (&mut self.control, snapshot.step) {
-            (control.now, control.step) = (snapshot.time, step);
+    /// Goes on from a state of the instant `time`, after an initialization.
+    pub(crate) fn restore(&mut self, state: &EngineState, time: Time) -> Result<()> {
+        self.values.clone_from(&state.values);
+        self.inputs.clone_from(&state.inputs);
+        self.ends.clone_from(&state.ends);
+        self.trends.clone_from(&state.trends);
+        self.ramps.clone_from(&state.ramps);
+        if let (Some(control), Some(step)) = (&mut self.control, state.step) {
+            (control.now, control.step) = (time, step);
         }
-        for (component, saved) in snapshot.components.iter().enumerate() {
-            self.slaves[component].deserialize(&saved.state, snapshot.time)?;
+        for (component, saved) in state.components.iter().enumerate() {
+            self.slaves[component].deserialize(&saved.state, time)?;
             for &(variable, patch) in &saved.patches {
                 self.patch(component, variable, Some(patch));
             }

@@ -1,6 +1,9 @@
 //! What a run did, and what each component cost.
 
+use serde::{Deserialize, Serialize};
+
 use super::engine::Engine;
+use super::iterate::Effort;
 use crate::observe::Stop;
 use crate::system::System;
 use crate::time::Time;
@@ -39,63 +42,48 @@ pub struct ComponentSummary {
     pub share: f64,
 }
 
-impl System {
-    pub(super) fn summary(
-        &self,
-        engine: &mut Engine,
-        begin: Time,
-        end: Time,
-        stopped: Option<Stop>,
-    ) -> Summary {
-        let mut warnings = engine.warnings.clone();
-        let mut notes = self.solved(engine);
-        self.tell_control(engine, &mut warnings, &mut notes);
-        Summary {
-            steps: engine.meter.costs.iter().map(|cost| cost.steps).sum(),
-            simulated: (end - begin).seconds(),
-            stopped,
-            components: self.costs(engine),
+/// What a scheduler has to tell at the end of a run.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(crate) struct Report {
+    /// Per component.
+    pub components: Vec<ComponentReport>,
+    /// Per loop that is solved.
+    pub efforts: Vec<Effort>,
+    pub warnings: Vec<String>,
+    pub notes: Vec<String>,
+}
+
+/// What a component did, cost and logged.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(crate) struct ComponentReport {
+    pub steps: u64,
+    pub rejected: u64,
+    pub seconds_per_step: f64,
+    pub messages: Vec<String>,
+}
+
+impl Engine {
+    pub(super) fn report(&mut self) -> Report {
+        let (mut warnings, mut notes) = (self.warnings.clone(), Vec::new());
+        self.tell_control(&mut warnings, &mut notes);
+        let taken_back = self.control.as_ref().map_or(0, |control| control.rejected);
+        let each = self.slaves.iter_mut().zip(&self.meter.costs);
+        let components = each.map(|(slave, cost)| ComponentReport {
+            steps: cost.steps,
+            rejected: slave.rejected() + taken_back,
+            seconds_per_step: cost.seconds_per_step(),
+            messages: slave.messages(),
+        });
+        Report {
+            components: components.collect(),
+            efforts: self.efforts.clone(),
             warnings,
             notes,
-            messages: self.named(engine.messages()),
         }
     }
 
-    fn costs(&self, engine: &Engine) -> Vec<ComponentSummary> {
-        let costs = &engine.meter.costs;
-        let whole = |steps: u64, seconds: f64| steps as f64 * seconds;
-        let all: f64 = costs.iter().map(|c| whole(c.steps, c.seconds_per_step())).sum();
-        let taken_back = engine.control.as_ref().map_or(0, |control| control.rejected);
-        let each = self.components().iter().zip(costs).zip(&engine.slaves);
-        each.map(|((component, cost), slave)| {
-            let seconds_per_step = cost.seconds_per_step();
-            let share = if all > 0.0 { whole(cost.steps, seconds_per_step) / all } else { 0.0 };
-            let (name, rejected) = (component.name.clone(), slave.rejected() + taken_back);
-            ComponentSummary { name, steps: cost.steps, rejected, seconds_per_step, share }
-        })
-        .collect()
-    }
-
-    /// The effort for each loop that was solved by iteration.
-    fn solved(&self, engine: &Engine) -> Vec<String> {
-        let loops = self.solved_loops().zip(&engine.efforts);
-        let told = loops.filter(|(_, effort)| effort.solved > 0).map(|(found, effort)| {
-            let mean = effort.passes as f64 / effort.solved as f64;
-            format!(
-                "loop through {}: {} solutions, {mean:.1} passes each, at most {}, greatest \
-                 residual {:.1e}{}",
-                self.members(found),
-                effort.solved,
-                effort.most,
-                effort.residual,
-                effort.jacobian()
-            )
-        });
-        told.collect()
-    }
-
-    fn tell_control(&self, engine: &Engine, warnings: &mut Vec<String>, notes: &mut Vec<String>) {
-        let Some(control) = &engine.control else {
+    fn tell_control(&self, warnings: &mut Vec<String>, notes: &mut Vec<String>) {
+        let Some(control) = &self.control else {
             return;
         };
         notes.push(format!(
@@ -109,10 +97,65 @@ impl System {
             ));
         }
     }
+}
 
-    fn named(&self, messages: Vec<Vec<String>>) -> Vec<String> {
-        let all = self.components().iter().zip(messages);
-        all.flat_map(|(c, lines)| lines.into_iter().map(move |l| format!("{}: {l}", c.name)))
-            .collect()
+impl ComponentReport {
+    fn seconds(&self) -> f64 {
+        self.steps as f64 * self.seconds_per_step
+    }
+}
+
+impl System {
+    pub(super) fn summary(
+        &self,
+        report: Report,
+        begin: Time,
+        end: Time,
+        stopped: Option<Stop>,
+    ) -> Summary {
+        let all: f64 = report.components.iter().map(ComponentReport::seconds).sum();
+        let share = |one: f64| if all > 0.0 { one / all } else { 0.0 };
+        let each = || self.components().iter().zip(&report.components);
+        let mut notes = self.solved(&report.efforts);
+        notes.extend(report.notes);
+        Summary {
+            steps: report.components.iter().map(|component| component.steps).sum(),
+            simulated: (end - begin).seconds(),
+            stopped,
+            components: each()
+                .map(|(component, told)| ComponentSummary {
+                    name: component.name.clone(),
+                    steps: told.steps,
+                    rejected: told.rejected,
+                    seconds_per_step: told.seconds_per_step,
+                    share: share(told.seconds()),
+                })
+                .collect(),
+            messages: each()
+                .flat_map(|(component, told)| {
+                    told.messages.iter().map(|line| format!("{}: {line}", component.name))
+                })
+                .collect(),
+            warnings: report.warnings,
+            notes,
+        }
+    }
+
+    /// The effort for each loop that was solved by iteration.
+    fn solved(&self, efforts: &[Effort]) -> Vec<String> {
+        let loops = self.solved_loops().zip(efforts);
+        let told = loops.filter(|(_, effort)| effort.solved > 0).map(|(found, effort)| {
+            let mean = effort.passes as f64 / effort.solved as f64;
+            format!(
+                "loop through {}: {} solutions, {mean:.1} passes each, at most {}, greatest \
+                 residual {:.1e}{}",
+                self.members(found),
+                effort.solved,
+                effort.most,
+                effort.residual,
+                effort.jacobian()
+            )
+        });
+        told.collect()
     }
 }

@@ -15,7 +15,7 @@ use crate::time::Time;
 
 /// A source's value, when it was, and its slope.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Trend {
+pub(crate) struct Trend {
     time: Time,
     value: f64,
     slope: f64,
@@ -23,7 +23,7 @@ pub(super) struct Trend {
 
 /// An input at the beginning of its component's step.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Ramp {
+pub(crate) struct Ramp {
     value: f64,
     slope: f64,
 }

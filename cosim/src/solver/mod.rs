@@ -3,6 +3,8 @@
 //! `runge_kutta` is one explicit Runge-Kutta step of a Butcher tableau, `continuous` drives an
 //! FMU with it from event to event.
 
+use serde::{Deserialize, Serialize};
+
 mod continuous;
 mod locate;
 mod runge_kutta;
@@ -11,7 +13,7 @@ pub(crate) use continuous::Continuous;
 pub(crate) use runge_kutta::RungeKutta;
 
 /// A Runge-Kutta method.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Method {
     /// The classical one of order 4, one step per communication step (fewer before events).
     RungeKutta4,
@@ -21,7 +23,7 @@ pub enum Method {
 }
 
 /// How model exchange is integrated.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
     /// The method.
     pub method: Method,

@@ -1,5 +1,7 @@
 //! The modelDescription.xml of FMI 2.0 as plain data.
 
+use serde::{Deserialize, Serialize};
+
 use std::collections::HashMap;
 
 mod read;
@@ -37,7 +39,7 @@ pub struct Description {
 }
 
 /// How an FMU is driven.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum InterfaceType {
     /// It brings its solver and is stepped.
     CoSimulation,
@@ -143,7 +145,7 @@ pub enum Variability {
 }
 
 /// Type of a variable.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[allow(missing_docs, reason = "the names are FMI's")]
 pub enum Kind {
     Real,

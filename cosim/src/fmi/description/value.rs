@@ -1,12 +1,14 @@
 //! Values of variables, parsed from text by the declared type.
 
+use serde::{Deserialize, Serialize};
+
 use std::fmt;
 
 use super::Kind;
 use crate::names;
 
 /// A value of one of FMI's types.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs, reason = "the names are FMI's")]
 pub enum Value {
     Real(f64),

@@ -1,0 +1,124 @@
+//! What the command line says of workers.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::Args;
+use cosim::Result;
+use cosim::distributed::{Access, Cluster, Credentials, DEFAULT_ENDPOINT, Options};
+
+use super::values;
+
+/// How to reach the other side.
+#[derive(Args, Clone)]
+pub(crate) struct Reach {
+    /// A Zenoh configuration file (json5), under what is said here
+    #[arg(long, value_name = "FILE")]
+    zenoh_config: Option<PathBuf>,
+    /// A folder with ca.pem, cert.pem and key.pem, for endpoints tls/HOST:PORT
+    #[arg(long, value_name = "FOLDER")]
+    credentials: Option<PathBuf>,
+    /// Permit an endpoint of another machine without TLS
+    #[arg(long)]
+    insecure: bool,
+}
+
+impl Reach {
+    pub(crate) fn access(&self, endpoint: String) -> Access {
+        Access {
+            endpoints: vec![endpoint],
+            configuration: self.zenoh_config.clone(),
+            credentials: self.credentials.as_deref().map(Credentials::in_folder),
+            insecure: self.insecure,
+        }
+    }
+
+    /// The same as arguments for a process that is started here.
+    pub(crate) fn arguments(&self) -> Vec<String> {
+        let mut arguments = Vec::new();
+        let text = |path: &PathBuf| path.to_string_lossy().into_owned();
+        if let Some(file) = &self.zenoh_config {
+            arguments.extend(["--zenoh-config".to_owned(), text(file)]);
+        }
+        if let Some(folder) = &self.credentials {
+            arguments.extend(["--credentials".to_owned(), text(folder)]);
+        }
+        if self.insecure {
+            arguments.push("--insecure".to_owned());
+        }
+        arguments
+    }
+}
+
+/// Running on workers.
+#[derive(Args)]
+#[command(next_help_heading = "Distributed runs")]
+pub(crate) struct Distributed {
+    /// Compute in so many worker processes on this machine, started for this run
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256))]
+    workers: Option<u32>,
+    /// Compute on the workers that dial the endpoint of --listen
+    #[arg(long, conflicts_with = "workers")]
+    distributed: bool,
+    /// Where workers dial this run (default: tcp/127.0.0.1:7447)
+    #[arg(long, value_name = "ENDPOINT")]
+    listen: Option<String>,
+    /// Wait for so many workers
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    min_workers: u32,
+    /// Wait so long for workers
+    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = values::seconds)]
+    wait: f64,
+    /// Compute a component on this worker (repeatable; the rest is placed by coupling)
+    #[arg(long, value_name = "COMPONENT=WORKER", value_parser = values::assignment)]
+    place: Vec<(String, String)>,
+    /// Save the state of every worker after so many instants, 0: never
+    #[arg(long, value_name = "N", default_value_t = 50)]
+    save_every: u64,
+    /// A worker that does not answer for so long is given up
+    #[arg(long, value_name = "SECONDS", default_value = "5", value_parser = values::seconds)]
+    deadline: f64,
+    /// How often components may begin anew on another worker
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    recoveries: u32,
+    /// End the run when components are lost whose state was not saved, instead of computing them
+    /// again from the start
+    #[arg(long)]
+    require_resume: bool,
+    #[command(flatten)]
+    reach: Reach,
+}
+
+impl Distributed {
+    /// Where the run is computed; nothing when in this process.
+    pub(crate) fn cluster(&self) -> Result<Option<Cluster>> {
+        if !self.distributed && self.workers.is_none() {
+            return Ok(None);
+        }
+        let own = self.workers.unwrap_or(0) as usize;
+        let mut program = vec![super::worker::this_program()?, "worker".to_owned()];
+        program.push("--with-parent".to_owned());
+        program.extend(self.reach.arguments());
+        let listen = self.listen.clone();
+        let options = Options {
+            save_every: Some(self.save_every).filter(|every| *every > 0),
+            deadline: Duration::from_secs_f64(self.deadline),
+            recoveries: self.recoveries,
+            require_resume: self.require_resume,
+            ..Options::default()
+        };
+        let endpoint = match own {
+            0 => Some(listen.unwrap_or(DEFAULT_ENDPOINT.to_owned())),
+            _ => listen,
+        };
+        Ok(Some(Cluster {
+            access: endpoint.map(|endpoint| self.reach.access(endpoint)),
+            own,
+            program,
+            needed: self.min_workers.max(1) as usize,
+            patience: Duration::from_secs_f64(self.wait),
+            places: self.place.clone(),
+            options,
+        }))
+    }
+}

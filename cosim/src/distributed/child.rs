@@ -1,0 +1,124 @@
+//! The process in which one life of a group is computed.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::channel;
+use std::time::{Duration, Instant};
+
+use zenoh::qos::CongestionControl;
+use zenoh::{Session, Wait};
+
+use super::host::{Handled, Host};
+use super::keys;
+use super::pool::Order;
+use super::session::Access;
+use super::setup::{FmuFile, FmuSource};
+use crate::digest::sha256;
+use crate::error::{Code, Error, Result};
+use crate::fmi::Fmu;
+
+/// How long the coordinator may take to be heard of.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// Computes a life of a group until it is told to end.
+pub fn serve(access: &Access, order: &Order) -> Result<()> {
+    let session = access.dial()?;
+    let life = keys::life(&order.run, order.group, order.generation);
+    let (commands, inbox) = channel();
+    // Nothing is computed in the callback: it is the thread that receives.
+    let _commands = session
+        .declare_subscriber(format!("{life}/cmd"))
+        .callback(move |sample| {
+            let _ = commands.send(sample.payload().to_bytes().into_owned());
+        })
+        .wait()
+        .map_err(refused)?;
+    let answers = session
+        .declare_publisher(format!("{life}/rep"))
+        .congestion_control(CongestionControl::Block)
+        .express(true)
+        .wait()
+        .map_err(refused)?;
+    let begun = Instant::now();
+    while !answers.matching_status().wait().map_err(refused)?.matching() {
+        if begun.elapsed() > PATIENCE {
+            return Err(Error::new(Code::Lost, "the coordinator does not listen")
+                .why(format!("nobody took {life}/rep for {} s", PATIENCE.as_secs())));
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    // Whoever sees the token can speak to us.
+    let _token = session.liveliness().declare_token(format!("{life}/alive")).wait();
+    let _token = _token.map_err(refused)?;
+    let fmus = Delivered { session: session.clone(), run: order.run.clone(), folder: folder()? };
+    let mut host = Host::new(order.generation, Box::new(fmus));
+    while let Ok(message) = inbox.recv() {
+        let (answer, last) = match host.handle(&message) {
+            Handled::Answer(answer) => (answer, false),
+            Handled::Last(answer) => (answer, true),
+            Handled::Ignored(why) => {
+                eprintln!("group {}.{}: ignored: {why}", order.group, order.generation);
+                continue;
+            }
+        };
+        answers.put(answer).wait().map_err(refused)?;
+        if last {
+            break;
+        }
+    }
+    Ok(())
+}
+
+fn refused(why: zenoh::Error) -> Error {
+    Error::new(Code::Session, "the session of a group failed").why(why)
+}
+
+fn folder() -> Result<tempfile::TempDir> {
+    tempfile::Builder::new().prefix("cosim-").tempdir().map_err(|why| {
+        Error::new(Code::Output, "no temporary folder could be made").why(why)
+    })
+}
+
+/// FMUs that the coordinator sends.
+struct Delivered {
+    session: Session,
+    run: String,
+    folder: tempfile::TempDir,
+}
+
+impl FmuSource for Delivered {
+    fn open(&mut self, file: &FmuFile) -> Result<Arc<Fmu>> {
+        let path: PathBuf = self.folder.path().join(format!("{}.fmu", file.sha256));
+        if !path.is_file() {
+            let bytes = self.ask_for(file)?;
+            if sha256(&bytes) != file.sha256 {
+                return Err(undelivered(file).why("its hash is not the one that was announced"));
+            }
+            std::fs::write(&path, bytes).map_err(|why| undelivered(file).why(why))?;
+        }
+        Fmu::open(&path)
+    }
+}
+
+impl Delivered {
+    fn ask_for(&self, file: &FmuFile) -> Result<Vec<u8>> {
+        let (answers, inbox) = channel();
+        self.session
+            .get(keys::fmu(&self.run, &file.sha256))
+            .timeout(Duration::from_secs(120))
+            .callback(move |reply| {
+                let _ = answers.send(reply.into_result());
+            })
+            .wait()
+            .map_err(refused)?;
+        match inbox.recv() {
+            Ok(Ok(sample)) => Ok(sample.payload().to_bytes().into_owned()),
+            Ok(Err(error)) => Err(undelivered(file).why(format!("{error:?}"))),
+            Err(_) => Err(undelivered(file).why("the coordinator did not answer")),
+        }
+    }
+}
+
+fn undelivered(file: &FmuFile) -> Error {
+    Error::new(Code::File, format!("{} was not delivered", file.name))
+}

@@ -1,0 +1,382 @@
+//! Drives groups of components elsewhere as one system.
+//!
+//! The order of all that is computed is that of the engine in one process (`layout` says why), so
+//! the results are the same to the last bit. Every command is kept until a state that contains
+//! its effect was saved; a group that is lost begins a new life from that state and is told the
+//! same commands again, and each answer must be the same as the first time.
+
+use super::fabric::Fabric;
+use super::layout::Layout;
+use super::member::Member;
+use super::options::Options;
+use super::setup::Setup;
+use super::wire::{Body, Kind, OPENING, RECORD, put_values};
+use crate::error::{Code, Error, Result};
+use crate::master::{Change, Drive, EngineState, Plan, Report, Saved, UNSETTLED, passes};
+use crate::system::{Model, System};
+use crate::time::Time;
+
+/// A system whose groups are elsewhere.
+pub(crate) struct Coordinator<'a> {
+    pub(super) system: &'a System,
+    pub(super) plan: Plan,
+    pub(super) layout: Layout,
+    pub(super) members: Vec<Member>,
+    pub(super) fabric: Box<dyn Fabric + 'a>,
+    pub(super) options: Options,
+    /// Which groups can give their state.
+    can_save: Vec<bool>,
+    pub(super) notes: Vec<String>,
+    warnings: Vec<String>,
+    values: Vec<f64>,
+    ends: Vec<Time>,
+    /// The instant that is computed or was computed last.
+    pub(super) now: Time,
+    instants: u64,
+}
+
+impl<'a> Coordinator<'a> {
+    /// For groups as `layout` says, each of which is made from its set-up.
+    pub(crate) fn new(
+        system: &'a System,
+        plan: Plan,
+        layout: Layout,
+        setups: &[Setup],
+        fabric: Box<dyn Fabric + 'a>,
+        options: Options,
+    ) -> Result<Self> {
+        let can_save = layout.groups.iter().map(|group| can_save(system, &group.own)).collect();
+        let members = setups.iter().map(super::setup::encode).collect::<Result<Vec<_>>>()?;
+        let start = system.start_time();
+        Ok(Self {
+            system,
+            values: vec![0.0; plan.values],
+            ends: plan.nodes.iter().map(|node| start + node.step).collect(),
+            plan,
+            layout,
+            members: members.into_iter().map(|(body, tables)| Member::new(body, tables)).collect(),
+            fabric,
+            options,
+            can_save,
+            notes: Vec::new(),
+            warnings: Vec::new(),
+            now: start,
+            instants: 0,
+        })
+    }
+
+    /// Gives up what still lives.
+    pub(crate) fn end(&mut self) {
+        for group in self.groups() {
+            self.fabric.abandon(group, self.members[group].generation);
+        }
+    }
+
+    fn groups(&self) -> std::ops::Range<usize> {
+        0..self.members.len()
+    }
+
+    /// Begins a command to a group, with the values that it waits for.
+    fn command(&mut self, group: usize, kind: Kind, flags: u8) -> Vec<u8> {
+        let member = &mut self.members[group];
+        let opening = member.opening.take();
+        let flags = if opening.is_some() { flags | OPENING } else { flags };
+        let mut message = member.command(kind, flags, self.now);
+        if let Some(values) = opening {
+            put_values(&mut message, 0..values.len(), &values);
+        }
+        message
+    }
+
+    /// Tells all groups the same and reads all their outputs.
+    fn tell_all(&mut self, kind: Kind) -> Result<()> {
+        for group in self.groups() {
+            let message = self.command(group, kind, 0);
+            self.tell(group, message)?;
+        }
+        for (group, answer) in self.answers()? {
+            let mut body = Body::after_header(&answer);
+            let own = &self.layout.groups[group].own;
+            read(&mut body, self.plan.outputs(own), &mut self.values)?;
+            body.end().map_err(misread)?;
+        }
+        Ok(())
+    }
+
+    /// One stretch of the sequence in initialization mode.
+    fn exchange(&mut self, group: usize, number: usize) -> Result<()> {
+        let mut message = self.command(group, Kind::Exchange, 0);
+        message.extend((number as u32).to_le_bytes());
+        let part = &self.layout.groups[group].stretches[number];
+        put_values(&mut message, part.reads.iter().copied(), &self.values);
+        self.tell(group, message)?;
+        for (group, answer) in self.answers()? {
+            let mut body = Body::after_header(&answer);
+            let members = &self.layout.groups[group].stretches[number].members;
+            read(&mut body, self.plan.outputs(members), &mut self.values)?;
+            body.end().map_err(misread)?;
+        }
+        Ok(())
+    }
+
+    /// As in an ordinary run (`Engine::settle`), one stretch after the other.
+    fn settle(&mut self) -> Result<()> {
+        let mut before = vec![0; self.values.len()];
+        for _ in 0..passes(&self.plan) {
+            before.iter_mut().zip(&self.values).for_each(|(b, v)| *b = v.to_bits());
+            for (group, number) in self.layout.order.clone() {
+                self.exchange(group, number)?;
+            }
+            if before.iter().zip(&self.values).all(|(b, v)| *b == v.to_bits()) {
+                return Ok(());
+            }
+        }
+        if self.plan.loops.is_empty() {
+            self.warnings.push(UNSETTLED.to_owned());
+        }
+        Ok(())
+    }
+
+    /// Keeps for some groups the values that they hold from now on.
+    fn keep_held(&mut self, groups: impl IntoIterator<Item = usize>) {
+        for group in groups {
+            let held = &self.layout.groups[group].held;
+            let values = held.iter().map(|&slot| self.values[slot]).collect();
+            self.members[group].opening = Some(values);
+        }
+    }
+
+    /// Computes one instant, level by level.
+    fn instant(&mut self, now: Time, record: bool) -> Result<()> {
+        self.now = now;
+        let mut stepped = vec![false; self.members.len()];
+        for level in 0..self.layout.levels {
+            for group in self.groups() {
+                if self.due(group, level).next().is_some() {
+                    stepped[group] = true;
+                    let last = (level + 1..self.layout.levels)
+                        .all(|later| self.due(group, later).next().is_none());
+                    self.tell_step(group, level, record && last)?;
+                }
+            }
+            for (group, answer) in self.answers()? {
+                let due: Vec<usize> = self.due(group, level).collect();
+                let mut body = Body::after_header(&answer);
+                read(&mut body, self.plan.outputs(&due), &mut self.values)?;
+                if self.members[group].recorded {
+                    self.read_recorded(group, &mut body)?;
+                }
+                body.end().map_err(misread)?;
+            }
+        }
+        for (node, end) in self.plan.nodes.iter().zip(&mut self.ends) {
+            if *end == now {
+                *end = now + node.step;
+            }
+        }
+        self.keep_held(self.groups().filter(|&group| stepped[group]));
+        self.instants += 1;
+        if self.options.save_every.is_some_and(|every| self.instants.is_multiple_of(every)) {
+            self.save_groups()?;
+        }
+        Ok(())
+    }
+
+    /// The components of a part whose steps end now.
+    fn due(&self, group: usize, level: usize) -> impl Iterator<Item = usize> {
+        let members = self.layout.groups[group].parts[level].members.iter().copied();
+        members.filter(|&member| self.ends[member] == self.now)
+    }
+
+    fn tell_step(&mut self, group: usize, level: usize, record: bool) -> Result<()> {
+        let mut message = self.command(group, Kind::Step, if record { RECORD } else { 0 });
+        message.extend((level as u32).to_le_bytes());
+        let part = &self.layout.groups[group].parts[level];
+        put_values(&mut message, part.reads.iter().copied(), &self.values);
+        self.members[group].recorded = record;
+        self.tell(group, message)
+    }
+
+    fn read_recorded(&mut self, group: usize, body: &mut Body<'_>) -> Result<()> {
+        let own = &self.layout.groups[group].own;
+        read(body, self.plan.recorded(own), &mut self.values)
+    }
+
+    /// Lets every group that can give its state do so, and forgets the commands before it.
+    fn save_groups(&mut self) -> Result<()> {
+        let able: Vec<usize> =
+            self.groups().filter(|&group| self.can_save[group]).collect();
+        for (group, state) in self.states(&able)? {
+            self.rebase(group, state)?;
+        }
+        Ok(())
+    }
+
+    /// The states of some groups.
+    fn states(&mut self, groups: &[usize]) -> Result<Vec<(usize, EngineState)>> {
+        for &group in groups {
+            let message = self.command(group, Kind::Save, 0);
+            self.tell(group, message)?;
+        }
+        let mut states = Vec::with_capacity(groups.len());
+        for (group, answer) in self.answers()? {
+            let mut body = Body::after_header(&answer);
+            let blob = body.blob().map_err(misread)?;
+            let state = postcard::from_bytes(blob).map_err(|why| unusable().why(why))?;
+            states.push((group, state));
+        }
+        Ok(states)
+    }
+}
+
+impl Drive for Coordinator<'_> {
+    fn initialize(&mut self, stop: Time) -> Result<()> {
+        let _ = stop;
+        self.launch_all()?;
+        self.tell_all(Kind::Enter)?;
+        self.settle()?;
+        self.tell_all(Kind::Exit)?;
+        self.keep_held(self.groups());
+        Ok(())
+    }
+
+    fn run_until(&mut self, limit: Time) -> Result<()> {
+        while let Some(now) = self.ends.iter().min().copied().filter(|&now| now <= limit) {
+            self.members.iter_mut().for_each(|member| member.recorded = false);
+            self.instant(now, now == limit)?;
+        }
+        Ok(())
+    }
+
+    fn sample(&mut self, row: &mut [f64]) -> Result<()> {
+        for group in self.groups() {
+            let recorded = self.plan.recorded(&self.layout.groups[group].own).next().is_some();
+            if recorded && !self.members[group].recorded {
+                let message = self.command(group, Kind::Sample, 0);
+                self.tell(group, message)?;
+            }
+        }
+        for (group, answer) in self.answers()? {
+            let mut body = Body::after_header(&answer);
+            self.read_recorded(group, &mut body)?;
+            body.end().map_err(misread)?;
+        }
+        for (value, &slot) in row.iter_mut().zip(&self.plan.columns) {
+            *value = self.values[slot];
+        }
+        Ok(())
+    }
+
+    fn change(&mut self, component: usize, change: Change) -> Result<()> {
+        let place = |own: &[usize]| own.iter().position(|&own| own == component);
+        let homes = self.layout.groups.iter().enumerate();
+        let home = homes.filter_map(|(group, of)| Some((group, place(&of.own)?))).next();
+        let Some((group, position)) = home else {
+            return Err(Error::new(Code::Protocol, format!("no group has component {component}")));
+        };
+        let mut message = self.command(group, Kind::Change, 0);
+        let body = postcard::to_stdvec(&(position, change));
+        message.extend(body.map_err(|why| unusable().why(why))?);
+        self.tell(group, message)?;
+        self.answers().map(drop)
+    }
+
+    fn save(&mut self) -> Result<EngineState> {
+        let groups: Vec<usize> = self.groups().collect();
+        let mut whole = EngineState {
+            values: self.values.clone(),
+            inputs: vec![0.0; self.plan.inputs],
+            ends: self.ends.clone(),
+            trends: vec![Default::default(); self.plan.trends.len()],
+            ramps: vec![Default::default(); self.plan.ramps.len()],
+            step: None,
+            components: vec![Saved::default(); self.plan.nodes.len()],
+        };
+        for (group, mut state) in self.states(&groups)? {
+            for (place, &component) in self.layout.groups[group].own.iter().enumerate() {
+                let node = &self.plan.nodes[component];
+                let (values, inputs) = (node.recorded_slots.clone(), node.input_slots.clone());
+                whole.values[values.clone()].copy_from_slice(&state.values[values]);
+                whole.inputs[inputs.clone()].copy_from_slice(&state.inputs[inputs]);
+                node.trends.iter().for_each(|&trend| whole.trends[trend] = state.trends[trend]);
+                node.ramps.iter().for_each(|&ramp| whole.ramps[ramp] = state.ramps[ramp]);
+                whole.components[component] = std::mem::take(&mut state.components[place]);
+            }
+        }
+        Ok(whole)
+    }
+
+    fn resume(&mut self, state: &EngineState, time: Time, stop: Time) -> Result<()> {
+        let _ = stop;
+        self.now = time;
+        self.values.clone_from(&state.values);
+        self.ends.clone_from(&state.ends);
+        for group in self.groups() {
+            let own = &self.layout.groups[group].own;
+            let part = EngineState {
+                ends: own.iter().map(|&component| state.ends[component]).collect(),
+                components: own.iter().map(|&c| state.components[c].clone()).collect(),
+                ..state.clone()
+            };
+            self.rebase(group, part)?;
+        }
+        self.launch_all()
+    }
+
+    fn report(&mut self) -> Result<Report> {
+        for group in self.groups() {
+            let message = self.command(group, Kind::Finish, 0);
+            self.tell(group, message)?;
+        }
+        let mut whole = Report {
+            components: vec![Default::default(); self.plan.nodes.len()],
+            efforts: vec![Default::default(); self.plan.loops.len()],
+            warnings: self.warnings.clone(),
+            notes: self.notes.clone(),
+        };
+        for (group, answer) in self.answers()? {
+            let report: Report = Body::after_header(&answer).structure().map_err(misread)?;
+            let own = &self.layout.groups[group].own;
+            let loops = self.plan.loops.iter().enumerate();
+            let loops = loops.filter(|(_, found)| found.members.iter().all(|m| own.contains(m)));
+            for ((position, _), effort) in loops.zip(report.efforts) {
+                whole.efforts[position] = effort;
+            }
+            for (&component, told) in own.iter().zip(report.components) {
+                whole.components[component] = told;
+            }
+            whole.warnings.extend(report.warnings);
+            whole.notes.extend(report.notes);
+        }
+        Ok(whole)
+    }
+}
+
+/// Whether all of these components can give their state as bytes.
+fn can_save(system: &System, own: &[usize]) -> bool {
+    own.iter().all(|&component| {
+        let component = &system.components()[component];
+        match &component.model {
+            Model::Fmu(fmu) => {
+                fmu.interface(component.interface).is_ok_and(|part| part.serialize_state)
+            }
+            Model::Signals(_) => true,
+        }
+    })
+}
+
+fn read(
+    body: &mut Body<'_>,
+    slots: impl IntoIterator<Item = usize>,
+    values: &mut [f64],
+) -> Result<()> {
+    body.values(slots, values).map_err(misread)
+}
+
+fn misread(why: super::wire::Malformed) -> Error {
+    Error::new(Code::Protocol, "an answer cannot be understood").why(why)
+}
+
+fn unusable() -> Error {
+    Error::new(Code::Protocol, "a state or a change has no form in bytes")
+}

@@ -1,0 +1,103 @@
+//! From a checked system to what each host is told.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use super::layout::{Group, Layout};
+use super::setup::{Blueprint, FmuFile, Setup, Source};
+use crate::digest::sha256;
+use crate::error::{Code, Error, Result};
+use crate::master::Plan;
+use crate::system::{Component, Model, System};
+
+/// A system laid out over groups.
+pub(crate) struct Distribution {
+    pub plan: Plan,
+    pub layout: Layout,
+    pub setups: Vec<Setup>,
+    /// The FMU files by their hash.
+    pub files: BTreeMap<String, PathBuf>,
+}
+
+impl Distribution {
+    /// For `places`: the group of each component.
+    pub(crate) fn new(system: &System, places: &[usize]) -> Result<Self> {
+        let plan = Plan::new(system);
+        possible(system, places)?;
+        let layout = Layout::new(&plan, places).map_err(|position| {
+            let names = &plan.loops[position].names;
+            Error::new(Code::Placement, format!("the loop through {names} is in several places"))
+                .why("its members are iterated together at every step")
+                .help("place them on the same worker, or take --algorithm gauss-seidel")
+        })?;
+        let mut files = BTreeMap::new();
+        let mut blueprints = Vec::new();
+        for component in system.components() {
+            blueprints.push(blueprint(component, &mut files)?);
+        }
+        let setups = layout.groups.iter().map(|group| setup(system, &plan, group, &blueprints));
+        let setups = setups.collect();
+        Ok(Self { plan, layout, setups, files })
+    }
+}
+
+/// What is refused because it needs to know more than one group does.
+fn possible(system: &System, places: &[usize]) -> Result<()> {
+    if system.step_control().is_some() {
+        return Err(Error::new(Code::Placement, "steps under error control are not distributed")
+            .why("a rejected step would have to be taken back everywhere")
+            .help("leave the error control out, or run in one process"));
+    }
+    let connections = system.connections().iter().enumerate();
+    let apart = connections
+        .filter(|(position, _)| system.is_linear(*position))
+        .find(|(_, c)| places[c.from.component] != places[c.to.component]);
+    if let Some((_, connection)) = apart {
+        let (from, to) = (system.port_name(connection.from), system.port_name(connection.to));
+        return Err(Error::new(Code::Placement, format!("{to} is linear during steps"))
+            .why(format!("it follows {from}, which is on another worker"))
+            .help("place both on the same worker, or hold the input"));
+    }
+    Ok(())
+}
+
+fn blueprint(component: &Component, files: &mut BTreeMap<String, PathBuf>) -> Result<Blueprint> {
+    let source = match &component.model {
+        Model::Fmu(fmu) => {
+            let path = fmu.path();
+            let known = files.iter().find(|(_, known)| *known == path);
+            let sha256 = match known {
+                Some((hash, _)) => hash.clone(),
+                None => {
+                    let bytes = std::fs::read(path).map_err(|why| {
+                        Error::new(Code::File, "the FMU cannot be read").at(path).why(why)
+                    })?;
+                    sha256(bytes)
+                }
+            };
+            files.insert(sha256.clone(), path.to_owned());
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            Source::Fmu(FmuFile { sha256, name })
+        }
+        Model::Signals(signals) => Source::Signals((**signals).clone()),
+    };
+    Ok(Blueprint {
+        name: component.name.clone(),
+        source,
+        interface: component.interface,
+        step: component.step,
+        start_values: component.start_values.clone(),
+    })
+}
+
+fn setup(system: &System, plan: &Plan, group: &Group, blueprints: &[Blueprint]) -> Setup {
+    Setup {
+        plan: plan.restrict(&group.own),
+        group: group.local(),
+        components: group.own.iter().map(|&component| blueprints[component].clone()).collect(),
+        making: system.making(),
+        start: system.start_time(),
+        stop: system.stop_time(),
+        state: None,
+    }
+}

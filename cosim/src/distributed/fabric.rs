@@ -1,0 +1,52 @@
+//! How the coordinator reaches hosts: over Zenoh, or within this process.
+
+use std::time::Duration;
+
+use crate::error::Result;
+
+/// Starts lives of groups and carries messages to and from them. A *life* is one host of a group,
+/// counted by its generation from 1.
+pub(crate) trait Fabric {
+    /// Starts a life of a group; [`Event::Ready`] tells when it can be spoken to.
+    fn launch(&mut self, group: usize, generation: u32) -> Result<()>;
+
+    /// Sends a command.
+    fn send(&mut self, group: usize, generation: u32, message: &[u8]) -> Result<()>;
+
+    /// What happens next; nothing if nothing happens for so long.
+    fn next(&mut self, patience: Duration) -> Option<Event>;
+
+    /// Gives a life up. It may go on somewhere, but is not listened to any more.
+    fn abandon(&mut self, group: usize, generation: u32);
+
+    /// Where a group is, for people.
+    fn place(&self, group: usize) -> String;
+}
+
+/// What a fabric tells.
+#[derive(Debug)]
+pub(crate) enum Event {
+    /// A life can be spoken to.
+    Ready {
+        /// Its group.
+        group: usize,
+        /// Which life.
+        generation: u32,
+    },
+    /// A life answered.
+    Answer {
+        /// Its group.
+        group: usize,
+        /// The message.
+        bytes: Vec<u8>,
+    },
+    /// A life ended by itself.
+    Lost {
+        /// Its group.
+        group: usize,
+        /// Which life.
+        generation: u32,
+        /// What is known of how.
+        why: String,
+    },
+}

@@ -1,0 +1,40 @@
+//! An error that goes over the wire.
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Code, Error};
+
+/// What went wrong elsewhere.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Failure {
+    code: String,
+    what: String,
+    why: Option<String>,
+    help: Option<String>,
+    log: Vec<String>,
+}
+
+impl From<&Error> for Failure {
+    fn from(error: &Error) -> Self {
+        Self {
+            code: error.code().as_str().to_owned(),
+            what: error.what().to_owned(),
+            why: error.reason().map(str::to_owned),
+            help: error.remedy().map(str::to_owned),
+            log: error.logged().to_vec(),
+        }
+    }
+}
+
+impl Failure {
+    /// The error as it was there, with the place where that was.
+    pub(crate) fn into_error(self, place: &str) -> Error {
+        let code = Code::ALL.iter().find(|code| code.as_str() == self.code);
+        let error = Error::new(*code.unwrap_or(&Code::Protocol), self.what).maybe_help(self.help);
+        let error = match self.why {
+            Some(why) => error.why(format!("{why} (on {place})")),
+            None => error.why(format!("it happened on {place}")),
+        };
+        error.log(self.log)
+    }
+}

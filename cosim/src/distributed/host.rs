@@ -1,0 +1,230 @@
+//! A group being computed: commands in, answers out.
+//!
+//! The host knows nothing of how messages travel. It does every command exactly once: one that
+//! comes a second time gets the same answer again, one out of turn is refused with both numbers,
+//! and one of another life of the group is ignored.
+
+use super::failure::Failure;
+use super::layout::{Group, Part};
+use super::setup::{FmuSource, Setup};
+use super::wire::{Body, Header, Kind, Malformed, OPENING, RECORD, put_blob, put_values};
+use crate::error::{Code, Error, Result};
+use crate::master::{Change, Engine};
+use crate::time::Time;
+
+/// What became of a message.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) enum Handled {
+    /// This is the answer.
+    Answer(Vec<u8>),
+    /// This is the last answer: the host ends.
+    Last(Vec<u8>),
+    /// It is not for this host, for the reason given.
+    Ignored(String),
+}
+
+/// A group and what it did last.
+pub(crate) struct Host {
+    generation: u32,
+    fmus: Box<dyn FmuSource>,
+    running: Option<Running>,
+    sequence: u64,
+    answer: Vec<u8>,
+}
+
+/// A group that is set up.
+struct Running {
+    engine: Engine,
+    group: Group,
+    stop: Time,
+    tables: u64,
+    /// What waits for the values that are held from the end of the last instant.
+    open: Option<Open>,
+}
+
+#[derive(Clone, Copy)]
+enum Open {
+    Start,
+    Instant(Time),
+}
+
+impl Host {
+    /// A host for one life of a group.
+    pub(crate) fn new(generation: u32, fmus: Box<dyn FmuSource>) -> Self {
+        Self { generation, fmus, running: None, sequence: 0, answer: Vec::new() }
+    }
+
+    /// Does what a message says.
+    pub(crate) fn handle(&mut self, message: &[u8]) -> Handled {
+        let (header, body) = match Header::read(message) {
+            Ok(read) => read,
+            Err(why) => return Handled::Ignored(why.to_string()),
+        };
+        if header.generation != self.generation {
+            return Handled::Ignored(format!(
+                "a command for life {} of this group reached life {}",
+                header.generation, self.generation
+            ));
+        }
+        if self.running.is_some() && header.sequence == self.sequence {
+            return Handled::Answer(self.answer.clone());
+        }
+        let outcome = self.obey(&header, body);
+        let done = Header { kind: Kind::Done, flags: 0, ..header };
+        self.answer = match outcome {
+            Ok(body) => [done.message(), body].concat(),
+            Err(error) => {
+                let mut answer = Header { kind: Kind::Failed, ..done }.message();
+                // A structure of texts always becomes bytes.
+                answer.extend(postcard::to_stdvec(&Failure::from(&error)).unwrap_or_default());
+                answer
+            }
+        };
+        match header.kind {
+            Kind::Finish => Handled::Last(self.answer.clone()),
+            _ => Handled::Answer(self.answer.clone()),
+        }
+    }
+
+    fn obey(&mut self, header: &Header, body: Body<'_>) -> Result<Vec<u8>> {
+        if header.kind == Kind::Setup {
+            return self.set_up(header, body);
+        }
+        let Some(running) = &mut self.running else {
+            return Err(refused("a command came before the set-up"));
+        };
+        if header.sequence != self.sequence + 1 {
+            let (wanted, got) = (self.sequence + 1, header.sequence);
+            return Err(refused(format!("command {got} came where {wanted} was due")));
+        }
+        if header.tables != running.tables {
+            return Err(refused("the coordinator has another plan of this group"));
+        }
+        // Whatever comes of it, it is not done twice.
+        self.sequence = header.sequence;
+        running.obey(header, body)
+    }
+
+    fn set_up(&mut self, header: &Header, body: Body<'_>) -> Result<Vec<u8>> {
+        if self.running.is_some() {
+            return Err(refused("a second set-up came"));
+        }
+        let setup: Setup = body.structure().map_err(malformed)?;
+        let stop = setup.stop;
+        let (engine, group) = setup.build(&mut *self.fmus)?;
+        self.sequence = header.sequence;
+        let tables = header.tables;
+        self.running = Some(Running { engine, group, stop, tables, open: None });
+        Ok(Vec::new())
+    }
+}
+
+impl Running {
+    fn obey(&mut self, header: &Header, mut body: Body<'_>) -> Result<Vec<u8>> {
+        if header.has(OPENING) {
+            self.begin_steps(&mut body)?;
+        }
+        let mut answer = Vec::with_capacity(512);
+        match header.kind {
+            Kind::Enter => {
+                body.end().map_err(malformed)?;
+                self.engine.enter(self.stop)?;
+                self.put_outputs(&self.group.own, &mut answer);
+            }
+            Kind::Exchange => {
+                let part = self.part(&mut body, |group| &group.stretches)?;
+                self.engine.pass(&part.members)?;
+                self.put_outputs(&part.members, &mut answer);
+            }
+            Kind::Exit => {
+                body.end().map_err(malformed)?;
+                self.engine.exit()?;
+                self.open = Some(Open::Start);
+                self.put_outputs(&self.group.own, &mut answer);
+            }
+            Kind::Step => self.step(header, body, &mut answer)?,
+            Kind::Sample => {
+                body.end().map_err(malformed)?;
+                self.record(&mut answer)?;
+            }
+            Kind::Save => {
+                body.end().map_err(malformed)?;
+                put_blob(&mut answer, &bytes(&self.engine.save()?)?);
+            }
+            Kind::Change => {
+                let (component, change): (usize, Change) = body.structure().map_err(malformed)?;
+                if component >= self.group.own.len() {
+                    return Err(refused(format!("this group has no component {component}")));
+                }
+                self.engine.change(component, change)?;
+            }
+            Kind::Finish => {
+                body.end().map_err(malformed)?;
+                answer = bytes(&crate::master::Drive::report(&mut self.engine)?)?;
+            }
+            Kind::Setup | Kind::Done | Kind::Failed => {
+                return Err(refused("that is no command for a group at work"));
+            }
+        }
+        Ok(answer)
+    }
+
+    /// Makes the steps of a part that end at the message's time.
+    fn step(&mut self, header: &Header, mut body: Body<'_>, answer: &mut Vec<u8>) -> Result<()> {
+        let now = header.time;
+        let part = self.part(&mut body, |group| &group.parts)?;
+        let due = |&member: &usize| self.engine.ends[member] == now;
+        let due: Vec<usize> = part.members.iter().copied().filter(due).collect();
+        self.engine.end_steps(&part.members, now)?;
+        self.open = Some(Open::Instant(now));
+        self.put_outputs(&due, answer);
+        if header.has(RECORD) {
+            self.record(answer)?;
+        }
+        Ok(())
+    }
+
+    /// Takes the values that are held from the end of the last instant, and begins with them.
+    fn begin_steps(&mut self, body: &mut Body<'_>) -> Result<()> {
+        let held = self.group.held.iter().copied();
+        body.values(held, &mut self.engine.values).map_err(malformed)?;
+        match self.open.take() {
+            Some(Open::Start) => self.engine.begin(),
+            Some(Open::Instant(now)) => self.engine.begin_steps(now),
+            None => Err(refused("no step is waiting for the values it holds")),
+        }
+    }
+
+    /// The part that a message is about, with the values that it reads.
+    fn part(&mut self, body: &mut Body<'_>, of: fn(&Group) -> &Vec<Part>) -> Result<Part> {
+        let number = body.number().map_err(malformed)? as usize;
+        let part = of(&self.group).get(number).cloned();
+        let part = part.ok_or_else(|| refused(format!("this group has no part {number}")))?;
+        let reads = part.reads.iter().copied();
+        body.values(reads, &mut self.engine.values).map_err(malformed)?;
+        body.end().map_err(malformed)?;
+        Ok(part)
+    }
+
+    fn record(&mut self, answer: &mut Vec<u8>) -> Result<()> {
+        self.engine.read_recorded()?;
+        put_values(answer, self.engine.plan.recorded(&self.group.own), &self.engine.values);
+        Ok(())
+    }
+
+    fn put_outputs(&self, members: &[usize], answer: &mut Vec<u8>) {
+        put_values(answer, self.engine.plan.outputs(members), &self.engine.values);
+    }
+}
+
+fn bytes<T: serde::Serialize>(value: &T) -> Result<Vec<u8>> {
+    postcard::to_stdvec(value).map_err(|why| refused("an answer has no form in bytes").why(why))
+}
+
+fn malformed(why: Malformed) -> Error {
+    refused("a message cannot be understood").why(why)
+}
+
+fn refused(what: impl Into<String>) -> Error {
+    Error::new(Code::Protocol, what)
+}

@@ -1,0 +1,61 @@
+//! The names under which everything is sent.
+//!
+//! `@1` is the protocol's version and a verbatim chunk: no wildcard of an observer ever matches
+//! it, so nobody can hold up a run by listening. What observers may listen to is under
+//! `cosim/1/...`.
+
+use super::wire::VERSION;
+
+/// Everything of the protocol.
+pub(crate) fn root() -> String {
+    format!("cosim/@{VERSION}")
+}
+
+/// A worker: its liveliness token; queries to it are below.
+pub(crate) fn worker(id: &str) -> String {
+    format!("{}/pool/{id}", root())
+}
+
+/// Every worker's token.
+pub(crate) fn workers() -> String {
+    worker("*")
+}
+
+/// A life of a group: `cmd`, `rep` and the liveliness token `alive` are below.
+pub(crate) fn life(run: &str, group: usize, generation: u32) -> String {
+    format!("{}/run/{run}/{group}.{generation}", root())
+}
+
+/// Something of every life of a run.
+pub(crate) fn lives(run: &str, what: &str) -> String {
+    format!("{}/run/{run}/*/{what}", root())
+}
+
+/// An FMU's bytes, asked for by a worker.
+pub(crate) fn fmu(run: &str, sha256: &str) -> String {
+    format!("{}/run/{run}/fmu/{sha256}", root())
+}
+
+/// Group and generation of a key that [`life`] gave.
+pub(crate) fn parse_life(key: &str) -> Option<(usize, u32)> {
+    let life = key.split('/').nth(4)?;
+    let (group, generation) = life.split_once('.')?;
+    Some((group.parse().ok()?, generation.parse().ok()?))
+}
+
+/// The worker of a key that [`worker`] gave.
+pub(crate) fn parse_worker(key: &str) -> Option<&str> {
+    key.split('/').nth(3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_key_says_is_read_again() {
+        assert_eq!(parse_life(&format!("{}/rep", life("r", 12, 3))), Some((12, 3)));
+        assert_eq!(parse_worker(&worker("left")), Some("left"));
+        assert_eq!(parse_life("cosim/@1/run/r/fmu/00"), None);
+    }
+}

@@ -1,0 +1,129 @@
+//! A fabric within this process, for tests: it loses, repeats and reorders on demand.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::fabric::{Event, Fabric};
+use super::host::{Handled, Host};
+use super::setup::{FmuFile, FmuSource};
+use crate::error::{Code, Error, Result};
+use crate::fmi::Fmu;
+
+/// FMUs by hash, from where the system has them.
+#[derive(Clone)]
+pub(super) struct Files(pub BTreeMap<String, PathBuf>);
+
+impl FmuSource for Files {
+    fn open(&mut self, file: &FmuFile) -> Result<Arc<Fmu>> {
+        match self.0.get(&file.sha256) {
+            Some(path) => Fmu::open(path),
+            None => Err(Error::new(Code::File, format!("no {} here", file.name))),
+        }
+    }
+}
+
+/// What goes wrong with the command of this number, counted over all commands sent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Fault {
+    /// The host dies before it gets the command.
+    DiesBefore,
+    /// The host dies after it did the command, before its answer is seen.
+    DiesAfter,
+    /// The answer comes twice.
+    AnswersTwice,
+    /// The command comes twice.
+    HearsTwice,
+    /// A message of the group's former life comes first.
+    Ghost,
+}
+
+pub(super) struct Local {
+    files: Files,
+    hosts: BTreeMap<usize, (u32, Host)>,
+    queue: VecDeque<Event>,
+    faults: Vec<(u64, Fault)>,
+    sent: u64,
+}
+
+impl Local {
+    pub(super) fn new(files: Files, faults: Vec<(u64, Fault)>) -> Self {
+        Self { files, hosts: BTreeMap::new(), queue: VecDeque::new(), faults, sent: 0 }
+    }
+
+    fn deliver(&mut self, group: usize, message: &[u8]) -> Option<Vec<u8>> {
+        match self.hosts.get_mut(&group)?.1.handle(message) {
+            Handled::Answer(bytes) | Handled::Last(bytes) => Some(bytes),
+            Handled::Ignored(_) => None,
+        }
+    }
+}
+
+impl Fabric for Local {
+    fn launch(&mut self, group: usize, generation: u32) -> Result<()> {
+        let host = Host::new(generation, Box::new(self.files.clone()));
+        self.hosts.insert(group, (generation, host));
+        self.queue.push_back(Event::Ready { group, generation });
+        Ok(())
+    }
+
+    fn send(&mut self, group: usize, generation: u32, message: &[u8]) -> Result<()> {
+        self.sent += 1;
+        let sent = self.sent;
+        let fault = self.faults.iter().find(|(at, _)| *at == sent).map(|(_, fault)| *fault);
+        let why = || "it was killed".to_owned();
+        match fault {
+            Some(Fault::DiesBefore) => {
+                self.hosts.remove(&group);
+                self.queue.push_back(Event::Lost { group, generation, why: why() });
+                return Ok(());
+            }
+            Some(Fault::Ghost) => {
+                let mut bytes = message.to_vec();
+                bytes[2] = super::wire::Kind::Done as u8;
+                bytes[4..8].copy_from_slice(&generation.wrapping_sub(1).to_le_bytes());
+                self.queue.push_back(Event::Answer { group, bytes });
+                self.queue.push_back(Event::Lost {
+                    group,
+                    generation: generation.wrapping_sub(1),
+                    why: why(),
+                });
+            }
+            Some(Fault::HearsTwice) => {
+                if let Some(bytes) = self.deliver(group, message) {
+                    self.queue.push_back(Event::Answer { group, bytes });
+                }
+            }
+            _ => {}
+        }
+        let Some(bytes) = self.deliver(group, message) else {
+            return Ok(());
+        };
+        if fault == Some(Fault::DiesAfter) {
+            self.hosts.remove(&group);
+            self.queue.push_back(Event::Lost { group, generation, why: why() });
+            return Ok(());
+        }
+        if fault == Some(Fault::AnswersTwice) {
+            self.queue.push_front(Event::Answer { group, bytes: bytes.clone() });
+        }
+        // The last to answer is heard first.
+        self.queue.push_front(Event::Answer { group, bytes });
+        Ok(())
+    }
+
+    fn next(&mut self, _patience: Duration) -> Option<Event> {
+        self.queue.pop_front()
+    }
+
+    fn abandon(&mut self, group: usize, generation: u32) {
+        if self.hosts.get(&group).is_some_and(|(living, _)| *living == generation) {
+            self.hosts.remove(&group);
+        }
+    }
+
+    fn place(&self, group: usize) -> String {
+        format!("place {group}")
+    }
+}

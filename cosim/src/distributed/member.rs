@@ -1,0 +1,151 @@
+//! A group as the coordinator sees it: what it was told, and what it takes to begin a new life.
+
+use std::hash::{DefaultHasher, Hasher};
+use std::time::{Duration, Instant};
+
+use super::options::Options;
+use super::wire::{HEADER, Header, Kind};
+use crate::time::Time;
+
+/// A group of the run.
+pub(super) struct Member {
+    pub generation: u32,
+    /// Number of the last command.
+    pub sequence: u64,
+    /// Digest of the plan.
+    pub tables: u64,
+    /// The set-up without a state.
+    pub setup: Vec<u8>,
+    /// The set-up with the last state that was saved, and the number of the command before it.
+    pub base: Option<(Vec<u8>, u64)>,
+    /// The commands since then.
+    pub log: Vec<Told>,
+    /// What the group is waited for.
+    pub awaited: Option<Awaited>,
+    since: Instant,
+    /// Values that are held from the end of the last instant, if it did not get them yet.
+    pub opening: Option<Vec<f64>>,
+    /// Its recorded values are those of the present instant.
+    pub recorded: bool,
+    /// How often a new life began, and since when and why one is beginning.
+    pub recoveries: u32,
+    pub lost: Option<(Instant, String)>,
+    /// The longest time that an answer took.
+    longest: Duration,
+}
+
+/// What a group is waited for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Awaited {
+    /// It can be spoken to.
+    Launch,
+    /// The answer to its set-up.
+    SetUp,
+    /// The answer to a command that it gave before, by its place in the log.
+    Again(usize),
+    /// The answer to the last command.
+    Last,
+}
+
+/// A command, and a digest of its answer.
+pub(super) struct Told {
+    pub message: Vec<u8>,
+    pub answer: Option<u64>,
+}
+
+impl Member {
+    pub(super) fn new(setup: Vec<u8>, tables: u64) -> Self {
+        Self {
+            generation: 0,
+            sequence: 0,
+            tables,
+            setup,
+            base: None,
+            log: Vec::new(),
+            awaited: None,
+            since: Instant::now(),
+            opening: None,
+            recorded: false,
+            recoveries: 0,
+            lost: None,
+            longest: Duration::ZERO,
+        }
+    }
+
+    /// The next command, still without a body.
+    pub(super) fn command(&mut self, kind: Kind, flags: u8, time: Time) -> Vec<u8> {
+        self.sequence += 1;
+        let (generation, sequence, tables) = (self.generation, self.sequence, self.tables);
+        Header { kind, flags, generation, sequence, tables, time }.message()
+    }
+
+    /// The set-up from which a life begins.
+    pub(super) fn first(&self, time: Time) -> Vec<u8> {
+        let (generation, tables, kind) = (self.generation, self.tables, Kind::Setup);
+        let sequence = self.before_log();
+        let header = Header { kind, flags: 0, generation, sequence, tables, time };
+        let body = self.base.as_ref().map_or(&self.setup, |(body, _)| body);
+        [&header.message()[..], body].concat()
+    }
+
+    fn before_log(&self) -> u64 {
+        self.base.as_ref().map_or(0, |(_, sequence)| *sequence)
+    }
+
+    /// The number of the command whose answer is waited for.
+    pub(super) fn awaited_sequence(&self) -> Option<u64> {
+        match self.awaited? {
+            Awaited::Launch => None,
+            Awaited::SetUp => Some(self.before_log()),
+            Awaited::Again(number) => Some(self.before_log() + 1 + number as u64),
+            Awaited::Last => Some(self.sequence),
+        }
+    }
+
+    pub(super) fn is_launching(&self) -> bool {
+        self.awaited == Some(Awaited::Launch)
+    }
+
+    pub(super) fn wait_for(&mut self, awaited: Awaited) {
+        self.awaited = Some(awaited);
+        self.since = Instant::now();
+    }
+
+    /// How long it has been waited for.
+    pub(super) fn silent(&self) -> Duration {
+        self.since.elapsed()
+    }
+
+    /// How much longer it is waited for.
+    pub(super) fn patience(&self, options: &Options) -> Duration {
+        let allowed = match self.awaited {
+            Some(Awaited::Launch | Awaited::SetUp) => options.launch_deadline,
+            _ => options.deadline.max(self.longest.saturating_mul(options.slowness)),
+        };
+        allowed.saturating_sub(self.silent())
+    }
+
+    /// The answer came.
+    pub(super) fn answered(&mut self) {
+        if matches!(self.awaited, Some(Awaited::Again(_) | Awaited::Last)) {
+            self.longest = self.longest.max(self.silent());
+        }
+    }
+}
+
+impl Told {
+    /// The same command for another life.
+    pub(super) fn again(&self, generation: u32) -> Vec<u8> {
+        let mut message = self.message.clone();
+        // Where `Header` has the generation.
+        message[4..8].copy_from_slice(&generation.to_le_bytes());
+        message
+    }
+}
+
+/// A digest of an answer's body.
+pub(super) fn digest(answer: &[u8]) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    hasher.write(answer.get(HEADER..).unwrap_or_default());
+    hasher.finish()
+}

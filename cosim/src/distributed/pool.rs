@@ -1,0 +1,73 @@
+//! What a worker says of itself, and what it is asked to do.
+
+use serde::{Deserialize, Serialize};
+
+/// A worker.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct WorkerInfo {
+    /// Its name.
+    pub name: String,
+    /// The machine's name.
+    pub host: String,
+    /// Version of cosim.
+    pub version: String,
+    /// Of the protocol.
+    pub protocol: u8,
+    /// Operating system and processor, as in FMI 2.0.4 platform tuples.
+    pub platform: String,
+    /// What the processor can do that matters for floating point numbers.
+    pub cpu: Vec<String>,
+    /// Identity of the process that supervises.
+    pub process: u32,
+}
+
+/// Start or end a life of a group.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Order {
+    /// The run.
+    pub run: String,
+    /// The group.
+    pub group: usize,
+    /// Which life.
+    pub generation: u32,
+}
+
+impl WorkerInfo {
+    /// Of this process.
+    pub fn of_this(name: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            host: host(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            protocol: super::wire::VERSION,
+            platform: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
+            cpu: cpu(),
+            process: std::process::id(),
+        }
+    }
+}
+
+/// A name for a worker that was given none: the machine's, and the process.
+pub fn default_name() -> String {
+    format!("{}-{}", host(), std::process::id())
+}
+
+fn host() -> String {
+    let name = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    name.trim().to_owned()
+}
+
+#[cfg(target_arch = "x86_64")]
+fn cpu() -> Vec<String> {
+    let present = [
+        ("fma", std::arch::is_x86_feature_detected!("fma")),
+        ("avx2", std::arch::is_x86_feature_detected!("avx2")),
+        ("avx512f", std::arch::is_x86_feature_detected!("avx512f")),
+    ];
+    present.into_iter().filter(|(_, has)| *has).map(|(name, _)| name.to_owned()).collect()
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn cpu() -> Vec<String> {
+    Vec::new()
+}

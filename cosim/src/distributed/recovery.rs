@@ -1,0 +1,217 @@
+//! Commands told and answers awaited, and new lives of groups that are lost: one loop of events.
+
+use std::time::{Duration, Instant};
+
+use super::coordinator::Coordinator;
+use super::fabric::Event;
+use super::failure::Failure;
+use super::member::{Awaited, Told, digest};
+use super::wire::{Header, Kind};
+use crate::error::{Code, Error, Result};
+use crate::master::EngineState;
+
+impl Coordinator<'_> {
+    /// Begins the first life of every group.
+    pub(super) fn launch_all(&mut self) -> Result<()> {
+        for group in 0..self.members.len() {
+            self.begin_life(group)?;
+        }
+        self.answers().map(drop)
+    }
+
+    /// Sends a command and keeps it. All commands before it are answered.
+    pub(super) fn tell(&mut self, group: usize, message: Vec<u8>) -> Result<()> {
+        self.fabric.send(group, self.members[group].generation, &message)?;
+        let member = &mut self.members[group];
+        member.log.push(Told { message, answer: None });
+        member.wait_for(Awaited::Last);
+        Ok(())
+    }
+
+    /// Waits until every group has done what it was told, and gives their answers by group.
+    pub(super) fn answers(&mut self) -> Result<Vec<(usize, Vec<u8>)>> {
+        let mut answers: Vec<(usize, Vec<u8>)> = Vec::new();
+        while let Some((group, patience)) = self.most_overdue() {
+            match self.fabric.next(patience) {
+                Some(Event::Ready { group, generation }) => self.ready(group, generation)?,
+                Some(Event::Answer { group, bytes }) if self.is_awaited(group, &bytes) => {
+                    if self.take_answer(group, &bytes)? {
+                        answers.push((group, bytes));
+                    }
+                }
+                // Of a life given up, or a second time.
+                Some(Event::Answer { .. }) => {}
+                Some(Event::Lost { group, generation, why }) => {
+                    if self.is_living(group, generation) {
+                        self.lose(group, &why)?;
+                    }
+                }
+                None => {
+                    let silent = self.members[group].silent();
+                    self.lose(group, &format!("no answer for {:.1} s", silent.as_secs_f64()))?;
+                }
+            }
+        }
+        // By table, not by arrival: whoever reads them does so in the same order in every run.
+        answers.sort_by_key(|(group, _)| *group);
+        Ok(answers)
+    }
+
+    /// The group whose patience ends first, and how much of it is left.
+    fn most_overdue(&self) -> Option<(usize, Duration)> {
+        let waiting = self.members.iter().enumerate().filter(|(_, m)| m.awaited.is_some());
+        let left = waiting.map(|(group, m)| (m.patience(&self.options), group));
+        left.min().map(|(left, group)| (group, left))
+    }
+
+    fn is_living(&self, group: usize, generation: u32) -> bool {
+        self.members.get(group).is_some_and(|member| member.generation == generation)
+    }
+
+    fn is_awaited(&self, group: usize, bytes: &[u8]) -> bool {
+        match (self.members.get(group), Header::read(bytes)) {
+            (Some(member), Ok((header, _))) => {
+                header.generation == member.generation
+                    && Some(header.sequence) == member.awaited_sequence()
+                    && header.tables == member.tables
+            }
+            _ => false,
+        }
+    }
+
+    /// A life can be spoken to: it gets its set-up.
+    fn ready(&mut self, group: usize, generation: u32) -> Result<()> {
+        if self.is_living(group, generation) && self.members[group].is_launching() {
+            let first = self.members[group].first(self.now);
+            self.members[group].wait_for(Awaited::SetUp);
+            self.fabric.send(group, generation, &first)?;
+        }
+        Ok(())
+    }
+
+    /// Takes the answer that was waited for; whether it is that of the last command.
+    fn take_answer(&mut self, group: usize, bytes: &[u8]) -> Result<bool> {
+        self.judge(group, bytes)?;
+        let member = &mut self.members[group];
+        member.answered();
+        let next = match member.awaited {
+            Some(Awaited::SetUp) => 0,
+            Some(Awaited::Again(number)) => {
+                let told = &mut member.log[number];
+                let digest = digest(bytes);
+                if told.answer.is_some_and(|before| before != digest) {
+                    return Err(self.differs(group, number));
+                }
+                number + 1
+            }
+            _ => {
+                member.awaited = None;
+                if let Some(told) = member.log.last_mut() {
+                    told.answer = Some(digest(bytes));
+                }
+                return Ok(true);
+            }
+        };
+        self.tell_again(group, next)?;
+        Ok(false)
+    }
+
+    /// Tells a new life the command `number` of its log; the last one may not be answered yet.
+    fn tell_again(&mut self, group: usize, number: usize) -> Result<()> {
+        let member = &mut self.members[group];
+        let generation = member.generation;
+        let Some(told) = member.log.get(number) else {
+            member.awaited = None;
+            self.relived(group);
+            return Ok(());
+        };
+        let message = told.again(generation);
+        let awaited = match told.answer {
+            Some(_) => Awaited::Again(number),
+            None => Awaited::Last,
+        };
+        member.wait_for(awaited);
+        if awaited == Awaited::Last {
+            self.relived(group);
+        }
+        self.fabric.send(group, generation, &message)
+    }
+
+    /// A new life is where the old one was.
+    fn relived(&mut self, group: usize) {
+        if let Some((since, why)) = self.members[group].lost.take() {
+            let took = since.elapsed().as_secs_f64() * 1e3;
+            let (names, place) = (self.names(group), self.fabric.place(group));
+            self.notes.push(format!("{names}: {why}; went on at {place} after {took:.0} ms"));
+        }
+    }
+
+    /// An answer that failed is the error that it tells.
+    fn judge(&self, group: usize, answer: &[u8]) -> Result<()> {
+        match Header::read(answer) {
+            Ok((Header { kind: Kind::Failed, .. }, body)) => {
+                let place = self.fabric.place(group);
+                Err(match body.structure::<Failure>() {
+                    Ok(failure) => failure.into_error(&place),
+                    Err(why) => Error::new(Code::Protocol, "a failure cannot be read").why(why),
+                })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// A group is lost: it begins a new life from its last state, and hears all commands since
+    /// then again.
+    fn lose(&mut self, group: usize, why: &str) -> Result<()> {
+        let place = self.fabric.place(group);
+        let why = format!("lost at {place}, t = {}: {why}", self.now);
+        let member = &mut self.members[group];
+        let since = member.lost.as_ref().map_or_else(Instant::now, |(since, _)| *since);
+        member.lost = Some((since, why.clone()));
+        member.recoveries += 1;
+        let help = if member.recoveries > self.options.recoveries {
+            "--recoveries allows more new lives"
+        } else if member.base.is_none() && self.options.require_resume {
+            "without --require-resume it would be computed again from the start"
+        } else {
+            return self.begin_life(group);
+        };
+        Err(Error::new(Code::Lost, format!("{} is {why}", self.names(group))).help(help))
+    }
+
+    fn begin_life(&mut self, group: usize) -> Result<()> {
+        let member = &mut self.members[group];
+        if member.generation > 0 {
+            self.fabric.abandon(group, member.generation);
+        }
+        member.generation += 1;
+        member.wait_for(Awaited::Launch);
+        self.fabric.launch(group, member.generation)
+    }
+
+    /// From now on new lives begin from this state.
+    pub(super) fn rebase(&mut self, group: usize, state: EngineState) -> Result<()> {
+        let now = self.now;
+        let member = &mut self.members[group];
+        let body = super::setup::with_state(&member.setup, now, state)?;
+        member.base = Some((body, member.sequence));
+        member.log.clear();
+        Ok(())
+    }
+
+    fn differs(&self, group: usize, number: usize) -> Error {
+        let time = Header::read(&self.members[group].log[number].message).map(|(h, _)| h.time);
+        let time = time.map_or_else(|_| String::new(), |time| format!(" at t = {time}"));
+        let names = self.names(group);
+        Error::new(Code::Differs, format!("{names}: the repeated computation differs{time}"))
+            .why("an FMU there is not deterministic, or the state that it serializes is incomplete")
+            .help("--require-resume with --save-every 0 ends such a run instead of repeating it")
+    }
+
+    /// The components of a group.
+    pub(super) fn names(&self, group: usize) -> String {
+        let own = self.layout.groups[group].own.iter();
+        let names = own.map(|&component| self.system.components()[component].name.as_str());
+        names.collect::<Vec<_>>().join(", ")
+    }
+}

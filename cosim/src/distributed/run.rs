@@ -1,0 +1,125 @@
+//! Running a system on workers.
+
+use std::os::unix::process::CommandExt;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use zenoh::Wait;
+
+use super::coordinator::Coordinator;
+use super::distribute::Distribution;
+use super::net::Net;
+use super::options::Options;
+use super::placement::place;
+use super::session::Access;
+use crate::error::{Code, Error, Result};
+use crate::master::{Run, Summary};
+use crate::system::System;
+
+/// Where a distributed run is computed.
+#[derive(Debug, Clone)]
+pub struct Cluster {
+    /// Where workers dial us; without, a socket that only this user can reach.
+    pub access: Option<Access>,
+    /// So many workers are started here for this run; they end with it.
+    pub own: usize,
+    /// The program to start for a worker of our own.
+    pub program: Vec<String>,
+    /// How many workers there must be.
+    pub needed: usize,
+    /// How long to wait for them.
+    pub patience: Duration,
+    /// Wishes `component=worker`.
+    pub places: Vec<(String, String)>,
+    /// What happens when something fails.
+    pub options: Options,
+}
+
+impl Cluster {
+    /// Runs `run` of `system` there.
+    pub fn go(&self, system: &System, run: Run<'_>) -> Result<Summary> {
+        let folder = private_folder()?;
+        let access = self.access.clone().unwrap_or_else(|| Access {
+            endpoints: vec![format!("unixsock-stream/{}/socket", folder.path().display())],
+            ..Access::default()
+        });
+        let session = access.listen()?;
+        let _own = OwnWorkers::start(self, &access)?;
+        let named: Vec<String> = self.places.iter().map(|(_, worker)| worker.clone()).collect();
+        // The plan needs the workers' names, and the session the FMUs of the plan.
+        let id = session.zid().to_string();
+        let waiting = Net::new(session.clone(), &id, Default::default())?;
+        let workers = waiting.gather(self.needed.max(self.own), &named, self.patience)?;
+        let places = place(system, &self.places, &workers)?;
+        drop(waiting);
+
+        // A worker without components is a spare.
+        let mut used: Vec<usize> = places.clone();
+        used.sort_unstable();
+        used.dedup();
+        let group = |worker: &usize| used.iter().position(|u| u == worker).unwrap_or_default();
+        let places: Vec<usize> = places.iter().map(group).collect();
+        let homes = used.iter().map(|&worker| workers[worker].clone()).collect();
+        let distribution = Distribution::new(system, &places)?;
+        let mut net = Net::new(session.clone(), &id, distribution.files.clone())?;
+        net.gather(workers.len(), &[], self.patience)?;
+        net.settle(homes);
+        let Distribution { plan, layout, setups, .. } = distribution;
+        let options = self.options.clone();
+        let mut driven =
+            Coordinator::new(system, plan, layout, &setups, Box::new(net), options)?;
+        let outcome = run.drive_all(&mut driven);
+        driven.end();
+        drop(driven);
+        // Everything is said; a session that does not close in order ends with the process.
+        let _ = session.close().wait();
+        outcome
+    }
+}
+
+/// Workers on this machine that end with the run, however it ends.
+struct OwnWorkers(Vec<Child>);
+
+impl OwnWorkers {
+    fn start(cluster: &Cluster, access: &Access) -> Result<Self> {
+        let mut own = Self(Vec::new());
+        let Some((program, arguments)) = cluster.program.split_first() else {
+            return Ok(own);
+        };
+        if cluster.own == 0 {
+            return Ok(own);
+        }
+        let endpoint = access.endpoints.first().cloned().unwrap_or_default();
+        for number in 1..=cluster.own {
+            let child = Command::new(program)
+                .args(arguments)
+                .args(["--name", &format!("worker-{number}")])
+                .args(["--connect", &endpoint])
+                .stdin(Stdio::null())
+                // Ctrl-C at a terminal is for the process that the user started.
+                .process_group(0)
+                .spawn();
+            own.0.push(child.map_err(|why| {
+                Error::new(Code::Session, "a worker cannot be started").at(program).why(why)
+            })?);
+        }
+        Ok(own)
+    }
+}
+
+/// A folder that is ours alone and vanishes with the run.
+fn private_folder() -> Result<tempfile::TempDir> {
+    tempfile::Builder::new().prefix("cosim-").tempdir().map_err(|why| {
+        Error::new(Code::Output, "no temporary folder could be made").why(why)
+    })
+}
+
+impl Drop for OwnWorkers {
+    fn drop(&mut self) {
+        for child in &mut self.0 {
+            // Its children end with it; it may have ended already.
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
+}

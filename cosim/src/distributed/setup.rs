@@ -1,0 +1,127 @@
+//! What a host must know to compute a group.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::layout::Group;
+use crate::error::{Code, Error, Result};
+use crate::fmi::{Fmu, InterfaceType, Value};
+use crate::master::{Engine, EngineState, Making, Plan, slave};
+use crate::signals::Signals;
+use crate::system::{Component, Model};
+use crate::time::Time;
+
+/// A group to be made, from its start or from a state.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Setup {
+    /// The plan of these components alone; positions are those of `components`.
+    pub plan: Plan,
+    /// In these positions too.
+    pub group: Group,
+    /// What to make.
+    pub components: Vec<Blueprint>,
+    /// What they have in common.
+    pub making: Making,
+    /// First instant of the run.
+    pub start: Time,
+    /// Last instant.
+    pub stop: Time,
+    /// The state to go on from, and of when it is.
+    pub state: Option<(Time, EngineState)>,
+}
+
+/// A component to be made.
+#[derive(Clone, Serialize, Deserialize)]
+pub(crate) struct Blueprint {
+    /// Name in the system.
+    pub name: String,
+    /// What computes it.
+    pub source: Source,
+    /// How its FMU is driven.
+    pub interface: InterfaceType,
+    /// Communication step.
+    pub step: Time,
+    /// Start values by position of the variable.
+    pub start_values: Vec<(usize, Value)>,
+}
+
+/// What computes a component.
+#[derive(Clone, Serialize, Deserialize)]
+pub(crate) enum Source {
+    /// An FMU, known by the hash of its file.
+    Fmu(FmuFile),
+    /// Signals, sent with the message.
+    Signals(Signals),
+}
+
+/// An FMU's file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct FmuFile {
+    /// SHA-256 of its bytes, in hexadecimal digits.
+    pub sha256: String,
+    /// Its name, for messages.
+    pub name: String,
+}
+
+/// Where a host gets FMUs from.
+pub(crate) trait FmuSource {
+    /// The FMU of this hash.
+    fn open(&mut self, file: &FmuFile) -> Result<Arc<Fmu>>;
+}
+
+impl Setup {
+    /// Makes the components, and takes on the state if there is one.
+    pub(crate) fn build(self, fmus: &mut dyn FmuSource) -> Result<(Engine, Group)> {
+        let mut slaves = Vec::with_capacity(self.components.len());
+        for (blueprint, node) in self.components.into_iter().zip(&self.plan.nodes) {
+            let model = match blueprint.source {
+                Source::Fmu(file) => Model::Fmu(fmus.open(&file)?),
+                Source::Signals(signals) => Model::Signals(Arc::new(signals)),
+            };
+            let component = Component {
+                name: blueprint.name,
+                model,
+                interface: blueprint.interface,
+                step: blueprint.step,
+                start_values: blueprint.start_values,
+            };
+            slaves.push(slave(&component, node, self.making)?);
+        }
+        if slaves.len() != self.plan.nodes.len() {
+            return Err(Error::new(Code::Protocol, "the set-up names fewer components than its plan"));
+        }
+        let mut engine = Engine::new(self.plan, slaves, self.start);
+        if let Some((time, state)) = &self.state {
+            // A state can be taken on after an initialization only; its values do not matter.
+            engine.enter(self.stop)?;
+            engine.exit()?;
+            engine.restore(state, *time)?;
+        }
+        Ok((engine, self.group))
+    }
+}
+
+/// A set-up as the body of a message, and the digest of its plan.
+pub(crate) fn encode(setup: &Setup) -> Result<(Vec<u8>, u64)> {
+    let tables = to_bytes(&(&setup.plan, &setup.group))?;
+    let digest = Sha256::digest(&tables);
+    let first = digest.first_chunk::<8>().copied().unwrap_or_default();
+    Ok((to_bytes(setup)?, u64::from_le_bytes(first)))
+}
+
+/// The same set-up, going on from a state.
+pub(crate) fn with_state(setup: &[u8], time: Time, state: EngineState) -> Result<Vec<u8>> {
+    let mut setup: Setup = postcard::from_bytes(setup).map_err(|why| unusable().why(why))?;
+    setup.state = Some((time, state));
+    to_bytes(&setup)
+}
+
+fn to_bytes<T: Serialize>(value: &T) -> Result<Vec<u8>> {
+    postcard::to_stdvec(value).map_err(|why| unusable().why(why))
+}
+
+fn unusable() -> Error {
+    Error::new(Code::Protocol, "a set-up has no form in bytes")
+}
