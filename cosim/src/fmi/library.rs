@@ -12,6 +12,9 @@ use super::open;
 use super::status::RawStatus;
 use crate::error::{Code, Error, Result};
 
+mod optional;
+pub(super) use optional::Optional;
+
 pub(super) type Component = *mut c_void;
 pub(super) type Bool = c_int;
 pub(super) type FmuState = *mut c_void;
@@ -127,6 +130,7 @@ pub(super) enum Own {
 pub(super) struct Binary {
     pub functions: Functions,
     pub own: Own,
+    pub optional: Optional,
     /// Keeps the code mapped; the pointers above are into it.
     _library: Library,
 }
@@ -154,7 +158,8 @@ pub(super) fn load(path: &Path, fmu: &Path, kind: InterfaceType) -> Result<Binar
     // SAFETY: the function takes nothing and returns NULL or a C string that is never freed.
     let version = unsafe { text((functions.get_version)()) };
     if version == "2.0" {
-        return Ok(Binary { functions, own, _library: library });
+        let optional = Optional::resolve(&library);
+        return Ok(Binary { functions, own, optional, _library: library });
     }
     Err(Error::new(Code::Library, "the library of the FMU is not of FMI 2.0")
         .at(fmu)

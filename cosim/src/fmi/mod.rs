@@ -16,4 +16,4 @@ mod status;
 
 pub use description::{Causality, Description, InterfaceType, Kind, Value, Variability, Variable};
 pub use fmu::Fmu;
-pub use instance::{Instance, NextEvent, State};
+pub use instance::{Instance, NextEvent, Place, State, Step};
