@@ -80,7 +80,7 @@ pub struct ImuSample {
 }
 
 /// Noise generators and biases.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ImuMemory {
     accelerometer: BiasMemory,
     gyro: BiasMemory,

@@ -46,11 +46,24 @@ pub trait Sample: Sized + Send + 'static {
 pub struct Sampled<S>(S);
 
 /// Sample instants, the outputs held, and what the component itself remembers.
-#[derive(Clone, Default, Serialize, Deserialize)]
+#[derive(Default, Serialize, Deserialize)]
 pub struct Held<M, Y> {
     sampler: Sampler,
     memory: M,
     outputs: Y,
+}
+
+impl<M: Clone, Y: Copy> Clone for Held<M, Y> {
+    fn clone(&self) -> Self {
+        Self { memory: self.memory.clone(), ..*self }
+    }
+
+    /// Into its place at once, without a copy in between, since states are saved by this.
+    #[inline]
+    fn clone_from(&mut self, from: &Self) {
+        self.memory.clone_from(&from.memory);
+        (self.sampler, self.outputs) = (from.sampler, from.outputs);
+    }
 }
 
 impl<S: Sample> Component for Sampled<S> {

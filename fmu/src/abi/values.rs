@@ -32,8 +32,7 @@ pub unsafe fn fmi2GetReal(
     let simply = done_simply(c, |instance| {
         // SAFETY: the importer passes arrays of `nvr` elements, as the standard demands, and
         // leaves them alone during the call.
-        let (references, values) =
-            unsafe { (plain_array(vr, nvr)?, plain_array_mut(value, nvr)?) };
+        let (references, values) = unsafe { (plain_array(vr, nvr)?, plain_array_mut(value, nvr)?) };
         instance.get_fresh(references, values)
     });
     if simply { fmi2Status::Ok } else { get_real(c, vr, nvr, value) }

@@ -30,13 +30,26 @@ const CROWD_S: f64 = 1e-6;
 const ITERATIONS: usize = 100;
 
 /// Everything about a running component that is neither a constant nor a value of its table.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Progress<M> {
     pub(crate) memory: M,
     /// Step that the adaptive integrator wants to take next; 0: none yet.
     pub(crate) proposed_s: f64,
     /// Which indicators were positive after the last event, one bit each.
     pub(crate) signs: u64,
+}
+
+impl<M: Clone> Clone for Progress<M> {
+    fn clone(&self) -> Self {
+        Self { memory: self.memory.clone(), ..*self }
+    }
+
+    /// Into its place at once: the derived one makes a copy and moves that.
+    #[inline]
+    fn clone_from(&mut self, from: &Self) {
+        self.memory.clone_from(&from.memory);
+        (self.proposed_s, self.signs) = (from.proposed_s, from.signs);
+    }
 }
 
 /// How to integrate.
