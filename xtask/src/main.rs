@@ -35,7 +35,7 @@ enum Task {
     /// Run the paper's experiment from packaged FMUs and write target/reproduce/report.html.
     Reproduce(reproduce::Options),
     /// Measure speed as ratios within one run.
-    Bench,
+    Bench(bench::Options),
     /// Ask FMPy, fmi-rs, fmutool and libcosim about the FMUs, and compare `cosim` with them.
     Judge,
     /// Run every check and every test of the project.
@@ -48,7 +48,7 @@ fn main() -> std::process::ExitCode {
         Task::Describe { check: true } => describe::check(),
         Task::Describe { check: false } => describe::write(),
         Task::Reproduce(options) => package::run().and_then(|_| reproduce::run(&options)),
-        Task::Bench => bench::run(),
+        Task::Bench(options) => bench::run(&options),
         Task::Judge => judge::run(),
         Task::Test => test::run(),
     };

@@ -16,7 +16,7 @@ pub(crate) fn environment() -> Result<PathBuf> {
         return Ok(interpreter);
     }
     process::run(Command::new("python3").args(["-m", "venv"]).arg(&folder))
-        .context("a Python 3.10 or later with the venv module is needed for the FMPy tests")?;
+        .context("a Python 3.11 or later with the venv module is needed for the Python tests")?;
     process::run(
         Command::new(&interpreter)
             .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r"])

@@ -2,6 +2,7 @@
 //! one changes both sides alike. Nothing here is a test: the bars are goals, shown beside what was
 //! measured.
 
+mod command;
 mod component;
 mod course;
 mod filter;
@@ -9,7 +10,7 @@ mod functions;
 mod timer;
 mod vehicle;
 
-use crate::{package, process};
+use crate::{package, process, python};
 use anyhow::Result;
 
 /// A line of the result.
@@ -32,13 +33,22 @@ fn row(what: impl Into<String>, value: f64, unit: &'static str, bar: Bar) -> Row
     Row { what: what.into(), value, unit, bar }
 }
 
+/// What to measure.
+#[derive(clap::Args)]
+pub(crate) struct Options {
+    /// Also libcosim and FMPy on the same chains, and memory over 10,000 runs
+    #[arg(long)]
+    third_party: bool,
+}
+
 /// Measures everything and prints it.
-pub(crate) fn run() -> Result<()> {
+pub(crate) fn run(options: &Options) -> Result<()> {
     package::run()?;
     let mut rows = vehicle::measure()?;
     rows.extend(functions::bars()?);
     rows.extend(filter::measure()?);
     rows.extend(course::measure()?);
+    rows.extend(command::measure()?);
     let width = rows.iter().map(|row| row.what.chars().count()).max().unwrap_or(0);
     for Row { what, value, unit, bar } in &rows {
         let digits = if *value < 10.0 { 2 } else { 0 };
@@ -52,5 +62,10 @@ pub(crate) fn run() -> Result<()> {
     }
     println!();
     functions::print()?;
-    process::run(&mut process::cargo(&["bench", "--quiet", "-p", "cosim", "--bench", "chain"]))
+    let bench = |name| process::cargo(&["bench", "--quiet", "-p", "cosim", "--bench", name]);
+    if !options.third_party {
+        return process::run(&mut bench("chain"));
+    }
+    process::run(bench("chain").env("COSIM_BENCH_PYTHON", python::environment()?))?;
+    process::run(&mut bench("runs"))
 }
