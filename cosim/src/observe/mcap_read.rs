@@ -34,9 +34,11 @@ pub(super) fn read(file: &Path) -> Result<Recording> {
     let mut topics: Vec<Topic> = Vec::new();
     let mut time: Vec<u64> = Vec::new();
     for message in stream.map_err(|e| wrong(e.to_string()))? {
-        // What follows was not written any more.
-        let Ok(message) = message else {
-            break;
+        let message = match message {
+            Ok(message) => message,
+            Err(error) if time.is_empty() => return Err(wrong(error.to_string())),
+            // What follows was not written any more.
+            Err(_) => break,
         };
         let known = topics.iter().position(|t| t.channel == message.channel.id);
         let at = match (known, message.channel.metadata.get(COLUMNS)) {

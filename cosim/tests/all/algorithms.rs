@@ -79,6 +79,9 @@ fn error(ssd: &Ssd, of: fn(&Recording) -> f64, overrides: Overrides, step: f64) 
 fn order(ssd: &Ssd, of: fn(&Recording) -> f64, overrides: &Overrides) -> String {
     let (coarse, fine) = (0.01, 0.005);
     let errors = [coarse, fine].map(|step| error(ssd, of, overrides.clone(), step));
+    if errors[1] > 1.0 {
+        return "unstable".to_owned();
+    }
     format!("{:.1} ({:.0e})", (errors[0] / errors[1]).log2(), errors[1])
 }
 

@@ -38,7 +38,8 @@ fn the_error_follows_the_tolerance_of_the_step_control() {
             assert!(summary.notes.iter().any(|n| n.contains("accepted")), "{:?}", summary.notes);
             (error(&recording), summary)
         };
-        let ((coarse, few), (fine, many)) = (outcome(1e-3), outcome(1e-5));
+        // Held forces are integrated twice before they show: 1000^(1/3) is the least to expect.
+        let ((coarse, few), (fine, many)) = (outcome(1e-3), outcome(1e-6));
         assert!(coarse < 0.1 && fine < coarse / 5.0, "{input:?}: {coarse} {fine}");
         assert!(many.steps > 2 * few.steps && many.components[0].rejected > 0, "{many:?}");
     }
@@ -85,16 +86,15 @@ fn a_discarded_step_is_made_again_by_smaller_ones() {
             .connect("clock.y", "x.u")
             .stop(0.4);
         let error = ssd.load(&Overrides::new()).unwrap().run(&mut []).unwrap_err().to_string();
-        assert!(error.contains("Discard") && error.contains("--retries"), "{error}");
+        assert!(error.contains("discarded the step") && error.contains("--retries"), "{error}");
         let system = ssd.load(&Overrides::new().retries(4)).unwrap();
         let mut recording = Recording::new();
         let summary = system.run(&mut [&mut recording]).unwrap();
         assert_near(recording.column("x.y").unwrap(), &[0.0, 0.0, 0.01, 0.03, 0.06]);
         assert!(summary.components[1].rejected >= 4, "{summary:?}");
-        let error = ssd.load(&Overrides::new().retries(1)).unwrap().run(&mut []).unwrap_err();
-        if silent == 1.0 {
-            assert_eq!(error.code(), Code::Step, "{error}");
-        }
+        // The half of 0.1 s is still too long; 0.02 s, where it says so, is not.
+        let outcome = ssd.load(&Overrides::new().retries(1)).unwrap().run(&mut []);
+        assert_eq!(outcome.err().map(|e| e.code()), (silent == 1.0).then_some(Code::Step));
         let controlled = ssd.load(&Overrides::new().step_control(0.1)).unwrap();
         let mut recording = Recording::new();
         let summary = controlled.run(&mut [&mut recording]).unwrap();
