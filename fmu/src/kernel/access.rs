@@ -160,17 +160,24 @@ impl Instance {
         })
     }
 
-    /// `fmi2SetString`
-    pub fn set_string(&mut self, references: &[u32], values: &[CString]) -> Status {
+    /// `fmi2SetString`; `None` stands for NULL.
+    pub fn set_string(&mut self, references: &[u32], values: &[Option<CString>]) -> Status {
         self.call(Call::SetString, |me| {
             me.check_parameters(Kind::String, references)?;
+            let mut texts = Vec::with_capacity(values.len());
             for (reference, value) in references.iter().zip(values) {
-                if value.to_str().is_err() {
-                    let name = me.name(Kind::String, *reference);
-                    return Err(Trouble::error(format_args!("{name}: the text is not UTF-8")));
-                }
+                let wrong = match value {
+                    Some(text) if text.to_str().is_ok() => {
+                        texts.push(text.clone());
+                        continue;
+                    }
+                    Some(_) => "the text is not UTF-8",
+                    None => "the text is NULL",
+                };
+                let name = me.name(Kind::String, *reference);
+                return Err(Trouble::error(format_args!("{name}: {wrong}")));
             }
-            assign(&mut me.values.strings, references, values);
+            assign(&mut me.values.strings, references, &texts);
             me.changed(references, |explicit| &mut explicit.strings);
             Ok(())
         })
