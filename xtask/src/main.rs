@@ -5,6 +5,7 @@
 mod bench;
 mod describe;
 mod examples;
+mod fuzz;
 mod package;
 mod paths;
 mod process;
@@ -35,6 +36,13 @@ enum Task {
     Reproduce(reproduce::Options),
     /// Measure speed as ratios within one run.
     Bench,
+    /// Fuzz the FMI functions and the reader of saved states, under AddressSanitizer; needs nightly
+    /// Rust and cargo-fuzz.
+    Fuzz {
+        /// How long to fuzz each of the two.
+        #[arg(long, default_value_t = 600)]
+        seconds: u32,
+    },
     /// Run every check and every test of the project.
     Test,
 }
@@ -46,6 +54,7 @@ fn main() -> std::process::ExitCode {
         Task::Describe { check: false } => describe::write(),
         Task::Reproduce(options) => package::run().and_then(|_| reproduce::run(&options)),
         Task::Bench => bench::run(),
+        Task::Fuzz { seconds } => fuzz::run(seconds),
         Task::Test => test::run(),
     };
     match outcome {

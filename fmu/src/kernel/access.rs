@@ -201,10 +201,12 @@ impl Instance {
                 done => done?,
             }
         }
-        // Behind the derivatives there is time only.
-        let first = self.table.layout().derivatives.start;
-        let asked = |any: bool, reference: &u32| any | (*reference as usize >= first);
-        if reals.iter().fold(false, asked) { self.refresh_derivatives() } else { Ok(()) }
+        let derivatives = &self.table.layout().derivatives;
+        if reals.iter().any(|reference| derivatives.contains(&(*reference as usize))) {
+            self.refresh_derivatives()
+        } else {
+            Ok(())
+        }
     }
 
     /// Remembers what was set and what depends on it.
