@@ -5,6 +5,7 @@
 mod bench;
 mod describe;
 mod examples;
+mod fuzz;
 mod judge;
 mod package;
 mod paths;
@@ -38,6 +39,13 @@ enum Task {
     Bench(bench::Options),
     /// Ask FMPy, fmi-rs, fmutool and libcosim about the FMUs, and compare `cosim` with them.
     Judge,
+    /// Fuzz the FMI functions and the reader of saved states, under AddressSanitizer; needs nightly
+    /// Rust and cargo-fuzz.
+    Fuzz {
+        /// How long to fuzz each of the two.
+        #[arg(long, default_value_t = 600)]
+        seconds: u32,
+    },
     /// Run every check and every test of the project.
     Test,
 }
@@ -50,6 +58,7 @@ fn main() -> std::process::ExitCode {
         Task::Reproduce(options) => package::run().and_then(|_| reproduce::run(&options)),
         Task::Bench(options) => bench::run(&options),
         Task::Judge => judge::run(),
+        Task::Fuzz { seconds } => fuzz::run(seconds),
         Task::Test => test::run(),
     };
     match outcome {

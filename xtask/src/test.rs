@@ -16,6 +16,7 @@ pub(crate) fn run() -> Result<()> {
     process::run(process::cargo(&doc).env("RUSTDOCFLAGS", "-D warnings"))?;
     describe::check()?;
     package::run()?;
+    process::run(&mut process::cargo(&["run", "--release", "--quiet", "-p", "depth-hold"]))?;
     process::run(&mut process::cargo(&["test", "--release", "--workspace", "--no-fail-fast"]))?;
     examples::run()?;
     reproduce::run(&reproduce::Options { seeds: SMOKE_SEEDS, threads: None })?;

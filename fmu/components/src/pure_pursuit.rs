@@ -2,8 +2,7 @@
 
 use crate::course;
 use crate::groups::{Horizontal, Pose4, Velocity4, parameter_error};
-use crate::sampled::Sample;
-use fmu_kit::{Enumeration, Fault, Info, ParameterError, Resources, Time, Variables};
+use fmu_kit::{Enumeration, Fault, Info, ParameterError, Resources, Sample, Time, Variables};
 use rexrov::guidance::{self, PursuitMemory, PursuitParameters};
 use serde::{Deserialize, Serialize};
 
@@ -131,8 +130,7 @@ pub struct Outputs {
 pub struct PurePursuit(guidance::PurePursuit);
 
 impl Sample for PurePursuit {
-    const INFO: Info =
-        crate::sampled_info("PurePursuit", "Follows a course at constant speed and depth");
+    const INFO: Info = crate::info("PurePursuit", "Follows a course at constant speed and depth");
     type Parameters = Parameters;
     type Inputs = Inputs;
     type Outputs = Outputs;
@@ -144,7 +142,7 @@ impl Sample for PurePursuit {
     }
 
     fn period_s(&self) -> f64 {
-        self.0.sampler.period()
+        self.0.rate.period()
     }
 
     fn memory(&self) -> PursuitMemory {

@@ -1,8 +1,7 @@
 //! Velocity control with allocation: `rexrov::control::VelocityController` with FMI variables.
 
 use crate::groups::{Force, Inertia, Mounting, Velocity, Velocity4, Wrench, parameter_error};
-use crate::sampled::Sample;
-use fmu_kit::{Fault, Info, ParameterError, Resources, Time, Variables};
+use fmu_kit::{Fault, Info, ParameterError, Resources, Sample, Time, Variables};
 use rexrov::control::{self, ControllerMemory, ControllerParameters, Pid};
 use serde::{Deserialize, Serialize};
 
@@ -119,10 +118,8 @@ pub struct Outputs {
 pub struct VelocityController(control::VelocityController);
 
 impl Sample for VelocityController {
-    const INFO: Info = crate::sampled_info(
-        "VelocityController",
-        "PID velocity control and allocation to eight thrusters",
-    );
+    const INFO: Info =
+        crate::info("VelocityController", "PID velocity control and allocation to eight thrusters");
     type Parameters = Parameters;
     type Inputs = Inputs;
     type Outputs = Outputs;
@@ -133,7 +130,7 @@ impl Sample for VelocityController {
     }
 
     fn period_s(&self) -> f64 {
-        self.0.sampler.period()
+        self.0.rate.period()
     }
 
     fn memory(&self) -> ControllerMemory {

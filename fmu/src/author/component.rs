@@ -67,10 +67,10 @@ pub trait Component: Sized + Send + 'static {
     /// `min` and `max` are checked by the kernel already.
     fn new(parameters: &Self::Parameters, resources: &Resources) -> Result<Self, ParameterError>;
 
-    /// States and memory at the start time, given the inputs.
+    /// States and memory at the start time, given the inputs; the `Default` of both unless you
+    /// override it.
     ///
-    /// A sampled component takes its first sample (k = 0) here. Called again whenever a parameter
-    /// or an input changes before initialization ends.
+    /// Called again whenever a parameter or an input changes before initialization ends.
     ///
     /// # Errors
     /// A [`Fault`] says why the simulation cannot start from these inputs.
@@ -78,7 +78,10 @@ pub trait Component: Sized + Send + 'static {
         &self,
         start: Time,
         inputs: &Self::Inputs,
-    ) -> Result<(Self::States, Self::Memory), Fault>;
+    ) -> Result<(Self::States, Self::Memory), Fault> {
+        let _ = (start, inputs);
+        Ok((Self::States::default(), Self::Memory::default()))
+    }
 
     /// Time derivatives of the states (in a `States` of their own, unit per second). Whoever has
     /// continuous states overrides this; the default serves [`NoStates`].

@@ -116,14 +116,21 @@ impl Entry {
 /// All components of a library.
 #[derive(Debug)]
 pub struct Registry {
+    library: &'static str,
     entries: Vec<Entry>,
 }
 
 impl Registry {
-    /// A library of these components.
+    /// A library of these components; `module` is where they are exported.
     #[must_use]
-    pub fn new(entries: Vec<Entry>) -> Self {
-        Self { entries }
+    pub fn new(module: &'static str, entries: Vec<Entry>) -> Self {
+        Self { library: module.split("::").next().unwrap_or(module), entries }
+    }
+
+    /// Name of the library, as Cargo has it.
+    #[must_use]
+    pub fn library(&self) -> &'static str {
+        self.library
     }
 
     /// The components in the order of the export.

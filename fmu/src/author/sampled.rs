@@ -1,12 +1,63 @@
-//! Components that do one thing at each sample instant and hold the result until the next.
+//! Components that do one thing at each sample instant and hold the result until the next: sensors,
+//! filters, controllers.
 
-use fmu_kit::Variables;
-use fmu_kit::{Component, Fault, Info, NoStates, ParameterError, Ports, Resources, Sampler, Time};
-use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use super::{
+    Component, Fault, Info, NoStates, ParameterError, Ports, Resources, Sampler, Time, Variables,
+};
 
 /// What a sampled component does; [`Sampled`] makes it a [`Component`].
+///
+/// ```
+/// use fmu_kit::{Fault, Info, ParameterError, Resources, Sample, Sampled, Time, Variables};
+/// use serde::{Deserialize, Serialize};
+///
+/// #[derive(Clone, Copy, Debug, Default, Variables)]
+/// struct Vehicle {
+///     /// Depth of the vehicle
+///     #[var(unit = "m")]
+///     z: f64,
+/// }
+///
+/// #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, Variables)]
+/// struct Measured {
+///     /// Depth measured
+///     #[var(unit = "m")]
+///     depth: f64,
+/// }
+///
+/// struct DepthSensor;
+///
+/// impl Sample for DepthSensor {
+///     const INFO: Info = Info::new("DepthSensor", "Depth, rounded to centimetres, ten times a second");
+///     type Parameters = ();
+///     type Inputs = Vehicle;
+///     type Outputs = Measured;
+///     type Memory = ();
+///
+///     fn new(_: &(), _: &Resources) -> Result<Self, ParameterError> {
+///         Ok(Self)
+///     }
+///     fn period_s(&self) -> f64 {
+///         0.1
+///     }
+///     fn memory(&self) {}
+///     fn sample(&self, _: Time, _: &mut (), u: &Vehicle, y: &mut Measured) -> Result<(), Fault> {
+///         y.depth = (u.z * 100.0).round() / 100.0;
+///         Ok(())
+///     }
+/// }
+///
+/// fmu_kit::export!(Sampled<DepthSensor>);
+/// # fn main() {
+/// #     let text = REGISTRY.named("DepthSensor").unwrap().describe().unwrap();
+/// #     assert!(text.contains("name=\"depth\"") && text.contains("discrete"));
+/// # }
+/// ```
 pub trait Sample: Sized + Send + 'static {
-    /// Name and description.
+    /// Name, description, default experiment; [`Info::sampled`] is set by [`Sampled`].
     const INFO: Info;
     /// Parameters.
     type Parameters: Variables + Default;
@@ -24,15 +75,23 @@ pub trait Sample: Sized + Send + 'static {
     }
 
     /// Checks the parameters and derives constants from them.
+    ///
+    /// # Errors
+    /// As for [`Component::new`].
     fn new(parameters: &Self::Parameters, resources: &Resources) -> Result<Self, ParameterError>;
 
-    /// Time between two samples in seconds.
+    /// Time between two samples (s), the same throughout a simulation. The first sample is taken
+    /// at the start, in initialization.
     fn period_s(&self) -> f64;
 
     /// The memory before the first sample.
     fn memory(&self) -> Self::Memory;
 
-    /// One sample; `outputs` come with the values held so far.
+    /// Takes one sample: `outputs` come with the values held so far, and what is left in them is
+    /// held until the next instant.
+    ///
+    /// # Errors
+    /// As for [`Component::event`].
     fn sample(
         &self,
         now: Time,
@@ -43,10 +102,12 @@ pub trait Sample: Sized + Send + 'static {
 }
 
 /// A component made of a [`Sample`].
+#[derive(Debug)]
 pub struct Sampled<S>(S);
 
-/// Sample instants, the outputs held, and what the component itself remembers.
-#[derive(Default, Serialize, Deserialize)]
+/// The memory of a [`Sampled`] component: its clock, the outputs held, and what the [`Sample`]
+/// itself remembers.
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub struct Held<M, Y> {
     sampler: Sampler,
     memory: M,
@@ -67,7 +128,7 @@ impl<M: Clone, Y: Copy> Clone for Held<M, Y> {
 }
 
 impl<S: Sample> Component for Sampled<S> {
-    const INFO: Info = S::INFO;
+    const INFO: Info = Info { sampled: true, ..S::INFO };
     type Parameters = S::Parameters;
     type Inputs = S::Inputs;
     type Outputs = S::Outputs;
