@@ -68,7 +68,7 @@ struct FmuTimes {
 }
 
 fn through_fmu() -> Result<FmuTimes> {
-    package::run()?;
+    package::for_this_machine()?;
     let fmu = Fmu::open(&paths::fmus().join("RexROV.fmu"))?;
     let reference = |name: &str| -> Result<u32> {
         let variable = fmu.description().variables.iter().find(|v| v.name == name);
