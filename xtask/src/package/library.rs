@@ -133,10 +133,16 @@ impl Library {
         self.exports.iter().map(String::as_str)
     }
 
+    /// Its own symbols that another library's could take the place of.
+    #[cfg(test)]
+    pub(crate) fn interposable(&self) -> impl Iterator<Item = &str> {
+        self.interposable.iter().map(String::as_str)
+    }
+
     /// The newest glibc it asks for.
     pub(crate) fn glibc(&self) -> String {
         let newest = self.versions.iter().filter_map(|version| glibc(version)).max();
-        newest.map(|numbers| numbers.map(|n| n.to_string()).join(".")).unwrap_or_default()
+        newest.map(|[major, minor, _]| format!("{major}.{minor}")).unwrap_or_default()
     }
 }
 
@@ -150,4 +156,50 @@ fn glibc(version: &str) -> Option<[u32; 3]> {
     let mut numbers = version.strip_prefix("GLIBC_")?.split('.').map(str::parse);
     let mut next = || numbers.next().unwrap_or(Ok(0)).ok();
     Some([next()?, next()?, next()?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::package::platform;
+
+    fn set(names: &[&str]) -> BTreeSet<String> {
+        names.iter().map(|name| (*name).to_owned()).collect()
+    }
+
+    fn fit() -> Library {
+        let exports = Call::ALL.iter().map(|call| call.name()).chain(WITHOUT_INSTANCE);
+        Library {
+            machine: elf::EM_X86_64,
+            exports: exports.map(str::to_owned).collect(),
+            interposable: BTreeSet::new(),
+            needed: set(&["libc.so.6", "ld-linux-x86-64.so.2"]),
+            versions: set(&["GLIBC_2.2.5", "GLIBC_2.14", "GLIBC_2.17"]),
+        }
+    }
+
+    #[test]
+    fn a_library_that_is_not_fit_is_told_why() {
+        let linux64 = platform::named("linux64").unwrap();
+        let judge = |change: &dyn Fn(&mut Library)| {
+            let mut library = fit();
+            change(&mut library);
+            library.check(linux64).and_then(|()| library.check_portable())
+        };
+        assert_eq!(fit().exports.len(), 44);
+        judge(&|_| ()).unwrap();
+        let cases: [(&dyn Fn(&mut Library), &str); 7] = [
+            (&|l| l.machine = elf::EM_AARCH64, "binaries/linux64 is for"),
+            (&|l| l.exports = set(&["fmi2Reset"]), "does not export fmi2CancelStep"),
+            (&|l| l.exports.extend(set(&["rust_eh_personality"])), "exports rust_eh_personality"),
+            (&|l| l.interposable = set(&["fmi2Reset"]), "looks up its own fmi2Reset"),
+            (&|l| l.needed.extend(set(&["libgcc_s.so.1"])), "needs libgcc_s.so.1"),
+            (&|l| l.versions.extend(set(&["GLIBC_2.18"])), "needs GLIBC_2.18"),
+            (&|l| l.versions.extend(set(&["GCC_3.0"])), "needs GCC_3.0"),
+        ];
+        for (change, part) in cases {
+            let error = judge(change).unwrap_err().to_string();
+            assert!(error.contains(part), "{error}");
+        }
+    }
 }

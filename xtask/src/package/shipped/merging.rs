@@ -10,22 +10,38 @@ use std::{fs, path::Path, process::Command};
 
 /// A library with all functions of FMI 2.0, which do nothing, for a machine that this is not.
 fn foreign(folder: &Path) -> Vec<u8> {
-    let programs = ZIG.install().unwrap();
-    let (source, output) = (folder.join("foreign.c"), folder.join("foreign.so"));
     let functions = Library::read(&library("Gps")).unwrap();
     let text: String = functions.exports().map(|f| format!("void {f}(void) {{}}\n")).collect();
+    aarch64(folder, &text)
+}
+
+/// A library in C for ARM.
+fn aarch64(folder: &Path, text: &str) -> Vec<u8> {
+    let programs = ZIG.install().unwrap();
+    let (source, output) = (folder.join("foreign.c"), folder.join("foreign.so"));
     fs::write(&source, text).unwrap();
     process::run(
         Command::new(programs.join("python"))
-            .args(["-m", "ziglang", "cc", "-target", "aarch64-linux-gnu.2.17", "-shared", "-fPIC"])
-            .arg("-Wl,-Bsymbolic")
-            .arg("-o")
+            .args(["-m", "ziglang", "cc", "-target", "aarch64-linux-gnu.2.17"])
+            .args(["-shared", "-nostdlib", "-o"])
             .args([&output, &source])
             .env("ZIG_GLOBAL_CACHE_DIR", ZIG.folder().join("cache"))
             .env("ZIG_LOCAL_CACHE_DIR", ZIG.folder().join("cache")),
     )
     .unwrap();
     fs::read(output).unwrap()
+}
+
+#[test]
+fn a_call_that_another_library_could_take_is_seen() {
+    let folder = tempfile::tempdir().unwrap();
+    let seen = |text: &str| {
+        let library = Library::read(&aarch64(folder.path(), text)).unwrap();
+        library.interposable().map(str::to_owned).collect::<Vec<_>>()
+    };
+    let own = "void callee(void) {} void caller(void) { callee(); }";
+    assert_eq!(seen(own), ["callee"]);
+    assert!(seen(&format!("__attribute__((visibility(\"hidden\"))) {own}")).is_empty());
 }
 
 #[test]
