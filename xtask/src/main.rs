@@ -26,8 +26,8 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Task {
     /// Build the library and write target/fmus/*.fmu and target/fmus/paper.ssp.
-    Package,
-    /// Regenerate modelDescription/*.xml from the components.
+    Package(package::Options),
+    /// Regenerate modelDescription/ from the components.
     Describe {
         /// Only compare: fail when a committed file differs from what the components say.
         #[arg(long)]
@@ -52,10 +52,12 @@ enum Task {
 
 fn main() -> std::process::ExitCode {
     let outcome = match Arguments::parse().task {
-        Task::Package => package::run().map(drop),
+        Task::Package(options) => package::run(&options),
         Task::Describe { check: true } => describe::check(),
         Task::Describe { check: false } => describe::write(),
-        Task::Reproduce(options) => package::run().and_then(|_| reproduce::run(&options)),
+        Task::Reproduce(options) => {
+            package::for_this_machine().and_then(|()| reproduce::run(&options))
+        }
         Task::Bench(options) => bench::run(&options),
         Task::Judge => judge::run(),
         Task::Fuzz { seconds } => fuzz::run(seconds),

@@ -15,14 +15,14 @@ pub(crate) fn run() -> Result<()> {
     let doc = ["doc", "--release", "--workspace", "--no-deps", "--quiet"];
     process::run(process::cargo(&doc).env("RUSTDOCFLAGS", "-D warnings"))?;
     describe::check()?;
-    package::run()?;
+    package::for_shipping()?;
     process::run(&mut process::cargo(&["run", "--release", "--quiet", "-p", "depth-hold"]))?;
     process::run(&mut process::cargo(&["test", "--release", "--workspace", "--no-fail-fast"]))?;
     examples::run()?;
     reproduce::run(&reproduce::Options { seeds: SMOKE_SEEDS, threads: None })?;
-    let interpreter = python::environment()?;
+    let programs = python::TESTS.install()?;
     process::run(
-        Command::new(interpreter)
+        Command::new(programs.join("python"))
             .args(["-m", "pytest", "-q", "tests/python"])
             .current_dir(paths::root()),
     )

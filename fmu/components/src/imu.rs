@@ -16,7 +16,7 @@ pub struct Accelerometer {
     #[var(unit = "m/(s3.Hz0.5)", min = 0.0)]
     pub random_walk: f64,
     /// correlation time of the slow bias
-    #[var(unit = "s")]
+    #[var(unit = "s", min = 0.0)]
     pub correlation_time: f64,
     /// standard deviation of the bias after switching on
     #[var(unit = "m/s2", min = 0.0)]
@@ -33,7 +33,7 @@ pub struct Gyro {
     #[var(unit = "rad/(s2.Hz0.5)", min = 0.0)]
     pub random_walk: f64,
     /// correlation time of the slow bias
-    #[var(unit = "s")]
+    #[var(unit = "s", min = 0.0)]
     pub correlation_time: f64,
     /// standard deviation of the bias after switching on
     #[var(unit = "rad/s", min = 0.0)]

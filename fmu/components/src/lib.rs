@@ -35,6 +35,7 @@ const fn info(name: &'static str, description: &'static str) -> Info {
     Info {
         author: "The RexROV FMI project contributors",
         version: env!("CARGO_PKG_VERSION"),
+        copyright: "© 2026 the RexROV FMI project contributors",
         license: "MIT OR Apache-2.0",
         ..Info::new(name, description)
     }

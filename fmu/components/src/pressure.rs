@@ -19,7 +19,7 @@ pub struct Parameters {
     #[var(unit = "Pa", min = 0.0, nominal = 1e5)]
     pub surface_pressure_pa: f64,
     /// Increase of pressure with depth
-    #[var(unit = "Pa/m", nominal = 1e4)]
+    #[var(unit = "Pa/m", min = 0.0, nominal = 1e4)]
     pub gradient_pa_per_m: f64,
 }
 

@@ -77,10 +77,16 @@ impl Entry {
         Ok(description::write(&self.info, &self.table, &self.guid, Some(&dependencies)))
     }
 
-    /// The text of its documentation/index.html.
+    /// The text of its documentation/index.html; `chapters` is HTML shown before the variables.
     #[must_use]
-    pub fn documentation(&self) -> String {
-        documentation::write(&self.info, &self.table)
+    pub fn documentation(&self, chapters: &str) -> String {
+        documentation::html(&self.info, &self.table, chapters)
+    }
+
+    /// Its variables as tables in Markdown.
+    #[must_use]
+    pub fn listing(&self) -> String {
+        documentation::markdown(&self.info, &self.table)
     }
 
     /// A new instance.

@@ -43,7 +43,7 @@ pub(crate) struct Options {
 
 /// Measures everything and prints it.
 pub(crate) fn run(options: &Options) -> Result<()> {
-    package::run()?;
+    package::for_this_machine()?;
     let mut rows = vehicle::measure()?;
     rows.extend(functions::bars()?);
     rows.extend(filter::measure()?);
@@ -66,6 +66,6 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     if !options.third_party {
         return process::run(&mut bench("chain"));
     }
-    process::run(bench("chain").env("COSIM_BENCH_PYTHON", python::environment()?))?;
+    process::run(bench("chain").env("COSIM_BENCH_PYTHON", python::TESTS.install()?.join("python")))?;
     process::run(&mut bench("runs"))
 }
