@@ -72,10 +72,12 @@ fn an_initialized_instance_fits_into_eight_kilobytes_and_leaves_nothing() {
             let instance = started(&guid, interface);
             let bytes = HELD.get() - before;
             unsafe { fmi2::fmi2FreeInstance(instance) };
+            // Before anything is printed, which the harness keeps in memory of this thread.
+            let left = HELD.get() - before;
             let name = entry.info().name;
             println!("{name}: {bytes} bytes");
             assert!((1..=MOST).contains(&bytes), "{name} holds {bytes} bytes");
-            assert_eq!(HELD.get(), before, "{name} leaves memory behind");
+            assert_eq!(left, 0, "{name} leaves memory behind");
         }
     }
 }
