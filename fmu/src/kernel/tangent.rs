@@ -86,16 +86,25 @@ impl Instance {
 
     fn check_group(&self, what: &str, references: &[u32], groups: &[Group]) -> Result<(), Trouble> {
         let layout = self.table.layout();
+        // Where the groups begin and how long they are, worked out once: there are many references.
+        let mut places = [(0_u32, 0_u32); 4];
+        for (place, group) in places.iter_mut().zip(groups) {
+            let range = match group {
+                Group::Input => &layout.inputs,
+                Group::Output => &layout.outputs,
+                Group::State => &layout.states,
+                Group::Derivative => &layout.derivatives,
+                Group::Parameter | Group::Time => &(0..0),
+            };
+            *place = (range.start as u32, range.len() as u32);
+        }
         let within = |reference: &u32| {
-            let reference = *reference as usize;
-            groups.iter().any(|group| match group {
-                Group::Input => layout.inputs.contains(&reference),
-                Group::Output => layout.outputs.contains(&reference),
-                Group::State => layout.states.contains(&reference),
-                Group::Derivative => layout.derivatives.contains(&reference),
-                Group::Parameter | Group::Time => false,
-            })
+            places.iter().fold(false, |any, (start, n)| any | (reference.wrapping_sub(*start) < *n))
         };
+        // Without a branch, several at a time.
+        if references.iter().fold(true, |all, reference| all & within(reference)) {
+            return Ok(());
+        }
         match references.iter().find(|reference| !within(reference)) {
             None => Ok(()),
             Some(bad) => {

@@ -55,7 +55,8 @@ fn line(name: &str) -> Result<()> {
     let (setting, getting) = (Component::stepping(name)?, Component::stepping(name)?);
     let (stepping, h) = (Component::stepping(name)?, getting.period_s());
     let (mut saving, mut restoring) = (Component::stepping(name)?, Component::stepping(name)?);
-    (saving.save(), restoring.save());
+    saving.save();
+    restoring.save();
     let (inputs, outputs) = (setting.group(Group::Input), setting.group(Group::Output));
     let (mut u, mut y) = (vec![0.0; inputs.len()], vec![0.0; outputs.len()]);
     setting.get(&inputs, &mut u);
