@@ -5,6 +5,7 @@
 mod bench;
 mod describe;
 mod examples;
+mod judge;
 mod package;
 mod paths;
 mod process;
@@ -35,6 +36,8 @@ enum Task {
     Reproduce(reproduce::Options),
     /// Measure speed as ratios within one run.
     Bench,
+    /// Ask FMPy, fmi-rs, fmutool and libcosim about the FMUs, and compare `cosim` with them.
+    Judge,
     /// Run every check and every test of the project.
     Test,
 }
@@ -48,6 +51,7 @@ fn main() -> std::process::ExitCode {
             package::for_this_machine().and_then(|()| reproduce::run(&options))
         }
         Task::Bench => bench::run(),
+        Task::Judge => judge::run(),
         Task::Test => test::run(),
     };
     match outcome {
