@@ -52,6 +52,11 @@ impl Environment {
         Ok(programs)
     }
 
+    /// [`install`](Self::install), and its Python.
+    pub(crate) fn interpreter(&self) -> Result<PathBuf> {
+        Ok(self.install()?.join("python"))
+    }
+
     /// Whether it is there already, as its requirements want it.
     pub(crate) fn is_installed(&self) -> bool {
         fs::read_to_string(paths::root().join(self.requirements)).is_ok_and(|w| self.holds(&w))

@@ -20,9 +20,8 @@ pub(crate) fn run() -> Result<()> {
     process::run(&mut process::cargo(&["test", "--release", "--workspace", "--no-fail-fast"]))?;
     examples::run()?;
     reproduce::run(&reproduce::Options { seeds: SMOKE_SEEDS, threads: None })?;
-    let programs = python::TESTS.install()?;
     process::run(
-        Command::new(programs.join("python"))
+        Command::new(python::TESTS.interpreter()?)
             .args(["-m", "pytest", "-q", "tests/python"])
             .current_dir(paths::root()),
     )

@@ -23,7 +23,7 @@ thead th{background:var(--soft)}tr:hover td{background:var(--soft)}\
 th:nth-child(n+4),td.n{text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums}\
 td ul{margin:.2em 0;padding-left:1.2em}code{white-space:nowrap;font-size:.95em}\
 math{font-family:Latin Modern Math,STIX Two Math,Cambria Math,DejaVu Math TeX Gyre,math}\
-math[display=block]{margin:.9em 0;font-size:1.12em}mtd{padding:0 .1em}\
+math[display=block]{margin:.9em 0;font-size:1.12em}mtd{padding:.2em .1em}\
 .menv-alignlike>mtr>mtd:nth-child(odd){text-align:right;text-align:-webkit-right}\
 .menv-alignlike>mtr>mtd:nth-child(even){text-align:left}\
 figure{margin:1em 0;background:#fff;border:1px solid var(--line)}\
@@ -47,14 +47,15 @@ pub(crate) fn html(info: &Info, table: &Table, chapters: &str) -> String {
          <style>{STYLE}</style></head><body>\n<h1>{name}</h1>\n<p>{description}.</p>\n"
     );
     // Writing to a String cannot fail.
-    let _ = writeln!(
-        page,
-        "<p>{} Version {}, {}. Licence: {}.</p>",
-        kind(info),
-        escape(info.version),
-        escape(info.author),
-        escape(info.license),
-    );
+    let _ = write!(page, "<p>{}", kind(info));
+    for (label, text) in
+        [("Version", info.version), ("By", info.author), ("Licence:", info.license)]
+    {
+        if !text.is_empty() {
+            let _ = write!(page, " {label} {}.", escape(text));
+        }
+    }
+    page.push_str("</p>\n");
     let sections: Vec<_> = GROUPS
         .iter()
         .map(|(group, title)| (title, rows(table, *group)))
@@ -141,7 +142,11 @@ impl<'a> Row<'a> {
                 (chosen.map(|(name, _)| (*name).to_owned()).unwrap_or_default(), items)
             }
         };
-        let range = match (variable.min.map(number), variable.max.map(number)) {
+        let bound = |bound: f64| match variable.start {
+            Start::Integer(_) => bound.to_string(),
+            _ => number(bound),
+        };
+        let range = match (variable.min.map(bound), variable.max.map(bound)) {
             (None, None) => String::new(),
             (Some(min), None) => format!("≥ {min}"),
             (None, Some(max)) => format!("≤ {max}"),

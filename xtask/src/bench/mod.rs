@@ -66,6 +66,6 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     if !options.third_party {
         return process::run(&mut bench("chain"));
     }
-    process::run(bench("chain").env("COSIM_BENCH_PYTHON", python::TESTS.install()?.join("python")))?;
+    process::run(bench("chain").env("COSIM_BENCH_PYTHON", python::TESTS.interpreter()?))?;
     process::run(&mut bench("runs"))
 }

@@ -106,14 +106,17 @@ fn build(linker: Linker, platforms: &[&'static Platform], output: &Path) -> Resu
     system(&packaged, output)
 }
 
-/// Writes the paper's system: the description with its FMUs beside it under resources/.
+/// Writes the paper's system: the description with its FMUs beside it under resources/, in the
+/// order of their names.
 fn system(fmus: &[PathBuf], output: &Path) -> Result<()> {
+    let mut fmus = fmus.to_vec();
+    fmus.sort();
     let description = paths::root().join("examples/paper.ssd");
     let text = fs::read_to_string(&description)
         .with_context(|| description.display().to_string())?
         .replace("\"../target/fmus/", "\"resources/");
     let mut files = vec![("SystemStructure.ssd".to_owned(), text.into_bytes())];
-    for path in fmus {
+    for path in &fmus {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         files.push((format!("resources/{name}"), fs::read(path)?));
     }

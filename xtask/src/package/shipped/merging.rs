@@ -17,11 +17,10 @@ fn foreign(folder: &Path) -> Vec<u8> {
 
 /// A library in C for ARM.
 fn aarch64(folder: &Path, text: &str) -> Vec<u8> {
-    let programs = ZIG.install().unwrap();
     let (source, output) = (folder.join("foreign.c"), folder.join("foreign.so"));
     fs::write(&source, text).unwrap();
     process::run(
-        Command::new(programs.join("python"))
+        Command::new(ZIG.interpreter().unwrap())
             .args(["-m", "ziglang", "cc", "-target", "aarch64-linux-gnu.2.17"])
             .args(["-shared", "-nostdlib", "-o"])
             .args([&output, &source])
