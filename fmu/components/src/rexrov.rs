@@ -6,7 +6,7 @@ use crate::groups::{
     parameter_error,
 };
 use fmu_kit::{Component, Enumeration, Fault, Info, ParameterError, Resources, Time, Variables};
-use rexrov::vehicle::{self, State, Vehicle};
+use rexrov::vehicle::{self, Sensitivity, State, Vehicle};
 
 /// Meaning of the thruster inputs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Enumeration)]
@@ -280,5 +280,23 @@ impl Component for RexRov {
         let (x, u) = (x.into(), u.into());
         let (derivatives, outputs) = self.vehicle.tangent(&x, &u).along(&dx.into(), &du.into());
         (derivatives.into(), outputs.into())
+    }
+
+    fn initial_tangent(
+        &self,
+        x: &States,
+        u: &Inputs,
+        p: &Parameters,
+        dp: &Parameters,
+        _: &Inputs,
+    ) -> (States, States, Outputs) {
+        let coefficients = |p: &Parameters| p.coefficients.with_mode(p.thruster_mode.into());
+        let along = Sensitivity::new(&coefficients(p), &coefficients(dp));
+        let (x, u) = (x.into(), u.into());
+        let (derivatives, outputs) = self.vehicle.tangent(&x, &u).with_coefficients(&along);
+        let Start { position, attitude, velocity } = dp.initial;
+        let turned = State::d_at_rest(position.into(), p.initial.attitude.into(), attitude.into());
+        let states = State { nu: velocity.into(), ..turned };
+        (states.into(), derivatives.into(), outputs.into())
     }
 }

@@ -188,4 +188,25 @@ pub trait Component: Sized + Send + 'static {
         let _ = (t, memory, states, inputs, dx, du);
         (Self::States::default(), Self::Outputs::default())
     }
+
+    /// The rest of the tangent-linear model at the start, where parameters may still change by `dp`
+    /// and inputs by `du`: the change of the states that [`initial`](Component::initial) gives, and
+    /// the changes of derivatives and outputs that the parameters make by themselves, at these
+    /// states and inputs. The kernel adds what [`tangent`](Component::tangent) says of the change
+    /// of states and inputs.
+    ///
+    /// `parameters` are the ones in force, `dp` holds changes in its Reals and the same values as
+    /// they in all else. Whoever writes `tangent` and has Real parameters, or an initial state that
+    /// follows from the inputs, writes this too.
+    fn initial_tangent(
+        &self,
+        states: &Self::States,
+        inputs: &Self::Inputs,
+        parameters: &Self::Parameters,
+        dp: &Self::Parameters,
+        du: &Self::Inputs,
+    ) -> (Self::States, Self::States, Self::Outputs) {
+        let _ = (states, inputs, parameters, dp, du);
+        (Self::States::default(), Self::States::default(), Self::Outputs::default())
+    }
 }
