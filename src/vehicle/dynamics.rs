@@ -126,6 +126,13 @@ impl Vehicle {
         }
     }
 
+    /// See [`Propulsion::kinks`].
+    #[must_use]
+    #[inline]
+    pub fn kinks(&self, inputs: &Inputs) -> ([f64; 8], [f64; 8]) {
+        self.propulsion.kinks(inputs)
+    }
+
     /// What the inputs amount to, for as long as they are held.
     #[must_use]
     pub fn drive(&self, inputs: &Inputs) -> Drive {

@@ -212,6 +212,26 @@ impl From<&States> for State {
     }
 }
 
+/// Event indicators: commands that cross their limits, commands that change their sign.
+const KINKS: [&str; 16] = [
+    "thruster[0] limit",
+    "thruster[1] limit",
+    "thruster[2] limit",
+    "thruster[3] limit",
+    "thruster[4] limit",
+    "thruster[5] limit",
+    "thruster[6] limit",
+    "thruster[7] limit",
+    "thruster[0] reversal",
+    "thruster[1] reversal",
+    "thruster[2] reversal",
+    "thruster[3] reversal",
+    "thruster[4] reversal",
+    "thruster[5] reversal",
+    "thruster[6] reversal",
+    "thruster[7] reversal",
+];
+
 /// The vehicle with its constants, and its state at the start.
 pub struct RexRov {
     vehicle: Vehicle,
@@ -226,6 +246,8 @@ impl Component for RexRov {
             "RexROV underwater vehicle, six degrees of freedom, eight thrusters",
         )
     };
+    const INDICATORS: &[&str] = &KINKS;
+    const KINKS_OF_INPUTS: bool = true;
     const TANGENT: bool = true;
     type Parameters = Parameters;
     type Inputs = Inputs;
@@ -280,6 +302,13 @@ impl Component for RexRov {
         let (x, u) = (x.into(), u.into());
         let (derivatives, outputs) = self.vehicle.tangent(&x, &u).along(&dx.into(), &du.into());
         (derivatives.into(), outputs.into())
+    }
+
+    fn indicators(&self, _: f64, (): &(), _: &States, u: &Inputs, indicators: &mut [f64]) {
+        let (limit, reversal) = self.vehicle.kinks(&u.into());
+        for (indicator, kink) in indicators.iter_mut().zip(limit.into_iter().chain(reversal)) {
+            *indicator = kink;
+        }
     }
 
     fn initial_tangent(

@@ -38,6 +38,10 @@ pub trait Component: Sized + Send + 'static {
     const INFO: Info;
     /// Names of the event indicators, at most 64; none if the component has no state events.
     const INDICATORS: &'static [&'static str] = &[];
+    /// Whether the indicators follow from the inputs alone and only mark kinks of the right-hand
+    /// side, so that there is nothing to do at a crossing but to start the integration anew there.
+    /// Co-simulation then looks at them in those steps only in which inputs move.
+    const KINKS_OF_INPUTS: bool = false;
     /// Whether [`tangent`](Component::tangent) is there.
     const TANGENT: bool = false;
     /// Parameters: of any variable type, fixed once initialization is over.

@@ -332,3 +332,43 @@ impl Component for Pendulum {
         (PendulumStates { state: starts }, PendulumStates { state: slows }, Bob::default())
     }
 }
+
+#[derive(Clone, Copy, Debug, Default, Variables)]
+pub struct Rate {
+    /// Rate demanded, kept within 1
+    pub rate: f64,
+}
+
+/// Integrates a rate that is kept within limits: kinks of an input, and no mode.
+pub struct Clipper;
+
+impl Component for Clipper {
+    const INFO: Info = Info { integrator_step_s: 0.1, ..Info::new("Clipper", "Clips a rate") };
+    const INDICATORS: &'static [&'static str] = &["upper", "lower"];
+    const KINKS_OF_INPUTS: bool = true;
+    type Parameters = ();
+    type Inputs = Rate;
+    type Outputs = Level;
+    type States = LevelStates;
+    type Memory = ();
+
+    fn new((): &(), _: &Resources) -> Result<Self, ParameterError> {
+        Ok(Self)
+    }
+
+    fn initial(&self, _: Time, _: &Rate) -> Result<(LevelStates, ()), Fault> {
+        Ok((LevelStates::default(), ()))
+    }
+
+    fn derivatives(&self, _: f64, (): &(), _: &LevelStates, u: &Rate) -> LevelStates {
+        LevelStates { state: Level { level: u.rate.clamp(-1.0, 1.0) } }
+    }
+
+    fn outputs(&self, _: f64, (): &(), x: &LevelStates, _: &Rate) -> Level {
+        x.state
+    }
+
+    fn indicators(&self, _: f64, (): &(), _: &LevelStates, u: &Rate, z: &mut [f64]) {
+        z.copy_from_slice(&[1.0 - u.rate, 1.0 + u.rate]);
+    }
+}
