@@ -72,8 +72,8 @@ fn solve<D: DualNum<Primitive = f64> + Copy>(mut m: [[D; 6]; 6], mut b: [D; 6]) 
     for k in 0..6 {
         for i in k + 1..6 {
             let factor = m[i][k] / m[k][k];
-            (k..6).for_each(|j| m[i][j] = m[i][j] - factor * m[k][j]);
-            b[i] = b[i] - factor * b[k];
+            (k..6).for_each(|j| m[i][j] -= factor * m[k][j]);
+            b[i] -= factor * b[k];
         }
     }
     for k in (0..6).rev() {
