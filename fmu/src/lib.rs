@@ -79,8 +79,10 @@
 //!
 //! A component with continuous states gets the parameters `integrator.method`, `integrator.step`
 //! and `integrator.tolerance` from the kernel. Where its equations change their form (a stop, a
-//! limit) it names [`Component::INDICATORS`] and handles [`Component::state_event`]; with a
-//! [`Component::tangent`] it provides directional and output derivatives.
+//! limit) it names [`Component::INDICATORS`] and handles [`Component::state_event`]; if these are
+//! only kinks that follow from the inputs, [`Component::KINKS_OF_INPUTS`] says so and nothing has to
+//! be handled. With a [`Component::tangent`] it provides directional and output derivatives, with
+//! [`Component::initial_tangent`] those with respect to parameters.
 //!
 //! A component that does all at its sample instants implements [`Sample`] instead, and
 //! [`Sampled`] makes it a component. One that mixes both keeps a [`Sampler`] in its `Memory` and

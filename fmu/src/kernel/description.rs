@@ -6,6 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::author::{Info, Start};
 
 use super::dependencies::Dependencies;
+use super::factors::Factor;
 use super::log::Category;
 use super::table::{Group, Table, Variable};
 use super::unit::{BASE, Unit, type_name};
@@ -224,20 +225,25 @@ fn typed(xml: &mut Xml, variable: &Variable, derivative_of: Option<usize>) {
 
 fn structure(xml: &mut Xml, dependencies: &Dependencies) {
     xml.element("ModelStructure").children();
-    for (list, unknowns) in [
-        ("Outputs", &dependencies.outputs),
-        ("Derivatives", &dependencies.derivatives),
-        ("InitialUnknowns", &dependencies.initial),
-    ] {
+    type Factors = fn(&Dependencies, usize, usize) -> Factor;
+    let lists: [(_, _, Factors); 3] = [
+        ("Outputs", &dependencies.outputs, Dependencies::factor),
+        ("Derivatives", &dependencies.derivatives, Dependencies::factor),
+        ("InitialUnknowns", &dependencies.initial, Dependencies::initial_factor),
+    ];
+    for (list, unknowns, factor) in lists {
         if unknowns.is_empty() {
             continue;
         }
         xml.element(list).children();
         for (unknown, knowns) in unknowns {
             let indices: Vec<String> = knowns.iter().map(|known| (known + 1).to_string()).collect();
+            let kinds: Vec<&str> =
+                knowns.iter().map(|known| factor(dependencies, *unknown, *known).name()).collect();
             xml.element("Unknown")
                 .attribute("index", unknown + 1)
                 .attribute("dependencies", indices.join(" "))
+                .maybe("dependenciesKind", (!kinds.is_empty()).then(|| kinds.join(" ")))
                 .empty();
         }
         xml.close();

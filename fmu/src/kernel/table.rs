@@ -29,6 +29,20 @@ pub enum Group {
     Time,
 }
 
+impl Group {
+    /// Its variables in words, for log lines.
+    pub(crate) const fn words(self) -> &'static str {
+        match self {
+            Self::Parameter => "parameters",
+            Self::Input => "inputs",
+            Self::Output => "outputs",
+            Self::State => "continuous states",
+            Self::Derivative => "state derivatives",
+            Self::Time => "time",
+        }
+    }
+}
+
 /// One scalar variable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variable {

@@ -350,6 +350,6 @@ impl Component for Solitary {
     fn outputs(&self, _: f64, (): &(), (): &NoStates, (): &()) {}
 }
 
-use crate::hybrid::{Ball, Chatterer, Limiter, Pendulum};
+use crate::hybrid::{Ball, Chatterer, Clipper, Limiter, Pendulum};
 
-fmu_kit::export!(Spring, Noise, Clumsy, Solitary, Ball, Limiter, Chatterer, Pendulum);
+fmu_kit::export!(Spring, Noise, Clumsy, Solitary, Ball, Limiter, Chatterer, Pendulum, Clipper);

@@ -59,7 +59,9 @@ fn initial_values_depend_on_parameters_and_inputs() {
     assert_eq!(of("state.v"), ["label"]);
     let all = ["parameter_set", "mass", "stiffness", "start", "sign", "sprung", "label", "force"];
     assert_eq!(of("der(state.v)"), all);
-    assert_eq!(dependencies("Noise", "InitialUnknowns", "value"), ["seed", "signal", "enabled"]);
+    // A sample carries its time, and what is sampled together depends together.
+    let sample = dependencies("Noise", "InitialUnknowns", "value");
+    assert_eq!(sample, ["seed", "signal", "enabled", "time"]);
 }
 
 #[test]
