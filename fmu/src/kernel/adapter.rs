@@ -8,9 +8,7 @@ use super::parameters::Parameters;
 use super::signal::{Held, Moving, Signal, Slopes};
 use super::stepper::{Progress, Scheme, Stepper};
 use super::table::{Group, Layout, Table};
-use super::values::{
-    Explicit, Values, accumulate, all_finite, first_not_finite, is_finite, read, write,
-};
+use super::values::{Explicit, Values, accumulate, first_not_finite, is_finite, read, write};
 
 /// A component together with everything that changes.
 pub(crate) struct ComponentModel<C: Component> {
