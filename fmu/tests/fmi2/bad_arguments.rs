@@ -143,7 +143,7 @@ fn every_function_refuses_handles_that_lead_nowhere() {
 
 #[test]
 fn the_same_reference_twice_gets_the_last_value_and_gives_it_twice() {
-    let mut fmu = Fmu::started("Spring", CS);
+    let fmu = Fmu::started("Spring", CS);
     let references = [fmu.reference("force"); 2];
     let (values, mut got) = ([1.0, 2.0], [0.0; 2]);
     unsafe {
