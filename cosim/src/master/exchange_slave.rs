@@ -12,7 +12,7 @@ use super::group::Group;
 use super::plan::Node;
 use super::slave::Slave;
 use crate::error::Result;
-use crate::fmi::{Fmu, Instance, InterfaceType, State, Variability};
+use crate::fmi::{Fmu, Instance, InterfaceType, Logging, State, Variability};
 use crate::solver::{Continuous, Settings};
 use crate::system::Component;
 use crate::time::Time;
@@ -69,7 +69,7 @@ impl ExchangeSlave {
         fmu: &Arc<Fmu>,
         node: &Node,
         settings: Settings,
-        logging: bool,
+        logging: &Logging,
     ) -> Result<Self> {
         let instance = instantiate(component, fmu, logging)?;
         let told = !fmu.interface(InterfaceType::ModelExchange)?.no_completed_step;

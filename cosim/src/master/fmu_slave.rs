@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::error::Result;
-use crate::fmi::{Fmu, Instance};
+use crate::fmi::{Fmu, Instance, Logging};
 use crate::system::Component;
 use crate::time::Time;
 
@@ -25,7 +25,7 @@ impl FmuSlave {
         component: &Component,
         fmu: &Arc<Fmu>,
         node: &Node,
-        logging: bool,
+        logging: &Logging,
     ) -> Result<Self> {
         let instance = instantiate(component, fmu, logging)?;
         let variables = &fmu.description().variables;
@@ -42,7 +42,7 @@ impl FmuSlave {
 pub(super) fn instantiate(
     component: &Component,
     fmu: &Arc<Fmu>,
-    logging: bool,
+    logging: &Logging,
 ) -> Result<Instance> {
     let mut instance = Instance::of(fmu.clone(), component.interface, &component.name, logging)?;
     for (position, value) in &component.start_values {

@@ -122,17 +122,17 @@ impl System {
     }
 
     fn engine(&self) -> Result<Engine> {
+        let fmus = self.components().iter().filter_map(|c| Some((c.name.as_str(), c.fmu()?)));
+        self.logging().check(fmus)?;
         let plan = Plan::new(self);
         let mut slaves: Vec<Box<dyn Slave>> = Vec::with_capacity(plan.nodes.len());
         for (component, node) in self.components().iter().zip(&plan.nodes) {
             slaves.push(match &component.model {
                 Model::Fmu(fmu) if component.interface == InterfaceType::ModelExchange => {
-                    let (solver, logging) = (self.solver(), self.debug_logging());
+                    let (solver, logging) = (self.solver(), self.logging());
                     Box::new(ExchangeSlave::new(component, fmu, node, solver, logging)?)
                 }
-                Model::Fmu(fmu) => {
-                    Box::new(FmuSlave::new(component, fmu, node, self.debug_logging())?)
-                }
+                Model::Fmu(fmu) => Box::new(FmuSlave::new(component, fmu, node, self.logging())?),
                 Model::Signals(signals) => Box::new(SignalSlave::new(signals, node)),
             });
         }
