@@ -17,12 +17,15 @@ use crate::time::Time;
 
 mod access;
 mod create;
+mod derivatives;
 mod exchange;
 mod followed;
-mod saved;
+mod state;
 mod step;
 pub use exchange::NextEvent;
 use followed::{Followed, nothing};
+pub use state::Place;
+pub use step::Step;
 
 /// State of an instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,9 +48,6 @@ pub enum State {
 
 /// After the initialization, and well.
 const RUNNING: &[State] = &[State::Ready, State::EventMode, State::ContinuousTime];
-const RESTORABLE: &[State] =
-    &[State::Ready, State::EventMode, State::ContinuousTime, State::Failed];
-
 /// An instance of an FMU.
 pub struct Instance {
     /// Not NULL once it is made.
@@ -55,15 +55,14 @@ pub struct Instance {
     name: String,
     state: State,
     time: Time,
-    /// A saved state of the FMU, and of this handle.
-    saved: Option<(FmuState, State)>,
+    /// Saved states of the FMU, and of this handle, by their place.
+    saved: [Option<(FmuState, State)>; Place::COUNT],
     /// The FMU holds pointers to both of these, so they stay where they are.
     callbacks: Option<Box<Callbacks>>,
     log: Arc<Log>,
     /// Who follows the calls.
     followed: Option<Box<Followed>>,
     kind: InterfaceType,
-    saves_state: bool,
     /// Pointers into the library, which `fmu` keeps mapped.
     functions: Functions,
     own: Own,
@@ -230,7 +229,7 @@ impl Drop for Instance {
                 followed.end(function, status::OK, false);
             }
         };
-        if let Some((mut saved, _)) = self.saved.take() {
+        for &(mut saved, _) in self.saved.iter().flatten() {
             follow("fmi2FreeFMUstate", &mut || {
                 // SAFETY: `saved` is a state of this living instance.
                 unsafe { (functions.free_state)(self.component, &mut saved) };

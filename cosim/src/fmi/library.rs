@@ -100,6 +100,14 @@ functions! {
             get_state = "fmi2GetFMUstate": fn(Component, *mut FmuState);
             set_state = "fmi2SetFMUstate": fn(Component, FmuState);
             free_state = "fmi2FreeFMUstate": fn(Component, *mut FmuState);
+            serialized_size = "fmi2SerializedFMUstateSize": fn(Component, FmuState, *mut usize);
+            serialize = "fmi2SerializeFMUstate": fn(Component, FmuState, *mut u8, usize);
+            deserialize = "fmi2DeSerializeFMUstate": fn(
+                Component, *const u8, usize, *mut FmuState
+            );
+            directional = "fmi2GetDirectionalDerivative": fn(
+                Component, *const u32, usize, *const u32, usize, *const f64, *mut f64
+            );
         }
     }
 }
@@ -112,6 +120,14 @@ functions! {
         }
         optional {
             get_status = "fmi2GetStatus": fn(Component, c_int, *mut c_int);
+            real_status = "fmi2GetRealStatus": fn(Component, c_int, *mut f64);
+            boolean_status = "fmi2GetBooleanStatus": fn(Component, c_int, *mut Bool);
+            input_derivatives = "fmi2SetRealInputDerivatives": fn(
+                Component, *const u32, usize, *const c_int, *const f64
+            );
+            output_derivatives = "fmi2GetRealOutputDerivatives": fn(
+                Component, *const u32, usize, *const c_int, *mut f64
+            );
         }
     }
 }

@@ -18,5 +18,5 @@ mod trace;
 
 pub use description::{Causality, Description, InterfaceType, Kind, Value, Variability, Variable};
 pub use fmu::Fmu;
-pub use instance::{Instance, NextEvent, State};
+pub use instance::{Instance, NextEvent, Place, State, Step};
 pub use trace::{Logging, Trace};

@@ -5,6 +5,7 @@ pub(super) type RawStatus = i32;
 
 pub(super) const OK: RawStatus = 0;
 pub(super) const WARNING: RawStatus = 1;
+pub(super) const DISCARD: RawStatus = 2;
 pub(super) const ERROR: RawStatus = 3;
 pub(super) const FATAL: RawStatus = 4;
 pub(super) const PENDING: RawStatus = 5;
@@ -16,7 +17,7 @@ pub(super) fn name(status: RawStatus) -> &'static str {
     match status {
         OK => "OK",
         WARNING => "Warning",
-        2 => "Discard",
+        DISCARD => "Discard",
         ERROR => "Error",
         FATAL => "Fatal",
         PENDING => "Pending",

@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use cosim::fmi::{Fmu, Instance, InterfaceType, Logging, State};
-use cosim::{Code, Overrides, System, Time};
+use cosim::fmi::{Fmu, Instance, InterfaceType, Logging, Place, State};
+use cosim::{Algorithm, Code, Overrides, System, Time};
 use tempfile::TempDir;
 
 use crate::models::Model;
+use crate::ssd::{Ssd, assert_near, run};
 
 fn seconds(seconds: f64) -> Time {
     Time::from_seconds(seconds, "t").unwrap()
@@ -46,7 +47,7 @@ fn flags_are_read() {
     let interface = fmu.interface(InterfaceType::CoSimulation).unwrap();
     assert!(interface.variable_step && interface.interpolates_inputs && interface.asynchronous);
     assert!(interface.serialize_state && interface.own_memory && !interface.get_and_set_state);
-    assert_eq!(interface.output_derivatives, 2);
+    assert_eq!(interface.output_derivative_order, 2);
 }
 
 #[test]
@@ -105,16 +106,38 @@ fn steps_are_equal_where_the_fmu_wants_it() {
 #[test]
 fn a_state_that_cannot_be_saved_is_an_error_and_not_the_end() {
     for (defines, flags, part) in [
-        (&["STATE_NULL"][..], " canGetAndSetFMUstate='true'", "returned OK and no state"),
+        (&["STATE_NULL"][..], " canGetAndSetFMUstate='true'", "gave no state"),
         (&["STATE_ERROR"], " canGetAndSetFMUstate='true'", "returned Error"),
         (&["LACKS_OPTIONAL"], " canGetAndSetFMUstate='true'", "has no fmi2GetFMUstate"),
         (&[], "", "does not declare canGetAndSetFMUstate"),
     ] {
         let folder = TempDir::new().unwrap();
         let mut instance = ready(&gain(&folder, defines, flags));
-        let error = instance.save().unwrap_err().to_string();
+        let error = instance.save(Place::Retry).unwrap_err().to_string();
         assert!(error.contains("'it'") && error.contains(part), "{part} in {error}");
-        assert!(instance.restore(Time::ZERO).is_err());
+        assert!(instance.restore(Place::Retry, Time::ZERO).is_err());
+    }
+}
+
+#[test]
+fn derivatives_that_were_promised_and_do_not_come_are_replaced_by_differences() {
+    for defines in [&[][..], &["TANGENT_ERROR"], &["TANGENT_NAN"]] {
+        let folder = TempDir::new().unwrap();
+        let path = folder.path().join("affine.fmu");
+        let fmu = Model::Affine.variant(&path, defines, |description| {
+            description.replace(" canGet", " providesDirectionalDerivative=\"true\" canGet")
+        });
+        // a = 2 b + t, b = 3 a + t, which runs away in fixed-point passes.
+        let ssd = Ssd::new()
+            .add_with("a", Model::Affine, &[("k", 2.0)], None)
+            .add_with("b", Model::Affine, &[("k", 3.0)], None)
+            .connect("b.y", "a.u")
+            .connect("a.y", "b.u")
+            .stop(0.2);
+        let overrides = Overrides::new().algorithm(Algorithm::Iterative);
+        let overrides = overrides.replace("a", &fmu).replace("b", &fmu);
+        let results = run(&ssd.load(&overrides).unwrap());
+        assert_near(results.column("a.y").unwrap(), &[0.0, 0.1, 0.2].map(|t| -3.0 * t / 5.0));
     }
 }
 

@@ -10,6 +10,7 @@ mod import;
 mod logging;
 mod loops;
 mod models;
+mod mutations;
 mod rawzip;
 mod scheduler;
 mod ssd;

@@ -167,6 +167,17 @@ static void formats(Model *m) {
 }
 #endif
 
+#if defined TANGENT_ERROR || defined TANGENT_NAN
+Status fmi2GetDirectionalDerivative(Component c, const Ref *unknown, size_t n, const Ref *known,
+                                    size_t m, const double *seed, double *result) {
+#ifdef TANGENT_ERROR
+  return 3;
+#endif
+  for (size_t k = 0; k < n; k++) result[k] = 0.0 / 0.0;
+  return 0;
+}
+#endif
+
 #ifdef PENDING
 static void *work(void *argument) {
   usleep(30000);

@@ -21,8 +21,7 @@ impl Instance {
 
     /// Instantiates `fmu` for that interface type.
     pub fn of(fmu: Arc<Fmu>, kind: InterfaceType, name: &str, logging: &Logging) -> Result<Self> {
-        let interface = fmu.interface(kind)?;
-        let (once, saves_state) = (interface.once_per_process, interface.get_and_set_state);
+        let once = fmu.interface(kind)?.once_per_process;
         let binary = fmu.binary(kind)?;
         let (functions, own) = (binary.functions, binary.own);
         if once && fmu.taken.swap(true, Ordering::AcqRel) {
@@ -40,12 +39,11 @@ impl Instance {
             name: name.to_owned(),
             state: State::Instantiated,
             time: Time::ZERO,
-            saved: None,
+            saved: Default::default(),
             callbacks: Some(callbacks),
             log,
             followed,
             kind,
-            saves_state,
             functions,
             own,
             fmu,

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use super::order::Order;
 use super::raw::RawSystem;
-use super::{Component, Model, Overrides, System, loops};
+use super::{Component, Model, Overrides, System, abilities, input, loops};
 use crate::error::{Error, Result};
 
 pub(super) use columns::columns;
@@ -65,6 +65,9 @@ pub(super) fn check(raw: Arc<RawSystem>, overrides: &Overrides) -> Result<System
         order: Order::new(algorithm, &components, &connections),
         components,
         connections,
+        linear: Vec::new(),
+        step_control: overrides.step_control,
+        retries: overrides.retries,
         columns,
         start: timing.start,
         stop: timing.stop,
@@ -76,5 +79,7 @@ pub(super) fn check(raw: Arc<RawSystem>, overrides: &Overrides) -> Result<System
         notes: Vec::new(),
     };
     loops::tell(&mut system)?;
+    input::apply(&mut system, &overrides.inputs)?;
+    abilities::check(&system)?;
     Ok(system)
 }
