@@ -173,6 +173,26 @@ pub(super) enum Own {
     Exchange(Exchange),
 }
 
+/// The functions of every step of co-simulation, once more and side by side.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub(super) struct Hot {
+    pub set_real: unsafe extern "C" fn(Component, *const u32, usize, *const f64) -> RawStatus,
+    pub get_real: unsafe extern "C" fn(Component, *const u32, usize, *mut f64) -> RawStatus,
+    /// Not of model exchange.
+    pub do_step: Option<unsafe extern "C" fn(Component, f64, f64, Bool) -> RawStatus>,
+}
+
+impl Hot {
+    pub(super) fn new(functions: &Functions, own: &Own) -> Self {
+        let do_step = match own {
+            Own::Stepping(stepping) => Some(stepping.do_step),
+            Own::Exchange(_) => None,
+        };
+        Self { set_real: functions.set_real, get_real: functions.get_real, do_step }
+    }
+}
+
 /// A mapped library.
 pub(super) struct Binary {
     pub functions: Functions,

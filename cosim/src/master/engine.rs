@@ -191,19 +191,17 @@ impl Engine {
     #[inline]
     fn step_untimed(&mut self, c: usize, now: Time) -> Result<()> {
         let node = &self.plan.nodes[c];
-        let slave = &mut *self.slaves[c];
         copy(&node.fresh, &self.values, &mut self.inputs);
+        let mut inputs = node.input_slots.clone();
         if !node.ramps.is_empty() {
+            inputs = 0..0;
             self.set_ramps(c, now)?;
-        } else if !node.input_slots.is_empty() {
-            slave.set(&self.inputs[node.input_slots.clone()])?;
         }
-        let (node, slave) = (&self.plan.nodes[c], &mut *self.slaves[c]);
-        if let Step::Discarded(reached) = slave.step(now - node.step, node.step)? {
+        let node = &self.plan.nodes[c];
+        let (inputs, outputs) = (&self.inputs[inputs], &mut self.values[node.output_slots.clone()]);
+        let made = self.slaves[c].advance(inputs, now - node.step, node.step, outputs)?;
+        if let Step::Discarded(reached) = made {
             self.discarded = Some(self.discarded.map_or(reached, |so_far| so_far.min(reached)));
-        }
-        if !node.output_slots.is_empty() {
-            slave.get(&mut self.values[node.output_slots.clone()])?;
         }
         Ok(())
     }

@@ -20,13 +20,15 @@ pub(super) enum Discards {
     Told,
 }
 
-/// An instance and the variables exchanged with it.
+/// An instance and the variables exchanged with it. What every step touches comes first and lies
+/// in as few cache lines as can be.
+#[repr(C, align(64))]
 pub(super) struct FmuSlave {
-    instance: Instance,
     inputs: Group,
-    outputs: Group,
-    recorded: Group,
     discards: Discards,
+    outputs: Group,
+    instance: Instance,
+    recorded: Group,
     rejected: u64,
     /// The inputs of this step and their slopes, if they have any.
     ramp: (Vec<f64>, Vec<f64>),

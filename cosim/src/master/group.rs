@@ -5,6 +5,7 @@ use crate::fmi::{Instance, Kind, Variable};
 
 /// Variables that are set or read together, one FMI call per type. A master's plan lists Reals
 /// first, then Integers, then Booleans ([`rank`]).
+#[repr(C)]
 pub(super) struct Group {
     reals: Vec<u32>,
     integers: Vec<u32>,

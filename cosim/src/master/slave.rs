@@ -31,6 +31,25 @@ pub trait Slave {
     /// Reads all connected outputs.
     fn get(&mut self, values: &mut [f64]) -> Result<()>;
 
+    /// A step as most are: inputs set, step made, outputs read. One call instead of three. Empty
+    /// arrays are left alone.
+    fn advance(
+        &mut self,
+        inputs: &[f64],
+        start: Time,
+        step: Time,
+        outputs: &mut [f64],
+    ) -> Result<Step> {
+        if !inputs.is_empty() {
+            self.set(inputs)?;
+        }
+        let made = self.step(start, step)?;
+        if !outputs.is_empty() {
+            self.get(outputs)?;
+        }
+        Ok(made)
+    }
+
     /// Reads the time derivatives of all connected outputs; whether the slave knows them.
     fn slopes(&mut self, slopes: &mut [f64]) -> Result<bool>;
 

@@ -106,30 +106,30 @@ fn survive(seed: u64, good: &[u8], count: usize, reader: fn(&[u8])) {
 
 #[test]
 fn archives() {
-    survive(1, &readers::fmu(), 4000, readers::archive);
+    survive(1, &readers::fmu(), 1500, readers::archive);
 }
 
 #[test]
 fn descriptions() {
-    survive(2, readers::DESCRIPTION.as_bytes(), 8000, readers::description);
+    survive(2, readers::DESCRIPTION.as_bytes(), 4000, readers::description);
 }
 
 #[test]
 fn systems() {
-    survive(3, readers::SYSTEM.as_bytes(), 4000, readers::ssd);
+    survive(3, readers::SYSTEM.as_bytes(), 1500, readers::ssd);
 }
 
 #[test]
 fn packages() {
-    survive(4, &readers::package(), 1500, readers::ssp);
+    survive(4, &readers::package(), 500, readers::ssp);
 }
 
 #[test]
 fn parameters() {
-    survive(5, readers::PARAMETERS.as_bytes(), 3000, readers::ssv);
+    survive(5, readers::PARAMETERS.as_bytes(), 1000, readers::ssv);
 }
 
 #[test]
 fn tables() {
-    survive(6, readers::TABLE.as_bytes(), 6000, readers::csv);
+    survive(6, readers::TABLE.as_bytes(), 3000, readers::csv);
 }

@@ -22,9 +22,10 @@ impl Instance {
     pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Result<()> {
         self.check("fmi2SetReal", WRITABLE, references.len(), values.len())?;
         let shown = |f: &Followed| f.pairs(&Kind::Real, references, values);
-        self.call("fmi2SetReal", shown, |f, c| {
+        let set_real = self.hot.set_real;
+        self.call("fmi2SetReal", shown, |_, c| {
             // SAFETY: `c` is alive; both arrays have that length.
-            unsafe { (f.set_real)(c, references.as_ptr(), references.len(), values.as_ptr()) }
+            unsafe { set_real(c, references.as_ptr(), references.len(), values.as_ptr()) }
         })
     }
 
@@ -33,9 +34,10 @@ impl Instance {
     pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Result<()> {
         self.check("fmi2GetReal", READABLE, references.len(), values.len())?;
         let shown = |f: &Followed| f.names(&Kind::Real, references);
-        self.get("fmi2GetReal", shown, |f, c| {
+        let get_real = self.hot.get_real;
+        self.get("fmi2GetReal", shown, |_, c| {
             // SAFETY: `c` is alive; both arrays have that length.
-            unsafe { (f.get_real)(c, references.as_ptr(), references.len(), values.as_mut_ptr()) }
+            unsafe { get_real(c, references.as_ptr(), references.len(), values.as_mut_ptr()) }
         })?;
         self.show(|_| followed::values(values));
         Ok(())

@@ -7,7 +7,7 @@ use std::sync::atomic::Ordering;
 use super::{Followed, Instance, State};
 use crate::error::{Code, Error, Result};
 use crate::fmi::callbacks::Callbacks;
-use crate::fmi::library::{Component, Functions};
+use crate::fmi::library::{Component, Functions, Hot};
 use crate::fmi::log::Log;
 use crate::fmi::status;
 use crate::fmi::{Fmu, InterfaceType, Logging};
@@ -43,6 +43,7 @@ impl Instance {
             callbacks: Some(callbacks),
             log,
             followed,
+            hot: Hot::new(&functions, &own),
             kind,
             functions,
             own,

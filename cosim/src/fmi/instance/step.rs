@@ -44,7 +44,9 @@ impl Instance {
     #[inline]
     pub fn try_step(&mut self, start: Time, step: Time) -> Result<Step> {
         self.require("fmi2DoStep", &[State::Ready])?;
-        let do_step = self.stepping("fmi2DoStep")?.do_step;
+        let Some(do_step) = self.hot.do_step else {
+            return Err(self.refused("fmi2DoStep"));
+        };
         self.time = start;
         let (from, length) = (start.seconds(), step.seconds());
         if let Some(followed) = &self.followed {
