@@ -14,6 +14,10 @@ use crate::time::Time;
 
 pub(super) struct Engine {
     pub(super) plan: Plan,
+    /// The components with held inputs.
+    holding: Vec<usize>,
+    /// Those of which variables are recorded that nobody else needs.
+    reading: Vec<usize>,
     pub(super) slaves: Vec<Box<dyn Slave>>,
     pub(super) values: Vec<f64>,
     pub(super) inputs: Vec<f64>,
@@ -37,7 +41,12 @@ pub(super) struct Engine {
 
 impl Engine {
     pub(super) fn new(plan: Plan, slaves: Vec<Box<dyn Slave>>, start: Time) -> Self {
+        let those = |which: &dyn Fn(&Node) -> bool| -> Vec<usize> {
+            (0..plan.nodes.len()).filter(|&c| which(&plan.nodes[c])).collect()
+        };
         Self {
+            holding: those(&|node| !node.held.is_empty()),
+            reading: those(&|node| !node.recorded.is_empty()),
             values: vec![0.0; plan.values],
             inputs: vec![0.0; plan.inputs],
             ends: plan.nodes.iter().map(|node| start + node.step).collect(),
@@ -137,18 +146,21 @@ impl Engine {
         if self.control.is_some() {
             return self.run_controlled(limit);
         }
-        while let Some(now) = self.ends.iter().min().copied().filter(|&now| now <= limit) {
-            self.instant(now)?;
+        let mut next = self.ends.iter().min().copied();
+        while let Some(now) = next.filter(|&now| now <= limit) {
+            next = self.instant(now)?;
         }
         Ok(())
     }
 
-    pub(super) fn instant(&mut self, now: Time) -> Result<()> {
+    /// Makes the steps that end now; when the next ones end.
+    pub(super) fn instant(&mut self, now: Time) -> Result<Option<Time>> {
         self.meter.instant();
         let mut place = 0;
         while let Some(&c) = self.plan.sequence.get(place) {
             // The members of a loop follow one another in the sequence.
-            if let Some(found) = self.plan.nodes[c].member_of {
+            let node = &self.plan.nodes[c];
+            if let (false, Some(found)) = (node.plain, node.member_of) {
                 self.step_loop(found, now)?;
                 place += self.plan.loops[found].members.len();
                 continue;
@@ -161,13 +173,19 @@ impl Engine {
         if !self.ramps.is_empty() {
             self.follow(now)?;
         }
-        for (node, end) in self.plan.nodes.iter().zip(&mut self.ends) {
-            if *end == now {
-                copy(&node.held, &self.values, &mut self.inputs);
-                *end = now + node.step;
+        for &c in &self.holding {
+            if self.ends[c] == now {
+                copy(&self.plan.nodes[c].held, &self.values, &mut self.inputs);
             }
         }
-        Ok(())
+        let mut next = None;
+        for (node, end) in self.plan.nodes.iter().zip(&mut self.ends) {
+            if *end == now {
+                *end = now + node.step;
+            }
+            next = Some(next.map_or(*end, |so_far: Time| so_far.min(*end)));
+        }
+        Ok(next)
     }
 
     /// Makes the step of one component that ends now.
@@ -188,12 +206,12 @@ impl Engine {
         Ok(())
     }
 
-    #[inline]
+    #[inline(always)]
     fn step_untimed(&mut self, c: usize, now: Time) -> Result<()> {
         let node = &self.plan.nodes[c];
         copy(&node.fresh, &self.values, &mut self.inputs);
         let mut inputs = node.input_slots.clone();
-        if !node.ramps.is_empty() {
+        if !node.plain && !node.ramps.is_empty() {
             inputs = 0..0;
             self.set_ramps(c, now)?;
         }
@@ -208,10 +226,9 @@ impl Engine {
 
     /// The recorded values of the present instant.
     pub(super) fn sample(&mut self, row: &mut [f64]) -> Result<()> {
-        for (node, slave) in self.plan.nodes.iter().zip(&mut self.slaves) {
-            if !node.recorded.is_empty() {
-                slave.read(&mut self.values[node.recorded_slots.clone()])?;
-            }
+        for &c in &self.reading {
+            let slots = self.plan.nodes[c].recorded_slots.clone();
+            self.slaves[c].read(&mut self.values[slots])?;
         }
         for (value, &slot) in row.iter_mut().zip(&self.plan.columns) {
             *value = self.values[slot];

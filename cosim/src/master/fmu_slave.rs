@@ -142,7 +142,7 @@ impl Slave for FmuSlave {
         self.instance.exit_initialization()
     }
 
-    #[inline]
+    #[inline(always)]
     fn set(&mut self, values: &[f64]) -> Result<()> {
         self.inputs.set(&mut self.instance, values)
     }
@@ -155,7 +155,7 @@ impl Slave for FmuSlave {
         self.go_on(Time::ZERO)
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(&mut self, start: Time, step: Time) -> Result<Step> {
         if matches!(self.discards, Discards::Repeated(1..)) {
             self.instance.save(Place::Retry)?;
@@ -166,7 +166,7 @@ impl Slave for FmuSlave {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn get(&mut self, values: &mut [f64]) -> Result<()> {
         self.outputs.get(&mut self.instance, values)
     }

@@ -49,7 +49,7 @@ pub(super) struct RampWay {
     pub fresh: bool,
 }
 
-/// A component's part of the plan. What every step touches comes first, in two cache lines.
+/// A component's part of the plan. What every step touches comes first, in one cache line.
 #[derive(Debug)]
 #[repr(C, align(64))]
 pub(super) struct Node {
@@ -58,7 +58,9 @@ pub(super) struct Node {
     pub input_slots: Range<usize>,
     pub output_slots: Range<usize>,
     /// Inputs that get the value of the end of the step.
-    pub fresh: Vec<Route>,
+    pub fresh: Box<[Route]>,
+    /// It has no ramps and is in no loop: its step is made without looking further.
+    pub plain: bool,
     /// Inputs that hold the value of the beginning of the step.
     pub held: Vec<Route>,
     /// Positions of the ramps of its inputs.
@@ -114,18 +116,26 @@ impl Plan {
         for component in 0..system.components().len() {
             plan.add(system, component);
         }
+        let mut all_fresh = vec![Vec::new(); plan.nodes.len()];
         for (connection, &fresh) in system.connections().iter().zip(&system.order().fresh) {
             if let Some(route) = plan.route(connection) {
                 let node = &mut plan.nodes[connection.to.component];
-                let routes = if fresh { &mut node.fresh } else { &mut node.held };
+                let routes =
+                    if fresh { &mut all_fresh[connection.to.component] } else { &mut node.held };
                 routes.push(route);
             }
+        }
+        for (node, fresh) in plan.nodes.iter_mut().zip(all_fresh) {
+            node.fresh = fresh.into_boxed_slice();
         }
         plan.add_loops(system);
         for connection in 0..system.connections().len() {
             if system.is_linear(connection) {
                 plan.add_ramp(system, connection);
             }
+        }
+        for node in &mut plan.nodes {
+            node.plain = node.ramps.is_empty() && node.member_of.is_none();
         }
         plan.columns =
             system.columns().iter().filter_map(|column| plan.value_slot(column.port)).collect();
@@ -195,7 +205,8 @@ impl Plan {
             outputs,
             recorded,
             held: Vec::new(),
-            fresh: Vec::new(),
+            fresh: Box::default(),
+            plain: true,
             trends: Vec::new(),
             ramps: Vec::new(),
             member_of: None,

@@ -6,9 +6,9 @@
 
 use std::time::Duration;
 
-use super::{Instance, State};
+use super::{Followed, Instance, State};
 use crate::error::{Code, Error, Result};
-use crate::fmi::library::{Own, Stepping};
+use crate::fmi::library::{Component, Functions, Own, Stepping};
 use crate::fmi::status::{self, RawStatus};
 use crate::time::Time;
 
@@ -41,7 +41,7 @@ impl Instance {
     }
 
     /// Advances from `start` by `step`, or tells that the FMU discarded the step.
-    #[inline]
+    #[inline(always)]
     pub fn try_step(&mut self, start: Time, step: Time) -> Result<Step> {
         self.require("fmi2DoStep", &[State::Ready])?;
         let Some(do_step) = self.hot.do_step else {
@@ -49,14 +49,17 @@ impl Instance {
         };
         self.time = start;
         let (from, length) = (start.seconds(), step.seconds());
-        if let Some(followed) = &self.followed {
-            followed.begin("fmi2DoStep", &format!("{from:?}, {length:?}, true"));
-        }
-        // SAFETY: the component is alive and the state allows the call.
-        let mut status = unsafe { do_step(self.component, from, length, 1) };
-        if let Some(followed) = &self.followed {
-            followed.end("fmi2DoStep", status, false);
-        }
+        let call = |_: &Functions, c: Component| {
+            // SAFETY: `c` is alive and the state allows the call.
+            unsafe { do_step(c, from, length, 1) }
+        };
+        let mut status = match self.followed {
+            None => call(&self.functions, self.component),
+            Some(_) => {
+                let shown = |_: &Followed| format!("{from:?}, {length:?}, true");
+                self.followed_call::<false>("fmi2DoStep", shown, call)
+            }
+        };
         if status == status::PENDING {
             status = self.wait()?;
         }
