@@ -23,7 +23,6 @@ mod state;
 mod step;
 pub use exchange::NextEvent;
 pub use state::Place;
-pub use step::Step;
 
 /// State of an instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,6 +53,8 @@ pub struct Instance {
     name: String,
     state: State,
     time: Time,
+    /// The length of the last step, and in seconds.
+    step: (Time, f64),
     /// Saved states of the FMU, and of this handle, by their place.
     saved: [Option<(FmuState, State)>; Place::COUNT],
     /// The FMU holds pointers to both of these: boxed, so that they stay where they are.
@@ -117,6 +118,7 @@ impl Instance {
             name,
             state,
             time,
+            step: (Time::ZERO, 0.0),
             saved: Default::default(),
             _callbacks: callbacks,
             log,

@@ -15,4 +15,4 @@ mod status;
 
 pub use description::{Causality, Description, InterfaceType, Kind, Value, Variability, Variable};
 pub use fmu::Fmu;
-pub use instance::{Instance, NextEvent, Place, State, Step};
+pub use instance::{Instance, NextEvent, Place, State};

@@ -9,7 +9,7 @@ use crate::time::Time;
 
 use super::group::Group;
 use super::plan::Node;
-use super::slave::{Slave, Step};
+use super::slave::Slave;
 
 /// What becomes of a step that the FMU discards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,9 +64,9 @@ impl FmuSlave {
 
     /// Repeats a discarded step from its beginning by smaller ones, as the FMU says or by halves.
     #[cold]
-    fn discarded(&mut self, start: Time, step: Time, reached: Time) -> Result<Step> {
+    fn discarded(&mut self, start: Time, step: Time, reached: Time) -> Result<Time> {
         let retries = match self.discards {
-            Discards::Told => return Ok(Step::Discarded(reached)),
+            Discards::Told => return Ok(reached),
             Discards::Final => {
                 return Err(self.instance.discarded(reached).help(
                     "a smaller --step; its FMU does not declare both canGetAndSetFMUstate and \
@@ -93,14 +93,14 @@ impl FmuSlave {
             }
             loop {
                 let length = smaller.min(end - begin);
-                match self.instance.try_step(begin, length)? {
-                    Step::Done if begin + length == end => return Ok(Step::Done),
-                    Step::Done => begin = begin + length,
-                    Step::Discarded(so_far) => {
-                        reached = so_far;
-                        break;
-                    }
+                reached = self.instance.try_step(begin, length)?;
+                if reached == end {
+                    return Ok(end);
                 }
+                if reached < begin + length {
+                    break;
+                }
+                begin = reached;
                 self.go_on(begin - start)?;
                 self.instance.save(Place::Retry)?;
             }
@@ -162,14 +162,12 @@ impl Slave for FmuSlave {
     }
 
     #[inline]
-    fn step(&mut self, start: Time, step: Time) -> Result<Step> {
+    fn step(&mut self, start: Time, step: Time) -> Result<Time> {
         if matches!(self.discards, Discards::Repeated(1..)) {
             self.instance.save(Place::Retry)?;
         }
-        match self.instance.try_step(start, step)? {
-            Step::Done => Ok(Step::Done),
-            Step::Discarded(reached) => self.discarded(start, step, reached),
-        }
+        let reached = self.instance.try_step(start, step)?;
+        if reached == start + step { Ok(reached) } else { self.discarded(start, step, reached) }
     }
 
     #[inline]

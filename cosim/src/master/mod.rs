@@ -36,7 +36,7 @@ mod trend;
 
 pub use manipulate::{Controls, Manipulator};
 pub use run::Run;
-pub use slave::{Slave, Step};
+pub use slave::Slave;
 pub use snapshot::Snapshot;
 pub use summary::{ComponentSummary, Summary};
 

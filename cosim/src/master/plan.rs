@@ -53,6 +53,8 @@ pub(super) struct RampWay {
 #[derive(Debug)]
 pub(super) struct Node {
     pub step: Time,
+    /// How many were made.
+    pub steps: u64,
     /// Positions of the variables, Reals first (`group::rank`).
     pub inputs: Vec<usize>,
     pub outputs: Vec<usize>,
@@ -186,6 +188,7 @@ impl Plan {
         };
         self.nodes.push(Node {
             step: system.components()[component].step,
+            steps: 0,
             input_slots: take(&mut self.inputs, inputs.len()),
             output_slots: take(&mut self.values, outputs.len()),
             recorded_slots: take(&mut self.values, recorded.len()),

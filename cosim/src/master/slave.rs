@@ -25,8 +25,9 @@ pub trait Slave {
     /// during it. Only slaves whose component interpolates its inputs are asked.
     fn ramp(&mut self, values: &[f64], slopes: &[f64]) -> Result<()>;
 
-    /// Advances from `start` by `step`, or tells up to when it came.
-    fn step(&mut self, start: Time, step: Time) -> Result<Step>;
+    /// Advances from `start` by `step`: the instant reached, which is less than the whole when the
+    /// component discarded the rest. Then it must go back before anything else.
+    fn step(&mut self, start: Time, step: Time) -> Result<Time>;
 
     /// Reads all connected outputs.
     fn get(&mut self, values: &mut [f64]) -> Result<()>;
@@ -66,5 +67,3 @@ pub trait Slave {
         0
     }
 }
-
-pub use crate::fmi::Step;
