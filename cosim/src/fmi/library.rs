@@ -8,6 +8,7 @@ use libloading::Library;
 use super::callbacks::{Callbacks, text};
 use super::description::InterfaceType;
 use super::elf;
+use super::open;
 use super::status::RawStatus;
 use crate::error::{Code, Error, Result};
 
@@ -143,7 +144,7 @@ pub(super) fn load(path: &Path, fmu: &Path, kind: InterfaceType) -> Result<Binar
             .help("export the FMU for this machine")
     })?;
     // SAFETY: loading runs the library's constructors: whoever runs an FMU trusts its code.
-    let library = unsafe { Library::new(path) }.map_err(|e| {
+    let library = unsafe { open::library(path) }.map_err(|e| {
         Error::new(Code::Library, "the library of the FMU cannot be loaded")
             .at(fmu)
             .why(e)
