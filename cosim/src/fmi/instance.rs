@@ -25,7 +25,6 @@ mod step;
 pub use exchange::NextEvent;
 use followed::{Followed, nothing};
 pub use state::Place;
-pub use step::Step;
 
 /// State of an instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,6 +56,8 @@ pub struct Instance {
     /// Who follows the calls.
     followed: Option<Box<Followed>>,
     time: Time,
+    /// The length of the last step, and in seconds.
+    step: (Time, f64),
     state: State,
     hot: Hot,
     kind: InterfaceType,

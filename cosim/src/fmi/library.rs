@@ -7,6 +7,7 @@ use libloading::Library;
 
 use super::callbacks::{Callbacks, text};
 use super::description::InterfaceType;
+use super::open;
 use super::status::{self, RawStatus};
 use crate::error::{Code, Error, Result};
 
@@ -211,7 +212,7 @@ impl Binary {
 /// Loads the library at `path`, which belongs to the FMU `fmu`.
 pub(super) fn load(path: &Path, fmu: &Path, kind: InterfaceType) -> Result<Binary> {
     // SAFETY: loading runs the library's constructors: whoever runs an FMU trusts its code.
-    let library = unsafe { open(path) }.map_err(|e| {
+    let library = unsafe { open::library(path) }.map_err(|e| {
         Error::new(Code::Library, "the library of the FMU cannot be loaded")
             .at(fmu)
             .why(e)
@@ -230,18 +231,6 @@ pub(super) fn load(path: &Path, fmu: &Path, kind: InterfaceType) -> Result<Binar
     Err(Error::new(Code::Library, "the library of the FMU is not of FMI 2.0")
         .at(fmu)
         .why(format!("fmi2GetVersion returned '{version}'")))
-}
-
-/// Opens a library and resolves all its symbols now: one that is missing is an error here, not the
-/// end of the process at the first call.
-///
-/// # Safety
-/// The library's constructors run.
-unsafe fn open(path: &Path) -> Result<Library, libloading::Error> {
-    use libloading::os::unix;
-    // SAFETY: the caller's promise.
-    let library = unsafe { unix::Library::open(Some(path), unix::RTLD_NOW | unix::RTLD_LOCAL) }?;
-    Ok(library.into())
 }
 
 /// Places of the library in the unpacked FMU, newest convention last (FMI 2.0.4, 2.3).

@@ -2,7 +2,7 @@
 //!
 //! [`Fmu::open`] gives one shared value per file and process; [`Instance`] is the safe handle of
 //! one `fmi2Component`; [`Logging`] says what instances log. All `unsafe` of this crate is here, in
-//! `library`, `callbacks`, `instance` and `temporary`.
+//! `open`, `library`, `callbacks`, `instance` and `temporary`.
 
 pub mod archive;
 mod callbacks;
@@ -12,11 +12,12 @@ mod fmu;
 mod instance;
 mod library;
 mod log;
+mod open;
 mod status;
 mod temporary;
 mod trace;
 
 pub use description::{Causality, Description, InterfaceType, Kind, Value, Variability, Variable};
 pub use fmu::Fmu;
-pub use instance::{Instance, NextEvent, Place, State, Step};
+pub use instance::{Instance, NextEvent, Place, State};
 pub use trace::{Logging, Trace};

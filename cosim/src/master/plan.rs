@@ -49,18 +49,21 @@ pub(super) struct RampWay {
     pub fresh: bool,
 }
 
-/// A component's part of the plan. What every step touches comes first, in one cache line.
+/// A component's part of the plan. What every step touches comes first, in one and
+/// a half cache lines.
 #[derive(Debug)]
 #[repr(C, align(64))]
 pub(super) struct Node {
     pub step: Time,
+    /// How many were made.
+    pub steps: u64,
     /// Where its values are in the arrays.
     pub input_slots: Range<usize>,
     pub output_slots: Range<usize>,
     /// Inputs that get the value of the end of the step.
     pub fresh: Box<[Route]>,
-    /// It has no ramps and is in no loop: its step is made without looking further.
-    pub plain: bool,
+    /// Some of its inputs move during steps.
+    pub ramped: bool,
     /// Inputs that hold the value of the beginning of the step.
     pub held: Vec<Route>,
     /// Positions of the ramps of its inputs.
@@ -135,7 +138,7 @@ impl Plan {
             }
         }
         for node in &mut plan.nodes {
-            node.plain = node.ramps.is_empty() && node.member_of.is_none();
+            node.ramped = !node.ramps.is_empty();
         }
         plan.columns =
             system.columns().iter().filter_map(|column| plan.value_slot(column.port)).collect();
@@ -198,6 +201,7 @@ impl Plan {
         };
         self.nodes.push(Node {
             step: system.components()[component].step,
+            steps: 0,
             input_slots: take(&mut self.inputs, inputs.len()),
             output_slots: take(&mut self.values, outputs.len()),
             recorded_slots: take(&mut self.values, recorded.len()),
@@ -206,7 +210,7 @@ impl Plan {
             recorded,
             held: Vec::new(),
             fresh: Box::default(),
-            plain: true,
+            ramped: false,
             trends: Vec::new(),
             ramps: Vec::new(),
             member_of: None,
