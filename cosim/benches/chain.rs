@@ -120,6 +120,7 @@ fn process() {
 }
 
 /// Milliseconds and megabytes.
+#[allow(clippy::zombie_processes, reason = "wait4 waits, and tells the memory")]
 fn simulate(folder: &Path) -> (f64, f64) {
     let begun = Instant::now();
     let mut command = Command::new(env!("CARGO_BIN_EXE_cosim"));

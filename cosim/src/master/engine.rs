@@ -225,17 +225,13 @@ impl Engine {
         let slave = &mut *self.slaves[c];
         node.steps += 1;
         copy(&node.fresh, &self.values, &mut self.inputs);
-        if !node.ramps.is_empty() {
+        if node.ramped {
             return self.step_ramped(c, now);
         }
-        if !node.input_slots.is_empty() {
-            slave.set(&self.inputs[node.input_slots.clone()])?;
-        }
-        let reached = slave.step(now - node.step, node.step)?;
-        if reached != now {
-            return self.stopped_short(reached);
-        }
-        Ok(())
+        let inputs = &self.inputs[node.input_slots.clone()];
+        let outputs = &mut self.values[node.output_slots.clone()];
+        let reached = slave.advance(inputs, now - node.step, node.step, outputs)?;
+        if reached == now { Ok(()) } else { self.stopped_short(reached) }
     }
 
     /// The same with inputs that move.

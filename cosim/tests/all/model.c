@@ -318,7 +318,7 @@ Status fmi2GetRealOutputDerivatives(Component c, const Ref *refs, size_t n, cons
   }
   return 0;
 }
-#if !defined TANGENT_ERROR && !defined TANGENT_NAN
+#if !defined TANGENT_ERROR && !defined TANGENT_NAN && !defined TANGENT_MISSING
 Status fmi2GetDirectionalDerivative(Component c, const Ref *unknowns, size_t n, const Ref *knowns,
                                     size_t m, const double *seed, double *result) {
   for (size_t k = 0; k < n; k++) {
