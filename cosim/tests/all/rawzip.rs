@@ -44,15 +44,10 @@ fn crc32(bytes: &[u8]) -> u32 {
 }
 
 /// The end of an archive: the counts and places it claims.
+#[derive(Default)]
 pub(crate) struct End {
     pub disk: u16,
     pub entries: Option<u16>,
-}
-
-impl Default for End {
-    fn default() -> Self {
-        Self { disk: 0, entries: None }
-    }
 }
 
 pub(crate) fn archive(entries: &[Entry]) -> Vec<u8> {

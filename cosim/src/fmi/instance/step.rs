@@ -127,11 +127,11 @@ impl Instance {
     /// The error for a discarded step that nobody repeats.
     #[cold]
     pub fn discarded(&mut self, reached: Time) -> Error {
-        let mut error = self.failed("fmi2DoStep", status::DISCARD);
-        if reached > self.time {
-            error = error.why(format!("the FMU discarded the step; it came as far as {reached}"));
+        let error = self.failed("fmi2DoStep", status::DISCARD);
+        match reached > self.time {
+            true => error.why(format!("the FMU discarded the step; it came as far as {reached}")),
+            false => error.why("the FMU discarded the step and came nowhere"),
         }
-        error
     }
 
     fn real_status(&self, kind: i32) -> Option<f64> {
