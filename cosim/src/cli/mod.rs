@@ -10,6 +10,7 @@ mod info;
 mod inspect;
 mod interrupt;
 mod live;
+mod logging;
 pub(crate) mod messages;
 mod output;
 mod report;

@@ -36,7 +36,7 @@ mod trend;
 
 pub use manipulate::{Controls, Manipulator};
 pub use run::Run;
-pub use slave::{Slave, Step};
+pub use slave::Slave;
 pub use snapshot::Snapshot;
 pub use summary::{ComponentSummary, Summary};
 
@@ -52,6 +52,8 @@ use signal_slave::SignalSlave;
 
 impl System {
     fn engine(&self) -> Result<Engine> {
+        let fmus = self.components().iter().filter_map(|c| Some((c.name.as_str(), c.fmu()?)));
+        self.logging().check(fmus)?;
         let plan = Plan::new(self);
         let mut slaves: Vec<Box<dyn Slave>> = Vec::with_capacity(plan.nodes.len());
         for (component, node) in self.components().iter().zip(&plan.nodes) {
@@ -71,7 +73,7 @@ impl System {
     fn slave(&self, component: &Component, node: &Node) -> Result<Box<dyn Slave>> {
         Ok(match &component.model {
             Model::Fmu(fmu) if component.interface == InterfaceType::ModelExchange => {
-                let (solver, logging) = (self.solver(), self.debug_logging());
+                let (solver, logging) = (self.solver(), self.logging());
                 Box::new(ExchangeSlave::new(component, fmu, node, solver, logging)?)
             }
             Model::Fmu(fmu) => {
@@ -80,7 +82,7 @@ impl System {
                     None if component.can_repeat(fmu) => Discards::Repeated(self.retries()),
                     None => Discards::Final,
                 };
-                Box::new(FmuSlave::new(component, fmu, node, discards, self.debug_logging())?)
+                Box::new(FmuSlave::new(component, fmu, node, discards, self.logging())?)
             }
             Model::Signals(signals) => Box::new(SignalSlave::new(signals, node)),
         })

@@ -19,7 +19,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::error::Result;
-use crate::fmi::{Causality, Fmu, InterfaceType, Kind, Value};
+use crate::fmi::{Causality, Fmu, InterfaceType, Kind, Logging, Value};
 use crate::signals::Signals;
 use crate::solver;
 use crate::time::Time;
@@ -46,7 +46,7 @@ pub struct System {
     step_control: Option<f64>,
     retries: u32,
     solver: solver::Settings,
-    debug_logging: bool,
+    logging: Logging,
     warnings: Vec<String>,
     notes: Vec<String>,
 }
@@ -84,6 +84,16 @@ pub enum Model {
     Fmu(Arc<Fmu>),
     /// Recorded or prepared signals.
     Signals(Arc<Signals>),
+}
+
+impl Component {
+    /// Its FMU, if it has one.
+    pub fn fmu(&self) -> Option<&Fmu> {
+        match &self.model {
+            Model::Fmu(fmu) => Some(fmu),
+            Model::Signals(_) => None,
+        }
+    }
 }
 
 /// A variable of a component: positions in their lists.
@@ -205,9 +215,9 @@ impl System {
         self.solver
     }
 
-    /// Whether the FMUs are asked for debug messages.
-    pub fn debug_logging(&self) -> bool {
-        self.debug_logging
+    /// What the FMUs are asked to log, and who follows.
+    pub fn logging(&self) -> &Logging {
+        &self.logging
     }
 
     /// What is odd but not wrong.

@@ -46,8 +46,10 @@ fn acceleration(results: &Recording) -> f64 {
     found.skip(1).map(|(t, y)| (y - exact(*t)).abs()).fold(0.0, f64::max)
 }
 
-/// A system, its error, and what it is called in the table.
-fn cases() -> Vec<(&'static str, Ssd, fn(&Recording) -> f64)> {
+/// What a system is called in the table, the system, and its error.
+type Case = (&'static str, Ssd, fn(&Recording) -> f64);
+
+fn cases() -> Vec<Case> {
     let direct = masses().connect("a.y", "b.u").connect("b.y", "a.u");
     let sensed = masses()
         .add("sensor", Gain)

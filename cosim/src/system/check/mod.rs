@@ -15,6 +15,7 @@ use super::{Component, Model, Overrides, System, abilities, input, loops};
 use crate::error::{Error, Result};
 
 pub(super) use columns::columns;
+pub(super) use components::needs_no_tool;
 pub(super) use lookup::Names;
 pub(super) use parameters::start_value;
 pub(super) use timing::check_span;
@@ -73,7 +74,7 @@ pub(super) fn check(raw: Arc<RawSystem>, overrides: &Overrides) -> Result<System
         output_interval: timing.output_interval,
         algorithm,
         solver,
-        debug_logging: overrides.debug_logging,
+        logging: overrides.logging.clone(),
         warnings: findings.warnings,
         notes: Vec::new(),
     };
