@@ -9,6 +9,7 @@ mod explain;
 mod info;
 mod inspect;
 mod interrupt;
+mod logging;
 pub(crate) mod messages;
 mod output;
 mod report;

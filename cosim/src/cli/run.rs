@@ -6,6 +6,8 @@ use clap::Args;
 use cosim::{Result, System};
 
 use super::changes::Changes;
+use super::interrupt;
+use super::logging::Logging;
 use super::output::Output;
 
 /// Run a system description (.ssd) or package (.ssp)
@@ -16,12 +18,15 @@ pub(crate) struct Run {
     #[command(flatten)]
     changes: Changes,
     #[command(flatten)]
+    logging: Logging,
+    #[command(flatten)]
     output: Output,
 }
 
 impl Run {
     pub(crate) fn run(self) -> Result<()> {
-        let overrides = self.output.add_to(self.changes.overrides());
+        interrupt::listen();
+        let overrides = self.logging.add_to(self.output.add_to(self.changes.overrides()))?;
         self.output.run(&System::load(&self.file, &overrides)?)
     }
 }

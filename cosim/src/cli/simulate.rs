@@ -6,6 +6,8 @@ use clap::Args;
 use cosim::fmi::InterfaceType;
 use cosim::{Overrides, Recording, Result, System};
 
+use super::interrupt;
+use super::logging::Logging;
 use super::output::Output;
 use super::solver::Solver;
 use super::values;
@@ -35,22 +37,27 @@ pub(crate) struct Simulate {
     interface_type: Option<InterfaceType>,
     #[command(flatten)]
     solver: Solver,
-    /// Ask the FMU for debug messages, which are shown when it fails
+    /// The tool that the FMU needs (needsExecutionTool) is installed here
     #[arg(long)]
-    debug_logging: bool,
+    execution_tool: bool,
+    #[command(flatten)]
+    logging: Logging,
     #[command(flatten)]
     output: Output,
 }
 
 impl Simulate {
     pub(crate) fn run(self) -> Result<()> {
+        interrupt::listen();
+        let overrides = self.logging.add_to(self.overrides())?;
         let inputs = self.input_file.as_ref().map(Recording::read_csv).transpose()?;
-        let system = System::single(&self.file, &self.overrides(), inputs.as_ref())?;
+        let system = System::single(&self.file, &overrides, inputs.as_ref())?;
         self.output.run(&system)
     }
 
     fn overrides(&self) -> Overrides {
-        let mut overrides = self.output.add_to(Overrides::new().debug_logging(self.debug_logging));
+        let mut overrides =
+            self.output.add_to(Overrides::new().execution_tools(self.execution_tool));
         for (name, value) in &self.start_value {
             overrides = overrides.start_value(name, value);
         }

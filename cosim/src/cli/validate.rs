@@ -53,7 +53,8 @@ fn check(file: &Path) -> Result<Findings> {
                 fmu.load(kind)?;
             }
         }
-        return Ok(Findings::default());
+        let warnings = fmu.description().warnings.clone();
+        return Ok(Findings { warnings, notes: Vec::new() });
     }
     let system = System::load(file, &Overrides::new())?;
     let mut notes = system.notes().to_vec();

@@ -3,23 +3,29 @@
 //! It permits only the calls that FMI 2.0.5 (3.2.3 and 4.2.4, state machines) allows in the
 //! present [`State`], turns statuses into errors, and frees the instance when dropped.
 
-use std::ffi::CString;
-use std::ptr;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use super::callbacks::Callbacks;
 use super::description::InterfaceType;
 use super::fmu::Fmu;
-use super::library::{Component, FmuState, Functions, Own};
+use super::library::{Component, FmuState, Functions, Hot, Own};
 use super::log::Log;
 use super::status::{self, RawStatus};
 use crate::error::{Code, Error, Result};
 use crate::time::Time;
 
 mod access;
+mod create;
+mod derivatives;
 mod exchange;
+mod followed;
+mod state;
+mod step;
 pub use exchange::NextEvent;
+use followed::{Followed, nothing};
+pub use state::Place;
+pub use step::Step;
 
 /// State of an instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,22 +48,24 @@ pub enum State {
 
 /// After the initialization, and well.
 const RUNNING: &[State] = &[State::Ready, State::EventMode, State::ContinuousTime];
-const RESTORABLE: &[State] =
-    &[State::Ready, State::EventMode, State::ContinuousTime, State::Failed];
-
-/// An instance of an FMU.
+/// An instance of an FMU. What every step touches comes first, and fits a cache line: systems of
+/// hundreds of small FMUs live from that.
+#[repr(C)]
 pub struct Instance {
-    /// Not NULL.
+    /// Not NULL once it is made.
     component: Component,
-    name: String,
-    state: State,
+    /// Who follows the calls.
+    followed: Option<Box<Followed>>,
     time: Time,
-    /// A saved state of the FMU, and of this handle.
-    saved: Option<(FmuState, State)>,
-    /// The FMU holds pointers to both of these: boxed, so that they stay where they are.
-    _callbacks: Box<Callbacks>,
-    log: Box<Log>,
+    state: State,
+    hot: Hot,
     kind: InterfaceType,
+    name: String,
+    /// Saved states of the FMU, and of this handle, by their place.
+    saved: [Option<(FmuState, State)>; Place::COUNT],
+    /// The FMU holds pointers to both of these, so they stay where they are.
+    callbacks: Option<Box<Callbacks>>,
+    log: Arc<Log>,
     /// Pointers into the library, which `fmu` keeps mapped.
     functions: Functions,
     own: Own,
@@ -65,65 +73,6 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// Instantiates `fmu` for co-simulation under `name`; `logging` asks it for debug messages.
-    pub fn new(fmu: Arc<Fmu>, name: &str, logging: bool) -> Result<Self> {
-        Self::of(fmu, InterfaceType::CoSimulation, name, logging)
-    }
-
-    /// Instantiates `fmu` for that interface type.
-    pub fn of(fmu: Arc<Fmu>, kind: InterfaceType, name: &str, logging: bool) -> Result<Self> {
-        let once = fmu.interface(kind)?.once_per_process;
-        let binary = fmu.binary(kind)?;
-        let (functions, own) = (binary.functions, binary.own);
-        if once && fmu.taken.swap(true, Ordering::AcqRel) {
-            return Err(Error::new(Code::Fmu, format!("'{name}' cannot be instantiated"))
-                .at(fmu.path())
-                .why("the FMU allows one instance per process, and there is one already"));
-        }
-        let text = |text: &str| CString::new(text.replace('\0', "")).unwrap_or_default();
-        let (c_name, guid) = (text(name), text(&fmu.description().guid));
-        let resources = text(&fmu.resource_uri());
-        let log = Box::<Log>::default();
-        let callbacks = Box::new(Callbacks::new(&log));
-        let fmi_type = match kind {
-            InterfaceType::ModelExchange => 0,
-            InterfaceType::CoSimulation => 1,
-        };
-        // SAFETY: the strings live during the call, callbacks and log as long as the instance.
-        let component = unsafe {
-            (functions.instantiate)(
-                c_name.as_ptr(),
-                fmi_type,
-                guid.as_ptr(),
-                resources.as_ptr(),
-                &*callbacks,
-                0,
-                i32::from(logging),
-            )
-        };
-        if component.is_null() {
-            fmu.taken.store(false, Ordering::Release);
-            return Err(Error::new(Code::Fmu, format!("'{name}' cannot be instantiated"))
-                .at(fmu.path())
-                .why("fmi2Instantiate returned NULL")
-                .log(log.take()));
-        }
-        let (name, state, time) = (name.to_owned(), State::Instantiated, Time::ZERO);
-        Ok(Self {
-            component,
-            name,
-            state,
-            time,
-            saved: None,
-            _callbacks: callbacks,
-            log,
-            kind,
-            functions,
-            own,
-            fmu,
-        })
-    }
-
     /// The instance's name.
     pub fn name(&self) -> &str {
         &self.name
@@ -144,11 +93,12 @@ impl Instance {
         self.require("fmi2SetupExperiment", &[State::Instantiated])?;
         self.time = start;
         let (start, stop) = (start.seconds(), stop.seconds());
-        self.call("fmi2SetupExperiment", |f, c| {
+        let arguments = |_: &Followed| format!("false, 0.0, {start:?}, true, {stop:?}");
+        self.call("fmi2SetupExperiment", arguments, |f, c| {
             // SAFETY: `c` is alive and the state allows the call.
             unsafe { (f.setup_experiment)(c, 0, 0.0, start, 1, stop) }
         })?;
-        self.call("fmi2EnterInitializationMode", |f, c| {
+        self.call("fmi2EnterInitializationMode", nothing, |f, c| {
             // SAFETY: as above.
             unsafe { (f.enter_initialization)(c) }
         })?;
@@ -159,7 +109,7 @@ impl Instance {
     /// Leaves initialization mode.
     pub fn exit_initialization(&mut self) -> Result<()> {
         self.require("fmi2ExitInitializationMode", &[State::Initialization])?;
-        self.call("fmi2ExitInitializationMode", |f, c| {
+        self.call("fmi2ExitInitializationMode", nothing, |f, c| {
             // SAFETY: `c` is alive and the state allows the call.
             unsafe { (f.exit_initialization)(c) }
         })?;
@@ -170,57 +120,10 @@ impl Instance {
         Ok(())
     }
 
-    /// Advances from `start` by `step`.
-    pub fn do_step(&mut self, start: Time, step: Time) -> Result<()> {
-        self.require("fmi2DoStep", &[State::Ready])?;
-        let Own::Stepping(stepping) = self.own else {
-            return Err(self.refused("fmi2DoStep"));
-        };
-        self.time = start;
-        let (from, length) = (start.seconds(), step.seconds());
-        self.call("fmi2DoStep", |_, c| {
-            // SAFETY: `c` is alive and the state allows the call.
-            unsafe { (stepping.do_step)(c, from, length, 1) }
-        })?;
-        self.time = start + step;
-        Ok(())
-    }
-
-    /// Saves the FMU's whole state for [`Instance::restore`], in place of one saved before.
-    pub fn save(&mut self) -> Result<()> {
-        self.require("fmi2GetFMUstate", RUNNING)?;
-        if !self.fmu.interface(self.kind)?.get_and_set_state {
-            return Err(Error::new(Code::Fmu, format!("'{}' cannot save its state", self.name))
-                .at(self.fmu.path())
-                .why("its modelDescription.xml does not declare canGetAndSetFMUstate"));
-        }
-        let mut saved = self.saved.take().map_or(ptr::null_mut(), |(saved, _)| saved);
-        let result = self.call("fmi2GetFMUstate", |f, c| {
-            // SAFETY: `saved` is NULL or a state of this instance, which is then overwritten.
-            unsafe { (f.get_state)(c, &mut saved) }
-        });
-        self.saved = (!saved.is_null()).then_some((saved, self.state));
-        result
-    }
-
-    /// Sets the FMU back to the state saved last, which was that of the instant `time`.
-    pub fn restore(&mut self, time: Time) -> Result<()> {
-        self.require("fmi2SetFMUstate", RESTORABLE)?;
-        let Some((saved, state)) = self.saved else {
-            return Err(Error::new(Code::Fmu, format!("'{}' has no saved state", self.name)));
-        };
-        self.call("fmi2SetFMUstate", |f, c| {
-            // SAFETY: `saved` is a state of this instance.
-            unsafe { (f.set_state)(c, saved) }
-        })?;
-        self.state = state;
-        self.time = time;
-        Ok(())
-    }
-
     /// What the FMU logged since this was asked last; only the newest messages are kept.
+    /// Nothing when they were shown as they came ([`Logging`](super::Logging)).
     pub fn messages(&self) -> Vec<String> {
-        self.log.take()
+        if self.log.is_live() { Vec::new() } else { self.log.take() }
     }
 
     fn require(&self, function: &'static str, allowed: &[State]) -> Result<()> {
@@ -236,47 +139,115 @@ impl Instance {
             .why(format!("the instance is in the state {:?}", self.state))
     }
 
+    /// Makes a call. The arguments are put into words only for those who follow the calls.
     #[inline]
     fn call(
         &mut self,
         function: &'static str,
+        arguments: impl FnOnce(&Followed) -> String,
         call: impl FnOnce(&Functions, Component) -> RawStatus,
     ) -> Result<()> {
-        let status = call(&self.functions, self.component);
+        self.invoke::<false>(function, arguments, call)
+    }
+
+    /// Makes a call whose results are told by [`Self::show`].
+    #[inline]
+    fn get(
+        &mut self,
+        function: &'static str,
+        arguments: impl FnOnce(&Followed) -> String,
+        call: impl FnOnce(&Functions, Component) -> RawStatus,
+    ) -> Result<()> {
+        self.invoke::<true>(function, arguments, call)
+    }
+
+    #[inline(always)]
+    fn invoke<const RESULTS: bool>(
+        &mut self,
+        function: &'static str,
+        arguments: impl FnOnce(&Followed) -> String,
+        call: impl FnOnce(&Functions, Component) -> RawStatus,
+    ) -> Result<()> {
+        let status = match &self.followed {
+            None => call(&self.functions, self.component),
+            Some(followed) => {
+                followed.begin(function, &arguments(followed));
+                let status = call(&self.functions, self.component);
+                let well = status == status::OK || status == status::WARNING;
+                followed.end(function, status, RESULTS && well);
+                status
+            }
+        };
         if status == status::OK || status == status::WARNING {
             return Ok(());
         }
         Err(self.failed(function, status))
     }
 
+    /// Shows what a call gave, to those who follow the calls.
+    #[inline]
+    fn show(&self, results: impl FnOnce(&Followed) -> String) {
+        if let Some(followed) = &self.followed {
+            followed.results(&results(followed));
+        }
+    }
+
     #[cold]
     fn failed(&mut self, function: &'static str, status: RawStatus) -> Error {
-        self.state = if status == status::FATAL { State::Fatal } else { State::Failed };
+        self.state = match status {
+            status::FATAL => State::Fatal,
+            // Nothing was called.
+            status::MISSING => self.state,
+            _ => State::Failed,
+        };
         let what = format!("{function} of '{}' failed at t = {}", self.name, self.time);
-        Error::new(Code::Fmu, what)
-            .at(self.fmu.path())
-            .why(format!("the FMU returned {}", status::name(status)))
-            .log(self.log.take())
+        let error = Error::new(Code::Fmu, what).at(self.fmu.path()).log(self.log.take());
+        match status {
+            status::MISSING => error.why(format!("the library of the FMU has no {function}")),
+            _ => error.why(format!("the FMU returned {}", status::name(status))),
+        }
     }
 }
 
 impl Drop for Instance {
     fn drop(&mut self) {
         let functions = &self.functions;
-        // FMI allows no call at all after a fatal error: the instance is leaked.
-        if self.state == State::Fatal {
+        if self.component.is_null() {
+            self.fmu.taken.store(false, Ordering::Release);
             return;
         }
-        if let Some((mut saved, _)) = self.saved.take() {
-            // SAFETY: `saved` is a state of this living instance.
-            unsafe { (functions.free_state)(self.component, &mut saved) };
+        // FMI allows no call at all after a fatal error: the instance is leaked, and with it what
+        // its code may still use.
+        if self.state == State::Fatal {
+            self.fmu.abandoned.store(true, Ordering::Release);
+            std::mem::forget((self.callbacks.take(), self.log.clone()));
+            return;
+        }
+        let follow = |function, call: &mut dyn FnMut()| {
+            if let Some(followed) = &self.followed {
+                followed.begin(function, "");
+            }
+            call();
+            if let Some(followed) = &self.followed {
+                followed.end(function, status::OK, false);
+            }
+        };
+        for &(mut saved, _) in self.saved.iter().flatten() {
+            follow("fmi2FreeFMUstate", &mut || {
+                // SAFETY: `saved` is a state of this living instance.
+                unsafe { (functions.free_state)(self.component, &mut saved) };
+            });
         }
         if RUNNING.contains(&self.state) {
-            // SAFETY: the state allows it; a status would change nothing any more.
-            unsafe { (functions.terminate)(self.component) };
+            follow("fmi2Terminate", &mut || {
+                // SAFETY: the state allows it; a status would change nothing any more.
+                unsafe { (functions.terminate)(self.component) };
+            });
         }
-        // SAFETY: the component is alive and not used afterwards.
-        unsafe { (functions.free_instance)(self.component) };
+        follow("fmi2FreeInstance", &mut || {
+            // SAFETY: the component is alive and not used afterwards.
+            unsafe { (functions.free_instance)(self.component) };
+        });
         self.fmu.taken.store(false, Ordering::Release);
     }
 }

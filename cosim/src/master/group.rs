@@ -5,6 +5,7 @@ use crate::fmi::{Instance, Kind, Variable};
 
 /// Variables that are set or read together, one FMI call per type. A master's plan lists Reals
 /// first, then Integers, then Booleans ([`rank`]).
+#[repr(C)]
 pub(super) struct Group {
     reals: Vec<u32>,
     integers: Vec<u32>,
@@ -32,6 +33,11 @@ impl Group {
         let (reals, integers, booleans) = (of(0), of(1), of(2));
         let buffer = vec![0; integers.len().max(booleans.len())];
         Self { reals, integers, booleans, buffer }
+    }
+
+    /// The references of the Reals, which stand first.
+    pub(super) fn reals(&self) -> &[u32] {
+        &self.reals
     }
 
     #[inline]

@@ -32,27 +32,53 @@ pub(super) struct Cut {
 pub(super) struct SolvedLoop {
     /// Positions of nodes in stepping order.
     pub members: Vec<usize>,
+    /// The members' names, for messages.
+    pub names: String,
     pub cuts: Vec<Cut>,
 }
 
-/// A component's part of the plan.
+/// An input that moves during steps, and what it follows.
 #[derive(Debug)]
+pub(super) struct RampWay {
+    /// Slot in `inputs`.
+    pub input: usize,
+    /// Position of the component that it comes from, and of the trend.
+    pub source: usize,
+    pub trend: usize,
+    /// Whether the value of the step's end is known.
+    pub fresh: bool,
+}
+
+/// A component's part of the plan. What every step touches comes first, in two cache lines.
+#[derive(Debug)]
+#[repr(C, align(64))]
 pub(super) struct Node {
     pub step: Time,
+    /// Where its values are in the arrays.
+    pub input_slots: Range<usize>,
+    pub output_slots: Range<usize>,
+    /// Inputs that get the value of the end of the step.
+    pub fresh: Vec<Route>,
+    /// Inputs that hold the value of the beginning of the step.
+    pub held: Vec<Route>,
+    /// Positions of the ramps of its inputs.
+    pub ramps: Vec<usize>,
+    /// Position of the solved loop that the component is in.
+    pub member_of: Option<usize>,
     /// Positions of the variables, Reals first (`group::rank`).
     pub inputs: Vec<usize>,
     pub outputs: Vec<usize>,
     pub recorded: Vec<usize>,
-    /// Where they are in the arrays.
-    pub input_slots: Range<usize>,
-    pub output_slots: Range<usize>,
     pub recorded_slots: Range<usize>,
-    /// Inputs that hold the value of the beginning of the step.
-    pub held: Vec<Route>,
-    /// Inputs that get the value of the end of the step.
-    pub fresh: Vec<Route>,
-    /// Position of the solved loop that the component is in.
-    pub member_of: Option<usize>,
+    /// Positions of the trends of its outputs.
+    pub trends: Vec<usize>,
+}
+
+impl Node {
+    /// Whether a variable is a connected input, or read by somebody.
+    pub(super) fn exchanges(&self, variable: usize) -> bool {
+        [&self.inputs, &self.outputs, &self.recorded].iter().any(|own| own.contains(&variable))
+    }
 }
 
 /// The layout of a system.
@@ -63,6 +89,10 @@ pub(super) struct Plan {
     pub sequence: Vec<usize>,
     /// Loops that are solved by iteration; none in the other algorithms.
     pub loops: Vec<SolvedLoop>,
+    /// Slots in `values` whose slopes are followed.
+    pub trends: Vec<usize>,
+    /// Inputs that move during steps.
+    pub ramps: Vec<RampWay>,
     pub values: usize,
     pub inputs: usize,
     /// Slot of each recorded column.
@@ -75,6 +105,8 @@ impl Plan {
             nodes: Vec::new(),
             sequence: system.order().sequence.clone(),
             loops: Vec::new(),
+            trends: Vec::new(),
+            ramps: Vec::new(),
             values: 0,
             inputs: 0,
             columns: Vec::new(),
@@ -90,6 +122,11 @@ impl Plan {
             }
         }
         plan.add_loops(system);
+        for connection in 0..system.connections().len() {
+            if system.is_linear(connection) {
+                plan.add_ramp(system, connection);
+            }
+        }
         plan.columns =
             system.columns().iter().filter_map(|column| plan.value_slot(column.port)).collect();
         plan
@@ -103,6 +140,24 @@ impl Plan {
         })
     }
 
+    fn add_ramp(&mut self, system: &System, position: usize) {
+        let connection = &system.connections()[position];
+        let Some(route) = self.route(connection) else {
+            return;
+        };
+        let (source, receiver) = (connection.from.component, connection.to.component);
+        let known = self.trends.iter().position(|&slot| slot == route.from);
+        let trend = known.unwrap_or_else(|| {
+            self.trends.push(route.from);
+            self.nodes[source].trends.push(self.trends.len() - 1);
+            self.trends.len() - 1
+        });
+        let solved = system.solved_loops().any(|found| found.held.contains(&position));
+        let fresh = system.order().fresh[position] || solved;
+        self.nodes[receiver].ramps.push(self.ramps.len());
+        self.ramps.push(RampWay { input: route.to, source, trend, fresh });
+    }
+
     fn add_loops(&mut self, system: &System) {
         for (position, found) in system.solved_loops().enumerate() {
             let held = found.held.iter().map(|&c| &system.connections()[c]);
@@ -114,7 +169,8 @@ impl Plan {
             for &member in &found.members {
                 self.nodes[member].member_of = Some(position);
             }
-            self.loops.push(SolvedLoop { members: found.members.clone(), cuts });
+            let (members, names) = (found.members.clone(), system.members(found));
+            self.loops.push(SolvedLoop { members, names, cuts });
         }
     }
 
@@ -140,6 +196,8 @@ impl Plan {
             recorded,
             held: Vec::new(),
             fresh: Vec::new(),
+            trends: Vec::new(),
+            ramps: Vec::new(),
             member_of: None,
         });
     }

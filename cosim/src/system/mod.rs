@@ -3,8 +3,10 @@
 //! A file becomes `raw` structures, [`Overrides`] come on top, and one check (`check`) turns both
 //! into a [`System`] or reports every problem found.
 
+mod abilities;
 mod check;
 mod delay;
+mod input;
 mod loops;
 mod opened;
 mod order;
@@ -17,12 +19,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::error::Result;
-use crate::fmi::{Causality, Fmu, InterfaceType, Kind, Value};
+use crate::fmi::{Causality, Fmu, InterfaceType, Kind, Logging, Value};
 use crate::signals::Signals;
 use crate::solver;
 use crate::time::Time;
 
 pub use delay::{Cause, Delay};
+pub use input::Input;
 pub use order::{Loop, Order};
 pub use overrides::Overrides;
 
@@ -38,8 +41,12 @@ pub struct System {
     stop: Time,
     output_interval: Time,
     algorithm: Algorithm,
+    /// Per connection: whether its input is linear during a step.
+    linear: Vec<bool>,
+    step_control: Option<f64>,
+    retries: u32,
     solver: solver::Settings,
-    debug_logging: bool,
+    logging: Logging,
     warnings: Vec<String>,
     notes: Vec<String>,
 }
@@ -77,6 +84,16 @@ pub enum Model {
     Fmu(Arc<Fmu>),
     /// Recorded or prepared signals.
     Signals(Arc<Signals>),
+}
+
+impl Component {
+    /// Its FMU, if it has one.
+    pub fn fmu(&self) -> Option<&Fmu> {
+        match &self.model {
+            Model::Fmu(fmu) => Some(fmu),
+            Model::Signals(_) => None,
+        }
+    }
 }
 
 /// A variable of a component: positions in their lists.
@@ -172,14 +189,35 @@ impl System {
         self.algorithm
     }
 
+    /// Whether the input of a connection is linear during a step, not constant.
+    pub fn is_linear(&self, connection: usize) -> bool {
+        self.linear[connection]
+    }
+
+    /// The relative tolerance that the communication steps follow, if they do.
+    pub fn step_control(&self) -> Option<f64> {
+        self.step_control
+    }
+
+    /// How often a step that an FMU discards is made smaller.
+    pub fn retries(&self) -> u32 {
+        self.retries
+    }
+
+    /// The port of a variable by its name in the results.
+    pub fn port(&self, name: &str) -> Result<Port> {
+        let names = check::Names::of_components(&self.components, self.raw.is_some());
+        names.port(name)
+    }
+
     /// How model exchange is integrated.
     pub fn solver(&self) -> solver::Settings {
         self.solver
     }
 
-    /// Whether the FMUs are asked for debug messages.
-    pub fn debug_logging(&self) -> bool {
-        self.debug_logging
+    /// What the FMUs are asked to log, and who follows.
+    pub fn logging(&self) -> &Logging {
+        &self.logging
     }
 
     /// What is odd but not wrong.

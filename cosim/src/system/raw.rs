@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use tempfile::TempDir;
+use crate::fmi::archive::Unpacked;
 
 use super::opened::OpenedFmus;
 use crate::fmi::InterfaceType;
@@ -12,7 +12,7 @@ pub(super) struct RawSystem {
     /// The file as the user named it, for messages.
     pub file: PathBuf,
     /// Keeps an unpacked .ssp.
-    pub _unpacked: Option<TempDir>,
+    pub _unpacked: Option<Unpacked>,
     /// FMUs that systems of this file use or have used.
     pub fmus: OpenedFmus,
     pub name: String,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::check::{self, Names};
 use super::order::Order;
-use super::{Algorithm, Component, Connection, Model, Overrides, Port, System};
+use super::{Algorithm, Component, Connection, Model, Overrides, Port, System, abilities, input};
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Causality, Description, Fmu, Kind, Value, Variability};
 use crate::names;
@@ -22,6 +22,7 @@ impl System {
     pub fn single(fmu: &Path, overrides: &Overrides, inputs: Option<&Recording>) -> Result<Self> {
         let fmu = Fmu::open(fmu)?;
         let interface = fmu.choose(overrides.interface_of(""))?;
+        check::needs_no_tool(&fmu, interface, &fmu.description().model_name, overrides)?;
         let solver = overrides.settings(fmu.description().experiment.tolerance)?;
         let names = Names::single(&fmu);
         let description = fmu.description();
@@ -51,22 +52,28 @@ impl System {
         }
         // Held: an input keeps the value of the beginning of the step, as fmusim and FMPy do it.
         let algorithm = Algorithm::Jacobi;
-        Ok(System {
+        let mut system = System {
             raw: None,
             name: description.model_name.clone(),
             order: Order::new(algorithm, &components, &connections),
             components,
             connections,
+            linear: Vec::new(),
+            step_control: overrides.step_control,
+            retries: overrides.retries,
             columns,
             start,
             stop,
             output_interval,
             algorithm,
             solver,
-            debug_logging: overrides.debug_logging,
+            logging: overrides.logging.clone(),
             warnings: Vec::new(),
             notes: Vec::new(),
-        })
+        };
+        input::apply(&mut system, &overrides.inputs)?;
+        abilities::check(&system)?;
+        Ok(system)
     }
 }
 

@@ -2,8 +2,12 @@
  * the descriptions are in models.rs. Written from the standard, without its headers. */
 #include <stdarg.h>
 #include <stddef.h>
+#include <stdint.h>
+#include <pthread.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 typedef void *Component;
 typedef unsigned int Ref;
@@ -25,7 +29,12 @@ typedef struct {
   int steps;
   int initialized;
   char name[64], text[64];
+  int debug, pending;
+  double first_step;
 } Model;
+
+#define SAY(STATUS, ...)                                                           \
+  m->callbacks->log(m->callbacks->environment, m->name, STATUS, __VA_ARGS__)
 
 static void outputs(Model *m) {
 #if defined MODEL_GAIN || defined MODEL_FAILING || defined MODEL_LOGGING
@@ -52,8 +61,13 @@ Component fmi2Instantiate(const char *name, int type, const char *guid, const ch
     callbacks->log(callbacks->environment, name, 3, "logStatusError", "wrong GUID %s", guid);
     return NULL;
   }
+#ifdef OWN_MEMORY
+  Model *m = calloc(1, sizeof(Model));
+#else
   Model *m = callbacks->allocate(1, sizeof(Model));
+#endif
   if (!m) return NULL;
+  m->debug = logging;
   m->callbacks = callbacks;
   m->r[1] = 1;
   m->r[3] = 1e9;
@@ -61,7 +75,17 @@ Component fmi2Instantiate(const char *name, int type, const char *guid, const ch
   return m;
 }
 
+#ifdef OWN_MEMORY
+void fmi2FreeInstance(Component c) { free(c); }
+#else
 void fmi2FreeInstance(Component c) { ((Model *)c)->callbacks->release(c); }
+#endif
+Status fmi2SetDebugLogging(Component c, int on, size_t n, const char *const *categories) {
+  Model *m = c;
+  m->debug = on;
+  for (size_t k = 0; k < n; k++) SAY(0, categories[k], "category %zu of %zu", k + 1, n);
+  return 0;
+}
 Status fmi2SetupExperiment(Component c, int tol, double t, double start, int stop, double end) {
   ((Model *)c)->time = start;
   return 0;
@@ -76,7 +100,9 @@ Status fmi2ExitInitializationMode(Component c) {
   ((Model *)c)->initialized = 1;
   return 0;
 }
+#ifndef LACKS_OPTIONAL
 Status fmi2Terminate(Component c) { return 0; }
+#endif
 Status fmi2Reset(Component c) { return 0; }
 
 #define GET(NAME, TYPE, FIELD)                                                    \
@@ -94,10 +120,12 @@ Status fmi2Reset(Component c) { return 0; }
   }
 GET(Real, double, r)
 SET(Real, double, r)
+#ifndef LACKS_OPTIONAL
 GET(Integer, int, i)
 SET(Integer, int, i)
 GET(Boolean, int, b)
 SET(Boolean, int, b)
+#endif
 Status fmi2SetString(Component c, const Ref *refs, size_t n, const char *const *values) {
   Model *m = c;
   snprintf(m->text, sizeof m->text, "%s", values[0]);
@@ -105,9 +133,80 @@ Status fmi2SetString(Component c, const Ref *refs, size_t n, const char *const *
   return 0;
 }
 
+#ifdef PRINTF
+/* Every conversion, flag, width, precision and length of C11, against vsnprintf. */
+static void formats(Model *m) {
+  int dummy;
+  char expected[4000];
+#define BOTH(...) (snprintf(expected, sizeof expected, __VA_ARGS__), SAY(0, "expected", "%s", expected), SAY(0, "rendered", __VA_ARGS__))
+  BOTH("%d %i %u %o %x %X", -1, 2, 3u, 8u, 255u, 255u);
+  BOTH("[%5d|%-5d|%05d|%+d|% d|%.3d|%#x|%#o]", 42, 42, 42, 42, 42, 42, 42, 8);
+  BOTH("%hhd %hd %ld %lld %zu %jd %td", (signed char)-3, (short)-4, -5L, -6LL, (size_t)7, (intmax_t)8, (ptrdiff_t)9);
+  BOTH("%hhu %hu %lu %llx", (unsigned char)250, (unsigned short)65000, 1UL << 63, ~0ULL);
+  BOTH("%f %e %g %a %F %E %G %A", 1.5, 1.5e10, 1.5e-7, 1.0, -0.5, 2.5, 1e300, 0.1);
+  BOTH("%.0f %.15g %10.3f %-10.2e| %+g %#g", 2.5, 0.1, 3.14159, 31415.9, 1.0, 1.0);
+  BOTH("%*d|%-*d|%.*f|%*.*f", 6, 42, 6, 42, 2, 3.14159, 8, 1, 2.71828);
+  BOTH("%*d|%.*s", -6, 42, -1, "all");
+  BOTH("%s|%10s|%-10s|%.2s|%c|%5c|%%", "text", "right", "left", "cut", 'x', 'y');
+  BOTH("%Lf %Lg %d", 1.25L, -2.5e100L, 7);
+  BOTH("%d %d %d %d %d %d %d %g %s", 1, 2, 3, 4, 5, 6, 7, 0.5, "stack");
+  BOTH("%g %g %g %g %g %g %g %g %g %g", 1., 2., 3., 4., 5., 6., 7., 8., 9., 10.);
+  BOTH("%f %f", 1e308, -1.0 / 0.0);
+  SAY(0, "null", "%s and %d", (char *)NULL, 5);
+  SAY(0, "count", "a%nb %d", &dummy, 5);
+  SAY(0, "wild", "50% solved, %s", (char *)8);
+  SAY(0, "unknown", "%d %y %d", 5, 6);
+  SAY(0, "end", "100%");
+  char *long_text = malloc(100001);
+  memset(long_text, 'x', 100000);
+  long_text[100000] = 0;
+  SAY(0, "long", "%s", long_text);
+  SAY(0, "wide", "%*d", 2000000000, 1);
+  free(long_text);
+  m->callbacks->log(m->callbacks->environment, NULL, 77, NULL, NULL);
+}
+#endif
+
+#if defined TANGENT_ERROR || defined TANGENT_NAN
+Status fmi2GetDirectionalDerivative(Component c, const Ref *unknown, size_t n, const Ref *known,
+                                    size_t m, const double *seed, double *result) {
+#ifdef TANGENT_ERROR
+  return 3;
+#endif
+  for (size_t k = 0; k < n; k++) result[k] = 0.0 / 0.0;
+  return 0;
+}
+#endif
+
+#ifdef PENDING
+static void *work(void *argument) {
+  usleep(30000);
+  ((Model *)argument)->pending = 0;
+  return NULL;
+}
+Status fmi2GetStatus(Component c, int kind, Status *status) {
+  *status = __atomic_load_n(&((Model *)c)->pending, __ATOMIC_SEQ_CST) ? 5 : 0;
+  return kind != 0;
+}
+#endif
+
 Status fmi2DoStep(Component c, double t, double h, int no_set) {
   Model *m = c;
   if (t - m->time > 1e-9 || m->time - t > 1e-9 || h <= 0) return 3;
+  if (!m->first_step) m->first_step = h;
+#ifdef EQUAL_STEPS
+  if (h != m->first_step) return 3;
+#endif
+#ifdef PRINTF
+  if (!m->steps) formats(m);
+#endif
+#ifdef PENDING
+  pthread_t thread;
+  m->pending = 1;
+  pthread_create(&thread, NULL, work, m);
+  pthread_detach(thread);
+#endif
+  if (m->debug) SAY(0, "logAll", "step to %g s", t + h);
   m->steps++;
   m->time = t + h;
 #ifdef MODEL_INTEGRATOR
@@ -135,11 +234,21 @@ Status fmi2DoStep(Component c, double t, double h, int no_set) {
     return 4;
   }
 #endif
+#ifdef PENDING
+  return 5;
+#endif
   return 0;
 }
 
+#ifndef LACKS_OPTIONAL
 Status fmi2GetFMUstate(Component c, void **state) {
   Model *m = c;
+#ifdef STATE_NULL
+  return 0;
+#endif
+#ifdef STATE_ERROR
+  return 3;
+#endif
   if (!*state) *state = m->callbacks->allocate(1, sizeof(Model));
   memcpy(*state, m, sizeof(Model));
   return 0;
@@ -153,3 +262,4 @@ Status fmi2FreeFMUstate(Component c, void **state) {
   *state = NULL;
   return 0;
 }
+#endif

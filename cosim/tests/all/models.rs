@@ -165,6 +165,22 @@ impl Model {
         )
     }
 
+    /// An FMU of this model compiled with `defines`, its description changed by `change`.
+    pub(crate) fn variant(
+        self,
+        archive: &Path,
+        defines: &[&str],
+        change: impl Fn(String) -> String,
+    ) -> PathBuf {
+        let library = archive.with_extension("so");
+        compile_into(self, &library, defines);
+        let binary = format!("binaries/linux64/{}.so", self.name());
+        let description = change(self.description()).into_bytes();
+        let library = std::fs::read(library).unwrap();
+        pack(archive, &[("modelDescription.xml", description), (&binary, library)]);
+        archive.to_owned()
+    }
+
     /// The packed FMU, made once per test process.
     pub(crate) fn fmu(self) -> PathBuf {
         static MADE: Mutex<BTreeMap<Model, PathBuf>> = Mutex::new(BTreeMap::new());
@@ -205,19 +221,24 @@ fn compile_now(model: Model) -> PathBuf {
     let library = folder().join(format!("{}.so", model.name()));
     // Another test process may be reading the library: it is replaced as a whole.
     let unfinished = folder().join(format!("{}.so.{}", model.name(), std::process::id()));
+    compile_into(model, &unfinished, &[]);
+    std::fs::rename(&unfinished, &library).unwrap();
+    library
+}
+
+fn compile_into(model: Model, library: &Path, defines: &[&str]) {
     let source = if model.exchange().is_some() { "exchange.c" } else { "model.c" };
     let done = Command::new("cc")
         .args(["-O2", "-shared", "-fPIC", "-w", "-o"])
-        .arg(&unfinished)
+        .arg(library)
         .arg(format!("-DMODEL_{}", model.name()))
         .arg(format!("-DX0={}", model.start_of_x()))
+        .args(defines.iter().map(|define| format!("-D{define}")))
         .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/all").join(source))
-        .arg("-lm")
+        .args(["-lm", "-lpthread"])
         .status()
         .expect("a C compiler named cc");
     assert!(done.success());
-    std::fs::rename(&unfinished, &library).unwrap();
-    library
 }
 
 /// Packs files into an archive.

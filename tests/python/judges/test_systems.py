@@ -18,7 +18,7 @@ def compare(ssd, folder, base_step, steps):
     """Runs a system in both masters and compares every Real output after every base step."""
     cosim.run(
         "run", ssd, "--algorithm", "jacobi", "--output-interval", base_step,
-        "--stop-time", base_step * steps, "--output-file", folder / "out.csv",
+        "--stop-time", base_step * steps, "--output-file", folder / "out.csv", "--execution-tool",
     )
     found = cosim.read(folder / "out.csv")
     wanted = libcosim.system(ssd, folder, base_step).outputs(steps)

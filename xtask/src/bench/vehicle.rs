@@ -3,7 +3,7 @@
 use super::{Row, timer};
 use crate::{package, paths, process};
 use anyhow::{Context, Result, ensure};
-use cosim::fmi::{Fmu, Instance};
+use cosim::fmi::{Fmu, Instance, Logging};
 use cosim::time::Time;
 use rexrov::vehicle::{Inputs, Parameters, State, Vehicle};
 use std::{
@@ -79,7 +79,7 @@ fn through_fmu() -> Result<FmuTimes> {
         (0..8).map(|i| reference(&format!("thruster[{i}].force"))).collect::<Result<Vec<_>>>()?;
     let motion = ["x", "y", "z", "roll", "pitch", "yaw"].map(|axis| format!("pose.{axis}"));
     let motion = motion.iter().map(|name| reference(name)).collect::<Result<Vec<_>>>()?;
-    let mut instance = Instance::new(fmu.clone(), "bench", false)?;
+    let mut instance = Instance::new(fmu.clone(), "bench", &Logging::default())?;
     let (zero, step) = (Time::default(), Time::from_seconds(STEP_S, "step")?);
     instance.enter_initialization(zero, Time::from_seconds(1e6, "stop time")?)?;
     instance.exit_initialization()?;

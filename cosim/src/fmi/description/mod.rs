@@ -1,11 +1,13 @@
 //! The modelDescription.xml of FMI 2.0 as plain data.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
+mod known;
 mod read;
 mod value;
 
-pub use read::read;
+pub use read::{parse, read};
 pub use value::{Value, ValueError};
 
 /// What an FMU says of itself.
@@ -33,6 +35,10 @@ pub struct Description {
     pub variables: Vec<Variable>,
     /// Outputs with the inputs they depend on directly.
     pub outputs: Vec<Output>,
+    /// Names of the log categories.
+    pub log_categories: Vec<String>,
+    /// What FMI 2.0 does not have in this file, and was left out: elements and attributes.
+    pub warnings: Vec<String>,
     positions: HashMap<String, usize>,
 }
 
@@ -56,10 +62,22 @@ pub struct Interface {
     pub once_per_process: bool,
     /// Its state can be saved and set back.
     pub get_and_set_state: bool,
+    /// A saved state can be turned into bytes and back.
+    pub serialize_state: bool,
     /// It computes directional derivatives.
     pub directional_derivative: bool,
+    /// Co-simulation: its steps may differ in length.
+    pub variable_step: bool,
+    /// Co-simulation: its inputs may be given with derivatives.
+    pub interpolates_inputs: bool,
+    /// Co-simulation: the order up to which it gives derivatives of its outputs.
+    pub output_derivative_order: u32,
     /// Model exchange: it need not be told that a step was accepted.
     pub no_completed_step: bool,
+    /// It allocates by itself and ignores the memory callbacks.
+    pub own_memory: bool,
+    /// Co-simulation: `fmi2DoStep` may return before the step is done.
+    pub asynchronous: bool,
 }
 
 /// Suggested experiment, in seconds.
@@ -92,6 +110,8 @@ pub struct Variable {
     pub exact: bool,
     /// Type.
     pub kind: Kind,
+    /// Usual magnitude of a Real.
+    pub nominal: f64,
     /// Unit of a Real.
     pub unit: Option<String>,
     /// Start value, when the file gives one.
@@ -140,8 +160,8 @@ pub enum Kind {
     Integer,
     Boolean,
     String,
-    /// An Integer whose values have names.
-    Enumeration(Vec<(String, i32)>),
+    /// An Integer whose values have names; shared by the variables of one type.
+    Enumeration(Arc<[(String, i32)]>),
 }
 
 impl InterfaceType {

@@ -2,7 +2,9 @@
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
+use std::sync::Arc;
 
+use super::known;
 use super::{
     Causality, Description, Experiment, Interface, Kind, Output, Value, Variability, Variable,
 };
@@ -10,13 +12,23 @@ use crate::error::{Code, Error, Result};
 use crate::xml::{self, Element};
 
 /// Enumerations by the name of their type.
-type Enumerations = BTreeMap<String, Vec<(String, i32)>>;
+type Enumerations = BTreeMap<String, Arc<[(String, i32)]>>;
+
+/// Dependencies of all outputs together; a file can name more than memory holds.
+const MAX_DEPENDENCIES: usize = 20_000_000;
 
 /// Reads `file`; `shown` is its name in messages.
 pub fn read(file: &Path, shown: &Path) -> Result<Description> {
-    let root = xml::read(file, shown)?;
-    let reader = Reader { file: shown, enumerations: enumerations(&root, shown)? };
-    reader.description(&root)
+    of(&xml::read(file, shown)?, shown)
+}
+
+/// Reads a description that is in memory; `shown` is its name in messages.
+pub fn parse(text: &[u8], shown: &Path) -> Result<Description> {
+    of(&xml::decode(text, shown)?, shown)
+}
+
+fn of(root: &Element, file: &Path) -> Result<Description> {
+    Reader { file, enumerations: enumerations(root, file)? }.description(root)
 }
 
 struct Reader<'a> {
@@ -36,7 +48,7 @@ fn enumerations(root: &Element, file: &Path) -> Result<Enumerations> {
             let value = item.parse("value", file, Code::Description)?.unwrap_or(0);
             items.push((name, value));
         }
-        found.insert(simple.require("name", file, Code::Description)?.to_owned(), items);
+        found.insert(simple.require("name", file, Code::Description)?.to_owned(), items.into());
     }
     Ok(found)
 }
@@ -76,6 +88,12 @@ impl Reader<'_> {
                 .unwrap_or(0),
             experiment: self.experiment(root)?,
             outputs: self.outputs(root, &variables)?,
+            log_categories: root
+                .grandchildren("LogCategories")
+                .iter()
+                .filter_map(|category| category.get("name").map(str::to_owned))
+                .collect(),
+            warnings: known::strangers(root, self.file),
             variables,
             positions,
         })
@@ -92,8 +110,16 @@ impl Reader<'_> {
             needs_execution_tool: flag("needsExecutionTool")?,
             once_per_process: flag("canBeInstantiatedOnlyOncePerProcess")?,
             get_and_set_state: flag("canGetAndSetFMUstate")?,
+            serialize_state: flag("canSerializeFMUstate")?,
             directional_derivative: flag("providesDirectionalDerivative")?,
+            variable_step: flag("canHandleVariableCommunicationStepSize")?,
+            interpolates_inputs: flag("canInterpolateInputs")?,
+            output_derivative_order: element
+                .parse("maxOutputDerivativeOrder", self.file, Code::Description)?
+                .unwrap_or(0),
             no_completed_step: flag("completedIntegratorStepNotNeeded")?,
+            own_memory: flag("canNotUseMemoryManagementFunctions")?,
+            asynchronous: flag("canRunAsynchronuously")?,
         })
     }
 
@@ -156,6 +182,12 @@ impl Reader<'_> {
         };
         Ok(Variable {
             description: element.get("description").unwrap_or_default().to_owned(),
+            // A nominal value that is no magnitude says nothing.
+            nominal: typed
+                .get("nominal")
+                .and_then(|text| text.trim().parse().ok())
+                .filter(|nominal: &f64| nominal.is_finite() && *nominal > 0.0)
+                .unwrap_or(1.0),
             unit: typed.get("unit").map(str::to_owned),
             line: element.line,
             name,
@@ -176,7 +208,9 @@ impl Reader<'_> {
             "String" => Kind::String,
             "Enumeration" => {
                 let declared = element.get("declaredType").unwrap_or_default();
-                Kind::Enumeration(self.enumerations.get(declared).cloned().unwrap_or_default())
+                Kind::Enumeration(
+                    self.enumerations.get(declared).cloned().unwrap_or_else(|| [].into()),
+                )
             }
             _ => return None,
         })
@@ -211,6 +245,8 @@ impl Reader<'_> {
     /// The outputs of ModelStructure; an output variable missing there depends on everything.
     fn outputs(&self, root: &Element, variables: &[Variable]) -> Result<Vec<Output>> {
         let mut outputs = Vec::new();
+        let mut listed = vec![false; variables.len()];
+        let mut count = 0;
         let structure = root.child("ModelStructure");
         for unknown in structure.map_or(&[][..], |s| s.grandchildren("Outputs")) {
             let index = unknown.require("index", self.file, Code::Description)?;
@@ -219,14 +255,18 @@ impl Reader<'_> {
                     .map(|index| self.position(unknown, index, variables))
                     .collect::<Result<Vec<_>>>()
             });
-            outputs.push(Output {
-                variable: self.position(unknown, index, variables)?,
-                dependencies: dependencies.transpose()?,
-            });
+            let (variable, dependencies) =
+                (self.position(unknown, index, variables)?, dependencies.transpose()?);
+            count += dependencies.as_ref().map_or(0, Vec::len);
+            if count > MAX_DEPENDENCIES {
+                let what = format!("more than {MAX_DEPENDENCIES} dependencies");
+                return Err(self.wrong(unknown, what));
+            }
+            listed[variable] = true;
+            outputs.push(Output { variable, dependencies });
         }
         for (variable, declared) in variables.iter().enumerate() {
-            let listed = outputs.iter().any(|o| o.variable == variable);
-            if declared.causality == Causality::Output && !listed {
+            if declared.causality == Causality::Output && !listed[variable] {
                 outputs.push(Output { variable, dependencies: None });
             }
         }

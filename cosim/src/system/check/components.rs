@@ -76,16 +76,28 @@ fn open_one(
             findings.note(checked);
         }
     }
-    if let Some(tool) =
-        fmu.as_ref().filter(|f| f.interface(interface).is_ok_and(|i| i.needs_execution_tool))
-    {
-        findings.warnings.push(format!(
-            "'{}' needs its tool installed ({})",
-            component.name,
-            tool.description().generation_tool
-        ));
+    if let Some(fmu) = &fmu {
+        findings.note(needs_no_tool(fmu, interface, &component.name, overrides));
     }
     Opened { name: component.name.clone(), fmu, interface, replaced: replacement.is_some() }
+}
+
+/// Refuses an FMU that only wraps a tool, unless the user says that the tool is here.
+pub(in crate::system) fn needs_no_tool(
+    fmu: &Fmu,
+    interface: InterfaceType,
+    name: &str,
+    overrides: &Overrides,
+) -> Result<()> {
+    if overrides.execution_tools || !fmu.interface(interface)?.needs_execution_tool {
+        return Ok(());
+    }
+    let tool = &fmu.description().generation_tool;
+    let tool = if tool.is_empty() { "that made it" } else { tool };
+    Err(Error::new(Code::Library, format!("'{name}' needs a tool to be installed"))
+        .at(fmu.path())
+        .why(format!("its modelDescription.xml declares needsExecutionTool; the tool is {tool}"))
+        .help("if it is installed here say so by --execution-tool, else export without the tool"))
 }
 
 fn named_in(error: Error, raw: &RawSystem, component: &RawComponent) -> Error {

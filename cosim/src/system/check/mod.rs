@@ -11,10 +11,11 @@ use std::sync::Arc;
 
 use super::order::Order;
 use super::raw::RawSystem;
-use super::{Component, Model, Overrides, System, loops};
+use super::{Component, Model, Overrides, System, abilities, input, loops};
 use crate::error::{Error, Result};
 
 pub(super) use columns::columns;
+pub(super) use components::needs_no_tool;
 pub(super) use lookup::Names;
 pub(super) use parameters::start_value;
 pub(super) use timing::check_span;
@@ -64,16 +65,21 @@ pub(super) fn check(raw: Arc<RawSystem>, overrides: &Overrides) -> Result<System
         order: Order::new(algorithm, &components, &connections),
         components,
         connections,
+        linear: Vec::new(),
+        step_control: overrides.step_control,
+        retries: overrides.retries,
         columns,
         start: timing.start,
         stop: timing.stop,
         output_interval: timing.output_interval,
         algorithm,
         solver,
-        debug_logging: overrides.debug_logging,
+        logging: overrides.logging.clone(),
         warnings: findings.warnings,
         notes: Vec::new(),
     };
     loops::tell(&mut system)?;
+    input::apply(&mut system, &overrides.inputs)?;
+    abilities::check(&system)?;
     Ok(system)
 }

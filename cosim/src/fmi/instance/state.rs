@@ -1,0 +1,136 @@
+//! The state of an FMU as a whole: kept, set back, turned into bytes (FMI 2.0.5, 2.1.8).
+
+use std::ptr;
+
+use super::{Followed, Instance, RUNNING, State, nothing};
+use crate::error::{Code, Error, Result};
+use crate::fmi::description::Interface;
+use crate::fmi::library::FmuState;
+use crate::time::Time;
+
+const RESTORABLE: &[State] =
+    &[State::Ready, State::EventMode, State::ContinuousTime, State::Failed];
+
+/// Where a state is kept: those who go back do so independently of each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// The iteration that solves an algebraic loop.
+    Iteration,
+    /// The repetition of a discarded step.
+    Retry,
+    /// The beginning of a step whose error is controlled.
+    Control,
+    /// The middle of such a step.
+    Middle,
+    /// A snapshot.
+    Snapshot,
+}
+
+impl Place {
+    /// How many there are.
+    pub const COUNT: usize = 5;
+}
+
+impl Instance {
+    /// Saves the FMU's whole state for [`Instance::restore`], in place of one saved there before.
+    pub fn save(&mut self, place: Place) -> Result<()> {
+        self.require("fmi2GetFMUstate", RUNNING)?;
+        self.declares("save its state", "canGetAndSetFMUstate", |i| i.get_and_set_state)?;
+        let slot = place as usize;
+        let mut saved = self.saved[slot].take().map_or(ptr::null_mut(), |(saved, _)| saved);
+        let result = self.call("fmi2GetFMUstate", nothing, |f, c| {
+            // SAFETY: `saved` is NULL or a state of this instance, which is then overwritten.
+            unsafe { (f.get_state)(c, &mut saved) }
+        });
+        self.saved[slot] = (!saved.is_null()).then_some((saved, self.state));
+        if result.is_ok() && saved.is_null() {
+            return Err(self.without("fmi2GetFMUstate"));
+        }
+        result
+    }
+
+    /// Sets the FMU back to the state saved there, which was that of the instant `time`.
+    pub fn restore(&mut self, place: Place, time: Time) -> Result<()> {
+        self.require("fmi2SetFMUstate", RESTORABLE)?;
+        let Some((saved, state)) = self.saved[place as usize] else {
+            return Err(Error::new(Code::Fmu, format!("'{}' has no saved state", self.name)));
+        };
+        self.call(
+            "fmi2SetFMUstate",
+            |_| format!("the state of t = {time}"),
+            |f, c| {
+                // SAFETY: `saved` is a state of this instance.
+                unsafe { (f.set_state)(c, saved) }
+            },
+        )?;
+        self.state = state;
+        self.time = time;
+        Ok(())
+    }
+
+    /// The FMU's whole state as bytes, for another instance of the same FMU in another process.
+    pub fn serialize(&mut self) -> Result<Vec<u8>> {
+        self.serializable()?;
+        self.save(Place::Snapshot)?;
+        let Some((saved, _)) = self.saved[Place::Snapshot as usize] else {
+            return Err(self.without("fmi2GetFMUstate"));
+        };
+        let mut size = 0;
+        self.get("fmi2SerializedFMUstateSize", nothing, |f, c| {
+            // SAFETY: `saved` is a state of this instance; `size` lives during the call.
+            unsafe { (f.serialized_size)(c, saved, &mut size) }
+        })?;
+        self.show(|_| size.to_string());
+        let mut bytes = vec![0; size];
+        self.call("fmi2SerializeFMUstate", nothing, |f, c| {
+            // SAFETY: as above; the array has that length.
+            unsafe { (f.serialize)(c, saved, bytes.as_mut_ptr(), bytes.len()) }
+        })?;
+        Ok(bytes)
+    }
+
+    /// Sets the state that [`Instance::serialize`] gave, which was that of the instant `time`. The
+    /// instance has left its initialization, and is in the state that the other one was in.
+    pub fn deserialize(&mut self, bytes: &[u8], time: Time) -> Result<()> {
+        self.require("fmi2DeSerializeFMUstate", RUNNING)?;
+        self.serializable()?;
+        let mut saved: FmuState = ptr::null_mut();
+        let shown = |_: &Followed| format!("{} bytes", bytes.len());
+        let result = self.call("fmi2DeSerializeFMUstate", shown, |f, c| {
+            // SAFETY: the array has that length; `saved` is NULL, a new state is put there.
+            unsafe { (f.deserialize)(c, bytes.as_ptr(), bytes.len(), &mut saved) }
+        });
+        if saved.is_null() {
+            return result.and(Err(self.without("fmi2DeSerializeFMUstate")));
+        }
+        if let Some((mut old, _)) =
+            self.saved[Place::Snapshot as usize].replace((saved, self.state))
+        {
+            // SAFETY: `old` is a state of this living instance.
+            unsafe { (self.functions.free_state)(self.component, &mut old) };
+        }
+        result?;
+        self.restore(Place::Snapshot, time)
+    }
+
+    fn serializable(&self) -> Result<()> {
+        self.declares("be part of a snapshot", "canSerializeFMUstate", |i| i.serialize_state)
+    }
+
+    /// An error that names the flag when the FMU does not declare it.
+    fn declares(&self, what: &str, flag: &str, has: impl Fn(&Interface) -> bool) -> Result<()> {
+        if has(self.fmu.interface(self.kind)?) {
+            return Ok(());
+        }
+        Err(Error::new(Code::State, format!("'{}' cannot {what}", self.name))
+            .at(self.fmu.path())
+            .why(format!("its modelDescription.xml does not declare {flag}")))
+    }
+
+    #[cold]
+    fn without(&self, function: &str) -> Error {
+        Error::new(Code::State, format!("{function} of '{}' gave no state", self.name))
+            .at(self.fmu.path())
+            .why("the pointer to the state is NULL")
+    }
+}
