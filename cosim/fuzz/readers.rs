@@ -8,7 +8,7 @@ use std::sync::{Arc, OnceLock};
 
 use cosim::fmi::{Fmu, archive, description};
 use cosim::signals::{Signal, Signals};
-use cosim::{Overrides, Recording, System};
+use cosim::{Overrides, Recording, Snapshot, System};
 use tempfile::TempDir;
 
 /// An FMU in the shape of those that real systems use, without a binary: nothing is run.
@@ -200,4 +200,20 @@ pub fn csv(bytes: &[u8]) {
         values: values.to_vec(),
     });
     drop(Signals::new(read.time(), signals.collect()));
+}
+
+/// Results as MCAP.
+pub fn mcap(bytes: &[u8]) {
+    let file = folder().path().join("fuzzed.mcap");
+    std::fs::write(&file, bytes).unwrap();
+    if let Ok(read) = Recording::read(&file) {
+        assert!(read.columns().all(|(_, column)| column.len() == read.time().len()));
+    }
+}
+
+/// Snapshots of runs.
+pub fn snapshot(bytes: &[u8]) {
+    let file = folder().path().join("fuzzed.snapshot");
+    std::fs::write(&file, bytes).unwrap();
+    drop(Snapshot::read(&file).map(|snapshot| snapshot.time()));
 }

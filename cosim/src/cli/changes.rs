@@ -5,6 +5,7 @@ use cosim::fmi::InterfaceType;
 use cosim::{Algorithm, Overrides};
 
 use super::solver::Solver;
+use super::stepping::Stepping;
 use super::values;
 
 /// Changes to the file.
@@ -31,6 +32,8 @@ pub(crate) struct Changes {
     /// The tools that FMUs need (needsExecutionTool) are installed here
     #[arg(long)]
     execution_tool: bool,
+    #[command(flatten)]
+    stepping: Stepping,
     /// First instant
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds, allow_negative_numbers = true)]
     start_time: Option<f64>,
@@ -63,6 +66,6 @@ impl Changes {
         for (component, kind) in &self.interface_type {
             overrides = overrides.interface(component, *kind);
         }
-        self.solver.add_to(overrides)
+        self.stepping.add_to(self.solver.add_to(overrides))
     }
 }

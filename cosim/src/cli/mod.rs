@@ -9,13 +9,17 @@ mod explain;
 mod info;
 mod inspect;
 mod interrupt;
+mod live;
 mod logging;
 pub(crate) mod messages;
 mod output;
 mod report;
 mod run;
 mod simulate;
+mod snapshots;
 mod solver;
+mod stepping;
+mod summary;
 mod validate;
 mod values;
 

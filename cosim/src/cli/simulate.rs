@@ -10,6 +10,7 @@ use super::interrupt;
 use super::logging::Logging;
 use super::output::Output;
 use super::solver::Solver;
+use super::stepping::Stepping;
 use super::values;
 
 /// Simulate one FMU
@@ -37,6 +38,8 @@ pub(crate) struct Simulate {
     interface_type: Option<InterfaceType>,
     #[command(flatten)]
     solver: Solver,
+    #[command(flatten)]
+    stepping: Stepping,
     /// The tool that the FMU needs (needsExecutionTool) is installed here
     #[arg(long)]
     execution_tool: bool,
@@ -73,6 +76,6 @@ impl Simulate {
         if let Some(kind) = self.interface_type {
             overrides = overrides.interface("", kind);
         }
-        self.solver.add_to(overrides)
+        self.stepping.add_to(self.solver.add_to(overrides))
     }
 }

@@ -45,6 +45,7 @@ codes! {
     Parameter "E204" 3 "A start value cannot be given to that variable, or its text is not a value of the variable's type."
     Timing "E205" 3 "Step sizes, start, stop or output interval do not fit together."
     Replacement "E206" 3 "The FMU put in place of another lacks an output that other components need."
+    Scenario "E207" 3 "A scenario file cannot be understood."
     Fmu "E301" 1 "A function of an FMU returned an error while the system ran."
     Output "E302" 1 "Results could not be written."
     Interrupted "E303" 1 "The user ended the run by ctrl-C; the results until then are kept."

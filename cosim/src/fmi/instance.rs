@@ -25,7 +25,6 @@ mod step;
 pub use exchange::NextEvent;
 use followed::{Followed, nothing};
 pub use state::Place;
-pub use step::Step;
 
 /// State of an instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,6 +56,8 @@ pub struct Instance {
     /// Who follows the calls.
     followed: Option<Box<Followed>>,
     time: Time,
+    /// The length of the last step, and in seconds.
+    step: (Time, f64),
     state: State,
     hot: Hot,
     kind: InterfaceType,
@@ -126,6 +127,7 @@ impl Instance {
         if self.log.is_live() { Vec::new() } else { self.log.take() }
     }
 
+    #[inline(always)]
     fn require(&self, function: &'static str, allowed: &[State]) -> Result<()> {
         if allowed.contains(&self.state) {
             return Ok(());
@@ -140,7 +142,7 @@ impl Instance {
     }
 
     /// Makes a call. The arguments are put into words only for those who follow the calls.
-    #[inline]
+    #[inline(always)]
     fn call(
         &mut self,
         function: &'static str,
@@ -151,7 +153,7 @@ impl Instance {
     }
 
     /// Makes a call whose results are told by [`Self::show`].
-    #[inline]
+    #[inline(always)]
     fn get(
         &mut self,
         function: &'static str,
@@ -168,15 +170,9 @@ impl Instance {
         arguments: impl FnOnce(&Followed) -> String,
         call: impl FnOnce(&Functions, Component) -> RawStatus,
     ) -> Result<()> {
-        let status = match &self.followed {
+        let status = match self.followed {
             None => call(&self.functions, self.component),
-            Some(followed) => {
-                followed.begin(function, &arguments(followed));
-                let status = call(&self.functions, self.component);
-                let well = status == status::OK || status == status::WARNING;
-                followed.end(function, status, RESULTS && well);
-                status
-            }
+            Some(_) => self.followed_call::<RESULTS>(function, arguments, call),
         };
         if status == status::OK || status == status::WARNING {
             return Ok(());
@@ -184,11 +180,30 @@ impl Instance {
         Err(self.failed(function, status))
     }
 
+    /// Apart, so that the usual way stays short.
+    #[cold]
+    #[inline(never)]
+    fn followed_call<const RESULTS: bool>(
+        &self,
+        function: &'static str,
+        arguments: impl FnOnce(&Followed) -> String,
+        call: impl FnOnce(&Functions, Component) -> RawStatus,
+    ) -> RawStatus {
+        let Some(followed) = &self.followed else {
+            return call(&self.functions, self.component);
+        };
+        followed.begin(function, &arguments(followed));
+        let status = call(&self.functions, self.component);
+        let well = status == status::OK || status == status::WARNING;
+        followed.end(function, status, RESULTS && well);
+        status
+    }
+
     /// Shows what a call gave, to those who follow the calls.
-    #[inline]
+    #[inline(always)]
     fn show(&self, results: impl FnOnce(&Followed) -> String) {
         if let Some(followed) = &self.followed {
-            followed.results(&results(followed));
+            show_results(followed, results);
         }
     }
 
@@ -250,4 +265,10 @@ impl Drop for Instance {
         });
         self.fmu.taken.store(false, Ordering::Release);
     }
+}
+
+#[cold]
+#[inline(never)]
+fn show_results(followed: &Followed, results: impl FnOnce(&Followed) -> String) {
+    followed.results(&results(followed));
 }

@@ -19,5 +19,5 @@ mod trace;
 
 pub use description::{Causality, Description, InterfaceType, Kind, Value, Variability, Variable};
 pub use fmu::Fmu;
-pub use instance::{Instance, NextEvent, Place, State, Step};
+pub use instance::{Instance, NextEvent, Place, State};
 pub use trace::{Logging, Trace};

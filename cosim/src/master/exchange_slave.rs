@@ -10,7 +10,7 @@ use std::sync::Arc;
 use super::fmu_slave::{assign, instantiate, tangent};
 use super::group::Group;
 use super::plan::Node;
-use super::slave::{Slave, Step};
+use super::slave::Slave;
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Fmu, Instance, InterfaceType, Kind, Logging, Place, State, Variability};
 use crate::solver::{Continuous, Settings};
@@ -130,9 +130,9 @@ impl Slave for ExchangeSlave {
         Ok(())
     }
 
-    fn step(&mut self, start: Time, step: Time) -> Result<Step> {
+    fn step(&mut self, start: Time, step: Time) -> Result<Time> {
         self.solver.advance(&mut self.instance, start + step)?;
-        Ok(Step::Done)
+        Ok(start + step)
     }
 
     fn get(&mut self, values: &mut [f64]) -> Result<()> {

@@ -40,7 +40,7 @@ impl Group {
         &self.reals
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn set(&mut self, instance: &mut Instance, values: &[f64]) -> Result<()> {
         let (reals, rest) = values.split_at(self.reals.len());
         if !reals.is_empty() {
@@ -62,7 +62,7 @@ impl Group {
         Ok(())
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn get(&mut self, instance: &mut Instance, values: &mut [f64]) -> Result<()> {
         let (reals, rest) = values.split_at_mut(self.reals.len());
         if !reals.is_empty() {

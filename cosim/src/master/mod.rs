@@ -36,7 +36,7 @@ mod trend;
 
 pub use manipulate::{Controls, Manipulator};
 pub use run::Run;
-pub use slave::{Slave, Step};
+pub use slave::Slave;
 pub use snapshot::Snapshot;
 pub use summary::{ComponentSummary, Summary};
 
@@ -80,7 +80,7 @@ impl System {
                 let discards = match self.step_control() {
                     Some(_) => Discards::Told,
                     None if component.can_repeat(fmu) => Discards::Repeated(self.retries()),
-                    None => Discards::Repeated(0),
+                    None => Discards::Final,
                 };
                 Box::new(FmuSlave::new(component, fmu, node, discards, self.logging())?)
             }

@@ -49,16 +49,21 @@ pub(super) struct RampWay {
     pub fresh: bool,
 }
 
-/// A component's part of the plan. What every step touches comes first, in two cache lines.
+/// A component's part of the plan. What every step touches comes first, in one and
+/// a half cache lines.
 #[derive(Debug)]
 #[repr(C, align(64))]
 pub(super) struct Node {
     pub step: Time,
+    /// How many were made.
+    pub steps: u64,
     /// Where its values are in the arrays.
     pub input_slots: Range<usize>,
     pub output_slots: Range<usize>,
     /// Inputs that get the value of the end of the step.
-    pub fresh: Vec<Route>,
+    pub fresh: Box<[Route]>,
+    /// Some of its inputs move during steps.
+    pub ramped: bool,
     /// Inputs that hold the value of the beginning of the step.
     pub held: Vec<Route>,
     /// Positions of the ramps of its inputs.
@@ -114,18 +119,26 @@ impl Plan {
         for component in 0..system.components().len() {
             plan.add(system, component);
         }
+        let mut all_fresh = vec![Vec::new(); plan.nodes.len()];
         for (connection, &fresh) in system.connections().iter().zip(&system.order().fresh) {
             if let Some(route) = plan.route(connection) {
                 let node = &mut plan.nodes[connection.to.component];
-                let routes = if fresh { &mut node.fresh } else { &mut node.held };
+                let routes =
+                    if fresh { &mut all_fresh[connection.to.component] } else { &mut node.held };
                 routes.push(route);
             }
+        }
+        for (node, fresh) in plan.nodes.iter_mut().zip(all_fresh) {
+            node.fresh = fresh.into_boxed_slice();
         }
         plan.add_loops(system);
         for connection in 0..system.connections().len() {
             if system.is_linear(connection) {
                 plan.add_ramp(system, connection);
             }
+        }
+        for node in &mut plan.nodes {
+            node.ramped = !node.ramps.is_empty();
         }
         plan.columns =
             system.columns().iter().filter_map(|column| plan.value_slot(column.port)).collect();
@@ -188,6 +201,7 @@ impl Plan {
         };
         self.nodes.push(Node {
             step: system.components()[component].step,
+            steps: 0,
             input_slots: take(&mut self.inputs, inputs.len()),
             output_slots: take(&mut self.values, outputs.len()),
             recorded_slots: take(&mut self.values, recorded.len()),
@@ -195,7 +209,8 @@ impl Plan {
             outputs,
             recorded,
             held: Vec::new(),
-            fresh: Vec::new(),
+            fresh: Box::default(),
+            ramped: false,
             trends: Vec::new(),
             ramps: Vec::new(),
             member_of: None,

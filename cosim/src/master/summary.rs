@@ -51,7 +51,7 @@ impl System {
         let mut notes = self.solved(engine);
         self.tell_control(engine, &mut warnings, &mut notes);
         Summary {
-            steps: engine.meter.costs.iter().map(|cost| cost.steps).sum(),
+            steps: engine.plan.nodes.iter().map(|node| node.steps).sum(),
             simulated: (end - begin).seconds(),
             stopped,
             components: self.costs(engine),
@@ -62,16 +62,22 @@ impl System {
     }
 
     fn costs(&self, engine: &Engine) -> Vec<ComponentSummary> {
-        let costs = &engine.meter.costs;
-        let whole = |steps: u64, seconds: f64| steps as f64 * seconds;
-        let all: f64 = costs.iter().map(|c| whole(c.steps, c.seconds_per_step())).sum();
+        let whole: Vec<f64> = engine
+            .plan
+            .nodes
+            .iter()
+            .zip(&engine.meter.costs)
+            .map(|(node, cost)| node.steps as f64 * cost.seconds_per_step())
+            .collect();
+        let all: f64 = whole.iter().sum();
         let taken_back = engine.control.as_ref().map_or(0, |control| control.rejected);
-        let each = self.components().iter().zip(costs).zip(&engine.slaves);
-        each.map(|((component, cost), slave)| {
-            let seconds_per_step = cost.seconds_per_step();
-            let share = if all > 0.0 { whole(cost.steps, seconds_per_step) / all } else { 0.0 };
-            let (name, rejected) = (component.name.clone(), slave.rejected() + taken_back);
-            ComponentSummary { name, steps: cost.steps, rejected, seconds_per_step, share }
+        let each = self.components().iter().enumerate();
+        each.map(|(c, component)| ComponentSummary {
+            name: component.name.clone(),
+            steps: engine.plan.nodes[c].steps,
+            rejected: engine.slaves[c].rejected() + taken_back,
+            seconds_per_step: engine.meter.costs[c].seconds_per_step(),
+            share: if all > 0.0 { whole[c] / all } else { 0.0 },
         })
         .collect()
     }

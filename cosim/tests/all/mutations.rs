@@ -7,6 +7,13 @@ mod readers;
 
 use std::time::{Duration, Instant};
 
+use cosim::observe::McapRecorder;
+use cosim::{Overrides, Run, Snapshot, System, Time};
+use tempfile::TempDir;
+
+use crate::models::Model;
+use crate::ssd::Ssd;
+
 /// Numbers that are the same in every run (xorshift64*).
 struct Numbers(u64);
 
@@ -132,4 +139,29 @@ fn parameters() {
 #[test]
 fn tables() {
     survive(6, readers::TABLE.as_bytes(), 3000, readers::csv);
+}
+
+/// A system whose runs give files to break.
+fn system() -> System {
+    let ssd = Ssd::new().add("a", Model::Clock).add("b", Model::Integrator).connect("a.y", "b.u");
+    ssd.load(&Overrides::new()).unwrap()
+}
+
+#[test]
+fn results() {
+    let file = TempDir::new().unwrap().path().with_extension("mcap");
+    system().run(&mut [&mut McapRecorder::create(&file).unwrap()]).unwrap();
+    let good = std::fs::read(&file).unwrap();
+    std::fs::remove_file(&file).unwrap();
+    survive(7, &good, 1500, readers::mcap);
+}
+
+#[test]
+fn snapshots() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("a.snapshot");
+    let mut keep = |snapshot: Snapshot| snapshot.write(&file);
+    let half = [Time::from_nanoseconds(500_000_000)];
+    Run::new(&system()).snapshots(None, &half, &mut keep).go().unwrap();
+    survive(8, &std::fs::read(&file).unwrap(), 1500, readers::snapshot);
 }

@@ -66,7 +66,7 @@ impl Arguments {
                 self.integers += 1;
                 *word
             }
-            None => self.from_stack(),
+            None => self.next_on_stack(),
         }
     }
 
@@ -79,7 +79,7 @@ impl Arguments {
                 self.floats += 1;
                 f64::from_bits(register[0])
             }
-            None => f64::from_bits(self.from_stack()),
+            None => f64::from_bits(self.next_on_stack()),
         }
     }
 
@@ -96,14 +96,14 @@ impl Arguments {
             }
         }
         // Aligned to 16 bytes.
-        if self.stack.addr() % 16 != 0 {
-            self.from_stack();
+        if !self.stack.addr().is_multiple_of(16) {
+            self.next_on_stack();
         }
-        let (low, high) = (self.from_stack(), self.from_stack());
+        let (low, high) = (self.next_on_stack(), self.next_on_stack());
         if cfg!(target_arch = "aarch64") { quadruple(low, high) } else { extended(low, high) }
     }
 
-    fn from_stack(&mut self) -> u64 {
+    fn next_on_stack(&mut self) -> u64 {
         // SAFETY: above the frame of the caller lie those of its callers: a page at least, and
         // `printf` takes few arguments.
         let word = unsafe { self.stack.read() };

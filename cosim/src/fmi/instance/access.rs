@@ -18,7 +18,7 @@ const WRITABLE: &[State] = &[
 
 impl Instance {
     /// Sets Real variables.
-    #[inline]
+    #[inline(always)]
     pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Result<()> {
         self.check("fmi2SetReal", WRITABLE, references.len(), values.len())?;
         let shown = |f: &Followed| f.pairs(&Kind::Real, references, values);
@@ -30,7 +30,7 @@ impl Instance {
     }
 
     /// Reads Real variables.
-    #[inline]
+    #[inline(always)]
     pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Result<()> {
         self.check("fmi2GetReal", READABLE, references.len(), values.len())?;
         let shown = |f: &Followed| f.names(&Kind::Real, references);
@@ -128,7 +128,7 @@ impl Instance {
         result.map_err(|e| e.help(format!("the value was {} = {value}", variable.name)))
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn check(
         &self,
         function: &'static str,

@@ -39,6 +39,7 @@ impl Instance {
             name: name.to_owned(),
             state: State::Instantiated,
             time: Time::ZERO,
+            step: (Time::ZERO, 0.0),
             saved: Default::default(),
             callbacks: Some(callbacks),
             log,

@@ -6,9 +6,9 @@
 
 use std::time::Duration;
 
-use super::{Instance, State};
+use super::{Followed, Instance, State};
 use crate::error::{Code, Error, Result};
-use crate::fmi::library::{Own, Stepping};
+use crate::fmi::library::{Component, Functions, Own, Stepping};
 use crate::fmi::status::{self, RawStatus};
 use crate::time::Time;
 
@@ -21,49 +21,47 @@ const DO_STEP_STATUS: i32 = 0;
 const LAST_SUCCESSFUL_TIME: i32 = 2;
 const TERMINATED: i32 = 3;
 
-/// What became of a step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Step {
-    /// It was made as a whole.
-    Done,
-    /// The FMU made only a part of it, up to this instant, and discarded the rest. A saved state
-    /// may be set back, nothing else.
-    Discarded(Time),
-}
-
 impl Instance {
     /// Advances from `start` by `step`; a step that is not made as a whole is an error.
     pub fn do_step(&mut self, start: Time, step: Time) -> Result<()> {
         match self.try_step(start, step)? {
-            Step::Done => Ok(()),
-            Step::Discarded(reached) => Err(self.discarded(reached)),
+            reached if reached == start + step => Ok(()),
+            reached => Err(self.discarded(reached)),
         }
     }
 
-    /// Advances from `start` by `step`, or tells that the FMU discarded the step.
-    #[inline]
-    pub fn try_step(&mut self, start: Time, step: Time) -> Result<Step> {
+    /// Advances from `start` by `step`: the instant reached. If that is less than the whole, the FMU
+    /// discarded the rest, and a saved state may be set back, nothing else.
+    #[inline(always)]
+    pub fn try_step(&mut self, start: Time, step: Time) -> Result<Time> {
         self.require("fmi2DoStep", &[State::Ready])?;
         let Some(do_step) = self.hot.do_step else {
             return Err(self.refused("fmi2DoStep"));
         };
         self.time = start;
-        let (from, length) = (start.seconds(), step.seconds());
-        if let Some(followed) = &self.followed {
-            followed.begin("fmi2DoStep", &format!("{from:?}, {length:?}, true"));
+        if step != self.step.0 {
+            // A division less per step, most of which have one length.
+            self.step = (step, step.seconds());
         }
-        // SAFETY: the component is alive and the state allows the call.
-        let mut status = unsafe { do_step(self.component, from, length, 1) };
-        if let Some(followed) = &self.followed {
-            followed.end("fmi2DoStep", status, false);
-        }
+        let (from, length) = (start.seconds(), self.step.1);
+        let call = |_: &Functions, c: Component| {
+            // SAFETY: `c` is alive and the state allows the call.
+            unsafe { do_step(c, from, length, 1) }
+        };
+        let mut status = match self.followed {
+            None => call(&self.functions, self.component),
+            Some(_) => {
+                let shown = |_: &Followed| format!("{from:?}, {length:?}, true");
+                self.followed_call::<false>("fmi2DoStep", shown, call)
+            }
+        };
         if status == status::PENDING {
             status = self.wait()?;
         }
         match status {
             status::OK | status::WARNING => {
                 self.time = start + step;
-                Ok(Step::Done)
+                Ok(self.time)
             }
             status::DISCARD => self.reached(start, step),
             failed => Err(self.failed("fmi2DoStep", failed)),
@@ -111,7 +109,7 @@ impl Instance {
 
     /// How far a discarded step came; an FMU that does not say so came nowhere.
     #[cold]
-    fn reached(&mut self, start: Time, step: Time) -> Result<Step> {
+    fn reached(&mut self, start: Time, step: Time) -> Result<Time> {
         self.state = State::Failed;
         if self.boolean_status(TERMINATED) {
             let what = format!("'{}' ended the run at t = {}", self.name, self.time);
@@ -122,7 +120,8 @@ impl Instance {
         }
         let said = self.real_status(LAST_SUCCESSFUL_TIME);
         let reached = said.and_then(|t| Time::from_seconds(t, "the last successful time").ok());
-        Ok(Step::Discarded(reached.map_or(start, |t| t.clamp(start, start + step))))
+        // One that came to the end has no reason to discard the step: it came nowhere.
+        Ok(reached.filter(|t| *t > start && *t < start + step).unwrap_or(start))
     }
 
     /// The error for a discarded step that nobody repeats.
