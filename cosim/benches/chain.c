@@ -1,5 +1,5 @@
 /* The yardstick: a chain of FMUs stepped by a plain C loop: set, step, get, nothing else.
- * usage: chain LIBRARY LENGTH STEPS; prints nanoseconds per FMU-step. */
+ * usage: chain LIBRARY LENGTH STEPS; prints nanoseconds of processor time per FMU-step. */
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>

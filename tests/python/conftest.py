@@ -58,7 +58,9 @@ def pytest_terminal_summary(terminalreporter, config):
     rows = dict(config.verdicts)
     for file in sorted(VERDICTS.glob("*.csv")) if rows else []:
         for tool, check, fmu, verdict in csv.reader(file.open()):
-            rows.setdefault((tool, check), {})[fmu] = verdict
+            # A verdict older than the FMU was on another one.
+            if file.stat().st_mtime > (FMUS / f"{fmu}.fmu").stat().st_mtime:
+                rows.setdefault((tool, check), {})[fmu] = verdict
     if not rows:
         return
     terminalreporter.section("judges")

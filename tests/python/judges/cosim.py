@@ -37,11 +37,11 @@ CONNECTION = """<ssd:Connection startElement='{}' startConnector='{}' endElement
 """
 
 
-def run(*arguments, environment=None):
+def run(*arguments):
     """Runs the binary; its messages become the error."""
     assert COSIM.exists(), f"{COSIM} is missing: run `cargo build --release -p cosim`"
     command = [COSIM, *map(str, arguments)]
-    done = subprocess.run(command, capture_output=True, text=True, env=environment)
+    done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return done
 

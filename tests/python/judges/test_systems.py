@@ -1,6 +1,7 @@
 """Whole systems: the same trajectories in `cosim` (Jacobi) and in libcosim, step by step, to 1e-9."""
 
 import math
+import sysconfig
 from pathlib import Path
 
 import cosim
@@ -18,7 +19,7 @@ def compare(ssd, folder, base_step, steps):
     """Runs a system in both masters and compares every Real output after every base step."""
     cosim.run(
         "run", ssd, "--algorithm", "jacobi", "--output-interval", base_step,
-        "--stop-time", base_step * steps, "--output-file", folder / "out.csv",
+        "--stop-time", base_step * steps, "--output-file", folder / "out.csv", "--execution-tool",
     )
     found = cosim.read(folder / "out.csv")
     wanted = libcosim.system(ssd, folder, base_step).outputs(steps)
@@ -107,7 +108,11 @@ def test_fifty_components(element, tmp_path):
     assert len({values[-1] for values in outputs.values()}) == 100
 
 
-def test_with_a_component_of_pythonfmu(element, tmp_path):
+def test_with_a_component_of_pythonfmu(element, tmp_path, monkeypatch):
+    """Its library has the interpreter's symbols from the importer: here one is, `cosim` maps one."""
+    if sysconfig.get_config_var("Py_ENABLE_SHARED"):
+        library = Path(sysconfig.get_config_var("LIBDIR")) / sysconfig.get_config_var("INSTSONAME")
+        monkeypatch.setenv("COSIM_LIBPYTHON", str(library))
     stage = FmuBuilder.build_FMU(Path(__file__).with_name("stage.py"), tmp_path)
     outputs = system(
         tmp_path,
