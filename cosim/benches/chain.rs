@@ -144,7 +144,7 @@ impl Bench {
     }
 
     fn to_csv(&self, length: usize) -> f64 {
-        let mut csv = CsvRecorder::create(&self.folder.path().join("out.csv")).unwrap();
+        let mut csv = CsvRecorder::create(self.folder.path().join("out.csv")).unwrap();
         self.master(length, Algorithm::GaussSeidel, RECORDED_WORK, Some(&mut csv))
     }
 

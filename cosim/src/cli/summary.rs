@@ -14,26 +14,13 @@ pub(crate) struct Told<'a> {
     pub overruns: Option<Overruns>,
 }
 
-/// A line for the whole, a table of the components.
+/// So many components are told one by one.
+const TOLD: usize = 20;
+
+/// A line for the whole, a table of the components; of many those that took the most time.
 pub(crate) fn text(told: &Told) -> String {
     let Told { system, summary, spent, target, overruns } = told;
-    let mut lines = Vec::new();
-    let names = summary.components.iter().map(|c| c.name.chars().count());
-    let width = names.max().unwrap_or(0).max(9);
-    lines.push(format!(
-        "{:width$} {:>12} {:>9} {:>10} {:>7}",
-        "component", "steps", "rejected", "us/step", "share"
-    ));
-    for c in &summary.components {
-        lines.push(format!(
-            "{:width$} {:>12} {:>9} {:>10.3} {:>5.1} %",
-            c.name,
-            c.steps,
-            c.rejected,
-            c.seconds_per_step * 1e6,
-            c.share * 100.0
-        ));
-    }
+    let mut lines = table(summary);
     if let Some(o) = overruns {
         lines.push(match o.count {
             0 => format!("real time: no overrun at {} instants", o.instants),
@@ -54,6 +41,40 @@ pub(crate) fn text(told: &Told) -> String {
         summary.steps,
     ));
     lines.join("\n")
+}
+
+fn table(summary: &Summary) -> Vec<String> {
+    let mut components: Vec<_> = summary.components.iter().collect();
+    if components.len() > TOLD {
+        components.sort_by(|a, b| b.share.total_cmp(&a.share));
+    }
+    let rest = components.split_off(components.len().min(TOLD));
+    let names = components.iter().map(|c| c.name.chars().count());
+    let width = names.max().unwrap_or(0).max(9);
+    let head = ["component", "steps", "rejected", "us/step", "share"];
+    let mut lines = vec![format!(
+        "{:width$} {:>12} {:>9} {:>10} {:>7}",
+        head[0], head[1], head[2], head[3], head[4]
+    )];
+    lines.extend(components.iter().map(|c| {
+        format!(
+            "{:width$} {:>12} {:>9} {:>10.3} {:>5.1} %",
+            c.name,
+            c.steps,
+            c.rejected,
+            c.seconds_per_step * 1e6,
+            c.share * 100.0
+        )
+    }));
+    if !rest.is_empty() {
+        let share: f64 = rest.iter().map(|c| c.share).sum();
+        lines.push(format!(
+            "and {} more with {:.1} % together (--format json has them all)",
+            rest.len(),
+            share * 100.0
+        ));
+    }
+    lines
 }
 
 /// The same as JSON, in SI units.

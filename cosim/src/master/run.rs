@@ -162,11 +162,14 @@ impl<'a> Run<'a> {
                 output = output + interval;
                 ended = ended.or_else(|| self.observers.iter().find_map(|o| o.stop()));
             }
-            if goal == stop || (output > stop && self.action(acted).is_none_or(|at| at > stop)) {
-                break;
+            if goal == stop {
+                return Ok((stop, None));
             }
             if let Some(reason) = ended {
                 return Ok((goal, Some(reason)));
+            }
+            if output > stop && self.action(acted).is_none_or(|at| at > stop) {
+                break;
             }
         }
         // The part after the last output instant, when the interval does not divide the run.

@@ -167,6 +167,16 @@ impl Engine {
 
     /// Goes on from a snapshot of this system, after its own initialization.
     pub(super) fn resume(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let fits = snapshot.values.len() == self.values.len()
+            && snapshot.inputs.len() == self.inputs.len()
+            && snapshot.ends.len() == self.ends.len()
+            && snapshot.trends.len() == self.trends.len()
+            && snapshot.ramps.len() == self.ramps.len()
+            && snapshot.components.len() == self.slaves.len();
+        if !fits {
+            return Err(Error::new(Code::Snapshot, "the snapshot does not fit its own system")
+                .why("it has another number of values: the file was made by hand"));
+        }
         self.values.clone_from(&snapshot.values);
         self.inputs.clone_from(&snapshot.inputs);
         self.ends.clone_from(&snapshot.ends);

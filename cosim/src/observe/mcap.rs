@@ -177,9 +177,8 @@ impl Observer for McapRecorder {
 
 /// Appends a value at the next place that its size divides.
 fn encode(message: &mut Vec<u8>, field: Field, value: f64) {
-    while !(message.len() - CDR_HEADER.len()).is_multiple_of(field.size()) {
-        message.push(0);
-    }
+    let place = (message.len() - CDR_HEADER.len()).next_multiple_of(field.size());
+    message.resize(place + CDR_HEADER.len(), 0);
     match field {
         Field::Float64 => message.extend(value.to_le_bytes()),
         Field::Int32 => message.extend((value as i32).to_le_bytes()),

@@ -15,6 +15,9 @@ const COUPLING: f64 = 3.0;
 /// Added mass per mass, and stiffness of the split oscillator.
 const ADDED: f64 = 0.5;
 
+/// The greatest error of some results.
+type ErrorOf = fn(&Recording) -> f64;
+
 /// x1'' = -K x1 + C x2 and the same for x2, x1(0) = 1, x2(0) = 0: two modes.
 fn two_masses(t: f64) -> [f64; 2] {
     let (slow, fast) = (((K - COUPLING).sqrt() * t).cos(), ((K + COUPLING).sqrt() * t).cos());
@@ -46,10 +49,8 @@ fn acceleration(results: &Recording) -> f64 {
     found.skip(1).map(|(t, y)| (y - exact(*t)).abs()).fold(0.0, f64::max)
 }
 
-/// What a system is called in the table, the system, and its error.
-type Case = (&'static str, Ssd, fn(&Recording) -> f64);
-
-fn cases() -> Vec<Case> {
+/// A system, its error, and what it is called in the table.
+fn cases() -> Vec<(&'static str, Ssd, ErrorOf)> {
     let direct = masses().connect("a.y", "b.u").connect("b.y", "a.u");
     let sensed = masses()
         .add("sensor", Gain)
@@ -69,7 +70,7 @@ fn cases() -> Vec<Case> {
     ]
 }
 
-fn error(ssd: &Ssd, of: fn(&Recording) -> f64, overrides: Overrides, step: f64) -> f64 {
+fn error(ssd: &Ssd, of: ErrorOf, overrides: Overrides, step: f64) -> f64 {
     let names = ["a", "b", "sensor", "body", "water"];
     let text = ssd.text();
     let present = names.iter().filter(|name| text.contains(&format!("name='{name}'")));
@@ -78,7 +79,7 @@ fn error(ssd: &Ssd, of: fn(&Recording) -> f64, overrides: Overrides, step: f64) 
 }
 
 /// The slope between two steps, as the table shows it.
-fn order(ssd: &Ssd, of: fn(&Recording) -> f64, overrides: &Overrides) -> String {
+fn order(ssd: &Ssd, of: ErrorOf, overrides: &Overrides) -> String {
     let (coarse, fine) = (0.01, 0.005);
     let errors = [coarse, fine].map(|step| error(ssd, of, overrides.clone(), step));
     if errors[1] > 1.0 {

@@ -152,3 +152,11 @@ fn a_manipulator_of_ones_own_acts_when_it_wants_and_may_end_the_run() {
     assert_eq!((summary.stopped, summary.simulated), (Some(Stop::Enough), 0.2));
     assert_near(recording.column("free.y").unwrap(), &[0.0, 2.0, 4.0]);
 }
+
+#[test]
+fn an_end_after_the_last_output_instant_ends_the_run_there() {
+    let system = system(&Overrides::new().output_interval(0.4));
+    let mut scenario = scenario(r#"{"events": [], "end": 0.5}"#).unwrap();
+    let summary = Run::new(&system).manipulate(&mut scenario).go().unwrap();
+    assert_eq!((summary.stopped, summary.simulated), (Some(Stop::Enough), 0.5));
+}

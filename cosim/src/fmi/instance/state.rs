@@ -20,15 +20,13 @@ pub enum Place {
     Retry,
     /// The beginning of a step whose error is controlled.
     Control,
-    /// The middle of such a step.
-    Middle,
     /// A snapshot.
     Snapshot,
 }
 
 impl Place {
     /// How many there are.
-    pub const COUNT: usize = 5;
+    pub const COUNT: usize = 4;
 }
 
 impl Instance {
