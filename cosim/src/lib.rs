@@ -28,6 +28,7 @@ pub mod signals;
 pub mod solver;
 pub mod system;
 pub mod time;
+pub mod units;
 pub mod xml;
 
 pub use error::{Code, Error, Result};

@@ -5,6 +5,7 @@
 
 mod changes;
 mod completion;
+mod convert;
 mod explain;
 mod info;
 mod inspect;
@@ -36,6 +37,7 @@ enum Verb {
     Validate(validate::Validate),
     Simulate(simulate::Simulate),
     Run(run::Run),
+    Convert(convert::Convert),
     Report(report::Report),
     Explain(explain::Explain),
     Completion(completion::Completion),
@@ -59,6 +61,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<()> {
         Verb::Validate(verb) => verb.run(),
         Verb::Simulate(verb) => verb.run(),
         Verb::Run(verb) => verb.run(),
+        Verb::Convert(verb) => verb.run(),
         Verb::Report(verb) => verb.run(),
         Verb::Explain(verb) => verb.run(),
         Verb::Completion(verb) => verb.run(),

@@ -8,7 +8,7 @@ use cosim::{Result, System};
 use super::changes::Changes;
 use super::output::Output;
 
-/// Run a system description (.ssd) or package (.ssp)
+/// Run a system: SSP (.ssd, .ssp) or OSP (OspSystemStructure.xml or its folder)
 #[derive(Args)]
 pub(crate) struct Run {
     /// The system

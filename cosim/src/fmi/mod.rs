@@ -13,6 +13,8 @@ mod library;
 mod log;
 mod status;
 
-pub use description::{Causality, Description, InterfaceType, Kind, Value, Variability, Variable};
+pub use description::{
+    Causality, Description, InterfaceType, Kind, Output, Value, Variability, Variable,
+};
 pub use fmu::Fmu;
 pub use instance::{Instance, NextEvent, State};

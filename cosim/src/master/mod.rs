@@ -14,9 +14,11 @@
 //! Initialization: in initialization mode values are passed on in the same order, again and again
 //! until none changes, at most as often as there are components (plus one).
 
+mod converting_slave;
 mod engine;
 mod exchange_slave;
 mod fmu_slave;
+mod function_slave;
 mod group;
 mod iterate;
 mod newton;
@@ -31,9 +33,11 @@ use crate::fmi::InterfaceType;
 use crate::observe::{Observer, RunInfo, Stop};
 use crate::system::{Model, System};
 use crate::time::Time;
+use converting_slave::ConvertingSlave;
 use engine::Engine;
 use exchange_slave::ExchangeSlave;
 use fmu_slave::FmuSlave;
+use function_slave::FunctionSlave;
 use plan::Plan;
 use signal_slave::SignalSlave;
 
@@ -124,8 +128,8 @@ impl System {
     fn engine(&self) -> Result<Engine> {
         let plan = Plan::new(self);
         let mut slaves: Vec<Box<dyn Slave>> = Vec::with_capacity(plan.nodes.len());
-        for (component, node) in self.components().iter().zip(&plan.nodes) {
-            slaves.push(match &component.model {
+        for (position, (component, node)) in self.components().iter().zip(&plan.nodes).enumerate() {
+            let slave: Box<dyn Slave> = match &component.model {
                 Model::Fmu(fmu) if component.interface == InterfaceType::ModelExchange => {
                     let (solver, logging) = (self.solver(), self.debug_logging());
                     Box::new(ExchangeSlave::new(component, fmu, node, solver, logging)?)
@@ -134,7 +138,9 @@ impl System {
                     Box::new(FmuSlave::new(component, fmu, node, self.debug_logging())?)
                 }
                 Model::Signals(signals) => Box::new(SignalSlave::new(signals, node)),
-            });
+                Model::Function(function) => Box::new(FunctionSlave::new(function, node)),
+            };
+            slaves.push(ConvertingSlave::around(slave, self, position, node));
         }
         Ok(Engine::new(plan, slaves, self.start_time()))
     }

@@ -7,6 +7,7 @@ use super::{
     Causality, Description, Experiment, Interface, Kind, Output, Value, Variability, Variable,
 };
 use crate::error::{Code, Error, Result};
+use crate::units;
 use crate::xml::{self, Element};
 
 /// Enumerations by the name of their type.
@@ -15,13 +16,29 @@ type Enumerations = BTreeMap<String, Vec<(String, i32)>>;
 /// Reads `file`; `shown` is its name in messages.
 pub fn read(file: &Path, shown: &Path) -> Result<Description> {
     let root = xml::read(file, shown)?;
-    let reader = Reader { file: shown, enumerations: enumerations(&root, shown)? };
+    let reader = Reader {
+        file: shown,
+        enumerations: enumerations(&root, shown)?,
+        units_of_types: units_of_types(&root),
+    };
     reader.description(&root)
 }
 
 struct Reader<'a> {
     file: &'a Path,
     enumerations: Enumerations,
+    /// What a Real without a unit inherits from its declared type.
+    units_of_types: BTreeMap<String, String>,
+}
+
+fn units_of_types(root: &Element) -> BTreeMap<String, String> {
+    let types = root.grandchildren("TypeDefinitions").iter();
+    types
+        .filter_map(|simple| {
+            let unit = simple.child("Real")?.get("unit")?;
+            Some((simple.get("name")?.to_owned(), unit.to_owned()))
+        })
+        .collect()
 }
 
 fn enumerations(root: &Element, file: &Path) -> Result<Enumerations> {
@@ -75,6 +92,11 @@ impl Reader<'_> {
                 .parse("numberOfEventIndicators", self.file, Code::Description)?
                 .unwrap_or(0),
             experiment: self.experiment(root)?,
+            units: units::read(
+                root.grandchildren("UnitDefinitions"),
+                self.file,
+                Code::Description,
+            )?,
             outputs: self.outputs(root, &variables)?,
             variables,
             positions,
@@ -156,7 +178,7 @@ impl Reader<'_> {
         };
         Ok(Variable {
             description: element.get("description").unwrap_or_default().to_owned(),
-            unit: typed.get("unit").map(str::to_owned),
+            unit: self.unit(typed).map(str::to_owned),
             line: element.line,
             name,
             value_reference,
@@ -166,6 +188,11 @@ impl Reader<'_> {
             kind,
             start,
         })
+    }
+
+    fn unit<'e>(&'e self, typed: &'e Element) -> Option<&'e str> {
+        let declared = || self.units_of_types.get(typed.get("declaredType")?);
+        typed.get("unit").or_else(|| declared().map(String::as_str))
     }
 
     fn kind(&self, element: &Element) -> Option<Kind> {
