@@ -28,7 +28,8 @@ impl ConvertingSlave {
         let conversions: Vec<_> = own
             .filter_map(|connection| {
                 let slot = node.inputs.iter().position(|&v| v == connection.to.variable)?;
-                let (from, to) = (system.port_name(connection.from), system.port_name(connection.to));
+                let (from, to) =
+                    (system.port_name(connection.from), system.port_name(connection.to));
                 Some((slot, connection.conversion.clone()?, format!("{from} -> {to}")))
             })
             .collect();

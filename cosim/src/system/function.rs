@@ -36,8 +36,7 @@ impl Function {
             dependencies: Some((0..inputs).map(|input| input * width + element).collect()),
         });
         let outputs = outputs.collect();
-        variables
-            .extend((0..width).map(|e| port(format!("out{}", index(e)), Causality::Output)));
+        variables.extend((0..width).map(|e| port(format!("out{}", index(e)), Causality::Output)));
         let description = Description::of_model(name, variables, outputs);
         Some(Self { inputs, dimension, description })
     }

@@ -56,8 +56,7 @@ fn sampled(system: &System, found: &Loop) -> bool {
 
 fn discrete(system: &System, port: Port) -> bool {
     let description = system.components[port.component].model.description();
-    description
-        .is_some_and(|d| d.variables[port.variable].variability != Variability::Continuous)
+    description.is_some_and(|d| d.variables[port.variable].variability != Variability::Continuous)
 }
 
 /// A loop in words; connections between the same two components are told once.

@@ -27,6 +27,8 @@ pub(super) struct RawSystem {
     pub connections: Vec<RawConnection>,
     /// In the order in which they are applied: a later one wins.
     pub parameters: Vec<RawParameter>,
+    /// Where start and stop stand.
+    pub experiment: Option<Place>,
     pub start: Option<f64>,
     pub stop: Option<f64>,
     pub master: RawMaster,
@@ -124,7 +126,10 @@ pub(super) struct Stage {
 /// What a connection or a mapping does to the value.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Transformation {
-    Linear { factor: f64, offset: f64 },
+    Linear {
+        factor: f64,
+        offset: f64,
+    },
     Boolean(Vec<(bool, bool)>),
     Integer(Vec<(i32, i32)>),
     /// Items by their names.

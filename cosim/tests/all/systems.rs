@@ -60,7 +60,11 @@ fn wrong_files_are_told_with_line_and_remedy() {
             "endConnector='u'><ssc:LinearTransformation factor='two'/></ssd:Connection>",
             &[":33", "factor=\"two\""],
         ),
-        ("<ssd:Connections>", "<ssd:Extra/><ssd:Connections>", &["E201", ":32", "<Extra> in <System>"]),
+        (
+            "<ssd:Connections>",
+            "<ssd:Extra/><ssd:Connections>",
+            &["E201", ":32", "<Extra> in <System>"],
+        ),
         ("</ssd:System>", "", &["E103"]),
         ("SSP1/SystemStructureDescription'", "elsewhere'", &["root element"]),
     ] {
@@ -134,8 +138,11 @@ fn overrides_take_effect() {
 
 #[test]
 fn an_unknown_attribute_is_a_warning() {
-    let text =
-        two().text().replacen("<ssd:Component name='gain'", "<ssd:Component sorce='x' name='gain'", 1);
+    let text = two().text().replacen(
+        "<ssd:Component name='gain'",
+        "<ssd:Component sorce='x' name='gain'",
+        1,
+    );
     let folder = tempfile::TempDir::new().unwrap();
     let file = folder.path().join("test.ssd");
     std::fs::write(&file, text).unwrap();

@@ -130,8 +130,8 @@ fn check_connector(
     fmu: &Arc<Fmu>,
 ) -> Result<()> {
     let model = Model::Fmu(fmu.clone());
-    let (_, variable) = variable(&component.name, &model, &connector.name)
-        .map_err(|e| connector.place.mark(e))?;
+    let (_, variable) =
+        variable(&component.name, &model, &connector.name).map_err(|e| connector.place.mark(e))?;
     let wrong = |what: String| connector.place.mark(Error::new(Code::Connection, what));
     let causality = match variable.causality {
         Causality::Parameter => "parameter",
@@ -185,7 +185,8 @@ pub(super) fn variable<'m>(
     model: &'m Model,
     name: &str,
 ) -> Result<(usize, &'m Variable)> {
-    let unknown = || Error::new(Code::UnknownName, format!("'{component}' has no variable '{name}'"));
+    let unknown =
+        || Error::new(Code::UnknownName, format!("'{component}' has no variable '{name}'"));
     let Some(description) = model.description() else {
         return Err(unknown());
     };

@@ -157,30 +157,26 @@ impl<'a> Checker<'a> {
     fn end(&self, component: usize, model: &'a Model, (_, name): &Name) -> Result<End<'a>> {
         let opened = &self.opened[component];
         let found = variable(&opened.name, model, name);
-        let (position, variable) = found.map_err(|unknown| match (&opened.model, opened.replaced) {
-            (Some(Model::Fmu(fmu)), true) => self
-                .wrong(Code::Replacement, format!("'{}' has no output '{name}'", opened.name))
-                .why(format!(
-                    "{} was put in its place, and the connection to {}.{} needs it",
-                    fmu.path().display(),
-                    self.connection.to.0,
-                    self.connection.to.1,
-                ))
-                .help("take an FMU with the same outputs"),
-            _ => self.place(unknown),
-        })?;
+        let (position, variable) =
+            found.map_err(|unknown| match (&opened.model, opened.replaced) {
+                (Some(Model::Fmu(fmu)), true) => self
+                    .wrong(Code::Replacement, format!("'{}' has no output '{name}'", opened.name))
+                    .why(format!(
+                        "{} was put in its place, and the connection to {}.{} needs it",
+                        fmu.path().display(),
+                        self.connection.to.0,
+                        self.connection.to.1,
+                    ))
+                    .help("take an FMU with the same outputs"),
+                _ => self.place(unknown),
+            })?;
         let connectors = self.raw.components[component].connectors.as_ref();
         let listed = connectors.filter(|_| !opened.replaced);
         let listed = listed.and_then(|list| list.iter().find(|c| c.name == *name));
         Ok(End { port: Port { component, variable: position }, variable, model, listed })
     }
 
-    fn causality(
-        &self,
-        end: &End<'_>,
-        component: &str,
-        wanted: Causality,
-    ) -> Result<()> {
+    fn causality(&self, end: &End<'_>, component: &str, wanted: Causality) -> Result<()> {
         if end.variable.causality == wanted {
             return Ok(());
         }

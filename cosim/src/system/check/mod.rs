@@ -47,8 +47,7 @@ pub(super) fn check(
     let names = Names::of(&opened);
     let start_values = parameters::check(&raw, overrides, &opened, &names, &mut findings);
     let timing = timing::check(&raw, overrides, &opened, &mut findings);
-    let suggested =
-        opened.iter().filter_map(|o| o.description()?.experiment.tolerance);
+    let suggested = opened.iter().filter_map(|o| o.description()?.experiment.tolerance);
     let solver = findings.note(overrides.settings(suggested.reduce(f64::min)));
     let wanted = match &overrides.output_variables[..] {
         [] => &raw.recorded,

@@ -3,8 +3,8 @@
 use super::Findings;
 use super::components::Opened;
 use crate::error::{Code, Error, Result};
-use crate::system::{Model, Overrides};
 use crate::system::raw::RawSystem;
+use crate::system::{Model, Overrides};
 use crate::time::Time;
 
 /// Steps that share no common base longer than this part of the smallest are refused.
@@ -28,9 +28,23 @@ pub(super) fn check(
     let rest = span(raw, overrides, opened).and_then(|(start, stop)| {
         let wanted = overrides.output_interval.or(raw.master.output_interval);
         let output_interval = check_span(&steps, start, stop, wanted)?;
-        Ok(Timing { start, stop, output_interval, steps })
+        Ok(Timing { start, stop, output_interval, steps: steps.clone() })
     });
-    findings.note(rest.map_err(|e| e.at(&raw.file)))
+    findings.note(rest.map_err(|e| match (misfit(&steps), &raw.experiment) {
+        (Some(component), _) => raw.components[component].place.mark(e),
+        (None, Some(place)) => place.mark(e),
+        (None, None) => e.at(&raw.file),
+    }))
+}
+
+/// The first component whose step has no common base with those before it.
+fn misfit(steps: &[Time]) -> Option<usize> {
+    let smallest = steps.iter().min().copied()?;
+    let mut base = *steps.first()?;
+    steps.iter().position(|&step| {
+        base = base.gcd(step);
+        base.nanoseconds() < smallest.nanoseconds() / FINEST
+    })
 }
 
 /// A component's step: of the command line, of its annotation, of its FMU's default experiment,
@@ -80,10 +94,8 @@ fn steps(
 
 fn span(raw: &RawSystem, overrides: &Overrides, opened: &[Opened]) -> Result<(Time, Time)> {
     let start = overrides.start_time.or(raw.start).unwrap_or(0.0);
-    let suggested = opened
-        .iter()
-        .filter_map(|o| o.description()?.experiment.stop)
-        .max_by(f64::total_cmp);
+    let suggested =
+        opened.iter().filter_map(|o| o.description()?.experiment.stop).max_by(f64::total_cmp);
     let stop = overrides.stop_time.or(raw.stop).or(suggested).ok_or_else(|| {
         Error::new(Code::Timing, "there is no stop time").help(
             "give --stop-time SECONDS, or in the file <ssd:DefaultExperiment stopTime=\"...\"/> (SSP) \

@@ -48,7 +48,9 @@ impl Base {
             None => rest,
             Some(scheme) if scheme.eq_ignore_ascii_case("file") => local(rest)?,
             Some(scheme) => {
-                return Err(format!("its scheme is '{scheme}:', and nothing is downloaded or asked"));
+                return Err(format!(
+                    "its scheme is '{scheme}:', and nothing is downloaded or asked"
+                ));
             }
         };
         let path = decode(path)?;
@@ -137,8 +139,7 @@ pub(in crate::system) fn write(path: &Path, folder: &Path) -> String {
     let absolute = |p: &Path| p.canonicalize().unwrap_or_else(|_| p.to_owned());
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let (path, folder) = (absolute(path), absolute(folder));
-    let shared =
-        path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
+    let shared = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
     // Two places that share no more than the root have nothing to do with one another.
     let relative: PathBuf = if shared < 2 {
         path

@@ -50,8 +50,7 @@ pub(super) fn text(system: &System, files: &Files, notes: &mut Vec<String>) -> R
 
 /// The converted connections: position, name of the function, what it does.
 fn converted(system: &System) -> Result<Vec<(usize, String, Linear)>> {
-    let mut taken: BTreeSet<String> =
-        system.components().iter().map(|c| c.name.clone()).collect();
+    let mut taken: BTreeSet<String> = system.components().iter().map(|c| c.name.clone()).collect();
     let mut found = Vec::new();
     for (position, connection) in system.connections().iter().enumerate() {
         let names =
@@ -91,7 +90,8 @@ impl Writer<'_> {
         }
         let step = number(component.step.seconds());
         let source = files.source(position);
-        let attributes = [("name", component.name.as_str()), ("source", source), ("stepSize", &step)];
+        let attributes =
+            [("name", component.name.as_str()), ("source", source), ("stepSize", &step)];
         if component.start_values.is_empty() {
             xml.empty("Simulator", &attributes);
             return Ok(());

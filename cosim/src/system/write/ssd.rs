@@ -175,8 +175,9 @@ impl Writer<'_> {
     fn connection(&self, xml: &mut Xml, connection: &Connection) {
         let (from, to) = (connection.from, connection.to);
         let element = |port: Port| self.system.components()[port.component].name.as_str();
-        let variable =
-            |port: Port| self.system.components()[port.component].model.variable_name(port.variable);
+        let variable = |port: Port| {
+            self.system.components()[port.component].model.variable_name(port.variable)
+        };
         let linear = matches!(connection.conversion, Some(Conversion::Linear(_)));
         let suppress = linear || self.unit(from) != self.unit(to);
         let mut attributes = vec![
@@ -276,9 +277,10 @@ impl System {
     pub(super) fn records_all_outputs(&self) -> bool {
         let outputs = self.components.iter().enumerate().flat_map(|(component, c)| {
             let variables = c.model.description().map_or(&[][..], |d| &d.variables);
-            let numbers = variables.iter().enumerate().filter(|(_, v)| {
-                v.causality == Causality::Output && v.kind != Kind::String
-            });
+            let numbers = variables
+                .iter()
+                .enumerate()
+                .filter(|(_, v)| v.causality == Causality::Output && v.kind != Kind::String);
             numbers.map(move |(variable, _)| Port { component, variable })
         });
         outputs.eq(self.columns.iter().map(|column| column.port))

@@ -17,7 +17,11 @@ pub(super) fn write(xml: &mut Xml, conversion: &Conversion, kind: &Kind) {
     };
     let boolean = *kind == Kind::Boolean;
     xml.start(
-        if boolean { "ssc:BooleanMappingTransformation" } else { "ssc:IntegerMappingTransformation" },
+        if boolean {
+            "ssc:BooleanMappingTransformation"
+        } else {
+            "ssc:IntegerMappingTransformation"
+        },
         &[],
     );
     for (source, target) in entries {

@@ -1,7 +1,5 @@
 //! XML as text, indented, one element a line.
 
-use std::fmt::Write;
-
 /// A document being written.
 pub(super) struct Xml {
     text: String,
@@ -73,8 +71,7 @@ impl Xml {
                 '&' => self.text.push_str("&amp;"),
                 '"' => self.text.push_str("&quot;"),
                 '\n' | '\r' | '\t' => {
-                    // Writing to a String cannot fail.
-                    drop(write!(self.text, "&#{};", character as u32));
+                    self.text.push_str(&format!("&#{};", character as u32));
                 }
                 other => self.text.push(other),
             }

@@ -50,9 +50,8 @@ impl Reader {
             return Ok(());
         };
         if of_a.len() != of_b.len() {
-            return Err(self
-                .wrong(element, "the two groups are not of the same size")
-                .why(format!(
+            return Err(self.wrong(element, "the two groups are not of the same size").why(
+                format!(
                     "'{}' of '{}' has {} variables, '{}' of '{}' has {}",
                     a.1,
                     a.0,
@@ -60,7 +59,8 @@ impl Reader {
                     b.1,
                     b.0,
                     of_b.len()
-                )));
+                ),
+            ));
         }
         for (from, to) in of_a.into_iter().zip(of_b) {
             self.connect((a.0.clone(), from), (b.0.clone(), to), element);
@@ -72,14 +72,13 @@ impl Reader {
         let (function, signal, variable) = self.mixed(element, "Signal", "Variable")?;
         if let Some(linear) = self.linear.iter().position(|l| l.name == function) {
             let place = self.place(element);
-            let linear = &mut self.linear[linear];
             match signal.as_str() {
-                "in" if linear.source.is_some() => {
+                "in" if self.linear[linear].source.is_some() => {
                     let what = format!("the input of the function '{function}' has two drivers");
                     return Err(place.mark(Error::new(Code::Connection, what)));
                 }
-                "in" => linear.source = Some(variable),
-                "out" => linear.sinks.push((variable, place)),
+                "in" => self.linear[linear].source = Some(variable),
+                "out" => self.through(linear, variable, place),
                 other => {
                     let what = format!("the function '{function}' has no signal '{other}'");
                     return Err(place
@@ -152,9 +151,9 @@ impl Reader {
     ) -> Result<(String, String, Name)> {
         self.known(element, &[signal, variable], &[]);
         let child = |name: &str| {
-            element.child(name).ok_or_else(|| {
-                self.wrong(element, format!("<{}> has no <{name}>", element.name))
-            })
+            element
+                .child(name)
+                .ok_or_else(|| self.wrong(element, format!("<{}> has no <{name}>", element.name)))
         };
         let (signal, variable) = (child(signal)?, child(variable)?);
         let text = |name| signal.require(name, &self.file, Code::Ssd).map(str::to_owned);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Reader;
-use crate::error::{Code, Result};
+use crate::error::{Code, Error, Result};
 use crate::system::function::{Function, MAX_PORTS};
 use crate::system::raw::{Place, RawComponent, RawConnection, RawModel, Stage, Transformation};
 use crate::xml::Element;
@@ -16,8 +16,8 @@ pub(super) struct Linear {
     pub place: Place,
     /// The variable at `in`.
     pub source: Option<(String, String)>,
-    /// Variables at `out`.
-    pub sinks: Vec<((String, String), Place)>,
+    /// Connections at `out`, by their position.
+    pub sinks: Vec<usize>,
 }
 
 impl Reader {
@@ -41,8 +41,7 @@ impl Reader {
     fn linear(&mut self, element: &Element) -> Result<()> {
         self.known(element, &[], &["name", "factor", "offset"]);
         let number = |name| element.parse::<f64>(name, &self.file, Code::Ssd);
-        let (factor, offset) =
-            (number("factor")?.unwrap_or(1.0), number("offset")?.unwrap_or(0.0));
+        let (factor, offset) = (number("factor")?.unwrap_or(1.0), number("offset")?.unwrap_or(0.0));
         if !factor.is_finite() || !offset.is_finite() {
             return Err(self.wrong(element, "factor and offset must be finite"));
         }
@@ -50,7 +49,8 @@ impl Reader {
         let place = self.place(element);
         let known = self.linear.iter().find(|l| l.name == name);
         if let Some(first) = known {
-            return Err(self.wrong(element, format!("two functions are named '{name}'"))
+            return Err(self
+                .wrong(element, format!("two functions are named '{name}'"))
                 .why(format!("the first on line {}", first.place.line)));
         }
         self.linear.push(Linear { name, factor, offset, place, source: None, sinks: Vec::new() });
@@ -86,34 +86,45 @@ impl Reader {
         Ok(())
     }
 
-    /// Turns linear transformations into what connections do to their values.
+    /// A connection from `out` stands for the whole way, in its place among the others.
+    pub(super) fn through(&mut self, linear: usize, to: (String, String), place: Place) {
+        let linear = &mut self.linear[linear];
+        linear.sinks.push(self.connections.len());
+        let (factor, offset) = (linear.factor, linear.offset);
+        let stage = Stage {
+            transformation: Some(Transformation::Linear { factor, offset }),
+            // Who writes such a function means the numbers as they are.
+            suppress_unit_conversion: true,
+            unit: None,
+        };
+        let from = (linear.name.clone(), "out".to_owned());
+        self.connections.push(RawConnection { from, to, stages: vec![stage], place });
+    }
+
+    /// Gives the connections through linear transformations their sources.
     pub(super) fn join_linear(&mut self) {
+        let mut without_source = Vec::new();
         for linear in std::mem::take(&mut self.linear) {
-            let Some(source) = linear.source else {
-                let problem = crate::error::Error::new(
-                    Code::Connection,
-                    format!("nothing is connected to 'in' of the function '{}'", linear.name),
-                );
-                self.gathered.problems.push(linear.place.mark(problem));
-                continue;
-            };
             if linear.sinks.is_empty() {
                 self.gathered.warnings.push(format!(
                     "{}: nothing is connected to 'out' of the function '{}': it is left out",
                     linear.place, linear.name
                 ));
             }
-            for (to, place) in linear.sinks {
-                let (factor, offset) = (linear.factor, linear.offset);
-                let stage = Stage {
-                    transformation: Some(Transformation::Linear { factor, offset }),
-                    // Who writes such a function means the numbers as they are.
-                    suppress_unit_conversion: true,
-                    unit: None,
-                };
-                let from = source.clone();
-                self.connections.push(RawConnection { from, to, stages: vec![stage], place });
+            if let Some(source) = linear.source {
+                for sink in linear.sinks {
+                    self.connections[sink].from = source.clone();
+                }
+                continue;
             }
+            let what = format!("nothing is connected to 'in' of the function '{}'", linear.name);
+            self.gathered.problems.push(linear.place.mark(Error::new(Code::Connection, what)));
+            without_source.extend(linear.sinks);
         }
+        let mut position = 0;
+        self.connections.retain(|_| {
+            position += 1;
+            !without_source.contains(&(position - 1))
+        });
     }
 }

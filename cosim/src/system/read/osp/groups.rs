@@ -41,9 +41,8 @@ impl Reader {
         (simulator, name): &(String, String),
         element: &Element,
     ) -> Result<Option<Vec<String>>> {
-        let unknown = |what: String| {
-            Error::new(Code::UnknownName, what).at_line(&self.file, element.line)
-        };
+        let unknown =
+            |what: String| Error::new(Code::UnknownName, what).at_line(&self.file, element.line);
         let groups = match self.groups.0.get(simulator) {
             Some(Some(groups)) => groups,
             Some(None) => {

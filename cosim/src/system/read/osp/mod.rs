@@ -30,7 +30,12 @@ pub(in crate::system) const NAMESPACE: &str =
     "http://opensimulationplatform.com/MSMI/OSPSystemStructure";
 
 /// Reads a structure whose root element is `root`.
-pub(super) fn read(root: &Element, file: &Path, base: Base, gathered: Gathered) -> Result<RawSystem> {
+pub(super) fn read(
+    root: &Element,
+    file: &Path,
+    base: Base,
+    gathered: Gathered,
+) -> Result<RawSystem> {
     let mut reader = Reader {
         file: file.into(),
         base,
@@ -48,6 +53,8 @@ pub(super) fn read(root: &Element, file: &Path, base: Base, gathered: Gathered) 
     reader.simulators(root, master.step);
     reader.functions(root);
     reader.connections(root);
+    let experiment = root.child("EndTime").or(root.child("StartTime"));
+    let experiment = experiment.map(|element| reader.place(element));
     let recorded = reader.log_config(&mut master);
     let name = file.parent().and_then(|p| p.file_name()).filter(|_| reader.base.folder.is_some());
     Ok(RawSystem {
@@ -56,6 +63,7 @@ pub(super) fn read(root: &Element, file: &Path, base: Base, gathered: Gathered) 
         components: reader.components,
         connections: reader.connections,
         parameters: reader.parameters,
+        experiment,
         start,
         stop,
         master,
@@ -90,7 +98,8 @@ impl Reader {
         }
         let version = root.require("version", &self.file, Code::Ssd)?;
         if !version.starts_with("0.") {
-            return Err(self.wrong(root, format!("the version of the structure is '{version}'"))
+            return Err(self
+                .wrong(root, format!("the version of the structure is '{version}'"))
                 .why("0.1 is supported"));
         }
         self.known(

@@ -123,9 +123,11 @@ impl Reader<'_> {
             }
             Some(other) => {
                 let problem = self.wrong(element, format!("the type of '{name}' is \"{other}\""));
-                self.gathered.problems.push(problem.why(format!(
-                    "what can be run is \"{FMU}\", \"{DEFINITION}\", \"{PACKAGE}\""
-                )));
+                self.gathered.problems.push(
+                    problem.why(format!(
+                        "what can be run is \"{FMU}\", \"{DEFINITION}\", \"{PACKAGE}\""
+                    )),
+                );
             }
         }
         let connectors = element.grandchildren("Connectors").iter();
@@ -197,7 +199,8 @@ impl Reader<'_> {
         let other = ["ConnectorGeometry", "Annotations", "MetaData", "Signature", "Dimension"];
         let children: Vec<&str> = TYPES.iter().copied().chain(other).collect();
         self.known(element, &children, &["name", "kind"]);
-        let array = element.child("Dimension").map(|dimension| self.unsupported(dimension, "arrays"));
+        let array =
+            element.child("Dimension").map(|dimension| self.unsupported(dimension, "arrays"));
         self.gathered.problems.extend(array);
         let typed = element.children.iter().find(|c| TYPES.contains(&c.name.as_str()));
         let name = element.require("name", &self.file, Code::Ssd).map(str::to_owned);

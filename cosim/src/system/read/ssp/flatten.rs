@@ -9,9 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::error::{Code, Error};
 use crate::names;
-use crate::system::raw::{
-    Place, RawComponent, RawConnection, RawConnector, RawParameter, Stage,
-};
+use crate::system::raw::{Place, RawComponent, RawConnection, RawConnector, RawParameter, Stage};
 
 use super::super::gathered::Gathered;
 use super::join;

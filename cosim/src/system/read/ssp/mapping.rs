@@ -38,8 +38,7 @@ impl Reader<'_> {
                 let base = self.base_of(element, component)?;
                 let file = base.follow(source, &self.place(element))?;
                 let at = self.place(element);
-                let root =
-                    xml::read(&file, &file).map_err(|e| e.help(format!("named in {at}")))?;
+                let root = xml::read(&file, &file).map_err(|e| e.help(format!("named in {at}")))?;
                 let mut other = Reader {
                     file: Arc::from(file.as_path()),
                     base,
@@ -57,10 +56,9 @@ impl Reader<'_> {
 
     fn entries(&mut self, mapping: &Element) -> Result<Vec<Entry>> {
         if mapping.name != "ParameterMapping" {
-            return Err(self.wrong(
-                mapping,
-                format!("<{}> where <ParameterMapping> belongs", mapping.name),
-            ));
+            return Err(
+                self.wrong(mapping, format!("<{}> where <ParameterMapping> belongs", mapping.name))
+            );
         }
         self.version(mapping)?;
         let children = ["MappingEntry", "Annotations", "MetaData", "Signature"];

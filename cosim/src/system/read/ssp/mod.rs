@@ -62,6 +62,7 @@ pub(super) fn read(
     reader.master(root, &mut master, &mut recorded);
     reader.master(system, &mut master, &mut recorded);
     let (start, stop) = reader.experiment(root, &mut master, &mut recorded);
+    let experiment = root.child("DefaultExperiment").map(|e| reader.place(e));
     reader.system(system, "");
     let mut flat = flatten::flatten(nested, &mut gathered);
     for component in &mut flat.components {
@@ -73,6 +74,7 @@ pub(super) fn read(
         components: flat.components,
         connections: flat.connections,
         parameters: flat.parameters,
+        experiment,
         start,
         stop,
         master,

@@ -59,10 +59,8 @@ impl Reader<'_> {
         if let Some(entries) = mapping {
             for entry in &entries {
                 if !values.iter().any(|v| v.name == entry.source) {
-                    let hint = names::did_you_mean(
-                        &entry.source,
-                        values.iter().map(|v| v.name.as_str()),
-                    );
+                    let hint =
+                        names::did_you_mean(&entry.source, values.iter().map(|v| v.name.as_str()));
                     self.gathered.warnings.push(format!(
                         "{}: the mapping names '{}', which the parameters do not have{}",
                         entry.place,
@@ -94,12 +92,7 @@ impl Reader<'_> {
         }
     }
 
-    fn set(
-        &mut self,
-        set: &Element,
-        required: bool,
-        values: &mut Vec<RawParameter>,
-    ) -> Result<()> {
+    fn set(&mut self, set: &Element, required: bool, values: &mut Vec<RawParameter>) -> Result<()> {
         if set.name != "ParameterSet" {
             return Err(self.wrong(set, format!("<{}> where <ParameterSet> belongs", set.name)));
         }
@@ -119,8 +112,7 @@ impl Reader<'_> {
     fn value(&self, parameter: &Element, required: bool, units: &Units) -> Result<RawParameter> {
         let name = parameter.require("name", &self.file, Code::Ssd)?;
         let typed = parameter.children.iter().find(|c| c.name != "Annotations");
-        let typed =
-            typed.ok_or_else(|| self.wrong(parameter, format!("'{name}' has no value")))?;
+        let typed = typed.ok_or_else(|| self.wrong(parameter, format!("'{name}' has no value")))?;
         let kind = of_fmi_2(&typed.name);
         if !KINDS.contains(&kind) {
             return Err(Error::new(Code::Parameter, format!("'{name}' is of the type <{kind}>"))
