@@ -11,7 +11,7 @@ use crate::error::{Code, Result};
 use crate::xml::Element;
 
 /// The base units in the order of the exponents.
-const BASES: [&str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
+pub const BASES: [&str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
 
 /// Definitions by their names.
 pub type Units = BTreeMap<String, Unit>;

@@ -221,7 +221,10 @@ fn descriptions_in_descriptions() {
     }
     // A description that contains itself.
     let part = "<ssd:Component name='x' type='application/x-ssp-definition' source='test.ssd'/>";
-    assert_parts(&folder.error(&ssd(&system(part, ""), "")), &["lie one in the other"]);
+    assert_parts(
+        &folder.error(&ssd(&system(part, ""), "")),
+        &["too many descriptions lie one in the other"],
+    );
 }
 
 #[test]
@@ -277,4 +280,18 @@ fn of_ssp_2_what_fmi_2_has_is_read_and_the_rest_refused() {
     ] {
         assert_parts(&folder.error(&text.replacen(from, to, 1)), &["test.ssd:", part]);
     }
+}
+
+#[test]
+fn a_text_is_read_without_any_file() {
+    let text =
+        ssd(&system(&[clock("c"), gain("g", "")].concat(), &connection("c.y", "g.u", "")), "");
+    assert_eq!(cosim::System::read_text(&text).unwrap(), 2);
+    let binding = bound("<ssd:ParameterBinding source='/etc/hostname'/>");
+    let error = cosim::System::read_text(&ssd(&binding, "")).unwrap_err().to_string();
+    assert_parts(&error, &["E207", "text:8", "without a place"]);
+    let part = "<ssd:Component name='x' type='application/x-ssp-package' source='/x.ssp'/>";
+    let error = cosim::System::read_text(&ssd(&system(part, ""), "")).unwrap_err().to_string();
+    assert_parts(&error, &["E207", "without a place"]);
+    assert!(cosim::System::read_text("<OspSystemStructure").is_err());
 }

@@ -3,14 +3,12 @@
 use super::Findings;
 use super::components::{Opened, unknown_component, variable};
 use super::conversion::{self, Measured, Way};
+use super::told::Told;
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Causality, Kind, Variable};
 use crate::names;
 use crate::system::raw::{RawConnection, RawConnector, RawSystem};
 use crate::system::{Connection, Model, Port};
-
-/// Connections without a unit at one end are told together; so many of them by name.
-const SHOWN: usize = 3;
 
 pub(super) fn check(
     raw: &RawSystem,
@@ -32,28 +30,6 @@ pub(super) fn check(
     }
     told.tell(&mut findings.notes);
     connections.into_iter().map(|(connection, _)| connection).collect()
-}
-
-/// What is good to know of units, gathered over all connections.
-#[derive(Default)]
-struct Told {
-    missing: Vec<String>,
-    converted: Vec<String>,
-}
-
-impl Told {
-    fn tell(self, notes: &mut Vec<String>) {
-        notes.extend(self.converted.into_iter().map(|text| format!("converted: {text}")));
-        if self.missing.is_empty() {
-            return;
-        }
-        let shown = self.missing.iter().take(SHOWN).cloned().collect::<Vec<_>>().join(", ");
-        let rest = self.missing.len().saturating_sub(SHOWN);
-        let rest = if rest > 0 { format!(" and {rest} more") } else { String::new() };
-        notes.push(format!(
-            "a unit is known at one end only, and the value is passed on as it is: {shown}{rest}"
-        ));
-    }
 }
 
 struct Checker<'a> {

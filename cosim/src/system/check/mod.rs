@@ -7,6 +7,7 @@ mod conversion;
 mod lookup;
 mod parameters;
 mod timing;
+mod told;
 
 use std::sync::Arc;
 

@@ -21,6 +21,8 @@ pub(super) struct Gathered {
     pub unpacked: Vec<TempDir>,
     /// How many files deep it is: descriptions may refer to descriptions.
     pub depth: usize,
+    /// How many descriptions were read inside of others.
+    pub descriptions: usize,
 }
 
 /// Attributes that every element of SSP may have.

@@ -41,6 +41,16 @@ impl Base {
         })
     }
 
+    /// The same for a file that is read at once; a text without a place has none.
+    pub(super) fn open(&self, source: &str, place: &Place) -> Result<PathBuf> {
+        if self.folder.is_none() {
+            let what = format!("the source \"{source}\" is refused");
+            let error = place.mark(Error::new(Code::Source, what));
+            return Err(error.why("a text without a place cannot refer to files"));
+        }
+        self.follow(source, place)
+    }
+
     /// The path that a source means, or why it is refused.
     fn resolve(&self, source: &str) -> Result<PathBuf, String> {
         let (scheme, rest) = split_scheme(source);
@@ -57,10 +67,7 @@ impl Base {
         if path.is_empty() || path.contains('\0') {
             return Err("it names no file".to_owned());
         }
-        let Some(folder) = &self.folder else {
-            return Err("a text without a place cannot refer to files".to_owned());
-        };
-        let joined = folder.join(&path);
+        let joined = self.folder.as_ref().map_or(PathBuf::from(&path), |f| f.join(&path));
         match &self.archive {
             None => Ok(joined),
             Some(_) if path.contains('\\') => {

@@ -9,6 +9,7 @@ mod files;
 mod osp;
 mod ssd;
 mod transformation;
+mod units;
 mod xml;
 
 use std::fs;

@@ -10,7 +10,7 @@ use super::ssd::base_step;
 use super::unsaid;
 use super::xml::{Xml, number};
 use crate::error::Result;
-use crate::fmi::{InterfaceType, Value};
+use crate::fmi::{InterfaceType, Kind, Value};
 use crate::system::read::OSP_NAMESPACE;
 use crate::system::{Algorithm, Connection, Conversion, Function, Model, Port, System};
 use crate::units::Linear;
@@ -35,6 +35,7 @@ pub(super) fn text(system: &System, files: &Files, notes: &mut Vec<String>) -> R
     xml.start("Simulators", &[]);
     for component in 0..system.components().len() {
         writer.simulator(&mut xml, component, files)?;
+        notes.extend(writer.enumerations(component));
     }
     xml.end();
     writer.functions(&mut xml);
@@ -113,6 +114,17 @@ impl Writer<'_> {
         xml.end();
         xml.end();
         Ok(())
+    }
+
+    /// OSP has no enumerations among its values.
+    fn enumerations(&self, component: usize) -> impl Iterator<Item = String> {
+        let component = &self.system.components()[component];
+        let variables = component.model.description().map_or(&[][..], |d| &d.variables);
+        let set = component.start_values.iter().map(|(position, _)| &variables[*position]);
+        set.filter(|v| matches!(v.kind, Kind::Enumeration(_))).map(|v| {
+            let name = format!("{}.{}", component.name, v.name);
+            format!("the initial value of {name} is written as an Integer, which libcosim refuses")
+        })
     }
 
     fn sums(&self) -> impl Iterator<Item = (&str, &Function)> {

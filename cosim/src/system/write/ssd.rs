@@ -3,22 +3,20 @@
 //! Step sizes and the algorithm, for which SSP has no place, stand in annotations of ours (see
 //! `read::ssp::annotation`) and of the Open Simulation Platform, so libcosim steps as we do.
 
-use std::collections::BTreeMap;
-
 use super::files::Files;
 use super::xml::{Xml, number};
-use super::{transformation, unsaid};
+use super::{transformation, units, unsaid};
 use crate::error::Result;
-use crate::fmi::{Causality, InterfaceType, Kind, Value, Variable};
+use crate::fmi::{Causality, InterfaceType, Kind, Value};
 use crate::system::{Connection, Conversion, Model, Port, System};
 use crate::time::Time;
-use crate::units::{Unit, Units};
+use crate::units::Units;
 
 const OSP: &str = "com.opensimulationplatform";
 
 /// The description of a system whose FMUs are in `files`.
 pub(super) fn text(system: &System, files: &Files) -> Result<String> {
-    let writer = Writer { system, units: units(system) };
+    let writer = Writer { system, units: units::collect(system) };
     let mut xml = Xml::new();
     let tool = concat!("cosim ", env!("CARGO_PKG_VERSION"));
     let namespaces = [
@@ -42,27 +40,10 @@ pub(super) fn text(system: &System, files: &Files) -> Result<String> {
         xml.end();
     }
     xml.end();
-    writer.units(&mut xml);
+    units::write(&mut xml, &writer.units);
     writer.experiment(&mut xml);
     writer.master(&mut xml);
     Ok(xml.finish())
-}
-
-/// Units of connected variables that their FMUs define; of two meanings the first is kept.
-fn units(system: &System) -> Units {
-    let mut units = Units::new();
-    let ports = system.connections().iter().flat_map(|c| [c.from, c.to]);
-    for (variable, unit) in ports.filter_map(|port| variable_and_unit(system, port)) {
-        let name = variable.unit.clone().unwrap_or_default();
-        units.entry(name).or_insert(unit);
-    }
-    units
-}
-
-fn variable_and_unit(system: &System, port: Port) -> Option<(&Variable, Unit)> {
-    let description = system.components()[port.component].model.description()?;
-    let variable = &description.variables[port.variable];
-    Some((variable, *description.units.get(variable.unit.as_ref()?)?))
 }
 
 struct Writer<'a> {
@@ -140,7 +121,7 @@ impl Writer<'_> {
 
     /// The unit of a variable, when this file defines it as its FMU does.
     fn unit(&self, port: Port) -> Option<&str> {
-        let (variable, unit) = variable_and_unit(self.system, port)?;
+        let (variable, unit) = units::of(self.system, port)?;
         let name = variable.unit.as_deref()?;
         (self.units.get(name) == Some(&unit)).then_some(name)
     }
@@ -196,32 +177,6 @@ impl Writer<'_> {
         let kind = model.description().map(|d| d.variables[to.variable].kind.clone());
         xml.start("ssd:Connection", &attributes);
         transformation::write(xml, conversion, &kind.unwrap_or(Kind::Real));
-        xml.end();
-    }
-
-    fn units(&self, xml: &mut Xml) {
-        if self.units.is_empty() {
-            return;
-        }
-        xml.start("ssd:Units", &[]);
-        for (name, unit) in &self.units {
-            xml.start("ssc:Unit", &[("name", name)]);
-            let names = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
-            let mut values: BTreeMap<&str, String> = BTreeMap::new();
-            for (base, exponent) in names.iter().zip(unit.exponents).filter(|(_, e)| *e != 0) {
-                values.insert(base, exponent.to_string());
-            }
-            if unit.factor != 1.0 {
-                values.insert("factor", number(unit.factor));
-            }
-            if unit.offset != 0.0 {
-                values.insert("offset", number(unit.offset));
-            }
-            let attributes: Vec<(&str, &str)> =
-                values.iter().map(|(name, value)| (*name, value.as_str())).collect();
-            xml.empty("ssc:BaseUnit", &attributes);
-            xml.end();
-        }
         xml.end();
     }
 

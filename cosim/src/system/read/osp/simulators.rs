@@ -30,7 +30,7 @@ impl Reader {
         let step = element.parse::<f64>("stepSize", &self.file, Code::Ssd);
         let step = self.gathered.take(step).flatten();
         self.tell_of_rounding(element, &name, step, base_step);
-        if let Some(path) = &path {
+        if let (Some(path), true) = (&path, self.base.folder.is_some()) {
             self.read_groups(&name, path);
         }
         for value in element.grandchildren("InitialValues") {

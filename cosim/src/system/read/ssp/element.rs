@@ -16,8 +16,9 @@ const FMU: &str = "application/x-fmu-sharedlibrary";
 const DEFINITION: &str = "application/x-ssp-definition";
 const PACKAGE: &str = "application/x-ssp-package";
 
-/// Descriptions in descriptions no deeper than this: one may name itself.
+/// Descriptions in descriptions no deeper than this, and no more of them: one may name itself.
 const MAX_DEPTH: usize = 16;
+const MAX_DESCRIPTIONS: usize = 200;
 
 /// Types of connectors; SSP 2.0 names those of FMI 3.0.
 const TYPES: &[&str] = &[
@@ -61,7 +62,7 @@ impl Reader<'_> {
             &["name"],
         );
         self.nested.systems.insert(path.to_owned());
-        for connector in element.grandchildren("Connectors") {
+        for connector in self.list(element, "Connectors", "Connector") {
             if let Some(found) = self.connector(connector) {
                 self.nested.ports.insert((path.to_owned(), found.name.clone()), found);
             }
@@ -116,7 +117,8 @@ impl Reader<'_> {
         match element.get("type") {
             None | Some(FMU) => (),
             Some(DEFINITION | PACKAGE) => {
-                let source = self.source(element)?;
+                let source = element.require("source", &self.file, Code::Ssd)?;
+                let source = self.base.open(source, &self.place(element))?;
                 let done = self.description_in(element, &source, &full);
                 self.bindings(element, &full, None);
                 return done;
@@ -130,7 +132,7 @@ impl Reader<'_> {
                 );
             }
         }
-        let connectors = element.grandchildren("Connectors").iter();
+        let connectors = self.list(element, "Connectors", "Connector").into_iter();
         let connectors = connectors.filter_map(|e| self.connector(e)).collect();
         let interface = self.implementation(element, name);
         let interface = self.gathered.take(interface).flatten();
@@ -168,10 +170,10 @@ impl Reader<'_> {
 
     /// Another description that stands for a component: its system becomes a nested one.
     fn description_in(&mut self, element: &Element, file: &PathBuf, path: &str) -> Result<()> {
-        if self.gathered.depth == MAX_DEPTH {
-            return Err(self.wrong(
-                element,
-                format!("more than {MAX_DEPTH} descriptions lie one in the other"),
+        self.gathered.descriptions += 1;
+        if self.gathered.depth == MAX_DEPTH || self.gathered.descriptions > MAX_DESCRIPTIONS {
+            return Err(self.wrong(element, "too many descriptions lie one in the other").why(
+                format!("the limits are {MAX_DEPTH} levels and {MAX_DESCRIPTIONS} descriptions"),
             ));
         }
         let (root, shown, base) = if element.get("type") == Some(PACKAGE) {

@@ -36,7 +36,7 @@ impl Reader<'_> {
             (None, Some(inline)) => self.entries(inline).map(Some),
             (Some(source), None) => {
                 let base = self.base_of(element, component)?;
-                let file = base.follow(source, &self.place(element))?;
+                let file = base.open(source, &self.place(element))?;
                 let at = self.place(element);
                 let root = xml::read(&file, &file).map_err(|e| e.help(format!("named in {at}")))?;
                 let mut other = Reader {

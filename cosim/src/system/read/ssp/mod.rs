@@ -153,6 +153,20 @@ impl Reader<'_> {
         Some(RawUnit { name: name.to_owned(), unit: self.units.get(name).copied() })
     }
 
+    /// The elements of a list, which has no others.
+    fn list<'e>(
+        &mut self,
+        owner: &'e Element,
+        list: &str,
+        child: &'static str,
+    ) -> Vec<&'e Element> {
+        let Some(list) = owner.child(list) else {
+            return Vec::new();
+        };
+        self.known(list, &[child], &[]);
+        list.children.iter().filter(|c| c.name == child).collect()
+    }
+
     fn known(&mut self, element: &Element, children: &[&str], attributes: &[&str]) {
         self.gathered.known(&self.file, element, children, attributes);
     }

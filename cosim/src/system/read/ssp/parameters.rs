@@ -19,7 +19,7 @@ const KINDS: [&str; 5] = ["Real", "Integer", "Boolean", "String", "Enumeration"]
 impl Reader<'_> {
     /// All values bound to `owner`, in the order of the file; later ones win.
     pub(super) fn bindings(&mut self, element: &Element, owner: &str, component: Option<&Path>) {
-        for binding in element.grandchildren("ParameterBindings") {
+        for binding in self.list(element, "ParameterBindings", "ParameterBinding") {
             let done = self.binding(binding, owner, component);
             self.gathered.take(done);
         }
@@ -37,7 +37,7 @@ impl Reader<'_> {
         let mut values = Vec::new();
         if let Some(source) = binding.get("source") {
             let base = self.base_of(binding, component)?;
-            let file = base.follow(source, &self.place(binding))?;
+            let file = base.open(source, &self.place(binding))?;
             let at = self.place(binding);
             let root = xml::read(&file, &file).map_err(|e| e.help(format!("named in {at}")))?;
             let mut other = Reader {
@@ -82,8 +82,8 @@ impl Reader<'_> {
     pub(super) fn base_of(&self, element: &Element, component: Option<&Path>) -> Result<Base> {
         match (element.get("sourceBase"), component) {
             (None | Some("SSD"), _) => Ok(self.base.clone()),
-            (Some("component"), Some(fmu)) => self.base_in(fmu),
-            (Some("component"), None) => Err(self
+            (Some("component"), Some(fmu)) if self.base.folder.is_some() => self.base_in(fmu),
+            (Some("component"), _) => Err(self
                 .wrong(element, "sourceBase=\"component\" of what is no FMU")
                 .help("give the source relative to the file: sourceBase=\"SSD\"")),
             (Some(other), _) => Err(self
@@ -101,7 +101,7 @@ impl Reader<'_> {
             ["Parameters", "Enumerations", "Units", "Annotations", "MetaData", "Signature"];
         self.known(set, &children, super::TOP);
         let units = units::read(set.grandchildren("Units"), &self.file, Code::Ssd)?;
-        for parameter in set.grandchildren("Parameters") {
+        for parameter in self.list(set, "Parameters", "Parameter") {
             let value = self.value(parameter, required, &units);
             let value = self.gathered.take(value);
             values.extend(value);
