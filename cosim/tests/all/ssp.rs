@@ -295,3 +295,35 @@ fn a_text_is_read_without_any_file() {
     assert_parts(&error, &["E207", "without a place"]);
     assert!(cosim::System::read_text("<OspSystemStructure").is_err());
 }
+
+#[test]
+fn signals_of_a_dictionary_reach_any_depth() {
+    let folder = Folder::new();
+    let dictionary = "<ssb:SignalDictionary version='1.0' \
+        xmlns:ssb='http://ssp-standard.org/SSP1/SystemStructureSignalDictionary' \
+        xmlns:ssc='http://ssp-standard.org/SSP1/SystemStructureCommon'>\
+        <ssb:DictionaryEntry name='speed'><ssc:Real/></ssb:DictionaryEntry></ssb:SignalDictionary>";
+    folder.write("bus.ssb", dictionary);
+    let reference = "<ssd:SignalDictionaryReference name='tap' dictionary='bus'/>";
+    let inner = system(
+        &[&gain("g", ""), reference].concat(),
+        // Written backwards: the signal is the source because the gain's input is not.
+        &connection("g.u", "tap.speed", LINEAR),
+    );
+    let inner = format!("<ssd:System name='inner'>{inner}</ssd:System>");
+    let text = |dictionary: &str| {
+        let elements = [&clock("c"), &inner, reference].concat();
+        let system = system(&elements, &connection("c.y", "tap.speed", LINEAR));
+        ssd(&format!("{system}<ssd:SignalDictionaries>{dictionary}</ssd:SignalDictionaries>"), "")
+    };
+    let inline = format!("<ssd:SignalDictionary name='bus'>{dictionary}</ssd:SignalDictionary>");
+    let of_file = "<ssd:SignalDictionary name='bus' source='bus.ssb'/>";
+    for text in [text(&inline), text(of_file)] {
+        // 3 (3 t + 1) + 1 at t = 1.
+        assert!((last(&folder.run(&text), "inner.g.y") - 13.0).abs() < 1e-9);
+        let wrong = text.replacen("endConnector='speed'", "endConnector='sped'", 1);
+        assert_parts(&folder.error(&wrong), &["E202", "no connector 'sped'", "'speed'?"]);
+        let wrong = text.replacen("dictionary='bus'", "dictionary='buss'", 1);
+        assert_parts(&folder.error(&wrong), &["E202", "no signal dictionary 'buss'", "'bus'?"]);
+    }
+}

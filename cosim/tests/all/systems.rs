@@ -53,7 +53,7 @@ fn wrong_files_are_told_with_line_and_remedy() {
         (
             "</ssd:Elements>",
             "<ssd:SignalDictionaryReference name='d' dictionary='x'/></ssd:Elements>",
-            &["signal dictionaries are not supported"],
+            &["E202", "no signal dictionary 'x'"],
         ),
         (
             "endConnector='u'/>",

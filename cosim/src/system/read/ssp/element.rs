@@ -1,6 +1,6 @@
 //! Systems, components and their connectors.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::super::source::Base;
 use super::super::unpack;
@@ -67,14 +67,13 @@ impl Reader<'_> {
                 self.nested.ports.insert((path.to_owned(), found.name.clone()), found);
             }
         }
-        if let Some(first) = element.grandchildren("SignalDictionaries").first() {
-            let problem = self.unsupported(first, "signal dictionaries");
-            self.gathered.problems.push(problem);
-        }
+        self.dictionaries(element, path);
+        self.nested.around.push(path.to_owned());
         for child in element.grandchildren("Elements") {
             let done = self.element(child, path);
             self.gathered.take(done);
         }
+        self.nested.around.pop();
         for connection in element.grandchildren("Connections") {
             let wire = self.wire(connection, path);
             let wire = self.gathered.take(wire);
@@ -92,7 +91,7 @@ impl Reader<'_> {
                 self.system(element, &join(path, name));
                 Ok(())
             }
-            "SignalDictionaryReference" => Err(self.unsupported(element, "signal dictionaries")),
+            "SignalDictionaryReference" => self.reference(element, path),
             other => Err(self
                 .wrong(element, format!("<{other}> among the elements is unknown"))
                 .maybe_help(names::did_you_mean(other, ["Component", "System"]))),
@@ -169,7 +168,7 @@ impl Reader<'_> {
     }
 
     /// Another description that stands for a component: its system becomes a nested one.
-    fn description_in(&mut self, element: &Element, file: &PathBuf, path: &str) -> Result<()> {
+    fn description_in(&mut self, element: &Element, file: &Path, path: &str) -> Result<()> {
         self.gathered.descriptions += 1;
         if self.gathered.depth == MAX_DEPTH || self.gathered.descriptions > MAX_DESCRIPTIONS {
             return Err(self.wrong(element, "too many descriptions lie one in the other").why(
@@ -179,7 +178,7 @@ impl Reader<'_> {
         let (root, shown, base) = if element.get("type") == Some(PACKAGE) {
             unpack(file, self.gathered)?
         } else {
-            (xml::read(file, file)?, file.clone(), self.base.of_neighbour(file))
+            (xml::read(file, file)?, file.to_owned(), self.base.of_neighbour(file))
         };
         self.gathered.depth += 1;
         let mut inner = Reader {
@@ -217,7 +216,7 @@ impl Reader<'_> {
     }
 
     /// Where the sources in a component's own archive lead (`sourceBase="component"`).
-    pub(super) fn base_in(&self, fmu: &std::path::Path) -> Result<Base> {
+    pub(super) fn base_in(&self, fmu: &Path) -> Result<Base> {
         Ok(Base::of_archive(self.gathered.fmus.open(fmu)?.folder()))
     }
 }

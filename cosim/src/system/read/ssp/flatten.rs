@@ -24,6 +24,12 @@ pub(super) struct Nested {
     pub ports: BTreeMap<Port, RawConnector>,
     pub wires: Vec<Wire>,
     pub parameters: Vec<RawParameter>,
+    /// Signal dictionaries by their system and name; their signals are among the ports.
+    pub dictionaries: BTreeMap<(String, String), String>,
+    /// Elements that stand for dictionaries, by their full names.
+    pub references: BTreeMap<String, String>,
+    /// The systems around the element that is being read, outermost first.
+    pub around: Vec<String>,
 }
 
 type Port = (String, String);
@@ -130,7 +136,10 @@ impl<'a> Roles<'a> {
         let system = match &end.element {
             None => &wire.system,
             Some(element) if self.nested.systems.contains(element) => element,
-            Some(element) => return Ok(self.component(element, &end.connector)),
+            Some(element) => match self.nested.references.get(element) {
+                Some(dictionary) => dictionary,
+                None => return Ok(self.component(element, &end.connector)),
+            },
         };
         let port = (system.clone(), end.connector.clone());
         let Some(connector) = self.nested.ports.get(&port) else {

@@ -1,11 +1,12 @@
-//! SSP 1.0 and 2.0: .ssd files with the .ssv and .ssm files and descriptions that they refer to.
+//! SSP 1.0 and 2.0: .ssd files with the .ssv, .ssm and .ssb files and descriptions they refer to.
 //!
-//! Read whole but for: signal dictionaries, and of SSP 2.0 what FMI 2.0 has no counterpart for
-//! (arrays, clocks, the sized integers); these are refused by name. Geometry, metadata,
-//! signatures and the annotations of others change nothing in a run and are left out.
+//! Of SSP 2.0, what FMI 2.0 has no counterpart for (arrays, clocks, the sized integers) is refused
+//! by name. Geometry, metadata, signatures and the annotations of others change nothing in a run
+//! and are left out.
 
 mod annotation;
 mod connection;
+mod dictionary;
 mod element;
 mod flatten;
 mod mapping;
