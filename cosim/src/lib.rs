@@ -18,6 +18,7 @@
 //! An FMU file is unpacked and mapped once per process while any [`System`] with it is alive: for
 //! many runs keep one and derive the others by [`System::with`].
 
+mod digest;
 pub mod error;
 pub mod fmi;
 pub mod master;
@@ -32,7 +33,7 @@ pub mod units;
 pub mod xml;
 
 pub use error::{Code, Error, Result};
-pub use master::Summary;
+pub use master::{Controls, Manipulator, Run, Snapshot, Summary};
 pub use observe::{Observer, Recording};
-pub use system::{Algorithm, Overrides, System};
+pub use system::{Algorithm, Input, Overrides, System};
 pub use time::Time;

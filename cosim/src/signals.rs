@@ -1,5 +1,6 @@
 //! Signals given in advance: what drives inputs of an FMU that no other component drives.
 
+use crate::digest::sha256;
 use crate::error::{Code, Error, Result};
 use crate::fmi::Kind;
 use crate::time::Time;
@@ -48,6 +49,31 @@ impl Signals {
     /// Type of a signal.
     pub fn kind(&self, signal: usize) -> &Kind {
         &self.signals[signal].kind
+    }
+
+    /// A hash of names, times and values.
+    pub(crate) fn digest(&self) -> String {
+        let numbers = self.signals.iter().fold(self.time.clone(), |all, signal| {
+            all.into_iter().chain(signal.values.iter().copied()).collect()
+        });
+        let mut bytes: Vec<u8> = numbers.iter().flat_map(|n| n.to_bits().to_le_bytes()).collect();
+        bytes.extend(self.names.join("\n").into_bytes());
+        sha256(bytes)
+    }
+
+    /// Slopes of `wanted` just after `time`; 0 where a signal is held.
+    pub fn slopes_at(&self, time: Time, wanted: &[usize], slopes: &mut [f64]) {
+        let after = self.time.partition_point(|&sample| sample <= time.seconds());
+        for (slope, &wanted) in slopes.iter_mut().zip(wanted) {
+            let signal = &self.signals[wanted];
+            let between = signal.continuous && after > 0 && after < self.time.len();
+            *slope = if between {
+                let rise = signal.values[after] - signal.values[after - 1];
+                rise / (self.time[after] - self.time[after - 1])
+            } else {
+                0.0
+            };
+        }
     }
 
     /// Values of `wanted` at `time`: the first before the first sample, the last after the last.

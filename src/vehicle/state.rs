@@ -43,7 +43,7 @@ pub struct Inputs {
 }
 
 /// What can be observed of the vehicle, without sensor errors.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outputs {
     /// Position of the centre of gravity, NED (m).
     pub p_ned: [f64; 3],
@@ -53,10 +53,10 @@ pub struct Outputs {
     pub quaternion: [f64; 4],
     /// Velocity over ground, body (m/s, rad/s).
     pub nu: [f64; 6],
-    /// Time derivative of `nu` (not the inertial acceleration), body (m/s2, rad/s2).
-    pub nu_dot: [f64; 6],
     /// Velocity over ground, NED (m/s).
     pub v_ned: [f64; 3],
+    /// Time derivative of `nu` (not the inertial acceleration), body (m/s2, rad/s2).
+    pub nu_dot: [f64; 6],
     /// Specific force at the centre of gravity, body (m/s2): at rest -g on z.
     pub specific_force: [f64; 3],
     /// Thrust of each thruster (N).

@@ -5,6 +5,7 @@
 mod bench;
 mod describe;
 mod examples;
+mod judge;
 mod package;
 mod paths;
 mod process;
@@ -35,6 +36,8 @@ enum Task {
     Reproduce(reproduce::Options),
     /// Measure speed as ratios within one run.
     Bench,
+    /// Ask FMPy, fmi-rs, fmutool and libcosim about the FMUs, and compare `cosim` with them.
+    Judge,
     /// Run every check and every test of the project.
     Test,
 }
@@ -46,6 +49,7 @@ fn main() -> std::process::ExitCode {
         Task::Describe { check: false } => describe::write(),
         Task::Reproduce(options) => package::run().and_then(|_| reproduce::run(&options)),
         Task::Bench => bench::run(),
+        Task::Judge => judge::run(),
         Task::Test => test::run(),
     };
     match outcome {

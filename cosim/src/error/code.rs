@@ -51,6 +51,10 @@ codes! {
     Fmu "E301" 1 "A function of an FMU returned an error while the system ran."
     Output "E302" 1 "Results could not be written."
     Interrupted "E303" 1 "The user ended the run by ctrl-C; the results until then are kept."
+    State "E304" 1 "The state of an FMU could not be saved, set back or turned into bytes."
+    Loop "E305" 1 "The iteration that solves an algebraic loop did not converge."
+    Step "E306" 1 "No communication step was small enough: for the tolerance, or for an FMU that discards steps."
+    Snapshot "E307" 3 "A snapshot cannot be read, is damaged, or belongs to another system."
     Results "E401" 3 "A file of recorded results cannot be read."
     Report "E402" 1 "A report could not be made."
 }

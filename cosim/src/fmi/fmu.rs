@@ -12,6 +12,7 @@ use tempfile::TempDir;
 use super::archive;
 use super::description::{self, Description, Interface, InterfaceType};
 use super::library::{self, Binary};
+use crate::digest::sha256;
 use crate::error::{Code, Error, Result};
 
 /// An imported FMU.
@@ -124,6 +125,15 @@ impl Fmu {
         }
         let binary = library::load(&self.library_file(kind)?, &self.path, kind)?;
         Ok(cell.get_or_init(|| binary))
+    }
+
+    /// GUID and a hash of the library: what a serialized state belongs to.
+    pub(crate) fn digest(&self, kind: InterfaceType) -> Result<String> {
+        let file = self.library_file(kind)?;
+        let bytes = fs::read(&file).map_err(|e| {
+            Error::new(Code::File, "the library of the FMU cannot be read").at(&self.path).why(e)
+        })?;
+        Ok(format!("{} {}", self.description.guid, sha256(bytes)))
     }
 
     fn library_file(&self, kind: InterfaceType) -> Result<PathBuf> {

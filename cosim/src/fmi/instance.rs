@@ -4,22 +4,26 @@
 //! present [`State`], turns statuses into errors, and frees the instance when dropped.
 
 use std::ffi::CString;
-use std::ptr;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use super::callbacks::Callbacks;
 use super::description::InterfaceType;
 use super::fmu::Fmu;
-use super::library::{Component, FmuState, Functions, Own};
+use super::library::{Component, FmuState, Functions, Optional, Own};
 use super::log::Log;
 use super::status::{self, RawStatus};
 use crate::error::{Code, Error, Result};
 use crate::time::Time;
 
 mod access;
+mod derivatives;
 mod exchange;
+mod state;
+mod step;
 pub use exchange::NextEvent;
+pub use state::Place;
+pub use step::Step;
 
 /// State of an instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,8 +46,6 @@ pub enum State {
 
 /// After the initialization, and well.
 const RUNNING: &[State] = &[State::Ready, State::EventMode, State::ContinuousTime];
-const RESTORABLE: &[State] =
-    &[State::Ready, State::EventMode, State::ContinuousTime, State::Failed];
 
 /// An instance of an FMU.
 pub struct Instance {
@@ -52,8 +54,8 @@ pub struct Instance {
     name: String,
     state: State,
     time: Time,
-    /// A saved state of the FMU, and of this handle.
-    saved: Option<(FmuState, State)>,
+    /// Saved states of the FMU, and of this handle, by their place.
+    saved: [Option<(FmuState, State)>; Place::COUNT],
     /// The FMU holds pointers to both of these: boxed, so that they stay where they are.
     _callbacks: Box<Callbacks>,
     log: Box<Log>,
@@ -61,6 +63,7 @@ pub struct Instance {
     /// Pointers into the library, which `fmu` keeps mapped.
     functions: Functions,
     own: Own,
+    optional: Optional,
     fmu: Arc<Fmu>,
 }
 
@@ -74,7 +77,7 @@ impl Instance {
     pub fn of(fmu: Arc<Fmu>, kind: InterfaceType, name: &str, logging: bool) -> Result<Self> {
         let once = fmu.interface(kind)?.once_per_process;
         let binary = fmu.binary(kind)?;
-        let (functions, own) = (binary.functions, binary.own);
+        let (functions, own, optional) = (binary.functions, binary.own, binary.optional);
         if once && fmu.taken.swap(true, Ordering::AcqRel) {
             return Err(Error::new(Code::Fmu, format!("'{name}' cannot be instantiated"))
                 .at(fmu.path())
@@ -114,12 +117,13 @@ impl Instance {
             name,
             state,
             time,
-            saved: None,
+            saved: Default::default(),
             _callbacks: callbacks,
             log,
             kind,
             functions,
             own,
+            optional,
             fmu,
         })
     }
@@ -167,54 +171,6 @@ impl Instance {
             InterfaceType::CoSimulation => State::Ready,
             InterfaceType::ModelExchange => State::EventMode,
         };
-        Ok(())
-    }
-
-    /// Advances from `start` by `step`.
-    pub fn do_step(&mut self, start: Time, step: Time) -> Result<()> {
-        self.require("fmi2DoStep", &[State::Ready])?;
-        let Own::Stepping(stepping) = self.own else {
-            return Err(self.refused("fmi2DoStep"));
-        };
-        self.time = start;
-        let (from, length) = (start.seconds(), step.seconds());
-        self.call("fmi2DoStep", |_, c| {
-            // SAFETY: `c` is alive and the state allows the call.
-            unsafe { (stepping.do_step)(c, from, length, 1) }
-        })?;
-        self.time = start + step;
-        Ok(())
-    }
-
-    /// Saves the FMU's whole state for [`Instance::restore`], in place of one saved before.
-    pub fn save(&mut self) -> Result<()> {
-        self.require("fmi2GetFMUstate", RUNNING)?;
-        if !self.fmu.interface(self.kind)?.get_and_set_state {
-            return Err(Error::new(Code::Fmu, format!("'{}' cannot save its state", self.name))
-                .at(self.fmu.path())
-                .why("its modelDescription.xml does not declare canGetAndSetFMUstate"));
-        }
-        let mut saved = self.saved.take().map_or(ptr::null_mut(), |(saved, _)| saved);
-        let result = self.call("fmi2GetFMUstate", |f, c| {
-            // SAFETY: `saved` is NULL or a state of this instance, which is then overwritten.
-            unsafe { (f.get_state)(c, &mut saved) }
-        });
-        self.saved = (!saved.is_null()).then_some((saved, self.state));
-        result
-    }
-
-    /// Sets the FMU back to the state saved last, which was that of the instant `time`.
-    pub fn restore(&mut self, time: Time) -> Result<()> {
-        self.require("fmi2SetFMUstate", RESTORABLE)?;
-        let Some((saved, state)) = self.saved else {
-            return Err(Error::new(Code::Fmu, format!("'{}' has no saved state", self.name)));
-        };
-        self.call("fmi2SetFMUstate", |f, c| {
-            // SAFETY: `saved` is a state of this instance.
-            unsafe { (f.set_state)(c, saved) }
-        })?;
-        self.state = state;
-        self.time = time;
         Ok(())
     }
 
@@ -267,7 +223,7 @@ impl Drop for Instance {
         if self.state == State::Fatal {
             return;
         }
-        if let Some((mut saved, _)) = self.saved.take() {
+        for (mut saved, _) in self.saved.iter_mut().filter_map(Option::take) {
             // SAFETY: `saved` is a state of this living instance.
             unsafe { (functions.free_state)(self.component, &mut saved) };
         }

@@ -8,8 +8,12 @@ use libloading::Library;
 use super::callbacks::{Callbacks, text};
 use super::description::InterfaceType;
 use super::elf;
+use super::open;
 use super::status::RawStatus;
 use crate::error::{Code, Error, Result};
+
+mod optional;
+pub(super) use optional::Optional;
 
 pub(super) type Component = *mut c_void;
 pub(super) type Bool = c_int;
@@ -126,6 +130,7 @@ pub(super) enum Own {
 pub(super) struct Binary {
     pub functions: Functions,
     pub own: Own,
+    pub optional: Optional,
     /// Keeps the code mapped; the pointers above are into it.
     _library: Library,
 }
@@ -139,7 +144,7 @@ pub(super) fn load(path: &Path, fmu: &Path, kind: InterfaceType) -> Result<Binar
             .help("export the FMU for this machine")
     })?;
     // SAFETY: loading runs the library's constructors: whoever runs an FMU trusts its code.
-    let library = unsafe { Library::new(path) }.map_err(|e| {
+    let library = unsafe { open::library(path) }.map_err(|e| {
         Error::new(Code::Library, "the library of the FMU cannot be loaded")
             .at(fmu)
             .why(e)
@@ -153,7 +158,8 @@ pub(super) fn load(path: &Path, fmu: &Path, kind: InterfaceType) -> Result<Binar
     // SAFETY: the function takes nothing and returns NULL or a C string that is never freed.
     let version = unsafe { text((functions.get_version)()) };
     if version == "2.0" {
-        return Ok(Binary { functions, own, _library: library });
+        let optional = Optional::resolve(&library);
+        return Ok(Binary { functions, own, optional, _library: library });
     }
     Err(Error::new(Code::Library, "the library of the FMU is not of FMI 2.0")
         .at(fmu)

@@ -5,6 +5,7 @@ pub(super) type RawStatus = i32;
 
 pub(super) const OK: RawStatus = 0;
 pub(super) const WARNING: RawStatus = 1;
+pub(super) const DISCARD: RawStatus = 2;
 pub(super) const FATAL: RawStatus = 4;
 
 /// FMI's name of a status.
@@ -12,7 +13,7 @@ pub(super) fn name(status: RawStatus) -> &'static str {
     match status {
         OK => "OK",
         WARNING => "Warning",
-        2 => "Discard",
+        DISCARD => "Discard",
         3 => "Error",
         FATAL => "Fatal",
         5 => "Pending",

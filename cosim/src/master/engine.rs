@@ -1,8 +1,14 @@
 //! The scheduler. Nothing here allocates, hashes or compares text while stepping.
 
+use std::time::Instant;
+
+use super::control::Control;
 use super::iterate::Effort;
+use super::meter::Meter;
+use super::patched_slave::SharedPatches;
 use super::plan::{Node, Plan, Route};
-use super::slave::Slave;
+use super::slave::{Slave, Step};
+use super::trend::{Ramp, Trend};
 use crate::error::Result;
 use crate::time::Time;
 
@@ -16,8 +22,17 @@ pub(super) struct Engine {
     pub(super) start: Time,
     /// Per loop of the plan.
     pub(super) efforts: Vec<Effort>,
-    steps: u64,
-    warnings: Vec<String>,
+    /// Per trend and per ramp of the plan.
+    pub(super) trends: Vec<Trend>,
+    pub(super) ramps: Vec<Ramp>,
+    /// Of the components that were manipulated.
+    pub(super) patches: Vec<Option<SharedPatches>>,
+    pub(super) meter: Meter,
+    /// The error control, if steps have one.
+    pub(super) control: Option<Control>,
+    /// A component discarded the step being made, and came as far as this.
+    pub(super) discarded: Option<Time>,
+    pub(super) warnings: Vec<String>,
 }
 
 impl Engine {
@@ -27,21 +42,17 @@ impl Engine {
             inputs: vec![0.0; plan.inputs],
             ends: plan.nodes.iter().map(|node| start + node.step).collect(),
             efforts: vec![Effort::default(); plan.loops.len()],
+            trends: vec![Trend::default(); plan.trends.len()],
+            ramps: vec![Ramp::default(); plan.ramps.len()],
+            patches: vec![None; plan.nodes.len()],
+            meter: Meter::new(plan.nodes.len()),
+            control: None,
+            discarded: None,
             plan,
             slaves,
             start,
-            steps: 0,
             warnings: Vec::new(),
         }
-    }
-
-    pub(super) fn steps(&self) -> u64 {
-        self.steps
-    }
-
-    /// What is odd but did not end the run: its own findings.
-    pub(super) fn warnings(&self) -> &[String] {
-        &self.warnings
     }
 
     /// The messages of every slave, by position.
@@ -63,7 +74,7 @@ impl Engine {
         for node in &self.plan.nodes {
             copy(&node.held, &self.values, &mut self.inputs);
         }
-        Ok(())
+        self.begin_trends()
     }
 
     /// Passes values on until none changes in any bit.
@@ -123,13 +134,17 @@ impl Engine {
 
     /// Makes every step that ends at or before `limit`.
     pub(super) fn run_until(&mut self, limit: Time) -> Result<()> {
+        if self.control.is_some() {
+            return self.run_controlled(limit);
+        }
         while let Some(now) = self.ends.iter().min().copied().filter(|&now| now <= limit) {
             self.instant(now)?;
         }
         Ok(())
     }
 
-    fn instant(&mut self, now: Time) -> Result<()> {
+    pub(super) fn instant(&mut self, now: Time) -> Result<()> {
+        self.meter.instant();
         let mut place = 0;
         while let Some(&c) = self.plan.sequence.get(place) {
             // The members of a loop follow one another in the sequence.
@@ -143,6 +158,9 @@ impl Engine {
             }
             place += 1;
         }
+        if !self.ramps.is_empty() {
+            self.follow(now)?;
+        }
         for (node, end) in self.plan.nodes.iter().zip(&mut self.ends) {
             if *end == now {
                 copy(&node.held, &self.values, &mut self.inputs);
@@ -155,17 +173,38 @@ impl Engine {
     /// Makes the step of one component that ends now.
     #[inline]
     pub(super) fn step_one(&mut self, c: usize, now: Time) -> Result<()> {
+        self.meter.step(c);
+        if self.meter.timing {
+            return self.step_timed(c, now);
+        }
+        self.step_untimed(c, now)
+    }
+
+    #[cold]
+    fn step_timed(&mut self, c: usize, now: Time) -> Result<()> {
+        let begun = Instant::now();
+        self.step_untimed(c, now)?;
+        self.meter.timed(c, begun.elapsed());
+        Ok(())
+    }
+
+    #[inline]
+    fn step_untimed(&mut self, c: usize, now: Time) -> Result<()> {
         let node = &self.plan.nodes[c];
         let slave = &mut *self.slaves[c];
         copy(&node.fresh, &self.values, &mut self.inputs);
-        if !node.input_slots.is_empty() {
+        if !node.ramps.is_empty() {
+            self.set_ramps(c, now)?;
+        } else if !node.input_slots.is_empty() {
             slave.set(&self.inputs[node.input_slots.clone()])?;
         }
-        slave.step(now - node.step, node.step)?;
+        let (node, slave) = (&self.plan.nodes[c], &mut *self.slaves[c]);
+        if let Step::Discarded(reached) = slave.step(now - node.step, node.step)? {
+            self.discarded = Some(self.discarded.map_or(reached, |so_far| so_far.min(reached)));
+        }
         if !node.output_slots.is_empty() {
             slave.get(&mut self.values[node.output_slots.clone()])?;
         }
-        self.steps += 1;
         Ok(())
     }
 

@@ -7,12 +7,12 @@
 
 use std::sync::Arc;
 
-use super::fmu_slave::instantiate;
+use super::fmu_slave::{assign, instantiate, tangent};
 use super::group::Group;
 use super::plan::Node;
-use super::slave::Slave;
-use crate::error::Result;
-use crate::fmi::{Fmu, Instance, InterfaceType, State, Variability};
+use super::slave::{Slave, Step};
+use crate::error::{Code, Error, Result};
+use crate::fmi::{Fmu, Instance, InterfaceType, Kind, Place, State, Variability};
 use crate::solver::{Continuous, Settings};
 use crate::system::Component;
 use crate::time::Time;
@@ -20,13 +20,16 @@ use crate::time::Time;
 pub(super) struct ExchangeSlave {
     instance: Instance,
     solver: Continuous,
-    /// The integration, and the discrete inputs that the saved FMU has.
-    saved: Option<(Continuous, Vec<f64>)>,
+    /// The integration, and the discrete inputs that the saved FMU has, by their place.
+    saved: [Option<(Continuous, Vec<f64>)>; Place::COUNT],
     start: Time,
     continuous: Inputs,
     discrete: Inputs,
     outputs: Group,
     recorded: Group,
+    /// The connected inputs in their own order, for derivatives.
+    inputs: Group,
+    tangents: bool,
 }
 
 /// Some of the inputs.
@@ -72,17 +75,20 @@ impl ExchangeSlave {
         logging: bool,
     ) -> Result<Self> {
         let instance = instantiate(component, fmu, logging)?;
-        let told = !fmu.interface(InterfaceType::ModelExchange)?.no_completed_step;
+        let interface = fmu.interface(InterfaceType::ModelExchange)?;
+        let told = !interface.no_completed_step;
         let variables = &fmu.description().variables;
         Ok(Self {
             solver: Continuous::new(settings, &instance, told),
             instance,
-            saved: None,
+            saved: Default::default(),
             start: Time::ZERO,
             continuous: Inputs::new(fmu, &node.inputs, true),
             discrete: Inputs::new(fmu, &node.inputs, false),
             outputs: Group::new(variables, &node.outputs),
             recorded: Group::new(variables, &node.recorded),
+            inputs: Group::new(variables, &node.inputs),
+            tangents: interface.directional_derivative,
         })
     }
 }
@@ -99,6 +105,7 @@ impl Slave for ExchangeSlave {
     }
 
     fn set(&mut self, values: &[f64]) -> Result<()> {
+        self.solver.ramp(&[], &[], &[]);
         let jump = self.discrete.take(values);
         self.continuous.take(values);
         if self.instance.state() != State::ContinuousTime {
@@ -115,34 +122,87 @@ impl Slave for ExchangeSlave {
         })
     }
 
-    fn step(&mut self, start: Time, step: Time) -> Result<()> {
-        self.solver.advance(&mut self.instance, start + step)
+    fn ramp(&mut self, values: &[f64], slopes: &[f64]) -> Result<()> {
+        self.set(values)?;
+        let reals = self.continuous.group.reals();
+        let own: Vec<f64> = self.continuous.places.iter().map(|&place| slopes[place]).collect();
+        self.solver.ramp(reals, &self.continuous.values[..reals.len()], &own[..reals.len()]);
+        Ok(())
+    }
+
+    fn step(&mut self, start: Time, step: Time) -> Result<Step> {
+        self.solver.advance(&mut self.instance, start + step)?;
+        Ok(Step::Done)
     }
 
     fn get(&mut self, values: &mut [f64]) -> Result<()> {
         self.outputs.get(&mut self.instance, values)
     }
 
+    fn slopes(&mut self, _slopes: &mut [f64]) -> Result<bool> {
+        Ok(false)
+    }
+
+    fn tangent(&mut self, seed: &[f64], outputs: &mut [f64]) -> Result<bool> {
+        match self.tangents {
+            true => tangent(&mut self.instance, &self.inputs, &self.outputs, seed, outputs),
+            false => Ok(false),
+        }
+    }
+
     fn read(&mut self, values: &mut [f64]) -> Result<()> {
         self.recorded.get(&mut self.instance, values)
+    }
+
+    fn assign(&mut self, variable: usize, value: f64) -> Result<()> {
+        let described = &self.instance.fmu().description().variables[variable];
+        let smooth =
+            described.variability == Variability::Continuous && described.kind == Kind::Real;
+        if smooth || self.instance.state() != State::ContinuousTime {
+            return assign(&mut self.instance, variable, value);
+        }
+        self.solver.event(&mut self.instance, |instance| assign(instance, variable, value))
     }
 
     fn messages(&mut self) -> Vec<String> {
         self.instance.messages()
     }
 
-    fn save(&mut self) -> Result<()> {
-        self.instance.save()?;
-        self.saved = Some((self.solver.clone(), self.discrete.values.clone()));
+    fn save(&mut self, place: Place) -> Result<()> {
+        self.instance.save(place)?;
+        self.saved[place as usize] = Some((self.solver.clone(), self.discrete.values.clone()));
         Ok(())
     }
 
-    fn restore(&mut self, time: Time) -> Result<()> {
-        self.instance.restore(time)?;
-        if let Some((solver, discrete)) = &self.saved {
+    fn restore(&mut self, place: Place, time: Time) -> Result<()> {
+        self.instance.restore(place, time)?;
+        if let Some((solver, discrete)) = &self.saved[place as usize] {
             self.solver = solver.clone();
             self.discrete.values.clone_from(discrete);
         }
         Ok(())
+    }
+
+    fn serialize(&mut self) -> Result<Vec<u8>> {
+        let (fmu, solver) = (self.instance.serialize()?, self.solver.progress());
+        postcard::to_stdvec(&(fmu, solver, &self.discrete.values, &self.continuous.values))
+            .map_err(|e| self.unusable(&e))
+    }
+
+    fn deserialize(&mut self, state: &[u8], time: Time) -> Result<()> {
+        let (fmu, solver, discrete, continuous): (Vec<u8>, _, Vec<f64>, Vec<f64>) =
+            postcard::from_bytes(state).map_err(|e| self.unusable(&e))?;
+        self.instance.deserialize(&fmu, time)?;
+        self.solver.resume(solver);
+        (self.discrete.values, self.continuous.values) = (discrete, continuous);
+        Ok(())
+    }
+}
+
+impl ExchangeSlave {
+    fn unusable(&self, why: &postcard::Error) -> Error {
+        let what =
+            format!("the integration of '{}' is no part of a snapshot", self.instance.name());
+        Error::new(Code::State, what).why(why)
     }
 }

@@ -2,14 +2,23 @@
 
 use std::sync::Arc;
 
-use crate::error::Result;
-use crate::fmi::{Fmu, Instance};
+use crate::error::{Code, Error, Result};
+use crate::fmi::{Fmu, Instance, InterfaceType, Kind, Place, Value};
 use crate::system::Component;
 use crate::time::Time;
 
 use super::group::Group;
 use super::plan::Node;
-use super::slave::Slave;
+use super::slave::{Slave, Step};
+
+/// What becomes of a step that the FMU discards.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Discards {
+    /// It is halved up to so many times; then, or with 0, it is an error.
+    Repeated(u32),
+    /// The caller is told.
+    Told,
+}
 
 /// An instance and the variables exchanged with it.
 pub(super) struct FmuSlave {
@@ -17,6 +26,13 @@ pub(super) struct FmuSlave {
     inputs: Group,
     outputs: Group,
     recorded: Group,
+    discards: Discards,
+    rejected: u64,
+    /// The inputs of this step and their slopes, if they have any.
+    ramp: (Vec<f64>, Vec<f64>),
+    /// It gives derivatives of its outputs, and with respect to its inputs.
+    output_slopes: bool,
+    tangents: bool,
 }
 
 impl FmuSlave {
@@ -25,16 +41,80 @@ impl FmuSlave {
         component: &Component,
         fmu: &Arc<Fmu>,
         node: &Node,
+        discards: Discards,
         logging: bool,
     ) -> Result<Self> {
         let instance = instantiate(component, fmu, logging)?;
         let variables = &fmu.description().variables;
+        let interface = fmu.interface(InterfaceType::CoSimulation)?;
         Ok(Self {
             instance,
             inputs: Group::new(variables, &node.inputs),
             outputs: Group::new(variables, &node.outputs),
             recorded: Group::new(variables, &node.recorded),
+            discards,
+            rejected: 0,
+            ramp: Default::default(),
+            output_slopes: interface.output_derivative_order > 0,
+            tangents: interface.directional_derivative,
         })
+    }
+
+    /// Repeats a discarded step from its beginning by smaller ones, as the FMU says or by halves.
+    #[cold]
+    fn discarded(&mut self, start: Time, step: Time, reached: Time) -> Result<Step> {
+        let retries = match self.discards {
+            Discards::Told => return Ok(Step::Discarded(reached)),
+            Discards::Repeated(0) => {
+                let error = self.instance.discarded(reached);
+                return Err(error.help("--retries 10 makes it again by smaller steps"));
+            }
+            Discards::Repeated(retries) => retries,
+        };
+        let (end, mut begin, mut reached) = (start + step, start, reached);
+        let mut smaller = step;
+        for _ in 0..retries {
+            self.rejected += 1;
+            self.instance.restore(Place::Retry, begin)?;
+            // As far as it came is as far as it goes, if that was worth the name of a step.
+            let came = reached - begin;
+            let half = Time::from_nanoseconds(smaller.nanoseconds() / 2);
+            smaller = if came > Time::ZERO && came < smaller { came } else { half };
+            if smaller == Time::ZERO {
+                break;
+            }
+            loop {
+                let length = smaller.min(end - begin);
+                match self.instance.try_step(begin, length)? {
+                    Step::Done if begin + length == end => return Ok(Step::Done),
+                    Step::Done => begin = begin + length,
+                    Step::Discarded(so_far) => {
+                        reached = so_far;
+                        break;
+                    }
+                }
+                self.go_on(begin - start)?;
+                self.instance.save(Place::Retry)?;
+            }
+        }
+        let what = format!("'{}' discards its step at t = {begin}", self.instance.name());
+        Err(Error::new(Code::Step, what)
+            .at(self.instance.fmu().path())
+            .why(format!("it was made smaller {retries} times, the last came as far as {reached}"))
+            .log(self.instance.messages()))
+    }
+
+    /// Inputs with slopes go on from where they are at the beginning of a part of the step.
+    fn go_on(&mut self, since: Time) -> Result<()> {
+        if self.ramp.0.is_empty() {
+            return Ok(());
+        }
+        let (values, slopes) = &self.ramp;
+        let moved = values.iter().zip(slopes).map(|(v, s)| v + s * since.seconds());
+        let moved: Vec<f64> = moved.collect();
+        self.inputs.set(&mut self.instance, &moved)?;
+        let reals = self.inputs.reals();
+        self.instance.set_input_derivatives(reals, &slopes[..reals.len()])
     }
 }
 
@@ -65,9 +145,23 @@ impl Slave for FmuSlave {
         self.inputs.set(&mut self.instance, values)
     }
 
+    fn ramp(&mut self, values: &[f64], slopes: &[f64]) -> Result<()> {
+        self.ramp.0.clear();
+        self.ramp.0.extend_from_slice(values);
+        self.ramp.1.clear();
+        self.ramp.1.extend_from_slice(slopes);
+        self.go_on(Time::ZERO)
+    }
+
     #[inline]
-    fn step(&mut self, start: Time, step: Time) -> Result<()> {
-        self.instance.do_step(start, step)
+    fn step(&mut self, start: Time, step: Time) -> Result<Step> {
+        if matches!(self.discards, Discards::Repeated(1..)) {
+            self.instance.save(Place::Retry)?;
+        }
+        match self.instance.try_step(start, step)? {
+            Step::Done => Ok(Step::Done),
+            Step::Discarded(reached) => self.discarded(start, step, reached),
+        }
     }
 
     #[inline]
@@ -75,19 +169,84 @@ impl Slave for FmuSlave {
         self.outputs.get(&mut self.instance, values)
     }
 
+    fn slopes(&mut self, slopes: &mut [f64]) -> Result<bool> {
+        let reals = self.outputs.reals();
+        if !self.output_slopes {
+            return Ok(false);
+        }
+        let (of_reals, rest) = slopes.split_at_mut(reals.len());
+        rest.fill(0.0);
+        self.instance.get_output_derivatives(reals, of_reals)?;
+        Ok(true)
+    }
+
+    fn tangent(&mut self, seed: &[f64], outputs: &mut [f64]) -> Result<bool> {
+        match self.tangents {
+            true => tangent(&mut self.instance, &self.inputs, &self.outputs, seed, outputs),
+            false => Ok(false),
+        }
+    }
+
     fn read(&mut self, values: &mut [f64]) -> Result<()> {
         self.recorded.get(&mut self.instance, values)
+    }
+
+    fn assign(&mut self, variable: usize, value: f64) -> Result<()> {
+        assign(&mut self.instance, variable, value)
     }
 
     fn messages(&mut self) -> Vec<String> {
         self.instance.messages()
     }
 
-    fn save(&mut self) -> Result<()> {
-        self.instance.save()
+    fn save(&mut self, place: Place) -> Result<()> {
+        self.instance.save(place)
     }
 
-    fn restore(&mut self, time: Time) -> Result<()> {
-        self.instance.restore(time)
+    fn restore(&mut self, place: Place, time: Time) -> Result<()> {
+        self.instance.restore(place, time)
     }
+
+    fn serialize(&mut self) -> Result<Vec<u8>> {
+        self.instance.serialize()
+    }
+
+    fn deserialize(&mut self, state: &[u8], time: Time) -> Result<()> {
+        self.instance.deserialize(state, time)
+    }
+
+    fn rejected(&self) -> u64 {
+        self.rejected
+    }
+}
+
+/// The directional derivative of the outputs; values that are not Reals do not change.
+pub(super) fn tangent(
+    instance: &mut Instance,
+    inputs: &Group,
+    outputs: &Group,
+    seed: &[f64],
+    result: &mut [f64],
+) -> Result<bool> {
+    let (knowns, unknowns) = (inputs.reals(), outputs.reals());
+    let (of_reals, rest) = result.split_at_mut(unknowns.len());
+    rest.fill(0.0);
+    instance.directional_derivative(unknowns, knowns, &seed[..knowns.len()], of_reals)?;
+    Ok(true)
+}
+
+/// Sets one variable by its type.
+pub(super) fn assign(instance: &mut Instance, variable: usize, value: f64) -> Result<()> {
+    let fmu = instance.fmu().clone();
+    let variable = &fmu.description().variables[variable];
+    let value = match variable.kind {
+        Kind::Real => Value::Real(value),
+        Kind::Integer | Kind::Enumeration(_) => Value::Integer(value.round() as i32),
+        Kind::Boolean => Value::Boolean(value != 0.0),
+        Kind::String => {
+            return Err(Error::new(Code::Parameter, format!("'{}' is a String", variable.name))
+                .why("only numbers and Booleans are set while a system runs"));
+        }
+    };
+    instance.set_value(variable, &value)
 }

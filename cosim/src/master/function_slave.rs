@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use super::plan::Node;
-use super::slave::Slave;
-use crate::error::Result;
+use super::slave::{Slave, Step};
+use crate::error::{Code, Error, Result};
+use crate::fmi::Place;
 use crate::system::Function;
 use crate::time::Time;
 
-/// A function and its present inputs; what is not connected is 0. It has no state but them, and
-/// they are set again before every use.
+/// A function and its present inputs, which are its state; what is not connected is 0.
 pub(super) struct FunctionSlave {
     function: Arc<Function>,
     /// By position in its description.
@@ -17,6 +17,7 @@ pub(super) struct FunctionSlave {
     inputs: Vec<usize>,
     outputs: Vec<usize>,
     recorded: Vec<usize>,
+    kept: Vec<(Place, Vec<f64>)>,
 }
 
 impl FunctionSlave {
@@ -27,6 +28,7 @@ impl FunctionSlave {
             inputs: node.inputs.clone(),
             outputs: node.outputs.clone(),
             recorded: node.recorded.clone(),
+            kept: Vec::new(),
         }
     }
 
@@ -59,8 +61,12 @@ impl Slave for FunctionSlave {
         Ok(())
     }
 
-    fn step(&mut self, _start: Time, _step: Time) -> Result<()> {
-        Ok(())
+    fn ramp(&mut self, values: &[f64], _slopes: &[f64]) -> Result<()> {
+        self.set(values)
+    }
+
+    fn step(&mut self, _start: Time, _step: Time) -> Result<Step> {
+        Ok(Step::Done)
     }
 
     fn get(&mut self, values: &mut [f64]) -> Result<()> {
@@ -68,8 +74,27 @@ impl Slave for FunctionSlave {
         Ok(())
     }
 
+    fn slopes(&mut self, _slopes: &mut [f64]) -> Result<bool> {
+        Ok(false)
+    }
+
+    fn tangent(&mut self, seed: &[f64], outputs: &mut [f64]) -> Result<bool> {
+        let of =
+            |input: usize| self.inputs.iter().position(|&i| i == input).map_or(0.0, |p| seed[p]);
+        for (slope, &output) in outputs.iter_mut().zip(&self.outputs) {
+            *slope = self.function.terms(output).map(of).sum();
+        }
+        Ok(true)
+    }
+
     fn read(&mut self, values: &mut [f64]) -> Result<()> {
         pick(&self.values, &self.recorded, values);
+        Ok(())
+    }
+
+    fn assign(&mut self, variable: usize, value: f64) -> Result<()> {
+        self.values[variable] = value;
+        self.evaluate();
         Ok(())
     }
 
@@ -77,11 +102,31 @@ impl Slave for FunctionSlave {
         Vec::new()
     }
 
-    fn save(&mut self) -> Result<()> {
+    fn save(&mut self, place: Place) -> Result<()> {
+        self.kept.retain(|(kept, _)| *kept != place);
+        self.kept.push((place, self.values.clone()));
         Ok(())
     }
 
-    fn restore(&mut self, _time: Time) -> Result<()> {
+    fn restore(&mut self, place: Place, _time: Time) -> Result<()> {
+        if let Some((_, values)) = self.kept.iter().find(|(kept, _)| *kept == place) {
+            self.values.copy_from_slice(values);
+        }
+        Ok(())
+    }
+
+    fn serialize(&mut self) -> Result<Vec<u8>> {
+        Ok(self.values.iter().flat_map(|value| value.to_le_bytes()).collect())
+    }
+
+    fn deserialize(&mut self, state: &[u8], _time: Time) -> Result<()> {
+        if state.len() != 8 * self.values.len() {
+            return Err(Error::new(Code::Snapshot, "the state of a sum has another length"));
+        }
+        let (numbers, _) = state.as_chunks::<8>();
+        for (value, bytes) in self.values.iter_mut().zip(numbers) {
+            *value = f64::from_le_bytes(*bytes);
+        }
         Ok(())
     }
 }

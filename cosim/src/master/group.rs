@@ -34,6 +34,11 @@ impl Group {
         Self { reals, integers, booleans, buffer }
     }
 
+    /// The references of the Reals, which stand first.
+    pub(super) fn reals(&self) -> &[u32] {
+        &self.reals
+    }
+
     #[inline]
     pub(super) fn set(&mut self, instance: &mut Instance, values: &[f64]) -> Result<()> {
         let (reals, rest) = values.split_at(self.reals.len());

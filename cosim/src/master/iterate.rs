@@ -7,7 +7,8 @@
 use super::engine::{Engine, copy, exchange};
 use super::newton::{self, Outcome};
 use super::plan::Cut;
-use crate::error::Result;
+use crate::error::{Code, Error, Result};
+use crate::fmi::Place;
 use crate::time::Time;
 
 /// What the iterations of one loop needed.
@@ -17,21 +18,32 @@ pub(super) struct Effort {
     pub solved: u64,
     /// Passes of all of these together.
     pub passes: u64,
-    /// How often it could not be solved, when first, and how far off it was then.
-    pub failed: u64,
-    pub first: Time,
+    /// The most that one solution needed.
+    pub most: u32,
+    /// The greatest residual, relative to 1 + |v|, with which a loop was taken as solved.
     pub residual: f64,
+    /// How often the Jacobian was made by directional derivatives, and by differences.
+    pub directional: u64,
+    pub differences: u64,
 }
 
 impl Effort {
-    fn add(&mut self, outcome: Outcome, now: Time) {
+    fn add(&mut self, outcome: Outcome) {
         self.solved += 1;
         self.passes += u64::from(outcome.passes);
-        if !outcome.converged() {
-            if self.failed == 0 {
-                (self.first, self.residual) = (now, outcome.residual);
-            }
-            self.failed += 1;
+        self.most = self.most.max(outcome.passes);
+        self.residual = self.residual.max(outcome.residual);
+        self.directional += u64::from(outcome.directional);
+        self.differences += u64::from(outcome.differences);
+    }
+
+    /// In words, how the Jacobians were made.
+    pub(super) fn jacobian(&self) -> String {
+        match (self.directional, self.differences) {
+            (0, 0) => String::new(),
+            (n, 0) => format!("; {n} Jacobians by directional derivatives"),
+            (0, n) => format!("; {n} Jacobians by differences"),
+            (n, m) => format!("; {n} Jacobians by directional derivatives, {m} by differences"),
         }
     }
 }
@@ -44,7 +56,7 @@ impl Engine {
         for &c in &members {
             copy(&self.plan.nodes[c].held, &self.values, &mut self.inputs);
         }
-        let outcome = self.solve(&cuts, &mut |engine| {
+        let outcome = self.solve(&cuts, &members, &mut |engine| {
             for &c in &members {
                 let node = &engine.plan.nodes[c];
                 copy(&node.fresh, &engine.values, &mut engine.inputs);
@@ -52,8 +64,7 @@ impl Engine {
             }
             Ok(())
         })?;
-        self.efforts[position].add(outcome, self.start);
-        Ok(())
+        self.solved(position, outcome, self.start)
     }
 
     /// Steps the members of a loop whose steps end now.
@@ -68,40 +79,112 @@ impl Engine {
             return members.iter().try_for_each(|&c| self.step_one(c, now));
         }
         for &c in &members {
-            self.slaves[c].save()?;
+            self.slaves[c].save(Place::Iteration)?;
         }
         let mut first = true;
-        let outcome = self.solve(&cuts, &mut |engine| {
+        let outcome = self.solve(&cuts, &members, &mut |engine| {
             for &c in &members {
                 if !first {
                     let begin = now - engine.plan.nodes[c].step;
-                    engine.slaves[c].restore(begin)?;
+                    engine.slaves[c].restore(Place::Iteration, begin)?;
                 }
                 engine.step_one(c, now)?;
             }
             first = false;
             Ok(())
         })?;
-        self.efforts[position].add(outcome, now);
-        Ok(())
+        self.solved(position, outcome, now)
+    }
+
+    /// Counts a solution; an error when there is none, unless the step is taken back anyway.
+    fn solved(&mut self, position: usize, outcome: Outcome, now: Time) -> Result<()> {
+        if outcome.converged() {
+            self.efforts[position].add(outcome);
+            return Ok(());
+        }
+        if self.control.is_some() && self.meter.costs.iter().any(|cost| cost.steps > 0) {
+            let begin = self.control.as_ref().map_or(now, |control| control.now);
+            self.discarded = Some(begin);
+            return Ok(());
+        }
+        let names = &self.plan.loops[position].names;
+        Err(Error::new(
+            Code::Loop,
+            format!("the loop through {names} has no solution at t = {now}"),
+        )
+        .why(format!(
+            "after {} passes the residual is {:.1e}, relative to 1 + |value|; solved is {:.0e}",
+            outcome.passes,
+            outcome.residual,
+            newton::SOLVED
+        ))
+        .help("a smaller --step, or --algorithm gauss-seidel, which cuts the loop"))
     }
 
     /// Solves for the values of `cuts`; `pass` computes all outputs from the inputs.
     fn solve(
         &mut self,
         cuts: &[Cut],
+        members: &[usize],
         pass: &mut dyn FnMut(&mut Self) -> Result<()>,
     ) -> Result<Outcome> {
         let mut unknown: Vec<f64> = cuts.iter().map(|cut| self.values[cut.route.from]).collect();
-        newton::solve(&mut unknown, &mut |v, image| {
-            for (cut, v) in cuts.iter().zip(v) {
-                self.inputs[cut.route.to] = *v;
+        newton::solve(&mut unknown, &mut OneLoop { engine: self, cuts, members, pass })
+    }
+
+    /// How the outputs at the cuts change with the input at `seeded`, by the members' own
+    /// directional derivatives, from one to the next; `false` when a member has none.
+    fn loop_tangent(
+        &mut self,
+        cuts: &[Cut],
+        members: &[usize],
+        seeded: usize,
+        column: &mut [f64],
+    ) -> Result<bool> {
+        let mut changes = vec![0.0; self.values.len()];
+        for &c in members {
+            let node = &self.plan.nodes[c];
+            let mut seed = vec![0.0; node.input_slots.len()];
+            for route in &node.fresh {
+                seed[route.to - node.input_slots.start] = changes[route.from];
             }
-            pass(self)?;
-            for (cut, image) in cuts.iter().zip(image) {
-                *image = self.values[cut.route.from];
+            let cut = &cuts[seeded];
+            if cut.to == c {
+                seed[cut.route.to - node.input_slots.start] = 1.0;
             }
-            Ok(())
-        })
+            let outputs = &mut changes[node.output_slots.clone()];
+            if !self.slaves[c].tangent(&seed, outputs)? {
+                return Ok(false);
+            }
+        }
+        for (change, cut) in column.iter_mut().zip(cuts) {
+            *change = changes[cut.route.from];
+        }
+        Ok(true)
+    }
+}
+
+/// One loop as the function whose fixed point is wanted.
+struct OneLoop<'a, 'p> {
+    engine: &'a mut Engine,
+    cuts: &'a [Cut],
+    members: &'a [usize],
+    pass: &'a mut (dyn FnMut(&mut Engine) -> Result<()> + 'p),
+}
+
+impl newton::Function for OneLoop<'_, '_> {
+    fn value(&mut self, v: &[f64], image: &mut [f64]) -> Result<()> {
+        for (cut, v) in self.cuts.iter().zip(v) {
+            self.engine.inputs[cut.route.to] = *v;
+        }
+        (self.pass)(self.engine)?;
+        for (cut, image) in self.cuts.iter().zip(image) {
+            *image = self.engine.values[cut.route.from];
+        }
+        Ok(())
+    }
+
+    fn column(&mut self, position: usize, column: &mut [f64]) -> Result<bool> {
+        self.engine.loop_tangent(self.cuts, self.members, position, column)
     }
 }

@@ -32,7 +32,21 @@ pub(super) struct Cut {
 pub(super) struct SolvedLoop {
     /// Positions of nodes in stepping order.
     pub members: Vec<usize>,
+    /// The members' names, for messages.
+    pub names: String,
     pub cuts: Vec<Cut>,
+}
+
+/// An input that moves during steps, and what it follows.
+#[derive(Debug)]
+pub(super) struct RampWay {
+    /// Slot in `inputs`.
+    pub input: usize,
+    /// Position of the component that it comes from, and of the trend.
+    pub source: usize,
+    pub trend: usize,
+    /// Whether the value of the step's end is known.
+    pub fresh: bool,
 }
 
 /// A component's part of the plan.
@@ -51,8 +65,18 @@ pub(super) struct Node {
     pub held: Vec<Route>,
     /// Inputs that get the value of the end of the step.
     pub fresh: Vec<Route>,
+    /// Positions of the trends of its outputs, and of the ramps of its inputs.
+    pub trends: Vec<usize>,
+    pub ramps: Vec<usize>,
     /// Position of the solved loop that the component is in.
     pub member_of: Option<usize>,
+}
+
+impl Node {
+    /// Whether a variable is a connected input, or read by somebody.
+    pub(super) fn exchanges(&self, variable: usize) -> bool {
+        [&self.inputs, &self.outputs, &self.recorded].iter().any(|own| own.contains(&variable))
+    }
 }
 
 /// The layout of a system.
@@ -63,6 +87,10 @@ pub(super) struct Plan {
     pub sequence: Vec<usize>,
     /// Loops that are solved by iteration; none in the other algorithms.
     pub loops: Vec<SolvedLoop>,
+    /// Slots in `values` whose slopes are followed.
+    pub trends: Vec<usize>,
+    /// Inputs that move during steps.
+    pub ramps: Vec<RampWay>,
     pub values: usize,
     pub inputs: usize,
     /// Slot of each recorded column.
@@ -75,6 +103,8 @@ impl Plan {
             nodes: Vec::new(),
             sequence: system.order().sequence.clone(),
             loops: Vec::new(),
+            trends: Vec::new(),
+            ramps: Vec::new(),
             values: 0,
             inputs: 0,
             columns: Vec::new(),
@@ -90,6 +120,11 @@ impl Plan {
             }
         }
         plan.add_loops(system);
+        for connection in 0..system.connections().len() {
+            if system.is_linear(connection) {
+                plan.add_ramp(system, connection);
+            }
+        }
         plan.columns =
             system.columns().iter().filter_map(|column| plan.value_slot(column.port)).collect();
         plan
@@ -103,6 +138,24 @@ impl Plan {
         })
     }
 
+    fn add_ramp(&mut self, system: &System, position: usize) {
+        let connection = &system.connections()[position];
+        let Some(route) = self.route(connection) else {
+            return;
+        };
+        let (source, receiver) = (connection.from.component, connection.to.component);
+        let known = self.trends.iter().position(|&slot| slot == route.from);
+        let trend = known.unwrap_or_else(|| {
+            self.trends.push(route.from);
+            self.nodes[source].trends.push(self.trends.len() - 1);
+            self.trends.len() - 1
+        });
+        let solved = system.solved_loops().any(|found| found.held.contains(&position));
+        let fresh = system.order().fresh[position] || solved;
+        self.nodes[receiver].ramps.push(self.ramps.len());
+        self.ramps.push(RampWay { input: route.to, source, trend, fresh });
+    }
+
     fn add_loops(&mut self, system: &System) {
         for (position, found) in system.solved_loops().enumerate() {
             let held = found.held.iter().map(|&c| &system.connections()[c]);
@@ -114,7 +167,8 @@ impl Plan {
             for &member in &found.members {
                 self.nodes[member].member_of = Some(position);
             }
-            self.loops.push(SolvedLoop { members: found.members.clone(), cuts });
+            let (members, names) = (found.members.clone(), system.members(found));
+            self.loops.push(SolvedLoop { members, names, cuts });
         }
     }
 
@@ -140,6 +194,8 @@ impl Plan {
             recorded,
             held: Vec::new(),
             fresh: Vec::new(),
+            trends: Vec::new(),
+            ramps: Vec::new(),
             member_of: None,
         });
     }

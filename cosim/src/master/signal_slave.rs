@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use super::plan::Node;
-use super::slave::Slave;
-use crate::error::Result;
+use super::slave::{Slave, Step};
+use crate::error::{Code, Error, Result};
+use crate::fmi::Place;
 use crate::signals::Signals;
 use crate::time::Time;
 
@@ -41,9 +42,13 @@ impl Slave for SignalSlave {
         Ok(())
     }
 
-    fn step(&mut self, start: Time, step: Time) -> Result<()> {
-        self.time = start + step;
+    fn ramp(&mut self, _values: &[f64], _slopes: &[f64]) -> Result<()> {
         Ok(())
+    }
+
+    fn step(&mut self, start: Time, step: Time) -> Result<Step> {
+        self.time = start + step;
+        Ok(Step::Done)
     }
 
     fn get(&mut self, values: &mut [f64]) -> Result<()> {
@@ -51,20 +56,43 @@ impl Slave for SignalSlave {
         Ok(())
     }
 
+    fn slopes(&mut self, slopes: &mut [f64]) -> Result<bool> {
+        self.signals.slopes_at(self.time, &self.outputs, slopes);
+        Ok(true)
+    }
+
+    fn tangent(&mut self, _seed: &[f64], outputs: &mut [f64]) -> Result<bool> {
+        outputs.fill(0.0);
+        Ok(true)
+    }
+
     fn read(&mut self, values: &mut [f64]) -> Result<()> {
         self.signals.values_at(self.time, &self.recorded, values);
         Ok(())
+    }
+
+    fn assign(&mut self, _variable: usize, _value: f64) -> Result<()> {
+        Err(Error::new(Code::Parameter, "signals of a file cannot be set"))
     }
 
     fn messages(&mut self) -> Vec<String> {
         Vec::new()
     }
 
-    fn save(&mut self) -> Result<()> {
+    fn save(&mut self, _place: Place) -> Result<()> {
         Ok(())
     }
 
-    fn restore(&mut self, time: Time) -> Result<()> {
+    fn restore(&mut self, _place: Place, time: Time) -> Result<()> {
+        self.time = time;
+        Ok(())
+    }
+
+    fn serialize(&mut self) -> Result<Vec<u8>> {
+        Ok(Vec::new())
+    }
+
+    fn deserialize(&mut self, _state: &[u8], time: Time) -> Result<()> {
         self.time = time;
         Ok(())
     }

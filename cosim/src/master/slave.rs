@@ -1,6 +1,7 @@
 //! What the master steps: an FMU here, prepared signals, later something remote.
 
 use crate::error::Result;
+use crate::fmi::Place;
 use crate::time::Time;
 
 /// A component as the master sees it. Which variables [`Slave::set`], [`Slave::get`] and
@@ -9,6 +10,7 @@ use crate::time::Time;
 ///
 /// Calls come in this order: `enter_initialization`, then `set` and `get` in turns,
 /// `exit_initialization`, then `set`, `step`, `get` once per step; `read` at output instants.
+/// States are kept and set back between steps only.
 pub trait Slave {
     /// Gives the experiment and enters initialization mode.
     fn enter_initialization(&mut self, start: Time, stop: Time) -> Result<()>;
@@ -19,21 +21,50 @@ pub trait Slave {
     /// Sets all connected inputs.
     fn set(&mut self, values: &[f64]) -> Result<()>;
 
-    /// Advances from `start` by `step`.
-    fn step(&mut self, start: Time, step: Time) -> Result<()>;
+    /// Sets all connected inputs for the beginning of the next step, with their time derivatives
+    /// during it. Only slaves whose component interpolates its inputs are asked.
+    fn ramp(&mut self, values: &[f64], slopes: &[f64]) -> Result<()>;
+
+    /// Advances from `start` by `step`, or tells up to when it came.
+    fn step(&mut self, start: Time, step: Time) -> Result<Step>;
 
     /// Reads all connected outputs.
     fn get(&mut self, values: &mut [f64]) -> Result<()>;
 
+    /// Reads the time derivatives of all connected outputs; whether the slave knows them.
+    fn slopes(&mut self, slopes: &mut [f64]) -> Result<bool>;
+
+    /// How the connected outputs change at once when the inputs change by `seed`; whether the
+    /// slave knows that.
+    fn tangent(&mut self, seed: &[f64], outputs: &mut [f64]) -> Result<bool>;
+
     /// Reads the variables that are only recorded.
     fn read(&mut self, values: &mut [f64]) -> Result<()>;
+
+    /// Sets an input that is not connected, or a parameter, between two steps. The variable is a
+    /// position in the component's description.
+    fn assign(&mut self, variable: usize, value: f64) -> Result<()>;
 
     /// What the slave had to say since this was asked last.
     fn messages(&mut self) -> Vec<String>;
 
-    /// Keeps the present state for [`Slave::restore`].
-    fn save(&mut self) -> Result<()>;
+    /// Keeps the present state in `place` for [`Slave::restore`].
+    fn save(&mut self, place: Place) -> Result<()>;
 
-    /// Goes back to the state kept last, which was that of the instant `time`.
-    fn restore(&mut self, time: Time) -> Result<()>;
+    /// Goes back to the state kept there last, which was that of the instant `time`.
+    fn restore(&mut self, place: Place, time: Time) -> Result<()>;
+
+    /// The present state as bytes.
+    fn serialize(&mut self) -> Result<Vec<u8>>;
+
+    /// Takes on a state that [`Slave::serialize`] gave, maybe in another process, and which was
+    /// that of the instant `time`. The slave has left its initialization.
+    fn deserialize(&mut self, state: &[u8], time: Time) -> Result<()>;
+
+    /// How many steps were discarded and made again by smaller ones.
+    fn rejected(&self) -> u64 {
+        0
+    }
 }
+
+pub use crate::fmi::Step;

@@ -25,6 +25,8 @@ pub struct RunInfo<'a> {
     pub stop: Time,
     /// Time between samples.
     pub output_interval: Time,
+    /// The run goes on from a snapshot of this instant: samples come after it.
+    pub resumed: Option<Time>,
 }
 
 /// Watches a run. Calls come in the order start, sample ..., finish; an error ends the run.

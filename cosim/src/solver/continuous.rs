@@ -11,6 +11,7 @@ use super::{RungeKutta, Settings};
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Instance, NextEvent};
 use crate::time::Time;
+use serde::{Deserialize, Serialize};
 
 /// Two instants nearer than this are one: half of the master's resolution.
 const SAME: f64 = 0.5e-9;
@@ -34,6 +35,29 @@ pub(crate) struct Continuous {
     /// The step that the error control suggests; 0: not known yet.
     h: f64,
     completed_step: bool,
+    ramp: Ramp,
+}
+
+/// Inputs that move during a step: references, values at `begin`, slopes.
+#[derive(Clone, Default)]
+struct Ramp {
+    begin: f64,
+    references: Vec<u32>,
+    values: Vec<f64>,
+    slopes: Vec<f64>,
+    now: Vec<f64>,
+}
+
+/// What of an integration goes on after a communication point.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Progress {
+    time: f64,
+    h: f64,
+    next_event: Option<f64>,
+    x: Vec<f64>,
+    end: Vec<f64>,
+    nominal: Vec<f64>,
+    z: Vec<f64>,
 }
 
 impl Continuous {
@@ -53,7 +77,41 @@ impl Continuous {
             next_event: None,
             h: 0.0,
             completed_step,
+            ramp: Ramp::default(),
         }
+    }
+
+    /// What must be known to go on from here.
+    pub(crate) fn progress(&self) -> Progress {
+        Progress {
+            time: self.time,
+            h: self.h,
+            next_event: self.next_event,
+            x: self.x.clone(),
+            end: self.end.clone(),
+            nominal: self.nominal.clone(),
+            z: self.z.clone(),
+        }
+    }
+
+    /// Goes on from there.
+    pub(crate) fn resume(&mut self, progress: Progress) {
+        let Progress { time, h, next_event, x, end, nominal, z } = progress;
+        (self.time, self.h, self.next_event) = (time, h, next_event);
+        (self.x, self.end, self.nominal, self.z) = (x, end, nominal, z);
+    }
+
+    /// Lets Real inputs move from here on: their values now and their slopes.
+    pub(crate) fn ramp(&mut self, references: &[u32], values: &[f64], slopes: &[f64]) {
+        let ramp = &mut self.ramp;
+        ramp.begin = self.time;
+        for (own, new) in [(&mut ramp.values, values), (&mut ramp.slopes, slopes)] {
+            own.clear();
+            own.extend_from_slice(new);
+        }
+        ramp.references.clear();
+        ramp.references.extend_from_slice(references);
+        ramp.now.resize(references.len(), 0.0);
     }
 
     /// The events at the start; the FMU has left initialization mode.
@@ -104,6 +162,7 @@ impl Continuous {
             } else if event.is_some() {
                 self.time = limit.max(self.time);
                 instance.set_time(self.time)?;
+                self.ramp.at(instance, self.time)?;
                 self.event(instance, |_| Ok(()))?;
             } else {
                 return Ok(());
@@ -130,8 +189,10 @@ impl Continuous {
     /// One step towards `limit`, and the event at its end if there is one.
     fn step(&mut self, instance: &mut Instance, limit: f64) -> Result<()> {
         let has_states = !self.x.is_empty();
-        let f =
-            &mut |t: f64, x: &[f64], dx: &mut [f64]| derivatives(instance, has_states, t, x, dx);
+        let ramp = &mut self.ramp;
+        let f = &mut |t: f64, x: &[f64], dx: &mut [f64]| {
+            derivatives(instance, ramp, has_states, t, x, dx)
+        };
         self.rk.begin(self.time, &self.x, f)?;
         let mut h = self.controlled(instance, limit)?;
         let crossing = self.crossing(instance, h)?;
@@ -142,7 +203,7 @@ impl Continuous {
         let to_limit = h == limit - self.time;
         self.time = if to_limit { limit } else { self.time + h };
         std::mem::swap(&mut self.x, &mut self.end);
-        place(instance, self.time, &self.x)?;
+        place(instance, &mut self.ramp, self.time, &self.x)?;
         let asked = self.completed_step && instance.completed_step()?;
         // A time event at the limit is handled by the loop that chose the limit.
         if crossing.is_some() || asked {
@@ -156,8 +217,10 @@ impl Continuous {
 
     fn attempt(&mut self, instance: &mut Instance, h: f64) -> Result<()> {
         let has_states = !self.x.is_empty();
-        let f =
-            &mut |t: f64, x: &[f64], dx: &mut [f64]| derivatives(instance, has_states, t, x, dx);
+        let ramp = &mut self.ramp;
+        let f = &mut |t: f64, x: &[f64], dx: &mut [f64]| {
+            derivatives(instance, ramp, has_states, t, x, dx)
+        };
         self.rk.attempt(h, &mut self.end, f)
     }
 
@@ -241,7 +304,7 @@ impl Continuous {
 
     /// The indicators at the end of the attempted step, into `z_trial`.
     fn indicators(&mut self, instance: &mut Instance, h: f64) -> Result<()> {
-        place(instance, self.time + h, &self.end)?;
+        place(instance, &mut self.ramp, self.time + h, &self.end)?;
         instance.get_indicators(&mut self.z_trial)
     }
 
@@ -257,7 +320,7 @@ impl Continuous {
                 mean + 0.125 * h * (self.rk.slope()[i] - slope[i])
             })
             .collect();
-        place(instance, self.time + 0.5 * h, &between)?;
+        place(instance, &mut self.ramp, self.time + 0.5 * h, &between)?;
         instance.get_indicators(&mut self.z_trial)
     }
 
@@ -276,13 +339,28 @@ fn step_factor(error: f64) -> f64 {
     if error > 0.0 { libm::pow(error, -0.2) } else { f64::MAX }
 }
 
-fn place(instance: &mut Instance, time: f64, x: &[f64]) -> Result<()> {
+impl Ramp {
+    fn at(&mut self, instance: &mut Instance, time: f64) -> Result<()> {
+        if self.references.is_empty() {
+            return Ok(());
+        }
+        let since = time - self.begin;
+        for (now, (value, slope)) in self.now.iter_mut().zip(self.values.iter().zip(&self.slopes)) {
+            *now = value + slope * since;
+        }
+        instance.set_real(&self.references, &self.now)
+    }
+}
+
+fn place(instance: &mut Instance, ramp: &mut Ramp, time: f64, x: &[f64]) -> Result<()> {
     instance.set_time(time)?;
+    ramp.at(instance, time)?;
     if x.is_empty() { Ok(()) } else { instance.set_states(x) }
 }
 
 fn derivatives(
     instance: &mut Instance,
+    ramp: &mut Ramp,
     has_states: bool,
     time: f64,
     x: &[f64],
@@ -291,6 +369,6 @@ fn derivatives(
     if !has_states {
         return Ok(());
     }
-    place(instance, time, x)?;
+    place(instance, ramp, time, x)?;
     instance.get_derivatives(dx)
 }

@@ -25,6 +25,16 @@ impl Conversion {
     }
 }
 
+impl Conversion {
+    /// How the value at the input changes with that at the output; maps have no slope.
+    pub(crate) fn slope(&self) -> f64 {
+        match self {
+            Conversion::Linear(linear) => linear.factor,
+            Conversion::Map(_) => 0.0,
+        }
+    }
+}
+
 impl std::fmt::Display for Conversion {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {

@@ -72,6 +72,7 @@ fn port(name: String, causality: Causality) -> Variable {
         causality,
         variability: Variability::Continuous,
         exact: false,
+        nominal: 1.0,
         kind: Kind::Real,
         unit: None,
         start: None,

@@ -3,10 +3,12 @@
 //! A file becomes `raw` structures, [`Overrides`] come on top, and one check (`check`) turns both
 //! into a [`System`] or reports every problem found. `write` makes files of a system again.
 
+mod abilities;
 mod check;
 mod conversion;
 mod delay;
 mod function;
+mod input;
 mod loops;
 mod opened;
 mod order;
@@ -28,6 +30,7 @@ use crate::time::Time;
 pub use conversion::Conversion;
 pub use delay::{Cause, Delay};
 pub use function::Function;
+pub use input::Input;
 pub use order::{Loop, Order};
 pub use overrides::Overrides;
 
@@ -43,6 +46,10 @@ pub struct System {
     stop: Time,
     output_interval: Time,
     algorithm: Algorithm,
+    /// Per connection: whether its input is linear during a step.
+    linear: Vec<bool>,
+    step_control: Option<f64>,
+    retries: u32,
     solver: solver::Settings,
     debug_logging: bool,
     warnings: Vec<String>,
@@ -193,6 +200,27 @@ impl System {
     /// The algorithm.
     pub fn algorithm(&self) -> Algorithm {
         self.algorithm
+    }
+
+    /// Whether the input of a connection is linear during a step, not constant.
+    pub fn is_linear(&self, connection: usize) -> bool {
+        self.linear[connection]
+    }
+
+    /// The relative tolerance that the communication steps follow, if they do.
+    pub fn step_control(&self) -> Option<f64> {
+        self.step_control
+    }
+
+    /// How often a step that an FMU discards is made smaller.
+    pub fn retries(&self) -> u32 {
+        self.retries
+    }
+
+    /// The port of a variable by its name in the results.
+    pub fn port(&self, name: &str) -> Result<Port> {
+        let names = check::Names::of_components(&self.components, self.raw.is_some());
+        names.port(name)
     }
 
     /// How model exchange is integrated.

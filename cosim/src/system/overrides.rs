@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::path::PathBuf;
 
-use super::Algorithm;
+use super::{Algorithm, Input};
 use crate::error::{Code, Error, Result};
 use crate::fmi::InterfaceType;
 use crate::solver::{Method, Settings};
@@ -25,6 +25,9 @@ pub struct Overrides {
     pub(super) method: Option<Method>,
     pub(super) tolerance: Option<f64>,
     pub(super) algorithm: Option<Algorithm>,
+    pub(super) inputs: Vec<(String, Input)>,
+    pub(super) step_control: Option<f64>,
+    pub(super) retries: u32,
     pub(super) start_time: Option<f64>,
     pub(super) stop_time: Option<f64>,
     pub(super) output_interval: Option<f64>,
@@ -84,6 +87,28 @@ impl Overrides {
     #[must_use]
     pub fn algorithm(mut self, algorithm: Algorithm) -> Self {
         self.algorithm = Some(algorithm);
+        self
+    }
+
+    /// What inputs do during a step: all of them with the name `""`, else the inputs that
+    /// `component.variable` names, as a pattern if it has `*` or `?`. Later calls win.
+    #[must_use]
+    pub fn input(mut self, name: impl Into<String>, input: Input) -> Self {
+        self.inputs.push((name.into(), input));
+        self
+    }
+
+    /// Lets the length of the communication steps follow this relative tolerance.
+    #[must_use]
+    pub fn step_control(mut self, tolerance: f64) -> Self {
+        self.step_control = Some(tolerance);
+        self
+    }
+
+    /// Makes a step that an FMU discards again by smaller ones, made smaller up to so many times.
+    #[must_use]
+    pub fn retries(mut self, retries: u32) -> Self {
+        self.retries = retries;
         self
     }
 

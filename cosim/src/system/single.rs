@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::check::{self, Names};
 use super::order::Order;
-use super::{Algorithm, Component, Connection, Model, Overrides, Port, System};
+use super::{Algorithm, Component, Connection, Model, Overrides, Port, System, abilities, input};
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Causality, Description, Fmu, Kind, Value, Variability};
 use crate::names;
@@ -51,12 +51,15 @@ impl System {
         }
         // Held: an input keeps the value of the beginning of the step, as fmusim and FMPy do it.
         let algorithm = Algorithm::Jacobi;
-        Ok(System {
+        let mut system = System {
             raw: None,
             name: description.model_name.clone(),
             order: Order::new(algorithm, &components, &connections),
             components,
             connections,
+            linear: Vec::new(),
+            step_control: overrides.step_control,
+            retries: overrides.retries,
             columns,
             start,
             stop,
@@ -66,7 +69,10 @@ impl System {
             debug_logging: overrides.debug_logging,
             warnings: Vec::new(),
             notes: Vec::new(),
-        })
+        };
+        input::apply(&mut system, &overrides.inputs)?;
+        abilities::check(&system)?;
+        Ok(system)
     }
 }
 

@@ -1,7 +1,7 @@
 //! One FMU and one instance: descriptions, states, callbacks.
 
 use cosim::Time;
-use cosim::fmi::{Fmu, Instance, State};
+use cosim::fmi::{Fmu, Instance, Place, State};
 use tempfile::TempDir;
 
 use crate::models::{Model, pack};
@@ -55,12 +55,12 @@ fn a_saved_state_comes_back() {
     let mut y = [0.0];
     instance.set_real(&[0], &[1.0]).unwrap();
     instance.do_step(Time::ZERO, step).unwrap();
-    assert!(instance.restore(Time::ZERO).is_err());
-    instance.save().unwrap();
+    assert!(instance.restore(Place::Iteration, Time::ZERO).is_err());
+    instance.save(Place::Iteration).unwrap();
     instance.do_step(step, step).unwrap();
     instance.get_real(&[2], &mut y).unwrap();
     assert_eq!(y, [1.0]);
-    instance.restore(step).unwrap();
+    instance.restore(Place::Iteration, step).unwrap();
     instance.get_real(&[2], &mut y).unwrap();
     assert_eq!(y, [0.5]);
 }

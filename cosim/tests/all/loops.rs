@@ -63,13 +63,13 @@ fn a_nonlinear_loop_and_what_it_feeds() {
 }
 
 #[test]
-fn a_loop_without_a_solution_is_told() {
+fn a_loop_without_a_solution_ends_the_run_with_its_residual() {
     let ssd = Ssd::new().add_with("a", Affine, &[("k", 1.0)], None).connect("a.y", "a.u").stop(0.2);
-    let summary = ssd.load(&iterative()).unwrap().run(&mut []).unwrap();
-    let warning = &summary.warnings[0];
-    // At t = 0, where the initialization solves it twice, any value is a solution.
-    assert!(warning.contains("2 of 4 iterations did not converge"), "{warning}");
-    assert!(warning.contains("first at t = 0.1 s"), "{warning}");
+    let error = ssd.load(&iterative()).unwrap().run(&mut []).unwrap_err();
+    assert_eq!(error.code(), cosim::Code::Loop);
+    // At t = 0, where the initialization solves it, any value is a solution.
+    assert!(error.what().contains("the loop through a has no solution at t = 0.1 s"), "{error}");
+    assert!(error.reason().unwrap().contains("the residual is "), "{error}");
 }
 
 #[test]

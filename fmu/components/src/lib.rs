@@ -12,6 +12,7 @@
 pub mod added_mass;
 pub mod coefficients;
 pub mod course;
+pub mod direct;
 pub mod dvl;
 pub mod ekf_dynamic;
 pub mod ekf_kinematic;
@@ -24,6 +25,7 @@ pub mod pressure;
 pub mod pure_pursuit;
 pub mod rexrov;
 pub mod sampled;
+pub mod vehicle_ports;
 pub mod velocity_controller;
 
 use fmu_kit::Info;

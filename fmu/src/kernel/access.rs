@@ -13,22 +13,26 @@ use super::table::{Group, Kind, Variable};
 use super::values::all_finite;
 
 impl Instance {
-    /// `fmi2GetReal` of values that need no computing; false if it is not so simple.
+    /// `fmi2GetReal` of values that need no computing; `None` if it is not so simple.
     ///
     /// No code of a component runs here.
     #[inline]
-    pub fn get_fresh(&self, references: &[u32], into: &mut [f64]) -> bool {
-        let legal = self.run.phase.allows(Call::GetReal);
-        let (true, Some(fresh)) = (legal, self.values.reals.get(..self.fresh_reals())) else {
-            return false;
-        };
-        for (reference, place) in references.iter().zip(into) {
-            match fresh.get(*reference as usize) {
-                Some(value) => *place = *value,
-                None => return false,
-            }
+    pub fn get_fresh(&self, references: &[u32], into: &mut [f64]) -> Option<()> {
+        if !self.run.phase.allows(Call::GetReal) {
+            return None;
         }
-        true
+        let fresh = self.values.reals.get(..self.fresh_reals())?;
+        let get = |reference: &u32| fresh.get(*reference as usize).copied();
+        // Four at a time: half of the work would be counting.
+        let (by_four, rest) = references.as_chunks::<4>();
+        let (into_four, into_rest) = into.as_chunks_mut::<4>();
+        for ([a, b, c, d], place) in by_four.iter().zip(into_four) {
+            *place = [get(a)?, get(b)?, get(c)?, get(d)?];
+        }
+        for (reference, place) in rest.iter().zip(into_rest) {
+            *place = get(reference)?;
+        }
+        Some(())
     }
 
     /// How many of the Reals, counted from the first, are up to date.
@@ -94,20 +98,29 @@ impl Instance {
         })
     }
 
-    /// `fmi2SetReal` of inputs while the simulation runs; false if it is not so simple.
+    /// `fmi2SetReal` of inputs while the simulation runs; `None` if it is not so simple.
     ///
     /// No code of a component runs here.
     #[inline]
-    pub fn set_inputs(&mut self, references: &[u32], values: &[f64]) -> bool {
-        let running = matches!(self.run.phase, Phase::Event | Phase::Continuous | Phase::Step);
+    pub fn set_inputs(&mut self, references: &[u32], values: &[f64]) -> Option<()> {
+        if !matches!(self.run.phase, Phase::Event | Phase::Continuous | Phase::Step) {
+            return None;
+        }
         let place = self.table.layout().inputs.clone();
         let first = place.start;
-        let (true, Some(inputs)) = (running, self.values.reals.get_mut(place)) else {
-            return false;
-        };
+        let inputs = self.values.reals.get_mut(place)?;
         let index = |reference: u32| (reference as usize).wrapping_sub(first);
-        if references.iter().any(|r| index(*r) >= inputs.len()) || !all_finite(values) {
-            return false;
+        // All or none, so this takes two ways through.
+        let mut sum = 0.0;
+        for (reference, value) in references.iter().zip(values) {
+            if index(*reference) >= inputs.len() {
+                return None;
+            }
+            sum += value;
+        }
+        // A sum that is finite is one of finite values; one that is not is looked at closely.
+        if !f64::is_finite(sum) {
+            return None;
         }
         for (reference, value) in references.iter().zip(values) {
             if let Some(place) = inputs.get_mut(index(*reference)) {
@@ -116,7 +129,7 @@ impl Instance {
         }
         self.run.stale.outputs = true;
         self.run.stale.derivatives = true;
-        true
+        Some(())
     }
 
     /// `fmi2SetReal`

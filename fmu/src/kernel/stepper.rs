@@ -11,7 +11,8 @@ use serde::{Deserialize, Serialize};
 use crate::author::{Component, Fault, Ports, Time, Variables};
 
 use super::integrator::{
-    Integrator, IntegratorMethod, dormand_prince, runge_kutta, step_factor, weighed,
+    Integrator, IntegratorMethod, dormand_prince, runge_kutta, runge_kutta_again, step_factor,
+    weighed,
 };
 use super::model::{Cause, Halt};
 use super::signal::Signal;
@@ -175,17 +176,23 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
         let f = self.signal.derivatives(self.component, &self.progress.memory);
         for k in 0..steps as u64 {
             let at = t + k as f64 * step;
-            let there = runge_kutta(&f, x, at, step);
-            if look && !is_finite(&there) {
-                return Err(Halt::not_finite(at, &there));
+            if !look {
+                runge_kutta(&f, x, at, step);
+                continue;
             }
-            if has_indicators::<C>() && self.crossed(&there, at + step) {
-                let trial = |step| runge_kutta(&f, x, at, step);
-                let (there, length) = self.locate(there, at, step, trial);
+            let before = *x;
+            runge_kutta(&f, x, at, step);
+            if !is_finite(x) {
+                let halt = Halt::not_finite(at, x);
+                *x = before;
+                return Err(halt);
+            }
+            if has_indicators::<C>() && self.crossed(x, at + step) {
+                let again = |step| runge_kutta_again(&f, &before, at, step);
+                let (there, length) = self.locate(*x, at, step, again);
                 *x = there;
                 return Ok(Some(at + length));
             }
-            *x = there;
         }
         Ok(None)
     }
@@ -323,6 +330,6 @@ impl Halt {
     /// The step from `reached_s` led to these states.
     #[cold]
     fn not_finite<X: Ports>(reached_s: f64, states: &X) -> Self {
-        Self { reached_s, cause: Cause::NotFinite(first_not_finite(states)) }
+        Self { reached_s, cause: Cause::NotFinite(first_not_finite(states).unwrap_or_default()) }
     }
 }

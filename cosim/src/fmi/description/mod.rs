@@ -60,8 +60,16 @@ pub struct Interface {
     pub once_per_process: bool,
     /// Its state can be saved and set back.
     pub get_and_set_state: bool,
+    /// A saved state can be turned into bytes and back.
+    pub serialize_state: bool,
     /// It computes directional derivatives.
     pub directional_derivative: bool,
+    /// Co-simulation: its steps may differ in length.
+    pub variable_step: bool,
+    /// Co-simulation: its inputs may be given with derivatives.
+    pub interpolates_inputs: bool,
+    /// Co-simulation: the order up to which it gives derivatives of its outputs.
+    pub output_derivative_order: u32,
     /// Model exchange: it need not be told that a step was accepted.
     pub no_completed_step: bool,
 }
@@ -96,6 +104,8 @@ pub struct Variable {
     pub exact: bool,
     /// Type.
     pub kind: Kind,
+    /// Usual magnitude of a Real.
+    pub nominal: f64,
     /// Unit of a Real.
     pub unit: Option<String>,
     /// Start value, when the file gives one.

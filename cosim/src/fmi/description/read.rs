@@ -114,7 +114,13 @@ impl Reader<'_> {
             needs_execution_tool: flag("needsExecutionTool")?,
             once_per_process: flag("canBeInstantiatedOnlyOncePerProcess")?,
             get_and_set_state: flag("canGetAndSetFMUstate")?,
+            serialize_state: flag("canSerializeFMUstate")?,
             directional_derivative: flag("providesDirectionalDerivative")?,
+            variable_step: flag("canHandleVariableCommunicationStepSize")?,
+            interpolates_inputs: flag("canInterpolateInputs")?,
+            output_derivative_order: element
+                .parse("maxOutputDerivativeOrder", self.file, Code::Description)?
+                .unwrap_or(0),
             no_completed_step: flag("completedIntegratorStepNotNeeded")?,
         })
     }
@@ -179,6 +185,12 @@ impl Reader<'_> {
         Ok(Variable {
             description: element.get("description").unwrap_or_default().to_owned(),
             unit: self.unit(typed).map(str::to_owned),
+            // A nominal value that is no magnitude says nothing.
+            nominal: typed
+                .get("nominal")
+                .and_then(|text| text.trim().parse().ok())
+                .filter(|nominal: &f64| nominal.is_finite() && *nominal > 0.0)
+                .unwrap_or(1.0),
             line: element.line,
             name,
             value_reference,

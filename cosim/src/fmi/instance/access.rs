@@ -114,7 +114,7 @@ impl Instance {
     }
 
     #[inline]
-    fn check(
+    pub(super) fn check(
         &self,
         function: &'static str,
         allowed: &[State],

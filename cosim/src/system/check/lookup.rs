@@ -6,7 +6,7 @@ use super::components::{Opened, unknown_component, variable};
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Fmu, Variable};
 use crate::names;
-use crate::system::{Model, Port};
+use crate::system::{Component, Model, Port};
 
 /// The names of a system's variables.
 pub(in crate::system) struct Names {
@@ -37,6 +37,21 @@ impl Names {
         let model = Some(Model::Fmu(fmu.clone()));
         let target = Target { prefix: String::new(), component: 0, model };
         Self { targets: vec![target], incomplete: false }
+    }
+
+    /// Names of components with the prefix `component.`, or of the first one without.
+    pub(in crate::system) fn of_components(components: &[Component], prefixed: bool) -> Self {
+        let targets = components.iter().enumerate().filter_map(|(component, c)| {
+            c.model.description()?;
+            let prefix = if prefixed { format!("{}.", c.name) } else { String::new() };
+            Some(Target { prefix, component, model: Some(c.model.clone()) })
+        });
+        Self { targets: targets.collect(), incomplete: false }
+    }
+
+    /// A port by the full name.
+    pub(in crate::system) fn port(&self, name: &str) -> Result<Port> {
+        self.find(name)?.map(|(port, _)| port).ok_or_else(|| self.unknown(name))
     }
 
     /// A port and its variable by the full name; `None` when its component could not be opened.

@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use super::order::Order;
 use super::raw::RawSystem;
-use super::{Component, Overrides, System, loops};
+use super::{Component, Overrides, System, abilities, input, loops};
 use crate::error::{Error, Result};
 
 pub(super) use columns::columns;
@@ -75,6 +75,9 @@ pub(super) fn check(
         order: Order::new(algorithm, &components, &connections),
         components,
         connections,
+        linear: Vec::new(),
+        step_control: overrides.step_control,
+        retries: overrides.retries,
         columns,
         start: timing.start,
         stop: timing.stop,
@@ -86,5 +89,7 @@ pub(super) fn check(
         notes: findings.notes,
     };
     loops::tell(&mut system)?;
+    input::apply(&mut system, &overrides.inputs)?;
+    abilities::check(&system)?;
     Ok(system)
 }

@@ -1,0 +1,8 @@
+//! SHA-256 as text.
+
+use sha2::{Digest, Sha256};
+
+/// The hash of some bytes in hexadecimal digits.
+pub(crate) fn sha256(bytes: impl AsRef<[u8]>) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}

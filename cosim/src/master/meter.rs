@@ -1,0 +1,79 @@
+//! What stepping costs: steps counted, and some of them timed.
+//!
+//! Reading the clock costs more than a small FMU's step, so only some instants are timed, at
+//! distances without a period. The clock is read for the summary alone: nothing computed depends
+//! on it.
+
+use std::time::{Duration, Instant};
+
+/// Steps and times of each component.
+pub(super) struct Meter {
+    /// Whether the steps of the present instant are timed.
+    pub timing: bool,
+    pub costs: Vec<Cost>,
+    wait: u64,
+    dice: u64,
+    /// What reading the clock costs by itself.
+    clock: Duration,
+}
+
+/// Of one component.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Cost {
+    pub steps: u64,
+    timed: u64,
+    spent: Duration,
+}
+
+/// So many first instants are timed all, for short runs.
+const FIRST: u64 = 100;
+/// The mean distance of timed instants is half of this.
+const FAR: u64 = 256;
+
+impl Meter {
+    pub(super) fn new(components: usize) -> Self {
+        let readings = (0..20).map(|_| {
+            let begun = Instant::now();
+            begun.elapsed()
+        });
+        let clock = readings.min().unwrap_or_default();
+        let costs = vec![Cost::default(); components];
+        Self { timing: true, costs, wait: FIRST + 1, dice: 1, clock }
+    }
+
+    /// Another instant begins.
+    #[inline]
+    pub(super) fn instant(&mut self) {
+        self.wait -= 1;
+        if self.wait == 0 {
+            self.turn();
+        }
+    }
+
+    #[cold]
+    fn turn(&mut self) {
+        self.timing = !self.timing;
+        // Knuth's MMIX generator: distances must only not beat with the steps' periods.
+        self.dice = self.dice.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        self.wait = if self.timing { 1 } else { 1 + (self.dice >> 33) % FAR };
+    }
+
+    #[inline]
+    pub(super) fn step(&mut self, component: usize) {
+        self.costs[component].steps += 1;
+    }
+
+    #[cold]
+    pub(super) fn timed(&mut self, component: usize, spent: Duration) {
+        let cost = &mut self.costs[component];
+        cost.timed += 1;
+        cost.spent += spent.saturating_sub(self.clock);
+    }
+}
+
+impl Cost {
+    /// Mean seconds per step, as far as steps were timed.
+    pub(super) fn seconds_per_step(&self) -> f64 {
+        self.spent.as_secs_f64() / self.timed.max(1) as f64
+    }
+}

@@ -1,0 +1,222 @@
+//! A run: from one output instant or action to the next.
+
+use super::engine::Engine;
+use super::manipulate::{Controls, Manipulator};
+use super::snapshot::Snapshot;
+use super::summary::Summary;
+use crate::error::{Code, Error, Result};
+use crate::observe::{Observer, RunInfo, Stop};
+use crate::system::System;
+use crate::time::Time;
+
+/// Where snapshots go.
+type Keep<'a> = dyn FnMut(Snapshot) -> Result<()> + 'a;
+
+/// A run being prepared: who watches, who acts, from where it goes on.
+///
+/// ```no_run
+/// # use cosim::{Overrides, Recording, Run, Snapshot, System};
+/// let system = System::load("vehicle.ssd", &Overrides::new())?;
+/// let mut recording = Recording::new();
+/// let snapshot = Snapshot::read("at_100_s.snapshot")?;
+/// let summary = Run::new(&system).observe(&mut recording).resume(&snapshot).go()?;
+/// println!("{} steps", summary.steps);
+/// # Ok::<(), cosim::Error>(())
+/// ```
+pub struct Run<'a> {
+    system: &'a System,
+    observers: Vec<&'a mut dyn Observer>,
+    manipulators: Vec<&'a mut dyn Manipulator>,
+    resume: Option<&'a Snapshot>,
+    snapshots: Option<Snapshots<'a>>,
+}
+
+/// When to take snapshots.
+struct Snapshots<'a> {
+    every: Option<Time>,
+    at: Vec<Time>,
+    keep: &'a mut Keep<'a>,
+}
+
+impl System {
+    /// Runs from start to stop. Observers keep what they got when the run fails.
+    pub fn run(&self, observers: &mut [&mut dyn Observer]) -> Result<Summary> {
+        let observers = observers.iter_mut();
+        observers.fold(Run::new(self), |run, observer| run.observe(*observer)).go()
+    }
+}
+
+impl<'a> Run<'a> {
+    /// A run of `system` from its start that nobody watches.
+    pub fn new(system: &'a System) -> Self {
+        Self {
+            system,
+            observers: Vec::new(),
+            manipulators: Vec::new(),
+            resume: None,
+            snapshots: None,
+        }
+    }
+
+    /// Adds an observer.
+    #[must_use]
+    pub fn observe(mut self, observer: &'a mut dyn Observer) -> Self {
+        self.observers.push(observer);
+        self
+    }
+
+    /// Adds a manipulator. Those that act at the same instant do so in the order they were added.
+    #[must_use]
+    pub fn manipulate(mut self, manipulator: &'a mut dyn Manipulator) -> Self {
+        self.manipulators.push(manipulator);
+        self
+    }
+
+    /// Goes on from a snapshot. Observers see only what comes after it.
+    #[must_use]
+    pub fn resume(mut self, snapshot: &'a Snapshot) -> Self {
+        self.resume = Some(snapshot);
+        self
+    }
+
+    /// Takes snapshots: one at the first output instant at or after each of `at`, and of the
+    /// multiples of `every` since the start.
+    #[must_use]
+    pub fn snapshots(mut self, every: Option<Time>, at: &[Time], keep: &'a mut Keep<'a>) -> Self {
+        let mut at = at.to_vec();
+        at.sort();
+        self.snapshots = Some(Snapshots { every, at, keep });
+        self
+    }
+
+    /// Runs.
+    pub fn go(mut self) -> Result<Summary> {
+        let system = self.system;
+        let resumed = self.resume.map(Snapshot::time);
+        let begin = resumed.unwrap_or(system.start_time());
+        let mut engine = system.engine()?;
+        let run = self.prepare(resumed).and_then(|()| self.drive(&mut engine, begin));
+        let mut finished = Ok(());
+        for observer in &mut self.observers {
+            finished = finished.and(observer.finish());
+        }
+        // The reason why a run ended comes before what happened while closing files.
+        let (end, stopped) = run?;
+        finished?;
+        Ok(system.summary(&mut engine, begin, end, stopped))
+    }
+
+    fn prepare(&mut self, resumed: Option<Time>) -> Result<()> {
+        let system = self.system;
+        let info = RunInfo {
+            name: system.name(),
+            columns: system.columns(),
+            start: system.start_time(),
+            stop: system.stop_time(),
+            output_interval: system.output_interval(),
+            resumed,
+        };
+        if let Some(snapshot) = self.resume {
+            snapshot.check(system)?;
+            if snapshot.time() >= system.stop_time() {
+                let what = format!("the snapshot is of t = {}", snapshot.time());
+                return Err(Error::new(Code::Timing, what)
+                    .why(format!("the run ends at {}", system.stop_time()))
+                    .help("a later --stop-time"));
+            }
+        }
+        for manipulator in &mut self.manipulators {
+            manipulator.start(system, resumed)?;
+        }
+        self.observers.iter_mut().try_for_each(|observer| observer.start(&info))
+    }
+
+    /// Where the run ended, and why when that was before the stop time.
+    fn drive(&mut self, engine: &mut Engine, begin: Time) -> Result<(Time, Option<Stop>)> {
+        let (stop, interval) = (self.system.stop_time(), self.system.output_interval());
+        engine.initialize(stop)?;
+        let mut output = self.system.start_time();
+        let mut acted = None;
+        if let Some(snapshot) = self.resume {
+            engine.resume(snapshot)?;
+            output = next_multiple(begin, output, interval);
+            acted = Some(begin);
+        }
+        let mut row = vec![0.0; self.system.columns().len()];
+        let mut taken = acted;
+        loop {
+            let action = self.action(acted).map(|at| at.max(begin)).filter(|at| *at <= stop);
+            let goal = action.map_or(output, |action| action.min(output)).min(stop);
+            engine.run_until(goal)?;
+            if goal == output {
+                engine.sample(&mut row)?;
+                self.observers.iter_mut().try_for_each(|o| o.sample(output, &row))?;
+            }
+            let mut ended = None;
+            if action == Some(goal) {
+                ended = self.act(engine, goal, acted)?;
+                acted = Some(goal);
+            }
+            if goal == output {
+                self.take_snapshots(engine, goal, &mut taken)?;
+                output = output + interval;
+                ended = ended.or_else(|| self.observers.iter().find_map(|o| o.stop()));
+            }
+            if goal == stop || (output > stop && self.action(acted).is_none_or(|at| at > stop)) {
+                break;
+            }
+            if let Some(reason) = ended {
+                return Ok((goal, Some(reason)));
+            }
+        }
+        // The part after the last output instant, when the interval does not divide the run.
+        engine.run_until(stop)?;
+        Ok((stop, None))
+    }
+
+    /// The next instant at which a manipulator acts, after the last one.
+    fn action(&self, acted: Option<Time>) -> Option<Time> {
+        let wishes = self.manipulators.iter().filter_map(|manipulator| manipulator.next());
+        wishes.filter(|at| acted.is_none_or(|acted| *at > acted)).min()
+    }
+
+    fn act(&mut self, engine: &mut Engine, now: Time, acted: Option<Time>) -> Result<Option<Stop>> {
+        let mut controls = Controls { system: self.system, engine, stop: None };
+        for manipulator in &mut self.manipulators {
+            let due = |at: Time| at <= now && acted.is_none_or(|acted| at > acted);
+            if manipulator.next().is_some_and(due) {
+                manipulator.act(now, &mut controls)?;
+            }
+        }
+        Ok(controls.stop)
+    }
+
+    fn take_snapshots(
+        &mut self,
+        engine: &mut Engine,
+        now: Time,
+        taken: &mut Option<Time>,
+    ) -> Result<()> {
+        let Some(snapshots) = &mut self.snapshots else {
+            return Ok(());
+        };
+        let start = self.system.start_time();
+        let since = |at: Time| at <= now && taken.is_none_or(|taken| at > taken);
+        let periodic = snapshots.every.is_some_and(|every| {
+            let last = taken.unwrap_or(start);
+            next_multiple(last, start, every) <= now
+        });
+        if periodic || snapshots.at.iter().any(|&at| since(at)) {
+            (snapshots.keep)(engine.snapshot(self.system, now)?)?;
+        }
+        *taken = Some(now);
+        Ok(())
+    }
+}
+
+/// The first of start, start + step, ... after `now`.
+fn next_multiple(now: Time, start: Time, step: Time) -> Time {
+    let step = step.nanoseconds().max(1);
+    let count = (now - start).nanoseconds().div_euclid(step) + 1;
+    start + Time::from_nanoseconds(count * step)
+}

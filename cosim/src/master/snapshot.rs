@@ -1,0 +1,189 @@
+//! The state of a whole running system as a file, and going on from it.
+//!
+//! A file is the magic text, the version, a SHA-256 of the rest, and the rest in postcard's
+//! encoding: the instant, the system's identity, what the scheduler keeps between two instants,
+//! and every component's state as it serialized it. The identity is text, so that a snapshot of
+//! another system is refused with the first difference.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::engine::Engine;
+use super::patched_slave::Patches;
+use super::trend::{Ramp, Trend};
+use crate::error::{Code, Error, Result};
+use crate::system::{Model, System};
+use crate::time::Time;
+
+const MAGIC: &[u8; 8] = b"COSIMSNP";
+const VERSION: u32 = 1;
+const HEADER: usize = 8 + 4 + 32;
+
+/// A running system at one instant.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot {
+    time: Time,
+    identity: Vec<String>,
+    values: Vec<f64>,
+    inputs: Vec<f64>,
+    ends: Vec<Time>,
+    trends: Vec<Trend>,
+    ramps: Vec<Ramp>,
+    /// The step that the error control tries next.
+    step: Option<Time>,
+    components: Vec<Saved>,
+}
+
+/// A component's state.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Saved {
+    state: Vec<u8>,
+    /// How it was manipulated.
+    patches: Patches,
+}
+
+impl Snapshot {
+    /// The instant.
+    pub fn time(&self) -> Time {
+        self.time
+    }
+
+    /// Writes a file, and replaces it as a whole if it exists.
+    pub fn write(&self, file: impl AsRef<Path>) -> Result<()> {
+        let file = file.as_ref();
+        let unwritten = |why: String| {
+            Error::new(Code::Output, "the snapshot cannot be written").at(file).why(why)
+        };
+        let body = postcard::to_stdvec(self).map_err(|e| unwritten(e.to_string()))?;
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend(VERSION.to_le_bytes());
+        bytes.extend(Sha256::digest(&body));
+        bytes.extend(body);
+        let folder = file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let written = tempfile::NamedTempFile::new_in(folder).and_then(|unfinished| {
+            std::fs::write(unfinished.path(), &bytes)?;
+            unfinished.persist(file).map_err(|e| e.error)
+        });
+        written.map(drop).map_err(|e| unwritten(e.to_string()))
+    }
+
+    /// Reads a file that [`Snapshot::write`] wrote.
+    pub fn read(file: impl AsRef<Path>) -> Result<Self> {
+        let file = file.as_ref();
+        let unread = |why: String| {
+            Error::new(Code::Snapshot, "the snapshot cannot be read").at(file).why(why)
+        };
+        let bytes = std::fs::read(file).map_err(|e| unread(e.to_string()))?;
+        if bytes.len() < HEADER || &bytes[..8] != MAGIC {
+            return Err(unread("the file is no snapshot of cosim".to_owned()));
+        }
+        let version = u32::from_le_bytes([bytes[8], bytes[9], bytes[10], bytes[11]]);
+        if version != VERSION {
+            let why = format!("it is of version {version}, this cosim reads version {VERSION}");
+            return Err(unread(why).help("run the system again from its start"));
+        }
+        if Sha256::digest(&bytes[HEADER..])[..] != bytes[12..HEADER] {
+            return Err(unread("its checksum is wrong: the file is cut or damaged".to_owned()));
+        }
+        postcard::from_bytes(&bytes[HEADER..]).map_err(|e| unread(e.to_string()))
+    }
+
+    /// An error with the first difference when this belongs to another system.
+    pub fn check(&self, system: &System) -> Result<()> {
+        let identity = system.identity()?;
+        if self.identity == identity {
+            return Ok(());
+        }
+        let length = identity.len().max(self.identity.len());
+        let line = |lines: &[String], at: usize| {
+            lines.get(at).map_or("nothing more".to_owned(), |line| format!("'{line}'"))
+        };
+        let at = (0..length).find(|&at| line(&self.identity, at) != line(&identity, at));
+        let at = at.unwrap_or_default();
+        Err(Error::new(Code::Snapshot, "the snapshot is of another system")
+            .why(format!(
+                "it has {}, the system has {}",
+                line(&self.identity, at),
+                line(&identity, at)
+            ))
+            .help("resume with the same files, start values, steps and algorithm as before"))
+    }
+}
+
+impl System {
+    /// Everything that decides how a run goes on, as lines of text.
+    fn identity(&self) -> Result<Vec<String>> {
+        let mut lines = vec![
+            format!("algorithm {}, {:?}", self.algorithm(), self.solver()),
+            format!("step control {:?}", self.step_control()),
+            format!("start {}", self.start_time()),
+        ];
+        for component in self.components() {
+            let model = match &component.model {
+                Model::Fmu(fmu) => {
+                    format!("{:?} {}", component.interface, fmu.digest(component.interface)?)
+                }
+                Model::Signals(signals) => format!("signals {}", signals.digest()),
+                Model::Function(f) => format!("sum of {} by {:?}", f.inputs(), f.dimension()),
+            };
+            lines.push(format!("component {} every {}: {model}", component.name, component.step));
+            for (variable, value) in &component.start_values {
+                let name = component.model.variable_name(*variable);
+                lines.push(format!("{}.{name} = {value}", component.name));
+            }
+        }
+        for (position, connection) in self.connections().iter().enumerate() {
+            let (from, to) = (self.port_name(connection.from), self.port_name(connection.to));
+            let linear = if self.is_linear(position) { ", linear" } else { "" };
+            let conversion = connection.conversion.as_ref();
+            let conversion = conversion.map_or(String::new(), |c| format!(", {c}"));
+            lines.push(format!("connection {from} -> {to}{linear}{conversion}"));
+        }
+        // The order of recorded values decides where they are kept.
+        lines.extend(self.columns().iter().map(|column| format!("column {}", column.name)));
+        Ok(lines)
+    }
+}
+
+impl Engine {
+    /// The state after all steps that end at `time` or before.
+    pub(super) fn snapshot(&mut self, system: &System, time: Time) -> Result<Snapshot> {
+        let mut components = Vec::with_capacity(self.slaves.len());
+        for (slave, patches) in self.slaves.iter_mut().zip(&self.patches) {
+            let patches = patches.as_ref().map(|p| p.borrow().clone()).unwrap_or_default();
+            components.push(Saved { state: slave.serialize()?, patches });
+        }
+        Ok(Snapshot {
+            time,
+            identity: system.identity()?,
+            values: self.values.clone(),
+            inputs: self.inputs.clone(),
+            ends: self.ends.clone(),
+            trends: self.trends.clone(),
+            ramps: self.ramps.clone(),
+            step: self.control.as_ref().map(|control| control.step),
+            components,
+        })
+    }
+
+    /// Goes on from a snapshot of this system, after its own initialization.
+    pub(super) fn resume(&mut self, snapshot: &Snapshot) -> Result<()> {
+        self.values.clone_from(&snapshot.values);
+        self.inputs.clone_from(&snapshot.inputs);
+        self.ends.clone_from(&snapshot.ends);
+        self.trends.clone_from(&snapshot.trends);
+        self.ramps.clone_from(&snapshot.ramps);
+        if let (Some(control), Some(step)) = (&mut self.control, snapshot.step) {
+            (control.now, control.step) = (snapshot.time, step);
+        }
+        for (component, saved) in snapshot.components.iter().enumerate() {
+            self.slaves[component].deserialize(&saved.state, snapshot.time)?;
+            for &(variable, patch) in &saved.patches {
+                self.patch(component, variable, Some(patch));
+            }
+        }
+        Ok(())
+    }
+}

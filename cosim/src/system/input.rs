@@ -1,0 +1,93 @@
+//! What connected inputs do during a step: hold a value or move linearly.
+//!
+//! Linear is for continuous Reals at both ends, into a component that can take it: model exchange
+//! always (we integrate it), co-simulation where the FMU declares canInterpolateInputs. Other
+//! inputs hold their value, and that is said when linear was asked for.
+
+use super::{Connection, Model, System};
+use crate::error::{Code, Error, Result};
+use crate::fmi::{InterfaceType, Kind, Variability};
+use crate::names;
+
+/// What an input does during a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Input {
+    /// It keeps one value: that of the step's beginning, or fresh that of its end.
+    #[default]
+    Hold,
+    /// It moves: on by the slope of its source, or fresh from one value to the other.
+    Linear,
+}
+
+impl std::str::FromStr for Input {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "hold" => Ok(Input::Hold),
+            "linear" => Ok(Input::Linear),
+            _ => Err(format!("'{text}' is neither hold nor linear")),
+        }
+    }
+}
+
+/// Decides for each connection; notes the components that hold against the wish.
+pub(super) fn apply(system: &mut System, wishes: &[(String, Input)]) -> Result<()> {
+    let names: Vec<String> = system.connections().iter().map(|c| system.port_name(c.to)).collect();
+    let mut problems = Vec::new();
+    for (wish, _) in wishes.iter().filter(|(wish, _)| !wish.is_empty()) {
+        if !names.iter().any(|name| names::matches(wish, name)) {
+            problems.push(
+                Error::new(Code::UnknownName, format!("'{wish}' is no connected input"))
+                    .maybe_help(names::did_you_mean(wish, names.iter().map(String::as_str))),
+            );
+        }
+    }
+    Error::all(problems)?;
+    let mut unable: Vec<&str> = Vec::new();
+    let mut linear = Vec::with_capacity(names.len());
+    for (connection, name) in system.connections().iter().zip(&names) {
+        let fits = |wish: &str| wish.is_empty() || names::matches(wish, name);
+        let wanted = wishes.iter().rev().find(|(wish, _)| fits(wish));
+        let wanted = wanted.is_some_and(|(_, input)| *input == Input::Linear);
+        let receiver = &system.components()[connection.to.component];
+        // A function follows at once; its own outputs may move.
+        let function = matches!(receiver.model, Model::Function(_));
+        let moves = wanted && !function && smooth(system, connection);
+        let able = match &receiver.model {
+            Model::Fmu(fmu) => {
+                receiver.interface == InterfaceType::ModelExchange
+                    || fmu.interface(receiver.interface).is_ok_and(|i| i.interpolates_inputs)
+            }
+            Model::Signals(_) | Model::Function(_) => false,
+        };
+        if moves && !able && !unable.contains(&receiver.name.as_str()) {
+            unable.push(&receiver.name);
+        }
+        linear.push(moves && able);
+    }
+    let notes: Vec<String> = unable
+        .iter()
+        .map(|name| {
+            format!("'{name}' holds its inputs: its FMU does not declare canInterpolateInputs")
+        })
+        .collect();
+    system.linear = linear;
+    system.notes.extend(notes);
+    Ok(())
+}
+
+/// Whether both ends are continuous Reals.
+fn smooth(system: &System, connection: &Connection) -> bool {
+    [connection.from, connection.to].iter().all(|port| {
+        let model = &system.components()[port.component].model;
+        match (model, model.description()) {
+            (Model::Signals(signals), _) => *signals.kind(port.variable) == Kind::Real,
+            (_, Some(description)) => {
+                let variable = &description.variables[port.variable];
+                variable.kind == Kind::Real && variable.variability == Variability::Continuous
+            }
+            (_, None) => false,
+        }
+    })
+}
