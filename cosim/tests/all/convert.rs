@@ -11,10 +11,13 @@ use crate::formats::{Folder, assert_parts, component, connection, ssd, system};
 use crate::models::Model;
 use crate::ssd::{Ssd, run};
 
+/// A component: name, model, step, start values.
+type Seen = (String, String, f64, Vec<(usize, Value)>);
+
 /// All of a system that can be compared.
 #[derive(Debug, PartialEq)]
 struct Outline {
-    components: Vec<(String, String, f64, Vec<(usize, Value)>)>,
+    components: Vec<Seen>,
     connections: Vec<Connection>,
     columns: Vec<String>,
     experiment: [f64; 3],

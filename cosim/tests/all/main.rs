@@ -4,6 +4,7 @@ mod archives;
 mod checked;
 mod command;
 mod convert;
+mod converted;
 mod exchange;
 mod failures;
 mod formats;
