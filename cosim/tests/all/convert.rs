@@ -205,3 +205,27 @@ fn maps_and_model_exchange_have_no_word_in_osp_and_sums_none_in_ssp() {
     let names: Vec<&str> = back.components().iter().map(|c| c.name.as_str()).collect();
     assert_eq!(names, ["g", "v[0]", "v[1]"]);
 }
+
+#[test]
+fn conversions_of_units_are_written_as_what_they_amount_to() {
+    let folder = Folder::new();
+    let source = folder.fmu_in(Model::Clock, "degC", "K=\"1\" offset=\"273.15\"");
+    let sink = folder.fmu_in(Model::Gain, "mK", "K=\"1\" factor=\"0.001\"");
+    let ports = "u:input:Real y:output:Real";
+    let elements = [component("c", &source, ports, ""), component("g", &sink, ports, "")].concat();
+    let text = ssd(&system(&elements, &connection("c.y", "g.u", "")), "");
+    let original = folder.load(&text).unwrap();
+    assert_eq!(crate::formats::last(&run(&original), "g.y"), 274150.0);
+    let wanted = outline(&original);
+    assert_eq!(again(&original, &folder.path("a.ssp")), wanted);
+    assert_eq!(again(&original, &folder.path("b/a.ssd")), wanted);
+    assert_eq!(again(&original, &folder.path("osp")).connections, wanted.connections);
+    // Suppressed, nothing is converted, and that is kept too.
+    let suppressed =
+        text.replace("<ssd:Connection ", "<ssd:Connection suppressUnitConversion='true' ");
+    let original = folder.load(&suppressed).unwrap();
+    assert_eq!(again(&original, &folder.path("c.ssp")), outline(&original));
+    assert_eq!(crate::formats::last(&run(&original), "g.y"), 1.0);
+    // OSP has no word for it: a function that changes nothing keeps the units apart.
+    assert_eq!(again(&original, &folder.path("d.xml")).connections, original.connections());
+}

@@ -36,6 +36,7 @@ fn inline(parameters: &str) -> String {
 }
 
 const LINEAR: &str = "<ssc:LinearTransformation factor='3' offset='1'/>";
+const OTHER: &str = "<ssc:LinearTransformation factor='2' offset='5'/>";
 
 /// clock -> [ in -> [ in -> gain -> out ] -> out ] -> gain, transformed on every way in.
 fn nested() -> String {
@@ -69,7 +70,7 @@ fn nested() -> String {
     );
     system(
         &[clock("c"), inner, gain("last", "")].concat(),
-        &[connection("c.y", "inner.in", LINEAR), connection("inner.out", "last.u", "")].concat(),
+        &[connection("c.y", "inner.in", OTHER), connection("inner.out", "last.u", "")].concat(),
     )
 }
 
@@ -77,9 +78,9 @@ fn nested() -> String {
 fn nested_systems_are_flat_and_transformed_on_every_way_in() {
     let folder = Folder::new();
     let results = folder.run(&ssd(&nested(), ""));
-    // 3 (3 (3 t + 1) + 1) + 1 = 27 t + 13, times 0.2 * 10.
-    assert!((last(&results, "last.y") - 80.0).abs() < 1e-9);
-    assert!((last(&results, "inner.deep.g.y") - 80.0).abs() < 1e-9);
+    // 3 (3 (2 t + 5) + 1) + 1 = 18 t + 49, times 0.2 * 10.
+    assert!((last(&results, "last.y") - 134.0).abs() < 1e-9);
+    assert!((last(&results, "inner.deep.g.y") - 134.0).abs() < 1e-9);
 }
 
 #[test]

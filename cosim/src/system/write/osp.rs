@@ -7,8 +7,8 @@ use std::collections::BTreeSet;
 
 use super::files::Files;
 use super::ssd::base_step;
-use super::unsaid;
 use super::xml::{Xml, number};
+use super::{units, unsaid};
 use crate::error::Result;
 use crate::fmi::{InterfaceType, Kind, Value};
 use crate::system::read::OSP_NAMESPACE;
@@ -56,22 +56,31 @@ fn converted(system: &System) -> Result<Vec<(usize, String, Linear)>> {
     for (position, connection) in system.connections().iter().enumerate() {
         let names =
             || [connection.from, connection.to].map(|port| system.port_name(port)).join(" -> ");
-        match &connection.conversion {
-            None => (),
+        let linear = match &connection.conversion {
+            None if meet_unconverted(system, connection) => Linear::IDENTITY,
+            None => continue,
+            Some(Conversion::Linear(linear)) => *linear,
             Some(Conversion::Map(_)) => {
                 return Err(unsaid("OSP", format!("{} is mapped", names()))
                     .why("its functions change Reals only"));
             }
-            Some(Conversion::Linear(linear)) => {
-                let mut name = format!("to.{}", system.port_name(connection.to));
-                while !taken.insert(name.clone()) {
-                    name.push('_');
-                }
-                found.push((position, name, *linear));
-            }
+        };
+        let mut name = format!("to.{}", system.port_name(connection.to));
+        while !taken.insert(name.clone()) {
+            name.push('_');
         }
+        found.push((position, name, linear));
     }
     Ok(found)
+}
+
+/// Whether the units differ and their conversion is suppressed: without a function between them
+/// they would be converted when the file is read.
+fn meet_unconverted(system: &System, connection: &Connection) -> bool {
+    match (units::of(system, connection.from), units::of(system, connection.to)) {
+        (Some((_, from)), Some((_, to))) => from.to(&to) != Some(Linear::IDENTITY),
+        _ => false,
+    }
 }
 
 struct Writer<'a> {
