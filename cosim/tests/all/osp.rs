@@ -186,12 +186,12 @@ fn the_log_config_chooses_what_is_recorded() {
         "LogConfig.xml",
         "<simulators xmlns='http://opensimulationplatform.com/LogConfig'>\
          <simulator name='a' decimationFactor='2'><variable name='y'/></simulator>\
-         <simulator name='scaled' decimationFactor='5'/></simulators>",
+         <simulator name='scaled' decimationFactor='4'/></simulators>",
     );
     let results = run(&System::load(folder.0.path(), &Overrides::new()).unwrap());
     let expected = ["a.y", "scaled.u", "scaled.k", "scaled.y", "scaled.second", "scaled.m"];
     assert_eq!(results.names()[..6], expected);
-    assert_near(&results.time()[..3], &[0.0, 0.1, 0.2]);
+    assert_near(&results.time()[..3], &[0.0, 0.2, 0.4]);
     folder.write(
         "LogConfig.xml",
         "<simulators><simulator name='a'><variable name='yy'/></simulator></simulators>",
