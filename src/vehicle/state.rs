@@ -16,10 +16,20 @@ pub struct State {
 }
 
 impl State {
+    /// No change of anything.
+    pub const ZERO: Self =
+        Self { p_ned: [0.0; 3], quaternion: [0.0; 4], nu: [0.0; 6], rotor_speed: [0.0; 8] };
+
     /// At rest, rotors stopped, at a position and an attitude `[roll, pitch, yaw]` (rad).
     #[must_use]
     pub fn at_rest(p_ned: [f64; 3], euler: [f64; 3]) -> Self {
         Self { p_ned, quaternion: attitude::from_euler(euler), nu: [0.0; 6], rotor_speed: [0.0; 8] }
+    }
+
+    /// Change of [`State::at_rest`] at an attitude as position and attitude change.
+    #[must_use]
+    pub fn d_at_rest(d_p_ned: [f64; 3], euler: [f64; 3], d_euler: [f64; 3]) -> Self {
+        Self { p_ned: d_p_ned, quaternion: attitude::d_from_euler(euler, d_euler), ..Self::ZERO }
     }
 }
 

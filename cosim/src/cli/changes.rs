@@ -5,6 +5,7 @@ use cosim::fmi::InterfaceType;
 use cosim::{Algorithm, Overrides};
 
 use super::solver::Solver;
+use super::stepping::Stepping;
 use super::values;
 
 /// Changes to the file.
@@ -28,6 +29,8 @@ pub(crate) struct Changes {
     interface_type: Vec<(String, InterfaceType)>,
     #[command(flatten)]
     solver: Solver,
+    #[command(flatten)]
+    stepping: Stepping,
     /// First instant
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds, allow_negative_numbers = true)]
     start_time: Option<f64>,
@@ -63,6 +66,6 @@ impl Changes {
         for (component, kind) in &self.interface_type {
             overrides = overrides.interface(component, *kind);
         }
-        self.solver.add_to(overrides)
+        self.stepping.add_to(self.solver.add_to(overrides))
     }
 }

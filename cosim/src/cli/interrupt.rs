@@ -8,7 +8,12 @@ use cosim::{Observer, Result, Time};
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-extern "C" fn interrupted(_: libc::c_int) {
+/// Whether SIGINT has come.
+pub(crate) fn interrupted() -> bool {
+    INTERRUPTED.load(Ordering::Relaxed)
+}
+
+extern "C" fn on_signal(_: libc::c_int) {
     INTERRUPTED.store(true, Ordering::Relaxed);
     // SAFETY: `signal` may be called in a handler (POSIX, async-signal-safe functions).
     unsafe { libc::signal(libc::SIGINT, libc::SIG_DFL) };
@@ -20,7 +25,7 @@ pub(crate) struct Interrupt;
 impl Interrupt {
     /// From now on SIGINT is waited for.
     pub(crate) fn new() -> Self {
-        let handler: extern "C" fn(libc::c_int) = interrupted;
+        let handler: extern "C" fn(libc::c_int) = on_signal;
         // SAFETY: the handler stores an atomic and calls `signal`, nothing else.
         unsafe { libc::signal(libc::SIGINT, handler as libc::sighandler_t) };
         Self
@@ -41,6 +46,6 @@ impl Observer for Interrupt {
     }
 
     fn stop(&self) -> Option<Stop> {
-        INTERRUPTED.load(Ordering::Relaxed).then_some(Stop::Interrupted)
+        interrupted().then_some(Stop::Interrupted)
     }
 }

@@ -10,12 +10,16 @@ mod explain;
 mod info;
 mod inspect;
 mod interrupt;
+mod live;
 pub(crate) mod messages;
 mod output;
 mod report;
 mod run;
 mod simulate;
+mod snapshots;
 mod solver;
+mod stepping;
+mod summary;
 mod validate;
 mod values;
 

@@ -8,6 +8,7 @@ use cosim::{Overrides, Recording, Result, System};
 
 use super::output::Output;
 use super::solver::Solver;
+use super::stepping::Stepping;
 use super::values;
 
 /// Simulate one FMU
@@ -35,6 +36,8 @@ pub(crate) struct Simulate {
     interface_type: Option<InterfaceType>,
     #[command(flatten)]
     solver: Solver,
+    #[command(flatten)]
+    stepping: Stepping,
     /// Ask the FMU for debug messages, which are shown when it fails
     #[arg(long)]
     debug_logging: bool,
@@ -66,6 +69,6 @@ impl Simulate {
         if let Some(kind) = self.interface_type {
             overrides = overrides.interface("", kind);
         }
-        self.solver.add_to(overrides)
+        self.stepping.add_to(self.solver.add_to(overrides))
     }
 }

@@ -14,7 +14,9 @@ use super::slave::{Slave, Step};
 /// What becomes of a step that the FMU discards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Discards {
-    /// It is halved up to so many times; then, or with 0, it is an error.
+    /// It is an error, for the FMU cannot go back.
+    Final,
+    /// It is made smaller up to so many times; then, or with 0, it is an error.
     Repeated(u32),
     /// The caller is told.
     Told,
@@ -65,6 +67,12 @@ impl FmuSlave {
     fn discarded(&mut self, start: Time, step: Time, reached: Time) -> Result<Step> {
         let retries = match self.discards {
             Discards::Told => return Ok(Step::Discarded(reached)),
+            Discards::Final => {
+                return Err(self.instance.discarded(reached).help(
+                    "a smaller --step; its FMU does not declare both canGetAndSetFMUstate and \
+                     canHandleVariableCommunicationStepSize, so no step can be made again",
+                ));
+            }
             Discards::Repeated(0) => {
                 let error = self.instance.discarded(reached);
                 return Err(error.help("--retries 10 makes it again by smaller steps"));

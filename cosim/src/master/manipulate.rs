@@ -95,7 +95,7 @@ impl Engine {
 
 impl System {
     /// The port of a variable that may be manipulated, or why it may not.
-    pub(super) fn manipulable(&self, name: &str) -> Result<Port> {
+    pub(crate) fn manipulable(&self, name: &str) -> Result<Port> {
         let port = self.port(name)?;
         let Some(description) = self.components()[port.component].model.description() else {
             return Err(Error::new(Code::Parameter, format!("'{name}' cannot be set"))

@@ -87,7 +87,7 @@ impl System {
                 let discards = match self.step_control() {
                     Some(_) => Discards::Told,
                     None if component.can_repeat(fmu) => Discards::Repeated(self.retries()),
-                    None => Discards::Repeated(0),
+                    None => Discards::Final,
                 };
                 Box::new(FmuSlave::new(component, fmu, node, discards, self.debug_logging())?)
             }

@@ -207,6 +207,7 @@ impl<'a> Run<'a> {
             next_multiple(last, start, every) <= now
         });
         if periodic || snapshots.at.iter().any(|&at| since(at)) {
+            self.observers.iter_mut().try_for_each(|observer| observer.flush())?;
             (snapshots.keep)(engine.snapshot(self.system, now)?)?;
         }
         *taken = Some(now);

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::csv_read;
 use super::{CsvRecorder, Observer, RunInfo};
+use super::{csv_read, mcap_read};
 use crate::error::{Code, Error, Result};
 use crate::fmi::Kind;
 use crate::names;
@@ -27,6 +27,18 @@ impl Recording {
     /// From columns that are there already, all of the length of `time`.
     pub fn from_columns(names: Vec<String>, time: Vec<f64>, columns: Vec<Vec<f64>>) -> Self {
         Self { real: vec![true; names.len()], names, time, columns }
+    }
+
+    /// Reads results: MCAP if the file's name ends in `.mcap`, else CSV.
+    pub fn read(file: impl AsRef<Path>) -> Result<Self> {
+        let file = file.as_ref();
+        if super::is_mcap(file) { mcap_read::read(file) } else { csv_read::read(file) }
+    }
+
+    /// Which of the columns are Reals; the others hold whole numbers.
+    pub(super) fn with_reals(mut self, real: Vec<bool>) -> Self {
+        self.real = real;
+        self
     }
 
     /// Reads a CSV file with the time in its first column.

@@ -62,7 +62,7 @@ fn all_kinds_of_problems_at_once_with_file_and_line() {
     let problems = told["problems"].as_array().unwrap();
     let text = serde_json::to_string_pretty(problems).unwrap();
     for (code, what, help) in [
-        ("E208", "clock.y -> inSeconds.u: m meets s", "suppressUnitConversion"),
+        ("E209", "clock.y -> inSeconds.u: m meets s", "suppressUnitConversion"),
         ("E202", "no component 'clok'", "did you mean 'clock'?"),
         ("E202", "no variable 'yy'", "did you mean 'y'?"),
         ("E203", "'unsettable.u' has two drivers", "remove one"),
@@ -74,7 +74,7 @@ fn all_kinds_of_problems_at_once_with_file_and_line() {
         ("E204", "'untyped.k' is given as <ssv:String>", "<ssv:Real"),
         ("E101", "the FMU of 'absent' cannot be opened", "build or copy"),
         ("E203", "'asOutput.u' is listed as kind=\"output\"", "kind=\"input\""),
-        ("E207", "\"https://example.org/x.fmu\" is refused", ""),
+        ("E208", "\"https://example.org/x.fmu\" is refused", ""),
         ("E201", "<Componet>", "did you mean 'Component'?"),
     ] {
         let found = problems.iter().find(|p| {

@@ -181,13 +181,13 @@ fn maps_and_model_exchange_have_no_word_in_osp_and_sums_none_in_ssp() {
     let elements = [counter("a"), counter("b")].concat();
     let mapped = folder.load(&ssd(&system(&elements, &connection("a.n", "b.m", map)), "")).unwrap();
     let error = mapped.write(folder.path("x.xml")).unwrap_err().to_string();
-    assert_parts(&error, &["E209", "a.n -> b.m is mapped"]);
+    assert_parts(&error, &["E210", "a.n -> b.m is mapped"]);
     assert_eq!(again(&mapped, &folder.path("y.ssp")), outline(&mapped));
     let ball = component("ball", &Model::Ball.fmu(), "", "")
         .replace("<ssd:Connectors>\n</ssd:Connectors>", "");
     let ball = folder.load(&ssd(&system(&ball, ""), "")).unwrap();
     let error = ball.write(folder.path("x.xml")).unwrap_err().to_string();
-    assert_parts(&error, &["E209", "'ball' is a model exchange FMU"]);
+    assert_parts(&error, &["E210", "'ball' is a model exchange FMU"]);
     let gain = Model::Gain.fmu();
     let sum = format!(
         "<OspSystemStructure xmlns='http://opensimulationplatform.com/MSMI/OSPSystemStructure' \
@@ -199,7 +199,7 @@ fn maps_and_model_exchange_have_no_word_in_osp_and_sums_none_in_ssp() {
     );
     let sum = System::load(folder.write("sum.xml", &sum), &Overrides::new()).unwrap();
     let error = sum.write(folder.path("x.ssd")).unwrap_err().to_string();
-    assert_parts(&error, &["E209", "'v' is a sum"]);
+    assert_parts(&error, &["E210", "'v' is a sum"]);
     sum.write(folder.path("z.xml")).unwrap();
     let back = System::load(folder.path("z.xml"), &Overrides::new()).unwrap();
     let names: Vec<&str> = back.components().iter().map(|c| c.name.as_str()).collect();

@@ -20,8 +20,11 @@ typedef struct {
 typedef struct {
   const Callbacks *callbacks;
   double r[4];  /* 0 u, 1 k, 2 y, 3 second parameter */
+  double slope; /* of u, during the next step */
+  double x, v;  /* of the oscillators */
   int i[4], b[4];
   double time;
+  double reached; /* of a discarded step */
   int steps;
   int initialized;
   char name[64], text[64];
@@ -34,6 +37,10 @@ static void outputs(Model *m) {
   m->r[2] = m->r[1] * m->r[0] + m->time;
 #elif defined MODEL_CUBIC
   m->r[2] = m->time - m->r[1] * m->r[0] * m->r[0] * m->r[0];
+#elif defined MODEL_MASS
+  m->r[2] = m->x;
+#elif defined MODEL_INERTIA
+  m->r[2] = m->r[0] - m->r[1] * m->x;
 #elif defined MODEL_CLOCK
   m->r[2] = m->time;
 #elif defined MODEL_COUNTER
@@ -42,6 +49,30 @@ static void outputs(Model *m) {
   m->b[1] = !m->b[0];
 #endif
 }
+
+#if defined MODEL_MASS || defined MODEL_INERTIA
+/* x'' = force - k x by Runge and Kutta in steps so fine that their error does not show. */
+static double pull(Model *m, double x, double t) {
+  double u = m->r[0] + m->slope * t;
+#ifdef MODEL_MASS
+  u *= m->r[3];
+#endif
+  return u - m->r[1] * x;
+}
+static void oscillate(Model *m, double h) {
+  const int n = 32;
+  const double d = h / n;
+  for (int i = 0; i < n; i++) {
+    const double t = i * d, x = m->x, v = m->v;
+    const double a1 = pull(m, x, t), v2 = v + a1 * d / 2;
+    const double a2 = pull(m, x + v * d / 2, t + d / 2), v3 = v + a2 * d / 2;
+    const double a3 = pull(m, x + v2 * d / 2, t + d / 2), v4 = v + a3 * d;
+    const double a4 = pull(m, x + v3 * d, t + d);
+    m->x += d / 6 * (v + 2 * v2 + 2 * v3 + v4);
+    m->v += d / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+  }
+}
+#endif
 
 const char *fmi2GetTypesPlatform(void) { return "default"; }
 const char *fmi2GetVersion(void) { return "2.0"; }
@@ -67,6 +98,11 @@ Status fmi2SetupExperiment(Component c, int tol, double t, double start, int sto
   return 0;
 }
 Status fmi2EnterInitializationMode(Component c) {
+#if defined MODEL_MASS
+  ((Model *)c)->x = ((Model *)c)->i[0];
+#elif defined MODEL_INERTIA
+  ((Model *)c)->x = ((Model *)c)->r[3] == 1e9 ? 1 : ((Model *)c)->r[3];
+#endif
 #ifdef MODEL_INTEGRATOR
   ((Model *)c)->r[2] = ((Model *)c)->r[3] == 1e9 ? 0 : ((Model *)c)->r[3];
 #endif
@@ -90,6 +126,7 @@ Status fmi2Reset(Component c) { return 0; }
   Status fmi2Set##NAME(Component c, const Ref *refs, size_t n, const TYPE *values) { \
     Model *m = c;                                                                 \
     for (size_t k = 0; k < n; k++) m->FIELD[refs[k]] = values[k];                 \
+    m->slope = 0;                                                                 \
     return 0;                                                                     \
   }
 GET(Real, double, r)
@@ -109,10 +146,21 @@ Status fmi2DoStep(Component c, double t, double h, int no_set) {
   Model *m = c;
   if (t - m->time > 1e-9 || m->time - t > 1e-9 || h <= 0) return 3;
   m->steps++;
-  m->time = t + h;
-#ifdef MODEL_INTEGRATOR
-  m->r[2] += m->r[0] * h;
+#ifdef MODEL_PICKY
+  if (h > m->r[3] * (1 + 1e-9)) { /* what it has computed by then is of no use */
+    m->reached = m->i[0] ? t : t + m->r[3] / 2;
+    m->r[2] += 1000;
+    m->time += m->r[3] / 3;
+    return 2;
+  }
 #endif
+  m->time = t + h;
+#if defined MODEL_INTEGRATOR || defined MODEL_PICKY
+  m->r[2] += m->r[0] * h;
+#elif defined MODEL_MASS || defined MODEL_INERTIA
+  oscillate(m, h);
+#endif
+  m->r[0] += m->slope * h;
 #ifdef MODEL_COUNTER
   if (m->steps == 2 && m->text[0])
     m->callbacks->log(m->callbacks->environment, m->name, 1, "logAll", "%s", m->text);
@@ -138,6 +186,52 @@ Status fmi2DoStep(Component c, double t, double h, int no_set) {
   return 0;
 }
 
+Status fmi2GetRealStatus(Component c, int kind, double *value) {
+  *value = ((Model *)c)->reached;
+  return kind == 2 ? 0 : 2;
+}
+Status fmi2GetBooleanStatus(Component c, int kind, int *value) {
+  *value = 0;
+  return 0;
+}
+Status fmi2SetRealInputDerivatives(Component c, const Ref *refs, size_t n, const int *orders,
+                                   const double *values) {
+  for (size_t k = 0; k < n; k++) {
+    if (refs[k] != 0 || orders[k] != 1) return 3;
+    ((Model *)c)->slope = values[k];
+  }
+  return 0;
+}
+Status fmi2GetRealOutputDerivatives(Component c, const Ref *refs, size_t n, const int *orders,
+                                    double *values) {
+  Model *m = c;
+  for (size_t k = 0; k < n; k++) {
+    if (refs[k] != 2 || orders[k] != 1) return 3;
+#ifdef MODEL_INERTIA
+    values[k] = m->slope - m->r[1] * m->v;
+#else
+    values[k] = m->v;
+#endif
+  }
+  return 0;
+}
+Status fmi2GetDirectionalDerivative(Component c, const Ref *unknowns, size_t n, const Ref *knowns,
+                                    size_t m, const double *seed, double *result) {
+  for (size_t k = 0; k < n; k++) {
+    result[k] = 0;
+    for (size_t j = 0; j < m; j++)
+      if (unknowns[k] == 2 && knowns[j] == 0)
+#ifdef MODEL_INERTIA
+        result[k] += seed[j];
+#elif defined MODEL_CUBIC
+        result[k] -= 3 * ((Model *)c)->r[1] * ((Model *)c)->r[0] * ((Model *)c)->r[0] * seed[j];
+#else
+        result[k] += ((Model *)c)->r[1] * seed[j];
+#endif
+  }
+  return 0;
+}
+
 Status fmi2GetFMUstate(Component c, void **state) {
   Model *m = c;
   if (!*state) *state = m->callbacks->allocate(1, sizeof(Model));
@@ -151,5 +245,22 @@ Status fmi2SetFMUstate(Component c, void *state) {
 Status fmi2FreeFMUstate(Component c, void **state) {
   ((Model *)c)->callbacks->release(*state);
   *state = NULL;
+  return 0;
+}
+Status fmi2SerializedFMUstateSize(Component c, void *state, size_t *size) {
+  *size = sizeof(Model);
+  return 0;
+}
+Status fmi2SerializeFMUstate(Component c, void *state, unsigned char *bytes, size_t size) {
+  if (size != sizeof(Model)) return 3;
+  memcpy(bytes, state, size);
+  memset(bytes, 0, sizeof(void *)); /* the callbacks are the process's */
+  return 0;
+}
+Status fmi2DeSerializeFMUstate(Component c, const unsigned char *bytes, size_t size, void **state) {
+  if (size != sizeof(Model)) return 3;
+  if (!*state) *state = ((Model *)c)->callbacks->allocate(1, sizeof(Model));
+  memcpy(*state, bytes, size);
+  ((Model *)*state)->callbacks = ((Model *)c)->callbacks;
   return 0;
 }

@@ -28,6 +28,13 @@ pub(crate) enum Model {
     Failing,
     /// A gain that logs in three formats and dies in its third step.
     Logging,
+    /// y'' = second u - k y, y(0) = m; no feed-through; interpolates u and gives y'.
+    Mass,
+    /// x'' = u - k x, x(0) = second; y = x'', feed-through; interpolates u and gives y'.
+    Inertia,
+    /// An integrator that discards steps longer than second, of which it makes a half, or with m
+    /// not 0 nothing.
+    Picky,
     /// Model exchange: height y, falls from 1 m, keeps k of its speed; n bounces.
     Ball,
     /// Model exchange: n time events, every k seconds from the start on; even = (m is not 0).
@@ -51,6 +58,9 @@ impl Model {
             Model::Cubic => "CUBIC",
             Model::Failing => "FAILING",
             Model::Logging => "LOGGING",
+            Model::Mass => "MASS",
+            Model::Inertia => "INERTIA",
+            Model::Picky => "PICKY",
             Model::Ball => "BALL",
             Model::Ticker => "TICKER",
             Model::Oscillator => "OSCILLATOR",
@@ -60,7 +70,8 @@ impl Model {
     }
 
     fn feeds_through(self) -> bool {
-        matches!(self, Model::Gain | Model::Affine | Model::Cubic | Model::Failing | Model::Logging)
+        use Model::{Affine, Cubic, Failing, Gain, Inertia, Logging};
+        matches!(self, Gain | Affine | Cubic | Inertia | Failing | Logging)
     }
 
     /// States and event indicators, for model exchange.
@@ -111,7 +122,7 @@ impl Model {
         format!(
             r#"<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="{name}" guid="{{test}}" numberOfEventIndicators="{indicators}">
-  <ModelExchange modelIdentifier="{name}" canGetAndSetFMUstate="true"/>
+  <ModelExchange modelIdentifier="{name}" canGetAndSetFMUstate="true" canSerializeFMUstate="true"/>
   <DefaultExperiment startTime="0" stopTime="1" stepSize="0.1"/>
   <ModelVariables>
 {}  </ModelVariables>
@@ -132,11 +143,16 @@ impl Model {
 
     fn of_co_simulation(self) -> String {
         let name = self.name();
+        let interpolates = " canInterpolateInputs=\"true\" maxOutputDerivativeOrder=\"1\"";
+        let abilities = match self {
+            Model::Mass | Model::Inertia => interpolates,
+            _ => "",
+        };
         let dependencies = if self.feeds_through() { "1" } else { "" };
         format!(
             r#"<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="{name}" guid="{{test}}" generationTool="cc">
-  <CoSimulation modelIdentifier="{name}" canGetAndSetFMUstate="true"/>
+  <CoSimulation modelIdentifier="{name}" canGetAndSetFMUstate="true" canSerializeFMUstate="true" canHandleVariableCommunicationStepSize="true"{abilities}/>
   <TypeDefinitions>
     <SimpleType name="Mode"><Enumeration><Item name="Slow" value="1"/><Item name="Fast" value="4"/></Enumeration></SimpleType>
   </TypeDefinitions>
@@ -163,6 +179,18 @@ impl Model {
 </fmiModelDescription>
 "#
         )
+    }
+
+    /// Another FMU of this model: with a part of its description replaced.
+    pub(crate) fn varied(self, folder: &Path, from: &str, to: &str) -> PathBuf {
+        let path = folder.join(format!("varied_{}.fmu", self.name()));
+        let description = self.description();
+        assert!(description.contains(from), "{from}");
+        let description = description.replace(from, to).into_bytes();
+        let library = std::fs::read(compile(self)).unwrap();
+        let binary = format!("binaries/linux64/{}.so", self.name());
+        pack(&path, &[("modelDescription.xml", description), (&binary, library)]);
+        path
     }
 
     /// The packed FMU, made once per test process.

@@ -247,14 +247,14 @@ fn the_paths_of_a_package_do_not_leave_it() {
         pack(&folder.path("x.ssp"), &[("SystemStructure.ssd", text.into_bytes())]);
         let error = cosim::System::load(folder.path("x.ssp"), &cosim::Overrides::new());
         let error = error.err().unwrap().to_string();
-        assert_parts(&error, &["E207", "x.ssp/SystemStructure.ssd:8", &format!("\"{source}\"")]);
+        assert_parts(&error, &["E208", "x.ssp/SystemStructure.ssd:8", &format!("\"{source}\"")]);
     }
     // The same in a file of parameters; and on disk the user may point anywhere.
     let binding = bound("<ssd:ParameterBinding source='../values.ssv'/>");
     let text = ssd(&[binding, system(&gain("g", ""), "")].concat(), "");
     pack(&folder.path("x.ssp"), &[("SystemStructure.ssd", text.clone().into_bytes())]);
     let error = cosim::System::load(folder.path("x.ssp"), &cosim::Overrides::new());
-    assert_parts(&error.err().unwrap().to_string(), &["E207", "../values.ssv"]);
+    assert_parts(&error.err().unwrap().to_string(), &["E208", "../values.ssv"]);
     folder.write("values.ssv", &set(&value("g.k", 2.0)));
     let file = folder.write("below/test.ssd", &text);
     assert!(cosim::System::load(file, &cosim::Overrides::new()).is_ok());
@@ -290,10 +290,10 @@ fn a_text_is_read_without_any_file() {
     assert_eq!(cosim::System::read_text(&text).unwrap(), 2);
     let binding = bound("<ssd:ParameterBinding source='/etc/hostname'/>");
     let error = cosim::System::read_text(&ssd(&binding, "")).unwrap_err().to_string();
-    assert_parts(&error, &["E207", "text:8", "without a place"]);
+    assert_parts(&error, &["E208", "text:8", "without a place"]);
     let part = "<ssd:Component name='x' type='application/x-ssp-package' source='/x.ssp'/>";
     let error = cosim::System::read_text(&ssd(&system(part, ""), "")).unwrap_err().to_string();
-    assert_parts(&error, &["E207", "without a place"]);
+    assert_parts(&error, &["E208", "without a place"]);
     assert!(cosim::System::read_text("<OspSystemStructure").is_err());
 }
 

@@ -47,7 +47,7 @@ fn other_dimensions_are_refused_and_all_of_them_told() {
     assert_parts(
         &error,
         &[
-            "[E208] c.y -> g.u: m meets N",
+            "[E209] c.y -> g.u: m meets N",
             "m and kg.m.s-2",
             "c.y -> h.u",
             "2 problems",
@@ -87,7 +87,7 @@ fn units_of_connectors_and_values_count() {
     let results = folder.run(&text("km"));
     assert_eq!(last(&results, "g.y"), 1000.0);
     assert_eq!(last(&results, "h.y"), 7000.0);
-    assert_parts(&folder.error(&text("s")), &["E208", "the value of 'h.u': s meets m"]);
+    assert_parts(&folder.error(&text("s")), &["E209", "the value of 'h.u': s meets m"]);
 }
 
 #[test]

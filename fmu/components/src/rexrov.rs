@@ -4,7 +4,7 @@ use crate::coefficients::{Coefficients, ParameterSet};
 use crate::direct::Direct;
 use crate::groups::{Attitude, Position, Velocity, parameter_error};
 use fmu_kit::{Component, Enumeration, Fault, Info, ParameterError, Resources, Time, Variables};
-use rexrov::vehicle::{self, Inputs, Outputs, State, Vehicle};
+use rexrov::vehicle::{self, Inputs, Outputs, Sensitivity, State, Vehicle};
 
 /// Meaning of the thruster inputs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Enumeration)]
@@ -76,6 +76,26 @@ impl Default for Parameters {
     }
 }
 
+/// Event indicators: commands that cross their limits, commands that change their sign.
+const KINKS: [&str; 16] = [
+    "thruster[0] limit",
+    "thruster[1] limit",
+    "thruster[2] limit",
+    "thruster[3] limit",
+    "thruster[4] limit",
+    "thruster[5] limit",
+    "thruster[6] limit",
+    "thruster[7] limit",
+    "thruster[0] reversal",
+    "thruster[1] reversal",
+    "thruster[2] reversal",
+    "thruster[3] reversal",
+    "thruster[4] reversal",
+    "thruster[5] reversal",
+    "thruster[6] reversal",
+    "thruster[7] reversal",
+];
+
 /// The vehicle with its constants, and its state at the start.
 pub struct RexRov {
     vehicle: Vehicle,
@@ -90,6 +110,8 @@ impl Component for RexRov {
             "RexROV underwater vehicle, six degrees of freedom, eight thrusters",
         )
     };
+    const INDICATORS: &[&str] = &KINKS;
+    const KINKS_OF_INPUTS: bool = true;
     const TANGENT: bool = true;
     type Parameters = Parameters;
     type Inputs = Direct<Inputs>;
@@ -159,5 +181,36 @@ impl Component for RexRov {
     ) -> (Direct<State>, Direct<Outputs>) {
         let (derivatives, outputs) = self.vehicle.tangent(x, u).along(dx, du);
         (Direct(derivatives), Direct(outputs))
+    }
+
+    fn indicators(
+        &self,
+        _: f64,
+        (): &(),
+        _: &Direct<State>,
+        Direct(u): &Direct<Inputs>,
+        indicators: &mut [f64],
+    ) {
+        let (limit, reversal) = self.vehicle.kinks(u);
+        for (indicator, kink) in indicators.iter_mut().zip(limit.into_iter().chain(reversal)) {
+            *indicator = kink;
+        }
+    }
+
+    fn initial_tangent(
+        &self,
+        Direct(x): &Direct<State>,
+        Direct(u): &Direct<Inputs>,
+        p: &Parameters,
+        dp: &Parameters,
+        _: &Direct<Inputs>,
+    ) -> (Direct<State>, Direct<State>, Direct<Outputs>) {
+        let coefficients = |p: &Parameters| p.coefficients.with_mode(p.thruster_mode.into());
+        let along = Sensitivity::new(&coefficients(p), &coefficients(dp));
+        let (derivatives, outputs) = self.vehicle.tangent(x, u).with_coefficients(&along);
+        let Start { position, attitude, velocity } = dp.initial;
+        let turned = State::d_at_rest(position.into(), p.initial.attitude.into(), attitude.into());
+        let states = State { nu: velocity.into(), ..turned };
+        (Direct(states), Direct(derivatives), Direct(outputs))
     }
 }

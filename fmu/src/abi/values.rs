@@ -32,8 +32,7 @@ pub unsafe fn fmi2GetReal(
     let simply = done_simply(c, |instance| {
         // SAFETY: the importer passes arrays of `nvr` elements, as the standard demands, and
         // leaves them alone during the call.
-        let (references, values) =
-            unsafe { (plain_array(vr, nvr)?, plain_array_mut(value, nvr)?) };
+        let (references, values) = unsafe { (plain_array(vr, nvr)?, plain_array_mut(value, nvr)?) };
         instance.get_fresh(references, values)
     });
     if simply { fmi2Status::Ok } else { get_real(c, vr, nvr, value) }
@@ -165,10 +164,8 @@ pub unsafe fn fmi2SetString(
     call(c, Call::SetString, |instance| {
         let (references, values) = arrays!(instance, Call::SetString, vr, value, nvr, array);
         // SAFETY: the importer passes texts that end with a NUL, as the standard demands.
-        let texts = values.iter().map(|value| unsafe { text(*value) }.map(CString::from));
-        match texts.collect::<Option<Vec<CString>>>() {
-            Some(texts) => instance.set_string(references, &texts),
-            None => instance.refuse(Call::SetString, "one of the texts is NULL"),
-        }
+        let texts = values.iter().map(|value| unsafe { text(*value) });
+        let texts: Vec<Option<CString>> = texts.map(|text| text.map(CString::from)).collect();
+        instance.set_string(references, &texts)
     })
 }

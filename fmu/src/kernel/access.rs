@@ -173,17 +173,24 @@ impl Instance {
         })
     }
 
-    /// `fmi2SetString`
-    pub fn set_string(&mut self, references: &[u32], values: &[CString]) -> Status {
+    /// `fmi2SetString`; `None` stands for NULL.
+    pub fn set_string(&mut self, references: &[u32], values: &[Option<CString>]) -> Status {
         self.call(Call::SetString, |me| {
             me.check_parameters(Kind::String, references)?;
+            let mut texts = Vec::with_capacity(values.len());
             for (reference, value) in references.iter().zip(values) {
-                if value.to_str().is_err() {
-                    let name = me.name(Kind::String, *reference);
-                    return Err(Trouble::error(format_args!("{name}: the text is not UTF-8")));
-                }
+                let wrong = match value {
+                    Some(text) if text.to_str().is_ok() => {
+                        texts.push(text.clone());
+                        continue;
+                    }
+                    Some(_) => "the text is not UTF-8",
+                    None => "the text is NULL",
+                };
+                let name = me.name(Kind::String, *reference);
+                return Err(Trouble::error(format_args!("{name}: {wrong}")));
             }
-            assign(&mut me.values.strings, references, values);
+            assign(&mut me.values.strings, references, &texts);
             me.changed(references, |explicit| &mut explicit.strings);
             Ok(())
         })
@@ -207,10 +214,12 @@ impl Instance {
                 done => done?,
             }
         }
-        // Behind the derivatives there is time only.
-        let first = self.table.layout().derivatives.start;
-        let asked = |any: bool, reference: &u32| any | (*reference as usize >= first);
-        if reals.iter().fold(false, asked) { self.refresh_derivatives() } else { Ok(()) }
+        let derivatives = &self.table.layout().derivatives;
+        if reals.iter().any(|reference| derivatives.contains(&(*reference as usize))) {
+            self.refresh_derivatives()
+        } else {
+            Ok(())
+        }
     }
 
     /// Remembers what was set and what depends on it.

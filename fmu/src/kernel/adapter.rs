@@ -8,7 +8,7 @@ use super::parameters::Parameters;
 use super::signal::{Held, Moving, Signal, Slopes};
 use super::stepper::{Progress, Scheme, Stepper};
 use super::table::{Group, Layout, Table};
-use super::values::{Explicit, Values, first_not_finite, is_finite, read, write};
+use super::values::{Explicit, Values, accumulate, first_not_finite, is_finite, read, write};
 
 /// A component together with everything that changes.
 pub(crate) struct ComponentModel<C: Component> {
@@ -242,6 +242,23 @@ impl<C: Component> Model for ComponentModel<C> {
         let (derivatives, outputs) = component.tangent(t, &self.progress.memory, &x, &u, &dx, &du);
         write(&derivatives, changes, &self.layout.derivatives);
         write(&outputs, changes, &self.layout.outputs);
+        true
+    }
+
+    fn initial_tangent(&self, t: f64, values: &Values, changes: &mut [f64]) -> bool {
+        let Some(component) = self.component.as_ref().filter(|_| C::TANGENT) else {
+            return false;
+        };
+        let (x, u) = (self.states(values), self.inputs(values));
+        let parameters: Parameters<C> = values.load();
+        let along: Parameters<C> = Values { reals: changes.into(), ..values.clone() }.load();
+        let du = read(changes, &self.layout.inputs);
+        let (dx, derivatives, outputs) =
+            component.initial_tangent(&x, &u, &parameters.author, &along.author, &du);
+        write(&dx, changes, &self.layout.states);
+        self.tangent(t, values, changes);
+        accumulate(&derivatives, changes, &self.layout.derivatives);
+        accumulate(&outputs, changes, &self.layout.outputs);
         true
     }
 

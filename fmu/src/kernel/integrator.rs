@@ -76,12 +76,7 @@ pub(crate) fn runge_kutta<X: Ports>(f: &impl Fn(f64, &X) -> X, x: &mut X, t: f64
 /// The same from a state that stays, in a place of its own: for the search for an event.
 #[cold]
 #[inline(never)]
-pub(crate) fn runge_kutta_again<X: Ports>(
-    f: &impl Fn(f64, &X) -> X,
-    x: &X,
-    t: f64,
-    h: f64,
-) -> X {
+pub(crate) fn runge_kutta_again<X: Ports>(f: &impl Fn(f64, &X) -> X, x: &X, t: f64, h: f64) -> X {
     let mut there = *x;
     runge_kutta(f, &mut there, t, h);
     there

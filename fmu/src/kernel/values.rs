@@ -181,6 +181,13 @@ pub(crate) fn write<P: Variables>(value: &P, reals: &mut [f64], place: &Range<us
     }
 }
 
+/// Adds a port group to what stands in its place among the reals.
+pub(crate) fn accumulate<P: Ports>(value: &P, reals: &mut [f64], place: &Range<usize>) {
+    let mut sum: P = read(reals, place);
+    sum.zip_reals(value, &mut |sum, value| *sum += value);
+    write(&sum, reals, place);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,6 +2,8 @@
 //!
 //! Verdicts go to `target/judges/fmi-rs-*.csv`, from where `cargo xtask judge` takes them into its table.
 
+#![allow(clippy::arc_with_non_send_sync, reason = "its simulators want an Arc of their recorder")]
+
 mod runge_kutta;
 
 use std::fs;
