@@ -1,8 +1,8 @@
 //! A co-simulation master for FMI 2.0.
 //!
-//! Loads FMUs (those of model exchange get an integrator of ours), links them as an SSP 1.0 system description says, steps them by a
-//! deterministic schedule in integer time and records the results. It knows FMI and SSP, and no
-//! component in particular.
+//! Loads FMUs (those of model exchange get an integrator of ours), links them as an SSP or OSP system description says, steps them by a
+//! deterministic schedule in integer time and records the results. It knows FMI and these formats,
+//! and no component in particular.
 //!
 //! ```no_run
 //! use cosim::{Overrides, Recording, System};
@@ -64,6 +64,7 @@ pub mod signals;
 pub mod solver;
 pub mod system;
 pub mod time;
+pub mod units;
 pub mod xml;
 
 pub use error::{Code, Error, Result};

@@ -5,6 +5,7 @@
 
 mod changes;
 mod completion;
+mod convert;
 mod explain;
 mod info;
 mod inspect;
@@ -41,6 +42,7 @@ enum Verb {
     Validate(validate::Validate),
     Simulate(simulate::Simulate),
     Run(run::Run),
+    Convert(convert::Convert),
     Report(report::Report),
     Explain(explain::Explain),
     Completion(completion::Completion),
@@ -64,6 +66,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<()> {
         Verb::Validate(verb) => verb.run(),
         Verb::Simulate(verb) => verb.run(),
         Verb::Run(verb) => verb.run(),
+        Verb::Convert(verb) => verb.run(),
         Verb::Report(verb) => verb.run(),
         Verb::Explain(verb) => verb.run(),
         Verb::Completion(verb) => verb.run(),

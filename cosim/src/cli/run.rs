@@ -10,7 +10,7 @@ use super::interrupt;
 use super::logging::Logging;
 use super::output::Output;
 
-/// Run a system description (.ssd) or package (.ssp)
+/// Run a system: SSP (.ssd, .ssp) or OSP (OspSystemStructure.xml or its folder)
 #[derive(Args)]
 pub(crate) struct Run {
     /// The system

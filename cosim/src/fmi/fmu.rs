@@ -100,6 +100,11 @@ impl Fmu {
         &self.path
     }
 
+    /// Where it is unpacked.
+    pub(crate) fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
     /// Its modelDescription.xml.
     pub fn description(&self) -> &Description {
         &self.description

@@ -17,7 +17,9 @@ mod status;
 mod temporary;
 mod trace;
 
-pub use description::{Causality, Description, InterfaceType, Kind, Value, Variability, Variable};
+pub use description::{
+    Causality, Description, InterfaceType, Kind, Output, Value, Variability, Variable,
+};
 pub use fmu::Fmu;
 pub use instance::{Instance, NextEvent, Place, State};
 pub use trace::{Logging, Trace};

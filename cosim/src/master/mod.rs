@@ -17,9 +17,11 @@
 //! until none changes, at most as often as there are components (plus one).
 
 mod control;
+mod converting_slave;
 mod engine;
 mod exchange_slave;
 mod fmu_slave;
+mod function_slave;
 mod group;
 mod iterate;
 mod manipulate;
@@ -44,9 +46,11 @@ use crate::error::Result;
 use crate::fmi::{InterfaceType, Kind, Variability};
 use crate::system::{Component, Model, System};
 use control::Control;
+use converting_slave::ConvertingSlave;
 use engine::Engine;
 use exchange_slave::ExchangeSlave;
 use fmu_slave::{Discards, FmuSlave};
+use function_slave::FunctionSlave;
 use plan::{Node, Plan};
 use signal_slave::SignalSlave;
 
@@ -56,8 +60,12 @@ impl System {
         self.logging().check(fmus)?;
         let plan = Plan::new(self);
         let mut slaves: Vec<Box<dyn Slave>> = Vec::with_capacity(plan.nodes.len());
-        for (component, node) in self.components().iter().zip(&plan.nodes) {
-            slaves.push(self.slave(component, node)?);
+        let mut patches = Vec::with_capacity(plan.nodes.len());
+        for (position, (component, node)) in self.components().iter().zip(&plan.nodes).enumerate() {
+            let slave = self.slave(component, node)?;
+            let (slave, shared) = ConvertingSlave::around(slave, self, position, node);
+            slaves.push(slave);
+            patches.push(shared);
         }
         let control = self.step_control().map(|tolerance| {
             let steps = plan.nodes.iter().map(|node| node.step);
@@ -67,6 +75,7 @@ impl System {
         });
         let mut engine = Engine::new(plan, slaves, self.start_time());
         engine.control = control;
+        engine.patches = patches;
         Ok(engine)
     }
 
@@ -85,6 +94,7 @@ impl System {
                 Box::new(FmuSlave::new(component, fmu, node, discards, self.logging())?)
             }
             Model::Signals(signals) => Box::new(SignalSlave::new(signals, node)),
+            Model::Function(function) => Box::new(FunctionSlave::new(function, node)),
         })
     }
 

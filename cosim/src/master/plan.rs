@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use super::group::rank;
-use crate::system::{Connection, Model, Port, System};
+use crate::system::{Connection, Port, System};
 use crate::time::Time;
 
 /// Copies one value.
@@ -224,10 +224,9 @@ impl Plan {
         component: usize,
         ports: impl Iterator<Item = Port>,
     ) -> Vec<usize> {
-        let rank_of = |variable: usize| match &system.components()[component].model {
-            Model::Fmu(fmu) => rank(&fmu.description().variables[variable].kind),
-            Model::Signals(_) => 0,
-        };
+        let description = system.components()[component].model.description();
+        let rank_of =
+            |variable: usize| description.map_or(0, |d| rank(&d.variables[variable].kind));
         let mut own: Vec<usize> =
             ports.filter(|p| p.component == component).map(|p| p.variable).collect();
         own.sort_by_key(|&variable| (rank_of(variable), variable));

@@ -126,6 +126,7 @@ impl System {
                     format!("{:?} {}", component.interface, fmu.digest(component.interface)?)
                 }
                 Model::Signals(signals) => format!("signals {}", signals.digest()),
+                Model::Function(f) => format!("sum of {} by {:?}", f.inputs(), f.dimension()),
             };
             lines.push(format!("component {} every {}: {model}", component.name, component.step));
             for (variable, value) in &component.start_values {
@@ -136,7 +137,9 @@ impl System {
         for (position, connection) in self.connections().iter().enumerate() {
             let (from, to) = (self.port_name(connection.from), self.port_name(connection.to));
             let linear = if self.is_linear(position) { ", linear" } else { "" };
-            lines.push(format!("connection {from} -> {to}{linear}"));
+            let conversion = connection.conversion.as_ref();
+            let conversion = conversion.map_or(String::new(), |c| format!(", {c}"));
+            lines.push(format!("connection {from} -> {to}{linear}{conversion}"));
         }
         // The order of recorded values decides where they are kept.
         lines.extend(self.columns().iter().map(|column| format!("column {}", column.name)));

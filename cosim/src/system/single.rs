@@ -140,6 +140,7 @@ fn connect(description: &Description, signals: &Signals) -> Vec<Connection> {
             Some(Connection {
                 from: Port { component: 1, variable: signal },
                 to: Port { component: 0, variable: input? },
+                conversion: None,
             })
         })
         .collect()

@@ -3,6 +3,8 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use crate::units::Units;
+
 mod known;
 mod read;
 mod value;
@@ -31,6 +33,8 @@ pub struct Description {
     pub event_indicators: usize,
     /// Suggested experiment.
     pub experiment: Experiment,
+    /// Definitions of units.
+    pub units: Units,
     /// All variables, in the order of the file; FMI's indices are positions in it plus one.
     pub variables: Vec<Variable>,
     /// Outputs with the inputs they depend on directly.
@@ -236,6 +240,28 @@ impl Variable {
 }
 
 impl Description {
+    /// A description of a model that is no FMU: a function of a system.
+    pub(crate) fn of_model(name: &str, variables: Vec<Variable>, outputs: Vec<Output>) -> Self {
+        let positions = variables.iter().enumerate().map(|(p, v)| (v.name.clone(), p)).collect();
+        Self {
+            model_name: name.to_owned(),
+            guid: String::new(),
+            description: String::new(),
+            generation_tool: String::new(),
+            co_simulation: None,
+            model_exchange: None,
+            states: 0,
+            event_indicators: 0,
+            experiment: Experiment::default(),
+            units: Units::new(),
+            log_categories: Vec::new(),
+            warnings: Vec::new(),
+            variables,
+            outputs,
+            positions,
+        }
+    }
+
     /// The part for an interface type, if there is one.
     pub fn interface(&self, kind: InterfaceType) -> Option<&Interface> {
         match kind {

@@ -9,6 +9,7 @@ use super::{
     Causality, Description, Experiment, Interface, Kind, Output, Value, Variability, Variable,
 };
 use crate::error::{Code, Error, Result};
+use crate::units;
 use crate::xml::{self, Element};
 
 /// Enumerations by the name of their type.
@@ -28,12 +29,29 @@ pub fn parse(text: &[u8], shown: &Path) -> Result<Description> {
 }
 
 fn of(root: &Element, file: &Path) -> Result<Description> {
-    Reader { file, enumerations: enumerations(root, file)? }.description(root)
+    let reader = Reader {
+        file,
+        enumerations: enumerations(root, file)?,
+        units_of_types: units_of_types(root),
+    };
+    reader.description(root)
 }
 
 struct Reader<'a> {
     file: &'a Path,
     enumerations: Enumerations,
+    /// What a Real without a unit inherits from its declared type.
+    units_of_types: BTreeMap<String, String>,
+}
+
+fn units_of_types(root: &Element) -> BTreeMap<String, String> {
+    let types = root.grandchildren("TypeDefinitions").iter();
+    types
+        .filter_map(|simple| {
+            let unit = simple.child("Real")?.get("unit")?;
+            Some((simple.get("name")?.to_owned(), unit.to_owned()))
+        })
+        .collect()
 }
 
 fn enumerations(root: &Element, file: &Path) -> Result<Enumerations> {
@@ -87,6 +105,11 @@ impl Reader<'_> {
                 .parse("numberOfEventIndicators", self.file, Code::Description)?
                 .unwrap_or(0),
             experiment: self.experiment(root)?,
+            units: units::read(
+                root.grandchildren("UnitDefinitions"),
+                self.file,
+                Code::Description,
+            )?,
             outputs: self.outputs(root, &variables)?,
             log_categories: root
                 .grandchildren("LogCategories")
@@ -182,13 +205,13 @@ impl Reader<'_> {
         };
         Ok(Variable {
             description: element.get("description").unwrap_or_default().to_owned(),
+            unit: self.unit(typed).map(str::to_owned),
             // A nominal value that is no magnitude says nothing.
             nominal: typed
                 .get("nominal")
                 .and_then(|text| text.trim().parse().ok())
                 .filter(|nominal: &f64| nominal.is_finite() && *nominal > 0.0)
                 .unwrap_or(1.0),
-            unit: typed.get("unit").map(str::to_owned),
             line: element.line,
             name,
             value_reference,
@@ -198,6 +221,11 @@ impl Reader<'_> {
             kind,
             start,
         })
+    }
+
+    fn unit<'e>(&'e self, typed: &'e Element) -> Option<&'e str> {
+        let declared = || self.units_of_types.get(typed.get("declaredType")?);
+        typed.get("unit").or_else(|| declared().map(String::as_str))
     }
 
     fn kind(&self, element: &Element) -> Option<Kind> {
