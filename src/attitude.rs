@@ -28,6 +28,27 @@ pub fn from_euler([roll, pitch, yaw]: [f64; 3]) -> [f64; 4] {
     ]
 }
 
+/// Change of [`from_euler`] as the angles change: they turn the body about its own axes by dtheta,
+/// and `dq = 1/2 q (0, dtheta)`; Fossen (2011) ch. 2.2, inverse of eq (4) of the paper.
+#[must_use]
+pub fn d_from_euler(euler: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> [f64; 4] {
+    let (sr, cr) = libm::sincos(euler[0]);
+    let (sp, cp) = libm::sincos(euler[1]);
+    let turn = [roll - sp * yaw, cr * pitch + cp * sr * yaw, cp * cr * yaw - sr * pitch];
+    half_product(from_euler(euler), turn)
+}
+
+/// `1/2 q (0, omega)`: how a quaternion changes as the body turns about its own axes.
+#[inline(always)]
+pub(crate) fn half_product([w, x, y, z]: [f64; 4], [p, q, r]: Vec3) -> [f64; 4] {
+    [
+        0.5 * (-x * p - y * q - z * r),
+        0.5 * (w * p + y * r - z * q),
+        0.5 * (w * q + z * p - x * r),
+        0.5 * (w * r + x * q - y * p),
+    ]
+}
+
 /// Roll and yaw in (-pi, pi], pitch in [-pi/2, pi/2] of a quaternion of any non-zero length.
 #[must_use]
 pub fn to_euler(q: [f64; 4]) -> [f64; 3] {

@@ -7,7 +7,7 @@
 use crate::ParameterError;
 use crate::allocation::Allocation;
 use crate::error::{non_negative, positive};
-use crate::sampling::Sampler;
+use crate::sampling::Rate;
 use crate::vector::{Vec3, mul};
 use crate::vehicle::{Inertia, Parameters, Thruster};
 use serde::{Deserialize, Serialize};
@@ -87,8 +87,8 @@ pub struct Demand {
 /// The controller, its constants derived and checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VelocityController {
-    /// Its cycles.
-    pub sampler: Sampler,
+    /// How often it runs.
+    pub rate: Rate,
     /// Gains axis by axis.
     gains: [Pid; 6],
     mass: f64,
@@ -109,7 +109,7 @@ impl VelocityController {
         p.inertia.check()?;
         positive("thrust_limit", p.thrust_limit)?;
         Ok(Self {
-            sampler: Sampler::new(p.rate_hz)?,
+            rate: Rate::new(p.rate_hz)?,
             gains: core::array::from_fn(|i| if i < 3 { p.linear } else { p.angular }),
             mass: p.mass,
             inertia: p.inertia.matrix(),
@@ -125,7 +125,7 @@ impl VelocityController {
         [u, v, w, r]: [f64; 4],
         nu: [f64; 6],
     ) -> Demand {
-        let period = self.sampler.period();
+        let period = self.rate.period();
         let target = [u, v, w, 0.0, 0.0, r];
         let previous = memory.previous.replace(nu).unwrap_or(nu);
         let mut integral = memory.integral;

@@ -6,7 +6,7 @@
 use rexrov::control::{ControllerMemory, ControllerParameters, VelocityController};
 use rexrov::estimation::{Acceleration, Ekf, EkfMemory, EkfParameters, Measurements};
 use rexrov::guidance::{Course, PurePursuit, PursuitMemory, PursuitParameters};
-use rexrov::sampling::Sampler;
+use rexrov::sampling::Rate;
 use rexrov::sensors::*;
 use rexrov::vehicle::{Inputs, Outputs, Parameters, ReducedModel, State, Vehicle};
 
@@ -16,18 +16,18 @@ const TICK_NS: i64 = 10_000_000;
 
 /// Fires once at each instant that has been reached.
 struct Clock {
-    sampler: Sampler,
+    rate: Rate,
     next: u64,
 }
 
 impl Clock {
-    fn new(sampler: Sampler) -> Self {
-        Self { sampler, next: 0 }
+    fn new(rate: Rate) -> Self {
+        Self { rate, next: 0 }
     }
 
     /// The stamp (s) of the instant that falls in this tick, if one does.
     fn fires(&mut self, now: i64) -> Option<f64> {
-        let instant = self.sampler.instant_ns(self.next);
+        let instant = (self.next as f64 * 1e9 / self.rate.hz()).round() as i64;
         (instant <= now).then(|| {
             self.next += 1;
             instant as f64 * 1e-9
@@ -58,10 +58,10 @@ impl Sensors {
         let depth = PressureParameters { seed: 4 * seed + 3, ..Default::default() };
         let pressure = PressureSensor::new(&depth).unwrap();
         Self {
-            imu: (imu.clone(), imu.memory(), Clock::new(imu.sampler)),
-            dvl: (dvl.clone(), dvl.memory(), Clock::new(dvl.sampler)),
-            gps: (gps.clone(), gps.memory(), Clock::new(gps.sampler)),
-            pressure: (pressure.clone(), pressure.memory(), Clock::new(pressure.sampler)),
+            imu: (imu.clone(), imu.memory(), Clock::new(imu.rate)),
+            dvl: (dvl.clone(), dvl.memory(), Clock::new(dvl.rate)),
+            gps: (gps.clone(), gps.memory(), Clock::new(gps.rate)),
+            pressure: (pressure.clone(), pressure.memory(), Clock::new(pressure.rate)),
         }
     }
 
@@ -136,12 +136,12 @@ impl Run {
             state: State::at_rest([0.0, 0.0, 20.0], [0.0; 3]),
             inputs: Inputs::default(),
             sensors: Sensors::new(seed, fix_sigma),
-            filter: (ekf.clone(), ekf.memory(), Clock::new(ekf.sampler)),
+            filter: (ekf.clone(), ekf.memory(), Clock::new(ekf.rate)),
             pursuit: (pursuit.unwrap(), PursuitMemory::default()),
             controller: (
                 controller.clone(),
                 ControllerMemory::default(),
-                Clock::new(controller.sampler),
+                Clock::new(controller.rate),
             ),
         }
     }

@@ -113,17 +113,14 @@ fn message(text: &str) -> String {
 fn bad_courses_say_where_and_why() {
     assert_eq!(message(""), "course: needs at least two points, has 0");
     assert_eq!(message("x,y\n1,2\n"), "course: needs at least two points, has 1");
-    assert_eq!(
-        message("0,0\n\n# comment\n1,north\n"),
-        "course, line 4: y = `north` is not a number"
-    );
-    assert!(message("0,0\n1\n").starts_with("course, line 2: expected `x,y` or `x,y,radius`"));
-    assert!(message("0,0\n1,0\n1,0 # again\n").starts_with("course, line 3: (1, 0) repeats"));
-    assert!(message("0,0\nnan,0\n").starts_with("course, line 2: (NaN, 0, 0) must be finite"));
-    assert!(message("0,0\n9,0,-1\n9,9\n").starts_with("course, line 2: radius -1 must not"));
-    assert!(message("0,0\n9,0,1\n0,0\n").starts_with("course, line 2: turns back on itself"));
+    assert_eq!(message("0,0\n\n# comment\n1,north\n"), "line 4: y = `north` is not a number");
+    assert!(message("0,0\n1\n").starts_with("line 2: expected `x,y` or `x,y,radius`"));
+    assert!(message("0,0\n1,0\n1,0 # again\n").starts_with("line 3: (1, 0) repeats"));
+    assert!(message("0,0\nnan,0\n").starts_with("line 2: (NaN, 0, 0) must be finite"));
+    assert!(message("0,0\n9,0,-1\n9,9\n").starts_with("line 2: radius -1 must not"));
+    assert!(message("0,0\n9,0,1\n0,0\n").starts_with("line 2: turns back on itself"));
     let reason = message("x,y,radius\n0,0\n10,0,6\n10,10,6\n0,10\n");
-    assert!(reason.starts_with("course, line 3: radius 6 is too large"), "{reason}");
+    assert!(reason.starts_with("line 3: radius 6 is too large"), "{reason}");
     assert!(reason.contains("(10, 0) to (10, 10) take 12.000000 m of it"), "{reason}");
 }
 

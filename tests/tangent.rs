@@ -6,26 +6,31 @@
 mod oracle;
 
 use num_dual::Dual64;
-use oracle::{Draw, IN, OUT, STATE, flat_outputs, flat_state, inputs_of, state_of};
+use oracle::{
+    COEFFICIENTS, Draw, IN, OUT, STATE, flat_outputs, flat_parameters, flat_state, inputs_of,
+    parameters_of, state_of,
+};
 use proptest::prelude::*;
-use rexrov::vehicle::{Inputs, Parameters, State, ThrusterMode, Vehicle};
+use rexrov::vehicle::{Inputs, Parameters, Sensitivity, State, ThrusterMode, Vehicle};
 
 const MODES: [ThrusterMode; 3] =
     [ThrusterMode::ForceWithLag, ThrusterMode::Force, ThrusterMode::RotorSpeed];
 
 /// Random numbers enough for parameters, a point and a direction.
 fn numbers() -> impl Strategy<Value = Vec<f64>> {
-    prop::collection::vec(-1.0..1.0, 280)
+    prop::collection::vec(-1.0..1.0, 400)
 }
 
 /// A vehicle, a point and a direction.
 struct Case {
     parameters: Parameters,
     vehicle: Vehicle,
+    c: [f64; COEFFICIENTS],
     x: [f64; STATE],
     u: [f64; IN],
     dx: [f64; STATE],
     du: [f64; IN],
+    dc: [f64; COEFFICIENTS],
 }
 
 impl Case {
@@ -34,7 +39,11 @@ impl Case {
         let parameters = draw.parameters(mode);
         let vehicle = Vehicle::new(&parameters).unwrap();
         let (x, u) = (draw.state(), draw.inputs(&parameters.propulsion));
-        Self { parameters, vehicle, x, u, dx: draw.array(1.0), du: draw.array(1.0) }
+        let c = flat_parameters(&parameters);
+        // Relative to the coefficient, which may be a mass or a thrust gain.
+        let dc = core::array::from_fn(|i| c[i] * draw.array::<1>(1.0)[0]);
+        let (dx, du) = (draw.array(1.0), draw.array(1.0));
+        Self { parameters, vehicle, c, x, u, dx, du, dc }
     }
 
     /// Change of derivative and outputs along the direction.
@@ -45,6 +54,23 @@ impl Case {
         let (rate, outputs) = tangent.along(&dx, &du);
         assert_eq!(rate, tangent.derivative(&dx, &du));
         assert_eq!(outputs, tangent.outputs(&dx, &du));
+        (flat_state(&rate), flat_outputs(&outputs))
+    }
+
+    /// Change of derivative and outputs along the direction of the coefficients.
+    fn with_coefficients(&self) -> ([f64; STATE], [f64; OUT]) {
+        let (x, u) = (state_of(&self.x), inputs_of(&self.u));
+        let d = Sensitivity::new(&self.parameters, &parameters_of(&self.dc, &self.parameters));
+        let (rate, outputs) = self.vehicle.tangent(&x, &u).with_coefficients(&d);
+        (flat_state(&rate), flat_outputs(&outputs))
+    }
+
+    /// The same model with its coefficients a distance `h` along their direction.
+    fn with_moved_coefficients(&self, h: f64) -> ([f64; STATE], [f64; OUT]) {
+        let c = core::array::from_fn(|i| self.c[i] + h * self.dc[i]);
+        let vehicle = Vehicle::new(&parameters_of(&c, &self.parameters)).unwrap();
+        let (x, u) = (state_of(&self.x), inputs_of(&self.u));
+        let (rate, outputs) = (vehicle.derivative(&x, &u), vehicle.outputs(&x, &u));
         (flat_state(&rate), flat_outputs(&outputs))
     }
 
@@ -117,7 +143,8 @@ proptest! {
         for mode in MODES {
             let case = Case::new(&numbers, mode);
             let (rate, outputs) = case.values(&case.x, &case.u);
-            let (want_rate, want_outputs) = oracle::model(&case.parameters, &case.x, &case.u);
+            let (want_rate, want_outputs) =
+                oracle::model(&case.parameters, &case.c, &case.x, &case.u);
             close("derivative", &rate, &want_rate, 1e-13)?;
             close("outputs", &outputs, &want_outputs, 1e-13)?;
         }
@@ -130,7 +157,8 @@ proptest! {
             let (rate, outputs) = case.along();
             let x = core::array::from_fn(|i| Dual64::new(case.x[i], case.dx[i]));
             let u = core::array::from_fn(|i| Dual64::new(case.u[i], case.du[i]));
-            let (want_rate, want_outputs) = oracle::model(&case.parameters, &x, &u);
+            let c = case.c.map(Dual64::from);
+            let (want_rate, want_outputs) = oracle::model(&case.parameters, &c, &x, &u);
             close("derivative", &rate, &want_rate.map(|d| d.eps), 1e-12)?;
             close("outputs", &outputs, &want_outputs.map(|d| d.eps), 1e-12)?;
         }
@@ -149,6 +177,68 @@ proptest! {
             let (slopes, sizes) = difference(&y_a, &y_b, h);
             close_at("outputs", &outputs, &slopes, &sizes, 1e-6)?;
         }
+    }
+
+    #[test]
+    fn coefficients_move_it_as_dual_numbers_say(numbers in numbers()) {
+        for mode in MODES {
+            let case = Case::new(&numbers, mode);
+            let (rate, outputs) = case.with_coefficients();
+            let c = core::array::from_fn(|i| Dual64::new(case.c[i], case.dc[i]));
+            let (x, u) = (case.x.map(Dual64::from), case.u.map(Dual64::from));
+            let (want_rate, want_outputs) = oracle::model(&case.parameters, &c, &x, &u);
+            close("derivative", &rate, &want_rate.map(|d| d.eps), 1e-12)?;
+            close("outputs", &outputs, &want_outputs.map(|d| d.eps), 1e-12)?;
+        }
+    }
+
+    /// One after the other, so that no sum hides a small one.
+    #[test]
+    fn each_coefficient_moves_it_as_dual_numbers_say(numbers in numbers()) {
+        for mode in MODES {
+            let mut case = Case::new(&numbers, mode);
+            let (x, u) = (case.x.map(Dual64::from), case.u.map(Dual64::from));
+            let all = case.dc;
+            for k in 0..COEFFICIENTS {
+                case.dc = core::array::from_fn(|i| if i == k { all[i] } else { 0.0 });
+                let (rate, outputs) = case.with_coefficients();
+                let c = core::array::from_fn(|i| Dual64::new(case.c[i], case.dc[i]));
+                let (want_rate, want_outputs) = oracle::model(&case.parameters, &c, &x, &u);
+                close(&format!("along {k}"), &rate, &want_rate.map(|d| d.eps), 1e-12)?;
+                close(&format!("along {k}"), &outputs, &want_outputs.map(|d| d.eps), 1e-12)?;
+            }
+        }
+    }
+
+    #[test]
+    fn coefficients_move_it_as_differences_do(numbers in numbers()) {
+        for mode in MODES {
+            let case = Case::new(&numbers, mode);
+            let (rate, outputs) = case.with_coefficients();
+            let h = 1e-6;
+            let ahead = case.with_moved_coefficients(h);
+            let behind = case.with_moved_coefficients(-h);
+            let (slopes, sizes) = difference(&ahead.0, &behind.0, h);
+            close_at("derivative", &rate, &slopes, &sizes, 1e-6)?;
+            let (slopes, sizes) = difference(&ahead.1, &behind.1, h);
+            close_at("outputs", &outputs, &slopes, &sizes, 1e-6)?;
+        }
+    }
+
+    #[test]
+    fn a_start_turns_with_its_angles(numbers in numbers()) {
+        let [roll, pitch, yaw, d_roll, d_pitch, d_yaw] = core::array::from_fn(|i| 1.5 * numbers[i]);
+        let at = |h: f64| {
+            State::at_rest([0.0; 3], [roll + h * d_roll, pitch + h * d_pitch, yaw + h * d_yaw])
+        };
+        let (euler, d_euler) = ([roll, pitch, yaw], [d_roll, d_pitch, d_yaw]);
+        let d = State::d_at_rest([1.0, 2.0, 3.0], euler, d_euler);
+        let (a, b) = (at(1e-5), at(-1e-5));
+        for i in 0..4 {
+            let slope = (a.quaternion[i] - b.quaternion[i]) / 2e-5;
+            prop_assert!((d.quaternion[i] - slope).abs() < 1e-9, "{} {slope}", d.quaternion[i]);
+        }
+        prop_assert_eq!((d.p_ned, d.nu), ([1.0, 2.0, 3.0], [0.0; 6]));
     }
 
     #[test]

@@ -1,71 +1,205 @@
-//! What the master costs: nanoseconds per FMU-step in a chain of ten, against a plain C loop.
+//! What the master costs: nanoseconds per FMU-step in chains of small FMUs, against a plain C loop over
+//! the same library, and where COSIM_BENCH_PYTHON names an interpreter with libcosimpy and fmpy, against
+//! libcosim and a loop over FMPy's instances.
 //!
-//! `cargo bench -p cosim`; prints one line. The difference of the two is the routing, the
-//! scheduling and the state checks.
+//! `cargo bench -p cosim --bench chain`, `cargo xtask bench --third-party`. Processor time; all are
+//! measured in turn, several times over, and medians are shown: what disturbs one disturbs all.
 
-#[path = "../tests/all/models.rs"]
-#[allow(dead_code, reason = "the tests need more of it")]
-mod models;
-#[path = "../tests/all/ssd.rs"]
-#[allow(dead_code, reason = "the tests need more of it")]
-mod ssd;
+#[path = "../tests/element/mod.rs"]
+mod element;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::time::Instant;
 
-use cosim::{Algorithm, Overrides};
-use models::Model;
+use cosim::observe::{CsvRecorder, RunInfo};
+use cosim::{Algorithm, Observer, Overrides, Recording, Result, System, Time};
 
-const LENGTH: usize = 10;
-const STEPS: u32 = 300_000;
+const LENGTHS: [usize; 4] = [2, 10, 50, 500];
+/// FMU-steps of one measurement.
+const WORK: usize = 1_000_000;
+/// Of one with recorded outputs, which are kept in memory or written.
+const RECORDED_WORK: usize = 200_000;
+/// Of one in Python.
+const PYTHON_WORK: usize = 20_000;
 const REPETITIONS: usize = 5;
+const STEP: f64 = 1e-3;
+/// Column, and how many times the plain loop it may cost at most; or for the others at least, in
+/// multiples of `gauss-seidel`.
+const COLUMNS: [(&str, Option<f64>); 7] = [
+    ("plain C", None),
+    ("gauss-seidel", Some(2.0)),
+    ("jacobi", Some(2.0)),
+    ("recorded", Some(3.0)),
+    ("CSV", None),
+    ("libcosim", Some(10.0)),
+    ("FMPy loop", Some(30.0)),
+];
 
 fn main() {
-    let plain = best(plain_c_loop());
-    let fresh = best(|| master(Algorithm::GaussSeidel));
-    let held = best(|| master(Algorithm::Jacobi));
+    let bench = Bench::new();
+    println!("ns per FMU-step; recorded: with every y kept in memory; CSV: written to a file");
     println!(
-        "chain of {LENGTH}, ns per FMU-step: plain C loop {plain:.1}, gauss-seidel {fresh:.1} \
-         (+{:.1}), jacobi {held:.1} (+{:.1})",
-        fresh - plain,
-        held - plain
+        "{}",
+        COLUMNS.iter().fold(format!("{:>6}", "FMUs"), |t, c| t + &format!("{:>14}", c.0))
     );
+    let mut ours = Vec::new();
+    for length in LENGTHS {
+        let medians = bench.medians(length);
+        let line =
+            medians.iter().map(|m| m.map_or(format!("{:>14}", "-"), |m| format!("{m:>14.1}")));
+        println!("{length:>6}{}", line.collect::<String>());
+        let (Some(plain), Some(own)) = (medians[0], medians[1]) else { continue };
+        ours.push(own);
+        for ((name, goal), value) in COLUMNS.iter().zip(&medians) {
+            if let (Some(goal), Some(value)) = (goal, value) {
+                let (ratio, bar) = match *goal >= 10.0 {
+                    true => (value / own, "at least"),
+                    false => (value / plain, "at most"),
+                };
+                println!("{:>6}{name:>14}: {ratio:5.1} x ({bar} {goal})", "");
+            }
+        }
+    }
+    println!("from 10 to 500 FMUs: {:.2} x (at most 1.2: flat)", ours[3] / ours[1]);
 }
 
-/// The least of some repetitions: the others were disturbed.
-fn best(mut measure: impl FnMut() -> f64) -> f64 {
-    (0..REPETITIONS).map(|_| measure()).fold(f64::INFINITY, f64::min)
+struct Bench {
+    folder: tempfile::TempDir,
+    fmu: PathBuf,
+    library: PathBuf,
+    plain: PathBuf,
+    python: Option<PathBuf>,
 }
 
-fn plain_c_loop() -> impl FnMut() -> f64 {
-    let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join("chain");
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/chain.c");
-    let library = models::compile(Model::Gain);
-    let mut compiler = Command::new("cc");
-    compiler.args(["-O2", "-w", "-o"]).arg(&program).arg(source).arg("-ldl");
-    assert!(compiler.status().expect("a C compiler named cc").success());
-    move || {
-        let run = Command::new(&program).arg(&library).arg(STEPS.to_string()).output().unwrap();
-        String::from_utf8_lossy(&run.stdout).trim().parse().unwrap()
+impl Bench {
+    fn new() -> Self {
+        let folder = tempfile::TempDir::new().unwrap();
+        let fmu = element::fmu(folder.path());
+        let plain = folder.path().join("chain");
+        let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/chain.c");
+        let mut compiler = Command::new("cc");
+        compiler.args(["-O2", "-w", "-o"]).arg(&plain).arg(source).arg("-ldl");
+        assert!(compiler.status().expect("a C compiler named cc").success());
+        let library = folder.path().join("element.so");
+        unpack(folder.path(), &library);
+        let python = std::env::var_os("COSIM_BENCH_PYTHON").map(PathBuf::from);
+        Self { folder, fmu, library, plain, python }
+    }
+
+    /// Of each column, in their order.
+    fn medians(&self, length: usize) -> [Option<f64>; 7] {
+        let mut samples: [Vec<f64>; 7] = Default::default();
+        for _ in 0..REPETITIONS {
+            let python = self.python(length);
+            let measured = [
+                Some(self.plain_c_loop(length)),
+                Some(self.master(length, Algorithm::GaussSeidel, WORK, None)),
+                Some(self.master(length, Algorithm::Jacobi, WORK, None)),
+                Some(self.master(
+                    length,
+                    Algorithm::GaussSeidel,
+                    RECORDED_WORK,
+                    Some(&mut Recording::new()),
+                )),
+                Some(self.to_csv(length)),
+                python.map(|(libcosim, _)| libcosim),
+                python.map(|(_, fmpy)| fmpy),
+            ];
+            for (samples, value) in samples.iter_mut().zip(measured) {
+                samples.extend(value);
+            }
+        }
+        samples.map(|mut samples| {
+            samples.sort_by(f64::total_cmp);
+            samples.get(samples.len() / 2).copied()
+        })
+    }
+
+    fn plain_c_loop(&self, length: usize) -> f64 {
+        let mut run = Command::new(&self.plain);
+        run.arg(&self.library).args([length, WORK / length].map(|n| n.to_string()));
+        output(&mut run)[0]
+    }
+
+    /// Runs the chain; with an observer every y is recorded at every step, without one only the last
+    /// y at the end of the run.
+    fn master(
+        &self,
+        length: usize,
+        algorithm: Algorithm,
+        work: usize,
+        observer: Option<&mut dyn Observer>,
+    ) -> f64 {
+        let stop = (work / length) as f64 * STEP;
+        let ssd = element::chain(&self.fmu, length, STEP, stop);
+        let overrides = Overrides::new().algorithm(algorithm);
+        let overrides = match observer {
+            Some(_) => overrides.output_interval(STEP).output_variable("*.y"),
+            None => overrides.output_interval(stop).output_variable(format!("g{}.y", length - 1)),
+        };
+        let system = System::load(&ssd, &overrides).unwrap();
+        let mut clock = Clock { begun: None, observer };
+        let summary = system.run(&mut [&mut clock]).unwrap();
+        (processor_time() - clock.begun.unwrap()) / summary.steps as f64
+    }
+
+    fn to_csv(&self, length: usize) -> f64 {
+        let mut csv = CsvRecorder::create(self.folder.path().join("out.csv")).unwrap();
+        self.master(length, Algorithm::GaussSeidel, RECORDED_WORK, Some(&mut csv))
+    }
+
+    fn python(&self, length: usize) -> Option<(f64, f64)> {
+        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/chain.py");
+        let mut run = Command::new(self.python.as_ref()?);
+        run.arg(script).arg(&self.fmu).arg(self.folder.path());
+        let found = output(run.args([length, PYTHON_WORK / length].map(|n| n.to_string())));
+        Some((found[0], found[1]))
     }
 }
 
-fn master(algorithm: Algorithm) -> f64 {
-    let mut system = ssd::Ssd::new();
-    for position in 0..LENGTH {
-        system = system.add_with(&format!("g{position}"), Model::Gain, &[], Some(1e-3));
+/// Nanoseconds that this thread has computed: other programs take none of them.
+fn processor_time() -> f64 {
+    let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
+    // SAFETY: the structure lives during the call.
+    unsafe { libc::clock_gettime(libc::CLOCK_THREAD_CPUTIME_ID, &mut time) };
+    time.tv_sec as f64 * 1e9 + time.tv_nsec as f64
+}
+
+/// Takes the time from the first sample on, when all is initialized, and passes everything on.
+struct Clock<'a> {
+    begun: Option<f64>,
+    observer: Option<&'a mut dyn Observer>,
+}
+
+impl Observer for Clock<'_> {
+    fn start(&mut self, info: &RunInfo<'_>) -> Result<()> {
+        self.observer.as_mut().map_or(Ok(()), |observer| observer.start(info))
     }
-    for position in 1..LENGTH {
-        system = system.connect(&format!("g{}.y", position - 1), &format!("g{position}.u"));
+
+    fn sample(&mut self, time: Time, values: &[f64]) -> Result<()> {
+        if self.begun.is_none() {
+            self.begun = Some(processor_time());
+        }
+        self.observer.as_mut().map_or(Ok(()), |observer| observer.sample(time, values))
     }
-    // The chain ends in a recorded output, once per run, so that all ten are read.
-    let stop = f64::from(STEPS) * 1e-3;
-    let last = format!("g{}.y", LENGTH - 1);
-    let overrides =
-        Overrides::new().algorithm(algorithm).output_interval(stop).output_variable(last);
-    let system = system.stop(stop).load(&overrides).unwrap();
-    let begun = Instant::now();
-    let summary = system.run(&mut []).unwrap();
-    begun.elapsed().as_nanos() as f64 / summary.steps as f64
+
+    fn finish(&mut self) -> Result<()> {
+        self.observer.as_mut().map_or(Ok(()), |observer| observer.finish())
+    }
+}
+
+/// Lays the FMU out as FMPy wants it, unpacked.
+fn unpack(folder: &Path, library: &Path) {
+    let description = include_str!("../tests/element/element.xml");
+    std::fs::write(folder.join("modelDescription.xml"), description).unwrap();
+    std::fs::create_dir_all(folder.join("binaries/linux64")).unwrap();
+    std::fs::copy(library, folder.join("binaries/linux64/element.so")).unwrap();
+}
+
+/// The numbers that a program prints.
+fn output(command: &mut Command) -> Vec<f64> {
+    let run = command.output().unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let text = String::from_utf8_lossy(&run.stdout);
+    text.split_whitespace().filter_map(|word| word.parse().ok()).collect()
 }

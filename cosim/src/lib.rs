@@ -1,8 +1,8 @@
 //! A co-simulation master for FMI 2.0.
 //!
-//! Loads FMUs (those of model exchange get an integrator of ours), links them as an SSP 1.0 system description says, steps them by a
-//! deterministic schedule in integer time and records the results. It knows FMI and SSP, and no
-//! component in particular.
+//! Loads FMUs (those of model exchange get an integrator of ours), links them as an SSP or OSP system description says, steps them by a
+//! deterministic schedule in integer time and records the results. It knows FMI and these formats,
+//! and no component in particular.
 //!
 //! ```no_run
 //! use cosim::{Overrides, Recording, System};
@@ -17,6 +17,39 @@
 //!
 //! An FMU file is unpacked and mapped once per process while any [`System`] with it is alive: for
 //! many runs keep one and derive the others by [`System::with`].
+//!
+//! # Watching and acting
+//!
+//! An [`Observer`] gets the recorded values at each output instant and changes nothing; a
+//! [`Manipulator`] says when it wants to act, and then overrides, biases or releases variables, or
+//! ends the run. A [`Run`] brings them together with a system, and with a [`Snapshot`] to go on
+//! from. The example `campaign` is this in whole:
+//!
+//! ```no_run
+//! use cosim::{Controls, Manipulator, Overrides, Recording, Result, Run, System, Time};
+//!
+//! /// The GPS is off from 10 s on.
+//! struct Fault(Option<Time>);
+//!
+//! impl Manipulator for Fault {
+//!     fn next(&self) -> Option<Time> {
+//!         self.0
+//!     }
+//!     fn act(&mut self, _: Time, controls: &mut Controls<'_>) -> Result<()> {
+//!         self.0 = None;
+//!         controls.set("gps.enabled", 0.0)
+//!     }
+//! }
+//!
+//! let system = System::load("vehicle.ssd", &Overrides::new())?;
+//! let (mut results, mut fault) = (Recording::new(), Fault(Some(Time::from_seconds(10.0, "t")?)));
+//! let summary = Run::new(&system).observe(&mut results).manipulate(&mut fault).go()?;
+//! results.write_csv("with_fault.csv")?;
+//! # Ok::<(), cosim::Error>(())
+//! ```
+//!
+//! Ready made: [`scenario::Scenario`] from a file, [`pace::Pace`] for the pace of the clock,
+//! [`observe::create`] for files of results.
 
 mod digest;
 pub mod distributed;
@@ -25,11 +58,14 @@ pub mod fmi;
 pub mod master;
 pub mod names;
 pub mod observe;
+pub mod pace;
 pub mod report;
+pub mod scenario;
 pub mod signals;
 pub mod solver;
 pub mod system;
 pub mod time;
+pub mod units;
 pub mod xml;
 
 pub use error::{Code, Error, Result};

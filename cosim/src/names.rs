@@ -1,9 +1,16 @@
 //! Names as people type them: the nearest valid one, and patterns with `*` and `?`.
 
+/// Longest name that is compared: the comparison takes time and memory by the square.
+const MAX_COMPARED: usize = 256;
+
 /// The candidate nearest to `name`, when one is near enough to be meant.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    if name.len() > MAX_COMPARED {
+        return None;
+    }
     candidates
         .into_iter()
+        .filter(|candidate| candidate.len() <= MAX_COMPARED)
         .map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate))
         .min_by_key(|&(distance, _)| distance)
         .filter(|&(distance, candidate)| distance <= (candidate.len().max(name.len()) / 2).max(1))

@@ -4,10 +4,12 @@
 //! tree lets the readers be plain functions. Files come from strangers, so a DTD, entities other
 //! than the five predefined ones, great depth and great numbers are refused.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use quick_xml::NsReader;
 use quick_xml::XmlVersion;
+use quick_xml::events::attributes::AttrError;
 use quick_xml::events::{BytesRef, BytesStart, Event};
 use quick_xml::name::ResolveResult;
 
@@ -20,6 +22,8 @@ const MAX_BYTES: u64 = 256 << 20;
 const MAX_DEPTH: usize = 64;
 const MAX_ELEMENTS: usize = 2_000_000;
 const MAX_ATTRIBUTES: usize = 256;
+/// Of an element or attribute, in bytes.
+const MAX_NAME: usize = 1024;
 
 /// Reads and parses `file`; `shown` is its name in messages (a file in an archive is unpacked
 /// somewhere the user has never seen).
@@ -32,15 +36,21 @@ pub fn read(file: &Path, shown: &Path) -> Result<Element> {
             .at(shown)
             .why(format!("more than {MAX_BYTES} are refused")));
     }
-    let bytes = std::fs::read(file).map_err(unreadable)?;
-    let text = String::from_utf8(bytes).map_err(|e| {
-        let line = 1 + e.as_bytes()[..e.utf8_error().valid_up_to()]
-            .iter()
-            .filter(|&&b| b == b'\n')
-            .count();
-        Error::new(Code::Xml, "the file is not UTF-8").at_line(shown, line).why(e.utf8_error())
+    decode(&std::fs::read(file).map_err(unreadable)?, shown)
+}
+
+/// Parses the bytes of a file, which must be UTF-8; `file` is its name in messages.
+pub fn decode(bytes: &[u8], file: &Path) -> Result<Element> {
+    let wrong = |line| Error::new(Code::Xml, "the file is not UTF-8").at_line(file, line);
+    let help = "save it as UTF-8 with encoding=\"UTF-8\" in its first line";
+    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+        return Err(wrong(1).why("it begins with the mark of UTF-16").help(help));
+    }
+    let text = std::str::from_utf8(bytes).map_err(|e| {
+        let before = &bytes[..e.valid_up_to()];
+        wrong(1 + before.iter().filter(|&&b| b == b'\n').count()).why(e).help(help)
     })?;
-    parse(&text, shown)
+    parse(text, file)
 }
 
 /// Parses `text`; `file` is its name in messages.
@@ -102,7 +112,11 @@ impl Parser<'_> {
                         .wrong("the file has a document type declaration (DTD)")
                         .help("remove the <!DOCTYPE ...>: FMI and SSP files have none"));
                 }
-                Event::Comment(_) | Event::Decl(_) | Event::PI(_) => None,
+                Event::Decl(declaration) => {
+                    self.encoding(declaration.encoding())?;
+                    None
+                }
+                Event::Comment(_) | Event::PI(_) => None,
                 Event::Eof => break,
             };
             if let Some(element) = closed {
@@ -117,6 +131,23 @@ impl Parser<'_> {
             return Err(self.wrong(format!("<{}> of line {} is not closed", open.name, open.line)));
         }
         root.ok_or_else(|| self.wrong("the file has no element"))
+    }
+
+    /// The text is UTF-8 already. A file that declares something else and has only ASCII means
+    /// the same; with other characters it would be misread.
+    fn encoding(&self, declared: Option<Result<Cow<'_, str>, AttrError>>) -> Result<()> {
+        let name = declared
+            .transpose()
+            .map_err(|e| self.wrong("the XML declaration is wrong").why(e))?
+            .unwrap_or("UTF-8".into());
+        let same = name.eq_ignore_ascii_case("UTF-8") || name.eq_ignore_ascii_case("UTF8");
+        if same || (self.text.is_ascii() && !name.to_ascii_uppercase().starts_with("UTF-")) {
+            return Ok(());
+        }
+        Err(self
+            .wrong(format!("the file declares the encoding {name}"))
+            .why("FMI and SSP files are UTF-8")
+            .help("save it as UTF-8 with encoding=\"UTF-8\" in its first line"))
     }
 
     fn start(&mut self, namespace: &ResolveResult<'_>, tag: &BytesStart<'_>) -> Result<()> {
@@ -135,6 +166,7 @@ impl Parser<'_> {
                     .help(format!("declare it by xmlns:{prefix}=\"...\"")));
             }
         };
+        self.check_name(tag.name().into_inner())?;
         let attributes = self.attributes(tag)?;
         self.open.push(Element {
             namespace,
@@ -158,11 +190,19 @@ impl Parser<'_> {
                 .normalized_value(XmlVersion::Explicit1_0)
                 .map_err(|e| self.wrong("an attribute's value is wrong").why(e))?;
             let name = attribute.key.into_inner();
+            self.check_name(name)?;
             if name != "xmlns" && !name.starts_with("xmlns:") {
                 attributes.push(Attribute { name: name.to_owned(), value: value.into_owned() });
             }
         }
         Ok(attributes)
+    }
+
+    fn check_name(&self, name: &str) -> Result<()> {
+        if name.len() <= MAX_NAME {
+            return Ok(());
+        }
+        Err(self.wrong(format!("a name of {} bytes", name.len())))
     }
 
     fn text(&mut self, text: &str) -> Result<()> {

@@ -10,9 +10,10 @@ macro_rules! export {
         /// The components of this library.
         pub static REGISTRY: ::std::sync::LazyLock<$crate::kernel::Registry> =
             ::std::sync::LazyLock::new(|| {
-                $crate::kernel::Registry::new(vec![
-                    $($crate::kernel::Entry::of::<$component>()),+
-                ])
+                $crate::kernel::Registry::new(
+                    ::std::module_path!(),
+                    vec![$($crate::kernel::Entry::of::<$component>()),+],
+                )
             });
 
         /// The C interface of FMI 2.0.

@@ -66,7 +66,9 @@
 //! ```
 //!
 //! In a `cdylib` this is a complete library for an FMU, for co-simulation and model exchange;
-//! `REGISTRY` knows the text of its modelDescription.xml ([`kernel::Entry::describe`]). What a
+//! `REGISTRY` knows the text of its modelDescription.xml ([`kernel::Entry::describe`]), and with
+//! the feature `package` a `main` of one line (`fmu_kit::package::main(&REGISTRY)`) writes the FMU.
+//! The page "Write your own component" of this project's documents goes through all of it. What a
 //! variable is called, its unit, bounds, description and start value are said once, at its field.
 //!
 //! | part | what it does | knows |
@@ -77,11 +79,14 @@
 //!
 //! A component with continuous states gets the parameters `integrator.method`, `integrator.step`
 //! and `integrator.tolerance` from the kernel. Where its equations change their form (a stop, a
-//! limit) it names [`Component::INDICATORS`] and handles [`Component::state_event`]; with a
-//! [`Component::tangent`] it provides directional and output derivatives.
+//! limit) it names [`Component::INDICATORS`] and handles [`Component::state_event`]; if these are
+//! only kinks that follow from the inputs, [`Component::KINKS_OF_INPUTS`] says so and nothing has to
+//! be handled. With a [`Component::tangent`] it provides directional and output derivatives, with
+//! [`Component::initial_tangent`] those with respect to parameters.
 //!
-//! A sampled component keeps a [`Sampler`] in its `Memory` and handles its instants in
-//! [`Component::event`]. Instances can be driven without C, for tests, through
+//! A component that does all at its sample instants implements [`Sample`] instead, and
+//! [`Sampled`] makes it a component. One that mixes both keeps a [`Sampler`] in its `Memory` and
+//! handles its instants in [`Component::event`]. Instances can be driven without C, for tests, through
 //! [`kernel::Entry::instantiate`].
 
 #![deny(unsafe_code)]
@@ -105,6 +110,8 @@ pub mod abi;
 mod author;
 mod export;
 pub mod kernel;
+#[cfg(feature = "package")]
+pub mod package;
 
 pub use author::*;
 pub use fmu_kit_derive::{Enumeration, Variables};

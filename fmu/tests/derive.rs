@@ -1,6 +1,7 @@
 //! What the derives make of a struct: names, descriptions, inherited units, start values, and the
 //! way to flat arrays and back.
 
+use fmu_kit::kernel::{Table, TableError};
 use fmu_kit::{Count, Declarations, Enumeration, Field, Reader, Start, Variables, Writer};
 
 /// A way of propulsion.
@@ -121,4 +122,69 @@ fn zip_reals_pairs_the_numbers_and_leaves_the_rest() {
     let b = Everything { gain: 10.0, n: 4, ..Default::default() };
     a.zip_reals(&b, &mut |own, other| *own += 0.5 * other);
     assert_eq!((a.gain, a.n), (6.0, 3));
+}
+
+#[derive(Debug, PartialEq, Variables)]
+struct Started {
+    /// Gain
+    #[var(start = 2)]
+    gain: f64,
+    /// Depth
+    depth: f64,
+    /// Course
+    #[var(start = "BE1")]
+    course: String,
+    /// Way of propulsion
+    #[var(start = Mode::On)]
+    mode: Mode,
+    /// Limit
+    #[var(start = -f64::MAX)]
+    limit: f64,
+}
+
+#[test]
+fn start_values_in_attributes_are_the_default() {
+    let course = "BE1".to_owned();
+    let expected = Started { gain: 2.0, depth: 0.0, course, mode: Mode::On, limit: -f64::MAX };
+    assert_eq!(Started::default(), expected);
+}
+
+/// The table of one group of parameters.
+fn table(value: &impl Variables) -> Result<Table, TableError> {
+    let mut list = Declarations::new();
+    value.declare(&Field::default(), &mut list);
+    Table::new(list, Vec::new(), Vec::new(), Vec::new())
+}
+
+#[derive(Default, Variables)]
+struct SameName {
+    /// Depth
+    z: f64,
+    /// Depth again
+    #[var(rename = "z")]
+    depth: f64,
+}
+
+#[derive(Default, Variables)]
+struct BadUnit {
+    /// Depth
+    #[var(unit = "fathom")]
+    depth: f64,
+}
+
+#[derive(Default, Variables)]
+struct BadStart {
+    /// Rate
+    #[var(unit = "Hz", min = 1.0)]
+    rate: f64,
+}
+
+#[test]
+fn declarations_that_cannot_stand_name_the_variable_and_say_why() {
+    let same = table(&SameName::default()).unwrap_err().to_string();
+    assert!(same.starts_with("two variables are called \"z\"; nest one of them"), "{same}");
+    let unit = table(&BadUnit::default()).unwrap_err().to_string();
+    assert!(unit.starts_with("\"depth\": ") && unit.contains("fathom"), "{unit}");
+    let start = table(&BadStart::default()).unwrap_err().to_string();
+    assert!(start.starts_with("start value 0 of \"rate\" is not within 1"), "{start}");
 }

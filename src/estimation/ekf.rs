@@ -8,7 +8,7 @@ use super::prediction::{Motion, inertial_acceleration, predict_covariance, predi
 use super::{Acceleration, EkfParameters, EstimationError, Measurements};
 use crate::ParameterError;
 use crate::attitude;
-use crate::sampling::Sampler;
+use crate::sampling::Rate;
 use crate::vector::{cross, mul, sub};
 use serde::{Deserialize, Serialize};
 
@@ -44,8 +44,8 @@ pub struct Estimate {
 /// A filter, its parameters checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ekf {
-    /// Its cycles.
-    pub sampler: Sampler,
+    /// How often it runs.
+    pub rate: Rate,
     parameters: EkfParameters,
     source: Acceleration,
 }
@@ -57,8 +57,8 @@ impl Ekf {
     /// Names the parameter that is out of range.
     pub fn new(parameters: &EkfParameters, source: Acceleration) -> Result<Self, ParameterError> {
         parameters.check()?;
-        let sampler = Sampler::new(parameters.rate_hz)?;
-        Ok(Self { sampler, parameters: *parameters, source })
+        let rate = Rate::new(parameters.rate_hz)?;
+        Ok(Self { rate, parameters: *parameters, source })
     }
 
     /// The memory at the start.

@@ -33,8 +33,8 @@ impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Course => write!(f, "course"),
-            Self::Point(index) => write!(f, "course, point {index}"),
-            Self::Line(number) => write!(f, "course, line {number}"),
+            Self::Point(index) => write!(f, "point {index}"),
+            Self::Line(number) => write!(f, "line {number}"),
         }
     }
 }
@@ -63,6 +63,8 @@ pub struct Course {
     starts: Vec<f64>,
 }
 
+/// Farthest coordinate and largest radius (m): beyond, metres have no decimals worth having.
+const FARTHEST: f64 = 1e9;
 /// Rounding that legs completely used up by their corners are allowed, relative.
 const TOLERANCE: f64 = 1e-9;
 
@@ -207,6 +209,10 @@ fn check_points(points: &[Waypoint]) -> Result<(), CourseError> {
         let place = Place::Point(i);
         if !(p.x.is_finite() && p.y.is_finite() && p.radius.is_finite()) {
             let reason = format!("({}, {}, {}) must be finite numbers", p.x, p.y, p.radius);
+            return Err(CourseError::new(place, reason));
+        }
+        if [p.x, p.y, p.radius].into_iter().any(|value| value.abs() > FARTHEST) {
+            let reason = format!("({}, {}, {}) is beyond {FARTHEST:e} m", p.x, p.y, p.radius);
             return Err(CourseError::new(place, reason));
         }
         if p.radius < 0.0 {

@@ -21,6 +21,8 @@ impl Course {
     /// # Errors
     /// Names the line that cannot be read, or whose point cannot be part of a course.
     pub fn parse(text: &str) -> Result<Self, CourseError> {
+        // Some editors put a byte order mark first.
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut points = Vec::new();
         let mut lines = Vec::new();
         let mut first = true;
@@ -45,6 +47,13 @@ impl Course {
     }
 }
 
+/// As much of a text as goes into a message, in printable characters.
+fn excerpt(text: &str) -> String {
+    let start: String = text.chars().take(40).collect();
+    let more = if start.len() < text.len() { "…" } else { "" };
+    format!("{}{more}", start.escape_debug())
+}
+
 fn is_header(line: &str) -> bool {
     let names = line.split(',').map(|name| name.trim().to_ascii_lowercase());
     names.zip(HEADER).all(|(name, expected)| name == expected)
@@ -53,13 +62,13 @@ fn is_header(line: &str) -> bool {
 fn waypoint(line: &str, number: usize) -> Result<Waypoint, CourseError> {
     let fields: Vec<&str> = line.split(',').map(str::trim).collect();
     if !(2..=3).contains(&fields.len()) {
-        let reason = format!("expected `x,y` or `x,y,radius`, found `{line}`");
+        let reason = format!("expected `x,y` or `x,y,radius`, found `{}`", excerpt(line));
         return Err(CourseError::new(Place::Line(number), reason));
     }
     let number_at = |i: usize| -> Result<f64, CourseError> {
         fields.get(i).map_or(Ok(0.0), |field| {
             field.parse().map_err(|_| {
-                let reason = format!("{} = `{field}` is not a number", HEADER[i]);
+                let reason = format!("{} = `{}` is not a number", HEADER[i], excerpt(field));
                 CourseError::new(Place::Line(number), reason)
             })
         })

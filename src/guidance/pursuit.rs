@@ -9,7 +9,7 @@ use super::course::Course;
 use crate::ParameterError;
 use crate::attitude::wrap;
 use crate::error::{finite, non_negative, positive};
-use crate::sampling::Sampler;
+use crate::sampling::Rate;
 use core::f64::consts::FRAC_PI_2;
 use serde::{Deserialize, Serialize};
 
@@ -96,8 +96,8 @@ pub struct Guidance {
 /// A path follower on its course.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PurePursuit {
-    /// Its cycles.
-    pub sampler: Sampler,
+    /// How often it runs.
+    pub rate: Rate,
     parameters: PursuitParameters,
     course: Course,
 }
@@ -108,7 +108,7 @@ impl PurePursuit {
     /// # Errors
     /// Names the parameter that is out of range.
     pub fn new(p: &PursuitParameters, course: Course) -> Result<Self, ParameterError> {
-        let sampler = Sampler::new(p.rate_hz)?;
+        let rate = Rate::new(p.rate_hz)?;
         positive("lookahead", p.lookahead)?;
         positive("vehicle_length", p.vehicle_length)?;
         positive("gain", p.gain)?;
@@ -119,7 +119,7 @@ impl PurePursuit {
         non_negative("finish_tolerance", p.finish_tolerance)?;
         non_negative("search_back", p.search_back)?;
         positive("search_ahead", p.search_ahead)?;
-        Ok(Self { sampler, parameters: *p, course })
+        Ok(Self { rate, parameters: *p, course })
     }
 
     /// The course that is followed.

@@ -5,7 +5,7 @@
 use super::noise::Gaussian;
 use crate::ParameterError;
 use crate::error::{each, finite, non_negative};
-use crate::sampling::Sampler;
+use crate::sampling::Rate;
 use crate::vector::{Vec3, add, angular, cross, linear};
 use serde::{Deserialize, Serialize};
 
@@ -51,8 +51,8 @@ pub struct DvlMemory {
 /// A DVL, its parameters checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dvl {
-    /// Its sample instants.
-    pub sampler: Sampler,
+    /// How often it samples.
+    pub rate: Rate,
     seed: u64,
     position: Vec3,
     sigma: f64,
@@ -64,10 +64,10 @@ impl Dvl {
     /// # Errors
     /// Names the parameter that is out of range.
     pub fn new(p: &DvlParameters) -> Result<Self, ParameterError> {
-        let sampler = Sampler::new(p.rate_hz)?;
+        let rate = Rate::new(p.rate_hz)?;
         each("position", &p.position, finite)?;
         non_negative("sigma", p.sigma)?;
-        Ok(Self { sampler, seed: p.seed, position: p.position, sigma: p.sigma })
+        Ok(Self { rate, seed: p.seed, position: p.position, sigma: p.sigma })
     }
 
     /// The memory at switch-on.

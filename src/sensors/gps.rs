@@ -7,7 +7,7 @@ use super::noise::Gaussian;
 use crate::ParameterError;
 use crate::attitude;
 use crate::error::{each, finite, non_negative};
-use crate::sampling::Sampler;
+use crate::sampling::Rate;
 use crate::vector::{Vec3, add, mul};
 use serde::{Deserialize, Serialize};
 
@@ -55,8 +55,8 @@ pub struct GpsMemory {
 /// A position fix, its parameters checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gps {
-    /// Its sample instants.
-    pub sampler: Sampler,
+    /// How often it samples.
+    pub rate: Rate,
     seed: u64,
     position: Vec3,
     sigma: f64,
@@ -68,10 +68,10 @@ impl Gps {
     /// # Errors
     /// Names the parameter that is out of range.
     pub fn new(p: &GpsParameters) -> Result<Self, ParameterError> {
-        let sampler = Sampler::new(p.rate_hz)?;
+        let rate = Rate::new(p.rate_hz)?;
         each("position", &p.position, finite)?;
         non_negative("sigma", p.sigma)?;
-        Ok(Self { sampler, seed: p.seed, position: p.position, sigma: p.sigma })
+        Ok(Self { rate, seed: p.seed, position: p.position, sigma: p.sigma })
     }
 
     /// The memory at switch-on.

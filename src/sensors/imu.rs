@@ -7,7 +7,7 @@ use super::noise::{BiasMemory, BiasNoise, BiasProcess, Gaussian};
 use crate::ParameterError;
 use crate::attitude;
 use crate::error::{each, finite, non_negative};
-use crate::sampling::Sampler;
+use crate::sampling::Rate;
 use crate::vector::{Vec3, add, cross, mul_transposed};
 use serde::{Deserialize, Serialize};
 
@@ -80,7 +80,7 @@ pub struct ImuSample {
 }
 
 /// Noise generators and biases.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ImuMemory {
     accelerometer: BiasMemory,
     gyro: BiasMemory,
@@ -90,8 +90,8 @@ pub struct ImuMemory {
 /// An IMU, its constants derived and checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Imu {
-    /// Its sample instants.
-    pub sampler: Sampler,
+    /// How often it samples.
+    pub rate: Rate,
     seed: u64,
     position: Vec3,
     mounting: [Vec3; 3],
@@ -106,14 +106,14 @@ impl Imu {
     /// # Errors
     /// Names the parameter that is out of range.
     pub fn new(p: &ImuParameters) -> Result<Self, ParameterError> {
-        let sampler = Sampler::new(p.rate_hz)?;
+        let rate = Rate::new(p.rate_hz)?;
         each("position", &p.position, finite)?;
         each("orientation_deg", &p.orientation_deg, finite)?;
         p.accelerometer.check("accelerometer")?;
         p.gyro.check("gyro")?;
         non_negative("attitude_sigma", p.attitude_sigma)?;
         Ok(Self {
-            sampler,
+            rate,
             seed: p.seed,
             position: p.position,
             mounting: attitude::rotation_euler(p.orientation_deg.map(f64::to_radians)),

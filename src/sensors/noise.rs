@@ -12,31 +12,70 @@ use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
 use serde::{Deserialize, Serialize};
 
+/// ChaCha makes four blocks at a time: this many numbers of 64 bits.
+const AHEAD: usize = 32;
+
 /// Independent standard normal numbers; the same for the same seed and stream on any machine.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+///
+/// ChaCha counts, so where it is says everything, and that is what is serialized. The numbers made
+/// ahead are plain data too: saving the state of a sensor is a copy of memory.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Position", into = "Position")]
 pub struct Gaussian {
-    rng: ChaCha8Rng,
+    position: Position,
+    ahead: [u64; AHEAD],
+}
+
+/// How far a stream of random numbers has been used.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Position {
+    seed: u64,
+    stream: u64,
+    /// Uniform numbers drawn so far.
+    drawn: u64,
     /// Box and Muller make two at a time; this is the one not yet used.
     spare: Option<f64>,
+}
+
+impl From<Gaussian> for Position {
+    fn from(gaussian: Gaussian) -> Self {
+        gaussian.position
+    }
+}
+
+impl From<Position> for Gaussian {
+    fn from(position: Position) -> Self {
+        let last = position.drawn.saturating_sub(1);
+        Self { position, ahead: position.numbers(last - last % AHEAD as u64) }
+    }
+}
+
+impl Position {
+    /// The numbers from the `begun`th on.
+    fn numbers(&self, begun: u64) -> [u64; AHEAD] {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        rng.set_stream(self.stream);
+        // It counts words of 32 bits.
+        rng.set_word_pos(2 * u128::from(begun));
+        core::array::from_fn(|_| rng.next_u64())
+    }
 }
 
 impl Gaussian {
     /// Streams of one seed are independent of each other.
     #[must_use]
     pub fn new(seed: u64, stream: u64) -> Self {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        rng.set_stream(stream);
-        Self { rng, spare: None }
+        Position { seed, stream, drawn: 0, spare: None }.into()
     }
 
     /// The next number.
     pub fn draw(&mut self) -> f64 {
-        if let Some(spare) = self.spare.take() {
+        if let Some(spare) = self.position.spare.take() {
             return spare;
         }
         let radius = (-2.0 * libm::log(self.uniform())).sqrt();
         let (sin, cos) = libm::sincos(TAU * self.uniform());
-        self.spare = Some(radius * sin);
+        self.position.spare = Some(radius * sin);
         radius * cos
     }
 
@@ -47,7 +86,13 @@ impl Gaussian {
 
     /// In the open interval (0, 1): the logarithm stays finite.
     fn uniform(&mut self) -> f64 {
-        ((self.rng.next_u64() >> 11) as f64 + 0.5) / (1u64 << 53) as f64
+        let position = &mut self.position;
+        let place = (position.drawn % AHEAD as u64) as usize;
+        if place == 0 && position.drawn > 0 {
+            self.ahead = position.numbers(position.drawn);
+        }
+        position.drawn = position.drawn.wrapping_add(1);
+        ((self.ahead[place] >> 11) as f64 + 0.5) / (1u64 << 53) as f64
     }
 }
 
@@ -89,7 +134,7 @@ pub(super) struct BiasProcess {
 }
 
 /// The state of a three-axis [`BiasProcess`].
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct BiasMemory {
     noise: Gaussian,
     turn_on: [f64; 3],

@@ -7,7 +7,7 @@ use super::noise::Gaussian;
 use crate::ParameterError;
 use crate::attitude;
 use crate::error::{each, finite, non_negative, positive};
-use crate::sampling::Sampler;
+use crate::sampling::Rate;
 use crate::vector::{Vec3, mul};
 use serde::{Deserialize, Serialize};
 
@@ -68,8 +68,8 @@ pub struct PressureMemory {
 /// A pressure sensor, its parameters checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PressureSensor {
-    /// Its sample instants.
-    pub sampler: Sampler,
+    /// How often it samples.
+    pub rate: Rate,
     seed: u64,
     position: Vec3,
     sigma_pa: f64,
@@ -83,13 +83,13 @@ impl PressureSensor {
     /// # Errors
     /// Names the parameter that is out of range.
     pub fn new(p: &PressureParameters) -> Result<Self, ParameterError> {
-        let sampler = Sampler::new(p.rate_hz)?;
+        let rate = Rate::new(p.rate_hz)?;
         each("position", &p.position, finite)?;
         non_negative("sigma_pa", p.sigma_pa)?;
         non_negative("surface_pressure_pa", p.surface_pressure_pa)?;
         positive("gradient_pa_per_m", p.gradient_pa_per_m)?;
         Ok(Self {
-            sampler,
+            rate,
             seed: p.seed,
             position: p.position,
             sigma_pa: p.sigma_pa,

@@ -12,11 +12,12 @@
 //! M_RB nu' + C_RB(nu) nu = M_RB nu_r' + C_RB(nu_r) nu_r in a current that is steady in NED (Fossen
 //! 2011 ch. 8, irrotational constant currents), and v_r x (m v_r) = 0.
 //!
-//! [`super::tangent`] is the derivative of what stands here: change both together.
+//! [`super::tangent`] and [`super::sensitivity`] are the derivatives of what stands here: change them
+//! together.
 
 use super::{Inputs, Outputs, Parameters, Propulsion, State, ThrusterMode};
 use crate::ParameterError;
-use crate::attitude;
+use crate::attitude::{self, half_product};
 use crate::vector::{Vec3, add, angular, cross, linear, mul, mul_transposed, scale, sub};
 use nalgebra::Matrix6;
 
@@ -50,7 +51,7 @@ pub struct Vehicle {
 #[derive(Clone, Copy, Debug)]
 pub struct Drive {
     /// Speeds that the rotors tend to, and the rate (1/s) at which they do.
-    rotor_target: [f64; 8],
+    pub(super) rotor_target: [f64; 8],
     rotor_rate: f64,
     /// Thrust over rotor speed squared; 0 where rotor speeds make no thrust.
     thrust_gain: f64,
@@ -109,7 +110,7 @@ impl Vehicle {
         }
     }
 
-    fn thrust(&self, state: &State, inputs: &Inputs) -> [f64; 8] {
+    pub(super) fn thrust(&self, state: &State, inputs: &Inputs) -> [f64; 8] {
         let p = &self.propulsion;
         match p.mode {
             ThrusterMode::Force => p.clipped(&inputs.thruster_force),
@@ -123,6 +124,13 @@ impl Vehicle {
             ThrusterMode::Force => 0.0,
             _ => 1.0 / self.propulsion.rotor_time_constant,
         }
+    }
+
+    /// See [`Propulsion::kinks`].
+    #[must_use]
+    #[inline]
+    pub fn kinks(&self, inputs: &Inputs) -> ([f64; 8], [f64; 8]) {
+        self.propulsion.kinks(inputs)
     }
 
     /// What the inputs amount to, for as long as they are held.
@@ -231,17 +239,6 @@ pub(super) fn add_wrench(wrench: &mut [f64; 6], columns: &[[f64; 6]; 8], thrust:
 fn quaternion_rate(q: [f64; 4], omega: Vec3) -> [f64; 4] {
     let (spin, stretch) = (half_product(q, omega), stretch_rate(q));
     core::array::from_fn(|i| spin[i] + stretch * q[i])
-}
-
-/// `1/2 q (0, omega)`.
-#[inline(always)]
-pub(super) fn half_product([w, x, y, z]: [f64; 4], [p, q, r]: Vec3) -> [f64; 4] {
-    [
-        0.5 * (-x * p - y * q - z * r),
-        0.5 * (w * p + y * r - z * q),
-        0.5 * (w * q + z * p - x * r),
-        0.5 * (w * r + x * q - y * p),
-    ]
 }
 
 /// Rate (1/s) at which the quaternion grows towards unit length.

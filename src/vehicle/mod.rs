@@ -14,6 +14,7 @@ mod parameters;
 mod presets;
 mod propulsion;
 mod reduced;
+mod sensitivity;
 mod state;
 mod tangent;
 
@@ -21,5 +22,6 @@ pub use dynamics::{Drive, Vehicle};
 pub use parameters::{Inertia, ParameterSet, Parameters};
 pub use propulsion::{Propulsion, Thruster, ThrusterMode};
 pub use reduced::ReducedModel;
+pub use sensitivity::Sensitivity;
 pub use state::{Inputs, Outputs, State};
 pub use tangent::Tangent;

@@ -89,6 +89,24 @@ impl Propulsion {
         }
     }
 
+    /// Where the right-hand side has kinks: the first eight cross zero where a command crosses its
+    /// limit, of either sign, the others where it changes its sign, at which the square root in
+    /// [`Propulsion::speed`] is steep (and which a swing from one limit to the other cannot miss).
+    ///
+    /// A command at its limit counts as within it and one of zero as positive, by one part in 10^12
+    /// of the limit: a thruster at rest or fully driven is not all the time at a kink.
+    #[must_use]
+    #[inline]
+    pub fn kinks(&self, inputs: &Inputs) -> ([f64; 8], [f64; 8]) {
+        let command = self.command(inputs);
+        let limit = match self.mode {
+            ThrusterMode::RotorSpeed => self.speed(self.thrust_limit),
+            ThrusterMode::ForceWithLag | ThrusterMode::Force => self.thrust_limit,
+        };
+        let margin = 1e-12 * limit;
+        (command.map(|c| (limit - c.abs()) + margin), command.map(|c| c + margin))
+    }
+
     /// Commanded thrusts (N) within the limit.
     #[inline(always)]
     pub(super) fn clipped(&self, thrust: &[f64; 8]) -> [f64; 8] {

@@ -16,10 +16,20 @@ pub struct State {
 }
 
 impl State {
+    /// No change of anything.
+    pub const ZERO: Self =
+        Self { p_ned: [0.0; 3], quaternion: [0.0; 4], nu: [0.0; 6], rotor_speed: [0.0; 8] };
+
     /// At rest, rotors stopped, at a position and an attitude `[roll, pitch, yaw]` (rad).
     #[must_use]
     pub fn at_rest(p_ned: [f64; 3], euler: [f64; 3]) -> Self {
         Self { p_ned, quaternion: attitude::from_euler(euler), nu: [0.0; 6], rotor_speed: [0.0; 8] }
+    }
+
+    /// Change of [`State::at_rest`] at an attitude as position and attitude change.
+    #[must_use]
+    pub fn d_at_rest(d_p_ned: [f64; 3], euler: [f64; 3], d_euler: [f64; 3]) -> Self {
+        Self { p_ned: d_p_ned, quaternion: attitude::d_from_euler(euler, d_euler), ..Self::ZERO }
     }
 }
 
@@ -43,7 +53,7 @@ pub struct Inputs {
 }
 
 /// What can be observed of the vehicle, without sensor errors.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outputs {
     /// Position of the centre of gravity, NED (m).
     pub p_ned: [f64; 3],
@@ -53,10 +63,10 @@ pub struct Outputs {
     pub quaternion: [f64; 4],
     /// Velocity over ground, body (m/s, rad/s).
     pub nu: [f64; 6],
-    /// Time derivative of `nu` (not the inertial acceleration), body (m/s2, rad/s2).
-    pub nu_dot: [f64; 6],
     /// Velocity over ground, NED (m/s).
     pub v_ned: [f64; 3],
+    /// Time derivative of `nu` (not the inertial acceleration), body (m/s2, rad/s2).
+    pub nu_dot: [f64; 6],
     /// Specific force at the centre of gravity, body (m/s2): at rest -g on z.
     pub specific_force: [f64; 3],
     /// Thrust of each thruster (N).

@@ -23,23 +23,23 @@
 //!   of the rotor speed, does start with slope zero. Any other command, however small, has its slope;
 //! * at a pitch of exactly 90 degrees roll and yaw turn about one axis: d(yaw) and d(pitch) are zero.
 
-use super::dynamics::{NORM_RATE, add_wrench, half_product, mul6, stretch_rate};
+use super::dynamics::{NORM_RATE, add_wrench, mul6, stretch_rate};
 use super::{Inputs, Outputs, State, ThrusterMode, Vehicle};
-use crate::attitude;
+use crate::attitude::{self, half_product};
 use crate::vector::{Vec3, add, angular, cross, linear, mul, mul_transposed, scale, sub};
 
 /// The vehicle linearised at a point: made once, it serves any number of directions.
 #[derive(Clone, Debug)]
 pub struct Tangent<'a> {
-    vehicle: &'a Vehicle,
-    state: &'a State,
-    inputs: &'a Inputs,
+    pub(super) vehicle: &'a Vehicle,
+    pub(super) state: &'a State,
+    pub(super) inputs: &'a Inputs,
     /// `2 / |q|^2`.
     two_over_norm2: f64,
-    r_nb: [Vec3; 3],
+    pub(super) r_nb: [Vec3; 3],
     /// Current and velocity relative to the water, body.
-    current: Vec3,
-    v_r: Vec3,
+    pub(super) current: Vec3,
+    pub(super) v_r: Vec3,
     /// `[p; h] = M nu_r`.
     momentum: [f64; 6],
 }

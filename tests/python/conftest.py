@@ -1,11 +1,19 @@
-"""What all tests share: the packaged FMUs, which `cargo xtask package` writes."""
+"""What all tests share: the packaged FMUs, the `cosim` binary, and the table of the judges' verdicts.
 
+`cargo xtask package` writes the FMUs, `cargo build --release -p cosim` the binary; `cargo xtask judge` does both.
+"""
+
+import csv
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 FMUS = ROOT / "target" / "fmus"
+COSIM = ROOT / "target" / "release" / "cosim"
+# What judges that are not written in Python have said: rows of tool, check, FMU, verdict.
+VERDICTS = ROOT / "target" / "judges"
 NAMES = [
     "RexROV",
     "Imu",
@@ -29,3 +37,37 @@ def fmu():
         return str(file)
 
     return path
+
+
+def pytest_configure(config):
+    config.addinivalue_line("markers", "judge(tool, check): a verdict for the table of judges")
+    config.verdicts = {}
+
+
+@pytest.hookimpl(hookwrapper=True)
+def pytest_runtest_makereport(item, call):
+    report = (yield).get_result()
+    mark = item.get_closest_marker("judge")
+    if mark and report.when == "call":
+        package, check = mark.args
+        row = item.config.verdicts.setdefault((f"{package} {version(package)}", check), {})
+        row[item.callspec.params["name"]] = report.outcome
+
+
+def pytest_terminal_summary(terminalreporter, config):
+    rows = dict(config.verdicts)
+    for file in sorted(VERDICTS.glob("*.csv")) if rows else []:
+        for tool, check, fmu, verdict in csv.reader(file.open()):
+            # A verdict older than the FMU was on another one.
+            if file.stat().st_mtime > (FMUS / f"{fmu}.fmu").stat().st_mtime:
+                rows.setdefault((tool, check), {})[fmu] = verdict
+    if not rows:
+        return
+    terminalreporter.section("judges")
+    head = max(len(f"{tool}  {check}") for tool, check in rows)
+    widths = [max(len(name), len("passed")) for name in NAMES]
+    heading = [name.center(width) for name, width in zip(NAMES, widths)]
+    terminalreporter.write_line(" ".join([" " * head, *heading]))
+    for (tool, check), verdicts in sorted(rows.items(), key=lambda row: row[0][0].lower()):
+        cells = [verdicts.get(name, "-").center(width) for name, width in zip(NAMES, widths)]
+        terminalreporter.write_line(" ".join([f"{tool}  {check}".ljust(head), *cells]))

@@ -5,6 +5,8 @@
 mod bench;
 mod describe;
 mod examples;
+mod fuzz;
+mod judge;
 mod package;
 mod paths;
 mod process;
@@ -24,8 +26,8 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Task {
     /// Build the library and write target/fmus/*.fmu and target/fmus/paper.ssp.
-    Package,
-    /// Regenerate modelDescription/*.xml from the components.
+    Package(package::Options),
+    /// Regenerate modelDescription/ from the components.
     Describe {
         /// Only compare: fail when a committed file differs from what the components say.
         #[arg(long)]
@@ -34,18 +36,31 @@ enum Task {
     /// Run the paper's experiment from packaged FMUs and write target/reproduce/report.html.
     Reproduce(reproduce::Options),
     /// Measure speed as ratios within one run.
-    Bench,
+    Bench(bench::Options),
+    /// Ask FMPy, fmi-rs, fmutool and libcosim about the FMUs, and compare `cosim` with them.
+    Judge,
+    /// Fuzz the FMI functions and the reader of saved states, under AddressSanitizer; needs nightly
+    /// Rust and cargo-fuzz.
+    Fuzz {
+        /// How long to fuzz each of the two.
+        #[arg(long, default_value_t = 600)]
+        seconds: u32,
+    },
     /// Run every check and every test of the project.
     Test,
 }
 
 fn main() -> std::process::ExitCode {
     let outcome = match Arguments::parse().task {
-        Task::Package => package::run().map(drop),
+        Task::Package(options) => package::run(&options),
         Task::Describe { check: true } => describe::check(),
         Task::Describe { check: false } => describe::write(),
-        Task::Reproduce(options) => package::run().and_then(|_| reproduce::run(&options)),
-        Task::Bench => bench::run(),
+        Task::Reproduce(options) => {
+            package::for_this_machine().and_then(|()| reproduce::run(&options))
+        }
+        Task::Bench(options) => bench::run(&options),
+        Task::Judge => judge::run(),
+        Task::Fuzz { seconds } => fuzz::run(seconds),
         Task::Test => test::run(),
     };
     match outcome {

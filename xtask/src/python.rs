@@ -1,27 +1,75 @@
-//! The Python side of the tests: a virtual environment under target/ with pinned packages.
+//! Programs that come as Python packages: virtual environments under target/ with pinned versions.
 
 use crate::{paths, process};
 use anyhow::{Context, Result};
 use std::{fs, path::PathBuf, process::Command};
 
-/// Makes or refreshes `target/venv` and returns its interpreter.
-pub(crate) fn environment() -> Result<PathBuf> {
-    let folder = paths::target().join("venv");
-    let requirements = paths::root().join("tests/python/requirements.txt");
-    let wanted = fs::read_to_string(&requirements)
-        .with_context(|| format!("cannot read {}", requirements.display()))?;
-    let interpreter = folder.join("bin/python");
-    let installed = folder.join("installed.txt");
-    if fs::read_to_string(&installed).is_ok_and(|present| present == wanted) {
-        return Ok(interpreter);
-    }
-    process::run(Command::new("python3").args(["-m", "venv"]).arg(&folder))
-        .context("a Python 3.10 or later with the venv module is needed for the FMPy tests")?;
-    process::run(
-        Command::new(&interpreter)
-            .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r"])
-            .arg(&requirements),
-    )?;
-    fs::write(&installed, wanted)?;
-    Ok(interpreter)
+/// A virtual environment.
+pub(crate) struct Environment {
+    /// Its folder under target/.
+    folder: &'static str,
+    /// The file that names and pins its packages.
+    requirements: &'static str,
+    /// What it is for, told when there is no Python.
+    purpose: &'static str,
 }
+
+/// FMPy and pytest.
+pub(crate) const TESTS: Environment = Environment {
+    folder: "venv",
+    requirements: "tests/python/requirements.txt",
+    purpose: "the FMPy tests",
+};
+
+/// Zig's linker with the symbols of every glibc, and cargo's way to it.
+pub(crate) const ZIG: Environment = Environment {
+    folder: "zig",
+    requirements: "xtask/requirements.txt",
+    purpose: "libraries that start on other machines (`cargo xtask package --native` does without)",
+};
+
+impl Environment {
+    /// Makes or refreshes it and returns the folder of its programs.
+    pub(crate) fn install(&self) -> Result<PathBuf> {
+        let folder = self.folder();
+        let requirements = paths::root().join(self.requirements);
+        let wanted = fs::read_to_string(&requirements)
+            .with_context(|| format!("cannot read {}", requirements.display()))?;
+        let programs = folder.join("bin");
+        if self.holds(&wanted) {
+            return Ok(programs);
+        }
+        let needed = || format!("Python 3.11 or later with venv is needed for {}", self.purpose);
+        process::run(Command::new("python3").args(["-m", "venv"]).arg(&folder))
+            .with_context(needed)?;
+        process::run(
+            Command::new(programs.join("python"))
+                .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r"])
+                .arg(&requirements),
+        )
+        .with_context(needed)?;
+        fs::write(folder.join(INSTALLED), wanted)?;
+        Ok(programs)
+    }
+
+    /// [`install`](Self::install), and its Python.
+    pub(crate) fn interpreter(&self) -> Result<PathBuf> {
+        Ok(self.install()?.join("python"))
+    }
+
+    /// Whether it is there already, as its requirements want it.
+    pub(crate) fn is_installed(&self) -> bool {
+        fs::read_to_string(paths::root().join(self.requirements)).is_ok_and(|w| self.holds(&w))
+    }
+
+    pub(crate) fn folder(&self) -> PathBuf {
+        paths::target().join(self.folder)
+    }
+
+    fn holds(&self, wanted: &str) -> bool {
+        fs::read_to_string(self.folder().join(INSTALLED)).is_ok_and(|present| present == wanted)
+    }
+}
+
+/// Copy of the requirements, written when the installation is complete.
+const INSTALLED: &str = "installed.txt";

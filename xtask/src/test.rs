@@ -15,13 +15,13 @@ pub(crate) fn run() -> Result<()> {
     let doc = ["doc", "--release", "--workspace", "--no-deps", "--quiet"];
     process::run(process::cargo(&doc).env("RUSTDOCFLAGS", "-D warnings"))?;
     describe::check()?;
-    package::run()?;
+    package::for_shipping()?;
+    process::run(&mut process::cargo(&["run", "--release", "--quiet", "-p", "depth-hold"]))?;
     process::run(&mut process::cargo(&["test", "--release", "--workspace", "--no-fail-fast"]))?;
     examples::run()?;
     reproduce::run(&reproduce::Options { seeds: SMOKE_SEEDS, threads: None })?;
-    let interpreter = python::environment()?;
     process::run(
-        Command::new(interpreter)
+        Command::new(python::TESTS.interpreter()?)
             .args(["-m", "pytest", "-q", "tests/python"])
             .current_dir(paths::root()),
     )

@@ -5,6 +5,7 @@ use cosim::fmi::InterfaceType;
 use cosim::{Algorithm, Overrides};
 
 use super::solver::Solver;
+use super::stepping::Stepping;
 use super::values;
 
 /// Changes to the file.
@@ -28,20 +29,22 @@ pub(crate) struct Changes {
     interface_type: Vec<(String, InterfaceType)>,
     #[command(flatten)]
     solver: Solver,
+    /// The tools that FMUs need (needsExecutionTool) are installed here
+    #[arg(long)]
+    execution_tool: bool,
+    #[command(flatten)]
+    stepping: Stepping,
     /// First instant
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds, allow_negative_numbers = true)]
     start_time: Option<f64>,
     /// Last instant
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds, allow_negative_numbers = true)]
     stop_time: Option<f64>,
-    /// Ask the FMUs for debug messages, which are shown when one fails
-    #[arg(long)]
-    debug_logging: bool,
 }
 
 impl Changes {
     pub(crate) fn overrides(&self) -> Overrides {
-        let mut overrides = Overrides::new().debug_logging(self.debug_logging);
+        let mut overrides = Overrides::new().execution_tools(self.execution_tool);
         for (name, value) in &self.start_value {
             overrides = overrides.start_value(name, value);
         }
@@ -63,6 +66,6 @@ impl Changes {
         for (component, kind) in &self.interface_type {
             overrides = overrides.interface(component, *kind);
         }
-        self.solver.add_to(overrides)
+        self.stepping.add_to(self.solver.add_to(overrides))
     }
 }

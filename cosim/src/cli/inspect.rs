@@ -15,7 +15,7 @@ use super::{Format, messages};
 /// Show the order of stepping, and of each connection the delay and its reason
 #[derive(Args)]
 pub(crate) struct Inspect {
-    /// A system description (.ssd) or package (.ssp)
+    /// A .ssd, .ssp or OspSystemStructure.xml file, or the folder of the last
     file: PathBuf,
     #[command(flatten)]
     changes: Changes,
@@ -64,7 +64,8 @@ fn text(system: &System) -> String {
         let variable = |port: cosim::system::Port| {
             system.components()[port.component].model.variable_name(port.variable).to_owned()
         };
-        lines.push(format!("    {} -> {}", variable(ends.from), variable(ends.to)));
+        let conversion = ends.conversion.as_ref().map_or(String::new(), |c| format!("  ({c})"));
+        lines.push(format!("    {} -> {}{conversion}", variable(ends.from), variable(ends.to)));
     }
     lines.join("\n")
 }
@@ -96,6 +97,7 @@ fn connection(system: &System, position: usize, delay: &Delay) -> Value {
     json!({
         "from": system.port_name(ends.from),
         "to": system.port_name(ends.to),
+        "conversion": ends.conversion.as_ref().map(ToString::to_string),
         "late": delay.late.seconds(),
         "heldUpTo": delay.held.seconds(),
         "reason": system.explain(position, delay),

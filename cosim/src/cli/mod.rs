@@ -5,17 +5,23 @@
 
 mod changes;
 mod completion;
+mod convert;
 mod distributed;
 mod explain;
 mod info;
 mod inspect;
 mod interrupt;
+mod live;
+mod logging;
 pub(crate) mod messages;
 mod output;
 mod report;
 mod run;
 mod simulate;
+mod snapshots;
 mod solver;
+mod stepping;
+mod summary;
 mod validate;
 mod values;
 mod worker;
@@ -38,7 +44,9 @@ enum Verb {
     Validate(validate::Validate),
     Simulate(simulate::Simulate),
     Run(run::Run),
+    Convert(convert::Convert),
     Worker(worker::Worker),
+    Workers(worker::Workers),
     Group(worker::Group),
     Report(report::Report),
     Explain(explain::Explain),
@@ -63,7 +71,9 @@ pub(crate) fn run(arguments: Arguments) -> Result<()> {
         Verb::Validate(verb) => verb.run(),
         Verb::Simulate(verb) => verb.run(),
         Verb::Run(verb) => verb.run(),
+        Verb::Convert(verb) => verb.run(),
         Verb::Worker(verb) => verb.run(),
+        Verb::Workers(verb) => verb.run(),
         Verb::Group(verb) => verb.run(),
         Verb::Report(verb) => verb.run(),
         Verb::Explain(verb) => verb.run(),

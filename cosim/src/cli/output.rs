@@ -1,15 +1,20 @@
-//! Where results go, and running with a recorder and progress.
+//! Where results go, and running with a recorder, the clock and snapshots.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use cosim::distributed::Cluster;
-use cosim::observe::{CsvRecorder, Progress, Stop};
-use cosim::{Code, Error, Observer, Overrides, Result, Run, Summary, System};
+use cosim::observe::{self, Continued, CsvRecorder, Progress, Stop};
+use cosim::scenario::Scenario;
+use cosim::{Code, Error, Observer, Overrides, Recording, Result, Run, Snapshot, Summary, System};
 
+use super::Format;
 use super::interrupt::Interrupt;
+use super::live::Live;
 use super::messages;
+use super::snapshots::Snapshots;
+use super::summary::{self, Told};
 
 #[derive(Args)]
 pub(crate) struct Output {
@@ -19,15 +24,35 @@ pub(crate) struct Output {
     /// Seconds between recorded samples (default: the smallest step)
     #[arg(long, value_name = "SECONDS", value_parser = super::values::seconds)]
     output_interval: Option<f64>,
-    /// Write the results there, - for stdout (default: NAME_out.csv)
+    /// Write the results there: as MCAP if the name ends in .mcap, else as CSV; - for CSV to
+    /// stdout (default: NAME_out.csv)
     #[arg(long, short, value_name = "FILE")]
     output_file: Option<PathBuf>,
     /// Write the results as NAME_out.csv into this folder, which is made if missing
     #[arg(long, value_name = "FOLDER", conflicts_with = "output_file")]
     output_dir: Option<PathBuf>,
+    #[command(flatten)]
+    snapshots: Snapshots,
+    /// Let happen what this file says: overrides, biases and resets in the JSON of OSP scenarios
+    #[arg(long, value_name = "FILE")]
+    scenario: Option<PathBuf>,
+    /// Go at the pace of the clock, or FACTOR times as fast; overruns are counted
+    #[arg(long, value_name = "FACTOR", value_parser = super::values::factor, num_args = 0..=1,
+          default_missing_value = "1", require_equals = true)]
+    real_time: Option<f64>,
+    /// How the summary is told: for people on stderr, or as JSON on stdout
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
     /// No progress and no summary
     #[arg(long, short)]
     quiet: bool,
+}
+
+/// What is run, where, and from where on.
+struct Computed<'a> {
+    system: &'a System,
+    cluster: Option<&'a Cluster>,
+    snapshot: Option<Snapshot>,
 }
 
 impl Output {
@@ -44,45 +69,61 @@ impl Output {
     pub(crate) fn run(&self, system: &System, cluster: Option<&Cluster>) -> Result<()> {
         messages::findings(system, self.quiet);
         let target = self.target(system.name())?;
-        if target == Path::new("-") {
-            let recorder = CsvRecorder::new(io::BufWriter::new(io::stdout().lock()), "stdout");
-            return self.observe(system, cluster, recorder, "stdout");
+        let snapshot = self.snapshots.resumed(system)?;
+        let computed = Computed { system, cluster, snapshot };
+        if target != Path::new("-") {
+            let recorder = recorder(&target, system, computed.snapshot.as_ref())?;
+            return self.observe(computed, recorder, &target.display().to_string());
         }
-        let recorder = CsvRecorder::create(&target)?;
-        self.observe(system, cluster, recorder, &target.display().to_string())
+        if self.format == Format::Json {
+            return Err(Error::new(Code::Usage, "results and summary cannot both go to stdout")
+                .help("give --output-file a file"));
+        }
+        let recorder = CsvRecorder::new(io::BufWriter::new(io::stdout()), "stdout");
+        self.observe(computed, Box::new(recorder), "stdout")
     }
 
     fn observe(
         &self,
-        system: &System,
-        cluster: Option<&Cluster>,
-        mut recorder: impl Observer,
+        what: Computed<'_>,
+        mut recorder: Box<dyn Observer>,
         target: &str,
     ) -> Result<()> {
+        let Computed { system, cluster, snapshot } = what;
         let begun = std::time::Instant::now();
         let mut progress = Progress::new();
         let mut interrupt = Interrupt::new();
-        let mut observers: Vec<&mut dyn Observer> = vec![&mut recorder, &mut interrupt];
+        let mut live = Live::new(self.real_time);
+        let mut scenario = self.scenario.as_ref().map(Scenario::read).transpose()?;
+        let mut keep = |snapshot: Snapshot| self.snapshots.write(system, &snapshot);
+        let mut run = Run::new(system).observe(&mut *recorder).observe(&mut interrupt);
         if !self.quiet {
-            observers.push(&mut progress);
+            run = run.observe(&mut progress);
         }
-        let run = observers.iter_mut().fold(Run::new(system), |run, one| run.observe(*one));
+        if let Some(scenario) = &mut scenario {
+            run = run.manipulate(scenario);
+        }
+        if live.wanted() {
+            run = run.manipulate(&mut live);
+        }
+        if let Some(snapshot) = &snapshot {
+            run = run.resume(snapshot);
+        }
+        if let Some((every, at)) = self.snapshots.wanted()? {
+            run = run.snapshots(every, &at, &mut keep);
+        }
         let outcome = match cluster {
             Some(cluster) => cluster.go(system, run),
             None => run.go(),
         };
         let summary = outcome.map_err(|e| match e.code() {
-            Code::Fmu => e.maybe_help(Some(format!("the results until then are in {target}"))),
+            Code::Fmu | Code::Loop | Code::Step => {
+                e.maybe_help(Some(format!("the results until then are in {target}")))
+            }
             _ => e,
         })?;
-        for warning in &summary.warnings {
-            messages::warning(warning);
-        }
-        if !self.quiet && summary.stopped != Some(Stop::ReaderGone) {
-            summary.notes.iter().for_each(|note| messages::note(note));
-            summary.messages.iter().for_each(|message| messages::tell(message));
-            messages::tell(&told(system, &summary, begun.elapsed().as_secs_f64(), target));
-        }
+        let (spent, overruns) = (begun.elapsed().as_secs_f64(), live.overruns());
+        self.tell(&Told { system, summary: &summary, spent, target, overruns })?;
         match summary.stopped {
             Some(Stop::Interrupted) => {
                 Err(Error::new(Code::Interrupted, "the run was interrupted")
@@ -93,8 +134,24 @@ impl Output {
         }
     }
 
+    fn tell(&self, told: &Told) -> Result<()> {
+        let summary: &Summary = told.summary;
+        for warning in &summary.warnings {
+            messages::warning(warning);
+        }
+        if self.format == Format::Json {
+            return print(&summary::json(told).to_string());
+        }
+        if !self.quiet && summary.stopped != Some(Stop::ReaderGone) {
+            summary.notes.iter().for_each(|note| messages::note(note));
+            summary.messages.iter().for_each(|message| messages::tell(message));
+            messages::tell(&summary::text(told));
+        }
+        Ok(())
+    }
+
     fn target(&self, name: &str) -> Result<PathBuf> {
-        let file = format!("{}_out.csv", name.replace(['/', '\\', '\0'], "_"));
+        let file = format!("{}_out.csv", file_name(name));
         match (&self.output_file, &self.output_dir) {
             (Some(file), _) => Ok(file.clone()),
             (None, None) => Ok(PathBuf::from(file)),
@@ -108,15 +165,28 @@ impl Output {
     }
 }
 
-/// What a run did, in one line.
-fn told(system: &System, summary: &Summary, spent: f64, target: &str) -> String {
-    format!(
-        "{}: {} s simulated in {spent:.3} s ({:.0} x real time, {} steps); results in {target}",
-        system.name(),
-        summary.simulated,
-        summary.simulated / spent.max(1e-9),
-        summary.steps,
-    )
+/// A system's name as part of a file's.
+pub(crate) fn file_name(name: &str) -> String {
+    name.replace(['/', '\\', '\0'], "_")
+}
+
+/// A new file of results; a resumed run continues those that are there.
+fn recorder(
+    target: &Path,
+    system: &System,
+    snapshot: Option<&Snapshot>,
+) -> Result<Box<dyn Observer>> {
+    if snapshot.is_none() || !target.exists() {
+        return observe::create(target);
+    }
+    let old = Recording::read(target)?;
+    if !old.names().iter().eq(system.columns().iter().map(|column| &column.name)) {
+        return Err(Error::new(Code::Results, "the results cannot be continued")
+            .at(target)
+            .why("their columns are not those of this run")
+            .help("give --output-file another file"));
+    }
+    Ok(Box::new(Continued::new(observe::create(target)?, old)))
 }
 
 /// Prints to stdout; a closed pipe (`| head`) ends quietly.

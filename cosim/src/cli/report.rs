@@ -12,7 +12,7 @@ use super::output::print;
 /// Make a self-contained HTML page of recorded results
 #[derive(Args)]
 pub(crate) struct Report {
-    /// The results, CSV with the time in its first column
+    /// The results: CSV with the time in its first column, or MCAP of this program
     file: PathBuf,
     /// Write the page there, - for stdout (default: the results' name with .html)
     #[arg(long, short, value_name = "FILE")]
@@ -30,7 +30,7 @@ pub(crate) struct Report {
 
 impl Report {
     pub(crate) fn run(self) -> Result<()> {
-        let recording = Recording::read_csv(&self.file)?;
+        let recording = Recording::read(&self.file)?;
         let stem = || self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let title = self.title.unwrap_or_else(stem);
         let page = html(&recording, &Options { title, plots: self.plot, paths: self.xy })?;

@@ -7,15 +7,19 @@ use cosim::{Result, System};
 
 use super::changes::Changes;
 use super::distributed::Distributed;
+use super::interrupt;
+use super::logging::Logging;
 use super::output::Output;
 
-/// Run a system description (.ssd) or package (.ssp)
+/// Run a system: SSP (.ssd, .ssp) or OSP (OspSystemStructure.xml or its folder)
 #[derive(Args)]
 pub(crate) struct Run {
     /// The system
     file: PathBuf,
     #[command(flatten)]
     changes: Changes,
+    #[command(flatten)]
+    logging: Logging,
     #[command(flatten)]
     output: Output,
     #[command(flatten)]
@@ -24,7 +28,8 @@ pub(crate) struct Run {
 
 impl Run {
     pub(crate) fn run(self) -> Result<()> {
-        let overrides = self.output.add_to(self.changes.overrides());
+        interrupt::listen();
+        let overrides = self.logging.add_to(self.output.add_to(self.changes.overrides()))?;
         let system = System::load(&self.file, &overrides)?;
         self.output.run(&system, self.distributed.cluster()?.as_ref())
     }

@@ -6,8 +6,11 @@ use clap::Args;
 use cosim::fmi::InterfaceType;
 use cosim::{Overrides, Recording, Result, System};
 
+use super::interrupt;
+use super::logging::Logging;
 use super::output::Output;
 use super::solver::Solver;
+use super::stepping::Stepping;
 use super::values;
 
 /// Simulate one FMU
@@ -35,22 +38,29 @@ pub(crate) struct Simulate {
     interface_type: Option<InterfaceType>,
     #[command(flatten)]
     solver: Solver,
-    /// Ask the FMU for debug messages, which are shown when it fails
+    #[command(flatten)]
+    stepping: Stepping,
+    /// The tool that the FMU needs (needsExecutionTool) is installed here
     #[arg(long)]
-    debug_logging: bool,
+    execution_tool: bool,
+    #[command(flatten)]
+    logging: Logging,
     #[command(flatten)]
     output: Output,
 }
 
 impl Simulate {
     pub(crate) fn run(self) -> Result<()> {
+        interrupt::listen();
+        let overrides = self.logging.add_to(self.overrides())?;
         let inputs = self.input_file.as_ref().map(Recording::read_csv).transpose()?;
-        let system = System::single(&self.file, &self.overrides(), inputs.as_ref())?;
+        let system = System::single(&self.file, &overrides, inputs.as_ref())?;
         self.output.run(&system, None)
     }
 
     fn overrides(&self) -> Overrides {
-        let mut overrides = self.output.add_to(Overrides::new().debug_logging(self.debug_logging));
+        let mut overrides =
+            self.output.add_to(Overrides::new().execution_tools(self.execution_tool));
         for (name, value) in &self.start_value {
             overrides = overrides.start_value(name, value);
         }
@@ -66,6 +76,6 @@ impl Simulate {
         if let Some(kind) = self.interface_type {
             overrides = overrides.interface("", kind);
         }
-        self.solver.add_to(overrides)
+        self.stepping.add_to(self.solver.add_to(overrides))
     }
 }

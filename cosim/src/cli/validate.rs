@@ -13,7 +13,7 @@ use super::{Format, messages};
 /// Check an FMU or a system without running it, and report all problems at once
 #[derive(Args)]
 pub(crate) struct Validate {
-    /// A .fmu, .ssd or .ssp file
+    /// A .fmu, .ssd, .ssp or OspSystemStructure.xml file, or the folder of the last
     file: PathBuf,
     /// For people or for programs
     #[arg(long, value_enum, default_value_t = Format::Text)]
@@ -44,8 +44,7 @@ impl Validate {
 }
 
 fn check(file: &Path) -> Result<Findings> {
-    let ends_with = |end| file.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
-    if !ends_with("ssd") && !ends_with("ssp") {
+    if !System::is_system(file) {
         let fmu = Fmu::open(file)?;
         fmu.choose(None)?;
         for kind in [InterfaceType::CoSimulation, InterfaceType::ModelExchange] {
@@ -53,7 +52,8 @@ fn check(file: &Path) -> Result<Findings> {
                 fmu.load(kind)?;
             }
         }
-        return Ok(Findings::default());
+        let warnings = fmu.description().warnings.clone();
+        return Ok(Findings { warnings, notes: Vec::new() });
     }
     let system = System::load(file, &Overrides::new())?;
     let mut notes = system.notes().to_vec();

@@ -1,5 +1,6 @@
 //! Values of options as typed: `name=value`, `component=seconds`.
 
+use cosim::Input;
 use cosim::fmi::InterfaceType;
 
 /// `name=value`; the value may contain further `=`.
@@ -29,6 +30,22 @@ pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
         _ => Err(format!("'{text}' is no number of seconds")),
+    }
+}
+
+/// A factor greater than zero.
+pub(crate) fn factor(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
+        _ => Err(format!("'{text}' is no factor greater than 0")),
+    }
+}
+
+/// `hold`, `linear`, or one of these for a named input.
+pub(crate) fn input(text: &str) -> Result<(String, Input), String> {
+    match text.rsplit_once('=') {
+        Some((name, value)) => Ok((name.trim().to_owned(), value.trim().parse()?)),
+        None => Ok((String::new(), text.trim().parse()?)),
     }
 }
 

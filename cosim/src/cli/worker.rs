@@ -23,6 +23,33 @@ pub(crate) struct Worker {
     reach: Reach,
 }
 
+/// List the workers that dial an endpoint
+#[derive(Args)]
+pub(crate) struct Workers {
+    /// Where workers dial
+    #[arg(long, value_name = "ENDPOINT", default_value = DEFAULT_ENDPOINT)]
+    listen: String,
+    /// Wait so long for them
+    #[arg(long, value_name = "SECONDS", default_value = "2", value_parser = super::values::seconds)]
+    wait: f64,
+    #[command(flatten)]
+    reach: Reach,
+}
+
+impl Workers {
+    pub(crate) fn run(self) -> Result<()> {
+        let patience = std::time::Duration::from_secs_f64(self.wait);
+        for worker in distributed::workers(&self.reach.access(self.listen), patience)? {
+            let (name, host, process) = (&worker.name, &worker.host, worker.process);
+            super::output::print(&format!(
+                "{name}: {host}, process {process}, {}",
+                worker.computes()
+            ))?;
+        }
+        Ok(())
+    }
+}
+
 /// Compute a group of components, as a worker asks
 #[derive(Args)]
 #[command(hide = true)]

@@ -74,9 +74,10 @@ fn refused(why: zenoh::Error) -> Error {
 }
 
 fn folder() -> Result<tempfile::TempDir> {
-    tempfile::Builder::new().prefix("cosim-").tempdir().map_err(|why| {
-        Error::new(Code::Output, "no temporary folder could be made").why(why)
-    })
+    tempfile::Builder::new()
+        .prefix("cosim-")
+        .tempdir()
+        .map_err(|why| Error::new(Code::Output, "no temporary folder could be made").why(why))
 }
 
 /// FMUs that the coordinator sends.

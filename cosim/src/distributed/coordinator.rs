@@ -12,7 +12,7 @@ use super::options::Options;
 use super::setup::Setup;
 use super::wire::{Body, Kind, OPENING, RECORD, put_values};
 use crate::error::{Code, Error, Result};
-use crate::master::{Change, Drive, EngineState, Plan, Report, Saved, UNSETTLED, passes};
+use crate::master::{Change, Drive, EngineState, Plan, Report, Saved, Tally, UNSETTLED, passes};
 use crate::system::{Model, System};
 use crate::time::Time;
 
@@ -63,6 +63,11 @@ impl<'a> Coordinator<'a> {
             now: start,
             instants: 0,
         })
+    }
+
+    /// Has something odd to tell at the end.
+    pub(crate) fn warn(&mut self, warnings: Vec<String>) {
+        self.warnings.extend(warnings);
     }
 
     /// Gives up what still lives.
@@ -204,8 +209,7 @@ impl<'a> Coordinator<'a> {
 
     /// Lets every group that can give its state do so, and forgets the commands before it.
     fn save_groups(&mut self) -> Result<()> {
-        let able: Vec<usize> =
-            self.groups().filter(|&group| self.can_save[group]).collect();
+        let able: Vec<usize> = self.groups().filter(|&group| self.can_save[group]).collect();
         for (group, state) in self.states(&able)? {
             self.rebase(group, state)?;
         }
@@ -213,7 +217,7 @@ impl<'a> Coordinator<'a> {
     }
 
     /// The states of some groups.
-    fn states(&mut self, groups: &[usize]) -> Result<Vec<(usize, EngineState)>> {
+    fn states(&mut self, groups: &[usize]) -> Result<Vec<(usize, (EngineState, Tally))>> {
         for &group in groups {
             let message = self.command(group, Kind::Save, 0);
             self.tell(group, message)?;
@@ -292,7 +296,7 @@ impl Drive for Coordinator<'_> {
             step: None,
             components: vec![Saved::default(); self.plan.nodes.len()],
         };
-        for (group, mut state) in self.states(&groups)? {
+        for (group, (mut state, _)) in self.states(&groups)? {
             for (place, &component) in self.layout.groups[group].own.iter().enumerate() {
                 let node = &self.plan.nodes[component];
                 let (values, inputs) = (node.recorded_slots.clone(), node.input_slots.clone());
@@ -318,7 +322,7 @@ impl Drive for Coordinator<'_> {
                 components: own.iter().map(|&c| state.components[c].clone()).collect(),
                 ..state.clone()
             };
-            self.rebase(group, part)?;
+            self.rebase(group, (part, Tally::default()))?;
         }
         self.launch_all()
     }
@@ -360,7 +364,7 @@ fn can_save(system: &System, own: &[usize]) -> bool {
             Model::Fmu(fmu) => {
                 fmu.interface(component.interface).is_ok_and(|part| part.serialize_state)
             }
-            Model::Signals(_) => true,
+            Model::Signals(_) | Model::Function(_) => true,
         }
     })
 }

@@ -7,7 +7,7 @@ use super::layout::{Group, Layout};
 use super::setup::{Blueprint, FmuFile, Setup, Source};
 use crate::digest::sha256;
 use crate::error::{Code, Error, Result};
-use crate::master::Plan;
+use crate::master::{Converted, Plan};
 use crate::system::{Component, Model, System};
 
 /// A system laid out over groups.
@@ -32,8 +32,9 @@ impl Distribution {
         })?;
         let mut files = BTreeMap::new();
         let mut blueprints = Vec::new();
-        for component in system.components() {
-            blueprints.push(blueprint(component, &mut files)?);
+        for (component, node) in system.components().iter().zip(&plan.nodes) {
+            let converted = system.converted(blueprints.len(), node);
+            blueprints.push(blueprint(component, converted, &mut files)?);
         }
         let setups = layout.groups.iter().map(|group| setup(system, &plan, group, &blueprints));
         let setups = setups.collect();
@@ -43,6 +44,8 @@ impl Distribution {
 
 /// What is refused because it needs to know more than one group does.
 fn possible(system: &System, places: &[usize]) -> Result<()> {
+    let fmus = system.components().iter().filter_map(|c| Some((c.name.as_str(), c.fmu()?)));
+    system.logging().check(fmus)?;
     if system.step_control().is_some() {
         return Err(Error::new(Code::Placement, "steps under error control are not distributed")
             .why("a rejected step would have to be taken back everywhere")
@@ -61,7 +64,11 @@ fn possible(system: &System, places: &[usize]) -> Result<()> {
     Ok(())
 }
 
-fn blueprint(component: &Component, files: &mut BTreeMap<String, PathBuf>) -> Result<Blueprint> {
+fn blueprint(
+    component: &Component,
+    converted: Vec<Converted>,
+    files: &mut BTreeMap<String, PathBuf>,
+) -> Result<Blueprint> {
     let source = match &component.model {
         Model::Fmu(fmu) => {
             let path = fmu.path();
@@ -80,6 +87,7 @@ fn blueprint(component: &Component, files: &mut BTreeMap<String, PathBuf>) -> Re
             Source::Fmu(FmuFile { sha256, name })
         }
         Model::Signals(signals) => Source::Signals((**signals).clone()),
+        Model::Function(function) => Source::Sum(function.inputs(), function.dimension()),
     };
     Ok(Blueprint {
         name: component.name.clone(),
@@ -87,6 +95,7 @@ fn blueprint(component: &Component, files: &mut BTreeMap<String, PathBuf>) -> Re
         interface: component.interface,
         step: component.step,
         start_values: component.start_values.clone(),
+        converted,
     })
 }
 

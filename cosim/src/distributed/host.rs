@@ -109,7 +109,9 @@ impl Host {
         if self.running.is_some() {
             return Err(refused("a second set-up came"));
         }
-        let setup: Setup = body.structure().map_err(malformed)?;
+        // Before anything is made of it: its numbers are positions in tables.
+        let setup = body.whole().map_err(malformed)?;
+        let setup: Setup = setup.structure().map_err(malformed)?;
         let stop = setup.stop;
         let (engine, group) = setup.build(&mut *self.fmus)?;
         self.sequence = header.sequence;
@@ -149,7 +151,7 @@ impl Running {
             }
             Kind::Save => {
                 body.end().map_err(malformed)?;
-                put_blob(&mut answer, &bytes(&self.engine.save()?)?);
+                put_blob(&mut answer, &bytes(&(self.engine.save()?, self.engine.tally()))?);
             }
             Kind::Change => {
                 let (component, change): (usize, Change) = body.structure().map_err(malformed)?;
@@ -190,7 +192,7 @@ impl Running {
         body.values(held, &mut self.engine.values).map_err(malformed)?;
         match self.open.take() {
             Some(Open::Start) => self.engine.begin(),
-            Some(Open::Instant(now)) => self.engine.begin_steps(now),
+            Some(Open::Instant(now)) => self.engine.begin_steps(now).map(drop),
             None => Err(refused("no step is waiting for the values it holds")),
         }
     }

@@ -102,11 +102,10 @@ impl Group {
         };
         self.held = foreign(&self.own, &|node| node.held.clone());
         for part in &mut self.parts {
-            part.reads = foreign(&part.members, &|node| node.fresh.clone());
+            part.reads = foreign(&part.members, &|node| node.fresh.to_vec());
         }
         for part in &mut self.stretches {
-            part.reads =
-                foreign(&part.members, &|node| [&node.held[..], &node.fresh[..]].concat());
+            part.reads = foreign(&part.members, &|node| [&node.held[..], &node.fresh[..]].concat());
         }
     }
 
@@ -137,9 +136,8 @@ fn levels(plan: &Plan, places: &[usize]) -> Vec<usize> {
     let mut levels = vec![0; plan.nodes.len()];
     let needed = |component: usize, levels: &[usize]| {
         let sources = plan.nodes[component].fresh.iter().map(|route| owner[route.from]);
-        let after = sources.map(|source| {
-            levels[source] + usize::from(places[source] != places[component])
-        });
+        let after =
+            sources.map(|source| levels[source] + usize::from(places[source] != places[component]));
         after.max().unwrap_or(0)
     };
     for &component in &plan.sequence {

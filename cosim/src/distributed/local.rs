@@ -1,7 +1,9 @@
 //! A fabric within this process, for tests: it loses, repeats and reorders on demand.
 
+use std::cell::RefCell;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
+use std::rc::Rc;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -45,11 +47,20 @@ pub(super) struct Local {
     queue: VecDeque<Event>,
     faults: Vec<(u64, Fault)>,
     sent: u64,
+    /// All that group 0 was told.
+    pub told: Rc<RefCell<Vec<Vec<u8>>>>,
 }
 
 impl Local {
     pub(super) fn new(files: Files, faults: Vec<(u64, Fault)>) -> Self {
-        Self { files, hosts: BTreeMap::new(), queue: VecDeque::new(), faults, sent: 0 }
+        Self {
+            files,
+            hosts: BTreeMap::new(),
+            queue: VecDeque::new(),
+            faults,
+            sent: 0,
+            told: Rc::default(),
+        }
     }
 
     fn deliver(&mut self, group: usize, message: &[u8]) -> Option<Vec<u8>> {
@@ -70,6 +81,9 @@ impl Fabric for Local {
 
     fn send(&mut self, group: usize, generation: u32, message: &[u8]) -> Result<()> {
         self.sent += 1;
+        if group == 0 {
+            self.told.borrow_mut().push(message.to_vec());
+        }
         let sent = self.sent;
         let fault = self.faults.iter().find(|(at, _)| *at == sent).map(|(_, fault)| *fault);
         let why = || "it was killed".to_owned();

@@ -3,6 +3,8 @@
 use std::hash::{DefaultHasher, Hasher};
 use std::time::{Duration, Instant};
 
+use sha2::{Digest, Sha256};
+
 use super::options::Options;
 use super::wire::{HEADER, Header, Kind};
 use crate::time::Time;
@@ -85,7 +87,7 @@ impl Member {
         let sequence = self.before_log();
         let header = Header { kind, flags: 0, generation, sequence, tables, time };
         let body = self.base.as_ref().map_or(&self.setup, |(body, _)| body);
-        [&header.message()[..], body].concat()
+        [&header.message()[..], &Sha256::digest(body), body].concat()
     }
 
     fn before_log(&self) -> u64 {
@@ -109,6 +111,13 @@ impl Member {
     pub(super) fn wait_for(&mut self, awaited: Awaited) {
         self.awaited = Some(awaited);
         self.since = Instant::now();
+    }
+
+    /// It did its last command, and its process may end.
+    pub(super) fn is_finished(&self) -> bool {
+        let header = self.log.last().filter(|told| told.answer.is_some());
+        let header = header.and_then(|told| Header::read(&told.message).ok());
+        self.awaited.is_none() && header.is_some_and(|(header, _)| header.kind == Kind::Finish)
     }
 
     /// How long it has been waited for.

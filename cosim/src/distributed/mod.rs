@@ -15,6 +15,7 @@
 //! * `fabric` is what carries messages; `net` does so over Zenoh, `session` opens it;
 //! * `worker` lends a machine, `child` is the process in which FMUs run.
 
+mod child;
 mod coordinator;
 mod distribute;
 mod fabric;
@@ -37,11 +38,10 @@ mod setup;
 mod tests;
 mod wire;
 mod worker;
-mod child;
 
-pub use options::Options;
-pub use run::Cluster;
-pub use session::{Access, Credentials, DEFAULT_ENDPOINT};
-pub use pool::{Order, WorkerInfo, default_name};
-pub use worker::Worker;
 pub use child::serve as serve_group;
+pub use options::Options;
+pub use pool::{Order, WorkerInfo, default_name};
+pub use run::{Cluster, workers};
+pub use session::{Access, Credentials, DEFAULT_ENDPOINT};
+pub use worker::Worker;

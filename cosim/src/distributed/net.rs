@@ -41,7 +41,11 @@ struct Life {
 
 impl Net {
     /// For a run whose FMUs are `files` by their hash. Groups get their homes by [`Net::settle`].
-    pub(crate) fn new(session: Session, run: &str, files: BTreeMap<String, PathBuf>) -> Result<Self> {
+    pub(crate) fn new(
+        session: Session,
+        run: &str,
+        files: BTreeMap<String, PathBuf>,
+    ) -> Result<Self> {
         let (sender, events) = channel();
         let present = Present::default();
         let mut declared: Vec<Box<dyn std::any::Any>> = Vec::new();
@@ -122,7 +126,12 @@ impl Net {
     }
 
     /// Waits until `count` workers, or those named, are there.
-    pub(crate) fn gather(&self, count: usize, named: &[String], patience: Duration) -> Result<Vec<String>> {
+    pub(crate) fn gather(
+        &self,
+        count: usize,
+        named: &[String],
+        patience: Duration,
+    ) -> Result<Vec<String>> {
         let begun = Instant::now();
         loop {
             let present = self.present();
@@ -137,7 +146,11 @@ impl Net {
                 };
                 let there: Vec<String> = present.into_iter().collect();
                 return Err(Error::new(Code::Placement, what)
-                    .why(format!("after {:.0} s there are: {}", patience.as_secs_f64(), list(&there)))
+                    .why(format!(
+                        "after {:.0} s there are: {}",
+                        patience.as_secs_f64(),
+                        list(&there)
+                    ))
                     .maybe_help(missing.first().and_then(|name| {
                         crate::names::did_you_mean(name, there.iter().map(String::as_str))
                     })));

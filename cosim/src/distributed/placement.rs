@@ -6,7 +6,11 @@ use crate::system::System;
 
 /// Wishes `component=worker`, and workers for the rest: those coupled most stay together, and no
 /// worker gets more than its part. Names the worker of each component by position in `workers`.
-pub(crate) fn place(system: &System, wishes: &[(String, String)], workers: &[String]) -> Result<Vec<usize>> {
+pub(crate) fn place(
+    system: &System,
+    wishes: &[(String, String)],
+    workers: &[String],
+) -> Result<Vec<usize>> {
     let mut places = wished(system, wishes, workers)?;
     let mut clusters = clusters(system, &places);
     // Each worker's part, rounded up; what was wished for counts.

@@ -33,6 +33,11 @@ pub struct Order {
 }
 
 impl WorkerInfo {
+    /// What results may depend on.
+    pub fn computes(&self) -> String {
+        format!("{}, {}, cosim {}", self.platform, self.cpu.join(" "), self.version)
+    }
+
     /// Of this process.
     pub fn of_this(name: &str) -> Self {
         Self {

@@ -8,7 +8,7 @@ use super::failure::Failure;
 use super::member::{Awaited, Told, digest};
 use super::wire::{Header, Kind};
 use crate::error::{Code, Error, Result};
-use crate::master::EngineState;
+use crate::master::{EngineState, Tally};
 
 impl Coordinator<'_> {
     /// Begins the first life of every group.
@@ -42,7 +42,7 @@ impl Coordinator<'_> {
                 // Of a life given up, or a second time.
                 Some(Event::Answer { .. }) => {}
                 Some(Event::Lost { group, generation, why }) => {
-                    if self.is_living(group, generation) {
+                    if self.is_living(group, generation) && !self.members[group].is_finished() {
                         self.lose(group, &why)?;
                     }
                 }
@@ -190,7 +190,7 @@ impl Coordinator<'_> {
     }
 
     /// From now on new lives begin from this state.
-    pub(super) fn rebase(&mut self, group: usize, state: EngineState) -> Result<()> {
+    pub(super) fn rebase(&mut self, group: usize, state: (EngineState, Tally)) -> Result<()> {
         let now = self.now;
         let member = &mut self.members[group];
         let body = super::setup::with_state(&member.setup, now, state)?;

@@ -1,6 +1,7 @@
 //! Running a system on workers.
 
 use std::os::unix::process::CommandExt;
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
@@ -11,6 +12,7 @@ use super::distribute::Distribution;
 use super::net::Net;
 use super::options::Options;
 use super::placement::place;
+use super::pool::WorkerInfo;
 use super::session::Access;
 use crate::error::{Code, Error, Result};
 use crate::master::{Run, Summary};
@@ -44,7 +46,7 @@ impl Cluster {
             ..Access::default()
         });
         let session = access.listen()?;
-        let _own = OwnWorkers::start(self, &access)?;
+        let _own = OwnWorkers::start(self, &access, folder.path())?;
         let named: Vec<String> = self.places.iter().map(|(_, worker)| worker.clone()).collect();
         // The plan needs the workers' names, and the session the FMUs of the plan.
         let id = session.zid().to_string();
@@ -63,11 +65,12 @@ impl Cluster {
         let distribution = Distribution::new(system, &places)?;
         let mut net = Net::new(session.clone(), &id, distribution.files.clone())?;
         net.gather(workers.len(), &[], self.patience)?;
+        let differences = differences(&net.infos());
         net.settle(homes);
         let Distribution { plan, layout, setups, .. } = distribution;
         let options = self.options.clone();
-        let mut driven =
-            Coordinator::new(system, plan, layout, &setups, Box::new(net), options)?;
+        let mut driven = Coordinator::new(system, plan, layout, &setups, Box::new(net), options)?;
+        driven.warn(differences);
         let outcome = run.drive_all(&mut driven);
         driven.end();
         drop(driven);
@@ -77,11 +80,41 @@ impl Cluster {
     }
 }
 
+/// Lists the workers that dial `access` within `patience`.
+pub fn workers(access: &Access, patience: Duration) -> Result<Vec<WorkerInfo>> {
+    let session = access.listen()?;
+    let net = Net::new(session.clone(), &session.zid().to_string(), Default::default())?;
+    std::thread::sleep(patience);
+    let infos = net.infos();
+    drop(net);
+    // A session that does not close in order ends with the process.
+    let _ = session.close().wait();
+    Ok(infos)
+}
+
+/// What differs between workers and may change the last bit of results.
+fn differences(infos: &[WorkerInfo]) -> Vec<String> {
+    let Some((first, others)) = infos.split_first() else {
+        return Vec::new();
+    };
+    let unlike = others.iter().filter(|other| other.computes() != first.computes());
+    let told = unlike.map(|other| {
+        let (name, one) = (&first.name, &other.name);
+        let (computes, differs) = (first.computes(), other.computes());
+        format!(
+            "the workers {name} ({computes}) and {one} ({differs}) differ: FMUs that use functions \
+             of the C library may give other last bits"
+        )
+    });
+    told.collect()
+}
+
 /// Workers on this machine that end with the run, however it ends.
 struct OwnWorkers(Vec<Child>);
 
 impl OwnWorkers {
-    fn start(cluster: &Cluster, access: &Access) -> Result<Self> {
+    /// What is temporary goes into `folder`, which vanishes with the run.
+    fn start(cluster: &Cluster, access: &Access, folder: &Path) -> Result<Self> {
         let mut own = Self(Vec::new());
         let Some((program, arguments)) = cluster.program.split_first() else {
             return Ok(own);
@@ -95,6 +128,7 @@ impl OwnWorkers {
                 .args(arguments)
                 .args(["--name", &format!("worker-{number}")])
                 .args(["--connect", &endpoint])
+                .env("TMPDIR", folder)
                 .stdin(Stdio::null())
                 // Ctrl-C at a terminal is for the process that the user started.
                 .process_group(0)
@@ -109,9 +143,10 @@ impl OwnWorkers {
 
 /// A folder that is ours alone and vanishes with the run.
 fn private_folder() -> Result<tempfile::TempDir> {
-    tempfile::Builder::new().prefix("cosim-").tempdir().map_err(|why| {
-        Error::new(Code::Output, "no temporary folder could be made").why(why)
-    })
+    tempfile::Builder::new()
+        .prefix("cosim-")
+        .tempdir()
+        .map_err(|why| Error::new(Code::Output, "no temporary folder could be made").why(why))
 }
 
 impl Drop for OwnWorkers {

@@ -52,7 +52,9 @@ impl Access {
         self.endpoints.iter().try_for_each(|endpoint| self.permit(endpoint))?;
         let mut config = match &self.configuration {
             Some(file) => Config::from_file(file).map_err(|why| {
-                Error::new(Code::Session, "the Zenoh configuration cannot be used").at(file).why(why)
+                Error::new(Code::Session, "the Zenoh configuration cannot be used")
+                    .at(file)
+                    .why(why)
             })?,
             None => Config::default(),
         };
@@ -180,6 +182,8 @@ mod tests {
         }
         assert!(refusal("udp/127.0.0.1:7447", &access).is_some());
         assert!(refusal("127.0.0.1:7447", &access).is_some());
-        assert!(refusal("tls/localhost:7447", &access).is_some_and(|e| e.contains("--credentials")));
+        assert!(
+            refusal("tls/localhost:7447", &access).is_some_and(|e| e.contains("--credentials"))
+        );
     }
 }

@@ -7,10 +7,10 @@ use sha2::{Digest, Sha256};
 
 use super::layout::Group;
 use crate::error::{Code, Error, Result};
-use crate::fmi::{Fmu, InterfaceType, Value};
-use crate::master::{Engine, EngineState, Making, Plan, slave};
+use crate::fmi::{Fmu, InterfaceType, Logging, Value};
+use crate::master::{Converted, Engine, EngineState, Making, Plan, Tally, slave};
 use crate::signals::Signals;
-use crate::system::{Component, Model};
+use crate::system::{Component, Function, Model};
 use crate::time::Time;
 
 /// A group to be made, from its start or from a state.
@@ -28,8 +28,8 @@ pub(crate) struct Setup {
     pub start: Time,
     /// Last instant.
     pub stop: Time,
-    /// The state to go on from, and of when it is.
-    pub state: Option<(Time, EngineState)>,
+    /// The state to go on from, of when it is, and what was counted until then.
+    pub state: Option<(Time, EngineState, Tally)>,
 }
 
 /// A component to be made.
@@ -45,6 +45,8 @@ pub(crate) struct Blueprint {
     pub step: Time,
     /// Start values by position of the variable.
     pub start_values: Vec<(usize, Value)>,
+    /// Its inputs that are converted.
+    pub converted: Vec<Converted>,
 }
 
 /// What computes a component.
@@ -54,6 +56,8 @@ pub(crate) enum Source {
     Fmu(FmuFile),
     /// Signals, sent with the message.
     Signals(Signals),
+    /// The sum of so many scalars, or vectors of that dimension.
+    Sum(usize, Option<usize>),
 }
 
 /// An FMU's file.
@@ -74,11 +78,18 @@ pub(crate) trait FmuSource {
 impl Setup {
     /// Makes the components, and takes on the state if there is one.
     pub(crate) fn build(self, fmus: &mut dyn FmuSource) -> Result<(Engine, Group)> {
+        let (debug, categories) = (self.making.debug, self.making.categories.clone());
+        // Messages are told at the end; nobody follows them here.
+        let logging = Logging { debug, categories, trace: None };
         let mut slaves = Vec::with_capacity(self.components.len());
         for (blueprint, node) in self.components.into_iter().zip(&self.plan.nodes) {
             let model = match blueprint.source {
                 Source::Fmu(file) => Model::Fmu(fmus.open(&file)?),
                 Source::Signals(signals) => Model::Signals(Arc::new(signals)),
+                Source::Sum(inputs, dimension) => {
+                    let sum = Function::sum(&blueprint.name, inputs, dimension);
+                    Model::Function(Arc::new(sum.ok_or_else(unusable)?))
+                }
             };
             let component = Component {
                 name: blueprint.name,
@@ -87,17 +98,21 @@ impl Setup {
                 step: blueprint.step,
                 start_values: blueprint.start_values,
             };
-            slaves.push(slave(&component, node, self.making)?);
+            slaves.push(slave(&component, node, blueprint.converted, &self.making, &logging)?);
         }
         if slaves.len() != self.plan.nodes.len() {
-            return Err(Error::new(Code::Protocol, "the set-up names fewer components than its plan"));
+            return Err(Error::new(
+                Code::Protocol,
+                "the set-up names fewer components than its plan",
+            ));
         }
         let mut engine = Engine::new(self.plan, slaves, self.start);
-        if let Some((time, state)) = &self.state {
+        if let Some((time, state, tally)) = &self.state {
             // A state can be taken on after an initialization only; its values do not matter.
             engine.enter(self.stop)?;
             engine.exit()?;
             engine.restore(state, *time)?;
+            engine.count_from(tally);
         }
         Ok((engine, self.group))
     }
@@ -112,9 +127,13 @@ pub(crate) fn encode(setup: &Setup) -> Result<(Vec<u8>, u64)> {
 }
 
 /// The same set-up, going on from a state.
-pub(crate) fn with_state(setup: &[u8], time: Time, state: EngineState) -> Result<Vec<u8>> {
+pub(crate) fn with_state(
+    setup: &[u8],
+    time: Time,
+    (state, tally): (EngineState, Tally),
+) -> Result<Vec<u8>> {
     let mut setup: Setup = postcard::from_bytes(setup).map_err(|why| unusable().why(why))?;
-    setup.state = Some((time, state));
+    setup.state = Some((time, state, tally));
     to_bytes(&setup)
 }
 

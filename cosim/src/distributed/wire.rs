@@ -5,6 +5,8 @@
 //! keep every NaN and the sign of zero. The header carries a digest of the plan, so two sides
 //! that do not agree on the tables notice before any number is read.
 
+use sha2::{Digest, Sha256};
+
 use crate::time::Time;
 
 /// Version of the protocol; both sides must have the same.
@@ -86,6 +88,9 @@ pub(crate) enum Malformed {
     /// Of no known kind.
     #[error("it is of the unknown kind {0}")]
     Unknown(u8),
+    /// Its checksum is not that of its body.
+    #[error("its checksum is wrong: it was damaged on its way")]
+    Damaged,
     /// A structured body that cannot be read.
     #[error("its body cannot be read: {0}")]
     Body(String),
@@ -94,8 +99,7 @@ pub(crate) enum Malformed {
 impl Kind {
     fn from_octet(octet: u8) -> Option<Self> {
         use Kind::*;
-        let all =
-            [Setup, Enter, Exchange, Exit, Step, Sample, Save, Change, Finish, Done, Failed];
+        let all = [Setup, Enter, Exchange, Exit, Step, Sample, Save, Change, Finish, Done, Failed];
         all.into_iter().find(|kind| *kind as u8 == octet)
     }
 }
@@ -190,6 +194,15 @@ impl<'a> Body<'a> {
         Ok(blob)
     }
 
+    /// What follows its SHA-256, if it is as it was.
+    pub(crate) fn whole(mut self) -> Result<Self, Malformed> {
+        let sum: [u8; 32] = self.take()?;
+        match Sha256::digest(self.0)[..] == sum {
+            true => Ok(self),
+            false => Err(Malformed::Damaged),
+        }
+    }
+
     /// Everything that is left, as one structure.
     pub(crate) fn structure<T: serde::de::DeserializeOwned>(self) -> Result<T, Malformed> {
         let (value, rest) =
@@ -204,7 +217,11 @@ impl<'a> Body<'a> {
 }
 
 /// Appends values.
-pub(crate) fn put_values(message: &mut Vec<u8>, slots: impl IntoIterator<Item = usize>, values: &[f64]) {
+pub(crate) fn put_values(
+    message: &mut Vec<u8>,
+    slots: impl IntoIterator<Item = usize>,
+    values: &[f64],
+) {
     for slot in slots {
         message.extend(values[slot].to_le_bytes());
     }

@@ -32,6 +32,9 @@ enum Request {
     Stop(Query),
 }
 
+/// What is asked under a name below the worker's key.
+type Asked = (&'static str, fn(Query) -> Request);
+
 impl Worker {
     /// Serves until `ended` says so.
     pub fn serve(&self, ended: &dyn Fn() -> bool) -> Result<()> {
@@ -39,7 +42,7 @@ impl Worker {
         let (requests, inbox) = channel();
         let key = keys::worker(&self.name);
         let mut queryables = Vec::new();
-        let kinds: [(&str, fn(Query) -> Request); 3] =
+        let kinds: [Asked; 3] =
             [("info", Request::Info), ("start", Request::Start), ("stop", Request::Stop)];
         for (name, request) in kinds {
             let requests: Sender<Request> = requests.clone();
@@ -66,7 +69,14 @@ fn refused(why: zenoh::Error) -> Error {
 /// The lives that this worker keeps.
 struct Children<'a> {
     worker: &'a Worker,
-    lives: BTreeMap<(String, usize), (u32, Child)>,
+    lives: BTreeMap<(String, usize), Life>,
+}
+
+/// A child process and the folder that is its own: whatever it leaves there goes with it.
+struct Life {
+    generation: u32,
+    child: Child,
+    _folder: tempfile::TempDir,
 }
 
 impl Children<'_> {
@@ -104,39 +114,39 @@ impl Children<'_> {
     fn start(&mut self, order: &Order) -> std::io::Result<()> {
         let program = &self.worker.program;
         let (name, arguments) = program.split_first().ok_or(std::io::ErrorKind::InvalidInput)?;
+        let folder = tempfile::Builder::new().prefix("cosim-").tempdir()?;
         let child = Command::new(name)
             .args(arguments)
             .args(["--run", &order.run])
             .args(["--group", &order.group.to_string()])
             .args(["--generation", &order.generation.to_string()])
+            .env("TMPDIR", folder.path())
             .stdin(Stdio::null())
-                // Ctrl-C at a terminal is for the process that the user started.
-                .process_group(0)
+            // Ctrl-C at a terminal is for the process that the user started.
+            .process_group(0)
             .spawn()?;
-        let former = self
-            .lives
-            .insert((order.run.clone(), order.group), (order.generation, child));
-        if let Some((_, child)) = former {
-            end(child);
+        let life = Life { generation: order.generation, child, _folder: folder };
+        if let Some(former) = self.lives.insert((order.run.clone(), order.group), life) {
+            end(former);
         }
         Ok(())
     }
 
     fn stop(&mut self, order: &Order) -> std::io::Result<()> {
         let key = (order.run.clone(), order.group);
-        if self.lives.get(&key).is_some_and(|(generation, _)| *generation == order.generation)
-            && let Some((_, child)) = self.lives.remove(&key)
+        if self.lives.get(&key).is_some_and(|life| life.generation == order.generation)
+            && let Some(life) = self.lives.remove(&key)
         {
-            end(child);
+            end(life);
         }
         Ok(())
     }
 
     /// Forgets children that ended by themselves.
     fn reap(&mut self) {
-        self.lives.retain(|(run, group), (generation, child)| match child.try_wait() {
+        self.lives.retain(|(run, group), life| match life.child.try_wait() {
             Ok(Some(status)) if !status.success() => {
-                eprintln!("group {group}.{generation} of run {run} ended: {status}");
+                eprintln!("group {group}.{} of run {run} ended: {status}", life.generation);
                 false
             }
             Ok(Some(_)) | Err(_) => false,
@@ -147,15 +157,15 @@ impl Children<'_> {
 
 impl Drop for Children<'_> {
     fn drop(&mut self) {
-        std::mem::take(&mut self.lives).into_values().for_each(|(_, child)| end(child));
+        std::mem::take(&mut self.lives).into_values().for_each(end);
     }
 }
 
 /// Kills a child: an FMU that spins listens to nothing softer.
-fn end(mut child: Child) {
+fn end(mut life: Life) {
     // It may have ended already.
-    let _ = child.kill();
-    let _ = child.wait();
+    let _ = life.child.kill();
+    let _ = life.child.wait();
 }
 
 fn answer<T: serde::Serialize>(query: &Query, value: &T) -> Result<(), zenoh::Error> {

@@ -1,106 +1,80 @@
 //! Unpacking .fmu and .ssp archives (ZIP) from strangers.
 //!
-//! Every entry is looked at before the first byte is written: a name that leaves the folder, an
-//! absolute name, a backslash, a link, too many entries or an absurd compression ratio refuse
-//! the archive and name the entry. The folder is private (0700) and vanishes with its value.
+//! Every entry is looked at before the first byte is written ([`check`]); what breaks a rule
+//! refuses the archive and is named. Then no more is written than the entries claimed.
 
-use std::fs::{self, File};
-use std::io::{BufReader, Read};
-use std::os::unix::fs::PermissionsExt;
-use std::path::{Component, Path, PathBuf};
+use std::fs::{self, File, OpenOptions};
+use std::io::{BufReader, Read, Seek};
+use std::os::unix::fs::OpenOptionsExt;
+use std::path::{Path, PathBuf};
 
-use tempfile::TempDir;
-use zip::ZipArchive;
+use zip::ZipReadOptions;
+use zip::unstable::read::ZipIterable;
 
+pub use super::temporary::Unpacked;
 use crate::error::{Code, Error, Result};
+use check::Checked;
 
-const MAX_ENTRIES: usize = 10_000;
-const MAX_BYTES: u64 = 4 << 30;
-/// Ratio refused for entries above `RATIO_FROM` bytes; deflate cannot reach it on real content.
-const MAX_RATIO: u64 = 500;
-const RATIO_FROM: u64 = 10 << 20;
+mod check;
 
 /// Unpacks `archive` into a fresh folder.
-pub fn unpack(archive: &Path) -> Result<TempDir> {
+pub fn unpack(archive: &Path) -> Result<Unpacked> {
     let file = File::open(archive)
         .map_err(|e| Error::new(Code::File, "the archive cannot be opened").at(archive).why(e))?;
-    let mut zip = ZipArchive::new(BufReader::new(file)).map_err(|e| broken(archive, e))?;
-    check(&mut zip, archive)?;
-    let folder = tempfile::Builder::new()
-        .prefix("cosim-")
-        .permissions(fs::Permissions::from_mode(0o700))
-        .tempdir()
-        .map_err(|e| Error::new(Code::File, "no temporary folder can be made").why(e))?;
-    for index in 0..zip.len() {
-        extract(&mut zip, index, folder.path(), archive)?;
+    unpack_from(BufReader::new(file), archive)
+}
+
+/// Unpacks what `reader` holds; `archive` is its name in messages.
+pub fn unpack_from(reader: impl Read + Seek, archive: &Path) -> Result<Unpacked> {
+    let mut zip =
+        ZipIterable::try_new(reader, Default::default()).map_err(|e| broken(archive, e))?;
+    let checked = check::entries(&mut zip, archive)?;
+    let folder = Unpacked::new()?;
+    let entries = zip.files().map_err(|e| broken(archive, e))?;
+    for checked in &checked {
+        let Some(entry) = entries.next() else { break };
+        let entry = entry.map_err(|e| broken(archive, e))?;
+        let path = folder.path().join(&checked.path);
+        if checked.is_folder {
+            fs::create_dir_all(&path).map_err(|e| not_unpacked(archive, checked, &e))?;
+            continue;
+        }
+        let file = create(&path, checked).map_err(|e| not_unpacked(archive, checked, &e))?;
+        let content = entry
+            .with_reader(entries.reader_mut(), ZipReadOptions::new())
+            .map_err(|e| broken(archive, e))?;
+        copy(content, file, checked, archive)?;
     }
     Ok(folder)
 }
 
-fn check(zip: &mut ZipArchive<BufReader<File>>, archive: &Path) -> Result<()> {
-    if zip.len() > MAX_ENTRIES {
-        return Err(refused(archive, format!("an archive of {} entries", zip.len()))
-            .why(format!("more than {MAX_ENTRIES} are refused")));
-    }
-    let mut total = 0_u64;
-    for index in 0..zip.len() {
-        let entry = zip.by_index_raw(index).map_err(|e| broken(archive, e))?;
-        let name = entry.name().map_err(|e| broken(archive, e))?.into_owned();
-        let refuse = |why: &str| Err(refused(archive, format!("the entry '{name}'")).why(why));
-        if entry.is_symlink() {
-            return refuse("it is a symbolic link");
-        }
-        if name.contains('\\') {
-            return refuse("its name has a backslash; ZIP separates by '/'");
-        }
-        if !stays_inside(Path::new(&name)) {
-            return refuse("it would be written outside of the unpacked folder");
-        }
-        let (size, packed) = (entry.size(), entry.compressed_size());
-        total = total.saturating_add(size);
-        if size > RATIO_FROM && size / packed.max(1) > MAX_RATIO {
-            return refuse("its compression ratio is absurd");
-        }
-        if total > MAX_BYTES {
-            return refuse("with it the archive unpacks to more than 4 GiB");
-        }
-    }
-    Ok(())
-}
-
-fn stays_inside(name: &Path) -> bool {
-    name.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
-        && name.components().next().is_some()
-}
-
-fn extract(
-    zip: &mut ZipArchive<BufReader<File>>,
-    index: usize,
-    folder: &Path,
-    archive: &Path,
-) -> Result<()> {
-    let mut entry = zip.by_index(index).map_err(|e| broken(archive, e))?;
-    let name = entry.name().map_err(|e| broken(archive, e))?.into_owned();
-    let failed = |e: std::io::Error| {
-        Error::new(Code::Archive, format!("the entry '{name}' cannot be unpacked"))
-            .at(archive)
-            .why(e)
-    };
-    let path: PathBuf = folder.join(&name);
-    if entry.is_dir() {
-        return fs::create_dir_all(&path).map_err(failed);
-    }
+fn create(path: &PathBuf, checked: &Checked) -> std::io::Result<File> {
     if let Some(parent) = path.parent() {
-        fs::create_dir_all(parent).map_err(failed)?;
+        fs::create_dir_all(parent)?;
     }
-    let mut file = File::create_new(&path).map_err(failed)?;
-    // The sizes in the directory may lie: never write more than was checked.
-    let claimed = entry.size();
-    let written = std::io::copy(&mut entry.by_ref().take(claimed), &mut file).map_err(failed)?;
-    if written != claimed {
-        return Err(broken(archive, format!("the entry '{name}' is cut short")));
+    let mode = if checked.executable { 0o700 } else { 0o600 };
+    OpenOptions::new().write(true).create_new(true).mode(mode).open(path)
+}
+
+/// The sizes in the directory may lie: one byte more than was checked refuses the archive. The
+/// end of the content is reached, so its checksum is compared.
+fn copy(content: impl Read, mut file: File, checked: &Checked, archive: &Path) -> Result<()> {
+    let mut limited = content.take(checked.size.saturating_add(1));
+    let written =
+        std::io::copy(&mut limited, &mut file).map_err(|e| not_unpacked(archive, checked, &e))?;
+    if written == checked.size {
+        return Ok(());
     }
-    Ok(())
+    let claimed = checked.size;
+    Err(refused(archive, &checked.name)
+        .why(format!("its content is not of the {claimed} bytes that the directory claims")))
+}
+
+fn not_unpacked(archive: &Path, checked: &Checked, error: &std::io::Error) -> Error {
+    Error::new(Code::Archive, format!("the entry '{}' cannot be unpacked", checked.name))
+        .at(archive)
+        .why(error)
+        .help("pack or download it again")
 }
 
 fn broken(archive: &Path, why: impl std::fmt::Display) -> Error {
@@ -110,6 +84,6 @@ fn broken(archive: &Path, why: impl std::fmt::Display) -> Error {
         .help("pack or download it again")
 }
 
-fn refused(archive: &Path, what: String) -> Error {
-    Error::new(Code::Archive, format!("{what} is refused")).at(archive)
+fn refused(archive: &Path, name: &str) -> Error {
+    Error::new(Code::Archive, format!("the entry '{}' is refused", name.escape_debug())).at(archive)
 }

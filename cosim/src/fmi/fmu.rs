@@ -1,17 +1,21 @@
-//! One .fmu file: unpacked and mapped once per process, shared by all its instances.
+//! One FMU: unpacked and mapped once per process, shared by all its instances and by files of the
+//! same content.
 
 use std::collections::HashMap;
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, atomic::AtomicBool};
-use std::sync::{Mutex, OnceLock, PoisonError, Weak};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 use std::time::SystemTime;
 
-use tempfile::TempDir;
+use sha2::{Digest, Sha256};
 
 use super::archive;
 use super::description::{self, Description, Interface, InterfaceType};
+use super::elf;
 use super::library::{self, Binary};
+use super::temporary::Unpacked;
 use crate::digest::sha256;
 use crate::error::{Code, Error, Result};
 
@@ -24,28 +28,50 @@ pub struct Fmu {
     loading: Mutex<()>,
     /// An instance of an FMU that allows only one per process exists.
     pub(super) taken: AtomicBool,
+    /// An instance was given up while its code may run: the library stays mapped.
+    pub(super) abandoned: AtomicBool,
     /// Declared last: the library is unmapped before its file vanishes.
-    folder: TempDir,
+    folder: Unpacked,
 }
 
-/// What makes a file the same: place, size and time of change.
+/// What makes a file the same without reading it: place, size and time of change.
 type Identity = (PathBuf, u64, Option<SystemTime>);
 
-/// FMUs in use. Weak: the last user takes the unpacked folder with it.
-static OPEN: Mutex<Option<HashMap<Identity, Weak<Fmu>>>> = Mutex::new(None);
+/// What makes two files the same FMU: their SHA-256.
+type Content = [u8; 32];
+
+/// Identities remembered; more are forgotten, and read again when they come back.
+const REMEMBERED: usize = 4096;
+
+#[derive(Default)]
+struct Registry {
+    /// FMUs in use. Weak: the last user takes the unpacked folder with it.
+    open: HashMap<Content, Weak<Fmu>>,
+    contents: HashMap<Identity, Content>,
+}
+
+static REGISTRY: Mutex<Option<Registry>> = Mutex::new(None);
 
 impl Fmu {
-    /// Opens `path`, or shares it when it is in use already.
+    /// Opens `path`, or shares the FMU when one of the same content is in use already.
     pub fn open(path: &Path) -> Result<Arc<Self>> {
         let identity = identity(path)?;
-        let mut open = OPEN.lock().unwrap_or_else(PoisonError::into_inner);
-        let open = open.get_or_insert_default();
-        if let Some(fmu) = open.get(&identity).and_then(Weak::upgrade) {
+        let mut registry = REGISTRY.lock().unwrap_or_else(PoisonError::into_inner);
+        let Registry { open, contents } = registry.get_or_insert_default();
+        let content = match contents.get(&identity) {
+            Some(content) => *content,
+            None => content(path)?,
+        };
+        if contents.len() >= REMEMBERED {
+            contents.clear();
+        }
+        contents.insert(identity, content);
+        if let Some(fmu) = open.get(&content).and_then(Weak::upgrade) {
             return Ok(fmu);
         }
         let fmu = Arc::new(Self::unpack(path)?);
         open.retain(|_, fmu| fmu.strong_count() > 0);
-        open.insert(identity, Arc::downgrade(&fmu));
+        open.insert(content, Arc::downgrade(&fmu));
         Ok(fmu)
     }
 
@@ -64,6 +90,7 @@ impl Fmu {
             binaries: Default::default(),
             loading: Mutex::new(()),
             taken: AtomicBool::new(false),
+            abandoned: AtomicBool::new(false),
             folder,
         })
     }
@@ -71,6 +98,11 @@ impl Fmu {
     /// The file.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Where it is unpacked.
+    pub(crate) fn folder(&self) -> &Path {
+        self.folder.path()
     }
 
     /// Its modelDescription.xml.
@@ -134,25 +166,31 @@ impl Fmu {
     fn library_file(&self, kind: InterfaceType) -> Result<PathBuf> {
         let name = format!("{}.so", self.interface(kind)?.model_identifier);
         let binaries = self.folder.path().join("binaries");
-        let found = library::folders()
-            .iter()
-            .map(|folder| binaries.join(folder).join(&name))
-            .find(|file| file.is_file());
-        found.ok_or_else(|| {
-            let mut present: Vec<String> = fs::read_dir(&binaries)
-                .into_iter()
-                .flatten()
-                .flatten()
-                .map(|entry| entry.file_name().to_string_lossy().into_owned())
-                .collect();
-            present.sort();
-            let wanted: Vec<String> =
-                library::folders().iter().map(|f| format!("binaries/{f}/{name}")).collect();
-            Error::new(Code::Library, "the FMU has no binary for this machine")
+        let files = library::folders().iter().map(|folder| binaries.join(folder).join(&name));
+        let present: Vec<PathBuf> = files.filter(|file| file.is_file()).collect();
+        if let Some(file) = present.iter().find(|file| elf::check(file).is_ok()) {
+            return Ok(file.clone());
+        }
+        if let Some(why) = present.iter().find_map(|file| elf::check(file).err()) {
+            return Err(Error::new(Code::Library, "the library of the FMU cannot be loaded")
                 .at(&self.path)
-                .why(format!("it has binaries for: {}", present.join(", ")))
-                .help(format!("export it so that it contains {}", wanted.join(" or ")))
-        })
+                .why(why)
+                .help("export the FMU for this machine"));
+        }
+        Err(self.no_binary(&binaries, &name))
+    }
+
+    fn no_binary(&self, binaries: &Path, name: &str) -> Error {
+        let entries = fs::read_dir(binaries).into_iter().flatten().flatten();
+        let mut present: Vec<String> =
+            entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+        present.sort();
+        let wanted: Vec<String> =
+            library::folders().iter().map(|f| format!("binaries/{f}/{name}")).collect();
+        Error::new(Code::Library, "the FMU has no binary for this machine")
+            .at(&self.path)
+            .why(format!("it has binaries for: {}", present.join(", ")))
+            .help(format!("export it so that it contains {}", wanted.join(" or ")))
     }
 
     /// `file:///...` of the unpacked resources, with everything but plain characters escaped.
@@ -168,6 +206,28 @@ impl Fmu {
             }
         }
         uri
+    }
+}
+
+impl Drop for Fmu {
+    fn drop(&mut self) {
+        if self.abandoned.load(Ordering::Acquire) {
+            let binaries = std::mem::take(&mut self.binaries);
+            binaries.into_iter().filter_map(OnceLock::into_inner).for_each(Binary::leak);
+        }
+    }
+}
+
+fn content(path: &Path) -> Result<Content> {
+    let unreadable = |e| Error::new(Code::File, "the FMU cannot be read").at(path).why(e);
+    let mut file = fs::File::open(path).map_err(unreadable)?;
+    let mut hash = Sha256::new();
+    let mut piece = vec![0; 1 << 16];
+    loop {
+        match file.read(&mut piece).map_err(unreadable)? {
+            0 => return Ok(hash.finalize().into()),
+            length => hash.update(&piece[..length]),
+        }
     }
 }
 

@@ -3,27 +3,28 @@
 //! It permits only the calls that FMI 2.0.5 (3.2.3 and 4.2.4, state machines) allows in the
 //! present [`State`], turns statuses into errors, and frees the instance when dropped.
 
-use std::ffi::CString;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use super::callbacks::Callbacks;
 use super::description::InterfaceType;
 use super::fmu::Fmu;
-use super::library::{Component, FmuState, Functions, Optional, Own};
+use super::library::{Component, FmuState, Functions, Hot, Own};
 use super::log::Log;
 use super::status::{self, RawStatus};
 use crate::error::{Code, Error, Result};
 use crate::time::Time;
 
 mod access;
+mod create;
 mod derivatives;
 mod exchange;
+mod followed;
 mod state;
 mod step;
 pub use exchange::NextEvent;
+use followed::{Followed, nothing};
 pub use state::Place;
-pub use step::Step;
 
 /// State of an instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,88 +47,33 @@ pub enum State {
 
 /// After the initialization, and well.
 const RUNNING: &[State] = &[State::Ready, State::EventMode, State::ContinuousTime];
-
-/// An instance of an FMU.
+/// An instance of an FMU. What every step touches comes first, and fits a cache line: systems of
+/// hundreds of small FMUs live from that.
+#[repr(C)]
 pub struct Instance {
-    /// Not NULL.
+    /// Not NULL once it is made.
     component: Component,
-    name: String,
-    state: State,
+    /// Who follows the calls.
+    followed: Option<Box<Followed>>,
     time: Time,
+    /// The length of the last step, and in seconds.
+    step: (Time, f64),
+    state: State,
+    hot: Hot,
+    kind: InterfaceType,
+    name: String,
     /// Saved states of the FMU, and of this handle, by their place.
     saved: [Option<(FmuState, State)>; Place::COUNT],
-    /// The FMU holds pointers to both of these: boxed, so that they stay where they are.
-    _callbacks: Box<Callbacks>,
-    log: Box<Log>,
-    kind: InterfaceType,
+    /// The FMU holds pointers to both of these, so they stay where they are.
+    callbacks: Option<Box<Callbacks>>,
+    log: Arc<Log>,
     /// Pointers into the library, which `fmu` keeps mapped.
     functions: Functions,
     own: Own,
-    optional: Optional,
     fmu: Arc<Fmu>,
 }
 
 impl Instance {
-    /// Instantiates `fmu` for co-simulation under `name`; `logging` asks it for debug messages.
-    pub fn new(fmu: Arc<Fmu>, name: &str, logging: bool) -> Result<Self> {
-        Self::of(fmu, InterfaceType::CoSimulation, name, logging)
-    }
-
-    /// Instantiates `fmu` for that interface type.
-    pub fn of(fmu: Arc<Fmu>, kind: InterfaceType, name: &str, logging: bool) -> Result<Self> {
-        let once = fmu.interface(kind)?.once_per_process;
-        let binary = fmu.binary(kind)?;
-        let (functions, own, optional) = (binary.functions, binary.own, binary.optional);
-        if once && fmu.taken.swap(true, Ordering::AcqRel) {
-            return Err(Error::new(Code::Fmu, format!("'{name}' cannot be instantiated"))
-                .at(fmu.path())
-                .why("the FMU allows one instance per process, and there is one already"));
-        }
-        let text = |text: &str| CString::new(text.replace('\0', "")).unwrap_or_default();
-        let (c_name, guid) = (text(name), text(&fmu.description().guid));
-        let resources = text(&fmu.resource_uri());
-        let log = Box::<Log>::default();
-        let callbacks = Box::new(Callbacks::new(&log));
-        let fmi_type = match kind {
-            InterfaceType::ModelExchange => 0,
-            InterfaceType::CoSimulation => 1,
-        };
-        // SAFETY: the strings live during the call, callbacks and log as long as the instance.
-        let component = unsafe {
-            (functions.instantiate)(
-                c_name.as_ptr(),
-                fmi_type,
-                guid.as_ptr(),
-                resources.as_ptr(),
-                &*callbacks,
-                0,
-                i32::from(logging),
-            )
-        };
-        if component.is_null() {
-            fmu.taken.store(false, Ordering::Release);
-            return Err(Error::new(Code::Fmu, format!("'{name}' cannot be instantiated"))
-                .at(fmu.path())
-                .why("fmi2Instantiate returned NULL")
-                .log(log.take()));
-        }
-        let (name, state, time) = (name.to_owned(), State::Instantiated, Time::ZERO);
-        Ok(Self {
-            component,
-            name,
-            state,
-            time,
-            saved: Default::default(),
-            _callbacks: callbacks,
-            log,
-            kind,
-            functions,
-            own,
-            optional,
-            fmu,
-        })
-    }
-
     /// The instance's name.
     pub fn name(&self) -> &str {
         &self.name
@@ -148,11 +94,12 @@ impl Instance {
         self.require("fmi2SetupExperiment", &[State::Instantiated])?;
         self.time = start;
         let (start, stop) = (start.seconds(), stop.seconds());
-        self.call("fmi2SetupExperiment", |f, c| {
+        let arguments = |_: &Followed| format!("false, 0.0, {start:?}, true, {stop:?}");
+        self.call("fmi2SetupExperiment", arguments, |f, c| {
             // SAFETY: `c` is alive and the state allows the call.
             unsafe { (f.setup_experiment)(c, 0, 0.0, start, 1, stop) }
         })?;
-        self.call("fmi2EnterInitializationMode", |f, c| {
+        self.call("fmi2EnterInitializationMode", nothing, |f, c| {
             // SAFETY: as above.
             unsafe { (f.enter_initialization)(c) }
         })?;
@@ -163,7 +110,7 @@ impl Instance {
     /// Leaves initialization mode.
     pub fn exit_initialization(&mut self) -> Result<()> {
         self.require("fmi2ExitInitializationMode", &[State::Initialization])?;
-        self.call("fmi2ExitInitializationMode", |f, c| {
+        self.call("fmi2ExitInitializationMode", nothing, |f, c| {
             // SAFETY: `c` is alive and the state allows the call.
             unsafe { (f.exit_initialization)(c) }
         })?;
@@ -175,10 +122,12 @@ impl Instance {
     }
 
     /// What the FMU logged since this was asked last; only the newest messages are kept.
+    /// Nothing when they were shown as they came ([`Logging`](super::Logging)).
     pub fn messages(&self) -> Vec<String> {
-        self.log.take()
+        if self.log.is_live() { Vec::new() } else { self.log.take() }
     }
 
+    #[inline(always)]
     fn require(&self, function: &'static str, allowed: &[State]) -> Result<()> {
         if allowed.contains(&self.state) {
             return Ok(());
@@ -192,47 +141,134 @@ impl Instance {
             .why(format!("the instance is in the state {:?}", self.state))
     }
 
-    #[inline]
+    /// Makes a call. The arguments are put into words only for those who follow the calls.
+    #[inline(always)]
     fn call(
         &mut self,
         function: &'static str,
+        arguments: impl FnOnce(&Followed) -> String,
         call: impl FnOnce(&Functions, Component) -> RawStatus,
     ) -> Result<()> {
-        let status = call(&self.functions, self.component);
+        self.invoke::<false>(function, arguments, call)
+    }
+
+    /// Makes a call whose results are told by [`Self::show`].
+    #[inline(always)]
+    fn get(
+        &mut self,
+        function: &'static str,
+        arguments: impl FnOnce(&Followed) -> String,
+        call: impl FnOnce(&Functions, Component) -> RawStatus,
+    ) -> Result<()> {
+        self.invoke::<true>(function, arguments, call)
+    }
+
+    #[inline(always)]
+    fn invoke<const RESULTS: bool>(
+        &mut self,
+        function: &'static str,
+        arguments: impl FnOnce(&Followed) -> String,
+        call: impl FnOnce(&Functions, Component) -> RawStatus,
+    ) -> Result<()> {
+        let status = match self.followed {
+            None => call(&self.functions, self.component),
+            Some(_) => self.followed_call::<RESULTS>(function, arguments, call),
+        };
         if status == status::OK || status == status::WARNING {
             return Ok(());
         }
         Err(self.failed(function, status))
     }
 
+    /// Apart, so that the usual way stays short.
+    #[cold]
+    #[inline(never)]
+    fn followed_call<const RESULTS: bool>(
+        &self,
+        function: &'static str,
+        arguments: impl FnOnce(&Followed) -> String,
+        call: impl FnOnce(&Functions, Component) -> RawStatus,
+    ) -> RawStatus {
+        let Some(followed) = &self.followed else {
+            return call(&self.functions, self.component);
+        };
+        followed.begin(function, &arguments(followed));
+        let status = call(&self.functions, self.component);
+        let well = status == status::OK || status == status::WARNING;
+        followed.end(function, status, RESULTS && well);
+        status
+    }
+
+    /// Shows what a call gave, to those who follow the calls.
+    #[inline(always)]
+    fn show(&self, results: impl FnOnce(&Followed) -> String) {
+        if let Some(followed) = &self.followed {
+            show_results(followed, results);
+        }
+    }
+
     #[cold]
     fn failed(&mut self, function: &'static str, status: RawStatus) -> Error {
-        self.state = if status == status::FATAL { State::Fatal } else { State::Failed };
+        self.state = match status {
+            status::FATAL => State::Fatal,
+            // Nothing was called.
+            status::MISSING => self.state,
+            _ => State::Failed,
+        };
         let what = format!("{function} of '{}' failed at t = {}", self.name, self.time);
-        Error::new(Code::Fmu, what)
-            .at(self.fmu.path())
-            .why(format!("the FMU returned {}", status::name(status)))
-            .log(self.log.take())
+        let error = Error::new(Code::Fmu, what).at(self.fmu.path()).log(self.log.take());
+        match status {
+            status::MISSING => error.why(format!("the library of the FMU has no {function}")),
+            _ => error.why(format!("the FMU returned {}", status::name(status))),
+        }
     }
 }
 
 impl Drop for Instance {
     fn drop(&mut self) {
         let functions = &self.functions;
-        // FMI allows no call at all after a fatal error: the instance is leaked.
-        if self.state == State::Fatal {
+        if self.component.is_null() {
+            self.fmu.taken.store(false, Ordering::Release);
             return;
         }
-        for (mut saved, _) in self.saved.iter_mut().filter_map(Option::take) {
-            // SAFETY: `saved` is a state of this living instance.
-            unsafe { (functions.free_state)(self.component, &mut saved) };
+        // FMI allows no call at all after a fatal error: the instance is leaked, and with it what
+        // its code may still use.
+        if self.state == State::Fatal {
+            self.fmu.abandoned.store(true, Ordering::Release);
+            std::mem::forget((self.callbacks.take(), self.log.clone()));
+            return;
+        }
+        let follow = |function, call: &mut dyn FnMut()| {
+            if let Some(followed) = &self.followed {
+                followed.begin(function, "");
+            }
+            call();
+            if let Some(followed) = &self.followed {
+                followed.end(function, status::OK, false);
+            }
+        };
+        for &(mut saved, _) in self.saved.iter().flatten() {
+            follow("fmi2FreeFMUstate", &mut || {
+                // SAFETY: `saved` is a state of this living instance.
+                unsafe { (functions.free_state)(self.component, &mut saved) };
+            });
         }
         if RUNNING.contains(&self.state) {
-            // SAFETY: the state allows it; a status would change nothing any more.
-            unsafe { (functions.terminate)(self.component) };
+            follow("fmi2Terminate", &mut || {
+                // SAFETY: the state allows it; a status would change nothing any more.
+                unsafe { (functions.terminate)(self.component) };
+            });
         }
-        // SAFETY: the component is alive and not used afterwards.
-        unsafe { (functions.free_instance)(self.component) };
+        follow("fmi2FreeInstance", &mut || {
+            // SAFETY: the component is alive and not used afterwards.
+            unsafe { (functions.free_instance)(self.component) };
+        });
         self.fmu.taken.store(false, Ordering::Release);
     }
+}
+
+#[cold]
+#[inline(never)]
+fn show_results(followed: &Followed, results: impl FnOnce(&Followed) -> String) {
+    followed.results(&results(followed));
 }

@@ -7,25 +7,27 @@ use libloading::Library;
 
 use super::callbacks::{Callbacks, text};
 use super::description::InterfaceType;
-use super::elf;
-use super::status::RawStatus;
+use super::open;
+use super::status::{self, RawStatus};
 use crate::error::{Code, Error, Result};
-
-mod optional;
-pub(super) use optional::Optional;
 
 pub(super) type Component = *mut c_void;
 pub(super) type Bool = c_int;
 pub(super) type FmuState = *mut c_void;
 
+/// A table of functions. Without a required one the library is refused. In the place of another
+/// that is missing stands a function that returns [`status::MISSING`]: a library may lack what
+/// nobody calls.
 macro_rules! functions {
     ($(#[$doc:meta])* $name:ident {
-        $($field:ident = $symbol:literal : fn($($argument:ty),*) $(-> $result:ty)?;)*
+        required { $($field:ident = $symbol:literal : fn($($argument:ty),*) $(-> $result:ty)?;)* }
+        optional { $($may:ident = $may_symbol:literal : fn($($may_argument:ty),*);)* }
     }) => {
         $(#[$doc])*
         #[derive(Clone, Copy)]
         pub(super) struct $name {
             $(pub $field: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
+            $(pub $may: unsafe extern "C" fn($($may_argument),*) -> RawStatus,)*
         }
 
         impl $name {
@@ -42,7 +44,24 @@ macro_rules! functions {
                             .help("the FMU was exported for another interface, or is damaged")
                     })?;
                 )*
-                Ok(Self { $($field),* })
+                $(
+                    // SAFETY: FMI 2.0 fixes the type of the function of that name.
+                    let found = unsafe {
+                        library.get::<unsafe extern "C" fn($($may_argument),*) -> RawStatus>(
+                            $may_symbol,
+                        )
+                    };
+                    let $may = match found {
+                        Ok(function) => *function,
+                        Err(_) => {
+                            unsafe extern "C" fn missing($(_: $may_argument),*) -> RawStatus {
+                                status::MISSING
+                            }
+                            missing
+                        }
+                    };
+                )*
+                Ok(Self { $($field,)* $($may),* })
             }
         }
     };
@@ -51,64 +70,94 @@ macro_rules! functions {
 functions! {
     /// What both interface types have.
     Functions {
-        get_version = "fmi2GetVersion": fn() -> *const c_char;
-        instantiate = "fmi2Instantiate": fn(
-            *const c_char, c_int, *const c_char, *const c_char, *const Callbacks, Bool, Bool
-        ) -> Component;
-        free_instance = "fmi2FreeInstance": fn(Component);
-        setup_experiment = "fmi2SetupExperiment": fn(
-            Component, Bool, f64, f64, Bool, f64
-        ) -> RawStatus;
-        enter_initialization = "fmi2EnterInitializationMode": fn(Component) -> RawStatus;
-        exit_initialization = "fmi2ExitInitializationMode": fn(Component) -> RawStatus;
-        terminate = "fmi2Terminate": fn(Component) -> RawStatus;
-        get_real = "fmi2GetReal": fn(Component, *const u32, usize, *mut f64) -> RawStatus;
-        get_integer = "fmi2GetInteger": fn(Component, *const u32, usize, *mut c_int) -> RawStatus;
-        get_boolean = "fmi2GetBoolean": fn(Component, *const u32, usize, *mut Bool) -> RawStatus;
-        set_real = "fmi2SetReal": fn(Component, *const u32, usize, *const f64) -> RawStatus;
-        set_integer = "fmi2SetInteger": fn(
-            Component, *const u32, usize, *const c_int
-        ) -> RawStatus;
-        set_boolean = "fmi2SetBoolean": fn(Component, *const u32, usize, *const Bool) -> RawStatus;
-        set_string = "fmi2SetString": fn(
-            Component, *const u32, usize, *const *const c_char
-        ) -> RawStatus;
-        get_state = "fmi2GetFMUstate": fn(Component, *mut FmuState) -> RawStatus;
-        set_state = "fmi2SetFMUstate": fn(Component, FmuState) -> RawStatus;
-        free_state = "fmi2FreeFMUstate": fn(Component, *mut FmuState) -> RawStatus;
+        required {
+            get_version = "fmi2GetVersion": fn() -> *const c_char;
+            instantiate = "fmi2Instantiate": fn(
+                *const c_char, c_int, *const c_char, *const c_char, *const Callbacks, Bool, Bool
+            ) -> Component;
+            free_instance = "fmi2FreeInstance": fn(Component);
+            setup_experiment = "fmi2SetupExperiment": fn(
+                Component, Bool, f64, f64, Bool, f64
+            ) -> RawStatus;
+            enter_initialization = "fmi2EnterInitializationMode": fn(Component) -> RawStatus;
+            exit_initialization = "fmi2ExitInitializationMode": fn(Component) -> RawStatus;
+        }
+        optional {
+            terminate = "fmi2Terminate": fn(Component);
+            set_debug_logging = "fmi2SetDebugLogging": fn(
+                Component, Bool, usize, *const *const c_char
+            );
+            get_real = "fmi2GetReal": fn(Component, *const u32, usize, *mut f64);
+            get_integer = "fmi2GetInteger": fn(Component, *const u32, usize, *mut c_int);
+            get_boolean = "fmi2GetBoolean": fn(Component, *const u32, usize, *mut Bool);
+            set_real = "fmi2SetReal": fn(Component, *const u32, usize, *const f64);
+            set_integer = "fmi2SetInteger": fn(
+                Component, *const u32, usize, *const c_int
+            );
+            set_boolean = "fmi2SetBoolean": fn(Component, *const u32, usize, *const Bool);
+            set_string = "fmi2SetString": fn(
+                Component, *const u32, usize, *const *const c_char
+            );
+            get_state = "fmi2GetFMUstate": fn(Component, *mut FmuState);
+            set_state = "fmi2SetFMUstate": fn(Component, FmuState);
+            free_state = "fmi2FreeFMUstate": fn(Component, *mut FmuState);
+            serialized_size = "fmi2SerializedFMUstateSize": fn(Component, FmuState, *mut usize);
+            serialize = "fmi2SerializeFMUstate": fn(Component, FmuState, *mut u8, usize);
+            deserialize = "fmi2DeSerializeFMUstate": fn(
+                Component, *const u8, usize, *mut FmuState
+            );
+            directional = "fmi2GetDirectionalDerivative": fn(
+                Component, *const u32, usize, *const u32, usize, *const f64, *mut f64
+            );
+        }
     }
 }
 
 functions! {
     /// What only co-simulation has.
     Stepping {
-        do_step = "fmi2DoStep": fn(Component, f64, f64, Bool) -> RawStatus;
+        required {
+            do_step = "fmi2DoStep": fn(Component, f64, f64, Bool) -> RawStatus;
+        }
+        optional {
+            get_status = "fmi2GetStatus": fn(Component, c_int, *mut c_int);
+            real_status = "fmi2GetRealStatus": fn(Component, c_int, *mut f64);
+            boolean_status = "fmi2GetBooleanStatus": fn(Component, c_int, *mut Bool);
+            input_derivatives = "fmi2SetRealInputDerivatives": fn(
+                Component, *const u32, usize, *const c_int, *const f64
+            );
+            output_derivatives = "fmi2GetRealOutputDerivatives": fn(
+                Component, *const u32, usize, *const c_int, *mut f64
+            );
+        }
     }
 }
 
 functions! {
     /// What only model exchange has.
     Exchange {
-        enter_event = "fmi2EnterEventMode": fn(Component) -> RawStatus;
-        new_discrete = "fmi2NewDiscreteStates": fn(Component, *mut EventInfo) -> RawStatus;
-        enter_continuous = "fmi2EnterContinuousTimeMode": fn(Component) -> RawStatus;
-        completed_step = "fmi2CompletedIntegratorStep": fn(
-            Component, Bool, *mut Bool, *mut Bool
-        ) -> RawStatus;
-        set_time = "fmi2SetTime": fn(Component, f64) -> RawStatus;
-        set_states = "fmi2SetContinuousStates": fn(Component, *const f64, usize) -> RawStatus;
-        get_derivatives = "fmi2GetDerivatives": fn(Component, *mut f64, usize) -> RawStatus;
-        get_indicators = "fmi2GetEventIndicators": fn(Component, *mut f64, usize) -> RawStatus;
-        get_states = "fmi2GetContinuousStates": fn(Component, *mut f64, usize) -> RawStatus;
-        get_nominals = "fmi2GetNominalsOfContinuousStates": fn(
-            Component, *mut f64, usize
-        ) -> RawStatus;
+        required {
+            enter_event = "fmi2EnterEventMode": fn(Component) -> RawStatus;
+            new_discrete = "fmi2NewDiscreteStates": fn(Component, *mut EventInfo) -> RawStatus;
+            enter_continuous = "fmi2EnterContinuousTimeMode": fn(Component) -> RawStatus;
+            set_time = "fmi2SetTime": fn(Component, f64) -> RawStatus;
+            set_states = "fmi2SetContinuousStates": fn(Component, *const f64, usize) -> RawStatus;
+            get_derivatives = "fmi2GetDerivatives": fn(Component, *mut f64, usize) -> RawStatus;
+            get_states = "fmi2GetContinuousStates": fn(Component, *mut f64, usize) -> RawStatus;
+        }
+        optional {
+            completed_step = "fmi2CompletedIntegratorStep": fn(
+                Component, Bool, *mut Bool, *mut Bool
+            );
+            get_indicators = "fmi2GetEventIndicators": fn(Component, *mut f64, usize);
+            get_nominals = "fmi2GetNominalsOfContinuousStates": fn(Component, *mut f64, usize);
+        }
     }
 }
 
 /// `fmi2EventInfo`.
 #[repr(C)]
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub(super) struct EventInfo {
     pub new_discrete_states_needed: Bool,
     pub terminate: Bool,
@@ -125,25 +174,45 @@ pub(super) enum Own {
     Exchange(Exchange),
 }
 
+/// The functions of every step of co-simulation, once more and side by side.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub(super) struct Hot {
+    pub set_real: unsafe extern "C" fn(Component, *const u32, usize, *const f64) -> RawStatus,
+    pub get_real: unsafe extern "C" fn(Component, *const u32, usize, *mut f64) -> RawStatus,
+    /// Not of model exchange.
+    pub do_step: Option<unsafe extern "C" fn(Component, f64, f64, Bool) -> RawStatus>,
+}
+
+impl Hot {
+    pub(super) fn new(functions: &Functions, own: &Own) -> Self {
+        let do_step = match own {
+            Own::Stepping(stepping) => Some(stepping.do_step),
+            Own::Exchange(_) => None,
+        };
+        Self { set_real: functions.set_real, get_real: functions.get_real, do_step }
+    }
+}
+
 /// A mapped library.
 pub(super) struct Binary {
     pub functions: Functions,
     pub own: Own,
-    pub optional: Optional,
     /// Keeps the code mapped; the pointers above are into it.
-    _library: Library,
+    library: Library,
+}
+
+impl Binary {
+    /// Keeps the library mapped for ever: some thread of it may still run.
+    pub(super) fn leak(self) {
+        std::mem::forget(self.library);
+    }
 }
 
 /// Loads the library at `path`, which belongs to the FMU `fmu`.
 pub(super) fn load(path: &Path, fmu: &Path, kind: InterfaceType) -> Result<Binary> {
-    elf::check(path).map_err(|why| {
-        Error::new(Code::Library, "the library of the FMU cannot be loaded")
-            .at(fmu)
-            .why(why)
-            .help("export the FMU for this machine")
-    })?;
     // SAFETY: loading runs the library's constructors: whoever runs an FMU trusts its code.
-    let library = unsafe { Library::new(path) }.map_err(|e| {
+    let library = unsafe { open::library(path) }.map_err(|e| {
         Error::new(Code::Library, "the library of the FMU cannot be loaded")
             .at(fmu)
             .why(e)
@@ -157,8 +226,7 @@ pub(super) fn load(path: &Path, fmu: &Path, kind: InterfaceType) -> Result<Binar
     // SAFETY: the function takes nothing and returns NULL or a C string that is never freed.
     let version = unsafe { text((functions.get_version)()) };
     if version == "2.0" {
-        let optional = Optional::resolve(&library);
-        return Ok(Binary { functions, own, optional, _library: library });
+        return Ok(Binary { functions, own, library });
     }
     Err(Error::new(Code::Library, "the library of the FMU is not of FMI 2.0")
         .at(fmu)

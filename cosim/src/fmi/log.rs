@@ -1,13 +1,20 @@
-//! The messages of one instance: the newest are kept for the error that may follow.
+//! The messages of one instance: the newest are kept for the error that may follow, and passed
+//! on as they come when a [`Trace`] asks for them.
 
 use std::collections::VecDeque;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::trace::Trace;
 
 const KEPT: usize = 20;
 
 /// Where the logger callback writes. An FMU may log from a thread of its own, hence the lock.
 #[derive(Default)]
-pub(super) struct Log(Mutex<Messages>);
+pub(super) struct Log {
+    messages: Mutex<Messages>,
+    /// Who follows the messages, and the instance's name.
+    live: Option<(Arc<Trace>, String)>,
+}
 
 #[derive(Default)]
 struct Messages {
@@ -17,8 +24,20 @@ struct Messages {
 }
 
 impl Log {
+    pub(super) fn new(live: Option<Arc<Trace>>, instance: &str) -> Self {
+        Self { live: live.map(|trace| (trace, instance.to_owned())), ..Self::default() }
+    }
+
+    /// Whether messages were shown already when they came.
+    pub(super) fn is_live(&self) -> bool {
+        self.live.is_some()
+    }
+
     pub(super) fn push(&self, line: String) {
-        let mut messages = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((trace, instance)) = &self.live {
+            trace.message(instance, &line);
+        }
+        let mut messages = self.messages.lock().unwrap_or_else(PoisonError::into_inner);
         if messages.newest.len() == KEPT {
             messages.newest.pop_front();
             messages.dropped += 1;
@@ -28,7 +47,7 @@ impl Log {
 
     /// The kept messages, oldest first; the log is empty afterwards.
     pub(super) fn take(&self) -> Vec<String> {
-        let mut guard = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut guard = self.messages.lock().unwrap_or_else(PoisonError::into_inner);
         let messages = std::mem::take(&mut *guard);
         let note = (messages.dropped > 0)
             .then(|| format!("({} earlier messages are not kept)", messages.dropped));

@@ -1,7 +1,8 @@
 //! Import of FMI 2.0 FMUs for co-simulation and model exchange: archive, description, library, instances.
 //!
 //! [`Fmu::open`] gives one shared value per file and process; [`Instance`] is the safe handle of
-//! one `fmi2Component`. All `unsafe` of this crate is in `library`, `callbacks` and `instance`.
+//! one `fmi2Component`; [`Logging`] says what instances log. All `unsafe` of this crate is here, in
+//! `open`, `library`, `callbacks`, `instance` and `temporary`.
 
 pub mod archive;
 mod callbacks;
@@ -11,8 +12,14 @@ mod fmu;
 mod instance;
 mod library;
 mod log;
+mod open;
 mod status;
+mod temporary;
+mod trace;
 
-pub use description::{Causality, Description, InterfaceType, Kind, Value, Variability, Variable};
+pub use description::{
+    Causality, Description, InterfaceType, Kind, Output, Value, Variability, Variable,
+};
 pub use fmu::Fmu;
-pub use instance::{Instance, NextEvent, Place, State, Step};
+pub use instance::{Instance, NextEvent, Place, State};
+pub use trace::{Logging, Trace};

@@ -6,7 +6,11 @@ pub(super) type RawStatus = i32;
 pub(super) const OK: RawStatus = 0;
 pub(super) const WARNING: RawStatus = 1;
 pub(super) const DISCARD: RawStatus = 2;
+pub(super) const ERROR: RawStatus = 3;
 pub(super) const FATAL: RawStatus = 4;
+pub(super) const PENDING: RawStatus = 5;
+/// Not of FMI: what stands in for a function that the library does not have returns this.
+pub(super) const MISSING: RawStatus = i32::MIN;
 
 /// FMI's name of a status.
 pub(super) fn name(status: RawStatus) -> &'static str {
@@ -14,9 +18,10 @@ pub(super) fn name(status: RawStatus) -> &'static str {
         OK => "OK",
         WARNING => "Warning",
         DISCARD => "Discard",
-        3 => "Error",
+        ERROR => "Error",
         FATAL => "Fatal",
-        5 => "Pending",
+        PENDING => "Pending",
+        MISSING => "the library has no such function",
         _ => "a status that FMI 2.0 does not have",
     }
 }

@@ -182,7 +182,7 @@ impl Engine {
         for (node, end) in self.plan.nodes.iter_mut().zip(&mut self.ends) {
             (node.step, *end) = (length, begin + length);
         }
-        self.instant(begin + length)
+        self.instant(begin + length).map(|_| ())
     }
 
     fn keep(&self) -> Kept {

@@ -2,18 +2,23 @@
 
 use std::time::Instant;
 
+use super::Made;
 use super::control::Control;
 use super::iterate::Effort;
 use super::meter::Meter;
 use super::patched_slave::SharedPatches;
 use super::plan::{Node, Plan, Route};
-use super::slave::{Slave, Step};
+use super::slave::Slave;
 use super::trend::{Ramp, Trend};
 use crate::error::Result;
 use crate::time::Time;
 
 pub(crate) struct Engine {
     pub(crate) plan: Plan,
+    /// The components with held inputs.
+    holding: Vec<usize>,
+    /// Those of which variables are recorded that nobody else needs.
+    reading: Vec<usize>,
     pub(super) slaves: Vec<Box<dyn Slave>>,
     pub(crate) values: Vec<f64>,
     pub(super) inputs: Vec<f64>,
@@ -36,15 +41,21 @@ pub(crate) struct Engine {
 }
 
 impl Engine {
-    pub(crate) fn new(plan: Plan, slaves: Vec<Box<dyn Slave>>, start: Time) -> Self {
+    pub(crate) fn new(plan: Plan, made: Vec<Made>, start: Time) -> Self {
+        let those = |which: &dyn Fn(&Node) -> bool| -> Vec<usize> {
+            (0..plan.nodes.len()).filter(|&c| which(&plan.nodes[c])).collect()
+        };
+        let (slaves, patches) = made.into_iter().unzip();
         Self {
+            holding: those(&|node| !node.held.is_empty()),
+            reading: those(&|node| !node.recorded.is_empty()),
             values: vec![0.0; plan.values],
             inputs: vec![0.0; plan.inputs],
             ends: plan.nodes.iter().map(|node| start + node.step).collect(),
             efforts: vec![Effort::default(); plan.loops.len()],
             trends: vec![Trend::default(); plan.trends.len()],
             ramps: vec![Ramp::default(); plan.ramps.len()],
-            patches: vec![None; plan.nodes.len()],
+            patches,
             meter: Meter::new(plan.nodes.len()),
             control: None,
             discarded: None,
@@ -145,21 +156,59 @@ impl Engine {
         if self.control.is_some() {
             return self.run_controlled(limit);
         }
-        while let Some(now) = self.ends.iter().min().copied().filter(|&now| now <= limit) {
-            self.instant(now)?;
+        let mut next = self.ends.iter().min().copied();
+        while let Some(now) = next.filter(|&now| now <= limit) {
+            next = self.instant(now)?;
         }
         Ok(())
     }
 
-    pub(super) fn instant(&mut self, now: Time) -> Result<()> {
-        self.with_sequence(|engine, sequence| engine.end_steps(sequence, now))?;
+    /// Makes the steps that end now; when the next ones end.
+    pub(super) fn instant(&mut self, now: Time) -> Result<Option<Time>> {
+        self.meter.instant();
+        if self.meter.timing || !self.plan.loops.is_empty() {
+            self.with_sequence(|engine, sequence| engine.step_members(sequence, now))?;
+        } else {
+            for place in 0..self.plan.sequence.len() {
+                let c = self.plan.sequence[place];
+                if self.ends[c] == now {
+                    self.step_untimed(c, now)?;
+                }
+            }
+        }
         self.begin_steps(now)
     }
 
     /// The first half of an instant: every step of `members` that ends now, in their order.
-    #[inline]
     pub(crate) fn end_steps(&mut self, members: &[usize], now: Time) -> Result<()> {
         self.meter.instant();
+        self.step_members(members, now)
+    }
+
+    /// The second half: who ended a step begins the next one, with the values held during it;
+    /// when the next ones end.
+    #[inline]
+    pub(crate) fn begin_steps(&mut self, now: Time) -> Result<Option<Time>> {
+        if !self.ramps.is_empty() {
+            self.follow(now)?;
+        }
+        for &c in &self.holding {
+            if self.ends[c] == now {
+                copy(&self.plan.nodes[c].held, &self.values, &mut self.inputs);
+            }
+        }
+        let mut next = None;
+        for (node, end) in self.plan.nodes.iter().zip(&mut self.ends) {
+            if *end == now {
+                *end = now + node.step;
+            }
+            next = Some(next.map_or(*end, |so_far: Time| so_far.min(*end)));
+        }
+        Ok(next)
+    }
+
+    /// Every step of `members` that ends now, with loops and the clock.
+    fn step_members(&mut self, members: &[usize], now: Time) -> Result<()> {
         let mut place = 0;
         while let Some(&c) = members.get(place) {
             // The members of a loop follow one another in the sequence.
@@ -176,25 +225,8 @@ impl Engine {
         Ok(())
     }
 
-    /// The second half: who ended a step begins the next one, with the values held during it.
-    #[inline]
-    pub(crate) fn begin_steps(&mut self, now: Time) -> Result<()> {
-        if !self.ramps.is_empty() {
-            self.follow(now)?;
-        }
-        for (node, end) in self.plan.nodes.iter().zip(&mut self.ends) {
-            if *end == now {
-                copy(&node.held, &self.values, &mut self.inputs);
-                *end = now + node.step;
-            }
-        }
-        Ok(())
-    }
-
     /// Makes the step of one component that ends now.
-    #[inline]
     pub(super) fn step_one(&mut self, c: usize, now: Time) -> Result<()> {
-        self.meter.step(c);
         if self.meter.timing {
             return self.step_timed(c, now);
         }
@@ -209,32 +241,46 @@ impl Engine {
         Ok(())
     }
 
-    #[inline]
+    // Measured: with a call and the other cases per step, 7 % more instructions.
+    #[inline(always)]
     fn step_untimed(&mut self, c: usize, now: Time) -> Result<()> {
-        let node = &self.plan.nodes[c];
+        let node = &mut self.plan.nodes[c];
         let slave = &mut *self.slaves[c];
+        node.steps += 1;
         copy(&node.fresh, &self.values, &mut self.inputs);
-        if !node.ramps.is_empty() {
-            self.set_ramps(c, now)?;
-        } else if !node.input_slots.is_empty() {
-            slave.set(&self.inputs[node.input_slots.clone()])?;
+        if node.ramped {
+            return self.step_ramped(c, now);
         }
-        let (node, slave) = (&self.plan.nodes[c], &mut *self.slaves[c]);
-        if let Step::Discarded(reached) = slave.step(now - node.step, node.step)? {
-            self.discarded = Some(self.discarded.map_or(reached, |so_far| so_far.min(reached)));
+        let inputs = &self.inputs[node.input_slots.clone()];
+        let outputs = &mut self.values[node.output_slots.clone()];
+        let reached = slave.advance(inputs, now - node.step, node.step, outputs)?;
+        if reached == now { Ok(()) } else { self.stopped_short(reached) }
+    }
+
+    /// The same with inputs that move.
+    #[cold]
+    fn step_ramped(&mut self, c: usize, now: Time) -> Result<()> {
+        self.set_ramps(c, now)?;
+        let (node, slave) = (&self.plan.nodes[c], &mut self.slaves[c]);
+        let reached = slave.step(now - node.step, node.step)?;
+        if reached != now {
+            return self.stopped_short(reached);
         }
-        if !node.output_slots.is_empty() {
-            slave.get(&mut self.values[node.output_slots.clone()])?;
-        }
+        slave.get(&mut self.values[node.output_slots.clone()])
+    }
+
+    /// The component discarded its step: nobody looks at its outputs, for the step is taken back.
+    #[cold]
+    fn stopped_short(&mut self, reached: Time) -> Result<()> {
+        self.discarded = Some(self.discarded.map_or(reached, |so_far| so_far.min(reached)));
         Ok(())
     }
 
     /// Reads the variables that are only recorded.
     pub(crate) fn read_recorded(&mut self) -> Result<()> {
-        for (node, slave) in self.plan.nodes.iter().zip(&mut self.slaves) {
-            if !node.recorded.is_empty() {
-                slave.read(&mut self.values[node.recorded_slots.clone()])?;
-            }
+        for &c in &self.reading {
+            let slots = self.plan.nodes[c].recorded_slots.clone();
+            self.slaves[c].read(&mut self.values[slots])?;
         }
         Ok(())
     }

@@ -10,9 +10,9 @@ use std::sync::Arc;
 use super::fmu_slave::{assign, instantiate, tangent};
 use super::group::Group;
 use super::plan::Node;
-use super::slave::{Slave, Step};
+use super::slave::Slave;
 use crate::error::{Code, Error, Result};
-use crate::fmi::{Fmu, Instance, InterfaceType, Kind, Place, State, Variability};
+use crate::fmi::{Fmu, Instance, InterfaceType, Kind, Logging, Place, State, Variability};
 use crate::solver::{Continuous, Settings};
 use crate::system::Component;
 use crate::time::Time;
@@ -72,7 +72,7 @@ impl ExchangeSlave {
         fmu: &Arc<Fmu>,
         node: &Node,
         settings: Settings,
-        logging: bool,
+        logging: &Logging,
     ) -> Result<Self> {
         let instance = instantiate(component, fmu, logging)?;
         let interface = fmu.interface(InterfaceType::ModelExchange)?;
@@ -130,9 +130,9 @@ impl Slave for ExchangeSlave {
         Ok(())
     }
 
-    fn step(&mut self, start: Time, step: Time) -> Result<Step> {
+    fn step(&mut self, start: Time, step: Time) -> Result<Time> {
         self.solver.advance(&mut self.instance, start + step)?;
-        Ok(Step::Done)
+        Ok(start + step)
     }
 
     fn get(&mut self, values: &mut [f64]) -> Result<()> {

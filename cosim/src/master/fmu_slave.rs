@@ -3,30 +3,34 @@
 use std::sync::Arc;
 
 use crate::error::{Code, Error, Result};
-use crate::fmi::{Fmu, Instance, InterfaceType, Kind, Place, Value};
+use crate::fmi::{Fmu, Instance, InterfaceType, Kind, Logging, Place, Value};
 use crate::system::Component;
 use crate::time::Time;
 
 use super::group::Group;
 use super::plan::Node;
-use super::slave::{Slave, Step};
+use super::slave::Slave;
 
 /// What becomes of a step that the FMU discards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Discards {
-    /// It is halved up to so many times; then, or with 0, it is an error.
+    /// It is an error, for the FMU cannot go back.
+    Final,
+    /// It is made smaller up to so many times; then, or with 0, it is an error.
     Repeated(u32),
     /// The caller is told.
     Told,
 }
 
-/// An instance and the variables exchanged with it.
+/// An instance and the variables exchanged with it. What every step touches comes first and lies
+/// in as few cache lines as can be.
+#[repr(C, align(64))]
 pub(super) struct FmuSlave {
-    instance: Instance,
     inputs: Group,
-    outputs: Group,
-    recorded: Group,
     discards: Discards,
+    outputs: Group,
+    instance: Instance,
+    recorded: Group,
     rejected: u64,
     /// The inputs of this step and their slopes, if they have any.
     ramp: (Vec<f64>, Vec<f64>),
@@ -42,7 +46,7 @@ impl FmuSlave {
         fmu: &Arc<Fmu>,
         node: &Node,
         discards: Discards,
-        logging: bool,
+        logging: &Logging,
     ) -> Result<Self> {
         let instance = instantiate(component, fmu, logging)?;
         let variables = &fmu.description().variables;
@@ -62,9 +66,15 @@ impl FmuSlave {
 
     /// Repeats a discarded step from its beginning by smaller ones, as the FMU says or by halves.
     #[cold]
-    fn discarded(&mut self, start: Time, step: Time, reached: Time) -> Result<Step> {
+    fn discarded(&mut self, start: Time, step: Time, reached: Time) -> Result<Time> {
         let retries = match self.discards {
-            Discards::Told => return Ok(Step::Discarded(reached)),
+            Discards::Told => return Ok(reached),
+            Discards::Final => {
+                return Err(self.instance.discarded(reached).help(
+                    "a smaller --step; its FMU does not declare both canGetAndSetFMUstate and \
+                     canHandleVariableCommunicationStepSize, so no step can be made again",
+                ));
+            }
             Discards::Repeated(0) => {
                 let error = self.instance.discarded(reached);
                 return Err(error.help("--retries 10 makes it again by smaller steps"));
@@ -85,14 +95,14 @@ impl FmuSlave {
             }
             loop {
                 let length = smaller.min(end - begin);
-                match self.instance.try_step(begin, length)? {
-                    Step::Done if begin + length == end => return Ok(Step::Done),
-                    Step::Done => begin = begin + length,
-                    Step::Discarded(so_far) => {
-                        reached = so_far;
-                        break;
-                    }
+                reached = self.instance.try_step(begin, length)?;
+                if reached == end {
+                    return Ok(end);
                 }
+                if reached < begin + length {
+                    break;
+                }
+                begin = reached;
                 self.go_on(begin - start)?;
                 self.instance.save(Place::Retry)?;
             }
@@ -122,7 +132,7 @@ impl FmuSlave {
 pub(super) fn instantiate(
     component: &Component,
     fmu: &Arc<Fmu>,
-    logging: bool,
+    logging: &Logging,
 ) -> Result<Instance> {
     let mut instance = Instance::of(fmu.clone(), component.interface, &component.name, logging)?;
     for (position, value) in &component.start_values {
@@ -140,7 +150,7 @@ impl Slave for FmuSlave {
         self.instance.exit_initialization()
     }
 
-    #[inline]
+    #[inline(always)]
     fn set(&mut self, values: &[f64]) -> Result<()> {
         self.inputs.set(&mut self.instance, values)
     }
@@ -153,18 +163,16 @@ impl Slave for FmuSlave {
         self.go_on(Time::ZERO)
     }
 
-    #[inline]
-    fn step(&mut self, start: Time, step: Time) -> Result<Step> {
+    #[inline(always)]
+    fn step(&mut self, start: Time, step: Time) -> Result<Time> {
         if matches!(self.discards, Discards::Repeated(1..)) {
             self.instance.save(Place::Retry)?;
         }
-        match self.instance.try_step(start, step)? {
-            Step::Done => Ok(Step::Done),
-            Step::Discarded(reached) => self.discarded(start, step, reached),
-        }
+        let reached = self.instance.try_step(start, step)?;
+        if reached == start + step { Ok(reached) } else { self.discarded(start, step, reached) }
     }
 
-    #[inline]
+    #[inline(always)]
     fn get(&mut self, values: &mut [f64]) -> Result<()> {
         self.outputs.get(&mut self.instance, values)
     }
@@ -231,8 +239,7 @@ pub(super) fn tangent(
     let (knowns, unknowns) = (inputs.reals(), outputs.reals());
     let (of_reals, rest) = result.split_at_mut(unknowns.len());
     rest.fill(0.0);
-    instance.directional_derivative(unknowns, knowns, &seed[..knowns.len()], of_reals)?;
-    Ok(true)
+    instance.directional_derivative(unknowns, knowns, &seed[..knowns.len()], of_reals)
 }
 
 /// Sets one variable by its type.

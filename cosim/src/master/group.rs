@@ -5,6 +5,7 @@ use crate::fmi::{Instance, Kind, Variable};
 
 /// Variables that are set or read together, one FMI call per type. A master's plan lists Reals
 /// first, then Integers, then Booleans ([`rank`]).
+#[repr(C)]
 pub(super) struct Group {
     reals: Vec<u32>,
     integers: Vec<u32>,
@@ -39,7 +40,7 @@ impl Group {
         &self.reals
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn set(&mut self, instance: &mut Instance, values: &[f64]) -> Result<()> {
         let (reals, rest) = values.split_at(self.reals.len());
         if !reals.is_empty() {
@@ -61,7 +62,7 @@ impl Group {
         Ok(())
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn get(&mut self, instance: &mut Instance, values: &mut [f64]) -> Result<()> {
         let (reals, rest) = values.split_at_mut(self.reals.len());
         if !reals.is_empty() {

@@ -104,7 +104,7 @@ impl Engine {
             self.efforts[position].add(outcome);
             return Ok(());
         }
-        if self.control.is_some() && self.meter.costs.iter().any(|cost| cost.steps > 0) {
+        if self.control.is_some() && now > self.start {
             let begin = self.control.as_ref().map_or(now, |control| control.now);
             self.discarded = Some(begin);
             return Ok(());

@@ -13,7 +13,7 @@ use super::patched_slave::{Patch, PatchedSlave, SharedPatches};
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Causality, Kind, Value, Variability, Variable};
 use crate::observe::Stop;
-use crate::system::{Model, Port, System};
+use crate::system::{Port, System};
 use crate::time::Time;
 
 /// Acts on a run at instants that it chooses.
@@ -113,13 +113,13 @@ impl Engine {
 
 impl System {
     /// The port of a variable that may be manipulated, or why it may not.
-    pub(super) fn manipulable(&self, name: &str) -> Result<Port> {
+    pub(crate) fn manipulable(&self, name: &str) -> Result<Port> {
         let port = self.port(name)?;
-        let Model::Fmu(fmu) = &self.components()[port.component].model else {
+        let Some(description) = self.components()[port.component].model.description() else {
             return Err(Error::new(Code::Parameter, format!("'{name}' cannot be set"))
                 .why("it is a signal of a file"));
         };
-        let variable = &fmu.description().variables[port.variable];
+        let variable = &description.variables[port.variable];
         let why = if variable.kind == Kind::String {
             "it is a String; only numbers and Booleans are set while a system runs"
         } else if may_change(variable) {
@@ -143,10 +143,8 @@ fn may_change(variable: &Variable) -> bool {
 fn start_of(system: &System, port: Port) -> f64 {
     let component = &system.components()[port.component];
     let given = component.start_values.iter().rev().find(|(v, _)| *v == port.variable);
-    let declared = match &component.model {
-        Model::Fmu(fmu) => fmu.description().variables[port.variable].start.as_ref(),
-        Model::Signals(_) => None,
-    };
+    let description = component.model.description();
+    let declared = description.and_then(|d| d.variables[port.variable].start.as_ref());
     match given.map(|(_, value)| value).or(declared) {
         Some(Value::Real(value)) => *value,
         Some(Value::Integer(value)) => f64::from(*value),

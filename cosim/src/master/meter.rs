@@ -1,4 +1,4 @@
-//! What stepping costs: steps counted, and some of them timed.
+//! What stepping costs: some of the steps are timed.
 //!
 //! Reading the clock costs more than a small FMU's step, so only some instants are timed, at
 //! distances without a period. The clock is read for the summary alone: nothing computed depends
@@ -6,7 +6,7 @@
 
 use std::time::{Duration, Instant};
 
-/// Steps and times of each component.
+/// Times of the components.
 pub(super) struct Meter {
     /// Whether the steps of the present instant are timed.
     pub timing: bool,
@@ -20,7 +20,6 @@ pub(super) struct Meter {
 /// Of one component.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Cost {
-    pub steps: u64,
     timed: u64,
     spent: Duration,
 }
@@ -56,11 +55,6 @@ impl Meter {
         // Knuth's MMIX generator: distances must only not beat with the steps' periods.
         self.dice = self.dice.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         self.wait = if self.timing { 1 } else { 1 + (self.dice >> 33) % FAR };
-    }
-
-    #[inline]
-    pub(super) fn step(&mut self, component: usize) {
-        self.costs[component].steps += 1;
     }
 
     #[cold]

@@ -17,10 +17,12 @@
 //! until none changes, at most as often as there are components (plus one).
 
 mod control;
+mod converting_slave;
 mod drive;
 mod engine;
 mod exchange_slave;
 mod fmu_slave;
+mod function_slave;
 mod group;
 mod iterate;
 mod manipulate;
@@ -35,66 +37,84 @@ mod snapshot;
 mod summary;
 mod trend;
 
-pub(crate) use engine::{Engine, UNSETTLED, passes};
+pub(crate) use converting_slave::Converted;
 pub(crate) use drive::Drive;
+pub(crate) use engine::{Engine, UNSETTLED, passes};
 pub(crate) use manipulate::Change;
 pub(crate) use plan::{Node, Plan, Route};
 pub(crate) use snapshot::{EngineState, Saved};
-pub(crate) use summary::Report;
+pub(crate) use summary::{Report, Tally};
 
 pub use manipulate::{Controls, Manipulator};
 pub use run::Run;
-pub use slave::{Slave, Step};
+pub use slave::Slave;
 pub use snapshot::Snapshot;
 pub use summary::{ComponentSummary, Summary};
 
 use crate::error::Result;
-use crate::fmi::{InterfaceType, Kind, Variability};
+use crate::fmi::{InterfaceType, Kind, Logging, Variability};
 use crate::solver;
 use crate::system::{Component, Model, System};
-use serde::{Deserialize, Serialize};
 use control::Control;
+use converting_slave::ConvertingSlave;
 use exchange_slave::ExchangeSlave;
 use fmu_slave::{Discards, FmuSlave};
+use function_slave::FunctionSlave;
+use patched_slave::SharedPatches;
+use serde::{Deserialize, Serialize};
 use signal_slave::SignalSlave;
 
 /// What all slaves of a system have in common.
-#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Making {
     pub solver: solver::Settings,
-    /// Whether the FMUs are asked for debug messages.
-    pub logging: bool,
+    /// Whether the FMUs are asked for debug messages, and of which categories.
+    pub debug: bool,
+    pub categories: Vec<String>,
     /// How often a discarded step is made smaller.
     pub retries: u32,
     /// Whether steps have an error control.
     pub controlled: bool,
 }
 
-/// A component as a slave of this process.
-pub(crate) fn slave(component: &Component, node: &Node, making: Making) -> Result<Box<dyn Slave>> {
-    let Making { solver, logging, retries, controlled } = making;
-    Ok(match &component.model {
+/// A slave, and what manipulates its values if it has that already.
+pub(crate) type Made = (Box<dyn Slave>, Option<SharedPatches>);
+
+/// A component as a slave of this process, behind the conversions of its inputs.
+pub(crate) fn slave(
+    component: &Component,
+    node: &Node,
+    converted: Vec<Converted>,
+    making: &Making,
+    logging: &Logging,
+) -> Result<Made> {
+    let slave: Box<dyn Slave> = match &component.model {
         Model::Fmu(fmu) if component.interface == InterfaceType::ModelExchange => {
-            Box::new(ExchangeSlave::new(component, fmu, node, solver, logging)?)
+            Box::new(ExchangeSlave::new(component, fmu, node, making.solver, logging)?)
         }
         Model::Fmu(fmu) => {
-            let discards = match controlled {
+            let discards = match making.controlled {
                 true => Discards::Told,
-                false if component.can_repeat(fmu) => Discards::Repeated(retries),
-                false => Discards::Repeated(0),
+                false if component.can_repeat(fmu) => Discards::Repeated(making.retries),
+                false => Discards::Final,
             };
             Box::new(FmuSlave::new(component, fmu, node, discards, logging)?)
         }
         Model::Signals(signals) => Box::new(SignalSlave::new(signals, node)),
-    })
+        Model::Function(function) => Box::new(FunctionSlave::new(function, node)),
+    };
+    Ok(ConvertingSlave::around(slave, converted, node))
 }
 
 impl System {
     fn engine(&self) -> Result<Engine> {
+        let fmus = self.components().iter().filter_map(|c| Some((c.name.as_str(), c.fmu()?)));
+        self.logging().check(fmus)?;
         let plan = Plan::new(self);
-        let mut slaves: Vec<Box<dyn Slave>> = Vec::with_capacity(plan.nodes.len());
-        for (component, node) in self.components().iter().zip(&plan.nodes) {
-            slaves.push(slave(component, node, self.making())?);
+        let mut made = Vec::with_capacity(plan.nodes.len());
+        for (position, (component, node)) in self.components().iter().zip(&plan.nodes).enumerate() {
+            let converted = self.converted(position, node);
+            made.push(slave(component, node, converted, &self.making(), self.logging())?);
         }
         let control = self.step_control().map(|tolerance| {
             let steps = plan.nodes.iter().map(|node| node.step);
@@ -102,7 +122,7 @@ impl System {
             let linear = !plan.ramps.is_empty();
             Control::new(tolerance, largest, self.start_time(), linear, self.nominals(&plan))
         });
-        let mut engine = Engine::new(plan, slaves, self.start_time());
+        let mut engine = Engine::new(plan, made, self.start_time());
         engine.control = control;
         Ok(engine)
     }
@@ -111,7 +131,8 @@ impl System {
     pub(crate) fn making(&self) -> Making {
         Making {
             solver: self.solver(),
-            logging: self.debug_logging(),
+            debug: self.logging().debug,
+            categories: self.logging().categories.clone(),
             retries: self.retries(),
             controlled: self.step_control().is_some(),
         }

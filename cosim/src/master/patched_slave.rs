@@ -10,7 +10,7 @@ use std::rc::Rc;
 use serde::{Deserialize, Serialize};
 
 use super::plan::Node;
-use super::slave::{Slave, Step};
+use super::slave::Slave;
 use crate::error::Result;
 use crate::fmi::Place;
 use crate::time::Time;
@@ -106,7 +106,7 @@ impl Slave for PatchedSlave {
         self.inner.ramp(&self.values, &self.slopes)
     }
 
-    fn step(&mut self, start: Time, step: Time) -> Result<Step> {
+    fn step(&mut self, start: Time, step: Time) -> Result<Time> {
         self.inner.step(start, step)
     }
 

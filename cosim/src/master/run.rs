@@ -168,11 +168,14 @@ impl<'a> Run<'a> {
                 output = output + interval;
                 ended = ended.or_else(|| self.observers.iter().find_map(|o| o.stop()));
             }
-            if goal == stop || (output > stop && self.action(acted).is_none_or(|at| at > stop)) {
-                break;
+            if goal == stop {
+                return Ok((stop, None));
             }
             if let Some(reason) = ended {
                 return Ok((goal, Some(reason)));
+            }
+            if output > stop && self.action(acted).is_none_or(|at| at > stop) {
+                break;
             }
         }
         // The part after the last output instant, when the interval does not divide the run.
@@ -186,7 +189,12 @@ impl<'a> Run<'a> {
         wishes.filter(|at| acted.is_none_or(|acted| *at > acted)).min()
     }
 
-    fn act(&mut self, driven: &mut dyn Drive, now: Time, acted: Option<Time>) -> Result<Option<Stop>> {
+    fn act(
+        &mut self,
+        driven: &mut dyn Drive,
+        now: Time,
+        acted: Option<Time>,
+    ) -> Result<Option<Stop>> {
         let mut controls = Controls { system: self.system, driven, stop: None };
         for manipulator in &mut self.manipulators {
             let due = |at: Time| at <= now && acted.is_none_or(|acted| at > acted);
@@ -213,6 +221,7 @@ impl<'a> Run<'a> {
             next_multiple(last, start, every) <= now
         });
         if periodic || snapshots.at.iter().any(|&at| since(at)) {
+            self.observers.iter_mut().try_for_each(|observer| observer.flush())?;
             (snapshots.keep)(Snapshot::new(self.system, now, driven.save()?)?)?;
         }
         *taken = Some(now);

@@ -25,11 +25,32 @@ pub trait Slave {
     /// during it. Only slaves whose component interpolates its inputs are asked.
     fn ramp(&mut self, values: &[f64], slopes: &[f64]) -> Result<()>;
 
-    /// Advances from `start` by `step`, or tells up to when it came.
-    fn step(&mut self, start: Time, step: Time) -> Result<Step>;
+    /// Advances from `start` by `step`: the instant reached, which is less than the whole when the
+    /// component discarded the rest. Then it must go back before anything else.
+    fn step(&mut self, start: Time, step: Time) -> Result<Time>;
 
     /// Reads all connected outputs.
     fn get(&mut self, values: &mut [f64]) -> Result<()>;
+
+    /// A step as most are: inputs set, step made, outputs read. One call instead of three. Empty
+    /// arrays are left alone.
+    fn advance(
+        &mut self,
+        inputs: &[f64],
+        start: Time,
+        step: Time,
+        outputs: &mut [f64],
+    ) -> Result<Time> {
+        if !inputs.is_empty() {
+            self.set(inputs)?;
+        }
+        let reached = self.step(start, step)?;
+        // Nobody looks at the outputs of a step that is taken back.
+        if reached == start + step && !outputs.is_empty() {
+            self.get(outputs)?;
+        }
+        Ok(reached)
+    }
 
     /// Reads the time derivatives of all connected outputs; whether the slave knows them.
     fn slopes(&mut self, slopes: &mut [f64]) -> Result<bool>;
@@ -66,5 +87,3 @@ pub trait Slave {
         0
     }
 }
-
-pub use crate::fmi::Step;

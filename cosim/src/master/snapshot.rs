@@ -141,6 +141,7 @@ impl System {
                     format!("{:?} {}", component.interface, fmu.digest(component.interface)?)
                 }
                 Model::Signals(signals) => format!("signals {}", signals.digest()),
+                Model::Function(f) => format!("sum of {} by {:?}", f.inputs(), f.dimension()),
             };
             lines.push(format!("component {} every {}: {model}", component.name, component.step));
             for (variable, value) in &component.start_values {
@@ -151,7 +152,9 @@ impl System {
         for (position, connection) in self.connections().iter().enumerate() {
             let (from, to) = (self.port_name(connection.from), self.port_name(connection.to));
             let linear = if self.is_linear(position) { ", linear" } else { "" };
-            lines.push(format!("connection {from} -> {to}{linear}"));
+            let conversion = connection.conversion.as_ref();
+            let conversion = conversion.map_or(String::new(), |c| format!(", {c}"));
+            lines.push(format!("connection {from} -> {to}{linear}{conversion}"));
         }
         // The order of recorded values decides where they are kept.
         lines.extend(self.columns().iter().map(|column| format!("column {}", column.name)));
@@ -180,6 +183,16 @@ impl Engine {
 
     /// Goes on from a state of the instant `time`, after an initialization.
     pub(crate) fn restore(&mut self, state: &EngineState, time: Time) -> Result<()> {
+        let fits = state.values.len() == self.values.len()
+            && state.inputs.len() == self.inputs.len()
+            && state.ends.len() == self.ends.len()
+            && state.trends.len() == self.trends.len()
+            && state.ramps.len() == self.ramps.len()
+            && state.components.len() == self.slaves.len();
+        if !fits {
+            return Err(Error::new(Code::Snapshot, "the snapshot does not fit its own system")
+                .why("it has another number of values: the file was made by hand"));
+        }
         self.values.clone_from(&state.values);
         self.inputs.clone_from(&state.inputs);
         self.ends.clone_from(&state.ends);

@@ -62,24 +62,37 @@ pub(crate) struct ComponentReport {
     pub messages: Vec<String>,
 }
 
+/// What was counted so far: steps per component, efforts per loop.
+pub(crate) type Tally = (Vec<u64>, Vec<Effort>);
+
 impl Engine {
+    /// What was counted so far.
+    pub(crate) fn tally(&self) -> Tally {
+        (self.plan.nodes.iter().map(|node| node.steps).collect(), self.efforts.clone())
+    }
+
+    /// Goes on counting from there.
+    pub(crate) fn count_from(&mut self, (steps, efforts): &Tally) {
+        for (node, steps) in self.plan.nodes.iter_mut().zip(steps) {
+            node.steps = *steps;
+        }
+        for (own, effort) in self.efforts.iter_mut().zip(efforts) {
+            *own = *effort;
+        }
+    }
+
     pub(super) fn report(&mut self) -> Report {
         let (mut warnings, mut notes) = (self.warnings.clone(), Vec::new());
         self.tell_control(&mut warnings, &mut notes);
         let taken_back = self.control.as_ref().map_or(0, |control| control.rejected);
-        let each = self.slaves.iter_mut().zip(&self.meter.costs);
-        let components = each.map(|(slave, cost)| ComponentReport {
-            steps: cost.steps,
+        let each = self.slaves.iter_mut().zip(&self.plan.nodes).zip(&self.meter.costs);
+        let components = each.map(|((slave, node), cost)| ComponentReport {
+            steps: node.steps,
             rejected: slave.rejected() + taken_back,
             seconds_per_step: cost.seconds_per_step(),
             messages: slave.messages(),
         });
-        Report {
-            components: components.collect(),
-            efforts: self.efforts.clone(),
-            warnings,
-            notes,
-        }
+        Report { components: components.collect(), efforts: self.efforts.clone(), warnings, notes }
     }
 
     fn tell_control(&self, warnings: &mut Vec<String>, notes: &mut Vec<String>) {

@@ -93,9 +93,13 @@ impl<W: Write> Observer for CsvRecorder<W> {
         self.row(time.seconds(), values)
     }
 
-    fn finish(&mut self) -> Result<()> {
+    fn flush(&mut self) -> Result<()> {
         let written = self.output.flush();
         self.outcome(written)
+    }
+
+    fn finish(&mut self) -> Result<()> {
+        self.flush()
     }
 
     fn stop(&self) -> Option<Stop> {

@@ -1,13 +1,20 @@
 //! What watches a run: recorders and progress. Observers read; nothing they do changes values.
 
+mod continued;
 mod csv;
 mod csv_read;
+mod mcap;
+mod mcap_read;
 mod progress;
 mod recording;
 
+pub use continued::Continued;
 pub use csv::CsvRecorder;
+pub use mcap::McapRecorder;
 pub use progress::Progress;
 pub use recording::Recording;
+
+use std::path::Path;
 
 use crate::error::Result;
 use crate::system::Column;
@@ -37,6 +44,11 @@ pub trait Observer {
     /// The recorded values at an output instant; Integers and Booleans (0, 1) as numbers.
     fn sample(&mut self, time: Time, values: &[f64]) -> Result<()>;
 
+    /// Before a snapshot is kept: what was given so far must outlive the process.
+    fn flush(&mut self) -> Result<()> {
+        Ok(())
+    }
+
     /// After the last sample, also when the run failed.
     fn finish(&mut self) -> Result<()>;
 
@@ -44,6 +56,20 @@ pub trait Observer {
     fn stop(&self) -> Option<Stop> {
         None
     }
+}
+
+/// Creates a file of results: MCAP if its name ends in `.mcap`, else CSV.
+pub fn create(file: impl AsRef<Path>) -> Result<Box<dyn Observer>> {
+    let file = file.as_ref();
+    Ok(if is_mcap(file) {
+        Box::new(McapRecorder::create(file)?)
+    } else {
+        Box::new(CsvRecorder::create(file)?)
+    })
+}
+
+fn is_mcap(file: &Path) -> bool {
+    file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mcap"))
 }
 
 /// Why an observer ends a run before its stop time.

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::csv_read;
 use super::{CsvRecorder, Observer, RunInfo};
+use super::{csv_read, mcap_read};
 use crate::error::{Code, Error, Result};
 use crate::fmi::Kind;
 use crate::names;
@@ -16,7 +16,13 @@ pub struct Recording {
     real: Vec<bool>,
     time: Vec<f64>,
     columns: Vec<Vec<f64>>,
+    /// The newest rows, one after the other: columns grow by blocks, for each is a place of its own
+    /// in memory.
+    rows: Vec<f64>,
 }
+
+/// Rows of a block.
+const BLOCK: usize = 64;
 
 impl Recording {
     /// Nothing recorded yet.
@@ -26,7 +32,19 @@ impl Recording {
 
     /// From columns that are there already, all of the length of `time`.
     pub fn from_columns(names: Vec<String>, time: Vec<f64>, columns: Vec<Vec<f64>>) -> Self {
-        Self { real: vec![true; names.len()], names, time, columns }
+        Self { real: vec![true; names.len()], names, time, columns, rows: Vec::new() }
+    }
+
+    /// Reads results: MCAP if the file's name ends in `.mcap`, else CSV.
+    pub fn read(file: impl AsRef<Path>) -> Result<Self> {
+        let file = file.as_ref();
+        if super::is_mcap(file) { mcap_read::read(file) } else { csv_read::read(file) }
+    }
+
+    /// Which of the columns are Reals; the others hold whole numbers.
+    pub(super) fn with_reals(mut self, real: Vec<bool>) -> Self {
+        self.real = real;
+        self
     }
 
     /// Reads a CSV file with the time in its first column.
@@ -73,6 +91,17 @@ impl Recording {
     }
 }
 
+impl Recording {
+    /// Puts the newest rows into their columns.
+    fn sort_in(&mut self) {
+        let width = self.columns.len().max(1);
+        for (position, column) in self.columns.iter_mut().enumerate() {
+            column.extend(self.rows.iter().skip(position).step_by(width));
+        }
+        self.rows.clear();
+    }
+}
+
 impl Observer for Recording {
     fn start(&mut self, info: &RunInfo<'_>) -> Result<()> {
         let span = (info.stop - info.start).nanoseconds();
@@ -80,6 +109,7 @@ impl Observer for Recording {
         let samples = (span / info.output_interval.nanoseconds().max(1) + 1).clamp(0, 1 << 20);
         self.names = info.columns.iter().map(|c| c.name.clone()).collect();
         self.real = info.columns.iter().map(|c| c.kind == Kind::Real).collect();
+        self.rows.clear();
         self.time = Vec::with_capacity(samples as usize);
         self.columns = info.columns.iter().map(|_| Vec::with_capacity(samples as usize)).collect();
         Ok(())
@@ -87,13 +117,15 @@ impl Observer for Recording {
 
     fn sample(&mut self, time: Time, values: &[f64]) -> Result<()> {
         self.time.push(time.seconds());
-        for (column, &value) in self.columns.iter_mut().zip(values) {
-            column.push(value);
+        self.rows.extend_from_slice(values);
+        if self.rows.len() == BLOCK * self.columns.len() {
+            self.sort_in();
         }
         Ok(())
     }
 
     fn finish(&mut self) -> Result<()> {
+        self.sort_in();
         Ok(())
     }
 }

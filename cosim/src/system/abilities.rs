@@ -35,7 +35,7 @@ impl Component {
 fn fmus(system: &System) -> impl Iterator<Item = (&Component, &Fmu)> {
     system.components.iter().filter_map(|component| match &component.model {
         Model::Fmu(fmu) => Some((component, &**fmu)),
-        Model::Signals(_) => None,
+        Model::Signals(_) | Model::Function(_) => None,
     })
 }
 

@@ -90,6 +90,9 @@ impl System {
                 format!("no delay: the loop through {members} is solved at each step")
             }
         };
+        if self.is_linear(connection) {
+            text += "; linear during the step";
+        }
         if delay.held > Time::ZERO {
             let step = self.components[ends.from.component].step;
             text += &format!("; up to {} older because '{from}' steps every {step}", delay.held);

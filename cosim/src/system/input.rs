@@ -50,14 +50,16 @@ pub(super) fn apply(system: &mut System, wishes: &[(String, Input)]) -> Result<(
         let fits = |wish: &str| wish.is_empty() || names::matches(wish, name);
         let wanted = wishes.iter().rev().find(|(wish, _)| fits(wish));
         let wanted = wanted.is_some_and(|(_, input)| *input == Input::Linear);
-        let moves = wanted && smooth(system, connection);
         let receiver = &system.components()[connection.to.component];
+        // A function follows at once; its own outputs may move.
+        let function = matches!(receiver.model, Model::Function(_));
+        let moves = wanted && !function && smooth(system, connection);
         let able = match &receiver.model {
             Model::Fmu(fmu) => {
                 receiver.interface == InterfaceType::ModelExchange
                     || fmu.interface(receiver.interface).is_ok_and(|i| i.interpolates_inputs)
             }
-            Model::Signals(_) => false,
+            Model::Signals(_) | Model::Function(_) => false,
         };
         if moves && !able && !unable.contains(&receiver.name.as_str()) {
             unable.push(&receiver.name);
@@ -78,12 +80,14 @@ pub(super) fn apply(system: &mut System, wishes: &[(String, Input)]) -> Result<(
 /// Whether both ends are continuous Reals.
 fn smooth(system: &System, connection: &Connection) -> bool {
     [connection.from, connection.to].iter().all(|port| {
-        match &system.components()[port.component].model {
-            Model::Fmu(fmu) => {
-                let variable = &fmu.description().variables[port.variable];
+        let model = &system.components()[port.component].model;
+        match (model, model.description()) {
+            (Model::Signals(signals), _) => *signals.kind(port.variable) == Kind::Real,
+            (_, Some(description)) => {
+                let variable = &description.variables[port.variable];
                 variable.kind == Kind::Real && variable.variability == Variability::Continuous
             }
-            Model::Signals(signals) => *signals.kind(port.variable) == Kind::Real,
+            (_, None) => false,
         }
     })
 }

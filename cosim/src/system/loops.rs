@@ -37,7 +37,7 @@ fn unable(system: &System, found: &Loop) -> Vec<Error> {
             let able = fmu.interface(component.interface).is_ok_and(|i| i.get_and_set_state);
             (!able).then_some((component, fmu))
         }
-        Model::Signals(_) => None,
+        Model::Signals(_) | Model::Function(_) => None,
     });
     let problems = unable.map(|(component, fmu)| {
         let what = format!("the loop with '{}' cannot be solved by iteration", component.name);
@@ -55,12 +55,8 @@ fn sampled(system: &System, found: &Loop) -> bool {
 }
 
 fn discrete(system: &System, port: Port) -> bool {
-    match &system.components[port.component].model {
-        Model::Fmu(fmu) => {
-            fmu.description().variables[port.variable].variability != Variability::Continuous
-        }
-        Model::Signals(_) => false,
-    }
+    let description = system.components[port.component].model.description();
+    description.is_some_and(|d| d.variables[port.variable].variability != Variability::Continuous)
 }
 
 /// A loop in words; connections between the same two components are told once.

@@ -1,11 +1,13 @@
 //! Systems: components, connections, start values and timing, checked once and then immutable.
 //!
 //! A file becomes `raw` structures, [`Overrides`] come on top, and one check (`check`) turns both
-//! into a [`System`] or reports every problem found.
+//! into a [`System`] or reports every problem found. `write` makes files of a system again.
 
 mod abilities;
 mod check;
+mod conversion;
 mod delay;
+mod function;
 mod input;
 mod loops;
 mod opened;
@@ -14,17 +16,20 @@ mod overrides;
 mod raw;
 mod read;
 mod single;
+mod write;
 
 use std::path::Path;
 use std::sync::Arc;
 
 use crate::error::Result;
-use crate::fmi::{Causality, Fmu, InterfaceType, Kind, Value};
+use crate::fmi::{Causality, Description, Fmu, InterfaceType, Kind, Logging, Value};
 use crate::signals::Signals;
 use crate::solver;
 use crate::time::Time;
 
+pub use conversion::Conversion;
 pub use delay::{Cause, Delay};
+pub use function::Function;
 pub use input::Input;
 pub use order::{Loop, Order};
 pub use overrides::Overrides;
@@ -46,7 +51,7 @@ pub struct System {
     step_control: Option<f64>,
     retries: u32,
     solver: solver::Settings,
-    debug_logging: bool,
+    logging: Logging,
     warnings: Vec<String>,
     notes: Vec<String>,
 }
@@ -84,6 +89,18 @@ pub enum Model {
     Fmu(Arc<Fmu>),
     /// Recorded or prepared signals.
     Signals(Arc<Signals>),
+    /// A function of its inputs, at once.
+    Function(Arc<Function>),
+}
+
+impl Component {
+    /// Its FMU, if it has one.
+    pub fn fmu(&self) -> Option<&Fmu> {
+        match &self.model {
+            Model::Fmu(fmu) => Some(fmu),
+            Model::Signals(_) | Model::Function(_) => None,
+        }
+    }
 }
 
 /// A variable of a component: positions in their lists.
@@ -96,12 +113,14 @@ pub struct Port {
 }
 
 /// An output that drives an input.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Connection {
     /// The output.
     pub from: Port,
     /// The input.
     pub to: Port,
+    /// What happens to the value on its way.
+    pub conversion: Option<Conversion>,
 }
 
 /// A recorded variable.
@@ -116,17 +135,31 @@ pub struct Column {
 }
 
 impl System {
-    /// Reads and checks a system description (.ssd) or package (.ssp).
-    pub fn load(file: impl AsRef<Path>, overrides: &Overrides) -> Result<Self> {
-        let raw = read::read(file.as_ref())?;
-        check::check(Arc::new(raw), overrides)
+    /// Reads and checks a system: .ssd, .ssp, `OspSystemStructure.xml` or the folder of the last.
+    pub fn load(path: impl AsRef<Path>, overrides: &Overrides) -> Result<Self> {
+        let mut raw = read::read(path.as_ref())?;
+        let problems = std::mem::take(&mut raw.problems);
+        check::check(Arc::new(raw), overrides, problems)
+    }
+
+    /// Reads the text of a system description, SSP or OSP, as far as that goes without another
+    /// file; gives the number of its components.
+    pub fn read_text(text: &str) -> Result<usize> {
+        let raw = read::read_text(text)?;
+        crate::Error::all(raw.problems)?;
+        Ok(raw.components.len())
+    }
+
+    /// Whether a path is a system description and not an FMU.
+    pub fn is_system(path: &Path) -> bool {
+        read::is_system(path)
     }
 
     /// The same file with other overrides. No file is read again: neither the description nor an
     /// FMU that a system of this file has used before, even when it has changed meanwhile.
     pub fn with(&self, overrides: &Overrides) -> Result<Self> {
         match &self.raw {
-            Some(raw) => check::check(raw.clone(), overrides),
+            Some(raw) => check::check(raw.clone(), overrides, Vec::new()),
             None => Err(crate::Error::new(
                 crate::Code::Usage,
                 format!("'{}' does not come from a system description", self.name),
@@ -205,9 +238,9 @@ impl System {
         self.solver
     }
 
-    /// Whether the FMUs are asked for debug messages.
-    pub fn debug_logging(&self) -> bool {
-        self.debug_logging
+    /// What the FMUs are asked to log, and who follows.
+    pub fn logging(&self) -> &Logging {
+        &self.logging
     }
 
     /// What is odd but not wrong.
@@ -223,10 +256,7 @@ impl System {
     /// The inputs that no connection drives, component by component.
     pub fn unconnected_inputs(&self) -> impl Iterator<Item = Port> {
         let inputs = self.components.iter().enumerate().flat_map(|(component, c)| {
-            let variables = match &c.model {
-                Model::Fmu(fmu) => &fmu.description().variables[..],
-                Model::Signals(_) => &[],
-            };
+            let variables = c.model.description().map_or(&[][..], |d| &d.variables);
             let inputs = variables.iter().enumerate();
             let inputs = inputs.filter(|(_, v)| v.causality == Causality::Input);
             inputs.map(move |(variable, _)| Port { component, variable })
@@ -254,20 +284,27 @@ impl System {
 }
 
 impl Model {
+    /// Its variables; signals have only names.
+    pub fn description(&self) -> Option<&Description> {
+        match self {
+            Model::Fmu(fmu) => Some(fmu.description()),
+            Model::Function(function) => Some(function.description()),
+            Model::Signals(_) => None,
+        }
+    }
+
     /// Name of a variable.
     pub fn variable_name(&self, variable: usize) -> &str {
         match self {
-            Model::Fmu(fmu) => &fmu.description().variables[variable].name,
             Model::Signals(signals) => &signals.names()[variable],
+            Model::Fmu(fmu) => &fmu.description().variables[variable].name,
+            Model::Function(function) => &function.description().variables[variable].name,
         }
     }
 
     /// Whether some output depends on that input without delay.
     pub fn feeds_through(&self, variable: usize) -> bool {
-        match self {
-            Model::Fmu(fmu) => fmu.description().feeds_through(variable),
-            Model::Signals(_) => false,
-        }
+        self.description().is_some_and(|d| d.feeds_through(variable))
     }
 }
 

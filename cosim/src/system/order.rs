@@ -6,7 +6,7 @@
 //! in the file does. In a loop of such edges (an algebraic loop) the members step in the order of
 //! the file, the edges back from later to earlier members are *held*, and the loop is reported.
 
-use super::{Algorithm, Component, Connection};
+use super::{Algorithm, Component, Connection, Model};
 
 /// The outcome.
 #[derive(Debug, Clone, Default)]
@@ -41,7 +41,10 @@ impl Order {
             connections.iter().map(|c| (c.from.component, c.to.component)).collect();
         let mut order = of_graph(components.len(), &edges, &wants);
         if algorithm == Algorithm::Jacobi {
-            order.fresh.fill(false);
+            // A function takes no time in any algorithm: it follows those that it waits for.
+            let function = |c: usize| matches!(components[c].model, Model::Function(_));
+            order.sequence.sort_by_key(|&c| function(c));
+            order.fresh = edges.iter().map(|&(_, to)| function(to)).collect();
             order.loops.clear();
         }
         order

@@ -2,10 +2,11 @@
 
 use std::fmt::Display;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use super::{Algorithm, Input};
 use crate::error::{Code, Error, Result};
-use crate::fmi::InterfaceType;
+use crate::fmi::{InterfaceType, Logging, Trace};
 use crate::solver::{Method, Settings};
 
 /// Changes to a system description, from the command line or from code.
@@ -32,7 +33,8 @@ pub struct Overrides {
     pub(super) stop_time: Option<f64>,
     pub(super) output_interval: Option<f64>,
     pub(super) output_variables: Vec<String>,
-    pub(super) debug_logging: bool,
+    pub(super) logging: Logging,
+    pub(super) execution_tools: bool,
 }
 
 impl Overrides {
@@ -150,10 +152,31 @@ impl Overrides {
         self
     }
 
+    /// The tools that FMUs need (needsExecutionTool) are installed: such FMUs are not refused.
+    #[must_use]
+    pub fn execution_tools(mut self, installed: bool) -> Self {
+        self.execution_tools = installed;
+        self
+    }
+
     /// Asks the FMUs for debug messages; they show in the error when one fails.
     #[must_use]
     pub fn debug_logging(mut self, on: bool) -> Self {
-        self.debug_logging = on;
+        self.logging.debug = on;
+        self
+    }
+
+    /// Asks the FMUs only for the debug messages of this category, and of others named so.
+    #[must_use]
+    pub fn log_category(mut self, category: impl Into<String>) -> Self {
+        self.logging.categories.push(category.into());
+        self
+    }
+
+    /// Follows messages, and calls if it wants them, as they come.
+    #[must_use]
+    pub fn trace(mut self, trace: Arc<Trace>) -> Self {
+        self.logging.trace = Some(trace);
         self
     }
 

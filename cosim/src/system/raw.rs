@@ -1,72 +1,150 @@
 //! A system description as it was written: names not looked up, numbers not compared.
+//!
+//! One form for all formats. It is flat: the components of nested systems stand in it by their
+//! full names, and connections through the connectors of systems are joined to one each.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use tempfile::TempDir;
+use crate::fmi::archive::Unpacked;
 
+use super::function::Function;
 use super::opened::OpenedFmus;
+use crate::error::Error;
 use crate::fmi::InterfaceType;
+use crate::units::Unit;
 
-/// One .ssd file, with the parameter files it names.
+/// A system with the parameter files it names.
 pub(super) struct RawSystem {
     /// The file as the user named it, for messages.
     pub file: PathBuf,
-    /// Keeps an unpacked .ssp.
-    pub _unpacked: Option<TempDir>,
+    /// Keeps unpacked packages.
+    pub _unpacked: Vec<Unpacked>,
     /// FMUs that systems of this file use or have used.
     pub fmus: OpenedFmus,
     pub name: String,
     pub components: Vec<RawComponent>,
     pub connections: Vec<RawConnection>,
-    /// Values bound at the system: names begin with a component's.
+    /// In the order in which they are applied: a later one wins.
     pub parameters: Vec<RawParameter>,
+    /// Where start and stop stand.
+    pub experiment: Option<Place>,
     pub start: Option<f64>,
     pub stop: Option<f64>,
     pub master: RawMaster,
+    /// Patterns of the variables that the file wants recorded; none: all outputs.
+    pub recorded: Vec<String>,
     pub warnings: Vec<String>,
+    pub notes: Vec<String>,
+    /// What was found wrong while reading.
+    pub problems: Vec<Error>,
 }
 
-/// This master's annotation of the whole.
-#[derive(Default)]
+/// A line of a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Place {
+    pub file: Arc<Path>,
+    pub line: usize,
+}
+
+/// How the whole is run.
+#[derive(Debug, Default, Clone)]
 pub(super) struct RawMaster {
     pub algorithm: Option<super::Algorithm>,
+    /// Step of components that have none otherwise.
     pub step: Option<f64>,
     pub output_interval: Option<f64>,
 }
 
 pub(super) struct RawComponent {
     pub name: String,
-    pub source: PathBuf,
+    pub model: RawModel,
     /// The interface type that the file asks for.
     pub interface: Option<InterfaceType>,
-    /// This master's annotation.
     pub step: Option<f64>,
-    pub connectors: Vec<RawConnector>,
-    pub parameters: Vec<RawParameter>,
-    pub line: usize,
+    /// The variables that may be connected; `None`: the format does not list them.
+    pub connectors: Option<Vec<RawConnector>>,
+    pub place: Place,
 }
 
+pub(super) enum RawModel {
+    Fmu(PathBuf),
+    Function(Arc<Function>),
+    /// Something is wrong with its source; that is among the problems.
+    Unknown,
+}
+
+#[derive(Debug, Clone)]
 pub(super) struct RawConnector {
     pub name: String,
     /// `input`, `output`, `parameter`, `calculatedParameter`, ...
     pub kind: String,
     /// Name of the type element, when there is one.
     pub kind_of_value: Option<String>,
-    pub line: usize,
+    pub unit: Option<RawUnit>,
+    pub place: Place,
+}
+
+/// A unit as its file names it, with the file's definition.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct RawUnit {
+    pub name: String,
+    pub unit: Option<Unit>,
 }
 
 pub(super) struct RawParameter {
+    /// Full name, `component.variable`.
     pub name: String,
     pub kind: String,
     pub value: String,
-    pub file: PathBuf,
-    pub line: usize,
+    pub unit: Option<RawUnit>,
+    /// What happens to the value on its way.
+    pub stages: Vec<Stage>,
+    /// The name must exist; a file of parameters may hold more than the system uses.
+    pub required: bool,
+    pub place: Place,
 }
 
 pub(super) struct RawConnection {
     /// Component and connector.
     pub from: (String, String),
     pub to: (String, String),
+    /// From the source on, at least one.
+    pub stages: Vec<Stage>,
+    pub place: Place,
+}
+
+/// One connection of the file; several when it goes through connectors of systems.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Stage {
+    pub transformation: Option<Transformation>,
     pub suppress_unit_conversion: bool,
-    pub line: usize,
+    /// Unit of the system's connector that it leads to, if it has one.
+    pub unit: Option<RawUnit>,
+}
+
+/// What a connection or a mapping does to the value.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Transformation {
+    Linear {
+        factor: f64,
+        offset: f64,
+    },
+    Boolean(Vec<(bool, bool)>),
+    Integer(Vec<(i32, i32)>),
+    /// Items by their names.
+    Enumeration(Vec<(String, String)>),
+}
+
+impl Place {
+    /// The error with this place.
+    pub(super) fn mark(&self, error: Error) -> Error {
+        error.at_line(&self.file, self.line)
+    }
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}:{}", self.file.display(), self.line)
+    }
 }

@@ -22,6 +22,7 @@ impl System {
     pub fn single(fmu: &Path, overrides: &Overrides, inputs: Option<&Recording>) -> Result<Self> {
         let fmu = Fmu::open(fmu)?;
         let interface = fmu.choose(overrides.interface_of(""))?;
+        check::needs_no_tool(&fmu, interface, &fmu.description().model_name, overrides)?;
         let solver = overrides.settings(fmu.description().experiment.tolerance)?;
         let names = Names::single(&fmu);
         let description = fmu.description();
@@ -66,7 +67,7 @@ impl System {
             output_interval,
             algorithm,
             solver,
-            debug_logging: overrides.debug_logging,
+            logging: overrides.logging.clone(),
             warnings: Vec::new(),
             notes: Vec::new(),
         };
@@ -139,6 +140,7 @@ fn connect(description: &Description, signals: &Signals) -> Vec<Connection> {
             Some(Connection {
                 from: Port { component: 1, variable: signal },
                 to: Port { component: 0, variable: input? },
+                conversion: None,
             })
         })
         .collect()

@@ -8,7 +8,7 @@ use tempfile::TempDir;
 use crate::models::Model;
 use crate::ssd::Ssd;
 
-fn cosim(folder: &Path, arguments: &[&str]) -> Output {
+pub(crate) fn cosim(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_cosim"))
         .args(arguments)
         .current_dir(folder)
@@ -17,7 +17,7 @@ fn cosim(folder: &Path, arguments: &[&str]) -> Output {
         .unwrap()
 }
 
-fn text(bytes: &[u8]) -> String {
+pub(crate) fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 

@@ -174,3 +174,20 @@ Status fmi2FreeFMUstate(Component c, void **state) {
   *state = NULL;
   return 0;
 }
+Status fmi2SerializedFMUstateSize(Component c, void *state, size_t *size) {
+  *size = sizeof(Model);
+  return 0;
+}
+Status fmi2SerializeFMUstate(Component c, void *state, unsigned char *bytes, size_t size) {
+  if (size != sizeof(Model)) return 3;
+  memcpy(bytes, state, size);
+  memset(bytes, 0, sizeof(void *)); /* the callbacks are the process's */
+  return 0;
+}
+Status fmi2DeSerializeFMUstate(Component c, const unsigned char *bytes, size_t size, void **state) {
+  if (size != sizeof(Model)) return 3;
+  if (!*state) *state = ((Model *)c)->callbacks->allocate(1, sizeof(Model));
+  memcpy(*state, bytes, size);
+  ((Model *)*state)->callbacks = ((Model *)c)->callbacks;
+  return 0;
+}

@@ -1,12 +1,31 @@
 //! The master against FMUs that are not ours, and the command line as a user sees it.
 
+mod algorithms;
 mod archives;
+mod checked;
+mod clock;
 mod command;
+mod convert;
+mod converted;
+mod distributed;
 mod exchange;
 mod failures;
+mod flags;
+mod formats;
+mod hostile;
 mod import;
+mod logging;
 mod loops;
+mod manipulations;
 mod models;
+mod mutations;
+mod osp;
+mod rawzip;
+mod results;
 mod scheduler;
+mod snapshots;
 mod ssd;
+mod ssp;
+mod stepping;
 mod systems;
+mod units;

@@ -2,8 +2,12 @@
  * the descriptions are in models.rs. Written from the standard, without its headers. */
 #include <stdarg.h>
 #include <stddef.h>
+#include <stdint.h>
+#include <pthread.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 typedef void *Component;
 typedef unsigned int Ref;
@@ -20,12 +24,20 @@ typedef struct {
 typedef struct {
   const Callbacks *callbacks;
   double r[4];  /* 0 u, 1 k, 2 y, 3 second parameter */
+  double slope; /* of u, during the next step */
+  double x, v;  /* of the oscillators */
   int i[4], b[4];
   double time;
+  double reached; /* of a discarded step */
   int steps;
   int initialized;
   char name[64], text[64];
+  int debug, pending;
+  double first_step;
 } Model;
+
+#define SAY(STATUS, ...)                                                           \
+  m->callbacks->log(m->callbacks->environment, m->name, STATUS, __VA_ARGS__)
 
 static void outputs(Model *m) {
 #if defined MODEL_GAIN || defined MODEL_FAILING || defined MODEL_LOGGING
@@ -34,6 +46,10 @@ static void outputs(Model *m) {
   m->r[2] = m->r[1] * m->r[0] + m->time;
 #elif defined MODEL_CUBIC
   m->r[2] = m->time - m->r[1] * m->r[0] * m->r[0] * m->r[0];
+#elif defined MODEL_MASS
+  m->r[2] = m->x;
+#elif defined MODEL_INERTIA
+  m->r[2] = m->r[0] - m->r[1] * m->x;
 #elif defined MODEL_CLOCK
   m->r[2] = m->time;
 #elif defined MODEL_COUNTER
@@ -42,6 +58,30 @@ static void outputs(Model *m) {
   m->b[1] = !m->b[0];
 #endif
 }
+
+#if defined MODEL_MASS || defined MODEL_INERTIA
+/* x'' = force - k x by Runge and Kutta in steps so fine that their error does not show. */
+static double pull(Model *m, double x, double t) {
+  double u = m->r[0] + m->slope * t;
+#ifdef MODEL_MASS
+  u *= m->r[3];
+#endif
+  return u - m->r[1] * x;
+}
+static void oscillate(Model *m, double h) {
+  const int n = 32;
+  const double d = h / n;
+  for (int i = 0; i < n; i++) {
+    const double t = i * d, x = m->x, v = m->v;
+    const double a1 = pull(m, x, t), v2 = v + a1 * d / 2;
+    const double a2 = pull(m, x + v * d / 2, t + d / 2), v3 = v + a2 * d / 2;
+    const double a3 = pull(m, x + v2 * d / 2, t + d / 2), v4 = v + a3 * d;
+    const double a4 = pull(m, x + v3 * d, t + d);
+    m->x += d / 6 * (v + 2 * v2 + 2 * v3 + v4);
+    m->v += d / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+  }
+}
+#endif
 
 const char *fmi2GetTypesPlatform(void) { return "default"; }
 const char *fmi2GetVersion(void) { return "2.0"; }
@@ -52,8 +92,13 @@ Component fmi2Instantiate(const char *name, int type, const char *guid, const ch
     callbacks->log(callbacks->environment, name, 3, "logStatusError", "wrong GUID %s", guid);
     return NULL;
   }
+#ifdef OWN_MEMORY
+  Model *m = calloc(1, sizeof(Model));
+#else
   Model *m = callbacks->allocate(1, sizeof(Model));
+#endif
   if (!m) return NULL;
+  m->debug = logging;
   m->callbacks = callbacks;
   m->r[1] = 1;
   m->r[3] = 1e9;
@@ -61,12 +106,27 @@ Component fmi2Instantiate(const char *name, int type, const char *guid, const ch
   return m;
 }
 
+#ifdef OWN_MEMORY
+void fmi2FreeInstance(Component c) { free(c); }
+#else
 void fmi2FreeInstance(Component c) { ((Model *)c)->callbacks->release(c); }
+#endif
+Status fmi2SetDebugLogging(Component c, int on, size_t n, const char *const *categories) {
+  Model *m = c;
+  m->debug = on;
+  for (size_t k = 0; k < n; k++) SAY(0, categories[k], "category %zu of %zu", k + 1, n);
+  return 0;
+}
 Status fmi2SetupExperiment(Component c, int tol, double t, double start, int stop, double end) {
   ((Model *)c)->time = start;
   return 0;
 }
 Status fmi2EnterInitializationMode(Component c) {
+#if defined MODEL_MASS
+  ((Model *)c)->x = ((Model *)c)->i[0];
+#elif defined MODEL_INERTIA
+  ((Model *)c)->x = ((Model *)c)->r[3] == 1e9 ? 1 : ((Model *)c)->r[3];
+#endif
 #ifdef MODEL_INTEGRATOR
   ((Model *)c)->r[2] = ((Model *)c)->r[3] == 1e9 ? 0 : ((Model *)c)->r[3];
 #endif
@@ -76,7 +136,9 @@ Status fmi2ExitInitializationMode(Component c) {
   ((Model *)c)->initialized = 1;
   return 0;
 }
+#ifndef LACKS_OPTIONAL
 Status fmi2Terminate(Component c) { return 0; }
+#endif
 Status fmi2Reset(Component c) { return 0; }
 
 #define GET(NAME, TYPE, FIELD)                                                    \
@@ -90,14 +152,17 @@ Status fmi2Reset(Component c) { return 0; }
   Status fmi2Set##NAME(Component c, const Ref *refs, size_t n, const TYPE *values) { \
     Model *m = c;                                                                 \
     for (size_t k = 0; k < n; k++) m->FIELD[refs[k]] = values[k];                 \
+    m->slope = 0;                                                                 \
     return 0;                                                                     \
   }
 GET(Real, double, r)
 SET(Real, double, r)
+#ifndef LACKS_OPTIONAL
 GET(Integer, int, i)
 SET(Integer, int, i)
 GET(Boolean, int, b)
 SET(Boolean, int, b)
+#endif
 Status fmi2SetString(Component c, const Ref *refs, size_t n, const char *const *values) {
   Model *m = c;
   snprintf(m->text, sizeof m->text, "%s", values[0]);
@@ -105,14 +170,96 @@ Status fmi2SetString(Component c, const Ref *refs, size_t n, const char *const *
   return 0;
 }
 
+#ifdef PRINTF
+/* Every conversion, flag, width, precision and length of C11, against vsnprintf. */
+static void formats(Model *m) {
+  int dummy;
+  char expected[4000];
+#define BOTH(...) (snprintf(expected, sizeof expected, __VA_ARGS__), SAY(0, "expected", "%s", expected), SAY(0, "rendered", __VA_ARGS__))
+  BOTH("%d %i %u %o %x %X", -1, 2, 3u, 8u, 255u, 255u);
+  BOTH("[%5d|%-5d|%05d|%+d|% d|%.3d|%#x|%#o]", 42, 42, 42, 42, 42, 42, 42, 8);
+  BOTH("%hhd %hd %ld %lld %zu %jd %td", (signed char)-3, (short)-4, -5L, -6LL, (size_t)7, (intmax_t)8, (ptrdiff_t)9);
+  BOTH("%hhu %hu %lu %llx", (unsigned char)250, (unsigned short)65000, 1UL << 63, ~0ULL);
+  BOTH("%f %e %g %a %F %E %G %A", 1.5, 1.5e10, 1.5e-7, 1.0, -0.5, 2.5, 1e300, 0.1);
+  BOTH("%.0f %.15g %10.3f %-10.2e| %+g %#g", 2.5, 0.1, 3.14159, 31415.9, 1.0, 1.0);
+  BOTH("%*d|%-*d|%.*f|%*.*f", 6, 42, 6, 42, 2, 3.14159, 8, 1, 2.71828);
+  BOTH("%*d|%.*s", -6, 42, -1, "all");
+  BOTH("%s|%10s|%-10s|%.2s|%c|%5c|%%", "text", "right", "left", "cut", 'x', 'y');
+  BOTH("%Lf %Lg %d", 1.25L, -2.5e100L, 7);
+  BOTH("%d %d %d %d %d %d %d %g %s", 1, 2, 3, 4, 5, 6, 7, 0.5, "stack");
+  BOTH("%g %g %g %g %g %g %g %g %g %g", 1., 2., 3., 4., 5., 6., 7., 8., 9., 10.);
+  BOTH("%f %f", 1e308, -1.0 / 0.0);
+  SAY(0, "null", "%s and %d", (char *)NULL, 5);
+  SAY(0, "count", "a%nb %d", &dummy, 5);
+  SAY(0, "wild", "50% solved, %s", (char *)8);
+  SAY(0, "unknown", "%d %y %d", 5, 6);
+  SAY(0, "end", "100%");
+  char *long_text = malloc(100001);
+  memset(long_text, 'x', 100000);
+  long_text[100000] = 0;
+  SAY(0, "long", "%s", long_text);
+  SAY(0, "wide", "%*d", 2000000000, 1);
+  free(long_text);
+  m->callbacks->log(m->callbacks->environment, NULL, 77, NULL, NULL);
+}
+#endif
+
+#if defined TANGENT_ERROR || defined TANGENT_NAN
+Status fmi2GetDirectionalDerivative(Component c, const Ref *unknown, size_t n, const Ref *known,
+                                    size_t m, const double *seed, double *result) {
+#ifdef TANGENT_ERROR
+  return 3;
+#endif
+  for (size_t k = 0; k < n; k++) result[k] = 0.0 / 0.0;
+  return 0;
+}
+#endif
+
+#ifdef PENDING
+static void *work(void *argument) {
+  usleep(30000);
+  ((Model *)argument)->pending = 0;
+  return NULL;
+}
+Status fmi2GetStatus(Component c, int kind, Status *status) {
+  *status = __atomic_load_n(&((Model *)c)->pending, __ATOMIC_SEQ_CST) ? 5 : 0;
+  return kind != 0;
+}
+#endif
+
 Status fmi2DoStep(Component c, double t, double h, int no_set) {
   Model *m = c;
   if (t - m->time > 1e-9 || m->time - t > 1e-9 || h <= 0) return 3;
-  m->steps++;
-  m->time = t + h;
-#ifdef MODEL_INTEGRATOR
-  m->r[2] += m->r[0] * h;
+  if (!m->first_step) m->first_step = h;
+#ifdef EQUAL_STEPS
+  if (h != m->first_step) return 3;
 #endif
+#ifdef PRINTF
+  if (!m->steps) formats(m);
+#endif
+#ifdef PENDING
+  pthread_t thread;
+  m->pending = 1;
+  pthread_create(&thread, NULL, work, m);
+  pthread_detach(thread);
+#endif
+  if (m->debug) SAY(0, "logAll", "step to %g s", t + h);
+  m->steps++;
+#ifdef MODEL_PICKY
+  if (h > m->r[3] * (1 + 1e-9)) { /* what it has computed by then is of no use */
+    m->reached = m->i[0] ? t : t + m->r[3] / 2;
+    m->r[2] += 1000;
+    m->time += m->r[3] / 3;
+    return 2;
+  }
+#endif
+  m->time = t + h;
+#if defined MODEL_INTEGRATOR || defined MODEL_PICKY
+  m->r[2] += m->r[0] * h;
+#elif defined MODEL_MASS || defined MODEL_INERTIA
+  oscillate(m, h);
+#endif
+  m->r[0] += m->slope * h;
 #ifdef MODEL_COUNTER
   if (m->steps == 2 && m->text[0])
     m->callbacks->log(m->callbacks->environment, m->name, 1, "logAll", "%s", m->text);
@@ -135,11 +282,69 @@ Status fmi2DoStep(Component c, double t, double h, int no_set) {
     return 4;
   }
 #endif
+#ifdef PENDING
+  return 5;
+#endif
   return 0;
 }
 
+#ifndef LACKS_OPTIONAL
+Status fmi2GetRealStatus(Component c, int kind, double *value) {
+  *value = ((Model *)c)->reached;
+  return kind == 2 ? 0 : 2;
+}
+Status fmi2GetBooleanStatus(Component c, int kind, int *value) {
+  *value = 0;
+  return 0;
+}
+Status fmi2SetRealInputDerivatives(Component c, const Ref *refs, size_t n, const int *orders,
+                                   const double *values) {
+  for (size_t k = 0; k < n; k++) {
+    if (refs[k] != 0 || orders[k] != 1) return 3;
+    ((Model *)c)->slope = values[k];
+  }
+  return 0;
+}
+Status fmi2GetRealOutputDerivatives(Component c, const Ref *refs, size_t n, const int *orders,
+                                    double *values) {
+  Model *m = c;
+  for (size_t k = 0; k < n; k++) {
+    if (refs[k] != 2 || orders[k] != 1) return 3;
+#ifdef MODEL_INERTIA
+    values[k] = m->slope - m->r[1] * m->v;
+#else
+    values[k] = m->v;
+#endif
+  }
+  return 0;
+}
+#if !defined TANGENT_ERROR && !defined TANGENT_NAN && !defined TANGENT_MISSING
+Status fmi2GetDirectionalDerivative(Component c, const Ref *unknowns, size_t n, const Ref *knowns,
+                                    size_t m, const double *seed, double *result) {
+  for (size_t k = 0; k < n; k++) {
+    result[k] = 0;
+    for (size_t j = 0; j < m; j++)
+      if (unknowns[k] == 2 && knowns[j] == 0)
+#ifdef MODEL_INERTIA
+        result[k] += seed[j];
+#elif defined MODEL_CUBIC
+        result[k] -= 3 * ((Model *)c)->r[1] * ((Model *)c)->r[0] * ((Model *)c)->r[0] * seed[j];
+#else
+        result[k] += ((Model *)c)->r[1] * seed[j];
+#endif
+  }
+  return 0;
+}
+#endif
+
 Status fmi2GetFMUstate(Component c, void **state) {
   Model *m = c;
+#ifdef STATE_NULL
+  return 0;
+#endif
+#ifdef STATE_ERROR
+  return 3;
+#endif
   if (!*state) *state = m->callbacks->allocate(1, sizeof(Model));
   memcpy(*state, m, sizeof(Model));
   return 0;
@@ -153,3 +358,21 @@ Status fmi2FreeFMUstate(Component c, void **state) {
   *state = NULL;
   return 0;
 }
+Status fmi2SerializedFMUstateSize(Component c, void *state, size_t *size) {
+  *size = sizeof(Model);
+  return 0;
+}
+Status fmi2SerializeFMUstate(Component c, void *state, unsigned char *bytes, size_t size) {
+  if (size != sizeof(Model)) return 3;
+  memcpy(bytes, state, size);
+  memset(bytes, 0, sizeof(void *)); /* the callbacks are the process's */
+  return 0;
+}
+Status fmi2DeSerializeFMUstate(Component c, const unsigned char *bytes, size_t size, void **state) {
+  if (size != sizeof(Model)) return 3;
+  if (!*state) *state = ((Model *)c)->callbacks->allocate(1, sizeof(Model));
+  memcpy(*state, bytes, size);
+  ((Model *)*state)->callbacks = ((Model *)c)->callbacks;
+  return 0;
+}
+#endif

@@ -28,6 +28,13 @@ pub(crate) enum Model {
     Failing,
     /// A gain that logs in three formats and dies in its third step.
     Logging,
+    /// y'' = second u - k y, y(0) = m; no feed-through; interpolates u and gives y'.
+    Mass,
+    /// x'' = u - k x, x(0) = second; y = x'', feed-through; interpolates u and gives y'.
+    Inertia,
+    /// An integrator that discards steps longer than second, of which it makes a half, or with m
+    /// not 0 nothing.
+    Picky,
     /// Model exchange: height y, falls from 1 m, keeps k of its speed; n bounces.
     Ball,
     /// Model exchange: n time events, every k seconds from the start on; even = (m is not 0).
@@ -51,6 +58,9 @@ impl Model {
             Model::Cubic => "CUBIC",
             Model::Failing => "FAILING",
             Model::Logging => "LOGGING",
+            Model::Mass => "MASS",
+            Model::Inertia => "INERTIA",
+            Model::Picky => "PICKY",
             Model::Ball => "BALL",
             Model::Ticker => "TICKER",
             Model::Oscillator => "OSCILLATOR",
@@ -60,7 +70,8 @@ impl Model {
     }
 
     fn feeds_through(self) -> bool {
-        matches!(self, Model::Gain | Model::Affine | Model::Cubic | Model::Failing | Model::Logging)
+        use Model::{Affine, Cubic, Failing, Gain, Inertia, Logging};
+        matches!(self, Gain | Affine | Cubic | Inertia | Failing | Logging)
     }
 
     /// States and event indicators, for model exchange.
@@ -111,7 +122,7 @@ impl Model {
         format!(
             r#"<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="{name}" guid="{{test}}" numberOfEventIndicators="{indicators}">
-  <ModelExchange modelIdentifier="{name}" canGetAndSetFMUstate="true"/>
+  <ModelExchange modelIdentifier="{name}" canGetAndSetFMUstate="true" canSerializeFMUstate="true"/>
   <DefaultExperiment startTime="0" stopTime="1" stepSize="0.1"/>
   <ModelVariables>
 {}  </ModelVariables>
@@ -132,11 +143,16 @@ impl Model {
 
     fn of_co_simulation(self) -> String {
         let name = self.name();
+        let interpolates = " canInterpolateInputs=\"true\" maxOutputDerivativeOrder=\"1\"";
+        let abilities = match self {
+            Model::Mass | Model::Inertia => interpolates,
+            _ => "",
+        };
         let dependencies = if self.feeds_through() { "1" } else { "" };
         format!(
             r#"<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="{name}" guid="{{test}}" generationTool="cc">
-  <CoSimulation modelIdentifier="{name}" canGetAndSetFMUstate="true"/>
+  <CoSimulation modelIdentifier="{name}" canGetAndSetFMUstate="true" canSerializeFMUstate="true" canHandleVariableCommunicationStepSize="true"{abilities}/>
   <TypeDefinitions>
     <SimpleType name="Mode"><Enumeration><Item name="Slow" value="1"/><Item name="Fast" value="4"/></Enumeration></SimpleType>
   </TypeDefinitions>
@@ -163,6 +179,31 @@ impl Model {
 </fmiModelDescription>
 "#
         )
+    }
+
+    /// An FMU of this model compiled with `defines`, its description changed by `change`.
+    pub(crate) fn variant(
+        self,
+        archive: &Path,
+        defines: &[&str],
+        change: impl Fn(String) -> String,
+    ) -> PathBuf {
+        let library = archive.with_extension("so");
+        compile_into(self, &library, defines);
+        let binary = format!("binaries/linux64/{}.so", self.name());
+        let description = change(self.description()).into_bytes();
+        let library = std::fs::read(library).unwrap();
+        pack(archive, &[("modelDescription.xml", description), (&binary, library)]);
+        archive.to_owned()
+    }
+
+    /// Another FMU of this model: with a part of its description replaced.
+    pub(crate) fn varied(self, folder: &Path, from: &str, to: &str) -> PathBuf {
+        let archive = folder.join(format!("varied_{}.fmu", self.name()));
+        self.variant(&archive, &[], |description| {
+            assert!(description.contains(from), "{from}");
+            description.replace(from, to)
+        })
     }
 
     /// The packed FMU, made once per test process.
@@ -205,19 +246,24 @@ fn compile_now(model: Model) -> PathBuf {
     let library = folder().join(format!("{}.so", model.name()));
     // Another test process may be reading the library: it is replaced as a whole.
     let unfinished = folder().join(format!("{}.so.{}", model.name(), std::process::id()));
+    compile_into(model, &unfinished, &[]);
+    std::fs::rename(&unfinished, &library).unwrap();
+    library
+}
+
+fn compile_into(model: Model, library: &Path, defines: &[&str]) {
     let source = if model.exchange().is_some() { "exchange.c" } else { "model.c" };
     let done = Command::new("cc")
         .args(["-O2", "-shared", "-fPIC", "-w", "-o"])
-        .arg(&unfinished)
+        .arg(library)
         .arg(format!("-DMODEL_{}", model.name()))
         .arg(format!("-DX0={}", model.start_of_x()))
+        .args(defines.iter().map(|define| format!("-D{define}")))
         .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/all").join(source))
-        .arg("-lm")
+        .args(["-lm", "-lpthread"])
         .status()
         .expect("a C compiler named cc");
     assert!(done.success());
-    std::fs::rename(&unfinished, &library).unwrap();
-    library
 }
 
 /// Packs files into an archive.

@@ -44,7 +44,8 @@ impl Ssd {
         let parameters: String = values
             .iter()
             .map(|(n, v)| {
-                format!("<ssv:Parameter name='{n}'><ssv:Real value='{v}'/></ssv:Parameter>\n")
+                let kind = if *n == "m" { "Integer" } else { "Real" };
+                format!("<ssv:Parameter name='{n}'><ssv:{kind} value='{v}'/></ssv:Parameter>\n")
             })
             .collect();
         let step = step.map_or(String::new(), |s| {

@@ -50,11 +50,20 @@ fn wrong_files_are_told_with_line_and_remedy() {
         ("stopTime='1'", "stopTime='0.25'", &["take 0.2 s or 0.3 s"]),
         ("stopTime='1'", "stopTime='soon'", &["stopTime=\"soon\""]),
         ("<ssd:Connections>", "<ssd:Connections><ssd:Wire/>", &["<Wire> among connections"]),
-        ("</ssd:Elements>", "<ssd:System name='inner'/></ssd:Elements>", &["not supported"]),
+        (
+            "</ssd:Elements>",
+            "<ssd:SignalDictionaryReference name='d' dictionary='x'/></ssd:Elements>",
+            &["E202", "no signal dictionary 'x'"],
+        ),
         (
             "endConnector='u'/>",
-            "endConnector='u'><ssc:LinearTransformation factor='2'/></ssd:Connection>",
-            &["not supported"],
+            "endConnector='u'><ssc:LinearTransformation factor='two'/></ssd:Connection>",
+            &[":33", "factor=\"two\""],
+        ),
+        (
+            "<ssd:Connections>",
+            "<ssd:Extra/><ssd:Connections>",
+            &["E201", ":32", "<Extra> in <System>"],
         ),
         ("</ssd:System>", "", &["E103"]),
         ("SSP1/SystemStructureDescription'", "elsewhere'", &["root element"]),
@@ -128,15 +137,17 @@ fn overrides_take_effect() {
 }
 
 #[test]
-fn the_unknown_is_told_and_the_odd_too() {
-    let text = two().text().replacen("<ssd:Connections>", "<ssd:Extra/><ssd:Connections>", 1);
-    let text =
-        text.replacen("<ssd:Component name='gain'", "<ssd:Component colour='red' name='gain'", 1);
+fn an_unknown_attribute_is_a_warning() {
+    let text = two().text().replacen(
+        "<ssd:Component name='gain'",
+        "<ssd:Component sorce='x' name='gain'",
+        1,
+    );
     let folder = tempfile::TempDir::new().unwrap();
     let file = folder.path().join("test.ssd");
     std::fs::write(&file, text).unwrap();
     let system = System::load(&file, &Overrides::new()).unwrap();
-    assert_parts(&system.warnings().join("\n"), &["<Extra>", "'colour'"]);
+    assert_parts(&system.warnings().join("\n"), &["'sorce'", "did you mean 'source'?"]);
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! Which course to follow: a built-in name or a file of waypoints.
 
-use fmu_kit::{ParameterError, Resources};
+use fmu_kit::{ParameterError, Resources, read_text};
 use rexrov::guidance::Course;
-use std::path::Path;
+use std::path::PathBuf;
 
 /// Built-in courses.
 const BUILT_IN: [(&str, &str); 3] =
@@ -20,13 +20,22 @@ pub fn load(name: &str, resources: &Resources) -> Result<Course, ParameterError>
     if let Some((_, text)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
         return Course::parse(text).map_err(|e| error(format!("{name}: {e}")));
     }
-    let in_resources = resources.folder().map(|folder| folder.join(name));
-    let path = in_resources.filter(|path| path.is_file()).unwrap_or_else(|| Path::new(name).into());
-    let text = std::fs::read_to_string(&path).map_err(|cause| {
-        let known = BUILT_IN.map(|(name, _)| name).join(", ");
-        error(format!(
-            "\"{name}\" is neither a built-in course ({known}) nor a readable waypoint file: {cause}"
-        ))
-    })?;
-    Course::parse(&text).map_err(|e| error(format!("{}: {e}", path.display())))
+    let path = find(name, resources).map_err(error)?;
+    let text = read_text(&path).map_err(error)?;
+    Course::parse(&text).map_err(|e| error(format!("{path:?}, {e}")))
+}
+
+/// The file `name`; whether it can be read is seen when it is read.
+fn find(name: &str, resources: &Resources) -> Result<PathBuf, String> {
+    let mut places = vec![PathBuf::from(name)];
+    places.splice(0..0, resources.folder().map(|folder| folder.join(name)));
+    if let Some(path) = places.iter().find(|path| path.try_exists().unwrap_or(true)) {
+        return Ok(path.clone());
+    }
+    let known = BUILT_IN.map(|(name, _)| name).join(", ");
+    let places: Vec<_> = places.iter().map(|path| format!("{path:?}")).collect();
+    Err(format!(
+        "{name:?} is neither a built-in course ({known}) nor a waypoint file: there is no {}",
+        places.join(" and no ")
+    ))
 }

@@ -1,25 +1,17 @@
 //! Doppler velocity log: `rexrov::sensors::Dvl` with FMI variables.
 
-use crate::groups::{
-    LinearVelocity, Stamp, Switch, Vector, Velocity, parameter_error, seed_start, seed_value,
-};
-use crate::sampled::Sample;
-use fmu_kit::{Fault, Info, ParameterError, Resources, Time, Variables};
+use crate::groups::{LinearVelocity, Velocity, parameter_error};
+use crate::instrument::{Instrument, Stamp, Switch};
+use fmu_kit::{Fault, Info, ParameterError, Resources, Sample, Time, Variables};
 use rexrov::sensors::{self, DvlMemory, DvlParameters, DvlTruth};
 use serde::{Deserialize, Serialize};
 
 /// Parameters of the velocity log.
 #[derive(Clone, Debug, Variables)]
 pub struct Parameters {
-    /// Samples a second
-    #[var(unit = "Hz", min = 0.001, max = 1e6)]
-    pub rate_hz: f64,
-    /// Seed of the noise
-    #[var(min = 0)]
-    pub seed: i32,
-    /// Place of the instrument in the body frame
-    #[var(unit = "m")]
-    pub mounting: Vector,
+    /// What all sensors have.
+    #[var(flatten)]
+    pub instrument: Instrument,
     /// Standard deviation of each axis
     #[var(unit = "m/s", min = 0.0)]
     pub sigma: f64,
@@ -28,12 +20,7 @@ pub struct Parameters {
 impl Default for Parameters {
     fn default() -> Self {
         let p = DvlParameters::default();
-        Self {
-            rate_hz: p.rate_hz,
-            seed: seed_start(p.seed),
-            mounting: p.position.into(),
-            sigma: p.sigma,
-        }
+        Self { instrument: Instrument::new(p.rate_hz, p.seed, p.position), sigma: p.sigma }
     }
 }
 
@@ -68,7 +55,7 @@ pub struct Outputs {
 pub struct Dvl(sensors::Dvl);
 
 impl Sample for Dvl {
-    const INFO: Info = crate::sampled_info("Dvl", "Doppler velocity log with noise and lever arm");
+    const INFO: Info = crate::info("Dvl", "Doppler velocity log with noise and lever arm");
     type Parameters = Parameters;
     type Inputs = Inputs;
     type Outputs = Outputs;
@@ -76,16 +63,16 @@ impl Sample for Dvl {
 
     fn new(p: &Parameters, _: &Resources) -> Result<Self, ParameterError> {
         let parameters = DvlParameters {
-            rate_hz: p.rate_hz,
-            seed: seed_value(p.seed),
-            position: p.mounting.into(),
+            rate_hz: p.instrument.rate_hz,
+            seed: p.instrument.seed(),
+            position: p.instrument.mounting.into(),
             sigma: p.sigma,
         };
         sensors::Dvl::new(&parameters).map(Self).map_err(parameter_error)
     }
 
     fn period_s(&self) -> f64 {
-        self.0.sampler.period()
+        self.0.rate.period()
     }
 
     fn memory(&self) -> DvlMemory {

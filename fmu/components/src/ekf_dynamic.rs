@@ -4,8 +4,7 @@ use crate::coefficients::{Coefficients, ParameterSet};
 use crate::ekf_parameters::FilterParameters;
 use crate::ekf_ports::{Inputs, Outputs};
 use crate::groups::parameter_error;
-use crate::sampled::Sample;
-use fmu_kit::{Fault, Info, ParameterError, Resources, Time, Variables};
+use fmu_kit::{Fault, Info, ParameterError, Resources, Sample, Time, Variables};
 use rexrov::estimation::{Acceleration, Ekf, EkfMemory, EkfParameters};
 use rexrov::vehicle::{ReducedModel, ThrusterMode};
 
@@ -36,7 +35,7 @@ impl Default for Parameters {
 pub struct EkfDynamic(Ekf);
 
 impl Sample for EkfDynamic {
-    const INFO: Info = crate::sampled_info(
+    const INFO: Info = crate::info(
         "EkfDynamic",
         "Extended Kalman filter of x, y, z, yaw driven by the vehicle's equations of motion",
     );
@@ -59,7 +58,7 @@ impl Sample for EkfDynamic {
     }
 
     fn period_s(&self) -> f64 {
-        self.0.sampler.period()
+        self.0.rate.period()
     }
 
     fn memory(&self) -> EkfMemory {

@@ -3,8 +3,7 @@
 use crate::ekf_parameters::FilterParameters;
 use crate::ekf_ports::{Inputs, Outputs};
 use crate::groups::parameter_error;
-use crate::sampled::Sample;
-use fmu_kit::{Fault, Info, ParameterError, Resources, Time};
+use fmu_kit::{Fault, Info, ParameterError, Resources, Sample, Time};
 use rexrov::estimation::{Acceleration, Ekf, EkfMemory, EkfParameters};
 
 /// The kinematic filter. It has the thrust inputs of the dynamic one and ignores them, so that one
@@ -12,7 +11,7 @@ use rexrov::estimation::{Acceleration, Ekf, EkfMemory, EkfParameters};
 pub struct EkfKinematic(Ekf);
 
 impl Sample for EkfKinematic {
-    const INFO: Info = crate::sampled_info(
+    const INFO: Info = crate::info(
         "EkfKinematic",
         "Extended Kalman filter of x, y, z, yaw driven by measured acceleration",
     );
@@ -27,7 +26,7 @@ impl Sample for EkfKinematic {
     }
 
     fn period_s(&self) -> f64 {
-        self.0.sampler.period()
+        self.0.rate.period()
     }
 
     fn memory(&self) -> EkfMemory {

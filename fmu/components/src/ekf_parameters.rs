@@ -95,13 +95,13 @@ pub struct FilterParameters {
     #[var(unit = "Hz", min = 0.001, max = 1e6)]
     pub dvl_rate_hz: f64,
     /// Standard deviation of the position fix
-    #[var(unit = "m")]
+    #[var(unit = "m", min = 0.0)]
     pub fix_sigma: f64,
     /// Standard deviation of the depth
-    #[var(unit = "m")]
+    #[var(unit = "m", min = 0.0)]
     pub depth_sigma: f64,
     /// Standard deviation of the compass
-    #[var(unit = "rad")]
+    #[var(unit = "rad", min = 0.0)]
     pub heading_sigma: f64,
     /// Start
     pub initial: Start,

@@ -1,25 +1,17 @@
 //! Horizontal position fix (the paper's GPS): `rexrov::sensors::Gps` with FMI variables.
 
-use crate::groups::{
-    Horizontal, Pose, Stamp, Switch, Vector, parameter_error, seed_start, seed_value,
-};
-use crate::sampled::Sample;
-use fmu_kit::{Fault, Info, ParameterError, Resources, Time, Variables};
+use crate::groups::{Horizontal, Pose, parameter_error};
+use crate::instrument::{Instrument, Stamp, Switch};
+use fmu_kit::{Fault, Info, ParameterError, Resources, Sample, Time, Variables};
 use rexrov::sensors::{self, GpsMemory, GpsParameters, GpsTruth};
 use serde::{Deserialize, Serialize};
 
 /// Parameters of the position fix.
 #[derive(Clone, Debug, Variables)]
 pub struct Parameters {
-    /// Fixes a second
-    #[var(unit = "Hz", min = 0.001, max = 1e6)]
-    pub rate_hz: f64,
-    /// Seed of the noise
-    #[var(min = 0)]
-    pub seed: i32,
-    /// Place of the antenna or transponder in the body frame
-    #[var(unit = "m")]
-    pub mounting: Vector,
+    /// What all sensors have.
+    #[var(flatten)]
+    pub instrument: Instrument,
     /// Standard deviation north and east
     #[var(unit = "m", min = 0.0)]
     pub sigma: f64,
@@ -28,12 +20,7 @@ pub struct Parameters {
 impl Default for Parameters {
     fn default() -> Self {
         let p = GpsParameters::default();
-        Self {
-            rate_hz: p.rate_hz,
-            seed: seed_start(p.seed),
-            mounting: p.position.into(),
-            sigma: p.sigma,
-        }
+        Self { instrument: Instrument::new(p.rate_hz, p.seed, p.position), sigma: p.sigma }
     }
 }
 
@@ -68,10 +55,8 @@ pub struct Outputs {
 pub struct Gps(sensors::Gps);
 
 impl Sample for Gps {
-    const INFO: Info = crate::sampled_info(
-        "Gps",
-        "Horizontal position fix (GPS, USBL, LBL) with noise and lever arm",
-    );
+    const INFO: Info =
+        crate::info("Gps", "Horizontal position fix (GPS, USBL, LBL) with noise and lever arm");
     type Parameters = Parameters;
     type Inputs = Inputs;
     type Outputs = Outputs;
@@ -79,16 +64,16 @@ impl Sample for Gps {
 
     fn new(p: &Parameters, _: &Resources) -> Result<Self, ParameterError> {
         let parameters = GpsParameters {
-            rate_hz: p.rate_hz,
-            seed: seed_value(p.seed),
-            position: p.mounting.into(),
+            rate_hz: p.instrument.rate_hz,
+            seed: p.instrument.seed(),
+            position: p.instrument.mounting.into(),
             sigma: p.sigma,
         };
         sensors::Gps::new(&parameters).map(Self).map_err(parameter_error)
     }
 
     fn period_s(&self) -> f64 {
-        self.0.sampler.period()
+        self.0.rate.period()
     }
 
     fn memory(&self) -> GpsMemory {

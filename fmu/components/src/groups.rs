@@ -1,6 +1,6 @@
 //! Groups of variables that several components share.
 
-use fmu_kit::{ParameterError, Time, Variables};
+use fmu_kit::{ParameterError, Variables};
 use serde::{Deserialize, Serialize};
 
 /// Declares a group of Reals that is an array of as many numbers in the mathematics.
@@ -237,45 +237,6 @@ group! {
         #[var(rename = "N", unit = "N.m", nominal = 1000.0)] n; 6]
 }
 
-/// When a sensor took its newest sample.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, Variables)]
-pub struct Stamp {
-    /// Time of the newest sample
-    #[var(unit = "s")]
-    pub stamp: f64,
-    /// 1 once there is a sample, 0 before
-    #[var(min = 0.0, max = 1.0)]
-    pub valid: f64,
-}
-
-impl Stamp {
-    /// A sample taken now.
-    pub fn at(now: Time) -> Self {
-        Self { stamp: now.seconds(), valid: 1.0 }
-    }
-}
-
-/// Whether a sensor takes samples.
-#[derive(Clone, Copy, Debug, Variables)]
-pub struct Switch {
-    /// 1: samples as usual, 0: no new samples, the last one stays
-    #[var(min = 0.0, max = 1.0)]
-    pub enabled: f64,
-}
-
-impl Switch {
-    /// On.
-    pub fn is_on(self) -> bool {
-        self.enabled >= 0.5
-    }
-}
-
-impl Default for Switch {
-    fn default() -> Self {
-        Self { enabled: 1.0 }
-    }
-}
-
 /// The force of one thruster.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, Variables)]
 pub struct Force {
@@ -296,11 +257,11 @@ pub struct Thrust {
 #[derive(Clone, Copy, Debug, Default, Variables)]
 #[allow(missing_docs, reason = "the six elements are named by their indices")]
 pub struct Inertia {
-    #[var(unit = "kg.m2")]
+    #[var(unit = "kg.m2", min = 0.0)]
     pub xx: f64,
-    #[var(unit = "kg.m2")]
+    #[var(unit = "kg.m2", min = 0.0)]
     pub yy: f64,
-    #[var(unit = "kg.m2")]
+    #[var(unit = "kg.m2", min = 0.0)]
     pub zz: f64,
     #[var(unit = "kg.m2")]
     pub xy: f64,
@@ -357,14 +318,4 @@ impl From<Mounting> for ::rexrov::vehicle::Thruster {
 /// A complaint of the mathematics as one about a variable.
 pub fn parameter_error(error: ::rexrov::ParameterError) -> ParameterError {
     ParameterError::new(error.name, format!("{}: {}", error.value, error.reason))
-}
-
-/// A seed as FMI has it: an Integer, which is 32 bits wide and here not negative.
-pub fn seed_start(seed: u64) -> i32 {
-    i32::try_from(seed).unwrap_or(i32::MAX)
-}
-
-/// The seed of an Integer variable.
-pub fn seed_value(seed: i32) -> u64 {
-    u64::from(seed.unsigned_abs())
 }

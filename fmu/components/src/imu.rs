@@ -1,11 +1,8 @@
 //! Inertial measurement unit: `rexrov::sensors::Imu` with FMI variables.
 
-use crate::groups::{
-    AngularAcceleration, AngularVelocity, Attitude, Stamp, Switch, Vector, parameter_error,
-    seed_start, seed_value,
-};
-use crate::sampled::Sample;
-use fmu_kit::{Fault, Info, ParameterError, Resources, Time, Variables};
+use crate::groups::{AngularAcceleration, AngularVelocity, Attitude, Vector, parameter_error};
+use crate::instrument::{Instrument, Stamp, Switch};
+use fmu_kit::{Fault, Info, ParameterError, Resources, Sample, Time, Variables};
 use rexrov::sensors::{self, BiasNoise, ImuMemory, ImuParameters, ImuTruth};
 use serde::{Deserialize, Serialize};
 
@@ -19,7 +16,7 @@ pub struct Accelerometer {
     #[var(unit = "m/(s3.Hz0.5)", min = 0.0)]
     pub random_walk: f64,
     /// correlation time of the slow bias
-    #[var(unit = "s")]
+    #[var(unit = "s", min = 0.0)]
     pub correlation_time: f64,
     /// standard deviation of the bias after switching on
     #[var(unit = "m/s2", min = 0.0)]
@@ -36,7 +33,7 @@ pub struct Gyro {
     #[var(unit = "rad/(s2.Hz0.5)", min = 0.0)]
     pub random_walk: f64,
     /// correlation time of the slow bias
-    #[var(unit = "s")]
+    #[var(unit = "s", min = 0.0)]
     pub correlation_time: f64,
     /// standard deviation of the bias after switching on
     #[var(unit = "rad/s", min = 0.0)]
@@ -89,15 +86,9 @@ pub struct Orientation {
 /// Parameters of the inertial measurement unit.
 #[derive(Clone, Debug, Variables)]
 pub struct Parameters {
-    /// Samples a second
-    #[var(unit = "Hz", min = 0.001, max = 1e6)]
-    pub rate_hz: f64,
-    /// Seed of all noise
-    #[var(min = 0)]
-    pub seed: i32,
-    /// Place of the unit in the body frame
-    #[var(unit = "m")]
-    pub mounting: Vector,
+    /// What all sensors have.
+    #[var(flatten)]
+    pub instrument: Instrument,
     /// Orientation of the housing in the body frame
     pub orientation_deg: Orientation,
     /// Accelerometers
@@ -114,9 +105,7 @@ impl Default for Parameters {
         let p = ImuParameters::default();
         let [roll, pitch, yaw] = p.orientation_deg;
         Self {
-            rate_hz: p.rate_hz,
-            seed: seed_start(p.seed),
-            mounting: p.position.into(),
+            instrument: Instrument::new(p.rate_hz, p.seed, p.position),
             orientation_deg: Orientation { roll, pitch, yaw },
             accelerometer: p.accelerometer.into(),
             gyro: p.gyro.into(),
@@ -169,7 +158,7 @@ pub struct Imu(sensors::Imu);
 
 impl Sample for Imu {
     const INFO: Info =
-        crate::sampled_info("Imu", "Specific force, angular rate and attitude with noise and bias");
+        crate::info("Imu", "Specific force, angular rate and attitude with noise and bias");
     type Parameters = Parameters;
     type Inputs = Inputs;
     type Outputs = Outputs;
@@ -178,9 +167,9 @@ impl Sample for Imu {
     fn new(p: &Parameters, _: &Resources) -> Result<Self, ParameterError> {
         let Orientation { roll, pitch, yaw } = p.orientation_deg;
         let parameters = ImuParameters {
-            rate_hz: p.rate_hz,
-            seed: seed_value(p.seed),
-            position: p.mounting.into(),
+            rate_hz: p.instrument.rate_hz,
+            seed: p.instrument.seed(),
+            position: p.instrument.mounting.into(),
             orientation_deg: [roll, pitch, yaw],
             accelerometer: (&p.accelerometer).into(),
             gyro: (&p.gyro).into(),
@@ -190,7 +179,7 @@ impl Sample for Imu {
     }
 
     fn period_s(&self) -> f64 {
-        self.0.sampler.period()
+        self.0.rate.period()
     }
 
     fn memory(&self) -> ImuMemory {

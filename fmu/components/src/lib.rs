@@ -12,6 +12,7 @@
 pub mod added_mass;
 pub mod coefficients;
 pub mod course;
+pub mod direct;
 pub mod dvl;
 pub mod ekf_dynamic;
 pub mod ekf_kinematic;
@@ -20,28 +21,24 @@ pub mod ekf_ports;
 pub mod gps;
 pub mod groups;
 pub mod imu;
+pub mod instrument;
 pub mod pressure;
 pub mod pure_pursuit;
 pub mod rexrov;
-pub mod sampled;
+pub mod vehicle_ports;
 pub mod velocity_controller;
 
-use fmu_kit::Info;
-use sampled::Sampled;
+use fmu_kit::{Info, Sampled};
 
 /// What all components say alike.
 const fn info(name: &'static str, description: &'static str) -> Info {
     Info {
         author: "The RexROV FMI project contributors",
         version: env!("CARGO_PKG_VERSION"),
+        copyright: "© 2026 the RexROV FMI project contributors",
         license: "MIT OR Apache-2.0",
         ..Info::new(name, description)
     }
-}
-
-/// The same for a component that samples.
-const fn sampled_info(name: &'static str, description: &'static str) -> Info {
-    Info { sampled: true, ..info(name, description) }
 }
 
 fmu_kit::export!(

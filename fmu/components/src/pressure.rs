@@ -1,23 +1,17 @@
 //! Pressure sensor: `rexrov::sensors::PressureSensor` with FMI variables.
 
-use crate::groups::{Stamp, Switch, Vector, parameter_error, seed_start, seed_value};
-use crate::sampled::Sample;
-use fmu_kit::{Fault, Info, ParameterError, Resources, Time, Variables};
+use crate::groups::parameter_error;
+use crate::instrument::{Instrument, Stamp, Switch};
+use fmu_kit::{Fault, Info, ParameterError, Resources, Sample, Time, Variables};
 use rexrov::sensors::{self, PressureMemory, PressureParameters, PressureTruth};
 use serde::{Deserialize, Serialize};
 
 /// Parameters of the pressure sensor.
 #[derive(Clone, Debug, Variables)]
 pub struct Parameters {
-    /// Samples a second
-    #[var(unit = "Hz", min = 0.001, max = 1e6)]
-    pub rate_hz: f64,
-    /// Seed of the noise
-    #[var(min = 0)]
-    pub seed: i32,
-    /// Place of the sensor in the body frame
-    #[var(unit = "m")]
-    pub mounting: Vector,
+    /// What all sensors have.
+    #[var(flatten)]
+    pub instrument: Instrument,
     /// Standard deviation
     #[var(unit = "Pa", min = 0.0, nominal = 1000.0)]
     pub sigma_pa: f64,
@@ -25,7 +19,7 @@ pub struct Parameters {
     #[var(unit = "Pa", min = 0.0, nominal = 1e5)]
     pub surface_pressure_pa: f64,
     /// Increase of pressure with depth
-    #[var(unit = "Pa/m", nominal = 1e4)]
+    #[var(unit = "Pa/m", min = 0.0, nominal = 1e4)]
     pub gradient_pa_per_m: f64,
 }
 
@@ -33,9 +27,7 @@ impl Default for Parameters {
     fn default() -> Self {
         let p = PressureParameters::default();
         Self {
-            rate_hz: p.rate_hz,
-            seed: seed_start(p.seed),
-            mounting: p.position.into(),
+            instrument: Instrument::new(p.rate_hz, p.seed, p.position),
             sigma_pa: p.sigma_pa,
             surface_pressure_pa: p.surface_pressure_pa,
             gradient_pa_per_m: p.gradient_pa_per_m,
@@ -92,10 +84,8 @@ pub struct Outputs {
 pub struct PressureSensor(sensors::PressureSensor);
 
 impl Sample for PressureSensor {
-    const INFO: Info = crate::sampled_info(
-        "PressureSensor",
-        "Absolute pressure and depth with noise and mounting",
-    );
+    const INFO: Info =
+        crate::info("PressureSensor", "Absolute pressure and depth with noise and mounting");
     type Parameters = Parameters;
     type Inputs = Inputs;
     type Outputs = Outputs;
@@ -103,9 +93,9 @@ impl Sample for PressureSensor {
 
     fn new(p: &Parameters, _: &Resources) -> Result<Self, ParameterError> {
         let parameters = PressureParameters {
-            rate_hz: p.rate_hz,
-            seed: seed_value(p.seed),
-            position: p.mounting.into(),
+            rate_hz: p.instrument.rate_hz,
+            seed: p.instrument.seed(),
+            position: p.instrument.mounting.into(),
             sigma_pa: p.sigma_pa,
             surface_pressure_pa: p.surface_pressure_pa,
             gradient_pa_per_m: p.gradient_pa_per_m,
@@ -114,7 +104,7 @@ impl Sample for PressureSensor {
     }
 
     fn period_s(&self) -> f64 {
-        self.0.sampler.period()
+        self.0.rate.period()
     }
 
     fn memory(&self) -> PressureMemory {

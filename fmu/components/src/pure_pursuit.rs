@@ -2,8 +2,7 @@
 
 use crate::course;
 use crate::groups::{Horizontal, Pose4, Velocity4, parameter_error};
-use crate::sampled::Sample;
-use fmu_kit::{Enumeration, Fault, Info, ParameterError, Resources, Time, Variables};
+use fmu_kit::{Enumeration, Fault, Info, ParameterError, Resources, Sample, Time, Variables};
 use rexrov::guidance::{self, PursuitMemory, PursuitParameters};
 use serde::{Deserialize, Serialize};
 
@@ -26,13 +25,13 @@ pub struct Parameters {
     #[var(unit = "Hz", min = 0.001, max = 1e6)]
     pub rate_hz: f64,
     /// Distance of the target ahead of the nearest point, along the course
-    #[var(unit = "m")]
+    #[var(unit = "m", min = 0.0)]
     pub lookahead: f64,
     /// Vehicle length of eq (55)
-    #[var(unit = "m")]
+    #[var(unit = "m", min = 0.0)]
     pub vehicle_length: f64,
     /// Turn rate over steering angle
-    #[var(unit = "1/s")]
+    #[var(unit = "1/s", min = 0.0)]
     pub gain: f64,
     /// Speed along the course
     #[var(unit = "m/s")]
@@ -53,7 +52,7 @@ pub struct Parameters {
     #[var(unit = "m", min = 0.0)]
     pub search_back: f64,
     /// How far ahead along the course the nearest point may move in a cycle
-    #[var(unit = "m")]
+    #[var(unit = "m", min = 0.0)]
     pub search_ahead: f64,
     /// What the heading is compared with
     pub heading_reference: HeadingReference,
@@ -131,8 +130,7 @@ pub struct Outputs {
 pub struct PurePursuit(guidance::PurePursuit);
 
 impl Sample for PurePursuit {
-    const INFO: Info =
-        crate::sampled_info("PurePursuit", "Follows a course at constant speed and depth");
+    const INFO: Info = crate::info("PurePursuit", "Follows a course at constant speed and depth");
     type Parameters = Parameters;
     type Inputs = Inputs;
     type Outputs = Outputs;
@@ -144,7 +142,7 @@ impl Sample for PurePursuit {
     }
 
     fn period_s(&self) -> f64 {
-        self.0.sampler.period()
+        self.0.rate.period()
     }
 
     fn memory(&self) -> PursuitMemory {

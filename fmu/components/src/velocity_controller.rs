@@ -1,8 +1,7 @@
 //! Velocity control with allocation: `rexrov::control::VelocityController` with FMI variables.
 
 use crate::groups::{Force, Inertia, Mounting, Velocity, Velocity4, Wrench, parameter_error};
-use crate::sampled::Sample;
-use fmu_kit::{Fault, Info, ParameterError, Resources, Time, Variables};
+use fmu_kit::{Fault, Info, ParameterError, Resources, Sample, Time, Variables};
 use rexrov::control::{self, ControllerMemory, ControllerParameters, Pid};
 use serde::{Deserialize, Serialize};
 
@@ -19,7 +18,7 @@ pub struct Linear {
     #[var(unit = "1", min = 0.0)]
     pub d: f64,
     /// limit of the demanded acceleration
-    #[var(unit = "m/s2")]
+    #[var(unit = "m/s2", min = 0.0)]
     pub saturation: f64,
 }
 
@@ -36,7 +35,7 @@ pub struct Angular {
     #[var(unit = "1", min = 0.0)]
     pub d: f64,
     /// limit of the demanded acceleration
-    #[var(unit = "rad/s2")]
+    #[var(unit = "rad/s2", min = 0.0)]
     pub saturation: f64,
 }
 
@@ -51,14 +50,14 @@ pub struct Parameters {
     /// Roll, pitch and yaw
     pub angular: Angular,
     /// Rigid mass
-    #[var(unit = "kg", nominal = 1000.0)]
+    #[var(unit = "kg", min = 0.0, nominal = 1000.0)]
     pub mass: f64,
     /// Rigid inertia about the centre of gravity
     pub inertia: Inertia,
     /// Thruster
     pub thruster: [Mounting; 8],
     /// Limit of each thruster, either sign
-    #[var(unit = "N", nominal = 1000.0)]
+    #[var(unit = "N", min = 0.0, nominal = 1000.0)]
     pub thrust_limit: f64,
 }
 
@@ -119,10 +118,8 @@ pub struct Outputs {
 pub struct VelocityController(control::VelocityController);
 
 impl Sample for VelocityController {
-    const INFO: Info = crate::sampled_info(
-        "VelocityController",
-        "PID velocity control and allocation to eight thrusters",
-    );
+    const INFO: Info =
+        crate::info("VelocityController", "PID velocity control and allocation to eight thrusters");
     type Parameters = Parameters;
     type Inputs = Inputs;
     type Outputs = Outputs;
@@ -133,7 +130,7 @@ impl Sample for VelocityController {
     }
 
     fn period_s(&self) -> f64 {
-        self.0.sampler.period()
+        self.0.rate.period()
     }
 
     fn memory(&self) -> ControllerMemory {

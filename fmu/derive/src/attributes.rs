@@ -12,6 +12,8 @@ pub(crate) struct Var {
     pub(crate) min: Option<Expr>,
     pub(crate) max: Option<Expr>,
     pub(crate) nominal: Option<Expr>,
+    /// The start value; without one it is the `Default` of the field's type.
+    pub(crate) start: Option<Expr>,
     /// The members count as members of the enclosing struct; the field adds no name and no text.
     pub(crate) flatten: bool,
 }
@@ -24,12 +26,12 @@ impl Var {
                 let name = meta.path.get_ident().map(ToString::to_string).unwrap_or_default();
                 let known = matches!(
                     name.as_str(),
-                    "unit" | "rename" | "min" | "max" | "nominal" | "flatten"
+                    "unit" | "rename" | "min" | "max" | "nominal" | "start" | "flatten"
                 );
                 if !known {
                     return Err(meta.error(format!(
-                        "unknown attribute `{name}`: #[var] takes unit, min, max, nominal, rename, \
-                         flatten"
+                        "unknown attribute `{name}`: #[var] takes unit, start, min, max, nominal, \
+                         rename, flatten"
                     )));
                 }
                 match name.as_str() {
@@ -37,6 +39,7 @@ impl Var {
                     "unit" => var.unit = Some(meta.value()?.parse()?),
                     "rename" => var.rename = Some(valid_name(meta.value()?.parse()?)?),
                     "min" => var.min = Some(meta.value()?.parse()?),
+                    "start" => var.start = Some(meta.value()?.parse()?),
                     "max" => var.max = Some(meta.value()?.parse()?),
                     _ => var.nominal = Some(meta.value()?.parse()?),
                 }

@@ -5,6 +5,8 @@
 
 mod attributes;
 mod enumeration;
+#[cfg(test)]
+mod tests;
 mod variables;
 
 use proc_macro::TokenStream;
@@ -17,7 +19,10 @@ use syn::{DeriveInput, parse_macro_input};
 /// description. `#[var(...)]` on a field takes
 ///
 /// * `unit = "m/s"`, `min = 0.0`, `max = 1.0`, `nominal = 100.0`: hold for the leaves below, too
+/// * `start = 60.0`: the start value, a literal or a path; if any field has one, the derive writes
+///   `Default` for the struct
 /// * `rename = "X"`: the FMI name, where it is no Rust field name
+/// * `flatten`: the members join the enclosing struct without a prefix
 #[proc_macro_derive(Variables, attributes(var))]
 pub fn derive_variables(input: TokenStream) -> TokenStream {
     let input = parse_macro_input!(input as DeriveInput);

@@ -15,10 +15,15 @@ const NO_SUCH_TYPE: [&str; 13] = [
 pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream> {
     let fields = fields(input)?;
     let name = &input.ident;
-    let declare = fields.iter().map(|field| declare(field)).collect::<Result<Vec<_>>>()?;
+    let vars = fields.iter().map(|f| Var::parse(&f.attrs)).collect::<Result<Vec<_>>>()?;
+    let default = default(name, &fields, &vars);
+    let declare = fields.iter().zip(vars).map(|(field, var)| declare(field, var));
+    let declare = declare.collect::<Result<Vec<_>>>()?;
     let idents: Vec<&Ident> = fields.iter().filter_map(|field| field.ident.as_ref()).collect();
     let types: Vec<&Type> = fields.iter().map(|field| &field.ty).collect();
     Ok(quote! {
+        #default
+
         #[automatically_derived]
         impl ::fmu_kit::Variables for #name {
             const COUNT: ::fmu_kit::Count = ::fmu_kit::Count::NONE
@@ -68,9 +73,28 @@ fn fields(input: &DeriveInput) -> Result<Vec<&Field>> {
     }
 }
 
-fn declare(field: &Field) -> Result<TokenStream> {
+/// `Default` from the start values, if any field has one.
+fn default(name: &Ident, fields: &[&Field], vars: &[Var]) -> Option<TokenStream> {
+    vars.iter().find(|var| var.start.is_some())?;
+    let values = fields.iter().zip(vars).map(|(field, var)| {
+        let ident = &field.ident;
+        match &var.start {
+            Some(start) => quote!(#ident: ::core::convert::Into::into(#start)),
+            None => quote!(#ident: ::core::default::Default::default()),
+        }
+    });
+    Some(quote! {
+        #[automatically_derived]
+        impl ::core::default::Default for #name {
+            fn default() -> Self {
+                Self { #(#values,)* }
+            }
+        }
+    })
+}
+
+fn declare(field: &Field, var: Var) -> Result<TokenStream> {
     let ident = field.ident.as_ref();
-    let var = Var::parse(&field.attrs)?;
     check(&field.ty, &var)?;
     let rust_name = ident.map(|ident| ident.unraw().to_string()).unwrap_or_default();
     let (name, description) = if var.flatten {

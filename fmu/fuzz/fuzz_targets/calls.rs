@@ -1,4 +1,5 @@
-//! Random sequences of calls over all 44 functions, on the components of the tests.
+//! Random sequences of calls over all 44 functions, on the components of the tests. Tells of every
+//! million calls.
 #![no_main]
 #![allow(dead_code)]
 
@@ -11,11 +12,26 @@ mod hybrid;
 #[path = "../../tests/fmi2/random_calls.rs"]
 mod random_calls;
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+const MILLION: usize = 1_000_000;
+
+static CALLS: AtomicUsize = AtomicUsize::new(0);
+
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     // A panicking component is part of the game; libFuzzer's hook would end the process at it.
     std::panic::set_hook(Box::new(|_| {}));
-    let calls = std::panic::catch_unwind(|| random_calls::run(random_calls::Bytes(bytes)));
-    if calls.is_err() {
-        std::process::abort();
+    match std::panic::catch_unwind(|| random_calls::run(random_calls::Bytes(bytes))) {
+        Ok(calls) => {
+            let before = CALLS.fetch_add(calls, Ordering::Relaxed);
+            if before / MILLION < (before + calls) / MILLION {
+                eprintln!("{} million calls", (before + calls) / MILLION);
+            }
+        }
+        Err(payload) => {
+            let text = payload.downcast_ref::<String>().map_or("a failed check", String::as_str);
+            eprintln!("{text}");
+            std::process::abort();
+        }
     }
 });

@@ -12,17 +12,43 @@ pub(super) type Wrong = String;
 /// wild number is better told than followed into memory that is not its own.
 const MOST: usize = 1 << 20;
 
+/// Whether an array may be made of this.
+#[inline(always)]
+fn is_sound<T>(pointer: *const T, n: usize) -> bool {
+    !pointer.is_null() && pointer.is_aligned() && n <= MOST
+}
+
 fn check<T>(name: &str, pointer: *const T, n: usize) -> Result<(), Wrong> {
+    if is_sound(pointer, n) {
+        return Ok(());
+    }
     if pointer.is_null() {
         return Err(format!("{name} is NULL, but has {n} elements"));
     }
     if !pointer.is_aligned() {
         return Err(format!("{name} is not aligned for its type"));
     }
-    if n > MOST {
-        return Err(format!("{name} cannot have {n} elements; at most {MOST} are taken"));
-    }
-    Ok(())
+    Err(format!("{name} cannot have {n} elements; at most {MOST} are taken"))
+}
+
+/// [`array`] without words for what is wrong.
+///
+/// # Safety
+/// As for [`array`].
+#[inline(always)]
+pub(super) unsafe fn plain_array<'a, T>(pointer: *const T, n: usize) -> Option<&'a [T]> {
+    // SAFETY: not null, aligned, of possible size; readable by the caller's word.
+    is_sound(pointer, n).then(|| unsafe { slice::from_raw_parts(pointer, n) })
+}
+
+/// [`array_mut`] without words for what is wrong.
+///
+/// # Safety
+/// As for [`array_mut`].
+#[inline(always)]
+pub(super) unsafe fn plain_array_mut<'a, T>(pointer: *mut T, n: usize) -> Option<&'a mut [T]> {
+    // SAFETY: not null, aligned, of possible size; writable and exclusive by the caller's word.
+    is_sound(pointer, n).then(|| unsafe { slice::from_raw_parts_mut(pointer, n) })
 }
 
 /// An array to read; NULL is fine if it is empty.

@@ -56,6 +56,7 @@ pub unsafe fn fmi2GetRealOutputDerivatives(
 }
 
 /// `fmi2DoStep`
+#[inline]
 pub unsafe fn fmi2DoStep(
     c: fmi2Component,
     currentCommunicationPoint: fmi2Real,

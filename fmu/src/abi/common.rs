@@ -42,8 +42,9 @@ pub unsafe fn fmi2SetDebugLogging(
         };
         // SAFETY: as above, each text ends with a NUL.
         let names = names.iter().map(|name| unsafe { text(*name) });
-        let names: Vec<&str> =
-            names.flatten().map(|name| name.to_str().unwrap_or("not UTF-8")).collect();
+        let names: Vec<&str> = names
+            .map(|name| name.map_or("NULL", |name| name.to_str().unwrap_or("not UTF-8")))
+            .collect();
         instance.set_debug_logging(loggingOn != FMI2_FALSE, &names)
     })
 }

@@ -30,21 +30,14 @@ pub(super) fn call_live(
     INSTANCES.with(component, |live| guarded(live, call, work)).unwrap_or(Status::Error)
 }
 
-/// Tries the `simple` way first, which must not be able to panic, and then the guarded one.
-#[inline]
-pub(super) fn call_first(
+/// Whether `simple` did all there is to do, which must not be able to panic; if not, [`call`] is the
+/// way. The usual case is kept apart from all others because it is so short.
+#[inline(always)]
+pub(super) fn done_simply(
     component: fmi2Component,
-    call: Call,
-    simple: impl FnOnce(&mut Instance) -> bool,
-    work: impl FnOnce(&mut Instance) -> Status,
-) -> fmi2Status {
-    let done = INSTANCES.with(component, |live| {
-        if simple(&mut live.instance) {
-            return Status::Ok;
-        }
-        guarded(live, call, |live| work(&mut live.instance))
-    });
-    done.unwrap_or(Status::Error)
+    simple: impl FnOnce(&mut Instance) -> Option<()>,
+) -> bool {
+    matches!(INSTANCES.with(component, |live| simple(&mut live.instance)), Ok(Some(())))
 }
 
 #[inline]

@@ -32,7 +32,8 @@ impl Sink for Logger {
         let Some(callback) = self.callback else {
             return;
         };
-        let text = CString::new(text.replace('\0', " ")).unwrap_or_default();
+        // One line, whatever a panic or a file name brings along.
+        let text = CString::new(text.replace(char::is_control, " ")).unwrap_or_default();
         let category = CString::new(category.name()).unwrap_or_default();
         // SAFETY: the importer gave this function to be called so; all texts end with a NUL and
         // outlive the call. The message is an argument of "%s", never a format itself.

@@ -57,8 +57,11 @@ pub unsafe fn fmi2CompletedIntegratorStep(
                 place("terminateSimulation", terminateSimulation),
             )
         };
-        let (Ok(event), Ok(end)) = flags else {
-            return instance.refuse(Call::CompletedIntegratorStep, "a flag to fill is NULL");
+        let (event, end) = match flags {
+            (Ok(event), Ok(end)) => (event, end),
+            (Err(wrong), _) | (_, Err(wrong)) => {
+                return instance.refuse(Call::CompletedIntegratorStep, &wrong);
+            }
         };
         (*event, *end) = (FMI2_FALSE, FMI2_FALSE);
         instance.completed_integrator_step()

@@ -4,8 +4,8 @@ use std::ffi::CString;
 
 use crate::kernel::Call;
 
-use super::arguments::{array, array_mut, text};
-use super::guard::{call, call_first};
+use super::arguments::{array, array_mut, plain_array, plain_array_mut, text};
+use super::guard::{call, done_simply};
 use super::types::*;
 
 /// Both arrays of a get or set function, or the refusal.
@@ -22,30 +22,33 @@ macro_rules! arrays {
 }
 
 /// `fmi2GetReal`
+#[inline]
 pub unsafe fn fmi2GetReal(
     c: fmi2Component,
     vr: *const fmi2ValueReference,
     nvr: usize,
     value: *mut fmi2Real,
 ) -> fmi2Status {
-    // Nothing here can panic unless something has to be computed.
-    call_first(
-        c,
-        Call::GetReal,
-        |instance| {
-            // SAFETY: the importer passes arrays of `nvr` elements, as the standard demands, and
-            // leaves them alone during the call.
-            let arrays = unsafe { (array("vr", vr, nvr), array_mut("value", value, nvr)) };
-            match arrays {
-                (Ok(vr), Ok(value)) => instance.get_fresh(vr, value),
-                _ => false,
-            }
-        },
-        |instance| {
-            let (references, values) = arrays!(instance, Call::GetReal, vr, value, nvr, array_mut);
-            instance.get_real(references, values)
-        },
-    )
+    let simply = done_simply(c, |instance| {
+        // SAFETY: the importer passes arrays of `nvr` elements, as the standard demands, and
+        // leaves them alone during the call.
+        let (references, values) = unsafe { (plain_array(vr, nvr)?, plain_array_mut(value, nvr)?) };
+        instance.get_fresh(references, values)
+    });
+    if simply { fmi2Status::Ok } else { get_real(c, vr, nvr, value) }
+}
+
+#[inline(never)]
+fn get_real(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *mut fmi2Real,
+) -> fmi2Status {
+    call(c, Call::GetReal, |instance| {
+        let (references, values) = arrays!(instance, Call::GetReal, vr, value, nvr, array_mut);
+        instance.get_real(references, values)
+    })
 }
 
 /// `fmi2GetInteger`
@@ -96,26 +99,32 @@ pub unsafe fn fmi2GetString(
 }
 
 /// `fmi2SetReal`
+#[inline]
 pub unsafe fn fmi2SetReal(
     c: fmi2Component,
     vr: *const fmi2ValueReference,
     nvr: usize,
     value: *const fmi2Real,
 ) -> fmi2Status {
-    // Nothing here can panic.
-    call_first(
-        c,
-        Call::SetReal,
-        |instance| {
-            // SAFETY: as in `fmi2GetReal`.
-            let arrays = unsafe { (array("vr", vr, nvr), array("value", value, nvr)) };
-            matches!(arrays, (Ok(vr), Ok(value)) if instance.set_inputs(vr, value))
-        },
-        |instance| {
-            let (references, values) = arrays!(instance, Call::SetReal, vr, value, nvr, array);
-            instance.set_real(references, values)
-        },
-    )
+    let simply = done_simply(c, |instance| {
+        // SAFETY: as in `fmi2GetReal`.
+        let (references, values) = unsafe { (plain_array(vr, nvr)?, plain_array(value, nvr)?) };
+        instance.set_inputs(references, values)
+    });
+    if simply { fmi2Status::Ok } else { set_real(c, vr, nvr, value) }
+}
+
+#[inline(never)]
+fn set_real(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *const fmi2Real,
+) -> fmi2Status {
+    call(c, Call::SetReal, |instance| {
+        let (references, values) = arrays!(instance, Call::SetReal, vr, value, nvr, array);
+        instance.set_real(references, values)
+    })
 }
 
 /// `fmi2SetInteger`
@@ -155,10 +164,8 @@ pub unsafe fn fmi2SetString(
     call(c, Call::SetString, |instance| {
         let (references, values) = arrays!(instance, Call::SetString, vr, value, nvr, array);
         // SAFETY: the importer passes texts that end with a NUL, as the standard demands.
-        let texts = values.iter().map(|value| unsafe { text(*value) }.map(CString::from));
-        match texts.collect::<Option<Vec<CString>>>() {
-            Some(texts) => instance.set_string(references, &texts),
-            None => instance.refuse(Call::SetString, "one of the texts is NULL"),
-        }
+        let texts = values.iter().map(|value| unsafe { text(*value) });
+        let texts: Vec<Option<CString>> = texts.map(|text| text.map(CString::from)).collect();
+        instance.set_string(references, &texts)
     })
 }

@@ -38,6 +38,10 @@ pub trait Component: Sized + Send + 'static {
     const INFO: Info;
     /// Names of the event indicators, at most 64; none if the component has no state events.
     const INDICATORS: &'static [&'static str] = &[];
+    /// Whether the indicators follow from the inputs alone and only mark kinks of the right-hand
+    /// side, so that there is nothing to do at a crossing but to start the integration anew there.
+    /// Co-simulation then looks at them in those steps only in which inputs move.
+    const KINKS_OF_INPUTS: bool = false;
     /// Whether [`tangent`](Component::tangent) is there.
     const TANGENT: bool = false;
     /// Parameters: of any variable type, fixed once initialization is over.
@@ -67,10 +71,10 @@ pub trait Component: Sized + Send + 'static {
     /// `min` and `max` are checked by the kernel already.
     fn new(parameters: &Self::Parameters, resources: &Resources) -> Result<Self, ParameterError>;
 
-    /// States and memory at the start time, given the inputs.
+    /// States and memory at the start time, given the inputs; the `Default` of both unless you
+    /// override it.
     ///
-    /// A sampled component takes its first sample (k = 0) here. Called again whenever a parameter
-    /// or an input changes before initialization ends.
+    /// Called again whenever a parameter or an input changes before initialization ends.
     ///
     /// # Errors
     /// A [`Fault`] says why the simulation cannot start from these inputs.
@@ -78,7 +82,10 @@ pub trait Component: Sized + Send + 'static {
         &self,
         start: Time,
         inputs: &Self::Inputs,
-    ) -> Result<(Self::States, Self::Memory), Fault>;
+    ) -> Result<(Self::States, Self::Memory), Fault> {
+        let _ = (start, inputs);
+        Ok((Self::States::default(), Self::Memory::default()))
+    }
 
     /// Time derivatives of the states (in a `States` of their own, unit per second). Whoever has
     /// continuous states overrides this; the default serves [`NoStates`].
@@ -187,5 +194,26 @@ pub trait Component: Sized + Send + 'static {
     ) -> (Self::States, Self::Outputs) {
         let _ = (t, memory, states, inputs, dx, du);
         (Self::States::default(), Self::Outputs::default())
+    }
+
+    /// The rest of the tangent-linear model at the start, where parameters may still change by `dp`
+    /// and inputs by `du`: the change of the states that [`initial`](Component::initial) gives, and
+    /// the changes of derivatives and outputs that the parameters make by themselves, at these
+    /// states and inputs. The kernel adds what [`tangent`](Component::tangent) says of the change
+    /// of states and inputs.
+    ///
+    /// `parameters` are the ones in force, `dp` holds changes in its Reals and the same values as
+    /// they in all else. Whoever writes `tangent` and has Real parameters, or an initial state that
+    /// follows from the inputs, writes this too.
+    fn initial_tangent(
+        &self,
+        states: &Self::States,
+        inputs: &Self::Inputs,
+        parameters: &Self::Parameters,
+        dp: &Self::Parameters,
+        du: &Self::Inputs,
+    ) -> (Self::States, Self::States, Self::Outputs) {
+        let _ = (states, inputs, parameters, dp, du);
+        (Self::States::default(), Self::States::default(), Self::Outputs::default())
     }
 }

@@ -16,6 +16,8 @@ pub struct Info {
     pub author: &'static str,
     /// Version of the component.
     pub version: &'static str,
+    /// Who holds the copyright, and since when.
+    pub copyright: &'static str,
     /// Terms of use.
     pub license: &'static str,
     /// Stop time of the default experiment in seconds (it starts at 0).
@@ -42,6 +44,7 @@ impl Info {
             description,
             author: "",
             version: "",
+            copyright: "",
             license: "",
             stop_time_s: 10.0,
             step_s: 0.01,

@@ -1,8 +1,14 @@
-//! The folder of files an FMU carries along.
+//! The folder of files an FMU carries along, and how a text file is read.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::ParameterError;
+
+/// Larger files are no parameters of a component, and reading them would take the memory of the
+/// importer.
+const LARGEST_BYTES: u64 = 16 << 20;
 
 /// The FMU's `resources` folder, if the importer named one that is a file path.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,20 +37,43 @@ impl Resources {
     /// The text of the file `name` in the folder; `variable` is the parameter that asked for it.
     ///
     /// # Errors
-    /// There is no folder, `name` leads out of it, or the file cannot be read as UTF-8.
+    /// There is no folder, `name` leads out of it, or [`read_text`] finds the file unreadable.
     pub fn read_to_string(&self, variable: &str, name: &str) -> Result<String, ParameterError> {
         let error = |reason: String| ParameterError::new(variable, reason);
         let folder = self.folder().ok_or_else(|| {
-            error(format!("needs the file \"{name}\", but the importer gave no resource location"))
+            error(format!("needs the file {name:?}, but the importer gave no resource location"))
         })?;
         let relative = Path::new(name);
         if !relative.components().all(|part| matches!(part, std::path::Component::Normal(_))) {
             return Err(error(format!(
-                "\"{name}\" leads out of the resources folder; name a file inside it"
+                "{name:?} leads out of the resources folder; name a file inside it"
             )));
         }
-        let path = folder.join(relative);
-        std::fs::read_to_string(&path)
-            .map_err(|cause| error(format!("cannot read \"{}\": {cause}", path.display())))
+        read_text(&folder.join(relative)).map_err(error)
     }
+}
+
+/// The text of a file: a regular one, of 16 MiB at most, in UTF-8.
+///
+/// # Errors
+/// The reason in words, with the file and, where the text is at fault, the line.
+pub fn read_text(path: &Path) -> Result<String, String> {
+    let cannot = |reason: String| format!("cannot read {path:?}: {reason}");
+    // Before it is opened: opening a pipe would wait for its other end.
+    let kind = path.metadata().map_err(|cause| cannot(cause.to_string()))?;
+    if !kind.is_file() {
+        let what = if kind.is_dir() { "a folder" } else { "a device or a pipe" };
+        return Err(cannot(format!("it is {what}, not a file")));
+    }
+    let mut bytes = Vec::new();
+    let read = |file: File| file.take(LARGEST_BYTES + 1).read_to_end(&mut bytes);
+    File::open(path).and_then(read).map_err(|cause| cannot(cause.to_string()))?;
+    if bytes.len() as u64 > LARGEST_BYTES {
+        return Err(cannot(format!("it has more than {} MiB", LARGEST_BYTES >> 20)));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let (bytes, end) = (error.as_bytes(), error.utf8_error().valid_up_to());
+        let line = 1 + bytes.iter().take(end).filter(|byte| **byte == b'\n').count();
+        format!("{path:?}, line {line}: not text in UTF-8")
+    })
 }

@@ -4,8 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use super::Time;
 
-/// Sample instants `t_k = t_start + k T`. Keep it in `Memory`, take sample 0 in `initial`, answer
-/// `next_event` with [`next`](Sampler::next) and call [`advance`](Sampler::advance) in `event`.
+/// Sample instants `t_k = t_start + k T`. [`Sampled`](super::Sampled) keeps one; a component that
+/// has continuous states as well keeps its own in `Memory`, takes sample 0 in `initial`, answers
+/// `next_event` with [`next`](Sampler::next) and calls [`advance`](Sampler::advance) in `event`.
 ///
 /// Each instant is computed from k, not summed up, so that a period that is no whole number of
 /// nanoseconds (7 Hz) does not drift.
@@ -17,10 +18,11 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// Samples every `period_s` seconds from `start` on; sample 0 counts as taken.
+    /// Samples every `period_s` seconds (at least a nanosecond) from `start` on; sample 0 counts as
+    /// taken.
     #[must_use]
     pub const fn new(start: Time, period_s: f64) -> Self {
-        Self { start, period_s, index: 0 }
+        Self { start, period_s: period_s.max(1e-9), index: 0 }
     }
 
     /// Index of the newest sample taken.
@@ -35,10 +37,10 @@ impl Sampler {
         self.instant(self.index)
     }
 
-    /// Instant of the next sample, at least one nanosecond after the last.
+    /// Instant of the next sample.
     #[must_use]
     pub fn next(&self) -> Time {
-        self.instant(self.index.saturating_add(1)).max(self.last().after_ns(1))
+        self.instant(self.index.saturating_add(1))
     }
 
     /// Counts the next sample as taken.
@@ -48,5 +50,31 @@ impl Sampler {
 
     fn instant(&self, index: u64) -> Time {
         self.start.after_ns(Time::from_seconds(index as f64 * self.period_s).ns())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Sampler, Time};
+
+    #[test]
+    fn instants_are_counted_and_do_not_drift() {
+        let mut seven = Sampler::new(Time::from_ns(5), 1.0 / 7.0);
+        assert_eq!((seven.last().ns(), seven.next().ns()), (5, 142_857_148));
+        (0..7_000_000).for_each(|_| seven.advance());
+        assert_eq!((seven.index(), seven.last().ns()), (7_000_000, 1_000_000_000_000_005));
+    }
+
+    #[test]
+    fn the_clock_always_moves_on() {
+        for period_s in [1.4e-9, 1e-12, 0.0, -1.0, f64::NAN] {
+            let mut sampler = Sampler::new(Time::from_ns(0), period_s);
+            for _ in 0..10 {
+                let due = sampler.next();
+                assert!(due > sampler.last());
+                sampler.advance();
+                assert_eq!(sampler.last(), due);
+            }
+        }
     }
 }

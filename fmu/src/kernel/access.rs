@@ -13,22 +13,26 @@ use super::table::{Group, Kind, Variable};
 use super::values::all_finite;
 
 impl Instance {
-    /// `fmi2GetReal` of values that need no computing; false if it is not so simple.
+    /// `fmi2GetReal` of values that need no computing; `None` if it is not so simple.
     ///
     /// No code of a component runs here.
     #[inline]
-    pub fn get_fresh(&self, references: &[u32], into: &mut [f64]) -> bool {
-        let legal = self.run.phase.allows(Call::GetReal);
-        let (true, Some(fresh)) = (legal, self.values.reals.get(..self.fresh_reals())) else {
-            return false;
-        };
-        for (reference, place) in references.iter().zip(into) {
-            match fresh.get(*reference as usize) {
-                Some(value) => *place = *value,
-                None => return false,
-            }
+    pub fn get_fresh(&self, references: &[u32], into: &mut [f64]) -> Option<()> {
+        if !self.run.phase.allows(Call::GetReal) {
+            return None;
         }
-        true
+        let fresh = self.values.reals.get(..self.fresh_reals())?;
+        let get = |reference: &u32| fresh.get(*reference as usize).copied();
+        // Four at a time: half of the work would be counting.
+        let (by_four, rest) = references.as_chunks::<4>();
+        let (into_four, into_rest) = into.as_chunks_mut::<4>();
+        for ([a, b, c, d], place) in by_four.iter().zip(into_four) {
+            *place = [get(a)?, get(b)?, get(c)?, get(d)?];
+        }
+        for (reference, place) in rest.iter().zip(into_rest) {
+            *place = get(reference)?;
+        }
+        Some(())
     }
 
     /// How many of the Reals, counted from the first, are up to date.
@@ -94,20 +98,29 @@ impl Instance {
         })
     }
 
-    /// `fmi2SetReal` of inputs while the simulation runs; false if it is not so simple.
+    /// `fmi2SetReal` of inputs while the simulation runs; `None` if it is not so simple.
     ///
     /// No code of a component runs here.
     #[inline]
-    pub fn set_inputs(&mut self, references: &[u32], values: &[f64]) -> bool {
-        let running = matches!(self.run.phase, Phase::Event | Phase::Continuous | Phase::Step);
+    pub fn set_inputs(&mut self, references: &[u32], values: &[f64]) -> Option<()> {
+        if !matches!(self.run.phase, Phase::Event | Phase::Continuous | Phase::Step) {
+            return None;
+        }
         let place = self.table.layout().inputs.clone();
         let first = place.start;
-        let (true, Some(inputs)) = (running, self.values.reals.get_mut(place)) else {
-            return false;
-        };
+        let inputs = self.values.reals.get_mut(place)?;
         let index = |reference: u32| (reference as usize).wrapping_sub(first);
-        if references.iter().any(|r| index(*r) >= inputs.len()) || !all_finite(values) {
-            return false;
+        // All or none, so this takes two ways through.
+        let mut sum = 0.0;
+        for (reference, value) in references.iter().zip(values) {
+            if index(*reference) >= inputs.len() {
+                return None;
+            }
+            sum += value;
+        }
+        // A sum that is finite is one of finite values; one that is not is looked at closely.
+        if !f64::is_finite(sum) {
+            return None;
         }
         for (reference, value) in references.iter().zip(values) {
             if let Some(place) = inputs.get_mut(index(*reference)) {
@@ -116,7 +129,7 @@ impl Instance {
         }
         self.run.stale.outputs = true;
         self.run.stale.derivatives = true;
-        true
+        Some(())
     }
 
     /// `fmi2SetReal`
@@ -160,17 +173,24 @@ impl Instance {
         })
     }
 
-    /// `fmi2SetString`
-    pub fn set_string(&mut self, references: &[u32], values: &[CString]) -> Status {
+    /// `fmi2SetString`; `None` stands for NULL.
+    pub fn set_string(&mut self, references: &[u32], values: &[Option<CString>]) -> Status {
         self.call(Call::SetString, |me| {
             me.check_parameters(Kind::String, references)?;
+            let mut texts = Vec::with_capacity(values.len());
             for (reference, value) in references.iter().zip(values) {
-                if value.to_str().is_err() {
-                    let name = me.name(Kind::String, *reference);
-                    return Err(Trouble::error(format_args!("{name}: the text is not UTF-8")));
-                }
+                let wrong = match value {
+                    Some(text) if text.to_str().is_ok() => {
+                        texts.push(text.clone());
+                        continue;
+                    }
+                    Some(_) => "the text is not UTF-8",
+                    None => "the text is NULL",
+                };
+                let name = me.name(Kind::String, *reference);
+                return Err(Trouble::error(format_args!("{name}: {wrong}")));
             }
-            assign(&mut me.values.strings, references, values);
+            assign(&mut me.values.strings, references, &texts);
             me.changed(references, |explicit| &mut explicit.strings);
             Ok(())
         })
@@ -194,10 +214,12 @@ impl Instance {
                 done => done?,
             }
         }
-        // Behind the derivatives there is time only.
-        let first = self.table.layout().derivatives.start;
-        let asked = |any: bool, reference: &u32| any | (*reference as usize >= first);
-        if reals.iter().fold(false, asked) { self.refresh_derivatives() } else { Ok(()) }
+        let derivatives = &self.table.layout().derivatives;
+        if reals.iter().any(|reference| derivatives.contains(&(*reference as usize))) {
+            self.refresh_derivatives()
+        } else {
+            Ok(())
+        }
     }
 
     /// Remembers what was set and what depends on it.

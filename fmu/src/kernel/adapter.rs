@@ -8,7 +8,7 @@ use super::parameters::Parameters;
 use super::signal::{Held, Moving, Signal, Slopes};
 use super::stepper::{Progress, Scheme, Stepper};
 use super::table::{Group, Layout, Table};
-use super::values::{Explicit, Values, all_finite, is_finite, read, write};
+use super::values::{Explicit, Values, accumulate, first_not_finite, is_finite, read, write};
 
 /// A component together with everything that changes.
 pub(crate) struct ComponentModel<C: Component> {
@@ -64,8 +64,7 @@ impl<C: Component> ComponentModel<C> {
         let Some(component) = &self.component else {
             return Err(Halt::new(t, unconfigured()));
         };
-        let before = self.states(values);
-        let mut x = before;
+        let mut x = self.states(values);
         let mut stepper =
             Stepper { component, scheme: &self.scheme, progress: &mut self.progress, signal };
         let events = match stepper.advance(&mut x, t, h) {
@@ -77,23 +76,36 @@ impl<C: Component> ComponentModel<C> {
         };
         let memory = &self.progress.memory;
         let outputs = signal.with(t + h, |u| component.outputs(t + h, memory, &x, u));
+        if !(is_finite(&x) & is_finite(&outputs)) {
+            return Err(self.not_finite(t, &x, &outputs, signal, values));
+        }
         write(&x, &mut values.reals, &self.layout.states);
         write(&outputs, &mut values.reals, &self.layout.outputs);
-        // Outputs and states lie side by side.
-        let place = self.layout.outputs.start..self.layout.states.end;
-        match values.reals.get(place.clone()) {
-            Some(reals) if !all_finite(reals) => {
-                let first = reals.iter().position(|value| !value.is_finite());
-                let reference = place.start + first.unwrap_or_default();
-                let halt = Halt { reached_s: t, cause: Cause::NotFinite(reference) };
-                Err(self.halted(halt, &before, signal, values))
-            }
-            _ => Ok(events),
-        }
+        Ok(events)
+    }
+
+    /// The step from `t` led to such states and outputs; the values are still those before it.
+    #[cold]
+    #[inline(never)]
+    fn not_finite(
+        &self,
+        t: f64,
+        x: &C::States,
+        outputs: &C::Outputs,
+        signal: &impl Signal<C>,
+        values: &mut Values,
+    ) -> Halt {
+        let reference = match first_not_finite(outputs) {
+            Some(output) => self.layout.outputs.start + output,
+            None => self.layout.states.start + first_not_finite(x).unwrap_or_default(),
+        };
+        let halt = Halt { reached_s: t, cause: Cause::NotFinite(reference) };
+        self.halted(halt, &self.states(values), signal, values)
     }
 
     /// Leaves the values as they are where the step ended.
     #[cold]
+    #[inline(never)]
     fn halted(
         &self,
         halt: Halt,
@@ -230,6 +242,23 @@ impl<C: Component> Model for ComponentModel<C> {
         let (derivatives, outputs) = component.tangent(t, &self.progress.memory, &x, &u, &dx, &du);
         write(&derivatives, changes, &self.layout.derivatives);
         write(&outputs, changes, &self.layout.outputs);
+        true
+    }
+
+    fn initial_tangent(&self, t: f64, values: &Values, changes: &mut [f64]) -> bool {
+        let Some(component) = self.component.as_ref().filter(|_| C::TANGENT) else {
+            return false;
+        };
+        let (x, u) = (self.states(values), self.inputs(values));
+        let parameters: Parameters<C> = values.load();
+        let along: Parameters<C> = Values { reals: changes.into(), ..values.clone() }.load();
+        let du = read(changes, &self.layout.inputs);
+        let (dx, derivatives, outputs) =
+            component.initial_tangent(&x, &u, &parameters.author, &along.author, &du);
+        write(&dx, changes, &self.layout.states);
+        self.tangent(t, values, changes);
+        accumulate(&derivatives, changes, &self.layout.derivatives);
+        accumulate(&outputs, changes, &self.layout.outputs);
         true
     }
 

@@ -3,10 +3,13 @@
 //! A component is probed at many reproducible random points: parameters, inputs and states around
 //! their start and nominal values and at their bounds. At each point one quantity after the other
 //! is moved, and whatever differs in any bit depends on it. For outputs and derivatives the
-//! quantities are inputs and states; a sampled component first handles some events with inputs
-//! that wander, and the moved input is there at the last one. For initial values the quantities
-//! are parameters and inputs. What cannot be tried is listed as a dependency: texts, and parameters
-//! whose every move is refused.
+//! quantities are inputs, states and time; a sampled component first handles some events with
+//! inputs that wander, and the moved input is there at the last one. For initial values the
+//! quantities are parameters, inputs and the start time. What cannot be tried is listed as a
+//! dependency: texts, and parameters whose every move is refused.
+//!
+//! Where the component has a tangent-linear model, its slopes at the same points tell how a known
+//! enters (see [`super::factors`]).
 //!
 //! A sampled component computes all outputs together at the sample, and some of its branches are
 //! rare: the last point of a course is reached once in a long run. Random trials see that an
@@ -22,7 +25,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::author::{Component, Resources, Start, Time};
 
 use super::adapter::ComponentModel;
+use super::factors::{Factor, Factors};
 use super::model::Model;
+use super::perturbation::{Random, set, shift};
 use super::table::{Group, Table, Variable};
 use super::values::{Explicit, Values};
 
@@ -30,16 +35,37 @@ use super::values::{Explicit, Values};
 const POINTS: u64 = 256;
 /// Most events before the one under test.
 const EVENTS: u64 = 12;
+/// Points of inputs and states at which slopes are taken with the same parameters.
+const SLOPES: u64 = 3;
+/// By how much time is moved (s).
+const LATER_S: f64 = 0.37;
 
 /// Knowns of each unknown, as indices into the table's variables, both in ascending order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Dependencies {
-    /// Outputs: on inputs and states.
+    /// Outputs: on inputs, states and time.
     pub(crate) outputs: BTreeMap<usize, BTreeSet<usize>>,
-    /// Derivatives: on inputs and states.
+    /// Derivatives: on inputs, states and time.
     pub(crate) derivatives: BTreeMap<usize, BTreeSet<usize>>,
-    /// Outputs, states and derivatives at the start: on parameters and inputs.
+    /// Outputs, states and derivatives at the start: on parameters, inputs and time.
     pub(crate) initial: BTreeMap<usize, BTreeSet<usize>>,
+    factors: Factors,
+    initial_factors: Factors,
+}
+
+impl Dependencies {
+    /// How a known enters an output or a derivative.
+    pub(crate) fn factor(&self, unknown: usize, known: usize) -> Factor {
+        self.factors.of(unknown, known)
+    }
+
+    /// How a known enters an initial value, where FMI knows no fixed factors.
+    pub(crate) fn initial_factor(&self, unknown: usize, known: usize) -> Factor {
+        match self.initial_factors.of(unknown, known) {
+            Factor::Fixed => Factor::Dependent,
+            factor => factor,
+        }
+    }
 }
 
 /// Probes a component.
@@ -83,6 +109,7 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
             outputs: none(&[Group::Output]),
             derivatives: none(&[Group::Derivative]),
             initial: none(&[Group::Output, Group::State, Group::Derivative]),
+            ..Dependencies::default()
         };
         Self { table, model, found, moved: BTreeSet::new(), refusal: None, accepted: 0 }
     }
@@ -104,14 +131,22 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
         }
         self.initial(&values, point);
         self.running(&values, Experiment { events: point % (EVENTS + 1), seed: point });
+        if self.table.has_tangent() {
+            self.slopes(&values, point);
+            self.initial_slopes(&values, point);
+        }
     }
 
     /// Moves parameters and inputs before the start.
     fn initial(&mut self, values: &Values, seed: u64) {
-        let Some(base) = self.start(values) else {
+        let Some(base) = self.start(values, 0.0) else {
             return;
         };
         self.accepted += 1;
+        if let Some(later) = self.start(values, LATER_S) {
+            let time = self.time();
+            note(self.table, &mut self.found.initial, time, &base, &later);
+        }
         for (index, variable) in self.table.variables().iter().enumerate() {
             if !matches!(variable.group, Group::Parameter | Group::Input) {
                 continue;
@@ -121,18 +156,29 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
             if !shift(variable, &mut moved, &mut random) {
                 continue;
             }
-            if let Some(there) = self.start(&moved) {
+            if let Some(there) = self.start(&moved, 0.0) {
                 self.moved.insert(index);
                 note(self.table, &mut self.found.initial, index, &base, &there);
             }
         }
     }
 
-    /// Moves inputs and states while running.
+    /// Index of time, the last variable.
+    fn time(&self) -> usize {
+        self.table.variables().len().saturating_sub(1)
+    }
+
+    /// Moves inputs, states and time while running.
     fn running(&mut self, values: &Values, experiment: Experiment) {
         let Some(base) = self.run(values, experiment, None) else {
             return;
         };
+        let time = self.time();
+        let later = self.table.variables().get(time);
+        if let Some(there) = self.run(values, experiment, later) {
+            note(self.table, &mut self.found.outputs, time, &base, &there);
+            note(self.table, &mut self.found.derivatives, time, &base, &there);
+        }
         for (index, variable) in self.table.variables().iter().enumerate() {
             if !matches!(variable.group, Group::Input | Group::State) {
                 continue;
@@ -144,21 +190,70 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
         }
     }
 
-    /// The values at the start.
-    fn start(&mut self, values: &Values) -> Option<Values> {
+    /// Takes the slopes along inputs and states at some points.
+    fn slopes(&mut self, values: &Values, parameters: u64) {
         let mut values = values.clone();
-        let model = self.configured(&mut values)?;
-        evaluate(&*model, 0.0, &mut values);
+        let Some(model) = self.configured(&mut values, 0.0) else {
+            return;
+        };
+        let mut random = Random(parameters ^ 0x510E);
+        let table = self.table;
+        for _ in 0..SLOPES {
+            let moving = [Group::Input, Group::State];
+            for (_, variable) in moving.into_iter().flat_map(|group| table.group(group)) {
+                shift(variable, &mut values, &mut random);
+            }
+            for (known, variable) in moving.into_iter().flat_map(|group| table.group(group)) {
+                let mut changes = unit(&values, variable);
+                model.tangent(0.0, &values, &mut changes);
+                for unknown in [Group::Output, Group::Derivative] {
+                    for (unknown, variable) in table.group(unknown) {
+                        let slope = changes.get(variable.reference as usize).copied();
+                        let slope = slope.unwrap_or(f64::NAN);
+                        self.found.factors.see(unknown, known, slope, parameters);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Takes the slopes along Real parameters and inputs at the start.
+    fn initial_slopes(&mut self, values: &Values, parameters: u64) {
+        let mut values = values.clone();
+        let Some(model) = self.configured(&mut values, 0.0) else {
+            return;
+        };
+        for (known, variable) in self.table.variables().iter().enumerate() {
+            let moves = matches!(variable.group, Group::Parameter | Group::Input);
+            if !(moves && matches!(variable.start, Start::Real(_))) {
+                continue;
+            }
+            let mut changes = unit(&values, variable);
+            model.initial_tangent(0.0, &values, &mut changes);
+            for unknown in self.found.initial.keys() {
+                let reference = self.table.variables().get(*unknown).map(|v| v.reference as usize);
+                let slope = reference.and_then(|reference| changes.get(reference).copied());
+                let slope = slope.unwrap_or(f64::NAN);
+                self.found.initial_factors.see(*unknown, known, slope, parameters);
+            }
+        }
+    }
+
+    /// The values at the start.
+    fn start(&mut self, values: &Values, start_s: f64) -> Option<Values> {
+        let mut values = values.clone();
+        let model = self.configured(&mut values, start_s)?;
+        evaluate(&*model, start_s, &mut values);
         Some(values)
     }
 
-    fn configured(&mut self, values: &mut Values) -> Option<Box<dyn Model>> {
+    fn configured(&mut self, values: &mut Values, start_s: f64) -> Option<Box<dyn Model>> {
         let mut model = (self.model)();
         if let Err(refusal) = model.configure(values, &self.explicit(values), None) {
             self.refusal.get_or_insert_with(|| refusal.to_string());
             return None;
         }
-        if let Err(fault) = model.initialize(Time::default(), values) {
+        if let Err(fault) = model.initialize(Time::from_seconds(start_s), values) {
             self.refusal.get_or_insert_with(|| fault.to_string());
             return None;
         }
@@ -188,7 +283,7 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
     ) -> Option<Values> {
         let mut random = Random(experiment.seed ^ 0xD1CE);
         let mut values = values.clone();
-        let mut model = self.configured(&mut values)?;
+        let mut model = self.configured(&mut values, 0.0)?;
         let mut now = Time::default();
         for _ in 0..experiment.events {
             for (_, input) in self.table.group(Group::Input) {
@@ -205,14 +300,19 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
         for (_, state) in self.table.group(Group::State) {
             shift(state, &mut values, &mut random);
         }
-        if let Some(variable) = moved {
-            shift(variable, &mut values, &mut random);
-        }
+        let later_s = match moved {
+            Some(variable) if variable.group == Group::Time => LATER_S,
+            Some(variable) => {
+                shift(variable, &mut values, &mut random);
+                0.0
+            }
+            None => 0.0,
+        };
         if let Some(next) = model.next_event() {
             now = next;
             model.events(now.seconds(), &mut values).ok()?;
         }
-        evaluate(&*model, now.seconds(), &mut values);
+        evaluate(&*model, now.seconds() + later_s, &mut values);
         Some(values)
     }
 
@@ -254,6 +354,13 @@ fn evaluate(model: &dyn Model, t: f64, values: &mut Values) {
     model.derivatives(t, values);
 }
 
+/// A change of one variable alone.
+fn unit(values: &Values, variable: &Variable) -> Box<[f64]> {
+    let mut changes: Box<[f64]> = vec![0.0; values.reals.len()].into();
+    set(&mut changes, variable.reference as usize, 1.0);
+    changes
+}
+
 /// Notes the unknowns that differ in any bit as dependent on `known`.
 fn note(
     table: &Table,
@@ -272,72 +379,5 @@ fn note(
         if bits(before) != bits(after) {
             knowns.insert(known);
         }
-    }
-}
-
-/// Moves a variable to another admissible value; false if that makes no sense for its type.
-fn shift(variable: &Variable, values: &mut Values, random: &mut Random) -> bool {
-    let reference = variable.reference as usize;
-    match &variable.start {
-        Start::Real(start) => set(&mut values.reals, reference, real(variable, *start, random)),
-        Start::Integer(start) => {
-            let number = real(variable, f64::from(*start), random).round();
-            set(&mut values.integers, reference, number as i32)
-        }
-        Start::Enumeration { items, .. } => {
-            let item = 1 + random.below(items.len() as u64) as i32;
-            set(&mut values.integers, reference, item)
-        }
-        Start::Boolean(_) => {
-            let now = values.booleans.get(reference).copied().unwrap_or_default();
-            set(&mut values.booleans, reference, !now)
-        }
-        Start::String(_) => false,
-    }
-}
-
-fn set<T>(values: &mut [T], reference: usize, value: T) -> bool {
-    values.get_mut(reference).map(|place| *place = value).is_some()
-}
-
-/// A value near the start, at a bound, or of the nominal size times a power of ten, within the
-/// bounds. Inputs go furthest, so that saturated and far-off regions are seen as well as others.
-fn real(variable: &Variable, start: f64, random: &mut Random) -> f64 {
-    let (min, max) = (variable.min.unwrap_or(f64::MIN), variable.max.unwrap_or(f64::MAX));
-    let scale = variable.nominal.unwrap_or(if start == 0.0 { 1.0 } else { start.abs() });
-    let powers = match variable.group {
-        Group::Input => 4,
-        Group::State => 2,
-        _ => 1,
-    };
-    let reach = (0..random.below(powers)).fold(scale, |reach, _| 10.0 * reach);
-    let value = match (random.below(8), variable.min, variable.max) {
-        (0, Some(min), _) => min,
-        (1, _, Some(max)) => max,
-        (2, Some(min), Some(max)) => min + (max - min) * random.unit(),
-        (3 | 4, ..) => start + 1e-3 * scale * (2.0 * random.unit() - 1.0),
-        _ => start + reach * (2.0 * random.unit() - 1.0),
-    };
-    value.clamp(min, max)
-}
-
-/// SplitMix64 (Steele, Lea and Flood 2014): all that probing needs of randomness.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn below(&mut self, n: u64) -> u64 {
-        self.next() % n.max(1)
     }
 }

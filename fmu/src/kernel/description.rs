@@ -6,9 +6,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::author::{Info, Start};
 
 use super::dependencies::Dependencies;
+use super::factors::Factor;
 use super::log::Category;
 use super::table::{Group, Table, Variable};
-use super::unit::{BASE, Unit};
+use super::unit::{BASE, Unit, type_name};
 use super::xml::{Element, Xml, number};
 
 /// Writes the description. Without `dependencies` its text identifies the interface, which is
@@ -28,6 +29,7 @@ pub(crate) fn write(
         .maybe("description", given(info.description))
         .maybe("author", given(info.author))
         .maybe("version", given(info.version))
+        .maybe("copyright", given(info.copyright))
         .maybe("license", given(info.license))
         .attribute("generationTool", concat!("fmu-kit ", env!("CARGO_PKG_VERSION")))
         .attribute("variableNamingConvention", "structured")
@@ -85,11 +87,14 @@ fn interfaces(xml: &mut Xml, info: &Info, table: &Table) {
         .empty();
 }
 
+/// The units in use, each once.
+fn units_of(table: &Table) -> BTreeSet<&str> {
+    table.variables().iter().filter_map(|variable| variable.unit.as_deref()).collect()
+}
+
 fn units(xml: &mut Xml, table: &Table) {
-    let units: BTreeSet<&str> =
-        table.variables().iter().filter_map(|variable| variable.unit.as_deref()).collect();
     xml.element("UnitDefinitions").children();
-    for name in units {
+    for name in units_of(table) {
         let unit = Unit::parse(name).ok();
         let base = unit.and_then(|unit| Some((unit, unit.whole_exponents()?)));
         let element = xml.element("Unit").attribute("name", name);
@@ -118,10 +123,13 @@ fn types(xml: &mut Xml, table: &Table) {
             enumerations.insert(name, (description, items));
         }
     }
-    if enumerations.is_empty() {
-        return;
-    }
     xml.element("TypeDefinitions").children();
+    for unit in units_of(table) {
+        let name = type_name(unit);
+        xml.element("SimpleType").attribute("name", &name).children();
+        xml.element("Real").attribute("quantity", &name).attribute("unit", unit).empty();
+        xml.close();
+    }
     for (name, (description, items)) in enumerations {
         xml.element("SimpleType")
             .attribute("name", name)
@@ -181,12 +189,14 @@ fn role(group: Group, sampled: bool) -> (&'static str, &'static str, Option<&'st
 /// The element of the type: attributes, and a start value where one may be set.
 fn typed(xml: &mut Xml, variable: &Variable, derivative_of: Option<usize>) {
     let settable = matches!(variable.group, Group::Parameter | Group::Input);
+    let changing = !matches!(variable.group, Group::Parameter | Group::Time);
     let real = |element: Element<'_>, start: f64| {
         element
+            .maybe("declaredType", variable.unit.as_deref().map(type_name))
             .maybe("unit", variable.unit.as_deref())
             .maybe("min", variable.min.map(number))
             .maybe("max", variable.max.map(number))
-            .maybe("nominal", variable.nominal.map(number))
+            .maybe("nominal", variable.nominal.or(changing.then_some(1.0)).map(number))
             .maybe("start", settable.then(|| number(start)))
             .maybe("derivative", derivative_of)
             .empty();
@@ -215,20 +225,25 @@ fn typed(xml: &mut Xml, variable: &Variable, derivative_of: Option<usize>) {
 
 fn structure(xml: &mut Xml, dependencies: &Dependencies) {
     xml.element("ModelStructure").children();
-    for (list, unknowns) in [
-        ("Outputs", &dependencies.outputs),
-        ("Derivatives", &dependencies.derivatives),
-        ("InitialUnknowns", &dependencies.initial),
-    ] {
+    type Factors = fn(&Dependencies, usize, usize) -> Factor;
+    let lists: [(_, _, Factors); 3] = [
+        ("Outputs", &dependencies.outputs, Dependencies::factor),
+        ("Derivatives", &dependencies.derivatives, Dependencies::factor),
+        ("InitialUnknowns", &dependencies.initial, Dependencies::initial_factor),
+    ];
+    for (list, unknowns, factor) in lists {
         if unknowns.is_empty() {
             continue;
         }
         xml.element(list).children();
         for (unknown, knowns) in unknowns {
             let indices: Vec<String> = knowns.iter().map(|known| (known + 1).to_string()).collect();
+            let kinds: Vec<&str> =
+                knowns.iter().map(|known| factor(dependencies, *unknown, *known).name()).collect();
             xml.element("Unknown")
                 .attribute("index", unknown + 1)
                 .attribute("dependencies", indices.join(" "))
+                .maybe("dependenciesKind", (!kinds.is_empty()).then(|| kinds.join(" ")))
                 .empty();
         }
         xml.close();

@@ -60,7 +60,7 @@ fn moved<X: Ports>(x: &X, k: &X, h: f64) -> X {
 
 /// One step of the classical Runge-Kutta method.
 #[inline]
-pub(crate) fn runge_kutta<X: Ports>(f: &impl Fn(f64, &X) -> X, x: &X, t: f64, h: f64) -> X {
+pub(crate) fn runge_kutta<X: Ports>(f: &impl Fn(f64, &X) -> X, x: &mut X, t: f64, h: f64) {
     let half = 0.5 * h;
     let k1 = f(t, x);
     let k2 = f(t + half, &moved(x, &k1, half));
@@ -70,7 +70,16 @@ pub(crate) fn runge_kutta<X: Ports>(f: &impl Fn(f64, &X) -> X, x: &X, t: f64, h:
     add(&mut slope, &k2, 2.0);
     add(&mut slope, &k3, 2.0);
     add(&mut slope, &k4, 1.0);
-    moved(x, &slope, h / 6.0)
+    add(x, &slope, h / 6.0);
+}
+
+/// The same from a state that stays, in a place of its own: for the search for an event.
+#[cold]
+#[inline(never)]
+pub(crate) fn runge_kutta_again<X: Ports>(f: &impl Fn(f64, &X) -> X, x: &X, t: f64, h: f64) -> X {
+    let mut there = *x;
+    runge_kutta(f, &mut there, t, h);
+    there
 }
 
 /// Nodes, weights of the stages, and the difference of the two embedded results (RK5(4)7M).

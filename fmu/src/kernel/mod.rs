@@ -7,7 +7,7 @@
 //! | `model`, `adapter`, `parameters` | the seam to the mathematics, and components behind it |
 //! | `stepper`, `integrator`, `signal` | co-simulation: from event to event, between them, inputs |
 //! | `instance`, `access`, `co_simulation`, `model_exchange`, `state`, `tangent` | the functions of FMI 2.0 |
-//! | `registry`, `description`, `documentation`, `xml`, `dependencies` | components of a library, what they say of themselves |
+//! | `registry`, `description`, `documentation`, `xml`, `dependencies`, `factors`, `perturbation` | components of a library, what they say of themselves |
 
 mod access;
 mod adapter;
@@ -16,12 +16,14 @@ mod co_simulation;
 mod dependencies;
 mod description;
 mod documentation;
+mod factors;
 mod instance;
 mod integrator;
 mod log;
 mod model;
 mod model_exchange;
 mod parameters;
+mod perturbation;
 mod registry;
 mod signal;
 mod state;

@@ -86,6 +86,10 @@ pub trait Model: Send {
     /// False if there is none.
     fn tangent(&self, t: f64, values: &Values, changes: &mut [f64]) -> bool;
 
+    /// The same for the start, where parameters change and states with them: reads the changes of
+    /// parameters and inputs, and writes those of states, outputs and derivatives.
+    fn initial_tangent(&self, t: f64, values: &Values, changes: &mut [f64]) -> bool;
+
     /// The next time event, if there is one.
     fn next_event(&self) -> Option<Time>;
 

@@ -77,10 +77,16 @@ impl Entry {
         Ok(description::write(&self.info, &self.table, &self.guid, Some(&dependencies)))
     }
 
-    /// The text of its documentation/index.html.
+    /// The text of its documentation/index.html; `chapters` is HTML shown before the variables.
     #[must_use]
-    pub fn documentation(&self) -> String {
-        documentation::write(&self.info, &self.table)
+    pub fn documentation(&self, chapters: &str) -> String {
+        documentation::html(&self.info, &self.table, chapters)
+    }
+
+    /// Its variables as tables in Markdown.
+    #[must_use]
+    pub fn listing(&self) -> String {
+        documentation::markdown(&self.info, &self.table)
     }
 
     /// A new instance.
@@ -116,14 +122,21 @@ impl Entry {
 /// All components of a library.
 #[derive(Debug)]
 pub struct Registry {
+    library: &'static str,
     entries: Vec<Entry>,
 }
 
 impl Registry {
-    /// A library of these components.
+    /// A library of these components; `module` is where they are exported.
     #[must_use]
-    pub fn new(entries: Vec<Entry>) -> Self {
-        Self { entries }
+    pub fn new(module: &'static str, entries: Vec<Entry>) -> Self {
+        Self { library: module.split("::").next().unwrap_or(module), entries }
+    }
+
+    /// Name of the library, as Cargo has it.
+    #[must_use]
+    pub fn library(&self) -> &'static str {
+        self.library
     }
 
     /// The components in the order of the export.

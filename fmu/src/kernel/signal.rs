@@ -12,6 +12,9 @@ pub(crate) const ORDERS: usize = 3;
 
 /// Inputs over time.
 pub(crate) trait Signal<C: Component> {
+    /// Whether they may change within a step.
+    const MOVES: bool;
+
     /// Calls `f` with the inputs at `t`.
     fn with<R>(&self, t: f64, f: impl FnOnce(&C::Inputs) -> R) -> R;
 
@@ -27,6 +30,8 @@ pub(crate) trait Signal<C: Component> {
 pub(crate) struct Held<U>(pub(crate) U);
 
 impl<C: Component> Signal<C> for Held<C::Inputs> {
+    const MOVES: bool = false;
+
     #[inline]
     fn with<R>(&self, _: f64, f: impl FnOnce(&C::Inputs) -> R) -> R {
         f(&self.0)
@@ -65,6 +70,8 @@ impl<U: Ports> Moving<U> {
 }
 
 impl<C: Component> Signal<C> for Moving<C::Inputs> {
+    const MOVES: bool = true;
+
     fn with<R>(&self, t: f64, f: impl FnOnce(&C::Inputs) -> R) -> R {
         f(&self.at(t))
     }

@@ -67,12 +67,18 @@ impl Instance {
     /// `fmi2GetFMUstate` into a state that is there already.
     pub fn get_state_again(&mut self, state: &mut State) -> Status {
         self.call(Call::GetFmuState, |me| {
-            if state.guid != me.guid {
+            if !me.is_of(&state.guid) {
                 return Err(Trouble::error("the state to overwrite is another component's"));
             }
             me.save_into(state);
             Ok(())
         })
+    }
+
+    /// Whether this is of the component with that GUID, which is mostly the same text in memory.
+    #[inline]
+    fn is_of(&self, guid: &Arc<str>) -> bool {
+        Arc::ptr_eq(&self.guid, guid) || self.guid == *guid
     }
 
     fn ports(&self) -> &[f64] {
@@ -116,7 +122,7 @@ impl Instance {
     /// `fmi2SetFMUstate`: goes on from a state of this or another instance.
     pub fn set_state(&mut self, state: &State) -> Status {
         self.call(Call::SetFmuState, |me| {
-            if state.guid != me.guid || state.interface != me.interface {
+            if !me.is_of(&state.guid) || state.interface != me.interface {
                 return Err(Trouble::error(format_args!(
                     "the state is of a component with GUID {} for {:?}, this is {} for {:?}",
                     state.guid, state.interface, me.guid, me.interface
@@ -186,7 +192,7 @@ impl Instance {
 
     fn bytes(&self, state: &State) -> Result<Vec<u8>, Trouble> {
         use std::borrow::Cow::Borrowed;
-        if state.guid != self.guid {
+        if !self.is_of(&state.guid) {
             return Err(Trouble::error("the state is another component's"));
         }
         let memory = state.memory.as_ref().map_or(Ok(Vec::new()), |memory| self.model.pack(memory));

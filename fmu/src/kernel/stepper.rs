@@ -4,14 +4,16 @@
 //! not move on is an error, not a loop. A state event is where the sign of an indicator at the end
 //! of an integration step differs from its sign after the last event; the step is halved until the
 //! crossing is known to [`RESOLUTION_S`], and the event is handled just behind it. A component that
-//! has [`CROWD`] state events within [`CROWD_S`] is stopped as chattering.
+//! has [`CROWD`] state events within [`CROWD_S`] is stopped as chattering. Indicators that mark kinks
+//! of the inputs are not looked at while inputs are held.
 
 use serde::{Deserialize, Serialize};
 
 use crate::author::{Component, Fault, Ports, Time, Variables};
 
 use super::integrator::{
-    Integrator, IntegratorMethod, dormand_prince, runge_kutta, step_factor, weighed,
+    Integrator, IntegratorMethod, dormand_prince, runge_kutta, runge_kutta_again, step_factor,
+    weighed,
 };
 use super::model::{Cause, Halt};
 use super::signal::Signal;
@@ -29,13 +31,26 @@ const CROWD_S: f64 = 1e-6;
 const ITERATIONS: usize = 100;
 
 /// Everything about a running component that is neither a constant nor a value of its table.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Progress<M> {
     pub(crate) memory: M,
     /// Step that the adaptive integrator wants to take next; 0: none yet.
     pub(crate) proposed_s: f64,
     /// Which indicators were positive after the last event, one bit each.
     pub(crate) signs: u64,
+}
+
+impl<M: Clone> Clone for Progress<M> {
+    fn clone(&self) -> Self {
+        Self { memory: self.memory.clone(), ..*self }
+    }
+
+    /// Into its place at once: the derived one makes a copy and moves that.
+    #[inline]
+    fn clone_from(&mut self, from: &Self) {
+        self.memory.clone_from(&from.memory);
+        (self.proposed_s, self.signs) = (from.proposed_s, from.signs);
+    }
 }
 
 /// How to integrate.
@@ -58,9 +73,14 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
     #[inline]
     pub(crate) fn advance(&mut self, x: &mut C::States, t: f64, h: f64) -> Result<usize, Halt> {
         let (mut t, mut rest, mut events) = (t, h, 0);
-        if has_indicators::<C>() && self.signs(x, t) != self.progress.signs {
-            self.settle(x, t)?;
-            events += 1;
+        if watches::<C, S>() {
+            let signs = self.signs(x, t);
+            if C::KINKS_OF_INPUTS {
+                self.progress.signs = signs;
+            } else if signs != self.progress.signs {
+                self.settle(x, t)?;
+                events += 1;
+            }
         }
         while let Some(instant) = self.next_until(t + rest) {
             let until = instant.seconds().min(t + rest).max(t);
@@ -89,7 +109,7 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
     fn event(&mut self, instant: Time, x: &mut C::States) -> Result<(), Halt> {
         let t = instant.seconds();
         self.time_event(instant, x).map_err(|fault| Halt::new(t, fault))?;
-        if has_indicators::<C>() { self.settle(x, t) } else { Ok(()) }
+        if watches::<C, S>() { self.settle(x, t) } else { Ok(()) }
     }
 
     /// Handles the time event of one instant.
@@ -117,11 +137,11 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
     /// Integrates over `h` seconds without time events; returns how many state events there were.
     #[inline]
     fn integrate(&mut self, x: &mut C::States, t: f64, h: f64) -> Result<usize, Halt> {
-        if h <= 0.0 || (C::States::COUNT.reals == 0 && !has_indicators::<C>()) {
+        if h <= 0.0 || (C::States::COUNT.reals == 0 && !watches::<C, S>()) {
             return Ok(0);
         }
         match self.smooth(x, t, h)? {
-            Some(crossing) if has_indicators::<C>() => self.cross(x, t, h, crossing),
+            Some(crossing) if watches::<C, S>() => self.cross(x, t, h, crossing),
             _ => Ok(0),
         }
     }
@@ -171,21 +191,27 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
         let steps = if single { 1.0 } else { (h / longest - SLACK).ceil() };
         let step = if single { h } else { h / steps };
         // The result of a single step is looked at once it is stored with the outputs.
-        let look = !single || has_indicators::<C>() || self.next_event().is_some();
+        let look = !single || watches::<C, S>() || self.next_event().is_some();
         let f = self.signal.derivatives(self.component, &self.progress.memory);
         for k in 0..steps as u64 {
             let at = t + k as f64 * step;
-            let there = runge_kutta(&f, x, at, step);
-            if look && !is_finite(&there) {
-                return Err(Halt::not_finite(at, &there));
+            if !look {
+                runge_kutta(&f, x, at, step);
+                continue;
             }
-            if has_indicators::<C>() && self.crossed(&there, at + step) {
-                let trial = |step| runge_kutta(&f, x, at, step);
-                let (there, length) = self.locate(there, at, step, trial);
+            let before = *x;
+            runge_kutta(&f, x, at, step);
+            if !is_finite(x) {
+                let halt = Halt::not_finite(at, x);
+                *x = before;
+                return Err(halt);
+            }
+            if watches::<C, S>() && self.crossed(x, at + step) {
+                let again = |step| runge_kutta_again(&f, &before, at, step);
+                let (there, length) = self.locate(*x, at, step, again);
                 *x = there;
                 return Ok(Some(at + length));
             }
-            *x = there;
         }
         Ok(None)
     }
@@ -220,7 +246,7 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
             let wanted = step * step_factor(error);
             // A last step is short for the sake of the interval, not of the error.
             proposed = if last { wanted.max(proposed) } else { wanted };
-            if has_indicators::<C>() && self.crossed(&trial.x, at + step) {
+            if watches::<C, S>() && self.crossed(&trial.x, at + step) {
                 let again = |step| dormand_prince(&f, x, &slope, at, step).x;
                 let (there, length) = self.locate(trial.x, at, step, again);
                 (*x, crossing) = (there, Some(at + length));
@@ -248,12 +274,16 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
         let (mut before, mut behind) = (0.0, step);
         while behind - before > resolution {
             let middle = 0.5 * (before + behind);
-            let x = trial(middle);
+            // Kinks of inputs are found without integrating.
+            let x = if C::KINKS_OF_INPUTS { there } else { trial(middle) };
             if self.crossed(&x, t + middle) {
                 (behind, there) = (middle, x);
             } else {
                 before = middle;
             }
+        }
+        if C::KINKS_OF_INPUTS {
+            there = trial(behind);
         }
         (there, behind)
     }
@@ -304,6 +334,12 @@ const fn has_indicators<C: Component>() -> bool {
     !C::INDICATORS.is_empty()
 }
 
+/// Whether an indicator may change its sign within a step, or there is something to do if it has
+/// since the last one.
+const fn watches<C: Component, S: Signal<C>>() -> bool {
+    has_indicators::<C>() && (S::MOVES || !C::KINKS_OF_INPUTS)
+}
+
 impl Halt {
     /// The component cannot go on.
     pub(crate) fn new(reached_s: f64, fault: Fault) -> Self {
@@ -323,6 +359,6 @@ impl Halt {
     /// The step from `reached_s` led to these states.
     #[cold]
     fn not_finite<X: Ports>(reached_s: f64, states: &X) -> Self {
-        Self { reached_s, cause: Cause::NotFinite(first_not_finite(states)) }
+        Self { reached_s, cause: Cause::NotFinite(first_not_finite(states).unwrap_or_default()) }
     }
 }

@@ -9,7 +9,7 @@ use std::ops::Range;
 use crate::author::{Component, Count, Declaration, Declarations, Field, Start, Variables};
 
 use super::parameters::Parameters;
-use super::unit::{Unit, per_second};
+use super::unit::{Unit, is_type_name, per_second};
 use super::values::Values;
 
 /// Which group a variable belongs to; causality, variability and initial follow from it.
@@ -27,6 +27,20 @@ pub enum Group {
     Derivative,
     /// The independent variable.
     Time,
+}
+
+impl Group {
+    /// Its variables in words, for log lines.
+    pub(crate) const fn words(self) -> &'static str {
+        match self {
+            Self::Parameter => "parameters",
+            Self::Input => "inputs",
+            Self::Output => "outputs",
+            Self::State => "continuous states",
+            Self::Derivative => "state derivatives",
+            Self::Time => "time",
+        }
+    }
 }
 
 /// One scalar variable.
@@ -81,6 +95,9 @@ pub enum TableError {
     /// Two enumerations share a type name but not their items.
     #[error("two enumeration types are called \"{0}\"; rename one")]
     Enumeration(String),
+    /// A name that the description needs for a type of Real.
+    #[error("\"{0}\" is the name of a type of numbers in every description; choose another")]
+    TypeName(String),
 }
 
 /// Where the groups of Reals lie, and how many parameters of each type there are.
@@ -296,13 +313,15 @@ impl Builder {
             };
             self.count = self.count.plus(one(&start));
             let given = units.and_then(|units| units.get(index)).cloned();
+            // A number without a unit is one of unit 1: to importers, no unit is an unknown one.
+            let plain = matches!(start, Start::Real(_)).then(|| "1".to_owned());
             self.variables.push(Variable {
                 group,
                 reference: u32::try_from(reference).unwrap_or(u32::MAX),
                 name: field.name,
                 description: field.description,
                 start,
-                unit: given.or(field.unit.map(str::to_owned)),
+                unit: given.or(field.unit.map(str::to_owned)).or(plain),
                 min: field.min,
                 max: field.max,
                 nominal: field.nominal,
@@ -320,6 +339,9 @@ fn check(variables: &[Variable]) -> Result<(), TableError> {
         if !names.insert(name) {
             return Err(TableError::Duplicate(name.clone()));
         }
+        if is_type_name(name) {
+            return Err(TableError::TypeName(name.clone()));
+        }
         if let Some(reason) = variable.unit.as_deref().and_then(|unit| Unit::parse(unit).err()) {
             return Err(TableError::Unit { name: name.clone(), reason });
         }
@@ -327,6 +349,9 @@ fn check(variables: &[Variable]) -> Result<(), TableError> {
             Start::Real(value) => *value,
             Start::Integer(value) => f64::from(*value),
             Start::Enumeration { name, items, .. } => {
+                if is_type_name(name) {
+                    return Err(TableError::TypeName((*name).to_owned()));
+                }
                 if types.insert(*name, *items).is_some_and(|earlier| earlier != *items) {
                     return Err(TableError::Enumeration((*name).to_owned()));
                 }

@@ -1,7 +1,15 @@
 //! Directional derivatives, and the time derivatives of outputs made from them.
 //!
-//! dz = (dh/dv) dv for unknowns z (outputs, derivatives) and knowns v (inputs, states), by the
-//! component's tangent-linear model (FMI 2.0.4, section 2.1.9).
+//! dz = (dh/dv) dv for unknowns z and knowns v, by the component's tangent-linear model. Which
+//! variables these are depends on the mode (FMI 2.0.4, section 2.1.9):
+//!
+//! | mode | unknowns | knowns |
+//! |---|---|---|
+//! | initialization | outputs, states, derivatives | inputs, Real parameters, time |
+//! | any later | outputs, derivatives | inputs, states, time |
+//!
+//! Parameters are fixed, so they are knowns only as long as they can be set. A tangent-linear model
+//! does not depend on time by itself, so the derivatives with respect to it are zero.
 
 use super::call::{Call, Phase};
 use super::instance::Instance;
@@ -9,6 +17,11 @@ use super::signal::Course;
 use super::status::{Status, Trouble};
 use super::table::{Group, Kind};
 use super::values::all_finite;
+
+const UNKNOWNS: [Group; 2] = [Group::Output, Group::Derivative];
+const KNOWNS: [Group; 3] = [Group::Input, Group::State, Group::Time];
+const UNKNOWNS_AT_START: [Group; 3] = [Group::Output, Group::State, Group::Derivative];
+const KNOWNS_AT_START: [Group; 3] = [Group::Input, Group::Parameter, Group::Time];
 
 impl Instance {
     /// `fmi2GetDirectionalDerivative`
@@ -26,13 +39,15 @@ impl Instance {
                      providesDirectionalDerivative = false",
                 ));
             }
-            if me.run.phase == Phase::Initialization {
-                return Err(Trouble::discard(
-                    "not available in initialization mode, where states follow from parameters",
-                ));
+            let starts = me.run.phase == Phase::Initialization;
+            if starts {
+                me.check_group("unknown", unknowns, &UNKNOWNS_AT_START)?;
+                me.check_group("known", knowns, &KNOWNS_AT_START)?;
+                me.refresh()?;
+            } else {
+                me.check_group("unknown", unknowns, &UNKNOWNS)?;
+                me.check_group("known", knowns, &KNOWNS)?;
             }
-            me.check_group("unknown", unknowns, &[Group::Output, Group::Derivative])?;
-            me.check_group("known", knowns, &[Group::Input, Group::State])?;
             if !all_finite(along) {
                 return Err(Trouble::error("an element of dvKnown is not finite"));
             }
@@ -42,7 +57,11 @@ impl Instance {
                     *change += along;
                 }
             }
-            me.model.tangent(me.run.time_s, &me.values, &mut me.changes);
+            if starts {
+                me.model.initial_tangent(me.run.time_s, &me.values, &mut me.changes);
+            } else {
+                me.model.tangent(me.run.time_s, &me.values, &mut me.changes);
+            }
             me.read_changes(unknowns, into)
         })
     }
@@ -84,37 +103,61 @@ impl Instance {
         })
     }
 
+    /// Checks that all are Reals of the groups that count as `what` now.
     fn check_group(&self, what: &str, references: &[u32], groups: &[Group]) -> Result<(), Trouble> {
         let layout = self.table.layout();
+        // Where the groups begin and how long they are, worked out once: there are many references.
+        let mut places = [(0_u32, 0_u32); 4];
+        for (place, group) in places.iter_mut().zip(groups) {
+            let range = match group {
+                Group::Input => &layout.inputs,
+                Group::Output => &layout.outputs,
+                Group::State => &layout.states,
+                Group::Derivative => &layout.derivatives,
+                Group::Parameter => &(0..layout.parameters.reals),
+                Group::Time => &(layout.time..layout.time + 1),
+            };
+            *place = (range.start as u32, range.len() as u32);
+        }
         let within = |reference: &u32| {
-            let reference = *reference as usize;
-            groups.iter().any(|group| match group {
-                Group::Input => layout.inputs.contains(&reference),
-                Group::Output => layout.outputs.contains(&reference),
-                Group::State => layout.states.contains(&reference),
-                Group::Derivative => layout.derivatives.contains(&reference),
-                Group::Parameter | Group::Time => false,
-            })
+            places.iter().fold(false, |any, (start, n)| any | (reference.wrapping_sub(*start) < *n))
         };
+        // Without a branch, several at a time.
+        if references.iter().fold(true, |all, reference| all & within(reference)) {
+            return Ok(());
+        }
         match references.iter().find(|reference| !within(reference)) {
             None => Ok(()),
-            Some(bad) => {
-                let name = self.table.find(Kind::Real, *bad).map_or("?", |v| v.name.as_str());
-                Err(Trouble::error(format_args!(
-                    "{name} (value reference {bad}) cannot be an {what} here: it is none of \
-                     {groups:?}"
-                )))
-            }
+            Some(bad) => Err(self.wrong_group(what, *bad, groups)),
         }
     }
 
-    /// No change of anything.
+    #[cold]
+    fn wrong_group(&self, what: &str, reference: u32, groups: &[Group]) -> Trouble {
+        let words = self.run.phase.words();
+        let right: Vec<&str> = groups.iter().map(|group| group.words()).collect();
+        let right = right.join(", ");
+        match self.table.find(Kind::Real, reference) {
+            Some(variable) => Trouble::error(format_args!(
+                "{} cannot be the {what} {words}: it is of the {}; possible are {right}",
+                variable.name,
+                variable.group.words()
+            )),
+            None => Trouble::error(format_args!(
+                "no Real has value reference {reference}, named as the {what}; possible are {right}"
+            )),
+        }
+    }
+
+    /// No change of anything that a tangent-linear model reads.
     fn still(&mut self) {
         if self.changes.len() != self.values.reals.len() {
             self.changes = vec![0.0; self.values.reals.len()].into();
         }
         let layout = self.table.layout();
-        for place in [&layout.inputs, &layout.states] {
+        let parameters = 0..layout.parameters.reals;
+        let moving = if self.run.phase == Phase::Initialization { parameters } else { 0..0 };
+        for place in [&moving, &layout.inputs, &layout.states] {
             if let Some(changes) = self.changes.get_mut(place.clone()) {
                 changes.fill(0.0);
             }

@@ -42,6 +42,45 @@ const DERIVED: [(&str, [i8; 8], f64, f64); 22] = [
     ("T",    [1, 0, -2, -1, 0, 0, 0, 0], 1.0,    0.0),
 ];
 
+/// Units with the quantity that a variable in it most often is, for `SimpleType`.
+const QUANTITIES: [(&str, &str); 22] = [
+    ("1", "Number"),
+    ("s", "Time"),
+    ("Hz", "Frequency"),
+    ("1/s", "Rate"),
+    ("m", "Length"),
+    ("m2", "Area"),
+    ("m3", "Volume"),
+    ("m/s", "Velocity"),
+    ("m/s2", "Acceleration"),
+    ("rad", "Angle"),
+    ("deg", "AngleInDegrees"),
+    ("rad/s", "AngularVelocity"),
+    ("rad/s2", "AngularAcceleration"),
+    ("kg", "Mass"),
+    ("kg/m3", "Density"),
+    ("kg.m2", "MomentOfInertia"),
+    ("N", "Force"),
+    ("N.m", "Torque"),
+    ("Pa", "Pressure"),
+    ("V", "Voltage"),
+    ("A", "Current"),
+    ("K", "Temperature"),
+];
+
+/// Name of the type that variables of a unit have.
+pub(crate) fn type_name(unit: &str) -> String {
+    match QUANTITIES.iter().find(|(known, _)| *known == unit) {
+        Some((_, quantity)) => (*quantity).to_owned(),
+        None => format!("Value in {unit}"),
+    }
+}
+
+/// Whether a name is that of such a type, and so no longer free for others.
+pub(crate) fn is_type_name(name: &str) -> bool {
+    QUANTITIES.iter().any(|(_, quantity)| *quantity == name)
+}
+
 impl Unit {
     const ONE: Self = Self { exponents: [0.0; 8], factor: 1.0, offset: 0.0 };
 

@@ -107,34 +107,45 @@ impl Explicit {
     }
 }
 
-/// Nonzero in its sign bit if a value is not finite.
-///
-/// A value that is not has all bits of its exponent set; adding one to the exponent then carries
-/// into the sign bit. This takes three integer operations a value, no branch, any order.
-#[inline(always)]
-fn carried(value: f64) -> u64 {
-    const EXPONENT: u64 = 0x7FF0_0000_0000_0000;
-    const ONE: u64 = 0x0010_0000_0000_0000;
-    (value.to_bits() & EXPONENT).wrapping_add(ONE)
-}
-
 /// Whether all values are finite.
+///
+/// The sum of values of which one is not finite is not finite either, and adding up takes one
+/// operation for several values. Only where the sum is not finite does it have to be looked at
+/// each, since large values overflow together.
 #[inline]
 pub(crate) fn all_finite(values: &[f64]) -> bool {
-    values.iter().fold(0, |bits, value| bits | carried(*value)) >> 63 == 0
+    let (chunks, rest) = values.as_chunks::<4>();
+    let mut sums = [0.0; 4];
+    for chunk in chunks {
+        sums.iter_mut().zip(chunk).for_each(|(sum, value)| *sum += value);
+    }
+    let sum = sums.iter().chain(rest).fold(0.0, |sum, value| sum + value);
+    sum.is_finite() || each_finite(values)
 }
 
-/// Whether all values of a port group are finite.
+#[cold]
+#[inline(never)]
+fn each_finite(values: &[f64]) -> bool {
+    values.iter().all(|value| value.is_finite())
+}
+
+/// Whether all values of a port group are finite; see [`all_finite`].
 #[inline]
 pub(crate) fn is_finite<P: Ports>(ports: &P) -> bool {
-    let (mut copy, mut bits) = (*ports, 0);
-    copy.zip_reals(ports, &mut |_, value| bits |= carried(value));
-    bits >> 63 == 0
+    let (mut copy, mut sums, mut index) = (*ports, [0.0; 4], 0_usize);
+    copy.zip_reals(ports, &mut |_, value| {
+        if let Some(sum) = sums.get_mut(index % 4) {
+            *sum += value;
+        }
+        index += 1;
+    });
+    sums.iter().sum::<f64>().is_finite() || first_not_finite(ports).is_none()
 }
 
 /// Index of the first value of a port group that is not finite.
 #[cold]
-pub(crate) fn first_not_finite<P: Ports>(ports: &P) -> usize {
+#[inline(never)]
+pub(crate) fn first_not_finite<P: Ports>(ports: &P) -> Option<usize> {
     let (mut copy, mut index, mut found) = (*ports, 0, None);
     copy.zip_reals(ports, &mut |_, value| {
         if !value.is_finite() {
@@ -142,7 +153,7 @@ pub(crate) fn first_not_finite<P: Ports>(ports: &P) -> usize {
         }
         index += 1;
     });
-    found.unwrap_or_default()
+    found
 }
 
 /// Reads a port group from its place among the reals.
@@ -170,6 +181,13 @@ pub(crate) fn write<P: Variables>(value: &P, reals: &mut [f64], place: &Range<us
     }
 }
 
+/// Adds a port group to what stands in its place among the reals.
+pub(crate) fn accumulate<P: Ports>(value: &P, reals: &mut [f64], place: &Range<usize>) {
+    let mut sum: P = read(reals, place);
+    sum.zip_reals(value, &mut |sum, value| *sum += value);
+    write(&sum, reals, place);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -177,12 +195,13 @@ mod tests {
     #[test]
     fn finite_is_what_std_says_it_is() {
         let finite = [0.0, -0.0, f64::MAX, f64::MIN, f64::MIN_POSITIVE, 5e-324, -1.0];
-        assert!(all_finite(&finite) && all_finite(&[]));
+        assert!(all_finite(&finite) && is_finite(&finite) && all_finite(&[]));
+        assert!(all_finite(&[f64::MAX; 9]) && is_finite(&[f64::MIN; 9]));
         for bad in [f64::NAN, -f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             for place in 0..finite.len() {
                 let mut values = finite;
                 values[place] = bad;
-                assert!(!all_finite(&values), "{bad} at {place}");
+                assert!(!all_finite(&values) && !is_finite(&values), "{bad} at {place}");
             }
         }
     }

@@ -259,6 +259,7 @@ pub mod command {
     pub const FAULT: f64 = 2.0;
     pub const NOT_FINITE: f64 = 3.0;
     pub const STUCK: f64 = 4.0;
+    pub const PANIC_AT_LENGTH: f64 = 5.0;
 }
 
 #[derive(Clone, Copy, Debug, Default, Variables)]
@@ -317,6 +318,7 @@ impl Component for Clumsy {
     ) -> Result<(), Fault> {
         match u.command {
             command::PANIC => panic!("told to, {}", u.command),
+            command::PANIC_AT_LENGTH => assert_eq!(u.command, 0.0, "with\na second line"),
             command::FAULT => return Err(Fault::new("told to fail")),
             command::STUCK => return Ok(()),
             _ => m.sampler.advance(),
@@ -348,6 +350,6 @@ impl Component for Solitary {
     fn outputs(&self, _: f64, (): &(), (): &NoStates, (): &()) {}
 }
 
-use crate::hybrid::{Ball, Chatterer, Limiter, Pendulum};
+use crate::hybrid::{Ball, Chatterer, Clipper, Limiter, Pendulum};
 
-fmu_kit::export!(Spring, Noise, Clumsy, Solitary, Ball, Limiter, Chatterer, Pendulum);
+fmu_kit::export!(Spring, Noise, Clumsy, Solitary, Ball, Limiter, Chatterer, Pendulum, Clipper);

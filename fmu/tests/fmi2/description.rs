@@ -1,6 +1,8 @@
 //! modelDescription.xml: complete, true, and the same bytes every time.
 
 use crate::components::REGISTRY;
+use fmu_kit::kernel::{Table, TableError};
+use fmu_kit::{Declaration, Field, Start};
 
 fn text(name: &str) -> String {
     REGISTRY.named(name).unwrap().describe().unwrap()
@@ -57,7 +59,9 @@ fn initial_values_depend_on_parameters_and_inputs() {
     assert_eq!(of("state.v"), ["label"]);
     let all = ["parameter_set", "mass", "stiffness", "start", "sign", "sprung", "label", "force"];
     assert_eq!(of("der(state.v)"), all);
-    assert_eq!(dependencies("Noise", "InitialUnknowns", "value"), ["seed", "signal", "enabled"]);
+    // A sample carries its time, and what is sampled together depends together.
+    let sample = dependencies("Noise", "InitialUnknowns", "value");
+    assert_eq!(sample, ["seed", "signal", "enabled", "time"]);
 }
 
 #[test]
@@ -72,12 +76,49 @@ fn the_parts_are_as_declared() {
         r#"<BaseUnit kg="1" s="-2"/>"#,
         r#"<Item name="Heavy" value="2" description="A heavy mass"/>"#,
         r#"<Enumeration declaredType="Set" start="1"/>"#,
-        r#"<Real unit="kg" min="0.001" start="1.0"/>"#,
-        r#"<Real unit="m/s2" derivative="15"/>"#,
+        r#"<Real declaredType="Mass" unit="kg" min="0.001" start="1.0"/>"#,
+        r#"<Real declaredType="Acceleration" unit="m/s2" nominal="1.0" derivative="15"/>"#,
+        r#"<SimpleType name="Value in N/m">"#,
         r#"name="time" valueReference="12" description="Simulation time" causality="independent""#,
     ] {
         assert!(text.contains(part), "{part}\n{text}");
     }
     let solitary = self::text("Solitary");
-    assert!(!solitary.contains("ModelExchange") && !solitary.contains("TypeDefinitions"));
+    assert!(!solitary.contains("ModelExchange") && !solitary.contains("<Enumeration>"));
+}
+
+/// The page and the listing say what the description says, and the author's chapters are in it.
+#[test]
+fn people_read_the_same_as_tools() {
+    let spring = REGISTRY.named("Spring").unwrap();
+    let page = spring.documentation("<h2>Equations</h2>");
+    for part in [
+        "A mass on a &quot;spring&quot; &amp; nothing else",
+        "<h2>Equations</h2>",
+        "<td><code>mass</code></td><td>Mass</td><td>kg</td><td class=\"n\">1.0</td>",
+        "<li>2 <code>Heavy</code>: A heavy mass</li>",
+        "<td class=\"n\">-1 … 1</td>",
+        "<h2 id=\"continuous-states\">Continuous states</h2>",
+    ] {
+        assert!(page.contains(part), "{part}\n{page}");
+    }
+    let listing = spring.listing();
+    for part in [
+        "## Spring\n",
+        "### Spring: Parameters\n",
+        "| `mass` | Mass | kg | 1.0 | ≥ 0.001 |",
+        "| `position` | Position | m |  |  |",
+    ] {
+        assert!(listing.contains(part), "{part}\n{listing}");
+    }
+}
+
+#[test]
+fn the_names_of_the_types_are_taken() {
+    let force = Declaration {
+        field: Field { name: "Force".to_owned(), ..Field::default() },
+        start: Start::Real(0.0),
+    };
+    let table = Table::new(vec![force], vec![], vec![], vec![]);
+    assert_eq!(table, Err(TableError::TypeName("Force".to_owned())));
 }

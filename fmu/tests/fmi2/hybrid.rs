@@ -251,29 +251,48 @@ pub struct Bob {
     pub power: f64,
 }
 
-pub struct Pendulum;
+#[derive(Clone, Debug, Variables)]
+pub struct Hinge {
+    /// Angle at the start
+    #[var(unit = "rad")]
+    pub start: f64,
+    /// Quadratic damping
+    pub damping: f64,
+    /// Whether there is any damping
+    pub damped: bool,
+}
+
+impl Default for Hinge {
+    fn default() -> Self {
+        Self { start: 1.0, damping: 0.2, damped: true }
+    }
+}
+
+/// Starts at its angle and, what no pendulum would do, with the torque for a rate.
+pub struct Pendulum(Hinge);
 
 impl Component for Pendulum {
     const INFO: Info =
         Info { integrator_step_s: 0.02, ..Info::new("Pendulum", "A pendulum with a motor") };
     const TANGENT: bool = true;
-    type Parameters = ();
+    type Parameters = Hinge;
     type Inputs = Torque;
     type Outputs = Bob;
     type States = PendulumStates;
     type Memory = ();
 
-    fn new((): &(), _: &Resources) -> Result<Self, ParameterError> {
-        Ok(Self)
+    fn new(p: &Hinge, _: &Resources) -> Result<Self, ParameterError> {
+        let damping = if p.damped { p.damping } else { 0.0 };
+        Ok(Self(Hinge { damping, ..p.clone() }))
     }
 
-    fn initial(&self, _: Time, _: &Torque) -> Result<(PendulumStates, ()), Fault> {
-        Ok((PendulumStates { state: Swing { angle: 1.0, rate: 0.0 } }, ()))
+    fn initial(&self, _: Time, u: &Torque) -> Result<(PendulumStates, ()), Fault> {
+        Ok((PendulumStates { state: Swing { angle: self.0.start, rate: u.torque } }, ()))
     }
 
     fn derivatives(&self, _: f64, (): &(), x: &PendulumStates, u: &Torque) -> PendulumStates {
         let Swing { angle, rate } = x.state;
-        let acceleration = u.torque - 9.0 * angle.sin() - 0.2 * rate * rate.abs();
+        let acceleration = u.torque - 9.0 * angle.sin() - self.0.damping * rate * rate.abs();
         PendulumStates { state: Swing { angle: rate, rate: acceleration } }
     }
 
@@ -291,9 +310,65 @@ impl Component for Pendulum {
         du: &Torque,
     ) -> (PendulumStates, Bob) {
         let (Swing { angle, rate }, d) = (x.state, dx.state);
-        let acceleration = du.torque - 9.0 * angle.cos() * d.angle - 0.4 * rate.abs() * d.rate;
+        let drag = 2.0 * self.0.damping * rate.abs() * d.rate;
+        let acceleration = du.torque - 9.0 * angle.cos() * d.angle - drag;
         let states = PendulumStates { state: Swing { angle: d.rate, rate: acceleration } };
         let power = d.rate * u.torque + rate * du.torque;
         (states, Bob { x: angle.cos() * d.angle, power })
+    }
+
+    fn initial_tangent(
+        &self,
+        x: &PendulumStates,
+        _: &Torque,
+        p: &Hinge,
+        dp: &Hinge,
+        du: &Torque,
+    ) -> (PendulumStates, PendulumStates, Bob) {
+        let d_damping = if p.damped { dp.damping } else { 0.0 };
+        let rate = x.state.rate;
+        let starts = Swing { angle: dp.start, rate: du.torque };
+        let slows = Swing { angle: 0.0, rate: -d_damping * rate * rate.abs() };
+        (PendulumStates { state: starts }, PendulumStates { state: slows }, Bob::default())
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, Variables)]
+pub struct Rate {
+    /// Rate demanded, kept within 1
+    pub rate: f64,
+}
+
+/// Integrates a rate that is kept within limits: kinks of an input, and no mode.
+pub struct Clipper;
+
+impl Component for Clipper {
+    const INFO: Info = Info { integrator_step_s: 0.1, ..Info::new("Clipper", "Clips a rate") };
+    const INDICATORS: &'static [&'static str] = &["upper", "lower"];
+    const KINKS_OF_INPUTS: bool = true;
+    type Parameters = ();
+    type Inputs = Rate;
+    type Outputs = Level;
+    type States = LevelStates;
+    type Memory = ();
+
+    fn new((): &(), _: &Resources) -> Result<Self, ParameterError> {
+        Ok(Self)
+    }
+
+    fn initial(&self, _: Time, _: &Rate) -> Result<(LevelStates, ()), Fault> {
+        Ok((LevelStates::default(), ()))
+    }
+
+    fn derivatives(&self, _: f64, (): &(), _: &LevelStates, u: &Rate) -> LevelStates {
+        LevelStates { state: Level { level: u.rate.clamp(-1.0, 1.0) } }
+    }
+
+    fn outputs(&self, _: f64, (): &(), x: &LevelStates, _: &Rate) -> Level {
+        x.state
+    }
+
+    fn indicators(&self, _: f64, (): &(), _: &LevelStates, u: &Rate, z: &mut [f64]) {
+        z.copy_from_slice(&[1.0 - u.rate, 1.0 + u.rate]);
     }
 }

@@ -198,6 +198,58 @@ fn directional_derivatives_of_what_they_are_not_of_are_refused() {
     }
 }
 
+/// States follow from parameters and inputs there, so their changes pass on to everything else.
+#[test]
+fn directional_derivatives_of_the_start_are_those_of_the_functions() {
+    let mut fmu = Fmu::new("Pendulum", ME);
+    assert_eq!(fmu.setup(0.0), Status::Ok);
+    assert_eq!(unsafe { fmi2::fmi2EnterInitializationMode(fmu.c) }, Status::Ok);
+    fmu.set("torque", 0.7);
+    let unknowns =
+        ["state.angle", "state.rate", "der(state.angle)", "der(state.rate)", "x", "power"];
+    for known in ["start", "damping", "torque"] {
+        let (at, h) = (fmu.get(known), 1e-6);
+        for unknown in unknowns {
+            fmu.set(known, at + h);
+            let ahead = fmu.get(unknown);
+            fmu.set(known, at - h);
+            let difference = (ahead - fmu.get(unknown)) / (2.0 * h);
+            fmu.set(known, at);
+            let analytic = directional(&fmu, unknown, known);
+            assert!((analytic - difference).abs() < 1e-8, "{unknown} to {known}");
+        }
+    }
+    assert_eq!(directional(&fmu, "power", "torque"), 1.4);
+    assert_eq!(directional(&fmu, "der(state.rate)", "time"), 0.0);
+    assert_eq!(directional(&fmu, "der(state.rate)", "integrator.step"), 0.0);
+}
+
+#[test]
+fn a_refused_directional_derivative_says_what_is_possible_in_the_mode() {
+    let mut fmu = Fmu::new("Pendulum", ME);
+    fmu.setup(0.0);
+    unsafe { fmi2::fmi2EnterInitializationMode(fmu.c) };
+    let refused = |fmu: &mut Fmu, unknown: &str, known: &str| {
+        let (z, v) = (fmu.reference(unknown), fmu.reference(known));
+        let (z, v, along, mut into) = (&raw const z, &raw const v, 1.0, 0.0);
+        let dz = &raw mut into;
+        let c = fmu.c;
+        let status =
+            unsafe { fmi2::fmi2GetDirectionalDerivative(c, z, 1, v, 1, &raw const along, dz) };
+        assert_eq!(status, Status::Error);
+        fmu.line()
+    };
+    let line = refused(&mut fmu, "x", "state.angle");
+    let words = "state.angle cannot be the known in initialization mode: it is of the continuous \
+                 states; possible are inputs, parameters, time";
+    assert!(line.contains(words), "{line}");
+    unsafe { fmi2::fmi2ExitInitializationMode(fmu.c) };
+    let line = refused(&mut fmu, "x", "damping");
+    assert!(line.contains("damping cannot be the known in event mode"), "{line}");
+    let line = refused(&mut fmu, "state.angle", "torque");
+    assert!(line.contains("state.angle cannot be the unknown in event mode"), "{line}");
+}
+
 #[test]
 fn output_derivatives_are_those_of_the_motion() {
     let mut fmu = Fmu::started("Pendulum", CS);

@@ -8,6 +8,7 @@
 #![allow(unreachable_pub, reason = "shared modules of one test program")]
 
 mod abuse;
+mod bad_arguments;
 mod co_simulation;
 mod components;
 mod description;
@@ -18,6 +19,7 @@ mod integration;
 mod legality;
 mod model_exchange;
 mod random_calls;
+mod random_states;
 mod smoke;
 mod state;
 mod state_events;

@@ -3,7 +3,10 @@
 //!
 //! Handles may be good, freed or invented; arrays are as long as the call says, or NULL; numbers of
 //! elements may be absurd where that must be refused before anything is read. Every call must
-//! return, and every status but `fmi2OK` must come with exactly one line if there is a logger.
+//! return; on a live instance every status but `fmi2OK` must come with exactly one line that begins
+//! with the function's name, and `fmi2OK` with none; a dead handle must give `fmi2Error`.
+//!
+//! Each call is made of a record of fixed length, so that a fuzzer can exchange and repeat calls.
 
 use std::ffi::CString;
 use std::ptr::{null, null_mut, without_provenance_mut};
@@ -14,10 +17,20 @@ use fmu_kit::kernel::Status;
 use crate::components::{REGISTRY, fmi2};
 use crate::driver::{Line, callbacks};
 
+/// Bytes of one call.
+const RECORD: usize = 32;
+
 /// Bytes to make choices from; zeros when they are used up.
 pub struct Bytes<'a>(pub &'a [u8]);
 
-impl Bytes<'_> {
+impl<'a> Bytes<'a> {
+    /// The bytes of the next call, if there is one.
+    fn record(&mut self) -> Option<Bytes<'a>> {
+        let (record, rest) = self.0.split_at(RECORD.min(self.0.len()));
+        self.0 = rest;
+        (!record.is_empty()).then_some(Bytes(record))
+    }
+
     fn byte(&mut self) -> u8 {
         let (first, rest) = self.0.split_first().unwrap_or((&0, &[]));
         self.0 = rest;
@@ -45,9 +58,15 @@ impl Bytes<'_> {
     }
 }
 
+/// An instance that was made, and whether it has not been freed yet.
+struct Handle {
+    c: fmi2Component,
+    live: bool,
+}
+
 /// What the calls work with.
 struct World {
-    components: Vec<fmi2Component>,
+    components: Vec<Handle>,
     states: Vec<fmi2FMUstate>,
     serialized: Vec<u8>,
     /// Time of the last step, so that some steps join.
@@ -66,29 +85,30 @@ pub fn run(mut bytes: Bytes<'_>) -> usize {
         lines: Box::default(),
     };
     let mut calls = 0;
-    while !bytes.0.is_empty() {
+    while let Some(mut bytes) = bytes.record() {
         world.lines.clear();
         // Instances and the way through initialization come more often than by chance alone.
-        let (status, told) = if world.components.is_empty() || bytes.byte() < 6 {
-            world.instantiate(&mut bytes);
-            (Status::Ok, false)
-        } else {
-            world.call(&mut bytes)
-        };
+        if world.components.is_empty() || bytes.byte() < 6 {
+            calls += world.instantiate(&mut bytes);
+            continue;
+        }
         calls += 1;
-        if told {
-            let bad = usize::from(status != Status::Ok);
-            assert_eq!(world.lines.len(), bad, "{status:?} {:?}", world.lines);
+        let (status, live) = world.call(&mut bytes);
+        let (expected, lines) = (usize::from(live && status != Status::Ok), &world.lines);
+        assert_eq!(lines.len(), expected, "{status:?} {lines:?}");
+        for line in &**lines {
+            assert!(line.status == status && line.text.starts_with("fmi2"), "{status:?} {line:?}");
         }
     }
-    for component in world.components {
-        unsafe { fmi2::fmi2FreeInstance(component) };
+    for handle in world.components {
+        unsafe { fmi2::fmi2FreeInstance(handle.c) };
     }
     calls
 }
 
 impl World {
-    fn instantiate(&mut self, bytes: &mut Bytes<'_>) {
+    /// Makes an instance and mostly starts it; tells how many calls that took.
+    fn instantiate(&mut self, bytes: &mut Bytes<'_>) -> usize {
         let entries: Vec<_> = REGISTRY.entries().collect();
         let guid = CString::new(entries[bytes.below(entries.len())].guid()).unwrap();
         let functions = callbacks(&raw mut *self.lines);
@@ -101,34 +121,41 @@ impl World {
         if c.is_null() {
             assert_eq!(self.lines.len(), 1);
         } else if self.components.len() < 8 {
-            self.components.push(c);
+            self.components.push(Handle { c, live: true });
         } else {
             unsafe { fmi2::fmi2FreeInstance(c) };
+            return 2;
         }
-        if !c.is_null() && bytes.byte() < 200 {
-            unsafe {
-                fmi2::fmi2SetupExperiment(c, 1, 1e-4, 0.0, 0, 0.0);
-                fmi2::fmi2EnterInitializationMode(c);
-                fmi2::fmi2ExitInitializationMode(c);
-            }
-            self.time = 0.0;
+        if c.is_null() || bytes.byte() >= 200 {
+            return 1;
         }
+        unsafe {
+            fmi2::fmi2SetupExperiment(c, 1, 1e-4, 0.0, 0, 0.0);
+            fmi2::fmi2EnterInitializationMode(c);
+            fmi2::fmi2ExitInitializationMode(c);
+        }
+        self.time = 0.0;
+        4
     }
 
-    /// Calls one function; tells its status and whether a live instance had to tell of it.
+    /// Calls one function; tells its status and whether there is a live instance to tell of it.
     fn call(&mut self, bytes: &mut Bytes<'_>) -> (Status, bool) {
-        let wild = bytes.byte() == 0;
         let slot = bytes.below(self.components.len());
-        let c = if wild {
-            without_provenance_mut(bytes.below(1 << 16) | bytes.below(1 << 16) << 32)
-        } else {
-            self.components[slot]
+        let c = match bytes.byte() {
+            0 => without_provenance_mut(bytes.below(1 << 16) | bytes.below(1 << 16) << 32),
+            _ => self.components[slot].c,
         };
+        // An invented handle may be a good one.
+        let handle = self.components.iter().position(|handle| handle.c == c && handle.live);
+        let live = handle.is_some();
         let n = bytes.below(5);
         let vr = bytes.references(n);
         let mut reals: Vec<f64> = (0..n).map(|_| bytes.real()).collect();
         let mut integers: Vec<i32> = (0..n).map(|_| i32::from(bytes.byte() % 6) - 1).collect();
         let mut texts = [c"text".as_ptr(); 5];
+        if bytes.byte() < 20 {
+            texts[bytes.below(5)] = null();
+        }
         let nothing = bytes.byte() < 8;
         let vr = if nothing { null() } else { vr.as_ptr() };
         let real = if bytes.byte() < 4 { null_mut() } else { reals.as_mut_ptr() };
@@ -142,12 +169,15 @@ impl World {
         let (x, h) = (bytes.real(), bytes.real().clamp(-1.0, 3.0));
         let t = if bytes.byte() < 20 { x } else { self.time };
         let result = unsafe {
-            match bytes.below(43) {
+            match bytes.below(45) {
                 0 => fmi2::fmi2SetDebugLogging(c, 0, n.min(2) / 2, text),
                 1 if bytes.byte() < 40 => {
                     fmi2::fmi2FreeInstance(c);
                     // The handle stays in the list: whatever is called with it must be refused.
-                    Status::Ok
+                    if let Some(handle) = handle {
+                        self.components[handle].live = false;
+                    }
+                    return (Status::Ok, live);
                 }
                 2 => fmi2::fmi2SetupExperiment(c, a, x, t, b, h),
                 3 => fmi2::fmi2EnterInitializationMode(c),
@@ -175,7 +205,7 @@ impl World {
                     let mut size = 0;
                     let status = fmi2::fmi2SerializedFMUstateSize(c, state, &raw mut size);
                     if status != Status::Ok {
-                        return (status, !wild && self.told(status));
+                        return (status, live);
                     }
                     self.serialized = vec![0; size];
                     let place = self.serialized.as_mut_ptr().cast();
@@ -219,6 +249,11 @@ impl World {
                 36 => fmi2::fmi2GetIntegerStatus(c, 1, &raw mut a),
                 37 => fmi2::fmi2GetBooleanStatus(c, 3, &raw mut a),
                 38 => fmi2::fmi2GetStringStatus(c, 1, text),
+                39 => {
+                    let texts = [fmi2::fmi2GetVersion(), fmi2::fmi2GetTypesPlatform()];
+                    assert!(texts.iter().all(|text| !text.is_null()));
+                    return (Status::Ok, live);
+                }
                 _ => {
                     let status = fmi2::fmi2DoStep(c, t, h, 1);
                     if status == Status::Ok {
@@ -228,11 +263,7 @@ impl World {
                 }
             }
         };
-        (result, !wild && self.told(result))
-    }
-
-    /// Whether a line has to be there: a freed handle has nobody to tell.
-    fn told(&self, status: Status) -> bool {
-        status == Status::Ok || !self.lines.is_empty()
+        assert!(live || result == Status::Error, "{result:?} of nothing");
+        (result, live)
     }
 }

@@ -210,3 +210,53 @@ fn the_description_counts_the_indicators() {
     let text = crate::components::REGISTRY.named("Limiter").unwrap().describe().unwrap();
     assert!(text.contains("numberOfEventIndicators=\"2\""));
 }
+
+/// The integral of a ramp that is clipped at 1 is exact if the kink is found, and only then: it lies
+/// within the one integration step.
+#[test]
+fn kinks_of_inputs_are_found_while_inputs_move() {
+    for method in [1, 2] {
+        let mut fmu = Fmu::with("Clipper", CS, FMI2_TRUE, None).unwrap();
+        fmu.set_integer("integrator.method", method);
+        assert_eq!((fmu.setup(0.0), fmu.initialize()), (Status::Ok, Status::Ok));
+        fmu.log();
+        let mut level = 0.0;
+        for (t, slope) in [(0.0, 30.0), (0.1, 0.0), (0.2, -47.0), (0.3, 0.0), (0.4, 20.0)] {
+            let start = fmu.get("rate");
+            let (vr, order, slope) = (fmu.reference("rate"), 1, slope);
+            let (vr, order, slope_at) = (&raw const vr, &raw const order, &raw const slope);
+            ok(unsafe { fmi2::fmi2SetRealInputDerivatives(fmu.c, vr, 1, order, slope_at) });
+            assert_eq!(fmu.step(t, 0.1), Status::Ok);
+            level += clipped_ramp(start, start + 0.1 * slope, 0.1);
+            let error = fmu.get("level") - level;
+            assert!(error.abs() < 1e-11, "{t}: {error}");
+        }
+        // Up through 1, down through both, up through -1.
+        let events: Vec<_> = fmu.log().into_iter().map(|line| line.text).collect();
+        assert_eq!(events.len(), 3, "{events:?}");
+        assert!(events[1].contains("2 events"), "{events:?}");
+    }
+}
+
+/// Integral of a ramp from a to b over h, clipped at 1 and -1.
+fn clipped_ramp(a: f64, b: f64, h: f64) -> f64 {
+    if a == b {
+        return h * a.clamp(-1.0, 1.0);
+    }
+    // Antiderivative of the clipped value.
+    let sum = |v: f64| if v.abs() < 1.0 { 0.5 * v * v } else { v.abs() - 0.5 };
+    h * (sum(b) - sum(a)) / (b - a)
+}
+
+#[test]
+fn kinks_of_inputs_are_no_events_while_inputs_are_held() {
+    let mut fmu = Fmu::with("Clipper", CS, FMI2_TRUE, None).unwrap();
+    assert_eq!((fmu.setup(0.0), fmu.initialize()), (Status::Ok, Status::Ok));
+    fmu.log();
+    for (k, rate) in [0.5, 7.0, 0.5, -3.0].into_iter().enumerate() {
+        fmu.set("rate", rate);
+        assert_eq!(fmu.step(0.2 * k as f64, 0.2), Status::Ok);
+    }
+    assert!((fmu.get("level") - 0.2 * (0.5 + 1.0 + 0.5 - 1.0)).abs() < 1e-15);
+    assert_eq!(fmu.log(), []);
+}

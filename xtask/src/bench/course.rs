@@ -1,6 +1,6 @@
 //! The paper's loop on its first course: eight FMUs in one process, outputs recorded at 10 Hz.
 
-use super::Row;
+use super::{Bar, Row, row};
 use crate::paths;
 use anyhow::Result;
 use cosim::{Overrides, System, observe::CsvRecorder};
@@ -19,9 +19,6 @@ pub(super) fn measure() -> Result<Vec<Row>> {
         best = best.min(begun.elapsed().as_secs_f64());
         simulated = summary.simulated;
     }
-    Ok(vec![Row {
-        what: "course BE1, all outputs recorded to CSV".into(),
-        value: format!("{:.0} x real", simulated / best),
-        goal: "at least 2000 x real time",
-    }])
+    let what = "course BE1, all outputs recorded to CSV";
+    Ok(vec![row(what, simulated / best, "x real", Bar::AtLeast(2000.0))])
 }

@@ -1,12 +1,13 @@
 //! One cycle of each filter of the paper.
 
-use super::{Row, timer};
+use super::timer::{repeat, rounds};
+use super::{Bar, Row, row};
 use anyhow::Result;
 use rexrov::estimation::{Acceleration, Ekf, EkfParameters, Measurements};
 use rexrov::vehicle::{Parameters, ReducedModel};
 use std::hint::black_box;
 
-const CALLS: u32 = 200_000;
+const TIMES: u32 = 1000;
 
 pub(super) fn measure() -> Result<Vec<Row>> {
     let model = ReducedModel::new(&Parameters::default())?;
@@ -18,14 +19,14 @@ pub(super) fn measure() -> Result<Vec<Row>> {
         let mut memory = ekf.memory();
         let mut measurements = Measurements::default();
         measurements.dvl.value.velocity = [0.3, 0.02, 0.0];
-        let time = timer::nanoseconds(CALLS, || {
-            let _ = black_box(ekf.update(&mut memory, black_box(&measurements)));
-        });
-        rows.push(Row {
-            what: format!("cycle of the {name} filter"),
-            value: format!("{time:.0} ns"),
-            goal: "at most 3000 ns",
-        });
+        let times = rounds(
+            TIMES,
+            [&mut repeat(|| {
+                let _ = black_box(ekf.update(&mut memory, black_box(&measurements)));
+            })],
+        );
+        let what = format!("cycle of the {name} filter");
+        rows.push(row(what, times.ns(0), "ns", Bar::AtMost(3000.0)));
     }
     Ok(rows)
 }

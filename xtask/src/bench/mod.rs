@@ -2,31 +2,70 @@
 //! one changes both sides alike. Nothing here is a test: the bars are goals, shown beside what was
 //! measured.
 
+mod command;
+mod component;
 mod course;
 mod filter;
+mod functions;
 mod timer;
 mod vehicle;
 
-use crate::process;
+use crate::{package, process, python};
 use anyhow::Result;
 
 /// A line of the result.
 struct Row {
     what: String,
-    value: String,
-    /// The goal, in words.
-    goal: &'static str,
+    value: f64,
+    unit: &'static str,
+    bar: Bar,
+}
+
+/// What the value should be.
+enum Bar {
+    None,
+    AtMost(f64),
+    AtLeast(f64),
+}
+
+/// A line.
+fn row(what: impl Into<String>, value: f64, unit: &'static str, bar: Bar) -> Row {
+    Row { what: what.into(), value, unit, bar }
+}
+
+/// What to measure.
+#[derive(clap::Args)]
+pub(crate) struct Options {
+    /// Also libcosim and FMPy on the same chains, and memory over 10,000 runs
+    #[arg(long)]
+    third_party: bool,
 }
 
 /// Measures everything and prints it.
-pub(crate) fn run() -> Result<()> {
-    let mut rows = Vec::new();
-    rows.extend(vehicle::measure()?);
+pub(crate) fn run(options: &Options) -> Result<()> {
+    package::for_this_machine()?;
+    let mut rows = vehicle::measure()?;
+    rows.extend(functions::bars()?);
     rows.extend(filter::measure()?);
     rows.extend(course::measure()?);
+    rows.extend(command::measure()?);
     let width = rows.iter().map(|row| row.what.chars().count()).max().unwrap_or(0);
-    for row in &rows {
-        println!("{:width$}  {:>14}  {}", row.what, row.value, row.goal);
+    for Row { what, value, unit, bar } in &rows {
+        let digits = if *value < 10.0 { 2 } else { 0 };
+        let (bar, met) = match bar {
+            Bar::None => (String::new(), true),
+            Bar::AtMost(most) => (format!("at most {most}"), value <= most),
+            Bar::AtLeast(least) => (format!("at least {least}"), value >= least),
+        };
+        let missed = if met { "" } else { "  MISSED" };
+        println!("{what:width$}  {value:>8.digits$} {unit:6}  {bar}{missed}");
     }
-    process::run(&mut process::cargo(&["bench", "--quiet", "-p", "cosim", "--bench", "chain"]))
+    println!();
+    functions::print()?;
+    let bench = |name| process::cargo(&["bench", "--quiet", "-p", "cosim", "--bench", name]);
+    if !options.third_party {
+        return process::run(&mut bench("chain"));
+    }
+    process::run(bench("chain").env("COSIM_BENCH_PYTHON", python::TESTS.interpreter()?))?;
+    process::run(&mut bench("runs"))
 }

@@ -1,18 +1,54 @@
-//! Timing: the least of several repetitions, because all disturbances only ever add.
+//! Timing on a machine that is never quiet: what is compared takes turns in short rounds, and the
+//! median of the rounds counts.
 
 use std::time::Instant;
 
-const REPETITIONS: usize = 7;
+const ROUNDS: usize = 201;
 
-/// Nanoseconds per call of `work`.
-pub(super) fn nanoseconds(calls: u32, mut work: impl FnMut()) -> f64 {
-    let mut least = f64::INFINITY;
-    for _ in 0..REPETITIONS {
-        let begun = Instant::now();
-        for _ in 0..calls {
-            work();
-        }
-        least = least.min(begun.elapsed().as_nanos() as f64 / f64::from(calls));
+/// Something to be timed: does its work as many times as it is told.
+pub(super) type Work<'a> = &'a mut dyn FnMut(u32);
+
+/// Does `work` again and again.
+pub(super) fn repeat(mut work: impl FnMut()) -> impl FnMut(u32) {
+    move |times| (0..times).for_each(|_| work())
+}
+
+/// What the rounds of some works took, nanoseconds per time.
+pub(super) struct Rounds<const N: usize>(Vec<[f64; N]>);
+
+/// Lets the works take turns, each round so many times.
+pub(super) fn rounds<const N: usize>(times: u32, mut works: [Work<'_>; N]) -> Rounds<N> {
+    let mut round = || {
+        works.each_mut().map(|work| {
+            let begun = Instant::now();
+            work(times);
+            begun.elapsed().as_nanos() as f64 / f64::from(times)
+        })
+    };
+    // The first one finds cold caches.
+    round();
+    Rounds((0..ROUNDS).map(|_| round()).collect())
+}
+
+impl<const N: usize> Rounds<N> {
+    /// Nanoseconds of a work.
+    pub(super) fn ns(&self, work: usize) -> f64 {
+        self.median(|round| round[work])
     }
-    least
+
+    /// One work over another, each round by itself.
+    pub(super) fn ratio(&self, work: usize, other: usize) -> f64 {
+        self.median(|round| round[work] / round[other])
+    }
+
+    /// What one work takes beyond another.
+    pub(super) fn beyond(&self, work: usize, other: usize) -> f64 {
+        self.median(|round| round[work] - round[other])
+    }
+
+    fn median(&self, of: impl Fn(&[f64; N]) -> f64) -> f64 {
+        let mut values: Vec<f64> = self.0.iter().map(of).collect();
+        values.sort_by(f64::total_cmp);
+        values[values.len() / 2]
+    }
 }

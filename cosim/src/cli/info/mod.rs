@@ -15,7 +15,7 @@ use super::{Format, messages};
 /// Show what an FMU or a system is; a system is checked wholly
 #[derive(Args)]
 pub(crate) struct Info {
-    /// A .fmu, .ssd or .ssp file
+    /// A .fmu, .ssd, .ssp or OspSystemStructure.xml file, or the folder of the last
     file: PathBuf,
     /// For people or for programs
     #[arg(long, value_enum, default_value_t = Format::Text)]
@@ -24,8 +24,7 @@ pub(crate) struct Info {
 
 impl Info {
     pub(crate) fn run(self) -> Result<()> {
-        let ends_with = |end| self.file.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
-        if ends_with("ssd") || ends_with("ssp") {
+        if System::is_system(&self.file) {
             let system = System::load(&self.file, &Overrides::new())?;
             messages::findings(&system, false);
             return match self.format {

@@ -9,6 +9,7 @@ fn model(component: &Component) -> (String, String) {
     match &component.model {
         Model::Fmu(fmu) => (fmu.description().model_name.clone(), fmu.path().display().to_string()),
         Model::Signals(_) => ("signals".to_owned(), String::new()),
+        Model::Function(function) => (format!("sum of {}", function.inputs()), String::new()),
     }
 }
 

@@ -3,11 +3,15 @@
 use serde::{Deserialize, Serialize};
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
+use crate::units::Units;
+
+mod known;
 mod read;
 mod value;
 
-pub use read::read;
+pub use read::{parse, read};
 pub use value::{Value, ValueError};
 
 /// What an FMU says of itself.
@@ -31,10 +35,16 @@ pub struct Description {
     pub event_indicators: usize,
     /// Suggested experiment.
     pub experiment: Experiment,
+    /// Definitions of units.
+    pub units: Units,
     /// All variables, in the order of the file; FMI's indices are positions in it plus one.
     pub variables: Vec<Variable>,
     /// Outputs with the inputs they depend on directly.
     pub outputs: Vec<Output>,
+    /// Names of the log categories.
+    pub log_categories: Vec<String>,
+    /// What FMI 2.0 does not have in this file, and was left out: elements and attributes.
+    pub warnings: Vec<String>,
     positions: HashMap<String, usize>,
 }
 
@@ -70,6 +80,10 @@ pub struct Interface {
     pub output_derivative_order: u32,
     /// Model exchange: it need not be told that a step was accepted.
     pub no_completed_step: bool,
+    /// It allocates by itself and ignores the memory callbacks.
+    pub own_memory: bool,
+    /// Co-simulation: `fmi2DoStep` may return before the step is done.
+    pub asynchronous: bool,
 }
 
 /// Suggested experiment, in seconds.
@@ -152,8 +166,8 @@ pub enum Kind {
     Integer,
     Boolean,
     String,
-    /// An Integer whose values have names.
-    Enumeration(Vec<(String, i32)>),
+    /// An Integer whose values have names; shared by the variables of one type.
+    Enumeration(#[serde(with = "items")] Arc<[(String, i32)]>),
 }
 
 impl InterfaceType {
@@ -228,6 +242,28 @@ impl Variable {
 }
 
 impl Description {
+    /// A description of a model that is no FMU: a function of a system.
+    pub(crate) fn of_model(name: &str, variables: Vec<Variable>, outputs: Vec<Output>) -> Self {
+        let positions = variables.iter().enumerate().map(|(p, v)| (v.name.clone(), p)).collect();
+        Self {
+            model_name: name.to_owned(),
+            guid: String::new(),
+            description: String::new(),
+            generation_tool: String::new(),
+            co_simulation: None,
+            model_exchange: None,
+            states: 0,
+            event_indicators: 0,
+            experiment: Experiment::default(),
+            units: Units::new(),
+            log_categories: Vec::new(),
+            warnings: Vec::new(),
+            variables,
+            outputs,
+            positions,
+        }
+    }
+
     /// The part for an interface type, if there is one.
     pub fn interface(&self, kind: InterfaceType) -> Option<&Interface> {
         match kind {
@@ -257,5 +293,25 @@ impl Description {
         self.outputs.iter().any(|output| {
             output.dependencies.as_ref().is_none_or(|dependencies| dependencies.contains(&input))
         })
+    }
+}
+
+/// The items of an enumeration as bytes.
+mod items {
+    use std::sync::Arc;
+
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(
+        items: &Arc<[(String, i32)]>,
+        to: S,
+    ) -> Result<S::Ok, S::Error> {
+        items.as_ref().serialize(to)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<Arc<[(String, i32)]>, D::Error> {
+        Vec::deserialize(from).map(Arc::from)
     }
 }

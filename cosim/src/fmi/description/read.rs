@@ -2,26 +2,56 @@
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
+use std::sync::Arc;
 
+use super::known;
 use super::{
     Causality, Description, Experiment, Interface, Kind, Output, Value, Variability, Variable,
 };
 use crate::error::{Code, Error, Result};
+use crate::units;
 use crate::xml::{self, Element};
 
 /// Enumerations by the name of their type.
-type Enumerations = BTreeMap<String, Vec<(String, i32)>>;
+type Enumerations = BTreeMap<String, Arc<[(String, i32)]>>;
+
+/// Dependencies of all outputs together; a file can name more than memory holds.
+const MAX_DEPENDENCIES: usize = 20_000_000;
 
 /// Reads `file`; `shown` is its name in messages.
 pub fn read(file: &Path, shown: &Path) -> Result<Description> {
-    let root = xml::read(file, shown)?;
-    let reader = Reader { file: shown, enumerations: enumerations(&root, shown)? };
-    reader.description(&root)
+    of(&xml::read(file, shown)?, shown)
+}
+
+/// Reads a description that is in memory; `shown` is its name in messages.
+pub fn parse(text: &[u8], shown: &Path) -> Result<Description> {
+    of(&xml::decode(text, shown)?, shown)
+}
+
+fn of(root: &Element, file: &Path) -> Result<Description> {
+    let reader = Reader {
+        file,
+        enumerations: enumerations(root, file)?,
+        units_of_types: units_of_types(root),
+    };
+    reader.description(root)
 }
 
 struct Reader<'a> {
     file: &'a Path,
     enumerations: Enumerations,
+    /// What a Real without a unit inherits from its declared type.
+    units_of_types: BTreeMap<String, String>,
+}
+
+fn units_of_types(root: &Element) -> BTreeMap<String, String> {
+    let types = root.grandchildren("TypeDefinitions").iter();
+    types
+        .filter_map(|simple| {
+            let unit = simple.child("Real")?.get("unit")?;
+            Some((simple.get("name")?.to_owned(), unit.to_owned()))
+        })
+        .collect()
 }
 
 fn enumerations(root: &Element, file: &Path) -> Result<Enumerations> {
@@ -36,7 +66,7 @@ fn enumerations(root: &Element, file: &Path) -> Result<Enumerations> {
             let value = item.parse("value", file, Code::Description)?.unwrap_or(0);
             items.push((name, value));
         }
-        found.insert(simple.require("name", file, Code::Description)?.to_owned(), items);
+        found.insert(simple.require("name", file, Code::Description)?.to_owned(), items.into());
     }
     Ok(found)
 }
@@ -75,7 +105,18 @@ impl Reader<'_> {
                 .parse("numberOfEventIndicators", self.file, Code::Description)?
                 .unwrap_or(0),
             experiment: self.experiment(root)?,
+            units: units::read(
+                root.grandchildren("UnitDefinitions"),
+                self.file,
+                Code::Description,
+            )?,
             outputs: self.outputs(root, &variables)?,
+            log_categories: root
+                .grandchildren("LogCategories")
+                .iter()
+                .filter_map(|category| category.get("name").map(str::to_owned))
+                .collect(),
+            warnings: known::strangers(root, self.file),
             variables,
             positions,
         })
@@ -100,6 +141,8 @@ impl Reader<'_> {
                 .parse("maxOutputDerivativeOrder", self.file, Code::Description)?
                 .unwrap_or(0),
             no_completed_step: flag("completedIntegratorStepNotNeeded")?,
+            own_memory: flag("canNotUseMemoryManagementFunctions")?,
+            asynchronous: flag("canRunAsynchronuously")?,
         })
     }
 
@@ -162,13 +205,13 @@ impl Reader<'_> {
         };
         Ok(Variable {
             description: element.get("description").unwrap_or_default().to_owned(),
+            unit: self.unit(typed).map(str::to_owned),
             // A nominal value that is no magnitude says nothing.
             nominal: typed
                 .get("nominal")
                 .and_then(|text| text.trim().parse().ok())
                 .filter(|nominal: &f64| nominal.is_finite() && *nominal > 0.0)
                 .unwrap_or(1.0),
-            unit: typed.get("unit").map(str::to_owned),
             line: element.line,
             name,
             value_reference,
@@ -180,6 +223,11 @@ impl Reader<'_> {
         })
     }
 
+    fn unit<'e>(&'e self, typed: &'e Element) -> Option<&'e str> {
+        let declared = || self.units_of_types.get(typed.get("declaredType")?);
+        typed.get("unit").or_else(|| declared().map(String::as_str))
+    }
+
     fn kind(&self, element: &Element) -> Option<Kind> {
         Some(match element.name.as_str() {
             "Real" => Kind::Real,
@@ -188,7 +236,9 @@ impl Reader<'_> {
             "String" => Kind::String,
             "Enumeration" => {
                 let declared = element.get("declaredType").unwrap_or_default();
-                Kind::Enumeration(self.enumerations.get(declared).cloned().unwrap_or_default())
+                Kind::Enumeration(
+                    self.enumerations.get(declared).cloned().unwrap_or_else(|| [].into()),
+                )
             }
             _ => return None,
         })
@@ -223,6 +273,8 @@ impl Reader<'_> {
     /// The outputs of ModelStructure; an output variable missing there depends on everything.
     fn outputs(&self, root: &Element, variables: &[Variable]) -> Result<Vec<Output>> {
         let mut outputs = Vec::new();
+        let mut listed = vec![false; variables.len()];
+        let mut count = 0;
         let structure = root.child("ModelStructure");
         for unknown in structure.map_or(&[][..], |s| s.grandchildren("Outputs")) {
             let index = unknown.require("index", self.file, Code::Description)?;
@@ -231,14 +283,18 @@ impl Reader<'_> {
                     .map(|index| self.position(unknown, index, variables))
                     .collect::<Result<Vec<_>>>()
             });
-            outputs.push(Output {
-                variable: self.position(unknown, index, variables)?,
-                dependencies: dependencies.transpose()?,
-            });
+            let (variable, dependencies) =
+                (self.position(unknown, index, variables)?, dependencies.transpose()?);
+            count += dependencies.as_ref().map_or(0, Vec::len);
+            if count > MAX_DEPENDENCIES {
+                let what = format!("more than {MAX_DEPENDENCIES} dependencies");
+                return Err(self.wrong(unknown, what));
+            }
+            listed[variable] = true;
+            outputs.push(Output { variable, dependencies });
         }
         for (variable, declared) in variables.iter().enumerate() {
-            let listed = outputs.iter().any(|o| o.variable == variable);
-            if declared.causality == Causality::Output && !listed {
+            if declared.causality == Causality::Output && !listed[variable] {
                 outputs.push(Output { variable, dependencies: None });
             }
         }

@@ -74,7 +74,7 @@ mod tests {
 
     #[test]
     fn by_declared_type() {
-        let modes = Kind::Enumeration(vec![("Force".into(), 1), ("Speed".into(), 5)]);
+        let modes = Kind::Enumeration([("Force".into(), 1), ("Speed".into(), 5)].into());
         assert_eq!(Value::parse("Speed", &modes).unwrap(), Value::Integer(5));
         assert_eq!(Value::parse("5", &modes).unwrap(), Value::Integer(5));
         assert!(Value::parse("Forse", &modes).unwrap_err().0.contains("'Force'"));

@@ -2,7 +2,7 @@
 
 use std::ffi::{CString, c_char};
 
-use super::{Instance, State};
+use super::{Followed, Instance, State, followed};
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Kind, Value, Variable};
 
@@ -18,29 +18,36 @@ const WRITABLE: &[State] = &[
 
 impl Instance {
     /// Sets Real variables.
-    #[inline]
+    #[inline(always)]
     pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Result<()> {
         self.check("fmi2SetReal", WRITABLE, references.len(), values.len())?;
-        self.call("fmi2SetReal", |f, c| {
+        let shown = |f: &Followed| f.pairs(&Kind::Real, references, values);
+        let set_real = self.hot.set_real;
+        self.call("fmi2SetReal", shown, |_, c| {
             // SAFETY: `c` is alive; both arrays have that length.
-            unsafe { (f.set_real)(c, references.as_ptr(), references.len(), values.as_ptr()) }
+            unsafe { set_real(c, references.as_ptr(), references.len(), values.as_ptr()) }
         })
     }
 
     /// Reads Real variables.
-    #[inline]
+    #[inline(always)]
     pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Result<()> {
         self.check("fmi2GetReal", READABLE, references.len(), values.len())?;
-        self.call("fmi2GetReal", |f, c| {
+        let shown = |f: &Followed| f.names(&Kind::Real, references);
+        let get_real = self.hot.get_real;
+        self.get("fmi2GetReal", shown, |_, c| {
             // SAFETY: `c` is alive; both arrays have that length.
-            unsafe { (f.get_real)(c, references.as_ptr(), references.len(), values.as_mut_ptr()) }
-        })
+            unsafe { get_real(c, references.as_ptr(), references.len(), values.as_mut_ptr()) }
+        })?;
+        self.show(|_| followed::values(values));
+        Ok(())
     }
 
     /// Sets Integer and Enumeration variables.
     pub fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Result<()> {
         self.check("fmi2SetInteger", WRITABLE, references.len(), values.len())?;
-        self.call("fmi2SetInteger", |f, c| {
+        let shown = |f: &Followed| f.pairs(&Kind::Integer, references, values);
+        self.call("fmi2SetInteger", shown, |f, c| {
             // SAFETY: `c` is alive; both arrays have that length.
             unsafe { (f.set_integer)(c, references.as_ptr(), references.len(), values.as_ptr()) }
         })
@@ -49,18 +56,22 @@ impl Instance {
     /// Reads Integer and Enumeration variables.
     pub fn get_integer(&mut self, references: &[u32], values: &mut [i32]) -> Result<()> {
         self.check("fmi2GetInteger", READABLE, references.len(), values.len())?;
-        self.call("fmi2GetInteger", |f, c| {
+        let shown = |f: &Followed| f.names(&Kind::Integer, references);
+        self.get("fmi2GetInteger", shown, |f, c| {
             // SAFETY: `c` is alive; both arrays have that length.
             unsafe {
                 (f.get_integer)(c, references.as_ptr(), references.len(), values.as_mut_ptr())
             }
-        })
+        })?;
+        self.show(|_| followed::values(values));
+        Ok(())
     }
 
     /// Sets Boolean variables, as FMI has them: 0 or 1.
     pub fn set_boolean(&mut self, references: &[u32], values: &[i32]) -> Result<()> {
         self.check("fmi2SetBoolean", WRITABLE, references.len(), values.len())?;
-        self.call("fmi2SetBoolean", |f, c| {
+        let shown = |f: &Followed| f.pairs(&Kind::Boolean, references, values);
+        self.call("fmi2SetBoolean", shown, |f, c| {
             // SAFETY: `c` is alive; both arrays have that length.
             unsafe { (f.set_boolean)(c, references.as_ptr(), references.len(), values.as_ptr()) }
         })
@@ -69,12 +80,15 @@ impl Instance {
     /// Reads Boolean variables, as FMI has them: 0 or 1.
     pub fn get_boolean(&mut self, references: &[u32], values: &mut [i32]) -> Result<()> {
         self.check("fmi2GetBoolean", READABLE, references.len(), values.len())?;
-        self.call("fmi2GetBoolean", |f, c| {
+        let shown = |f: &Followed| f.names(&Kind::Boolean, references);
+        self.get("fmi2GetBoolean", shown, |f, c| {
             // SAFETY: `c` is alive; both arrays have that length.
             unsafe {
                 (f.get_boolean)(c, references.as_ptr(), references.len(), values.as_mut_ptr())
             }
-        })
+        })?;
+        self.show(|_| followed::values(values));
+        Ok(())
     }
 
     /// Sets one String variable.
@@ -84,7 +98,8 @@ impl Instance {
             Error::new(Code::Parameter, format!("a String of '{}' contains NUL", self.name)).why(e)
         })?;
         let pointer: *const c_char = text.as_ptr();
-        self.call("fmi2SetString", |f, c| {
+        let shown = |f: &Followed| f.pairs(&Kind::String, &[reference], &[value]);
+        self.call("fmi2SetString", shown, |f, c| {
             // SAFETY: `c` is alive; one reference and one C string that lives during the call.
             unsafe { (f.set_string)(c, &reference, 1, &pointer) }
         })
@@ -113,7 +128,7 @@ impl Instance {
         result.map_err(|e| e.help(format!("the value was {} = {value}", variable.name)))
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn check(
         &self,
         function: &'static str,

@@ -1,8 +1,10 @@
 //! Derivatives: of inputs and outputs in time, and of outputs with respect to inputs
 //! (FMI 2.0.5, 4.2.1 and 2.1.9).
 
-use super::{Instance, State};
+use super::{Followed, Instance, State, followed};
 use crate::error::Result;
+use crate::fmi::Kind;
+use crate::fmi::status;
 
 const STEPPING: &[State] = &[State::Ready];
 const DIFFERENTIABLE: &[State] =
@@ -12,8 +14,10 @@ impl Instance {
     /// Gives the first time derivatives of Real inputs, valid during the next step.
     pub fn set_input_derivatives(&mut self, references: &[u32], values: &[f64]) -> Result<()> {
         self.check("fmi2SetRealInputDerivatives", STEPPING, references.len(), values.len())?;
-        let (orders, function) = (vec![1; references.len()], self.optional.input_derivatives);
-        self.call_optional("fmi2SetRealInputDerivatives", function, |function, c| {
+        let orders = vec![1; references.len()];
+        let function = self.stepping("fmi2SetRealInputDerivatives")?.input_derivatives;
+        let shown = |f: &Followed| f.pairs(&Kind::Real, references, values);
+        self.call("fmi2SetRealInputDerivatives", shown, |_, c| {
             let (n, orders) = (references.len(), orders.as_ptr());
             // SAFETY: `c` is alive; the three arrays have that length.
             unsafe { function(c, references.as_ptr(), n, orders, values.as_ptr()) }
@@ -23,30 +27,39 @@ impl Instance {
     /// Reads the first time derivatives of Real outputs at the end of the last step.
     pub fn get_output_derivatives(&mut self, references: &[u32], values: &mut [f64]) -> Result<()> {
         self.check("fmi2GetRealOutputDerivatives", STEPPING, references.len(), values.len())?;
-        let (orders, function) = (vec![1; references.len()], self.optional.output_derivatives);
-        self.call_optional("fmi2GetRealOutputDerivatives", function, |function, c| {
+        let orders = vec![1; references.len()];
+        let function = self.stepping("fmi2GetRealOutputDerivatives")?.output_derivatives;
+        let shown = |f: &Followed| f.names(&Kind::Real, references);
+        self.get("fmi2GetRealOutputDerivatives", shown, |_, c| {
             let (n, orders) = (references.len(), orders.as_ptr());
             // SAFETY: `c` is alive; the three arrays have that length.
             unsafe { function(c, references.as_ptr(), n, orders, values.as_mut_ptr()) }
-        })
+        })?;
+        self.show(|_| followed::values(values));
+        Ok(())
     }
 
-    /// How `unknowns` change when `knowns` change by `seed`, everything else held.
+    /// How `unknowns` change when `knowns` change by `seed`, everything else held. `false` when the
+    /// FMU has no answer, whatever it declares: there are differences instead.
     pub fn directional_derivative(
         &mut self,
         unknowns: &[u32],
         knowns: &[u32],
         seed: &[f64],
         result: &mut [f64],
-    ) -> Result<()> {
+    ) -> Result<bool> {
         let name = "fmi2GetDirectionalDerivative";
         self.check(name, DIFFERENTIABLE, knowns.len(), seed.len())?;
         self.check(name, DIFFERENTIABLE, unknowns.len(), result.len())?;
-        let function = self.optional.directional;
-        self.call_optional(name, function, |function, c| {
+        let shown = |f: &Followed| {
+            let unknowns = f.names(&Kind::Real, unknowns);
+            format!("{unknowns} by {}", f.pairs(&Kind::Real, knowns, seed))
+        };
+        let mut answer = status::OK;
+        self.get(name, shown, |f, c| {
             // SAFETY: `c` is alive; each pair of arrays has its length.
-            unsafe {
-                function(
+            answer = unsafe {
+                (f.directional)(
                     c,
                     unknowns.as_ptr(),
                     unknowns.len(),
@@ -55,7 +68,14 @@ impl Instance {
                     seed.as_ptr(),
                     result.as_mut_ptr(),
                 )
-            }
-        })
+            };
+            if answer == status::FATAL { answer } else { status::OK }
+        })?;
+        let known = matches!(answer, status::OK | status::WARNING);
+        self.show(|_| match known {
+            true => followed::values(result),
+            false => format!("no answer: {}", status::name(answer)),
+        });
+        Ok(known && result.iter().all(|value| value.is_finite()))
     }
 }

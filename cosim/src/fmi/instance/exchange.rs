@@ -1,8 +1,9 @@
 //! Calls of model exchange (FMI 2.0.5, 3.2): time, states, derivatives, events.
 
-use super::{Instance, State};
+use super::followed::values;
+use super::{Followed, Instance, State, nothing};
 use crate::error::{Code, Error, Result};
-use crate::fmi::library::{EventInfo, Exchange, Own};
+use crate::fmi::library::{Component, EventInfo, Exchange, Own};
 use crate::fmi::status::RawStatus;
 use crate::time::Time;
 
@@ -30,46 +31,62 @@ impl Instance {
         // For messages; beyond 146 years the last instant stands there.
         self.time = Time::from_seconds(time, "the time").unwrap_or(self.time);
         // SAFETY: `c` is alive and the state allows the call.
-        self.exchange("fmi2SetTime", BOTH, |f, c| unsafe { (f.set_time)(c, time) })
+        self.exchange(
+            "fmi2SetTime",
+            BOTH,
+            |_| format!("{time:?}"),
+            |f, c| unsafe { (f.set_time)(c, time) },
+        )
     }
 
     /// Sets the continuous states.
     #[inline]
     pub fn set_states(&mut self, states: &[f64]) -> Result<()> {
         self.length("fmi2SetContinuousStates", states.len(), self.fmu.description().states)?;
-        self.exchange("fmi2SetContinuousStates", CONTINUOUS, |f, c| {
-            // SAFETY: `c` is alive; the array has that length.
-            unsafe { (f.set_states)(c, states.as_ptr(), states.len()) }
-        })
+        self.exchange(
+            "fmi2SetContinuousStates",
+            CONTINUOUS,
+            |_| values(states),
+            |f, c| {
+                // SAFETY: `c` is alive; the array has that length.
+                unsafe { (f.set_states)(c, states.as_ptr(), states.len()) }
+            },
+        )
     }
 
     /// Reads the continuous states.
     pub fn get_states(&mut self, states: &mut [f64]) -> Result<()> {
         self.length("fmi2GetContinuousStates", states.len(), self.fmu.description().states)?;
-        self.exchange("fmi2GetContinuousStates", BOTH, |f, c| {
+        self.exchange_get("fmi2GetContinuousStates", BOTH, |f, c| {
             // SAFETY: `c` is alive; the array has that length.
             unsafe { (f.get_states)(c, states.as_mut_ptr(), states.len()) }
-        })
+        })?;
+        self.show(|_| values(states));
+        Ok(())
     }
 
     /// Reads the derivatives of the continuous states.
     #[inline]
     pub fn get_derivatives(&mut self, derivatives: &mut [f64]) -> Result<()> {
         self.length("fmi2GetDerivatives", derivatives.len(), self.fmu.description().states)?;
-        self.exchange("fmi2GetDerivatives", BOTH, |f, c| {
+        self.exchange_get("fmi2GetDerivatives", BOTH, |f, c| {
             // SAFETY: `c` is alive; the array has that length.
             unsafe { (f.get_derivatives)(c, derivatives.as_mut_ptr(), derivatives.len()) }
-        })
+        })?;
+        self.show(|_| values(derivatives));
+        Ok(())
     }
 
     /// Reads the nominal values of the continuous states.
     pub fn get_nominals(&mut self, nominals: &mut [f64]) -> Result<()> {
         let function = "fmi2GetNominalsOfContinuousStates";
         self.length(function, nominals.len(), self.fmu.description().states)?;
-        self.exchange(function, BOTH, |f, c| {
+        self.exchange_get(function, BOTH, |f, c| {
             // SAFETY: `c` is alive; the array has that length.
             unsafe { (f.get_nominals)(c, nominals.as_mut_ptr(), nominals.len()) }
-        })
+        })?;
+        self.show(|_| values(nominals));
+        Ok(())
     }
 
     /// Reads the event indicators.
@@ -77,19 +94,22 @@ impl Instance {
     pub fn get_indicators(&mut self, indicators: &mut [f64]) -> Result<()> {
         let wanted = self.fmu.description().event_indicators;
         self.length("fmi2GetEventIndicators", indicators.len(), wanted)?;
-        self.exchange("fmi2GetEventIndicators", BOTH, |f, c| {
+        self.exchange_get("fmi2GetEventIndicators", BOTH, |f, c| {
             // SAFETY: `c` is alive; the array has that length.
             unsafe { (f.get_indicators)(c, indicators.as_mut_ptr(), indicators.len()) }
-        })
+        })?;
+        self.show(|_| values(indicators));
+        Ok(())
     }
 
     /// Tells that a step was accepted; whether the FMU wants a step event.
     pub fn completed_step(&mut self) -> Result<bool> {
         let (mut event, mut terminate) = (0, 0);
-        self.exchange("fmi2CompletedIntegratorStep", CONTINUOUS, |f, c| {
+        self.exchange_get("fmi2CompletedIntegratorStep", CONTINUOUS, |f, c| {
             // SAFETY: `c` is alive; both flags live during the call.
             unsafe { (f.completed_step)(c, 0, &mut event, &mut terminate) }
         })?;
+        self.show(|_| format!("event: {}, terminate: {}", event != 0, terminate != 0));
         self.ended(terminate)?;
         Ok(event != 0)
     }
@@ -97,7 +117,9 @@ impl Instance {
     /// Enters event mode.
     pub fn enter_event_mode(&mut self) -> Result<()> {
         // SAFETY: `c` is alive and the state allows the call.
-        self.exchange("fmi2EnterEventMode", CONTINUOUS, |f, c| unsafe { (f.enter_event)(c) })?;
+        self.exchange("fmi2EnterEventMode", CONTINUOUS, nothing, |f, c| unsafe {
+            (f.enter_event)(c)
+        })?;
         self.state = State::EventMode;
         Ok(())
     }
@@ -107,16 +129,18 @@ impl Instance {
         let mut next = NextEvent::default();
         for _ in 0..MAX_ITERATIONS {
             let mut info = EventInfo::default();
-            self.exchange("fmi2NewDiscreteStates", &[State::EventMode], |f, c| {
+            self.exchange_get("fmi2NewDiscreteStates", &[State::EventMode], |f, c| {
                 // SAFETY: `c` is alive; `info` lives during the call.
                 unsafe { (f.new_discrete)(c, &mut info) }
             })?;
+            self.show(|_| format!("{info:?}"));
             self.ended(info.terminate)?;
             next.states_changed |= info.states_changed != 0;
             next.nominals_changed |= info.nominals_changed != 0;
             next.time = (info.next_event_defined != 0).then_some(info.next_event);
             if info.new_discrete_states_needed == 0 {
-                self.exchange("fmi2EnterContinuousTimeMode", &[State::EventMode], |f, c| {
+                let function = "fmi2EnterContinuousTimeMode";
+                self.exchange(function, &[State::EventMode], nothing, |f, c| {
                     // SAFETY: `c` is alive and the state allows the call.
                     unsafe { (f.enter_continuous)(c) }
                 })?;
@@ -144,13 +168,32 @@ impl Instance {
         &mut self,
         function: &'static str,
         allowed: &[State],
-        call: impl FnOnce(&Exchange, crate::fmi::library::Component) -> RawStatus,
+        arguments: impl FnOnce(&Followed) -> String,
+        call: impl FnOnce(&Exchange, Component) -> RawStatus,
     ) -> Result<()> {
+        let own = self.own_functions(function, allowed)?;
+        self.call(function, arguments, |_, c| call(&own, c))
+    }
+
+    /// A call that gives something, which is told by `show`.
+    #[inline]
+    fn exchange_get(
+        &mut self,
+        function: &'static str,
+        allowed: &[State],
+        call: impl FnOnce(&Exchange, Component) -> RawStatus,
+    ) -> Result<()> {
+        let own = self.own_functions(function, allowed)?;
+        self.get(function, nothing, |_, c| call(&own, c))
+    }
+
+    #[inline]
+    fn own_functions(&self, function: &'static str, allowed: &[State]) -> Result<Exchange> {
         self.require(function, allowed)?;
-        let Own::Exchange(own) = self.own else {
-            return Err(self.refused(function));
-        };
-        self.call(function, |_, c| call(&own, c))
+        match self.own {
+            Own::Exchange(own) => Ok(own),
+            Own::Stepping(_) => Err(self.refused(function)),
+        }
     }
 
     #[inline]

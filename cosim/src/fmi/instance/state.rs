@@ -2,11 +2,10 @@
 
 use std::ptr;
 
-use super::{Instance, RUNNING, State};
+use super::{Followed, Instance, RUNNING, State, nothing};
 use crate::error::{Code, Error, Result};
 use crate::fmi::description::Interface;
-use crate::fmi::library::{Component, FmuState};
-use crate::fmi::status::RawStatus;
+use crate::fmi::library::FmuState;
 use crate::time::Time;
 
 const RESTORABLE: &[State] =
@@ -21,15 +20,13 @@ pub enum Place {
     Retry,
     /// The beginning of a step whose error is controlled.
     Control,
-    /// The middle of such a step.
-    Middle,
     /// A snapshot.
     Snapshot,
 }
 
 impl Place {
     /// How many there are.
-    pub const COUNT: usize = 5;
+    pub const COUNT: usize = 4;
 }
 
 impl Instance {
@@ -39,11 +36,14 @@ impl Instance {
         self.declares("save its state", "canGetAndSetFMUstate", |i| i.get_and_set_state)?;
         let slot = place as usize;
         let mut saved = self.saved[slot].take().map_or(ptr::null_mut(), |(saved, _)| saved);
-        let result = self.call("fmi2GetFMUstate", |f, c| {
+        let result = self.call("fmi2GetFMUstate", nothing, |f, c| {
             // SAFETY: `saved` is NULL or a state of this instance, which is then overwritten.
             unsafe { (f.get_state)(c, &mut saved) }
         });
         self.saved[slot] = (!saved.is_null()).then_some((saved, self.state));
+        if result.is_ok() && saved.is_null() {
+            return Err(self.without("fmi2GetFMUstate"));
+        }
         result
     }
 
@@ -53,10 +53,14 @@ impl Instance {
         let Some((saved, state)) = self.saved[place as usize] else {
             return Err(Error::new(Code::Fmu, format!("'{}' has no saved state", self.name)));
         };
-        self.call("fmi2SetFMUstate", |f, c| {
-            // SAFETY: `saved` is a state of this instance.
-            unsafe { (f.set_state)(c, saved) }
-        })?;
+        self.call(
+            "fmi2SetFMUstate",
+            |_| format!("the state of t = {time}"),
+            |f, c| {
+                // SAFETY: `saved` is a state of this instance.
+                unsafe { (f.set_state)(c, saved) }
+            },
+        )?;
         self.state = state;
         self.time = time;
         Ok(())
@@ -69,17 +73,16 @@ impl Instance {
         let Some((saved, _)) = self.saved[Place::Snapshot as usize] else {
             return Err(self.without("fmi2GetFMUstate"));
         };
-        let size_of = self.optional.serialized_size;
         let mut size = 0;
-        self.call_optional("fmi2SerializedFMUstateSize", size_of, |function, c| {
+        self.get("fmi2SerializedFMUstateSize", nothing, |f, c| {
             // SAFETY: `saved` is a state of this instance; `size` lives during the call.
-            unsafe { function(c, saved, &mut size) }
+            unsafe { (f.serialized_size)(c, saved, &mut size) }
         })?;
+        self.show(|_| size.to_string());
         let mut bytes = vec![0; size];
-        let serialize = self.optional.serialize;
-        self.call_optional("fmi2SerializeFMUstate", serialize, |function, c| {
+        self.call("fmi2SerializeFMUstate", nothing, |f, c| {
             // SAFETY: as above; the array has that length.
-            unsafe { function(c, saved, bytes.as_mut_ptr(), bytes.len()) }
+            unsafe { (f.serialize)(c, saved, bytes.as_mut_ptr(), bytes.len()) }
         })?;
         Ok(bytes)
     }
@@ -90,10 +93,10 @@ impl Instance {
         self.require("fmi2DeSerializeFMUstate", RUNNING)?;
         self.serializable()?;
         let mut saved: FmuState = ptr::null_mut();
-        let deserialize = self.optional.deserialize;
-        let result = self.call_optional("fmi2DeSerializeFMUstate", deserialize, |function, c| {
+        let shown = |_: &Followed| format!("{} bytes", bytes.len());
+        let result = self.call("fmi2DeSerializeFMUstate", shown, |f, c| {
             // SAFETY: the array has that length; `saved` is NULL, a new state is put there.
-            unsafe { function(c, bytes.as_ptr(), bytes.len(), &mut saved) }
+            unsafe { (f.deserialize)(c, bytes.as_ptr(), bytes.len(), &mut saved) }
         });
         if saved.is_null() {
             return result.and(Err(self.without("fmi2DeSerializeFMUstate")));
@@ -127,20 +130,5 @@ impl Instance {
         Error::new(Code::State, format!("{function} of '{}' gave no state", self.name))
             .at(self.fmu.path())
             .why("the pointer to the state is NULL")
-    }
-
-    /// Calls a function that the library may lack.
-    pub(super) fn call_optional<F: Copy>(
-        &mut self,
-        name: &'static str,
-        function: Option<F>,
-        call: impl FnOnce(F, Component) -> RawStatus,
-    ) -> Result<()> {
-        let Some(function) = function else {
-            return Err(Error::new(Code::Library, format!("the library lacks {name}"))
-                .at(self.fmu.path())
-                .why("the flags of its modelDescription.xml promise it"));
-        };
-        self.call(name, |_, c| call(function, c))
     }
 }

@@ -1,57 +1,115 @@
 //! The step of co-simulation, and how far it came (FMI 2.0.5, 4.2.2 and 4.2.3).
+//!
+//! An FMU that declares canRunAsynchronuously may return `fmi2Pending` and go on in the
+//! background: it is asked by `fmi2GetStatus` until it is done. One that does not declare it is
+//! refused and not touched again, for its thread may still run.
 
-use super::{Instance, State};
+use std::time::Duration;
+
+use super::{Followed, Instance, State};
 use crate::error::{Code, Error, Result};
-use crate::fmi::library::Own;
-use crate::fmi::status;
+use crate::fmi::library::{Component, Functions, Own, Stepping};
+use crate::fmi::status::{self, RawStatus};
 use crate::time::Time;
 
+/// Between two questions to an FMU in the background; short at first, for most steps are.
+const FIRST_PAUSE: Duration = Duration::from_micros(20);
+const LONGEST_PAUSE: Duration = Duration::from_millis(5);
+
 /// `fmi2StatusKind`.
+const DO_STEP_STATUS: i32 = 0;
 const LAST_SUCCESSFUL_TIME: i32 = 2;
 const TERMINATED: i32 = 3;
-
-/// What became of a step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Step {
-    /// It was made as a whole.
-    Done,
-    /// The FMU made only a part of it, up to this instant, and discarded the rest. A saved state
-    /// may be set back, nothing else.
-    Discarded(Time),
-}
 
 impl Instance {
     /// Advances from `start` by `step`; a step that is not made as a whole is an error.
     pub fn do_step(&mut self, start: Time, step: Time) -> Result<()> {
         match self.try_step(start, step)? {
-            Step::Done => Ok(()),
-            Step::Discarded(reached) => Err(self.discarded(reached)),
+            reached if reached == start + step => Ok(()),
+            reached => Err(self.discarded(reached)),
         }
     }
 
-    /// Advances from `start` by `step`, or tells that the FMU discarded the step.
-    #[inline]
-    pub fn try_step(&mut self, start: Time, step: Time) -> Result<Step> {
+    /// Advances from `start` by `step`: the instant reached. If that is less than the whole, the FMU
+    /// discarded the rest, and a saved state may be set back, nothing else.
+    #[inline(always)]
+    pub fn try_step(&mut self, start: Time, step: Time) -> Result<Time> {
         self.require("fmi2DoStep", &[State::Ready])?;
-        let Own::Stepping(stepping) = self.own else {
+        let Some(do_step) = self.hot.do_step else {
             return Err(self.refused("fmi2DoStep"));
         };
         self.time = start;
-        let (from, length) = (start.seconds(), step.seconds());
-        // SAFETY: the component is alive and the state allows the call.
-        match unsafe { (stepping.do_step)(self.component, from, length, 1) } {
+        if step != self.step.0 {
+            // A division less per step, most of which have one length.
+            self.step = (step, step.seconds());
+        }
+        let (from, length) = (start.seconds(), self.step.1);
+        let call = |_: &Functions, c: Component| {
+            // SAFETY: `c` is alive and the state allows the call.
+            unsafe { do_step(c, from, length, 1) }
+        };
+        let mut status = match self.followed {
+            None => call(&self.functions, self.component),
+            Some(_) => {
+                let shown = |_: &Followed| format!("{from:?}, {length:?}, true");
+                self.followed_call::<false>("fmi2DoStep", shown, call)
+            }
+        };
+        if status == status::PENDING {
+            status = self.wait()?;
+        }
+        match status {
             status::OK | status::WARNING => {
                 self.time = start + step;
-                Ok(Step::Done)
+                Ok(self.time)
             }
             status::DISCARD => self.reached(start, step),
             failed => Err(self.failed("fmi2DoStep", failed)),
         }
     }
 
+    /// Waits for a step that the FMU makes in the background.
+    #[cold]
+    fn wait(&mut self) -> Result<RawStatus> {
+        if !self.fmu.interface(self.kind)?.asynchronous {
+            let error = self.failed("fmi2DoStep", status::PENDING);
+            self.state = State::Fatal;
+            return Err(error.help("the FMU does not declare canRunAsynchronuously"));
+        }
+        let get_status = self.stepping("fmi2GetStatus")?.get_status;
+        let mut pause = FIRST_PAUSE;
+        loop {
+            std::thread::sleep(pause);
+            let mut found = status::PENDING;
+            // SAFETY: the component is alive and asked for its step; `found` lives during the call.
+            let status = unsafe { get_status(self.component, DO_STEP_STATUS, &mut found) };
+            if status != status::OK {
+                let error = self.failed("fmi2GetStatus", status);
+                self.state = State::Fatal;
+                return Err(error);
+            }
+            if found != status::PENDING {
+                if let Some(followed) = &self.followed {
+                    followed.begin("fmi2GetStatus", "fmi2DoStepStatus");
+                    followed.end("fmi2GetStatus", found, false);
+                }
+                return Ok(found);
+            }
+            pause = (2 * pause).min(LONGEST_PAUSE);
+        }
+    }
+
+    #[inline]
+    pub(super) fn stepping(&self, function: &'static str) -> Result<&Stepping> {
+        match &self.own {
+            Own::Stepping(stepping) => Ok(stepping),
+            Own::Exchange(_) => Err(self.refused(function)),
+        }
+    }
+
     /// How far a discarded step came; an FMU that does not say so came nowhere.
     #[cold]
-    fn reached(&mut self, start: Time, step: Time) -> Result<Step> {
+    fn reached(&mut self, start: Time, step: Time) -> Result<Time> {
         self.state = State::Failed;
         if self.boolean_status(TERMINATED) {
             let what = format!("'{}' ended the run at t = {}", self.name, self.time);
@@ -62,31 +120,33 @@ impl Instance {
         }
         let said = self.real_status(LAST_SUCCESSFUL_TIME);
         let reached = said.and_then(|t| Time::from_seconds(t, "the last successful time").ok());
-        Ok(Step::Discarded(reached.map_or(start, |t| t.clamp(start, start + step))))
+        // One that came to the end has no reason to discard the step: it came nowhere.
+        Ok(reached.filter(|t| *t > start && *t < start + step).unwrap_or(start))
     }
 
     /// The error for a discarded step that nobody repeats.
     #[cold]
     pub fn discarded(&mut self, reached: Time) -> Error {
-        let mut error = self.failed("fmi2DoStep", status::DISCARD);
-        if reached > self.time {
-            error = error.why(format!("the FMU discarded the step; it came as far as {reached}"));
+        let error = self.failed("fmi2DoStep", status::DISCARD);
+        match reached > self.time {
+            true => error.why(format!("the FMU discarded the step; it came as far as {reached}")),
+            false => error.why("the FMU discarded the step and came nowhere"),
         }
-        error
     }
 
     fn real_status(&self, kind: i32) -> Option<f64> {
-        let (function, mut value) = (self.optional.real_status?, f64::NAN);
+        let (function, mut value) =
+            (self.stepping("fmi2GetRealStatus").ok()?.real_status, f64::NAN);
         // SAFETY: the component is alive, the state allows the call, `value` lives during it.
         let status = unsafe { function(self.component, kind, &mut value) };
         (status == status::OK && value.is_finite()).then_some(value)
     }
 
     fn boolean_status(&self, kind: i32) -> bool {
-        let Some(function) = self.optional.boolean_status else {
+        let Ok(stepping) = self.stepping("fmi2GetBooleanStatus") else {
             return false;
         };
-        let mut value = 0;
+        let (function, mut value) = (stepping.boolean_status, 0);
         // SAFETY: the component is alive, the state allows the call, `value` lives during it.
         let status = unsafe { function(self.component, kind, &mut value) };
         status == status::OK && value != 0

@@ -1,23 +1,36 @@
 //! Components: their names, FMUs and listed connectors.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::Findings;
 use crate::error::{Code, Error, Result};
-use crate::fmi::{Causality, Fmu, InterfaceType, Kind, Variable};
+use crate::fmi::{Causality, Description, Fmu, InterfaceType, Kind, Variable};
 use crate::names;
-use crate::system::Overrides;
-use crate::system::raw::{RawComponent, RawConnector, RawSystem};
+use crate::system::raw::{RawComponent, RawConnector, RawModel, RawSystem};
+use crate::system::{Model, Overrides};
 
-/// A component whose FMU was looked for.
+/// A component whose model was looked for.
 pub(super) struct Opened {
     pub name: String,
     /// `None` when it could not be opened; that is noted, and what depends on it is skipped.
-    pub fmu: Option<Arc<Fmu>>,
+    pub model: Option<Model>,
     pub interface: InterfaceType,
     /// The FMU is not the file's, so its connectors and parameters may be others.
     pub replaced: bool,
+}
+
+impl Opened {
+    pub(super) fn description(&self) -> Option<&Description> {
+        self.model.as_ref().and_then(Model::description)
+    }
+
+    pub(super) fn fmu(&self) -> Option<&Arc<Fmu>> {
+        match &self.model {
+            Some(Model::Fmu(fmu)) => Some(fmu),
+            _ => None,
+        }
+    }
 }
 
 pub(super) fn open(raw: &RawSystem, overrides: &Overrides, findings: &mut Findings) -> Vec<Opened> {
@@ -32,14 +45,14 @@ pub(super) fn open(raw: &RawSystem, overrides: &Overrides, findings: &mut Findin
         findings.problems.push(
             Error::new(Code::Ssd, "the system has no components")
                 .at(&raw.file)
-                .help("add <ssd:Component name=\"...\" source=\"....fmu\"/> to <ssd:Elements>"),
+                .help("an SSP has them in <ssd:Elements>, an OSP structure in <Simulators>"),
         );
     }
     let mut opened: Vec<Opened> = Vec::new();
     for component in &raw.components {
         if opened.iter().any(|o| o.name == component.name) {
             let what = format!("two components are named '{}'", component.name);
-            findings.problems.push(Error::new(Code::Ssd, what).at_line(&raw.file, component.line));
+            findings.problems.push(component.place.mark(Error::new(Code::Ssd, what)));
         }
         opened.push(open_one(raw, component, overrides, findings));
     }
@@ -59,7 +72,18 @@ fn open_one(
         .rev()
         .find(|(name, _)| *name == component.name)
         .map(|(_, path)| path);
-    let path = replacement.unwrap_or(&component.source);
+    let replaced = replacement.is_some();
+    let name = component.name.clone();
+    let path = match (replacement, &component.model) {
+        (Some(path), _) | (None, RawModel::Fmu(path)) => path,
+        (None, other) => {
+            let model = match other {
+                RawModel::Function(function) => Some(Model::Function(function.clone())),
+                _ => None,
+            };
+            return Opened { name, model, interface: InterfaceType::CoSimulation, replaced };
+        }
+    };
     let wanted = overrides.interface_of(&component.name).or(component.interface);
     let fmu = raw.fmus.open(path).and_then(|fmu| Ok((fmu.choose(wanted)?, fmu)));
     let (interface, fmu) = match fmu {
@@ -68,47 +92,59 @@ fn open_one(
     };
     let fmu = findings.note(fmu.map_err(|e| match replacement {
         Some(_) => e,
-        None => named_in(e, raw, component),
+        None => named_in(e, component, path),
     }));
     if let (Some(fmu), None) = (&fmu, replacement) {
-        for connector in &component.connectors {
-            let checked = check_connector(raw, component, connector, fmu);
+        for connector in component.connectors.iter().flatten() {
+            let checked = check_connector(component, connector, fmu);
             findings.note(checked);
         }
     }
-    if let Some(tool) =
-        fmu.as_ref().filter(|f| f.interface(interface).is_ok_and(|i| i.needs_execution_tool))
-    {
-        findings.warnings.push(format!(
-            "'{}' needs its tool installed ({})",
-            component.name,
-            tool.description().generation_tool
-        ));
+    if let Some(fmu) = &fmu {
+        findings.note(needs_no_tool(fmu, interface, &component.name, overrides));
     }
-    Opened { name: component.name.clone(), fmu, interface, replaced: replacement.is_some() }
+    Opened { name, model: fmu.map(Model::Fmu), interface, replaced }
 }
 
-fn named_in(error: Error, raw: &RawSystem, component: &RawComponent) -> Error {
+/// Refuses an FMU that only wraps a tool, unless the user says that the tool is here.
+pub(in crate::system) fn needs_no_tool(
+    fmu: &Fmu,
+    interface: InterfaceType,
+    name: &str,
+    overrides: &Overrides,
+) -> Result<()> {
+    if overrides.execution_tools || !fmu.interface(interface)?.needs_execution_tool {
+        return Ok(());
+    }
+    let tool = &fmu.description().generation_tool;
+    let tool = if tool.is_empty() { "that made it" } else { tool };
+    Err(Error::new(Code::Library, format!("'{name}' needs a tool to be installed"))
+        .at(fmu.path())
+        .why(format!("its modelDescription.xml declares needsExecutionTool; the tool is {tool}"))
+        .help("if it is installed here say so by --execution-tool, else export without the tool"))
+}
+
+fn named_in(error: Error, component: &RawComponent, path: &Path) -> Error {
     if error.code() != Code::File {
         return error;
     }
     let what = format!("the FMU of '{}' cannot be opened", component.name);
-    Error::new(Code::File, what)
-        .at_line(&raw.file, component.line)
-        .why(format!("there is no readable file {}", component.source.display()))
+    component
+        .place
+        .mark(Error::new(Code::File, what))
+        .why(format!("there is no readable file {}", path.display()))
         .help("build or copy it there, or correct the source; it is relative to the system's file")
 }
 
 fn check_connector(
-    raw: &RawSystem,
     component: &RawComponent,
     connector: &RawConnector,
-    fmu: &Fmu,
+    fmu: &Arc<Fmu>,
 ) -> Result<()> {
-    let variable = variable(&component.name, fmu, &connector.name)
-        .map_err(|e| e.at_line(&raw.file, connector.line))?;
-    let wrong =
-        |what: String| Error::new(Code::Connection, what).at_line(&raw.file, connector.line);
+    let model = Model::Fmu(fmu.clone());
+    let (_, variable) =
+        variable(&component.name, &model, &connector.name).map_err(|e| connector.place.mark(e))?;
+    let wrong = |what: String| connector.place.mark(Error::new(Code::Connection, what));
     let causality = match variable.causality {
         Causality::Parameter => "parameter",
         Causality::CalculatedParameter => "calculatedParameter",
@@ -117,7 +153,7 @@ fn check_connector(
         // SSP 2.0 has `local`; SSP 1.0 has no kind for these.
         Causality::Local | Causality::Independent => "local",
     };
-    if connector.kind != causality {
+    if connector.kind != causality && connector.kind != "unspecified" {
         let (name, kind) = (&connector.name, &connector.kind);
         return Err(wrong(format!("'{}.{name}' is listed as kind=\"{kind}\"", component.name))
             .why(format!("in the FMU it is of the causality {}", variable.causality.name()))
@@ -141,11 +177,11 @@ pub(super) fn same_kind(named: &str, kind: &Kind) -> bool {
 
 fn once_per_process(opened: &[Opened], findings: &mut Findings) {
     for (position, component) in opened.iter().enumerate() {
-        let Some(fmu) = &component.fmu else { continue };
+        let Some(fmu) = component.fmu() else { continue };
         let once = fmu.interface(component.interface).is_ok_and(|i| i.once_per_process);
         let twin = opened[..position]
             .iter()
-            .find(|o| o.fmu.as_ref().is_some_and(|other| Arc::ptr_eq(other, fmu)));
+            .find(|o| o.fmu().is_some_and(|other| Arc::ptr_eq(other, fmu)));
         if let (true, Some(twin)) = (once, twin) {
             let what = format!("'{}' and '{}' share one FMU", twin.name, component.name);
             findings.problems.push(Error::new(Code::Ssd, what).at(fmu.path()).why(
@@ -155,16 +191,28 @@ fn once_per_process(opened: &[Opened], findings: &mut Findings) {
     }
 }
 
-/// A variable of a component, or the error that names the nearest.
-pub(super) fn variable<'f>(component: &str, fmu: &'f Fmu, name: &str) -> Result<&'f Variable> {
-    fmu.description().variable(name).ok_or_else(|| {
-        Error::new(Code::UnknownName, format!("'{component}' has no variable '{name}'"))
-            .at(fmu.path())
-            .help(
-                names::did_you_mean(name, fmu.description().names())
-                    .unwrap_or_else(|| "list its variables by: cosim info FILE.fmu".to_owned()),
-            )
-    })
+/// A variable of a component and its position, or the error that names the nearest.
+pub(super) fn variable<'m>(
+    component: &str,
+    model: &'m Model,
+    name: &str,
+) -> Result<(usize, &'m Variable)> {
+    let unknown =
+        || Error::new(Code::UnknownName, format!("'{component}' has no variable '{name}'"));
+    let Some(description) = model.description() else {
+        return Err(unknown());
+    };
+    if let Some(position) = description.position(name) {
+        return Ok((position, &description.variables[position]));
+    }
+    let error = match model {
+        Model::Fmu(fmu) => unknown().at(fmu.path()),
+        _ => unknown(),
+    };
+    Err(error.help(
+        names::did_you_mean(name, description.names())
+            .unwrap_or_else(|| "list its variables by: cosim info FILE.fmu".to_owned()),
+    ))
 }
 
 /// The error for a component that does not exist.

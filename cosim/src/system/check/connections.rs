@@ -2,29 +2,33 @@
 
 use super::Findings;
 use super::components::{Opened, unknown_component, variable};
+use super::conversion::{self, Measured, Way};
+use super::told::Told;
 use crate::error::{Code, Error, Result};
-use crate::fmi::{Causality, Fmu, Kind, Variable};
+use crate::fmi::{Causality, Kind, Variable};
 use crate::names;
-use crate::system::raw::{RawConnection, RawSystem};
-use crate::system::{Connection, Port};
+use crate::system::raw::{RawConnection, RawConnector, RawSystem};
+use crate::system::{Connection, Model, Port};
 
 pub(super) fn check(
     raw: &RawSystem,
     opened: &[Opened],
     findings: &mut Findings,
 ) -> Vec<Connection> {
-    let mut connections: Vec<(Connection, usize)> = Vec::new();
+    let mut connections: Vec<(Connection, &RawConnection)> = Vec::new();
+    let mut told = Told::default();
     for connection in &raw.connections {
         let checker = Checker { raw, opened, connection };
-        let found = checker.check(&mut findings.warnings);
+        let found = checker.check(&mut findings.warnings, &mut told);
         let Some(found) = findings.note(found).flatten() else {
             continue;
         };
         match connections.iter().find(|(other, _)| other.to == found.to) {
-            None => connections.push((found, connection.line)),
-            Some((_, first)) => findings.problems.push(checker.two_drivers(*first)),
+            None => connections.push((found, connection)),
+            Some((_, first)) => findings.problems.push(checker.two_drivers(&found, first)),
         }
     }
+    told.tell(&mut findings.notes);
     connections.into_iter().map(|(connection, _)| connection).collect()
 }
 
@@ -38,58 +42,75 @@ struct Checker<'a> {
 struct End<'a> {
     port: Port,
     variable: &'a Variable,
+    model: &'a Model,
+    listed: Option<&'a RawConnector>,
 }
+
+/// Component and connector as they are written.
+type Name = (String, String);
 
 impl<'a> Checker<'a> {
     /// `None`: dropped with a warning, or depends on an FMU that could not be opened.
-    fn check(&self, warnings: &mut Vec<String>) -> Result<Option<Connection>> {
-        let (from, to) = (&self.connection.from, &self.connection.to);
-        let Some((source, source_fmu)) = self.component(from, "output")? else {
+    fn check(&self, warnings: &mut Vec<String>, told: &mut Told) -> Result<Option<Connection>> {
+        let (from, to) = self.directed();
+        let Some((source, source_model)) = self.component(from, "output")? else {
             return Ok(None);
         };
-        let Some((sink, sink_fmu)) = self.component(to, "input")? else {
+        let Some((sink, sink_model)) = self.component(to, "input")? else {
             return Ok(None);
         };
-        if self.opened[sink].replaced && sink_fmu.description().variable(&to.1).is_none() {
+        let has_input = sink_model.description().is_some_and(|d| d.position(&to.1).is_some());
+        if self.opened[sink].replaced && !has_input {
             warnings.push(format!(
-                "{}:{}: the connection {}.{} -> {}.{} is dropped: the FMU put in place of '{}' \
-                 has no such input",
-                self.raw.file.display(),
-                self.connection.line,
-                from.0,
-                from.1,
-                to.0,
-                to.1,
-                to.0,
+                "{}: the connection {}.{} -> {}.{} is dropped: the FMU put in place of '{}' has \
+                 no such input",
+                self.connection.place, from.0, from.1, to.0, to.1, to.0,
             ));
             return Ok(None);
         }
-        let start = self.end(source, source_fmu, &from.1)?;
-        let end = self.end(sink, sink_fmu, &to.1)?;
-        self.causality(&start, &from.0, Causality::Output, "startElement")?;
-        self.causality(&end, &to.0, Causality::Input, "endElement")?;
+        let start = self.end(source, source_model, from)?;
+        let end = self.end(sink, sink_model, to)?;
+        self.causality(&start, &from.0, Causality::Output)?;
+        self.causality(&end, &to.0, Causality::Input)?;
         self.kinds(&start, &end)?;
-        self.units(&start, &end, warnings);
-        Ok(Some(Connection { from: start.port, to: end.port }))
+        let conversion = self.convert(&start, &end, warnings, told)?;
+        Ok(Some(Connection { from: start.port, to: end.port, conversion }))
     }
 
-    /// The component of an end; its connector must be listed, as SSP demands.
+    /// Source and destination: which end is written first says nothing.
+    fn directed(&self) -> (&'a Name, &'a Name) {
+        let (first, second) = (&self.connection.from, &self.connection.to);
+        let causality = |name: &Name| {
+            let component = self.opened.iter().find(|o| o.name == name.0)?;
+            Some(component.description()?.variable(&name.1)?.causality)
+        };
+        let (a, b) = (causality(first), causality(second));
+        match a == Some(Causality::Input) && b == Some(Causality::Output) {
+            true => (second, first),
+            false => (first, second),
+        }
+    }
+
+    /// The component of an end; where connectors are listed, its own must be.
     fn component(
         &self,
-        (component, connector): &(String, String),
+        (component, connector): &Name,
         kind: &str,
-    ) -> Result<Option<(usize, &'a Fmu)>> {
+    ) -> Result<Option<(usize, &'a Model)>> {
         let names = self.raw.components.iter().map(|c| c.name.as_str());
         let Some(position) = self.raw.components.iter().position(|c| c.name == *component) else {
             return Err(self.place(unknown_component(component, names)));
         };
-        let listed = &self.raw.components[position];
-        let fmu = self.opened[position].fmu.as_deref();
-        if listed.connectors.iter().any(|c| c.name == *connector) {
-            return Ok(fmu.map(|fmu| (position, fmu)));
+        let model = self.opened[position].model.as_ref();
+        let Some(listed) = &self.raw.components[position].connectors else {
+            return Ok(model.map(|model| (position, model)));
+        };
+        if listed.iter().any(|c| c.name == *connector) {
+            return Ok(model.map(|model| (position, model)));
         }
-        let exists = fmu.and_then(|fmu| fmu.description().variable(connector));
-        let connectors = listed.connectors.iter().map(|c| c.name.as_str());
+        let description = model.and_then(Model::description);
+        let exists = description.and_then(|d| d.variable(connector));
+        let connectors = listed.iter().map(|c| c.name.as_str());
         let error = match exists {
             Some(variable) => self
                 .wrong(Code::Connection, format!("'{component}' lists no connector '{connector}'"))
@@ -100,7 +121,7 @@ impl<'a> Checker<'a> {
                     variable.kind.name()
                 )),
             None => {
-                let variables = fmu.iter().flat_map(|fmu| fmu.description().names());
+                let variables = description.into_iter().flat_map(|d| d.names());
                 let what = format!("'{component}' has no variable '{connector}'");
                 self.wrong(Code::UnknownName, what)
                     .maybe_help(names::did_you_mean(connector, connectors.chain(variables)))
@@ -109,11 +130,12 @@ impl<'a> Checker<'a> {
         Err(error)
     }
 
-    fn end(&self, component: usize, fmu: &'a Fmu, name: &str) -> Result<End<'a>> {
+    fn end(&self, component: usize, model: &'a Model, (_, name): &Name) -> Result<End<'a>> {
         let opened = &self.opened[component];
-        let Some(position) = fmu.description().position(name) else {
-            if opened.replaced {
-                return Err(self
+        let found = variable(&opened.name, model, name);
+        let (position, variable) =
+            found.map_err(|unknown| match (&opened.model, opened.replaced) {
+                (Some(Model::Fmu(fmu)), true) => self
                     .wrong(Code::Replacement, format!("'{}' has no output '{name}'", opened.name))
                     .why(format!(
                         "{} was put in its place, and the connection to {}.{} needs it",
@@ -121,24 +143,16 @@ impl<'a> Checker<'a> {
                         self.connection.to.0,
                         self.connection.to.1,
                     ))
-                    .help("take an FMU with the same outputs"));
-            }
-            let unknown = variable(&opened.name, fmu, name).err();
-            return Err(self.place(unknown.unwrap_or_else(|| {
-                Error::new(Code::UnknownName, format!("'{name}' is unknown"))
-            })));
-        };
-        let port = Port { component, variable: position };
-        Ok(End { port, variable: &fmu.description().variables[position] })
+                    .help("take an FMU with the same outputs"),
+                _ => self.place(unknown),
+            })?;
+        let connectors = self.raw.components[component].connectors.as_ref();
+        let listed = connectors.filter(|_| !opened.replaced);
+        let listed = listed.and_then(|list| list.iter().find(|c| c.name == *name));
+        Ok(End { port: Port { component, variable: position }, variable, model, listed })
     }
 
-    fn causality(
-        &self,
-        end: &End<'_>,
-        component: &str,
-        wanted: Causality,
-        attribute: &str,
-    ) -> Result<()> {
+    fn causality(&self, end: &End<'_>, component: &str, wanted: Causality) -> Result<()> {
         if end.variable.causality == wanted {
             return Ok(());
         }
@@ -146,10 +160,7 @@ impl<'a> Checker<'a> {
         Err(self
             .wrong(Code::Connection, format!("'{component}.{name}' is no {}", wanted.name()))
             .why(format!("its causality is {causality}"))
-            .help(format!(
-                "a connection goes from an output to an input: {attribute} must name an {}",
-                wanted.name()
-            )))
+            .help("a connection joins an output and an input"))
     }
 
     fn kinds(&self, from: &End<'_>, to: &End<'_>) -> Result<()> {
@@ -166,29 +177,60 @@ impl<'a> Checker<'a> {
             .help("Real joins Real, Integer and Enumeration each other, Boolean Boolean"))
     }
 
-    fn units(&self, from: &End<'_>, to: &End<'_>, warnings: &mut Vec<String>) {
-        let (Some(start), Some(end)) = (&from.variable.unit, &to.variable.unit) else {
-            return;
+    fn convert(
+        &self,
+        from: &End<'_>,
+        to: &End<'_>,
+        warnings: &mut Vec<String>,
+        told: &mut Told,
+    ) -> Result<Option<crate::system::Conversion>> {
+        let name = |end: &End<'_>| {
+            format!("{}.{}", self.opened[end.port.component].name, end.variable.name)
         };
-        if start != end && !self.connection.suppress_unit_conversion {
-            let (from, to) = (&self.connection.from, &self.connection.to);
+        let names = format!("{} -> {}", name(from), name(to));
+        let (Some(start), Some(end)) = (measured(from), measured(to)) else {
+            return Ok(None);
+        };
+        let way = conversion::between(&start, &end, &self.connection.stages).map_err(|error| {
+            let help = match error.code() {
+                Code::Unit => Some(
+                    "correct a unit, or say what is meant: a transformation with \
+                     suppressUnitConversion=\"true\""
+                        .to_owned(),
+                ),
+                _ => None,
+            };
+            let what = format!("{names}: {}", error.what());
+            let placed = self.wrong(error.code(), what).maybe_help(help);
+            match error.reason() {
+                Some(why) => placed.why(why),
+                None => placed,
+            }
+        })?;
+        let Way { conversion, missing, undefined, converted } = way;
+        let function = [from, to].iter().any(|e| matches!(e.model, Model::Function(_)));
+        if let (Some(unit), false) = (missing, function) {
+            told.missing.push(format!("{names} ({unit})"));
+        }
+        if let Some(units) = undefined {
             warnings.push(format!(
-                "{}:{}: {}.{} is in {start}, {}.{} in {end}; the value is passed on unconverted \
-                 (suppressUnitConversion=\"true\" silences this)",
-                self.raw.file.display(),
-                self.connection.line,
-                from.0,
-                from.1,
-                to.0,
-                to.1,
+                "{}: {names} joins the units {units}, of which one is not defined; the value is \
+                 passed on unconverted (suppressUnitConversion=\"true\" silences this)",
+                self.connection.place
             ));
         }
+        if let (Some((a, b)), Some(conversion)) = (converted, &conversion) {
+            told.converted.push(format!("{names} from {a} to {b}, {conversion}"));
+        }
+        Ok(conversion)
     }
 
-    fn two_drivers(&self, first: usize) -> Error {
-        let (component, name) = &self.connection.to;
-        self.wrong(Code::Connection, format!("the input '{component}.{name}' has two drivers"))
-            .why(format!("the connection on line {first} drives it already"))
+    fn two_drivers(&self, found: &Connection, first: &RawConnection) -> Error {
+        let component = &self.opened[found.to.component];
+        let name = component.description().map_or("", |d| &d.variables[found.to.variable].name);
+        let what = format!("the input '{}.{name}' has two drivers", component.name);
+        self.wrong(Code::Connection, what)
+            .why(format!("the connection on line {} drives it already", first.place.line))
             .help("remove one of the two")
     }
 
@@ -197,6 +239,14 @@ impl<'a> Checker<'a> {
     }
 
     fn place(&self, error: Error) -> Error {
-        error.at_line(&self.raw.file, self.connection.line)
+        self.connection.place.mark(error)
     }
+}
+
+fn measured<'a>(end: &End<'a>) -> Option<Measured<'a>> {
+    Some(Measured {
+        variable: end.variable,
+        units: &end.model.description()?.units,
+        connector: end.listed.and_then(|l| l.unit.as_ref()),
+    })
 }

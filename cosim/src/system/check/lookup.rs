@@ -19,7 +19,7 @@ struct Target {
     /// What the names of its variables begin with: `component.`, or nothing for a single FMU.
     prefix: String,
     component: usize,
-    fmu: Option<Arc<Fmu>>,
+    model: Option<Model>,
 }
 
 impl Names {
@@ -27,25 +27,24 @@ impl Names {
         let targets = opened.iter().enumerate().map(|(component, opened)| Target {
             prefix: format!("{}.", opened.name),
             component,
-            fmu: opened.fmu.clone(),
+            model: opened.model.clone(),
         });
-        Self { targets: targets.collect(), incomplete: opened.iter().any(|o| o.fmu.is_none()) }
+        Self { targets: targets.collect(), incomplete: opened.iter().any(|o| o.model.is_none()) }
     }
 
     /// Names of one FMU without a prefix.
     pub(in crate::system) fn single(fmu: &Arc<Fmu>) -> Self {
-        let target = Target { prefix: String::new(), component: 0, fmu: Some(fmu.clone()) };
+        let model = Some(Model::Fmu(fmu.clone()));
+        let target = Target { prefix: String::new(), component: 0, model };
         Self { targets: vec![target], incomplete: false }
     }
 
     /// Names of components with the prefix `component.`, or of the first one without.
     pub(in crate::system) fn of_components(components: &[Component], prefixed: bool) -> Self {
         let targets = components.iter().enumerate().filter_map(|(component, c)| {
-            let Model::Fmu(fmu) = &c.model else {
-                return None;
-            };
+            c.model.description()?;
             let prefix = if prefixed { format!("{}.", c.name) } else { String::new() };
-            Some(Target { prefix, component, fmu: Some(fmu.clone()) })
+            Some(Target { prefix, component, model: Some(c.model.clone()) })
         });
         Self { targets: targets.collect(), incomplete: false }
     }
@@ -66,16 +65,15 @@ impl Names {
         let Some(target) = target else {
             return Err(self.unknown(name));
         };
-        let Some(fmu) = &target.fmu else {
+        let Some(model) = &target.model else {
             return Ok(None);
         };
         let rest = &name[target.prefix.len()..];
-        let owner = match target.prefix.trim_end_matches('.') {
-            "" => &fmu.description().model_name,
-            component => component,
+        let owner = match (target.prefix.trim_end_matches('.'), model.description()) {
+            ("", Some(description)) => &description.model_name,
+            (component, _) => component,
         };
-        let found = variable(owner, fmu, rest)?;
-        let position = fmu.description().position(rest).unwrap_or_default();
+        let (position, found) = variable(owner, model, rest)?;
         Ok(Some((Port { component: target.component, variable: position }, found)))
     }
 
@@ -93,8 +91,9 @@ impl Names {
     /// Every variable with its full name, component by component.
     pub(in crate::system) fn all(&self) -> impl Iterator<Item = (String, Port, &Variable)> {
         self.targets.iter().flat_map(|target| {
-            let variables = target.fmu.iter().flat_map(|fmu| &fmu.description().variables);
-            variables.enumerate().map(|(position, variable)| {
+            let description = target.model.as_ref().and_then(Model::description);
+            let variables = description.into_iter().flat_map(|d| &d.variables).enumerate();
+            variables.map(|(position, variable)| {
                 let port = Port { component: target.component, variable: position };
                 (format!("{}{}", target.prefix, variable.name), port, variable)
             })

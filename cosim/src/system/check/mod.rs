@@ -3,18 +3,21 @@
 mod columns;
 mod components;
 mod connections;
+mod conversion;
 mod lookup;
 mod parameters;
 mod timing;
+mod told;
 
 use std::sync::Arc;
 
 use super::order::Order;
 use super::raw::RawSystem;
-use super::{Component, Model, Overrides, System, abilities, input, loops};
+use super::{Component, Overrides, System, abilities, input, loops};
 use crate::error::{Error, Result};
 
 pub(super) use columns::columns;
+pub(super) use components::needs_no_tool;
 pub(super) use lookup::Names;
 pub(super) use parameters::start_value;
 pub(super) use timing::check_span;
@@ -23,6 +26,7 @@ pub(super) use timing::check_span;
 struct Findings {
     problems: Vec<Error>,
     warnings: Vec<String>,
+    notes: Vec<String>,
 }
 
 impl Findings {
@@ -32,18 +36,26 @@ impl Findings {
     }
 }
 
-/// Applies the overrides and checks everything.
-pub(super) fn check(raw: Arc<RawSystem>, overrides: &Overrides) -> Result<System> {
-    let mut findings = Findings { problems: Vec::new(), warnings: raw.warnings.clone() };
+/// Applies the overrides and checks everything; `problems` were found while reading.
+pub(super) fn check(
+    raw: Arc<RawSystem>,
+    overrides: &Overrides,
+    problems: Vec<Error>,
+) -> Result<System> {
+    let (warnings, notes) = (raw.warnings.clone(), raw.notes.clone());
+    let mut findings = Findings { problems, warnings, notes };
     let opened = components::open(&raw, overrides, &mut findings);
     let connections = connections::check(&raw, &opened, &mut findings);
     let names = Names::of(&opened);
     let start_values = parameters::check(&raw, overrides, &opened, &names, &mut findings);
     let timing = timing::check(&raw, overrides, &opened, &mut findings);
-    let suggested =
-        opened.iter().filter_map(|o| o.fmu.as_ref()?.description().experiment.tolerance);
+    let suggested = opened.iter().filter_map(|o| o.description()?.experiment.tolerance);
     let solver = findings.note(overrides.settings(suggested.reduce(f64::min)));
-    let columns = findings.note(columns(&names, &overrides.output_variables));
+    let wanted = match &overrides.output_variables[..] {
+        [] => &raw.recorded,
+        chosen => chosen,
+    };
+    let columns = findings.note(columns(&names, wanted));
     Error::all(findings.problems)?;
     let (Some(timing), Some(solver), Some(columns)) = (timing, solver, columns) else {
         return Err(Error::new(crate::Code::Ssd, "the system is not valid").at(&raw.file));
@@ -54,7 +66,7 @@ pub(super) fn check(raw: Arc<RawSystem>, overrides: &Overrides) -> Result<System
         .zip(start_values)
         .filter_map(|((opened, step), start_values)| {
             let (name, interface) = (opened.name, opened.interface);
-            Some(Component { name, model: Model::Fmu(opened.fmu?), interface, step, start_values })
+            Some(Component { name, model: opened.model?, interface, step, start_values })
         })
         .collect();
     let algorithm = overrides.algorithm.or(raw.master.algorithm).unwrap_or_default();
@@ -73,9 +85,9 @@ pub(super) fn check(raw: Arc<RawSystem>, overrides: &Overrides) -> Result<System
         output_interval: timing.output_interval,
         algorithm,
         solver,
-        debug_logging: overrides.debug_logging,
+        logging: overrides.logging.clone(),
         warnings: findings.warnings,
-        notes: Vec::new(),
+        notes: findings.notes,
     };
     loops::tell(&mut system)?;
     input::apply(&mut system, &overrides.inputs)?;

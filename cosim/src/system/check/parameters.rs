@@ -1,11 +1,12 @@
 //! Start values: of the file, then of the command line.
 
 use super::components::{Opened, same_kind, unknown_component};
+use super::conversion::{self, Measured};
 use super::{Findings, Names};
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Causality, Value, Variability, Variable};
 use crate::system::raw::{RawParameter, RawSystem};
-use crate::system::{Overrides, Port};
+use crate::system::{Conversion, Overrides, Port};
 
 /// Start values per component.
 pub(super) fn check(
@@ -16,18 +17,19 @@ pub(super) fn check(
     findings: &mut Findings,
 ) -> Vec<Vec<(usize, Value)>> {
     let mut values: Vec<Vec<(usize, Value)>> = vec![Vec::new(); opened.len()];
-    let system = raw.parameters.iter().map(|p| (p.name.clone(), p));
-    let own = raw.components.iter().flat_map(|component| {
-        component.parameters.iter().map(|p| (format!("{}.{}", component.name, p.name), p))
-    });
-    for (name, parameter) in system.chain(own) {
-        match of_file(&name, parameter, names) {
+    for parameter in &raw.parameters {
+        let name = &parameter.name;
+        match of_file(parameter, opened, names, &mut findings.warnings) {
             Ok(found) => keep(&mut values, found),
-            Err(problem) if replaced(opened, &name) => {
+            Err(problem) if replaced(opened, name) || not_meant(parameter, &problem) => {
+                let why = match replaced(opened, name) {
+                    true => "the component's FMU was replaced",
+                    false => "a file of parameters may hold more than is used",
+                };
+                let hint = problem.remedy().map_or(String::new(), |hint| format!("; {hint}"));
                 findings.warnings.push(format!(
-                    "{}:{}: '{name}' is left out: {}; the component's FMU was replaced",
-                    parameter.file.display(),
-                    parameter.line,
+                    "{}: '{name}' is left out: {}; {why}{hint}",
+                    parameter.place,
                     problem.what()
                 ));
             }
@@ -63,9 +65,20 @@ fn replaced(opened: &[Opened], name: &str) -> bool {
         .any(|o| o.replaced && name.strip_prefix(&o.name).is_some_and(|rest| rest.starts_with('.')))
 }
 
-fn of_file(name: &str, parameter: &RawParameter, names: &Names) -> Result<Option<(Port, Value)>> {
-    let place = |e: Error| e.at_line(&parameter.file, parameter.line);
-    let Some((_, variable)) = names.find(name).map_err(place)? else {
+/// Names that a file of parameters has and the system has not.
+fn not_meant(parameter: &RawParameter, problem: &Error) -> bool {
+    !parameter.required && problem.code() == Code::UnknownName
+}
+
+fn of_file(
+    parameter: &RawParameter,
+    opened: &[Opened],
+    names: &Names,
+    warnings: &mut Vec<String>,
+) -> Result<Option<(Port, Value)>> {
+    let name = &parameter.name;
+    let place = |e: Error| parameter.place.mark(e);
+    let Some((port, variable)) = names.find(name).map_err(place)? else {
         return Ok(None);
     };
     let fits = same_kind(&parameter.kind, &variable.kind)
@@ -78,7 +91,60 @@ fn of_file(name: &str, parameter: &RawParameter, names: &Names) -> Result<Option
                 .help(format!("write <ssv:{} value=\"...\"/>", variable.kind.name())),
         ));
     }
-    start_value(names, name, &parameter.value).map_err(place)
+    let found = start_value(names, name, &parameter.value).map_err(place)?;
+    let Some(description) = opened[port.component].description() else {
+        return Ok(found);
+    };
+    let to = Measured { variable, units: &description.units, connector: None };
+    let Some((port, value)) = found else {
+        return Ok(None);
+    };
+    let value = converted(parameter, value, &to, warnings).map_err(|e| {
+        let what = format!("the value of '{name}': {}", e.what());
+        let error = Error::new(e.code(), what);
+        place(match e.reason() {
+            Some(why) => error.why(why),
+            None => error,
+        })
+    })?;
+    Ok(Some((port, value)))
+}
+
+/// The value in the unit of its variable, transformed as its mapping says.
+fn converted(
+    parameter: &RawParameter,
+    value: Value,
+    to: &Measured,
+    warnings: &mut Vec<String>,
+) -> Result<Value> {
+    let kind = &to.variable.kind;
+    let map = conversion::map(kind, kind, &parameter.stages)?.map(Conversion::Map);
+    let no_entry = |value: &Value| {
+        Error::new(Code::Parameter, format!("the mapping has no entry for {value}"))
+    };
+    match (&value, map) {
+        (Value::Real(number), _) => {
+            let way = conversion::of_value(parameter.unit.as_ref(), to, &parameter.stages)?;
+            if let Some(units) = way.undefined {
+                warnings.push(format!(
+                    "{}: '{}' joins the units {units}, of which one is not defined; the value is \
+                     taken as it is",
+                    parameter.place, parameter.name
+                ));
+            }
+            let conversion = way.conversion;
+            Ok(Value::Real(conversion.and_then(|c| c.apply(*number)).unwrap_or(*number)))
+        }
+        (Value::Integer(number), Some(map)) => match map.apply(f64::from(*number)) {
+            Some(found) => Ok(Value::Integer(found as i32)),
+            None => Err(no_entry(&value)),
+        },
+        (Value::Boolean(flag), Some(map)) => match map.apply(f64::from(u8::from(*flag))) {
+            Some(found) => Ok(Value::Boolean(found != 0.0)),
+            None => Err(no_entry(&value)),
+        },
+        _ => Ok(value),
+    }
 }
 
 /// A start value from its full name and text; `None` when the component could not be opened.

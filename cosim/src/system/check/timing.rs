@@ -3,8 +3,8 @@
 use super::Findings;
 use super::components::Opened;
 use crate::error::{Code, Error, Result};
-use crate::system::Overrides;
 use crate::system::raw::RawSystem;
+use crate::system::{Model, Overrides};
 use crate::time::Time;
 
 /// Steps that share no common base longer than this part of the smallest are refused.
@@ -28,9 +28,23 @@ pub(super) fn check(
     let rest = span(raw, overrides, opened).and_then(|(start, stop)| {
         let wanted = overrides.output_interval.or(raw.master.output_interval);
         let output_interval = check_span(&steps, start, stop, wanted)?;
-        Ok(Timing { start, stop, output_interval, steps })
+        Ok(Timing { start, stop, output_interval, steps: steps.clone() })
     });
-    findings.note(rest.map_err(|e| e.at(&raw.file)))
+    findings.note(rest.map_err(|e| match (misfit(&steps), &raw.experiment) {
+        (Some(component), _) => raw.components[component].place.mark(e),
+        (None, Some(place)) => place.mark(e),
+        (None, None) => e.at(&raw.file),
+    }))
+}
+
+/// The first component whose step has no common base with those before it.
+fn misfit(steps: &[Time]) -> Option<usize> {
+    let smallest = steps.iter().min().copied()?;
+    let mut base = *steps.first()?;
+    steps.iter().position(|&step| {
+        base = base.gcd(step);
+        base.nanoseconds() < smallest.nanoseconds() / FINEST
+    })
 }
 
 /// A component's step: of the command line, of its annotation, of its FMU's default experiment,
@@ -45,18 +59,18 @@ fn steps(
     let mut sound = true;
     for (component, opened) in raw.components.iter().zip(opened) {
         let named = overrides.steps.iter().rev().find(|(name, _)| *name == component.name);
-        let default = || opened.fmu.as_ref().and_then(|f| f.description().experiment.step);
+        let default = || opened.description().and_then(|d| d.experiment.step);
         let seconds =
             named.map(|(_, step)| *step).or(component.step).or_else(default).or(raw.master.step);
         let name = format!("the step of '{}'", component.name);
         let step = seconds.map(|s| Time::positive(s, &name)).transpose();
-        let step = step.map_err(|e| e.at_line(&raw.file, component.line));
+        let step = step.map_err(|e| component.place.mark(e));
         let step = findings.note(step);
         sound &= step.is_some();
         steps.push(step.flatten());
     }
     let smallest = steps.iter().flatten().min().copied();
-    if !sound || opened.iter().any(|o| o.fmu.is_none()) || steps.is_empty() {
+    if !sound || opened.iter().any(|o| o.model.is_none()) || steps.is_empty() {
         return None;
     }
     if smallest.is_none() {
@@ -68,18 +82,24 @@ fn steps(
         );
     }
     let smallest = smallest?;
-    Some(steps.into_iter().map(|step| step.unwrap_or(smallest)).collect())
+    let base = steps.iter().flatten().fold(smallest, |base, &step| base.gcd(step));
+    let functions = opened.iter().map(|o| matches!(o.model, Some(Model::Function(_))));
+    // A function changes whenever one of its inputs does.
+    let step = |(step, function): (Option<Time>, bool)| match function {
+        true => base,
+        false => step.unwrap_or(smallest),
+    };
+    Some(steps.into_iter().zip(functions).map(step).collect())
 }
 
 fn span(raw: &RawSystem, overrides: &Overrides, opened: &[Opened]) -> Result<(Time, Time)> {
     let start = overrides.start_time.or(raw.start).unwrap_or(0.0);
-    let suggested = opened
-        .iter()
-        .filter_map(|o| o.fmu.as_ref()?.description().experiment.stop)
-        .max_by(f64::total_cmp);
+    let suggested =
+        opened.iter().filter_map(|o| o.description()?.experiment.stop).max_by(f64::total_cmp);
     let stop = overrides.stop_time.or(raw.stop).or(suggested).ok_or_else(|| {
         Error::new(Code::Timing, "there is no stop time").help(
-            "give --stop-time SECONDS, or <ssd:DefaultExperiment stopTime=\"...\"/> in the file",
+            "give --stop-time SECONDS, or in the file <ssd:DefaultExperiment stopTime=\"...\"/> (SSP) \
+             or <EndTime> (OSP)",
         )
     })?;
     Ok((Time::from_seconds(start, "the start time")?, Time::from_seconds(stop, "the stop time")?))

@@ -1,218 +1,94 @@
-//! SSP 1.0 and 2.0 files into raw structures.
+//! Files of system descriptions into raw structures: SSP (`ssp`) and OSP (`osp`).
 //!
-//! Read: a flat system of FMU components with connectors, connections and parameter values,
-//! inline or in .ssv files, and the default experiment. Refused by name: what would change the
-//! meaning if it were left out (nested systems, mappings, transformations, dictionaries).
-//! Left out silently: geometry, units, enumerations (the FMUs have their own) and annotations of
-//! other tools. Anything else unknown gives a warning.
+//! A reader gathers what it finds wrong and goes on, so that everything is told at once. What it
+//! does not know is an error; what it knows and cannot do is refused by name.
 
-mod annotation;
-mod component;
-mod parameters;
+mod gathered;
+mod osp;
+mod source;
+mod ssp;
 
 use std::path::{Path, PathBuf};
 
-use super::opened::OpenedFmus;
-use super::raw::{RawConnection, RawMaster, RawSystem};
+use super::raw::RawSystem;
 use crate::error::{Code, Error, Result};
 use crate::fmi::archive;
 use crate::xml::{self, Element};
+use gathered::Gathered;
+use source::Base;
 
-/// Namespace of system descriptions.
-const SSD: &str = "http://ssp-standard.org/SSP1/SystemStructureDescription";
+pub(super) use osp::{LOG_FILE, NAMESPACE as OSP_NAMESPACE};
+pub(super) use source::write as write_source;
+pub(super) use ssp::SSD_FILE;
 
-/// Attributes that every element may have.
-const COMMON: &[&str] = &["id", "description"];
+/// The file of an OSP system in its folder.
+pub(super) const OSP_FILE: &str = "OspSystemStructure.xml";
 
-/// Reads a .ssd or .ssp file.
-pub(super) fn read(file: &Path) -> Result<RawSystem> {
-    let is_package = file.extension().is_some_and(|e| e.eq_ignore_ascii_case("ssp"));
-    if !is_package {
-        let folder = file.parent().unwrap_or(Path::new("")).to_owned();
-        return Reader::new(file, folder).system(&xml::read(file, file)?);
+/// Whether a path is a system description and not an FMU: by its ending, or a folder.
+pub(super) fn is_system(path: &Path) -> bool {
+    let ends_with = |end| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
+    path.is_dir() || ["ssd", "ssp", "xml"].into_iter().any(ends_with)
+}
+
+/// Reads a .ssd, .ssp or OspSystemStructure.xml file, or the folder of the last.
+pub(super) fn read(path: &Path) -> Result<RawSystem> {
+    let ends_with = |end| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
+    if ends_with("ssp") {
+        return package(path);
     }
+    let file: PathBuf = if path.is_dir() { in_folder(path)? } else { path.to_owned() };
+    let root = xml::read(&file, &file)?;
+    any(&root, &file, Base::of_file(&file), Gathered::default())
+}
+
+/// Reads a system description that is a text and not a file; it refers to no other file.
+pub(super) fn read_text(text: &str) -> Result<RawSystem> {
+    let file = Path::new("text");
+    let base = Base { folder: None, archive: None };
+    any(&xml::parse(text, file)?, file, base, Gathered::default())
+}
+
+fn in_folder(folder: &Path) -> Result<PathBuf> {
+    let names = [OSP_FILE, ssp::SSD_FILE];
+    let found = names.iter().map(|name| folder.join(name)).find(|file| file.is_file());
+    found.ok_or_else(|| {
+        Error::new(Code::File, "the folder has no system description")
+            .at(folder)
+            .why(format!("there is neither {} in it", names.join(" nor ")))
+    })
+}
+
+fn any(root: &Element, file: &Path, base: Base, gathered: Gathered) -> Result<RawSystem> {
+    match root.name.as_str() {
+        "OspSystemStructure" => osp::read(root, file, base, gathered),
+        "SystemStructureDescription" => ssp::read(root, file, base, gathered),
+        other => Err(Error::new(Code::Ssd, format!("the root element is <{other}>"))
+            .at_line(file, root.line)
+            .why(
+                "a system description is a SystemStructureDescription (SSP) or an \
+                 OspSystemStructure (OSP)",
+            )),
+    }
+}
+
+fn package(file: &Path) -> Result<RawSystem> {
+    let mut gathered = Gathered::default();
+    let (root, shown, base) = unpack(file, &mut gathered)?;
+    ssp::read(&root, &shown, base, gathered)
+}
+
+/// The description in an .ssp, its name in messages, and where its sources lead.
+fn unpack(file: &Path, gathered: &mut Gathered) -> Result<(Element, PathBuf, Base)> {
     let unpacked = archive::unpack(file)?;
-    let description = unpacked.path().join("SystemStructure.ssd");
-    let shown = file.join("SystemStructure.ssd");
+    let description = unpacked.path().join(ssp::SSD_FILE);
+    let shown = file.join(ssp::SSD_FILE);
     if !description.is_file() {
-        return Err(Error::new(Code::Archive, "the package has no SystemStructure.ssd")
+        return Err(Error::new(Code::Archive, format!("the package has no {}", ssp::SSD_FILE))
             .at(file)
             .help("an .ssp has that file at its top level, in no folder"));
     }
-    let reader = Reader::new(&shown, unpacked.path().to_owned());
-    let mut system = reader.system(&xml::read(&description, &shown)?)?;
-    system._unpacked = Some(unpacked);
-    Ok(system)
-}
-
-struct Reader<'a> {
-    file: &'a Path,
-    folder: PathBuf,
-    warnings: Vec<String>,
-}
-
-impl<'a> Reader<'a> {
-    fn new(file: &'a Path, folder: PathBuf) -> Self {
-        Self { file, folder, warnings: Vec::new() }
-    }
-
-    fn system(mut self, root: &Element) -> Result<RawSystem> {
-        if root.name != "SystemStructureDescription" || root.namespace != SSD {
-            return Err(self
-                .wrong(root, format!("the root element is <{}>", root.name))
-                .why(format!("a system description is a SystemStructureDescription of {SSD}")));
-        }
-        let version = root.require("version", self.file, Code::Ssd)?;
-        if !version.starts_with("1.") && !version.starts_with("2.") {
-            return Err(self.wrong(root, format!("the version of SSP is '{version}', not 1.0")));
-        }
-        self.known(
-            root,
-            &["System", "Enumerations", "Units", "DefaultExperiment", "Annotations", "MetaData"],
-            &[
-                "name",
-                "version",
-                "author",
-                "fileversion",
-                "copyright",
-                "license",
-                "generationTool",
-                "generationDateAndTime",
-            ],
-        );
-        let system =
-            root.child("System").ok_or_else(|| self.wrong(root, "there is no <System>"))?;
-        self.flat(system)?;
-        let mut master = RawMaster::default();
-        self.master(root, &mut master)?;
-        self.master(system, &mut master)?;
-        let (start, stop) = self.experiment(root, &mut master)?;
-        Ok(RawSystem {
-            file: self.file.to_owned(),
-            name: system.get("name").or(root.get("name")).unwrap_or("system").to_owned(),
-            components: system
-                .grandchildren("Elements")
-                .iter()
-                .map(|e| self.component(e))
-                .collect::<Result<_>>()?,
-            connections: system
-                .grandchildren("Connections")
-                .iter()
-                .map(|e| self.connection(e))
-                .collect::<Result<_>>()?,
-            parameters: self.parameters(system)?,
-            start,
-            stop,
-            master,
-            warnings: self.warnings,
-            _unpacked: None,
-            fmus: OpenedFmus::default(),
-        })
-    }
-
-    fn flat(&mut self, system: &Element) -> Result<()> {
-        self.known(
-            system,
-            &[
-                "Connectors",
-                "ElementGeometry",
-                "ParameterBindings",
-                "Elements",
-                "Connections",
-                "SignalDictionaries",
-                "SystemGeometry",
-                "GraphicalElements",
-                "Annotations",
-            ],
-            &["name"],
-        );
-        if let Some(first) = system.grandchildren("Connectors").first() {
-            return Err(self.unsupported(first, "connectors of the system itself"));
-        }
-        match system.grandchildren("SignalDictionaries").first() {
-            Some(first) => Err(self.unsupported(first, "signal dictionaries")),
-            None => Ok(()),
-        }
-    }
-
-    fn experiment(
-        &mut self,
-        root: &Element,
-        master: &mut RawMaster,
-    ) -> Result<(Option<f64>, Option<f64>)> {
-        let Some(element) = root.child("DefaultExperiment") else {
-            return Ok((None, None));
-        };
-        self.known(element, &["Annotations"], &["startTime", "stopTime"]);
-        self.master(element, master)?;
-        let number = |name| element.parse(name, self.file, Code::Ssd);
-        Ok((number("startTime")?, number("stopTime")?))
-    }
-
-    fn connection(&mut self, element: &Element) -> Result<RawConnection> {
-        if element.name != "Connection" {
-            return Err(self.wrong(element, format!("<{}> among connections", element.name)));
-        }
-        self.known(
-            element,
-            &[
-                "ConnectionGeometry",
-                "Annotations",
-                "LinearTransformation",
-                "BooleanMappingTransformation",
-                "IntegerMappingTransformation",
-                "EnumerationMappingTransformation",
-            ],
-            &[
-                "startElement",
-                "startConnector",
-                "endElement",
-                "endConnector",
-                "suppressUnitConversion",
-            ],
-        );
-        if let Some(other) = element.children.iter().find(|c| c.name.ends_with("Transformation")) {
-            return Err(self.unsupported(other, "transformations of connections"));
-        }
-        let text = |name| element.require(name, self.file, Code::Ssd).map(str::to_owned);
-        Ok(RawConnection {
-            from: (text("startElement")?, text("startConnector")?),
-            to: (text("endElement")?, text("endConnector")?),
-            suppress_unit_conversion: element.flag(
-                "suppressUnitConversion",
-                self.file,
-                Code::Ssd,
-            )?,
-            line: element.line,
-        })
-    }
-
-    /// Warns of children and attributes that SSP does not have there.
-    fn known(&mut self, element: &Element, children: &[&str], attributes: &[&str]) {
-        let (file, parent) = (self.file.display(), &element.name);
-        for child in element.children.iter().filter(|c| !children.contains(&c.name.as_str())) {
-            let (line, name) = (child.line, &child.name);
-            self.warnings
-                .push(format!("{file}:{line}: <{name}> in <{parent}> is unknown and ignored"));
-        }
-        for attribute in &element.attributes {
-            let name = attribute.name.as_str();
-            if !attributes.contains(&name) && !COMMON.contains(&name) && !name.contains(':') {
-                let line = element.line;
-                self.warnings.push(format!(
-                    "{file}:{line}: the attribute '{name}' of <{parent}> is unknown and ignored"
-                ));
-            }
-        }
-    }
-
-    fn wrong(&self, element: &Element, what: impl Into<String>) -> Error {
-        Error::new(Code::Ssd, what).at_line(self.file, element.line)
-    }
-
-    fn unsupported(&self, element: &Element, what: &str) -> Error {
-        self.wrong(element, format!("{what} are not supported (<{}>)", element.name))
-            .why("leaving them out would change what the system means")
-            .help("write the system flat: components, their connectors, connections between them")
-    }
+    let root = xml::read(&description, &shown)?;
+    let base = Base::of_archive(unpacked.path());
+    gathered.unpacked.push(unpacked);
+    Ok((root, shown, base))
 }

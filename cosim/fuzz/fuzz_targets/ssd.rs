@@ -1,0 +1,8 @@
+//! A system description beside an FMU, read and checked.
+#![no_main]
+#![allow(dead_code)]
+
+#[path = "../readers.rs"]
+mod readers;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| readers::ssd(bytes));

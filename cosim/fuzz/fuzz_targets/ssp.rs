@@ -1,0 +1,8 @@
+//! A system package: an archive with a system description.
+#![no_main]
+#![allow(dead_code)]
+
+#[path = "../readers.rs"]
+mod readers;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| readers::ssp(bytes));

@@ -1,0 +1,8 @@
+//! A file of parameters that a system description names.
+#![no_main]
+#![allow(dead_code)]
+
+#[path = "../readers.rs"]
+mod readers;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| readers::ssv(bytes));

@@ -1,0 +1,55 @@
+//! What FMUs log, and where their messages and calls are shown.
+
+use std::fs::File;
+use std::io::{BufWriter, stderr};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use clap::Args;
+use cosim::fmi::Trace;
+use cosim::{Code, Error, Overrides, Result};
+
+#[derive(Args)]
+pub(crate) struct Logging {
+    /// Ask the FMUs for debug messages and show all messages as they come
+    #[arg(long)]
+    debug_logging: bool,
+    /// Ask only for the debug messages of this category (repeatable; default: all)
+    #[arg(long, value_name = "CATEGORY")]
+    log_category: Vec<String>,
+    /// Write every FMI call with its arguments, results and status to stderr or into FILE
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "-")]
+    log_fmi_calls: Option<PathBuf>,
+    /// Show the messages and calls of this instance only (repeatable; default: all)
+    #[arg(long, value_name = "INSTANCE")]
+    log_instance: Vec<String>,
+}
+
+impl Logging {
+    /// Adds what is wanted.
+    pub(crate) fn add_to(&self, overrides: Overrides) -> Result<Overrides> {
+        let debug = self.debug_logging || !self.log_category.is_empty();
+        let mut overrides = overrides.debug_logging(debug);
+        for category in &self.log_category {
+            overrides = overrides.log_category(category);
+        }
+        Ok(match self.trace(debug)? {
+            Some(trace) => overrides.trace(Arc::new(trace.only(&self.log_instance))),
+            None => overrides,
+        })
+    }
+
+    fn trace(&self, debug: bool) -> Result<Option<Trace>> {
+        Ok(match &self.log_fmi_calls {
+            None if debug => Some(Trace::new(stderr(), false)),
+            None => None,
+            Some(file) if file == Path::new("-") => Some(Trace::new(stderr(), true)),
+            Some(file) => {
+                let output = File::create(file).map_err(|e| {
+                    Error::new(Code::Output, "the log of calls cannot be written").at(file).why(e)
+                })?;
+                Some(Trace::new(BufWriter::new(output), true))
+            }
+        })
+    }
+}

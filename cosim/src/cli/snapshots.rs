@@ -1,0 +1,55 @@
+//! Snapshots: when, into which file, and going on from one.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use cosim::{Error, Result, Snapshot, System, Time};
+
+use super::output::file_name;
+use super::values;
+
+#[derive(Args)]
+pub(crate) struct Snapshots {
+    /// Keep the state of the whole system at multiples of this (at the next output instant)
+    #[arg(long, value_name = "SECONDS", value_parser = values::seconds)]
+    snapshot_every: Option<f64>,
+    /// Keep it at this time (repeatable)
+    #[arg(long, value_name = "SECONDS", value_parser = values::seconds, allow_negative_numbers = true)]
+    snapshot_at: Vec<f64>,
+    /// The file, of which the newest snapshot takes the place; {t} in it stands for the time
+    /// (default: NAME.snapshot)
+    #[arg(long, value_name = "FILE")]
+    snapshot_file: Option<PathBuf>,
+    /// Go on from this snapshot; results that are there are continued
+    #[arg(long, value_name = "FILE")]
+    resume: Option<PathBuf>,
+}
+
+impl Snapshots {
+    /// The times, if any.
+    pub(crate) fn wanted(&self) -> Result<Option<(Option<Time>, Vec<Time>)>> {
+        if self.snapshot_every.is_none() && self.snapshot_at.is_empty() {
+            return Ok(None);
+        }
+        let every = self.snapshot_every.map(|s| Time::positive(s, "--snapshot-every"));
+        let at = self.snapshot_at.iter().map(|s| Time::from_seconds(*s, "--snapshot-at"));
+        Ok(Some((every.transpose()?, at.collect::<Result<_>>()?)))
+    }
+
+    /// The snapshot to go on from: it must be of this system.
+    pub(crate) fn resumed(&self, system: &System) -> Result<Option<Snapshot>> {
+        let Some(file) = &self.resume else {
+            return Ok(None);
+        };
+        let snapshot = Snapshot::read(file)?;
+        snapshot.check(system).map_err(|error| Error::at(error, file))?;
+        Ok(Some(snapshot))
+    }
+
+    pub(crate) fn write(&self, system: &System, snapshot: &Snapshot) -> Result<()> {
+        let default = || PathBuf::from(format!("{}.snapshot", file_name(system.name())));
+        let file = self.snapshot_file.clone().unwrap_or_else(default);
+        let time = snapshot.time().seconds().to_string();
+        snapshot.write(file.to_string_lossy().replace("{t}", &time))
+    }
+}

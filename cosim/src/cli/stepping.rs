@@ -1,0 +1,34 @@
+//! How communication steps are made, whatever the algorithm.
+
+use clap::Args;
+use cosim::{Input, Overrides};
+
+use super::values;
+
+#[derive(Args)]
+pub(crate) struct Stepping {
+    /// What inputs do during a step: hold their value, or move linearly (second order); all of
+    /// them, or those of one name or pattern (repeatable)
+    #[arg(long, value_name = "[COMPONENT.INPUT=]hold|linear", value_parser = values::input)]
+    input: Vec<(String, Input)>,
+    /// Let the communication step follow this relative tolerance: steps whose error is greater
+    /// are taken back
+    #[arg(long, value_name = "TOLERANCE")]
+    step_control: Option<f64>,
+    /// Make a step that an FMU discards again by smaller ones, made smaller up to N times
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    retries: u32,
+}
+
+impl Stepping {
+    pub(crate) fn add_to(&self, overrides: Overrides) -> Overrides {
+        let inputs = self.input.iter();
+        let overrides =
+            inputs.fold(overrides, |overrides, (name, input)| overrides.input(name, *input));
+        let overrides = overrides.retries(self.retries);
+        match self.step_control {
+            Some(tolerance) => overrides.step_control(tolerance),
+            None => overrides,
+        }
+    }
+}

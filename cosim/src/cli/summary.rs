@@ -1,0 +1,107 @@
+//! The end of a run, for people and for programs.
+
+use cosim::pace::Overruns;
+use cosim::{Summary, System};
+use serde_json::{Value, json};
+
+/// What is told.
+pub(crate) struct Told<'a> {
+    pub system: &'a System,
+    pub summary: &'a Summary,
+    /// Seconds of the wall clock.
+    pub spent: f64,
+    pub target: &'a str,
+    pub overruns: Option<Overruns>,
+}
+
+/// So many components are told one by one.
+const TOLD: usize = 20;
+
+/// A line for the whole, a table of the components; of many those that took the most time.
+pub(crate) fn text(told: &Told) -> String {
+    let Told { system, summary, spent, target, overruns } = told;
+    let mut lines = table(summary);
+    if let Some(o) = overruns {
+        lines.push(match o.count {
+            0 => format!("real time: no overrun at {} instants", o.instants),
+            _ => format!(
+                "real time: {} overruns at {} instants, the worst {:.3} ms late at t = {}",
+                o.count,
+                o.instants,
+                o.worst * 1e3,
+                o.when
+            ),
+        });
+    }
+    lines.push(format!(
+        "{}: {} s simulated in {spent:.3} s ({:.0} x real time, {} steps); results in {target}",
+        system.name(),
+        summary.simulated,
+        summary.simulated / spent.max(1e-9),
+        summary.steps,
+    ));
+    lines.join("\n")
+}
+
+fn table(summary: &Summary) -> Vec<String> {
+    let mut components: Vec<_> = summary.components.iter().collect();
+    if components.len() > TOLD {
+        components.sort_by(|a, b| b.share.total_cmp(&a.share));
+    }
+    let rest = components.split_off(components.len().min(TOLD));
+    let names = components.iter().map(|c| c.name.chars().count());
+    let width = names.max().unwrap_or(0).max(9);
+    let head = ["component", "steps", "rejected", "us/step", "share"];
+    let mut lines = vec![format!(
+        "{:width$} {:>12} {:>9} {:>10} {:>7}",
+        head[0], head[1], head[2], head[3], head[4]
+    )];
+    lines.extend(components.iter().map(|c| {
+        format!(
+            "{:width$} {:>12} {:>9} {:>10.3} {:>5.1} %",
+            c.name,
+            c.steps,
+            c.rejected,
+            c.seconds_per_step * 1e6,
+            c.share * 100.0
+        )
+    }));
+    if !rest.is_empty() {
+        let share: f64 = rest.iter().map(|c| c.share).sum();
+        lines.push(format!(
+            "and {} more with {:.1} % together (--format json has them all)",
+            rest.len(),
+            share * 100.0
+        ));
+    }
+    lines
+}
+
+/// The same as JSON, in SI units.
+pub(crate) fn json(told: &Told) -> Value {
+    let Told { system, summary, spent, target, overruns } = told;
+    json!({
+        "name": system.name(),
+        "simulated": summary.simulated,
+        "spent": spent,
+        "steps": summary.steps,
+        "stopped": summary.stopped.map(|reason| format!("{reason:?}")),
+        "results": target,
+        "components": summary.components.iter().map(|c| json!({
+            "name": c.name,
+            "steps": c.steps,
+            "rejected": c.rejected,
+            "secondsPerStep": c.seconds_per_step,
+            "share": c.share,
+        })).collect::<Vec<_>>(),
+        "realTime": overruns.map(|o| json!({
+            "instants": o.instants,
+            "overruns": o.count,
+            "worst": o.worst,
+            "when": o.when.seconds(),
+        })),
+        "warnings": summary.warnings,
+        "notes": summary.notes,
+        "messages": summary.messages,
+    })
+}

@@ -1,0 +1,185 @@
+//! Systems for tests, and running them here or in groups.
+
+use std::collections::BTreeMap;
+
+use tempfile::TempDir;
+
+use super::fmu::{Nature, compile, pack};
+use crate::distributed::coordinator::Coordinator;
+use crate::distributed::distribute::Distribution;
+use crate::distributed::local::{Fault, Files, Local};
+use crate::distributed::options::Options;
+use crate::{Algorithm, Overrides, Recording, Result, Run, Snapshot, Summary, System, Time};
+
+/// A system, and the folder with its files.
+pub(super) struct Sample {
+    pub system: System,
+    _folder: TempDir,
+}
+
+/// Components (name, nature, step) and connections `a.y b.u`.
+pub(super) fn sample(
+    components: &[(&str, Nature, f64)],
+    connections: &[&str],
+    algorithm: Algorithm,
+) -> Sample {
+    let folder = TempDir::new().unwrap();
+    compile(folder.path());
+    let mut elements = String::new();
+    for (name, nature, step) in components {
+        let fmu = pack(folder.path(), *nature);
+        elements += &format!(
+            "<ssd:Component name='{name}' type='application/x-fmu-sharedlibrary' source='{}'><ssd:Connectors>
+<ssd:Connector name='u' kind='input'><ssc:Real/></ssd:Connector>
+<ssd:Connector name='v' kind='input'><ssc:Real/></ssd:Connector>
+<ssd:Connector name='y' kind='output'><ssc:Real/></ssd:Connector></ssd:Connectors>
+<ssd:Annotations><ssc:Annotation type='cosim'><cosim:Component stepSize='{step}'/></ssc:Annotation></ssd:Annotations>
+</ssd:Component>\n",
+            fmu.display()
+        );
+    }
+    let mut wires = String::new();
+    for connection in connections {
+        let (from, to) = connection.split_once(' ').unwrap();
+        let ((a, y), (b, u)) = (from.split_once('.').unwrap(), to.split_once('.').unwrap());
+        wires += &format!(
+            "<ssd:Connection startElement='{a}' startConnector='{y}' endElement='{b}' endConnector='{u}'/>\n"
+        );
+    }
+    let text = format!(
+        "<?xml version='1.0' encoding='UTF-8'?>
+<ssd:SystemStructureDescription version='1.0' name='test' xmlns:cosim='urn:cosim:1'
+ xmlns:ssd='http://ssp-standard.org/SSP1/SystemStructureDescription'
+ xmlns:ssc='http://ssp-standard.org/SSP1/SystemStructureCommon'>
+<ssd:System name='test'><ssd:Elements>
+{elements}</ssd:Elements><ssd:Connections>
+{wires}</ssd:Connections></ssd:System>
+<ssd:DefaultExperiment startTime='0' stopTime='2'/>
+</ssd:SystemStructureDescription>\n"
+    );
+    let file = folder.path().join("test.ssd");
+    std::fs::write(&file, text).unwrap();
+    let overrides = Overrides::new().algorithm(algorithm).output_variable("*.?");
+    Sample { system: System::load(&file, &overrides).unwrap(), _folder: folder }
+}
+
+/// A chain of feed-through with several rates, model exchange and a way back.
+pub(super) fn chain(algorithm: Algorithm) -> Sample {
+    use Nature::{Exchange, State, Through};
+    sample(
+        &[
+            ("a", State, 0.1),
+            ("b", Through, 0.1),
+            ("c", Through, 0.2),
+            ("d", Through, 0.05),
+            ("e", Exchange, 0.1),
+        ],
+        &["a.y b.u", "b.y c.u", "c.y d.u", "d.y a.v", "a.y d.v", "c.y e.u", "e.y b.v"],
+        algorithm,
+    )
+}
+
+/// A loop of feed-through through b and c that is solved, with what feeds it and what it feeds.
+pub(super) fn solved() -> Sample {
+    use Nature::{State, Through};
+    sample(
+        &[("a", State, 0.1), ("b", Through, 0.1), ("c", Through, 0.1), ("d", Through, 0.1)],
+        &["c.y b.u", "b.y c.u", "a.y c.v", "b.y d.u", "d.y a.v"],
+        Algorithm::Iterative,
+    )
+}
+
+/// One FMU driven by recorded inputs.
+pub(super) fn driven() -> Sample {
+    let folder = TempDir::new().unwrap();
+    compile(folder.path());
+    let fmu = pack(folder.path(), Nature::Through);
+    let time: Vec<f64> = (0..20).map(|k| 0.1 * f64::from(k)).collect();
+    let u = time.iter().map(|t| t * t - 0.3).collect();
+    let inputs = Recording::from_columns(vec!["u".to_owned()], time, vec![u]);
+    let overrides = Overrides::new().step("", 0.05).stop_time(2.0).output_variable("?");
+    let system = System::single(&fmu, &overrides, Some(&inputs)).unwrap();
+    Sample { system, _folder: folder }
+}
+
+/// The bits of all that was recorded.
+pub(super) type Bits = Vec<Vec<u64>>;
+
+fn bits(recording: &Recording) -> Bits {
+    let of = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect();
+    let mut all: Bits = recording.columns().map(|(_, values)| of(values)).collect();
+    all.push(of(recording.time()));
+    all
+}
+
+/// An ordinary run.
+pub(super) fn here(system: &System) -> (Bits, Summary) {
+    let mut recording = Recording::new();
+    let summary = Run::new(system).observe(&mut recording).go().unwrap();
+    (bits(&recording), summary)
+}
+
+/// How a run in groups is to be.
+#[derive(Default)]
+pub(super) struct Trial<'a> {
+    pub faults: Vec<(u64, Fault)>,
+    pub options: Options,
+    pub resume: Option<&'a Snapshot>,
+    /// A snapshot is taken at this instant.
+    pub keep: Option<Time>,
+}
+
+/// What came of it.
+pub(super) struct Outcome {
+    pub bits: Bits,
+    pub summary: Summary,
+    pub kept: Option<Snapshot>,
+    /// What group 0 was told.
+    pub told: Vec<Vec<u8>>,
+    pub files: BTreeMap<String, std::path::PathBuf>,
+}
+
+/// A run in the groups that `places` says.
+pub(super) fn apart(system: &System, places: &[usize], trial: Trial<'_>) -> Result<Outcome> {
+    let Distribution { plan, layout, setups, files } = Distribution::new(system, places)?;
+    let fabric = Local::new(Files(files.clone()), trial.faults);
+    let told = fabric.told.clone();
+    let fabric = Box::new(fabric);
+    let mut driven = Coordinator::new(system, plan, layout, &setups, fabric, trial.options)?;
+    let (mut recording, mut kept) = (Recording::new(), None);
+    let mut keep = |snapshot| {
+        kept = Some(snapshot);
+        Ok(())
+    };
+    let at: Vec<Time> = trial.keep.into_iter().collect();
+    let mut run = Run::new(system).observe(&mut recording).snapshots(None, &at, &mut keep);
+    if let Some(snapshot) = trial.resume {
+        run = run.resume(snapshot);
+    }
+    let summary = run.drive_all(&mut driven)?;
+    let told = told.borrow().clone();
+    Ok(Outcome { bits: bits(&recording), summary, kept, told, files })
+}
+
+/// Every way to put `count` components into groups: groups are numbered by their first member.
+pub(super) fn placements(count: usize) -> Vec<Vec<usize>> {
+    let mut all: Vec<Vec<usize>> = vec![Vec::new()];
+    for _ in 0..count {
+        let longer = all.iter().flat_map(|places| {
+            let next = places.iter().max().map_or(0, |highest| highest + 1);
+            (0..=next).map(|group| [&places[..], &[group]].concat())
+        });
+        all = longer.collect();
+    }
+    all
+}
+
+/// Random numbers, the same in every run of the tests.
+pub(super) struct Dice(pub u64);
+
+impl Dice {
+    pub(super) fn below(&mut self, limit: u64) -> u64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (self.0 >> 33) % limit
+    }
+}

@@ -1,0 +1,172 @@
+//! Elements and attributes that FMI 2.0 does not have in a modelDescription.xml.
+//!
+//! They are left out, and told: a misspelt attribute is otherwise a default that nobody wanted.
+//! `VendorAnnotations` and `Annotations` belong to others and are not looked into.
+
+use std::path::Path;
+
+use crate::names;
+use crate::xml::Element;
+
+/// Warnings that are told one by one; more are counted.
+const TOLD: usize = 20;
+
+/// Element (of a parent, `*`: of any), its attributes and its children. FMI 2.0.5, chapters 2.2,
+/// 3.3 and 4.3.
+const KNOWN: &[(&str, &str, &[&str], &[&str])] = &[
+    (
+        "",
+        "fmiModelDescription",
+        &[
+            "fmiVersion",
+            "modelName",
+            "guid",
+            "description",
+            "author",
+            "version",
+            "copyright",
+            "license",
+            "generationTool",
+            "generationDateAndTime",
+            "variableNamingConvention",
+            "numberOfEventIndicators",
+        ],
+        &[
+            "ModelExchange",
+            "CoSimulation",
+            "UnitDefinitions",
+            "TypeDefinitions",
+            "LogCategories",
+            "DefaultExperiment",
+            "VendorAnnotations",
+            "ModelVariables",
+            "ModelStructure",
+        ],
+    ),
+    (
+        "*",
+        "ModelExchange",
+        &[
+            "modelIdentifier",
+            "needsExecutionTool",
+            "completedIntegratorStepNotNeeded",
+            "canBeInstantiatedOnlyOncePerProcess",
+            "canNotUseMemoryManagementFunctions",
+            "canGetAndSetFMUstate",
+            "canSerializeFMUstate",
+            "providesDirectionalDerivative",
+        ],
+        &["SourceFiles"],
+    ),
+    (
+        "*",
+        "CoSimulation",
+        &[
+            "modelIdentifier",
+            "needsExecutionTool",
+            "canHandleVariableCommunicationStepSize",
+            "canInterpolateInputs",
+            "maxOutputDerivativeOrder",
+            "canRunAsynchronuously",
+            "canBeInstantiatedOnlyOncePerProcess",
+            "canNotUseMemoryManagementFunctions",
+            "canGetAndSetFMUstate",
+            "canSerializeFMUstate",
+            "providesDirectionalDerivative",
+        ],
+        &["SourceFiles"],
+    ),
+    ("*", "DefaultExperiment", &["startTime", "stopTime", "tolerance", "stepSize"], &[]),
+    ("*", "ModelVariables", &[], &["ScalarVariable"]),
+    (
+        "*",
+        "ScalarVariable",
+        &[
+            "name",
+            "valueReference",
+            "description",
+            "causality",
+            "variability",
+            "initial",
+            "canHandleMultipleSetPerTimeInstant",
+        ],
+        &["Real", "Integer", "Boolean", "String", "Enumeration", "Annotations"],
+    ),
+    (
+        "ScalarVariable",
+        "Real",
+        &[
+            "declaredType",
+            "quantity",
+            "unit",
+            "displayUnit",
+            "relativeQuantity",
+            "min",
+            "max",
+            "nominal",
+            "unbounded",
+            "start",
+            "derivative",
+            "reinit",
+        ],
+        &[],
+    ),
+    ("ScalarVariable", "Integer", &["declaredType", "quantity", "min", "max", "start"], &[]),
+    ("ScalarVariable", "Boolean", &["declaredType", "start"], &[]),
+    ("ScalarVariable", "String", &["declaredType", "start"], &[]),
+    ("ScalarVariable", "Enumeration", &["declaredType", "quantity", "min", "max", "start"], &[]),
+    ("*", "LogCategories", &[], &["Category"]),
+    ("*", "Category", &["name", "description"], &[]),
+    ("*", "ModelStructure", &[], &["Outputs", "Derivatives", "InitialUnknowns"]),
+    ("*", "Outputs", &[], &["Unknown"]),
+    ("*", "Derivatives", &[], &["Unknown"]),
+    ("*", "InitialUnknowns", &[], &["Unknown"]),
+    ("*", "Unknown", &["index", "dependencies", "dependenciesKind"], &[]),
+];
+
+/// What is not of FMI 2.0 in the tree under `root`.
+pub(super) fn strangers(root: &Element, file: &Path) -> Vec<String> {
+    let mut found = Found { file, told: Vec::new(), more: 0 };
+    found.walk("", root);
+    let more = (found.more > 0).then(|| format!("and {} more of this kind", found.more));
+    found.told.into_iter().chain(more).collect()
+}
+
+struct Found<'a> {
+    file: &'a Path,
+    told: Vec<String>,
+    more: usize,
+}
+
+impl Found<'_> {
+    fn walk(&mut self, parent: &str, element: &Element) {
+        let name = element.name.as_str();
+        let known = KNOWN.iter().find(|(of, n, ..)| *n == name && (*of == "*" || *of == parent));
+        let Some((_, _, attributes, children)) = known else { return };
+        for attribute in &element.attributes {
+            // A prefix: of another namespace, as xsi:schemaLocation.
+            if !attribute.name.contains(':') && !attributes.contains(&attribute.name.as_str()) {
+                let what = format!("the attribute '{}' of <{name}>", attribute.name);
+                self.tell(what, element.line, &attribute.name, attributes);
+            }
+        }
+        for child in &element.children {
+            if !children.contains(&child.name.as_str()) {
+                let what = format!("the element <{}> in <{name}>", child.name);
+                self.tell(what, child.line, &child.name, children);
+            }
+            self.walk(name, child);
+        }
+    }
+
+    fn tell(&mut self, what: String, line: usize, name: &str, known: &[&str]) {
+        if self.told.len() >= TOLD {
+            self.more += 1;
+            return;
+        }
+        let hint = names::did_you_mean(name, known.iter().copied());
+        let hint = hint.map_or(String::new(), |hint| format!(" ({hint})"));
+        let place = format!("{}:{line}", self.file.display());
+        self.told.push(format!("{what} is not of FMI 2.0 and is left out{hint}, {place}"));
+    }
+}

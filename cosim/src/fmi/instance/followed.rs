@@ -1,0 +1,79 @@
+//! Those who follow the calls of an instance: value references become names again.
+
+use std::collections::HashMap;
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use crate::fmi::status::{self, RawStatus};
+use crate::fmi::trace::Trace;
+use crate::fmi::{Description, Kind};
+
+/// A follower, and what it calls things.
+pub(super) struct Followed {
+    trace: Arc<Trace>,
+    instance: String,
+    /// Names of variables by FMI's base type and value reference; the first of aliases.
+    names: HashMap<(&'static str, u32), String>,
+}
+
+/// The arguments of a function that has none but the instance.
+pub(super) fn nothing(_: &Followed) -> String {
+    String::new()
+}
+
+/// Enumerations are read and set as Integers.
+fn base(kind: &Kind) -> &'static str {
+    match kind {
+        Kind::Enumeration(_) => Kind::Integer.name(),
+        kind => kind.name(),
+    }
+}
+
+impl Followed {
+    pub(super) fn new(trace: Arc<Trace>, instance: &str, description: &Description) -> Self {
+        let mut names = HashMap::new();
+        for variable in &description.variables {
+            let key = (base(&variable.kind), variable.value_reference);
+            names.entry(key).or_insert_with(|| variable.name.clone());
+        }
+        Self { trace, instance: instance.to_owned(), names }
+    }
+
+    pub(super) fn begin(&self, function: &'static str, arguments: &str) {
+        self.trace.begin(&self.instance, function, arguments);
+    }
+
+    /// After a call; `more`: its results follow.
+    pub(super) fn end(&self, function: &'static str, status: RawStatus, more: bool) {
+        self.trace.end(&self.instance, function, status::name(status), more);
+    }
+
+    pub(super) fn results(&self, results: &str) {
+        self.trace.results(results);
+    }
+
+    /// `u, y`
+    pub(super) fn names(&self, kind: &Kind, references: &[u32]) -> String {
+        let names: Vec<String> = references.iter().map(|&r| self.name(kind, r)).collect();
+        names.join(", ")
+    }
+
+    /// `u = 0.5, k = 2.0`
+    pub(super) fn pairs<T: Debug>(&self, kind: &Kind, references: &[u32], values: &[T]) -> String {
+        let pairs = references.iter().zip(values);
+        let shown: Vec<String> =
+            pairs.map(|(&r, value)| format!("{} = {value:?}", self.name(kind, r))).collect();
+        shown.join(", ")
+    }
+
+    fn name(&self, kind: &Kind, reference: u32) -> String {
+        let known = self.names.get(&(base(kind), reference));
+        known.cloned().unwrap_or_else(|| format!("#{reference}"))
+    }
+}
+
+/// `0.5, 2.0`
+pub(super) fn values<T: Debug>(values: &[T]) -> String {
+    let shown: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
+    shown.join(", ")
+}

@@ -1,0 +1,114 @@
+//! Folders for unpacked archives: private (0700), unique, and gone with their value.
+//!
+//! A process that is killed cannot clean up. Each folder therefore holds a file that its process
+//! keeps locked; the lock ends with the process, however it ends, and the next process that
+//! unpacks something removes the folders whose lock is free.
+
+use std::fs::{self, File, Permissions};
+use std::io::ErrorKind;
+use std::os::unix::fs::{DirBuilderExt, MetadataExt, PermissionsExt};
+use std::path::{Path, PathBuf};
+use std::sync::Once;
+use std::time::Duration;
+
+use tempfile::TempDir;
+
+use crate::error::{Code, Error, Result};
+
+const PREFIX: &str = "cosim-unpacked-";
+const LOCK: &str = "lock";
+const CONTENT: &str = "content";
+/// Between making a folder and locking it passes no such time.
+const YOUNG: Duration = Duration::from_secs(60);
+
+/// An unpacked archive.
+pub struct Unpacked {
+    content: PathBuf,
+    _lock: File,
+    _folder: TempDir,
+}
+
+impl Unpacked {
+    /// A fresh and empty folder.
+    pub(super) fn new() -> Result<Self> {
+        static SWEPT: Once = Once::new();
+        SWEPT.call_once(|| sweep(&std::env::temp_dir()));
+        Self::make().map_err(|e| {
+            Error::new(Code::File, "no temporary folder can be made")
+                .at(std::env::temp_dir())
+                .why(e)
+                .help("set TMPDIR to a folder that can be written and executed from")
+        })
+    }
+
+    fn make() -> std::io::Result<Self> {
+        let mut builder = tempfile::Builder::new();
+        let private = Permissions::from_mode(0o700);
+        let folder = builder.prefix(PREFIX).permissions(private).tempdir()?;
+        let lock = File::create_new(folder.path().join(LOCK))?;
+        match lock.lock() {
+            // A file system without locks: nothing there is ever swept.
+            Err(e) if e.kind() == ErrorKind::Unsupported => (),
+            locked => locked?,
+        }
+        let content = folder.path().join(CONTENT);
+        fs::DirBuilder::new().mode(0o700).create(&content)?;
+        Ok(Self { content, _lock: lock, _folder: folder })
+    }
+
+    /// The folder.
+    pub fn path(&self) -> &Path {
+        &self.content
+    }
+}
+
+/// Removes what killed processes of this user left in `folder`.
+fn sweep(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        if entry.file_name().to_string_lossy().starts_with(PREFIX) && is_left(&entry.path()) {
+            // What cannot be removed is somebody else's matter.
+            drop(fs::remove_dir_all(entry.path()));
+        }
+    }
+}
+
+fn is_left(folder: &Path) -> bool {
+    // SAFETY: always succeeds.
+    let user = unsafe { libc::geteuid() };
+    let own = |m: &fs::Metadata| m.uid() == user;
+    let old = |m: &fs::Metadata| m.modified().is_ok_and(|t| t.elapsed().is_ok_and(|a| a > YOUNG));
+    let lock = folder.join(LOCK);
+    let is_folder = fs::symlink_metadata(folder).is_ok_and(|m| m.is_dir() && own(&m));
+    let is_lock = fs::symlink_metadata(&lock).is_ok_and(|m| m.is_file() && own(&m) && old(&m));
+    is_folder && is_lock && File::open(&lock).is_ok_and(|file| file.try_lock().is_ok())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::SystemTime;
+
+    fn age(folder: &Path) {
+        let lock = File::options().write(true).open(folder.join(LOCK)).unwrap();
+        lock.set_modified(SystemTime::now() - 2 * YOUNG).unwrap();
+    }
+
+    #[test]
+    fn only_what_is_left_is_swept() {
+        let place = TempDir::new().unwrap();
+        let make = |name: &str| {
+            let folder = place.path().join(name);
+            fs::create_dir_all(folder.join(CONTENT)).unwrap();
+            File::create(folder.join(LOCK)).unwrap();
+            folder
+        };
+        let (left, young) = (make("cosim-unpacked-left"), make("cosim-unpacked-young"));
+        let (used, other) = (make("cosim-unpacked-used"), make("cosim-results"));
+        [&left, &used, &other].iter().for_each(|folder| age(folder));
+        let lock = File::open(used.join(LOCK)).unwrap();
+        lock.lock().unwrap();
+        sweep(place.path());
+        let there = [&left, &young, &used, &other].map(|folder| folder.exists());
+        assert_eq!(there, [false, true, true, true]);
+    }
+}

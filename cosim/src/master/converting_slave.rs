@@ -1,0 +1,148 @@
+//! A slave whose inputs are converted before they reach it: units, transformations, maps.
+//!
+//! The scheduler passes values on as they are; only components with such connections pay.
+
+use super::patched_slave::{PatchedSlave, SharedPatches};
+use super::plan::Node;
+use super::slave::Slave;
+use crate::error::{Code, Error, Result};
+use crate::fmi::Place;
+use crate::system::{Conversion, System};
+use crate::time::Time;
+
+/// An input that is converted: its position among the inputs, what is done there, and the
+/// connection's name for messages.
+pub(crate) type Converted = (usize, Conversion, String);
+
+impl System {
+    /// The inputs of a component that are converted.
+    pub(crate) fn converted(&self, component: usize, node: &Node) -> Vec<Converted> {
+        let own = self.connections().iter().filter(|c| c.to.component == component);
+        let converted = own.filter_map(|connection| {
+            let slot = node.inputs.iter().position(|&v| v == connection.to.variable)?;
+            let (from, to) = (self.port_name(connection.from), self.port_name(connection.to));
+            Some((slot, connection.conversion.clone()?, format!("{from} -> {to}")))
+        });
+        converted.collect()
+    }
+}
+
+/// A slave behind its conversions.
+pub(super) struct ConvertingSlave {
+    inner: Box<dyn Slave>,
+    conversions: Vec<Converted>,
+    buffer: Vec<f64>,
+    slopes: Vec<f64>,
+}
+
+impl ConvertingSlave {
+    /// The slave itself when none of its inputs is converted. Else what manipulates its values
+    /// stands between the conversions and the slave: it speaks in the component's own units.
+    pub(super) fn around(
+        inner: Box<dyn Slave>,
+        conversions: Vec<Converted>,
+        node: &Node,
+    ) -> (Box<dyn Slave>, Option<SharedPatches>) {
+        if conversions.is_empty() {
+            return (inner, None);
+        }
+        let patches = SharedPatches::default();
+        let inner = Box::new(PatchedSlave::new(inner, node, patches.clone()));
+        let room = vec![0.0; node.inputs.len()];
+        let slave = Self { inner, conversions, buffer: room.clone(), slopes: room };
+        (Box::new(slave), Some(patches))
+    }
+}
+
+impl ConvertingSlave {
+    /// Fills the buffer with what the inputs get.
+    fn convert(&mut self, values: &[f64]) -> Result<()> {
+        self.buffer.copy_from_slice(values);
+        for (slot, conversion, name) in &self.conversions {
+            let value = self.buffer[*slot];
+            self.buffer[*slot] = conversion.apply(value).ok_or_else(|| {
+                Error::new(Code::Connection, format!("the mapping of {name} has no {value}"))
+                    .help("add a <ssc:MapEntry> for it to the connection")
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Fills the slopes with how the inputs change.
+    fn scale(&mut self, slopes: &[f64]) {
+        self.slopes.copy_from_slice(slopes);
+        for (slot, conversion, _) in &self.conversions {
+            self.slopes[*slot] *= conversion.slope();
+        }
+    }
+}
+
+impl Slave for ConvertingSlave {
+    fn set(&mut self, values: &[f64]) -> Result<()> {
+        self.convert(values)?;
+        self.inner.set(&self.buffer)
+    }
+
+    fn ramp(&mut self, values: &[f64], slopes: &[f64]) -> Result<()> {
+        self.convert(values)?;
+        self.scale(slopes);
+        self.inner.ramp(&self.buffer, &self.slopes)
+    }
+
+    fn tangent(&mut self, seed: &[f64], outputs: &mut [f64]) -> Result<bool> {
+        self.scale(seed);
+        self.inner.tangent(&self.slopes, outputs)
+    }
+
+    fn enter_initialization(&mut self, start: Time, stop: Time) -> Result<()> {
+        self.inner.enter_initialization(start, stop)
+    }
+
+    fn exit_initialization(&mut self) -> Result<()> {
+        self.inner.exit_initialization()
+    }
+
+    fn step(&mut self, start: Time, step: Time) -> Result<Time> {
+        self.inner.step(start, step)
+    }
+
+    fn get(&mut self, values: &mut [f64]) -> Result<()> {
+        self.inner.get(values)
+    }
+
+    fn slopes(&mut self, slopes: &mut [f64]) -> Result<bool> {
+        self.inner.slopes(slopes)
+    }
+
+    fn read(&mut self, values: &mut [f64]) -> Result<()> {
+        self.inner.read(values)
+    }
+
+    fn assign(&mut self, variable: usize, value: f64) -> Result<()> {
+        self.inner.assign(variable, value)
+    }
+
+    fn messages(&mut self) -> Vec<String> {
+        self.inner.messages()
+    }
+
+    fn save(&mut self, place: Place) -> Result<()> {
+        self.inner.save(place)
+    }
+
+    fn restore(&mut self, place: Place, time: Time) -> Result<()> {
+        self.inner.restore(place, time)
+    }
+
+    fn serialize(&mut self) -> Result<Vec<u8>> {
+        self.inner.serialize()
+    }
+
+    fn deserialize(&mut self, state: &[u8], time: Time) -> Result<()> {
+        self.inner.deserialize(state, time)
+    }
+
+    fn rejected(&self) -> u64 {
+        self.inner.rejected()
+    }
+}

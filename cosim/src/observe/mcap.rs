@@ -1,0 +1,213 @@
+//! Results as MCAP with ROS 2 messages, which Foxglove, PlotJuggler and rosbag2 open.
+//!
+//! Columns whose names begin alike (`dvl.velocity.u`, `dvl.stamp`) are the fields of one message
+//! on one topic (`/dvl`). A field's name is what ROS allows (`velocity_u`); the real names stand
+//! in the channel's metadata, from where they are read back. Log time is simulated time. Chunks
+//! are not compressed: doubles of a simulation hardly shrink, and the reader needs no C library.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+use ::mcap::records::MessageHeader;
+use ::mcap::{McapError, WriteOptions, Writer};
+
+use super::{Observer, RunInfo};
+use crate::error::{Code, Error, Result};
+use crate::fmi::Kind;
+use crate::system::Column;
+use crate::time::Time;
+
+/// The metadata of a channel that holds its columns: a line `position type name` for each.
+pub(super) const COLUMNS: &str = "cosim.columns";
+/// CDR, little endian, no options.
+pub(super) const CDR_HEADER: [u8; 4] = [0, 1, 0, 0];
+
+/// The type of a field.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Field {
+    Float64,
+    Int32,
+    Bool,
+}
+
+impl Field {
+    pub(super) const ALL: [Field; 3] = [Field::Float64, Field::Int32, Field::Bool];
+
+    fn of(kind: &Kind) -> Self {
+        match kind {
+            Kind::Real | Kind::String => Field::Float64,
+            Kind::Integer | Kind::Enumeration(_) => Field::Int32,
+            Kind::Boolean => Field::Bool,
+        }
+    }
+
+    /// ROS's name.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Field::Float64 => "float64",
+            Field::Int32 => "int32",
+            Field::Bool => "bool",
+        }
+    }
+
+    /// Bytes, and what its place is a multiple of.
+    pub(super) fn size(self) -> usize {
+        match self {
+            Field::Float64 => 8,
+            Field::Int32 => 4,
+            Field::Bool => 1,
+        }
+    }
+}
+
+/// Writes results while they come.
+pub struct McapRecorder {
+    target: PathBuf,
+    /// None after the end.
+    writer: Option<Writer<BufWriter<File>>>,
+    topics: Vec<Topic>,
+    message: Vec<u8>,
+    sequence: u32,
+}
+
+/// One message per sample.
+struct Topic {
+    channel: u16,
+    /// Positions of the columns, and their types.
+    fields: Vec<(usize, Field)>,
+}
+
+impl McapRecorder {
+    /// Creates `file`, and replaces it if it exists.
+    pub fn create(file: impl AsRef<Path>) -> Result<Self> {
+        let target = file.as_ref().to_owned();
+        let output = File::create(&target).map_err(|e| not_written(&target, &e))?;
+        let options = WriteOptions::new().compression(None).profile("ros2").library("cosim");
+        let writer = options.create(BufWriter::new(output));
+        let writer = Some(writer.map_err(|e| not_written(&target, &e))?);
+        Ok(Self { target, writer, topics: Vec::new(), message: Vec::new(), sequence: 0 })
+    }
+
+    fn wrote<T>(&self, written: Result<T, McapError>) -> Result<T> {
+        written.map_err(|e| not_written(&self.target, &e))
+    }
+
+    fn add_topic(&mut self, name: &str, columns: &[(usize, &Column)]) -> Result<()> {
+        let (mut schema, mut listed, mut taken) = (String::new(), String::new(), Vec::new());
+        let mut fields = Vec::new();
+        for &(position, column) in columns {
+            let field = Field::of(&column.kind);
+            let short = column.name.strip_prefix(name).unwrap_or(&column.name);
+            let short = unique(identifier(short, "value"), &mut taken);
+            schema += &format!("{} {short} # {}\n", field.name(), column.name);
+            listed += &format!("{position} {} {}\n", field.name(), column.name);
+            fields.push((position, field));
+        }
+        let topic = identifier(name, "system");
+        let Some(writer) = &mut self.writer else {
+            return Ok(());
+        };
+        let metadata = BTreeMap::from([(COLUMNS.to_owned(), listed)]);
+        let mut initial = topic.clone();
+        initial[..1].make_ascii_uppercase();
+        let schema_name = format!("cosim/msg/{}", initial.replace('_', ""));
+        let channel = writer
+            .add_schema(&schema_name, "ros2msg", schema.as_bytes())
+            .and_then(|schema| writer.add_channel(schema, &format!("/{topic}"), "cdr", &metadata));
+        let channel = self.wrote(channel)?;
+        self.topics.push(Topic { channel, fields });
+        Ok(())
+    }
+}
+
+impl Observer for McapRecorder {
+    fn start(&mut self, info: &RunInfo<'_>) -> Result<()> {
+        if info.start < Time::ZERO {
+            return Err(Error::new(Code::Output, "the results cannot be written as MCAP")
+                .at(&self.target)
+                .why(format!("the run starts at {}, and MCAP knows no negative time", info.start))
+                .help("take a file whose name ends in .csv"));
+        }
+        let mut topics: Vec<(&str, Vec<(usize, &Column)>)> = Vec::new();
+        for (position, column) in info.columns.iter().enumerate() {
+            let name = column.name.split_once('.').map_or(info.name, |(first, _)| first);
+            match topics.iter_mut().find(|(topic, _)| *topic == name) {
+                Some((_, columns)) => columns.push((position, column)),
+                None => topics.push((name, vec![(position, column)])),
+            }
+        }
+        topics.iter().try_for_each(|(name, columns)| self.add_topic(name, columns))
+    }
+
+    fn sample(&mut self, time: Time, values: &[f64]) -> Result<()> {
+        let log_time = time.nanoseconds().unsigned_abs();
+        self.sequence = self.sequence.wrapping_add(1);
+        for topic in &self.topics {
+            self.message.clear();
+            self.message.extend(CDR_HEADER);
+            for &(position, field) in &topic.fields {
+                encode(&mut self.message, field, values[position]);
+            }
+            let header = MessageHeader {
+                channel_id: topic.channel,
+                sequence: self.sequence,
+                log_time,
+                publish_time: log_time,
+            };
+            if let Some(writer) = &mut self.writer {
+                let written = writer.write_to_known_channel(&header, &self.message);
+                written.map_err(|e| not_written(&self.target, &e))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn flush(&mut self) -> Result<()> {
+        let flushed = self.writer.as_mut().map_or(Ok(()), Writer::flush);
+        self.wrote(flushed)
+    }
+
+    fn finish(&mut self) -> Result<()> {
+        let finished = self.writer.take().map_or(Ok(()), |mut w| w.finish().map(drop));
+        self.wrote(finished)
+    }
+}
+
+/// Appends a value at the next place that its size divides.
+fn encode(message: &mut Vec<u8>, field: Field, value: f64) {
+    let place = (message.len() - CDR_HEADER.len()).next_multiple_of(field.size());
+    message.resize(place + CDR_HEADER.len(), 0);
+    match field {
+        Field::Float64 => message.extend(value.to_le_bytes()),
+        Field::Int32 => message.extend((value as i32).to_le_bytes()),
+        Field::Bool => message.push(u8::from(value != 0.0)),
+    }
+}
+
+/// A name as ROS allows it: small letters, digits, single underscores, a letter first.
+fn identifier(name: &str, otherwise: &str) -> String {
+    let words = name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+    let name = words.collect::<Vec<_>>().join("_").to_ascii_lowercase();
+    match name.chars().next() {
+        None => otherwise.to_owned(),
+        Some(first) if first.is_ascii_digit() => format!("v{name}"),
+        Some(_) => name,
+    }
+}
+
+fn unique(name: String, taken: &mut Vec<String>) -> String {
+    let mut candidate = name.clone();
+    let mut number = 2;
+    while taken.contains(&candidate) {
+        candidate = format!("{name}_{number}");
+        number += 1;
+    }
+    taken.push(candidate.clone());
+    candidate
+}
+
+fn not_written(target: &Path, error: &dyn std::fmt::Display) -> Error {
+    Error::new(Code::Output, "the results cannot be written").at(target).why(error)
+}

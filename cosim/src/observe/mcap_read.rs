@@ -1,0 +1,109 @@
+//! Reading back what `mcap` wrote.
+
+use std::path::Path;
+
+use ::mcap::MessageStream;
+use ::mcap::read::Options;
+
+use super::Recording;
+use super::mcap::{CDR_HEADER, COLUMNS, Field};
+use crate::error::{Code, Error, Result};
+
+/// A column being read: its position and name, and whether it is a Real.
+struct Read {
+    position: usize,
+    name: String,
+    real: bool,
+    values: Vec<f64>,
+}
+
+/// The columns of one channel.
+struct Topic {
+    channel: u16,
+    fields: Vec<Field>,
+    columns: Vec<Read>,
+}
+
+/// Reads `file`; one that was not finished up to where it is whole.
+pub(super) fn read(file: &Path) -> Result<Recording> {
+    let wrong =
+        |why: String| Error::new(Code::Results, "the results cannot be read").at(file).why(why);
+    let bytes = std::fs::read(file)
+        .map_err(|e| Error::new(Code::File, "the results cannot be read").at(file).why(e))?;
+    let stream = MessageStream::new_with_options(&bytes, Options::IgnoreEndMagic.into());
+    let mut topics: Vec<Topic> = Vec::new();
+    let mut time: Vec<u64> = Vec::new();
+    for message in stream.map_err(|e| wrong(e.to_string()))? {
+        let message = match message {
+            Ok(message) => message,
+            Err(error) if time.is_empty() => return Err(wrong(error.to_string())),
+            // What follows was not written any more.
+            Err(_) => break,
+        };
+        let known = topics.iter().position(|t| t.channel == message.channel.id);
+        let at = match (known, message.channel.metadata.get(COLUMNS)) {
+            (Some(at), _) => at,
+            (None, Some(listed)) => {
+                let (fields, columns) = columns_of(listed).ok_or_else(|| {
+                    wrong(format!("the channel {} lists no columns", message.channel.topic))
+                })?;
+                topics.push(Topic { channel: message.channel.id, fields, columns });
+                topics.len() - 1
+            }
+            (None, None) => {
+                return Err(wrong(format!(
+                    "the channel {} was not written by cosim: its metadata has no {COLUMNS}",
+                    message.channel.topic
+                )));
+            }
+        };
+        if at == 0 {
+            time.push(message.log_time);
+        }
+        let topic = &mut topics[at];
+        decode(&message.data, topic)
+            .ok_or_else(|| wrong(format!("a message on {} is too short", message.channel.topic)))?;
+    }
+    let mut columns: Vec<Read> = topics.into_iter().flat_map(|topic| topic.columns).collect();
+    columns.sort_by_key(|column| column.position);
+    // The last sample of an unfinished file may lack topics.
+    let whole = columns.iter().map(|c| c.values.len()).min().unwrap_or(0);
+    time.truncate(whole);
+    columns.iter_mut().for_each(|column| column.values.truncate(whole));
+    let time = time.into_iter().map(|ns| ns as f64 / 1e9).collect();
+    let real = columns.iter().map(|column| column.real).collect();
+    let (names, values) = columns.into_iter().map(|c| (c.name, c.values)).unzip();
+    Ok(Recording::from_columns(names, time, values).with_reals(real))
+}
+
+fn columns_of(listed: &str) -> Option<(Vec<Field>, Vec<Read>)> {
+    let mut fields = Vec::new();
+    let mut columns = Vec::new();
+    for line in listed.lines() {
+        let mut parts = line.splitn(3, ' ');
+        let position = parts.next()?.parse().ok()?;
+        let kind = parts.next()?;
+        let field = Field::ALL.into_iter().find(|field| field.name() == kind)?;
+        let name = parts.next()?.to_owned();
+        fields.push(field);
+        let real = field == Field::Float64;
+        columns.push(Read { position, name, real, values: Vec::new() });
+    }
+    Some((fields, columns))
+}
+
+fn decode(data: &[u8], topic: &mut Topic) -> Option<()> {
+    let data = data.strip_prefix(&CDR_HEADER)?;
+    let mut place = 0_usize;
+    for (field, column) in topic.fields.iter().zip(&mut topic.columns) {
+        place = place.next_multiple_of(field.size());
+        let bytes = data.get(place..place + field.size())?;
+        column.values.push(match field {
+            Field::Float64 => f64::from_le_bytes(bytes.try_into().ok()?),
+            Field::Int32 => f64::from(i32::from_le_bytes(bytes.try_into().ok()?)),
+            Field::Bool => f64::from(bytes[0]),
+        });
+        place += field.size();
+    }
+    Some(())
+}

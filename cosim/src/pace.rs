@@ -1,0 +1,102 @@
+//! Runs at the pace of the wall clock, or a multiple of it.
+//!
+//! At each instant the run waits until the clock has come as far. When the clock is ahead, that
+//! is an overrun: the run does not wait until it has caught up. What is computed does not depend
+//! on any of this.
+
+use std::time::{Duration, Instant};
+
+use crate::error::Result;
+use crate::master::{Controls, Manipulator};
+use crate::system::System;
+use crate::time::Time;
+
+/// The shortest time between two looks at the clock.
+const SHORTEST: Duration = Duration::from_millis(1);
+
+/// Holds a run to the pace of the clock.
+#[derive(Debug)]
+pub struct Pace {
+    /// Simulated seconds per second.
+    factor: f64,
+    /// The clock and the simulated time when the run began.
+    begun: Option<(Instant, Time)>,
+    step: Time,
+    next: Time,
+    overruns: Overruns,
+}
+
+/// Instants that came too late.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Overruns {
+    /// How many.
+    pub count: u64,
+    /// How many instants there were.
+    pub instants: u64,
+    /// How late the latest was, in seconds of the clock.
+    pub worst: f64,
+    /// Which instant that was.
+    pub when: Time,
+}
+
+impl Pace {
+    /// `factor` simulated seconds per second; it must be greater than zero.
+    pub fn new(factor: f64) -> Self {
+        let (step, next) = (Time::ZERO, Time::ZERO);
+        Self { factor, begun: None, step, next, overruns: Overruns::default() }
+    }
+
+    /// What came too late so far.
+    pub fn overruns(&self) -> Overruns {
+        self.overruns
+    }
+
+    /// The clock went on for so long while the run was paused.
+    pub fn paused(&mut self, length: Duration) {
+        if let Some((begun, _)) = &mut self.begun {
+            *begun += length;
+        }
+    }
+
+    fn wait(&mut self, now: Time) {
+        let clock = Instant::now();
+        let (begun, first) = *self.begun.get_or_insert((clock, now));
+        let due = Duration::try_from_secs_f64((now - first).seconds() / self.factor);
+        let due = begun + due.unwrap_or_default();
+        self.overruns.instants += 1;
+        if clock <= due {
+            std::thread::sleep(due - clock);
+            return;
+        }
+        let late = (clock - due).as_secs_f64();
+        self.overruns.count += 1;
+        if late > self.overruns.worst {
+            (self.overruns.worst, self.overruns.when) = (late, now);
+        }
+    }
+}
+
+impl Manipulator for Pace {
+    fn start(&mut self, system: &System, resumed: Option<Time>) -> Result<()> {
+        let steps = system.components().iter().map(|component| component.step);
+        let smallest = steps.min().unwrap_or(system.output_interval()).nanoseconds().max(1);
+        let shortest = SHORTEST.as_nanos() as f64 * self.factor;
+        let count = (shortest / smallest as f64).ceil().clamp(1.0, 1e9) as i64;
+        self.step = Time::from_nanoseconds(smallest * count);
+        self.next = resumed.unwrap_or(system.start_time());
+        if resumed.is_some() {
+            self.next = self.next + self.step;
+        }
+        Ok(())
+    }
+
+    fn next(&self) -> Option<Time> {
+        Some(self.next)
+    }
+
+    fn act(&mut self, now: Time, _: &mut Controls<'_>) -> Result<()> {
+        self.wait(now);
+        self.next = now + self.step;
+        Ok(())
+    }
+}

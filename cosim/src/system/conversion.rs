@@ -1,0 +1,56 @@
+//! What a connection does to the value on its way.
+
+use serde::{Deserialize, Serialize};
+
+use crate::units::Linear;
+
+/// A change of a value between an output and an input.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Conversion {
+    /// Of Reals: a unit, or what the file asks for.
+    Linear(Linear),
+    /// Of Integers, Booleans (0 and 1) and items of enumerations: value and its replacement.
+    Map(Vec<(i32, i32)>),
+}
+
+impl Conversion {
+    /// The value at the input; `None`: the map has no entry for it.
+    #[inline]
+    pub fn apply(&self, value: f64) -> Option<f64> {
+        match self {
+            Conversion::Linear(linear) => Some(linear.apply(value)),
+            Conversion::Map(entries) => {
+                let found = entries.iter().find(|(from, _)| f64::from(*from) == value);
+                found.map(|(_, to)| f64::from(*to))
+            }
+        }
+    }
+}
+
+impl Conversion {
+    /// How the value at the input changes with that at the output; maps have no slope.
+    pub(crate) fn slope(&self) -> f64 {
+        match self {
+            Conversion::Linear(linear) => linear.factor,
+            Conversion::Map(_) => 0.0,
+        }
+    }
+}
+
+impl std::fmt::Display for Conversion {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Conversion::Linear(Linear { factor, offset }) if *offset == 0.0 => {
+                write!(f, "times {factor}")
+            }
+            Conversion::Linear(Linear { factor, offset }) => {
+                write!(f, "times {factor} plus {offset}")
+            }
+            Conversion::Map(entries) => {
+                let entries: Vec<String> =
+                    entries.iter().map(|(from, to)| format!("{from} to {to}")).collect();
+                write!(f, "mapped: {}", entries.join(", "))
+            }
+        }
+    }
+}

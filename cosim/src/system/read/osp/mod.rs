@@ -1,0 +1,169 @@
+//! OSP: `OspSystemStructure.xml` of the Open Simulation Platform, schema 0.1.
+//!
+//! Simulators, initial values, functions and connections of variables, signals and groups of
+//! them. A linear transformation becomes what its connections do to the value; a sum stays a
+//! component. The only algorithm that has a counterpart is `fixedStep`, which is Jacobi. What is
+//! recorded stands in `LogConfig.xml` beside the file.
+
+mod connections;
+mod functions;
+mod groups;
+mod log;
+mod simulators;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::gathered::{Gathered, place, wrong};
+use super::source::Base;
+use crate::error::{Code, Error, Result};
+use crate::system::Algorithm;
+use crate::system::raw::{Place, RawComponent, RawConnection, RawMaster, RawParameter, RawSystem};
+use crate::xml::Element;
+use functions::Linear;
+use groups::Groups;
+
+pub(in crate::system) use log::LOG_FILE;
+
+/// Namespace of system structures.
+pub(in crate::system) const NAMESPACE: &str =
+    "http://opensimulationplatform.com/MSMI/OSPSystemStructure";
+
+/// Reads a structure whose root element is `root`.
+pub(super) fn read(
+    root: &Element,
+    file: &Path,
+    base: Base,
+    gathered: Gathered,
+) -> Result<RawSystem> {
+    let mut reader = Reader {
+        file: file.into(),
+        base,
+        gathered,
+        components: Vec::new(),
+        connections: Vec::new(),
+        parameters: Vec::new(),
+        groups: Groups::default(),
+        linear: Vec::new(),
+    };
+    reader.check_root(root)?;
+    let mut master = RawMaster { step: reader.number(root, "BaseStepSize"), ..Default::default() };
+    let (start, stop) = (reader.number(root, "StartTime"), reader.number(root, "EndTime"));
+    reader.algorithm(root, &mut master);
+    reader.simulators(root, master.step);
+    reader.functions(root);
+    reader.connections(root);
+    let experiment = root.child("EndTime").or(root.child("StartTime"));
+    let experiment = experiment.map(|element| reader.place(element));
+    let recorded = reader.log_config(&mut master);
+    let name = file.parent().and_then(|p| p.file_name()).filter(|_| reader.base.folder.is_some());
+    Ok(RawSystem {
+        file: file.to_owned(),
+        name: name.map_or("system".to_owned(), |n| n.to_string_lossy().into_owned()),
+        components: reader.components,
+        connections: reader.connections,
+        parameters: reader.parameters,
+        experiment,
+        start,
+        stop,
+        master,
+        recorded,
+        warnings: reader.gathered.warnings,
+        notes: reader.gathered.notes,
+        problems: reader.gathered.problems,
+        _unpacked: reader.gathered.unpacked,
+        fmus: reader.gathered.fmus,
+    })
+}
+
+struct Reader {
+    file: Arc<Path>,
+    base: Base,
+    gathered: Gathered,
+    components: Vec<RawComponent>,
+    connections: Vec<RawConnection>,
+    parameters: Vec<RawParameter>,
+    /// Variable groups of the simulators.
+    groups: Groups,
+    /// Linear transformations, until their connections are known.
+    linear: Vec<Linear>,
+}
+
+impl Reader {
+    fn check_root(&mut self, root: &Element) -> Result<()> {
+        if root.namespace != NAMESPACE {
+            return Err(self
+                .wrong(root, format!("the namespace of <{}> is '{}'", root.name, root.namespace))
+                .help(format!("write xmlns=\"{NAMESPACE}\"")));
+        }
+        let version = root.require("version", &self.file, Code::Ssd)?;
+        if !version.starts_with("0.") {
+            return Err(self
+                .wrong(root, format!("the version of the structure is '{version}'"))
+                .why("0.1 is supported"));
+        }
+        self.known(
+            root,
+            &[
+                "StartTime",
+                "EndTime",
+                "BaseStepSize",
+                "Algorithm",
+                "Simulators",
+                "Functions",
+                "Connections",
+                "EccoConfiguration",
+            ],
+            &["version"],
+        );
+        Ok(())
+    }
+
+    fn algorithm(&mut self, root: &Element, master: &mut RawMaster) {
+        // Without the element it is fixedStep, says the schema.
+        master.algorithm = Some(Algorithm::Jacobi);
+        let Some(element) = root.child("Algorithm") else {
+            return;
+        };
+        match element.text.trim() {
+            text if text.eq_ignore_ascii_case("fixedStep") => (),
+            text if text.eq_ignore_ascii_case("ecco") => self.gathered.warnings.push(format!(
+                "{}: the algorithm 'ecco' is not there: the system is run by jacobi with fixed \
+                 steps (choose another by --algorithm)",
+                self.place(element)
+            )),
+            other => {
+                let problem = self
+                    .wrong(element, format!("the algorithm '{other}' is unknown"))
+                    .help("write fixedStep");
+                self.gathered.problems.push(problem);
+            }
+        }
+    }
+
+    /// The number that is the text of a child.
+    fn number(&mut self, root: &Element, name: &str) -> Option<f64> {
+        let element = root.child(name)?;
+        match element.text.trim().parse::<f64>() {
+            Ok(number) if number.is_finite() => Some(number),
+            _ => {
+                let text = element.text.trim();
+                let problem = self.wrong(element, format!("<{name}> is '{text}', not a number"));
+                self.gathered.problems.push(problem);
+                None
+            }
+        }
+    }
+
+    fn known(&mut self, element: &Element, children: &[&str], attributes: &[&str]) {
+        self.gathered.known(&self.file, element, children, attributes);
+    }
+
+    fn place(&self, element: &Element) -> Place {
+        place(&self.file, element)
+    }
+
+    fn wrong(&self, element: &Element, what: impl Into<String>) -> Error {
+        wrong(&self.file, element, what)
+    }
+}

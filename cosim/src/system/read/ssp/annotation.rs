@@ -1,0 +1,108 @@
+//! What SSP has no place for: step sizes, the algorithm, what is recorded.
+//!
+//! This master's own annotations, all of them optional, which other tools leave alone:
+//!
+//! ```xml
+//! <ssd:Annotations xmlns:cosim="urn:cosim:1">
+//!   <ssc:Annotation type="cosim">
+//!     <cosim:Master algorithm="gauss-seidel" stepSize="0.01" outputInterval="0.1">
+//!       <cosim:Record variable="plant.*"/>
+//!     </cosim:Master>
+//!   </ssc:Annotation>
+//! </ssd:Annotations>
+//! ```
+//! in the SystemStructureDescription, its System or its DefaultExperiment, and
+//! `<cosim:Component stepSize="0.1"/>` in a Component. Without them a component steps by the
+//! stepSize of its FMU's DefaultExperiment. Those of the Open Simulation Platform are read where
+//! ours are missing: `<osp:FixedStepAlgorithm baseStepSize="0.01"/>` in
+//! `<osp:Algorithm>` of the DefaultExperiment and `<osp:StepSizeHint value="0.1"/>` of a Component.
+
+use super::Reader;
+use crate::error::{Code, Result};
+use crate::system::Algorithm;
+use crate::system::raw::RawMaster;
+use crate::xml::Element;
+
+/// Namespace of our annotations.
+const COSIM: &str = "urn:cosim:1";
+
+/// Namespace of those of the Open Simulation Platform.
+const OSP: &str = "http://opensimulationplatform.com/SSP/OSPAnnotations";
+
+impl Reader<'_> {
+    pub(super) fn master(
+        &mut self,
+        owner: &Element,
+        master: &mut RawMaster,
+        recorded: &mut Vec<String>,
+    ) {
+        for element in self.ours(owner, "Master") {
+            self.known(element, &["Record"], &["algorithm", "stepSize", "outputInterval"]);
+            if let Some(text) = element.get("algorithm") {
+                let algorithm = text.parse().map_err(|e: String| self.wrong(element, e));
+                master.algorithm = self.gathered.take(algorithm).or(master.algorithm);
+            }
+            master.step = self.number(element, "stepSize").or(master.step);
+            let interval = self.number(element, "outputInterval");
+            master.output_interval = interval.or(master.output_interval);
+            for record in element.children.iter().filter(|c| c.name == "Record") {
+                let variable = record.require("variable", &self.file, Code::Ssd);
+                recorded.extend(self.gathered.take(variable).map(str::to_owned));
+            }
+        }
+    }
+
+    /// The base step that the Open Simulation Platform's annotation gives all components; what
+    /// has it is meant for Jacobi.
+    pub(super) fn base_step(&mut self, root: &Element, master: &mut RawMaster) -> Option<f64> {
+        let algorithms = inside(root.child("DefaultExperiment")?, OSP, "Algorithm");
+        let mut children = algorithms.flat_map(|algorithm| &algorithm.children);
+        let fixed = children.find(|element| element.name == "FixedStepAlgorithm")?;
+        master.algorithm = Some(Algorithm::Jacobi);
+        self.number(fixed, "baseStepSize")
+    }
+
+    /// The step of a component.
+    pub(super) fn step(&mut self, owner: &Element) -> Option<f64> {
+        let mut step = None;
+        for element in inside(owner, OSP, "StepSizeHint") {
+            step = self.number(element, "value").or(step);
+        }
+        for element in self.ours(owner, "Component") {
+            self.known(element, &[], &["stepSize"]);
+            step = self.number(element, "stepSize").or(step);
+        }
+        step
+    }
+
+    fn number(&mut self, element: &Element, name: &str) -> Option<f64> {
+        let number: Result<Option<f64>> = element.parse(name, &self.file, Code::Ssd);
+        self.gathered.take(number).flatten()
+    }
+
+    /// The elements of our namespace in the annotations of `owner`; others than `name` are told.
+    fn ours<'e>(&mut self, owner: &'e Element, name: &str) -> Vec<&'e Element> {
+        let mut found = Vec::new();
+        let annotations = owner.grandchildren("Annotations").iter();
+        for element in annotations.flat_map(|a| &a.children).filter(|e| e.namespace == COSIM) {
+            if element.name == name {
+                found.push(element);
+            } else {
+                let problem = self
+                    .wrong(element, format!("<{}> of {COSIM} is unknown here", element.name))
+                    .help(format!("did you mean '{name}'?"));
+                self.gathered.problems.push(problem);
+            }
+        }
+        found
+    }
+}
+
+fn inside<'e>(
+    owner: &'e Element,
+    namespace: &'static str,
+    name: &'static str,
+) -> impl Iterator<Item = &'e Element> {
+    let annotations = owner.grandchildren("Annotations").iter().flat_map(|a| &a.children);
+    annotations.filter(move |e| e.namespace == namespace && e.name == name)
+}

@@ -1,0 +1,86 @@
+//! `<ssm:ParameterMapping>`: other names for parameters, inline or in an .ssm file.
+
+use std::sync::Arc;
+
+use super::Reader;
+use super::connection::TRANSFORMATIONS;
+use crate::error::{Code, Result};
+use crate::system::raw::{Place, Stage};
+use crate::units::Units;
+use crate::xml::{self, Element};
+
+/// One parameter under another name.
+pub(super) struct Entry {
+    pub source: String,
+    pub target: String,
+    pub stage: Stage,
+    pub place: Place,
+}
+
+impl Reader<'_> {
+    /// The entries of a binding's mapping; `None` when it has none: names stay as they are.
+    pub(super) fn mapping(
+        &mut self,
+        binding: &Element,
+        component: Option<&std::path::Path>,
+    ) -> Result<Option<Vec<Entry>>> {
+        let Some(element) = binding.child("ParameterMapping") else {
+            return Ok(None);
+        };
+        self.known(element, &["ParameterMapping"], &["type", "source", "sourceBase"]);
+        let kind = element.get("type").unwrap_or("application/x-ssp-parameter-mapping");
+        if kind != "application/x-ssp-parameter-mapping" {
+            return Err(self.wrong(element, format!("the type of the mapping is \"{kind}\"")));
+        }
+        match (element.get("source"), element.child("ParameterMapping")) {
+            (None, Some(inline)) => self.entries(inline).map(Some),
+            (Some(source), None) => {
+                let base = self.base_of(element, component)?;
+                let file = base.open(source, &self.place(element))?;
+                let at = self.place(element);
+                let root = xml::read(&file, &file).map_err(|e| e.help(format!("named in {at}")))?;
+                let mut other = Reader {
+                    file: Arc::from(file.as_path()),
+                    base,
+                    units: Units::new(),
+                    gathered: self.gathered,
+                    nested: self.nested,
+                };
+                other.entries(&root).map(Some)
+            }
+            _ => Err(self
+                .wrong(element, "a mapping is either inline or in a file")
+                .help("give it a source, or one <ssm:ParameterMapping> inside")),
+        }
+    }
+
+    fn entries(&mut self, mapping: &Element) -> Result<Vec<Entry>> {
+        if mapping.name != "ParameterMapping" {
+            return Err(
+                self.wrong(mapping, format!("<{}> where <ParameterMapping> belongs", mapping.name))
+            );
+        }
+        self.version(mapping)?;
+        let children = ["MappingEntry", "Annotations", "MetaData", "Signature"];
+        self.known(mapping, &children, super::TOP);
+        let mut entries: Vec<Entry> = Vec::new();
+        for element in mapping.children.iter().filter(|c| c.name == "MappingEntry") {
+            let children = [&TRANSFORMATIONS[..], &["Annotations", "MetaData", "Signature"]];
+            self.known(
+                element,
+                &children.concat(),
+                &["source", "target", "suppressUnitConversion"],
+            );
+            let text = |name| element.require(name, &self.file, Code::Ssd).map(str::to_owned);
+            let (source, target) = (text("source")?, text("target")?);
+            if let Some(first) = entries.iter().find(|e| e.target == target) {
+                return Err(self
+                    .wrong(element, format!("two parameters are mapped to '{target}'"))
+                    .why(format!("the first on line {}", first.place.line)));
+            }
+            let (stage, place) = (self.stage(element)?, self.place(element));
+            entries.push(Entry { source, target, stage, place });
+        }
+        Ok(entries)
+    }
+}

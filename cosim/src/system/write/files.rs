@@ -1,0 +1,117 @@
+//! Where the FMUs of a written system are: where they lie, beside it, or in its package.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipWriter};
+
+use super::unwritten;
+use crate::error::Result;
+use crate::system::System;
+use crate::system::read::{SSD_FILE, write_source};
+
+/// Sources of the components and the files to be copied.
+pub(super) struct Files {
+    /// By position of the component.
+    sources: BTreeMap<usize, String>,
+    /// New names, relative to the written file, and the files they are made of.
+    copies: BTreeMap<String, PathBuf>,
+}
+
+impl Files {
+    /// Every FMU gets a name in `folder` of the package.
+    pub(super) fn packed(system: &System, folder: &str) -> Self {
+        let mut files = Self { sources: BTreeMap::new(), copies: BTreeMap::new() };
+        for (component, path) in system.fmus() {
+            let name = files.add(path, folder);
+            files.sources.insert(component, name);
+        }
+        files
+    }
+
+    /// FMUs stay where they are; those of an archive, which is gone soon, are copied.
+    pub(super) fn beside(system: &System, folder: &Path) -> Result<Self> {
+        fs::create_dir_all(folder).map_err(|e| unwritten(folder, e))?;
+        let mut files = Self { sources: BTreeMap::new(), copies: BTreeMap::new() };
+        for (component, path) in system.fmus() {
+            let source = match system.archives().any(|archive| path.starts_with(archive)) {
+                true => files.add(path, "resources/"),
+                false => write_source(path, folder),
+            };
+            files.sources.insert(component, source);
+        }
+        Ok(files)
+    }
+
+    /// The source of a component.
+    pub(super) fn source(&self, component: usize) -> &str {
+        self.sources.get(&component).map_or("", String::as_str)
+    }
+
+    /// The new name of a file: plain characters, and no two files of one name.
+    fn add(&mut self, path: &Path, folder: &str) -> String {
+        if let Some((name, _)) = self.copies.iter().find(|(_, file)| *file == path) {
+            return name.clone();
+        }
+        let stem = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+        let plain = |c: char| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '_' };
+        let stem: String = stem.chars().map(plain).collect();
+        let mut name = format!("{folder}{stem}.fmu");
+        let mut count = 1;
+        while self.copies.contains_key(&name) {
+            count += 1;
+            name = format!("{folder}{stem}_{count}.fmu");
+        }
+        self.copies.insert(name.clone(), path.to_owned());
+        name
+    }
+
+    /// Copies what has a new name into `folder`.
+    pub(super) fn copy(&self, folder: &Path) -> Result<()> {
+        for (name, from) in &self.copies {
+            let to = folder.join(name);
+            if let Some(parent) = to.parent() {
+                fs::create_dir_all(parent).map_err(|e| unwritten(parent, e))?;
+            }
+            // Copying a file onto itself would empty it.
+            let same = to.canonicalize().is_ok_and(|to| from.canonicalize().is_ok_and(|f| f == to));
+            if !same {
+                fs::copy(from, &to).map_err(|e| unwritten(&to, e))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes the package: the description first, then the FMUs as they are. The same system
+    /// gives the same bytes.
+    pub(super) fn pack(&self, path: &Path, description: &[u8]) -> Result<()> {
+        let unfinished = path.with_extension("ssp.part");
+        let packed = self.pack_into(&unfinished, description);
+        if let Err(error) = packed {
+            // The first error is the one to tell.
+            drop(fs::remove_file(&unfinished));
+            return Err(unwritten(path, error));
+        }
+        fs::rename(&unfinished, path).map_err(|e| unwritten(path, e))
+    }
+
+    fn pack_into(&self, path: &Path, description: &[u8]) -> Result<(), zip::result::ZipError> {
+        if let Some(parent) = path.parent() {
+            fs::create_dir_all(parent)?;
+        }
+        let mut zip = ZipWriter::new(File::create(path)?);
+        let deflated = SimpleFileOptions::default().compression_method(CompressionMethod::Deflated);
+        zip.start_file(SSD_FILE, deflated)?;
+        zip.write_all(description)?;
+        let stored = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+        for (name, from) in &self.copies {
+            zip.start_file(name.as_str(), stored)?;
+            std::io::copy(&mut File::open(from)?, &mut zip)?;
+        }
+        zip.finish()?;
+        Ok(())
+    }
+}

@@ -1,0 +1,127 @@
+//! Systems into files: SSP 1.0 (.ssd, .ssp) and OSP (`OspSystemStructure.xml`, or its folder).
+//!
+//! What is written is the checked system, flat and plain, so that other tools read it: every
+//! connected connector is listed with its type and no other, start values stand inline, units
+//! that are converted here are written as the transformation that they amount to (libcosim and
+//! FMPy convert none). What a format has no word for is refused by name or told as a note.
+
+mod files;
+mod osp;
+mod ssd;
+mod transformation;
+mod units;
+mod xml;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::{Model, System};
+use crate::error::{Code, Error, Result};
+use files::Files;
+
+use super::read::OSP_FILE;
+
+/// How a system is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Ssd,
+    Ssp,
+    /// The file alone.
+    OspFile,
+    /// The file with its FMUs.
+    OspFolder,
+}
+
+impl Format {
+    fn of(path: &Path) -> Result<Self> {
+        let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+        match extension.as_deref() {
+            Some("ssd") => Ok(Format::Ssd),
+            Some("ssp") => Ok(Format::Ssp),
+            Some("xml") => Ok(Format::OspFile),
+            None => Ok(Format::OspFolder),
+            Some(_) if path.is_dir() => Ok(Format::OspFolder),
+            Some(other) => Err(Error::new(Code::Usage, format!("no format ends with .{other}"))
+                .at(path)
+                .help("write .ssd, .ssp, .xml (OSP) or the name of a folder (OSP)")),
+        }
+    }
+}
+
+impl System {
+    /// Writes the system to a .ssd or .ssp file, an OSP .xml file, or an OSP folder with its
+    /// FMUs; gives what is good to know about it.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<Vec<String>> {
+        let path = path.as_ref();
+        let mut notes = Vec::new();
+        match Format::of(path)? {
+            Format::Ssd => {
+                let folder = parent(path);
+                let files = Files::beside(self, &folder)?;
+                store(path, ssd::text(self, &files)?.as_bytes())?;
+                files.copy(&folder)?;
+            }
+            Format::Ssp => {
+                let files = Files::packed(self, "resources/");
+                files.pack(path, ssd::text(self, &files)?.as_bytes())?;
+            }
+            Format::OspFile => {
+                let folder = parent(path);
+                let files = Files::beside(self, &folder)?;
+                self.write_osp(path, &files, &mut notes)?;
+            }
+            Format::OspFolder => {
+                fs::create_dir_all(path).map_err(|e| unwritten(path, e))?;
+                let files = Files::packed(self, "");
+                self.write_osp(&path.join(OSP_FILE), &files, &mut notes)?;
+            }
+        }
+        Ok(notes)
+    }
+
+    fn write_osp(&self, file: &Path, files: &Files, notes: &mut Vec<String>) -> Result<()> {
+        let text = osp::text(self, files, notes)?;
+        store(file, text.as_bytes())?;
+        let log = file.with_file_name(osp::LOG_FILE);
+        match osp::log_config(self, notes) {
+            Some(text) => store(&log, text.as_bytes())?,
+            // One of an earlier system would choose the variables of this one.
+            None if log.is_file() => fs::remove_file(&log).map_err(|e| unwritten(&log, e))?,
+            None => (),
+        }
+        files.copy(&parent(file))
+    }
+
+    /// The folders of the archives that the system came in.
+    fn archives(&self) -> impl Iterator<Item = &Path> {
+        self.raw.iter().flat_map(|raw| raw._unpacked.iter().map(|folder| folder.path()))
+    }
+
+    /// Components that are FMUs, with their files.
+    fn fmus(&self) -> impl Iterator<Item = (usize, &Path)> {
+        self.components.iter().enumerate().filter_map(|(position, c)| match &c.model {
+            Model::Fmu(fmu) => Some((position, fmu.path())),
+            _ => None,
+        })
+    }
+}
+
+fn parent(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
+        _ => PathBuf::from("."),
+    }
+}
+
+fn store(path: &Path, bytes: &[u8]) -> Result<()> {
+    fs::write(path, bytes).map_err(|e| unwritten(path, e))
+}
+
+fn unwritten(path: &Path, error: impl std::fmt::Display) -> Error {
+    Error::new(Code::Output, "the system cannot be written").at(path).why(error)
+}
+
+/// What the format cannot say.
+fn unsaid(format: &str, what: String) -> Error {
+    Error::new(Code::Format, format!("{format} cannot say that {what}"))
+}

@@ -1,0 +1,36 @@
+//! Conversions of connections as SSP writes them.
+
+use super::xml::{Xml, number};
+use crate::fmi::Kind;
+use crate::system::Conversion;
+use crate::units::Linear;
+
+/// Writes the transformation that a conversion is.
+pub(super) fn write(xml: &mut Xml, conversion: &Conversion, kind: &Kind) {
+    let entries = match conversion {
+        Conversion::Linear(Linear { factor, offset }) => {
+            let (factor, offset) = (number(*factor), number(*offset));
+            let attributes = [("factor", factor.as_str()), ("offset", offset.as_str())];
+            return xml.empty("ssc:LinearTransformation", &attributes);
+        }
+        Conversion::Map(entries) => entries,
+    };
+    let boolean = *kind == Kind::Boolean;
+    xml.start(
+        if boolean {
+            "ssc:BooleanMappingTransformation"
+        } else {
+            "ssc:IntegerMappingTransformation"
+        },
+        &[],
+    );
+    for (source, target) in entries {
+        let text = |value: i32| match boolean {
+            true => (value != 0).to_string(),
+            false => value.to_string(),
+        };
+        let (source, target) = (text(*source), text(*target));
+        xml.empty("ssc:MapEntry", &[("source", &source), ("target", &target)]);
+    }
+    xml.end();
+}

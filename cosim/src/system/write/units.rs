@@ -1,0 +1,52 @@
+//! `<ssd:Units>`: what the units of connected variables are made of.
+
+use std::collections::BTreeMap;
+
+use super::xml::{Xml, number};
+use crate::fmi::Variable;
+use crate::system::{Port, System};
+use crate::units::{BASES, Unit, Units};
+
+/// Units of connected variables that their FMUs define; of two meanings the first is kept.
+pub(super) fn collect(system: &System) -> Units {
+    let mut units = Units::new();
+    let ports = system.connections().iter().flat_map(|c| [c.from, c.to]);
+    for (variable, unit) in ports.filter_map(|port| of(system, port)) {
+        let name = variable.unit.clone().unwrap_or_default();
+        units.entry(name).or_insert(unit);
+    }
+    units
+}
+
+/// A variable and its unit, when its FMU defines that.
+pub(super) fn of(system: &System, port: Port) -> Option<(&Variable, Unit)> {
+    let description = system.components()[port.component].model.description()?;
+    let variable = &description.variables[port.variable];
+    Some((variable, *description.units.get(variable.unit.as_ref()?)?))
+}
+
+/// Writes the definitions.
+pub(super) fn write(xml: &mut Xml, units: &Units) {
+    if units.is_empty() {
+        return;
+    }
+    xml.start("ssd:Units", &[]);
+    for (name, unit) in units {
+        xml.start("ssc:Unit", &[("name", name)]);
+        let mut values: BTreeMap<&str, String> = BTreeMap::new();
+        for (base, exponent) in BASES.iter().zip(unit.exponents).filter(|(_, e)| *e != 0) {
+            values.insert(base, exponent.to_string());
+        }
+        if unit.factor != 1.0 {
+            values.insert("factor", number(unit.factor));
+        }
+        if unit.offset != 0.0 {
+            values.insert("offset", number(unit.offset));
+        }
+        let attributes: Vec<(&str, &str)> =
+            values.iter().map(|(name, value)| (*name, value.as_str())).collect();
+        xml.empty("ssc:BaseUnit", &attributes);
+        xml.end();
+    }
+    xml.end();
+}

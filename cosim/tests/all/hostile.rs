@@ -1,0 +1,412 @@
+//! Files that must be refused, through the real binary: each with exit code 3 and the entry or
+//! line named, in bounded time and memory, with nothing written outside and nothing left behind.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use tempfile::TempDir;
+
+use crate::command::text;
+use crate::models::{Model, pack};
+use crate::rawzip::{End, Entry, archive, archive_with};
+
+/// Address space of the binary in KiB, and time.
+const MEMORY: u32 = 3 << 20;
+const TIME: Duration = Duration::from_secs(60);
+
+/// A folder with the file to open and an own place for temporary folders.
+struct Room {
+    folder: TempDir,
+}
+
+impl Room {
+    fn new() -> Self {
+        let folder = TempDir::new().unwrap();
+        std::fs::create_dir_all(folder.path().join("a/b/temporary")).unwrap();
+        Self { folder }
+    }
+
+    /// Runs `cosim VERB FILE` for a file of these bytes: exit code and stderr.
+    fn run(&self, verb: &str, name: &str, bytes: &[u8]) -> (i32, String) {
+        let inside = self.folder.path().join("a/b");
+        std::fs::write(inside.join(name), bytes).unwrap();
+        let before = self.files();
+        let begun = Instant::now();
+        let limit = format!("ulimit -v {MEMORY}; exec \"$@\"");
+        let output = Command::new("sh")
+            .args(["-c", &limit, "sh", env!("CARGO_BIN_EXE_cosim")])
+            .args(verb.split(' '))
+            .arg(name)
+            .current_dir(&inside)
+            .env("TMPDIR", inside.join("temporary"))
+            .env("NO_COLOR", "1")
+            .stdin(Stdio::null())
+            .output()
+            .unwrap();
+        assert!(begun.elapsed() < TIME, "{name} took {:?}", begun.elapsed());
+        assert_eq!(self.files(), before, "{name}");
+        let code = output.status.code();
+        let shown = text(&output.stderr);
+        (code.unwrap_or_else(|| panic!("{}: {shown}", output.status)), shown)
+    }
+
+    /// Every file and folder, to see that nothing came.
+    fn files(&self) -> Vec<String> {
+        fn walk(folder: &Path, found: &mut Vec<String>) {
+            for entry in std::fs::read_dir(folder).unwrap().flatten() {
+                found.push(entry.path().display().to_string());
+                if entry.file_type().unwrap().is_dir() {
+                    walk(&entry.path(), found);
+                }
+            }
+        }
+        let mut found = Vec::new();
+        walk(self.folder.path(), &mut found);
+        found.sort();
+        found
+    }
+
+    fn refuses(&self, name: &str, bytes: &[u8], parts: &[&str]) {
+        let (code, shown) = self.run("info", name, bytes);
+        assert_eq!(code, 3, "{name}: {shown}");
+        for part in parts {
+            assert!(shown.contains(part), "{name}: {part} in {}", &shown[..shown.len().min(2000)]);
+        }
+        assert!(!shown.contains("panicked"), "{name}: {shown}");
+    }
+}
+
+fn good() -> Entry {
+    Entry::new("modelDescription.xml", Model::Gain.description().as_bytes())
+}
+
+/// An entry with something changed.
+fn bad(name: impl AsRef<[u8]>, change: impl Fn(&mut Entry)) -> Entry {
+    let mut entry = Entry::new(name, b"content");
+    change(&mut entry);
+    entry
+}
+
+#[test]
+fn the_archives_of_these_tests_are_good_but_for_one_thing() {
+    let room = Room::new();
+    let entries =
+        [good(), bad("resources/x", |_| ()), bad("resources/sub/", |e| e.content.clear())];
+    let (code, shown) = room.run("info", "good.fmu", &archive(&entries));
+    assert_eq!(code, 0, "{shown}");
+}
+
+#[test]
+fn names_that_leave_the_folder_or_mean_something_else_elsewhere() {
+    let room = Room::new();
+    let deep = "d/".repeat(33) + "x";
+    let long = "x".repeat(256);
+    for (name, shown, why) in [
+        ("../x", "../x", "outside"),
+        ("resources/../../x", "resources/../../x", "outside"),
+        ("/tmp/cosim-absolute", "/tmp/cosim-absolute", "absolute"),
+        ("//host/share", "//host/share", "absolute"),
+        ("C:/x", "C:/x", "drive"),
+        ("c:x", "c:x", "drive"),
+        ("a\\b", "a\\\\b", "backslash"),
+        ("..\\x", "..\\\\x", "backslash"),
+        ("x\0.txt", "x\\0.txt", "control"),
+        ("x\n.txt", "x\\n.txt", "control"),
+        ("./", "./", "empty"),
+        (&deep, "d/d/d", "too deep"),
+        (&long, "xxx", "too long"),
+    ] {
+        let bytes = archive(&[good(), bad(name, |_| ())]);
+        room.refuses("x.fmu", &bytes, &["[E102]", "x.fmu", shown, why]);
+    }
+    assert!(!Path::new("/tmp/cosim-absolute").exists());
+}
+
+#[test]
+fn names_that_meet() {
+    let room = Room::new();
+    let with = |names: &[&str]| {
+        let mut entries = vec![good()];
+        entries.extend(names.iter().map(|name| bad(name, |_| ())));
+        archive(&entries)
+    };
+    for (names, shown) in [
+        (&["resources/a", "resources/a"][..], "'resources/a'"),
+        (&["resources/a", "resources/A"], "'resources/A'"),
+        (&["RESOURCES/a", "resources/a"], "'resources/a'"),
+        (&["resources/a", "./resources//a"], "'./resources//a'"),
+        (&["modelDescription.XML"], "'modelDescription.XML'"),
+        (&["resources/ä", "resources/Ä"], "'resources/Ä'"),
+        (&["resources", "resources/a"], "'resources/a'"),
+        (&["resources/a", "resources"], "'resources'"),
+    ] {
+        room.refuses("x.fmu", &with(names), &["[E102]", shown]);
+    }
+}
+
+#[test]
+fn links_and_devices() {
+    let room = Room::new();
+    for (mode, why) in [
+        (0o120_777, "symbolic link"),
+        (0o020_666, "device"),
+        (0o060_666, "device"),
+        (0o010_666, "special file"),
+        (0o140_666, "special file"),
+    ] {
+        let bytes = archive(&[good(), bad("resources/thing", |e| e.mode = mode)]);
+        room.refuses("x.fmu", &bytes, &["[E102]", "'resources/thing'", why]);
+    }
+}
+
+#[test]
+fn sizes_and_contents_that_lie() {
+    let room = Room::new();
+    let zip64 = |size: u64, packed: u64| {
+        let mut extra = vec![1, 0, 16, 0];
+        extra.extend(size.to_le_bytes());
+        extra.extend(packed.to_le_bytes());
+        extra
+    };
+    let huge = |e: &mut Entry| {
+        (e.size, e.packed) = (Some(u32::MAX), Some(u32::MAX));
+        e.extra = zip64(1 << 60, 1 << 60);
+    };
+    let ratio = |e: &mut Entry| {
+        (e.size, e.packed) = (Some(u32::MAX), Some(7));
+        e.extra = zip64(1 << 40, 7);
+    };
+    for (change, why) in [
+        (&(|e: &mut Entry| e.size = Some(3)) as &dyn Fn(&mut Entry), "larger"),
+        (&|e| e.size = Some(9), "9 bytes"),
+        (&|e| e.crc = Some(5), "cannot be unpacked"),
+        (&|e| e.flags |= 1, "encrypted"),
+        (&|e| e.method = 12, "compression"),
+        (&|e| e.method = 99, ""),
+        (&|e| e.method = 8, "cannot be unpacked"),
+        (&huge, "ratio"),
+        (&ratio, "ratio"),
+        (&|e| e.packed = Some(1 << 30), "beyond the end"),
+    ] {
+        let bytes = archive(&[good(), bad("resources/x", change)]);
+        room.refuses("x.fmu", &bytes, &["[E102]", "'resources/x'", why]);
+    }
+}
+
+#[test]
+fn entries_that_share_bytes() {
+    let room = Room::new();
+    let mut entries = vec![good(), Entry::new("resources/0", &[b'x'; 5000])];
+    for number in 1..500 {
+        let mut entry = Entry::new(format!("resources/{number}"), &[b'x'; 5000]);
+        entry.shared = true;
+        entries.push(entry);
+    }
+    room.refuses("x.fmu", &archive(&entries), &["[E102]", "'resources/1'", "shares bytes"]);
+}
+
+#[test]
+fn ends_of_archives_that_lie() {
+    let room = Room::new();
+    let of = |end| archive_with(&[good(), bad("x", |_| ())], end);
+    for end in [
+        End { disk: 1, entries: None },
+        End { disk: 0, entries: Some(3) },
+        End { disk: 0, entries: Some(0xffff) },
+        End { disk: 0, entries: Some(0) },
+    ] {
+        let (code, shown) = room.run("info", "x.fmu", &of(end));
+        assert_eq!(code, 3, "{shown}");
+        assert!(shown.contains("[E102]") && shown.contains("x.fmu"), "{shown}");
+    }
+}
+
+#[test]
+fn bombs() {
+    let room = Room::new();
+    let packed = room.folder.path().join("packed");
+    let zeros = || vec![0; 40 << 20];
+    pack(&packed, &[("modelDescription.xml", vec![]), ("resources/zeros", zeros())]);
+    let parts = ["'resources/zeros'", "ratio"];
+    room.refuses("x.fmu", &std::fs::read(&packed).unwrap(), &parts);
+    // Many entries, each below the limit of one.
+    let names: Vec<String> = (0..20).map(|n| format!("resources/{n}")).collect();
+    let entries: Vec<_> = names.iter().map(|n| (n.as_str(), vec![0; 9 << 20])).collect();
+    pack(&packed, &entries);
+    room.refuses("x.fmu", &std::fs::read(&packed).unwrap(), &["'resources/1", "of the archive"]);
+    std::fs::remove_file(&packed).unwrap();
+    let many: Vec<Entry> = (0..10_001).map(|n| Entry::new(format!("{n}"), b"")).collect();
+    room.refuses("x.fmu", &archive(&many), &["10001 entries", "10000"]);
+}
+
+/// An archive whose description is `text`.
+fn described(text: impl AsRef<[u8]>) -> Vec<u8> {
+    archive(&[Entry::new("modelDescription.xml", text.as_ref())])
+}
+
+fn with_variables(variables: &str) -> String {
+    let all = Model::Gain.description();
+    all.replace("<ModelVariables>", &format!("<ModelVariables>{variables}"))
+}
+
+#[test]
+fn xml_that_is_no_description() {
+    let room = Room::new();
+    let root = "<fmiModelDescription fmiVersion='2.0'";
+    let laughs: String = (1..10)
+        .map(|n| format!("<!ENTITY l{n} '{}'>", format!("&l{};", n - 1).repeat(10)))
+        .collect();
+    let bomb = format!("<!DOCTYPE x [<!ENTITY l0 'ha'>{laughs}]>\n{root}>&l9;</x>");
+    let external = "<!DOCTYPE x SYSTEM 'file:///etc/passwd'>\n<x/>";
+    let wide: String = (0..100_000).map(|n| format!(" a{n}='1'")).collect();
+    for (bytes, parts) in [
+        (bomb.as_bytes().to_vec(), &["modelDescription.xml:1", "DTD"][..]),
+        (external.into(), &[":1", "DTD"]),
+        (format!("{root} guid='&l9;'/>").into(), &[":1", "l9"]),
+        ("<a>".repeat(100_000).into(), &[":1", "64 levels"]),
+        (format!("{root}{wide}/>").into(), &[":1", "256 attributes"]),
+        ("\n<a>".repeat(2_000_001).into(), &["nested too deeply"]),
+        (format!("<a>{}", "<b/>".repeat(2_000_001)).into(), &["2000000 elements"]),
+        (format!("<{}/>", "a".repeat(1 << 20)).into(), &["a name of 1048576 bytes"]),
+        (format!("{root}\nguid='\u{e9}'/>").replace('\u{e9}', "?").into(), &[":1", "UTF-8"]),
+    ] {
+        let bytes = match parts.last() {
+            // A byte of Latin-1 in the second line.
+            Some(&"UTF-8") => {
+                let mut bytes: Vec<u8> = bytes;
+                let at = bytes.iter().position(|&b| b == b'?').unwrap();
+                bytes[at] = 0xe9;
+                bytes
+            }
+            _ => bytes,
+        };
+        let parts: Vec<&str> = parts
+            .iter()
+            .map(|p| if *p == ":1" && bytes.contains(&0xe9) { ":2" } else { p })
+            .collect();
+        room.refuses(
+            "x.fmu",
+            &described(bytes),
+            &[&["[E103]", "modelDescription.xml"], &parts[..]].concat(),
+        );
+    }
+}
+
+#[test]
+fn encodings() {
+    let room = Room::new();
+    let description = Model::Gain.description();
+    let utf16: Vec<u8> =
+        [0xfeff].into_iter().chain(description.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+    room.refuses("x.fmu", &described(utf16), &["[E103]", "UTF-16"]);
+    let declared = |name: &str, text: &str| {
+        description.replace("UTF-8", name).replace("modelName=\"GAIN\"", text)
+    };
+    room.refuses(
+        "x.fmu",
+        &described(declared("ISO-8859-1", "modelName=\"Gerät\"")),
+        &["[E103]", ":1", "ISO-8859-1"],
+    );
+    room.refuses("x.fmu", &described(declared("UTF-16", "")), &["[E103]", ":1", "UTF-16"]);
+    // ASCII is the same in both.
+    let (code, shown) =
+        room.run("info", "x.fmu", &described(declared("ISO-8859-1", "modelName='g'")));
+    assert_eq!(code, 0, "{shown}");
+    let marked = [&[0xef, 0xbb, 0xbf], description.as_bytes()].concat();
+    assert_eq!(room.run("info", "x.fmu", &described(marked)).0, 0);
+}
+
+#[test]
+fn other_versions_numbers_and_names() {
+    let room = Room::new();
+    let description = Model::Gain.description();
+    for (from, to, parts) in [
+        ("fmiVersion=\"2.0\"", "fmiVersion=\"1.0\"", &[":2", "FMI version 1.0"][..]),
+        ("fmiVersion=\"2.0\" ", "fmiVersion=\"3.0\" ", &[":2", "FMI version 3.0", "FMI 2.0"]),
+        ("valueReference=\"3\"", "valueReference=\"4294967296\"", &[":12", "4294967296"]),
+        ("valueReference=\"3\"", "valueReference=\"-1\"", &[":12", "-1"]),
+        ("index=\"3\"", "index=\"18446744073709551616\"", &[":22", "18446744073709551616"]),
+        ("numberOfEventIndicators", "x", &[]),
+        ("guid=\"{test}\"", "guid=\"{test}\" numberOfEventIndicators=\"-1\"", &[":2", "-1"]),
+        ("stopTime=\"1\"", "stopTime=\"one\"", &["stopTime=\"one\""]),
+        ("canGetAndSetFMUstate=\"true\"", "canGetAndSetFMUstate=\"yes\"", &[":3", "yes"]),
+        ("maxOutputDerivativeOrder", "", &[]),
+    ] {
+        if description.contains(from) {
+            let bytes = described(description.replace(from, to));
+            room.refuses("x.fmu", &bytes, &[&["[E104]", "modelDescription.xml"], parts].concat());
+        }
+    }
+}
+
+#[test]
+fn floods_of_variables_types_and_dependencies_end_in_time() {
+    let room = Room::new();
+    let many = |count: usize, inside: &str| -> String {
+        (0..count)
+            .map(|n| {
+                format!(
+                    "<ScalarVariable name='v{n}' valueReference='{n}' {inside}</ScalarVariable>\n"
+                )
+            })
+            .collect()
+    };
+    // Outputs that the structure does not list.
+    let outputs = many(200_000, "causality='output'><Real/>");
+    let (code, shown) = room.run("validate", "outputs.fmu", &described(with_variables(&outputs)));
+    assert_eq!(code, 3, "{shown}");
+    assert!(shown.contains("index '3'") || shown.contains("binary"), "{shown}");
+    // One long type of many variables: it is kept once.
+    let items: String = (0..50_000).map(|n| format!("<Item name='i{n}' value='{n}'/>")).collect();
+    let typed = many(50_000, "><Enumeration declaredType='Mode' start='1'/>");
+    let text = with_variables(&typed).replace("<Item name=\"Slow\" value=\"1\"/>", &items);
+    let (code, shown) = room.run("validate", "types.fmu", &described(text));
+    assert_eq!(code, 3, "{shown}");
+    // The same name again, at the end of many.
+    let twice = format!(
+        "{}<ScalarVariable name='v0' valueReference='0'><Real/></ScalarVariable>",
+        many(100_000, "><Real/>")
+    );
+    room.refuses("twice.fmu", &described(with_variables(&twice)), &["'v0'", "declared twice"]);
+    let list = "1 ".repeat(20_000_001);
+    let text = Model::Gain
+        .description()
+        .replace("dependencies=\"1\"", &format!("dependencies=\"{list}\""));
+    room.refuses("dependencies.fmu", &described(text), &[":22", "20000000 dependencies"]);
+}
+
+#[test]
+fn what_fmi_does_not_have_is_told() {
+    let room = Room::new();
+    let folder = room.folder.path().join("outside");
+    std::fs::create_dir(&folder).unwrap();
+    let fmu = Model::Gain.variant(&folder.join("x.fmu"), &[], |description| {
+        description.replace("causality=\"input\"><Real", "causalty=\"input\"><Real").replace(
+            "<DefaultExperiment",
+            "<Surprise/><DefaultExperiment xsi:x=\"1\" xmlns:xsi=\"u\"",
+        )
+    });
+    let bytes = std::fs::read(fmu).unwrap();
+    std::fs::remove_dir_all(folder).unwrap();
+    let (code, shown) = room.run("validate", "x.fmu", &bytes);
+    assert_eq!(code, 0, "{shown}");
+    for part in ["'causalty' of <ScalarVariable>", "'causality'?", "<Surprise>", "xml:9", "xml:7"] {
+        assert!(shown.contains(part), "{part} in {shown}");
+    }
+    assert!(!shown.contains("xsi"), "{shown}");
+}
+
+#[test]
+fn a_wrong_guid_is_refused_by_the_fmu_and_told() {
+    let room = Room::new();
+    let folder = room.folder.path().join("outside");
+    std::fs::create_dir(&folder).unwrap();
+    let fmu = Model::Gain.variant(&folder.join("x.fmu"), &[], |d| d.replace("{test}", "{other}"));
+    let bytes = std::fs::read(fmu).unwrap();
+    std::fs::remove_dir_all(folder).unwrap();
+    let (code, shown) = room.run("simulate -o -", "x.fmu", &bytes);
+    // Only running tells: the library decides.
+    assert_eq!(code, 1, "{shown}");
+    assert!(shown.contains("returned NULL") && shown.contains("wrong GUID {other}"), "{shown}");
+}

@@ -1,0 +1,167 @@
+//! Good files with something broken, thousands of them: the readers refuse or accept, nothing
+//! else. The same functions are the targets of `cosim/fuzz`; this is what runs everywhere.
+
+#[path = "../../fuzz/readers.rs"]
+#[allow(dead_code, unreachable_pub, reason = "the fuzz targets need all of it")]
+mod readers;
+
+use std::time::{Duration, Instant};
+
+use cosim::observe::McapRecorder;
+use cosim::{Overrides, Run, Snapshot, System, Time};
+use tempfile::TempDir;
+
+use crate::models::Model;
+use crate::ssd::Ssd;
+
+/// Numbers that are the same in every run (xorshift64*).
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        self.0.wrapping_mul(0x2545_f491_4f6c_dd1d)
+    }
+
+    fn below(&mut self, limit: usize) -> usize {
+        (self.next() >> 11) as usize % limit.max(1)
+    }
+}
+
+/// Bytes that mean something to the readers.
+const WORDS: &[&[u8]] = &[
+    b"<",
+    b">",
+    b"/>",
+    b"\"",
+    b"'",
+    b"&lt;",
+    b"&#0;",
+    b"&x;",
+    b"<!DOCTYPE a>",
+    b"<![CDATA[",
+    b"]]>",
+    b"<!--",
+    b"-->",
+    b"<?x?>",
+    b"xmlns:a='b'",
+    b"PK\x01\x02",
+    b"PK\x03\x04",
+    b"PK\x05\x06",
+    b"PK\x06\x06",
+    b"\xff\xff\xff\xff",
+    b"\0\0\0\0",
+    b"../",
+    b"\\",
+    b"\0",
+    b",",
+    b"\n",
+    b"\r\n",
+    b"nan",
+    b"inf",
+    b"-1",
+    b"1e999",
+    b"18446744073709551616",
+    b"\xef\xbb\xbf",
+    b"\xc3\x28",
+    b" ",
+];
+
+fn mutate(good: &[u8], numbers: &mut Numbers) -> Vec<u8> {
+    let mut bytes = good.to_vec();
+    for _ in 0..=numbers.below(4) {
+        let at = numbers.below(bytes.len());
+        let length = (1 + numbers.below(32)).min(bytes.len() - at);
+        match numbers.below(6) {
+            0 => bytes[at] ^= 1 << numbers.below(8),
+            1 => bytes[at] = numbers.next() as u8,
+            2 => drop(bytes.drain(at..at + length)),
+            3 => {
+                let piece = bytes[at..at + length].to_vec();
+                let to = numbers.below(bytes.len());
+                bytes.splice(to..to, piece);
+            }
+            4 => bytes.truncate(at),
+            _ => {
+                let word = WORDS[numbers.below(WORDS.len())].iter().copied();
+                let end = if numbers.below(2) == 0 { at } else { at + length };
+                bytes.splice(at..end, word);
+            }
+        }
+        if bytes.is_empty() {
+            break;
+        }
+    }
+    bytes
+}
+
+/// Feeds mutations of `good` to a reader; each must end soon.
+fn survive(seed: u64, good: &[u8], count: usize, reader: fn(&[u8])) {
+    let mut numbers = Numbers(seed);
+    reader(good);
+    for round in 0..count {
+        let bytes = mutate(good, &mut numbers);
+        let begun = Instant::now();
+        let done = std::panic::catch_unwind(|| reader(&bytes));
+        let text = String::from_utf8_lossy(&bytes);
+        assert!(done.is_ok(), "the reader panics in round {round} of {text}");
+        assert!(begun.elapsed() < Duration::from_secs(10), "round {round} takes long: {text}");
+    }
+}
+
+#[test]
+fn archives() {
+    survive(1, &readers::fmu(), 1500, readers::archive);
+}
+
+#[test]
+fn descriptions() {
+    survive(2, readers::DESCRIPTION.as_bytes(), 4000, readers::description);
+}
+
+#[test]
+fn systems() {
+    survive(3, readers::SYSTEM.as_bytes(), 1500, readers::ssd);
+}
+
+#[test]
+fn packages() {
+    survive(4, &readers::package(), 500, readers::ssp);
+}
+
+#[test]
+fn parameters() {
+    survive(5, readers::PARAMETERS.as_bytes(), 1000, readers::ssv);
+}
+
+#[test]
+fn tables() {
+    survive(6, readers::TABLE.as_bytes(), 3000, readers::csv);
+}
+
+/// A system whose runs give files to break.
+fn system() -> System {
+    let ssd = Ssd::new().add("a", Model::Clock).add("b", Model::Integrator).connect("a.y", "b.u");
+    ssd.load(&Overrides::new()).unwrap()
+}
+
+#[test]
+fn results() {
+    let file = TempDir::new().unwrap().path().with_extension("mcap");
+    system().run(&mut [&mut McapRecorder::create(&file).unwrap()]).unwrap();
+    let good = std::fs::read(&file).unwrap();
+    std::fs::remove_file(&file).unwrap();
+    survive(7, &good, 1500, readers::mcap);
+}
+
+#[test]
+fn snapshots() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("a.snapshot");
+    let mut keep = |snapshot: Snapshot| snapshot.write(&file);
+    let half = [Time::from_nanoseconds(500_000_000)];
+    Run::new(&system()).snapshots(None, &half, &mut keep).go().unwrap();
+    survive(8, &std::fs::read(&file).unwrap(), 1500, readers::snapshot);
+}

@@ -1,0 +1,196 @@
+//! A run that goes on from a snapshot is the run that nothing interrupted, to the last bit.
+
+use std::path::Path;
+
+use cosim::observe::{Continued, CsvRecorder};
+use cosim::{Algorithm, Code, Input, Observer, Overrides, Recording, Run, Snapshot, System, Time};
+use tempfile::TempDir;
+
+use crate::models::Model::{
+    Affine, Ball, Clock, Counter, Gain, Integrator, Lag, Mass, Oscillator, Sawtooth, Ticker,
+};
+use crate::ssd::Ssd;
+
+fn seconds(seconds: f64) -> Time {
+    Time::from_seconds(seconds, "t").unwrap()
+}
+
+/// Co-simulation and model exchange, events of all kinds, steps that differ, an algebraic loop.
+fn zoo() -> Ssd {
+    Ssd::new()
+        .add("clock", Clock)
+        .add_with("slow", Integrator, &[("second", 0.3)], Some(0.3))
+        .add("count", Counter)
+        .add("lag", Lag)
+        .add("ball", Ball)
+        .add_with("ticks", Ticker, &[("k", 0.07)], None)
+        .add("saw", Sawtooth)
+        .add("swing", Oscillator)
+        .add_with("p", Affine, &[("k", 0.3)], None)
+        .add_with("q", Affine, &[("k", -0.4)], None)
+        .add_with("mass", Mass, &[("k", 5.0), ("second", 1.0), ("m", 1.0)], None)
+        .connect("clock.y", "slow.u")
+        .connect("slow.y", "lag.u")
+        .connect("count.n", "ticks.m")
+        .connect("swing.y", "mass.u")
+        .connect("p.y", "q.u")
+        .connect("q.y", "p.u")
+        .stop(1.5)
+}
+
+fn csv(run: impl FnOnce(&mut dyn Observer, &Path)) -> Vec<u8> {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("out.csv");
+    let mut recorder = CsvRecorder::create(&file).unwrap();
+    run(&mut recorder, &file);
+    std::fs::read(&file).unwrap()
+}
+
+/// The bytes of an undisturbed run, and its snapshots, through files.
+fn whole(system: &System, every: f64) -> (Vec<u8>, Vec<Snapshot>) {
+    let (folder, mut files) = (TempDir::new().unwrap(), Vec::new());
+    let mut keep = |snapshot: Snapshot| {
+        let file = folder.path().join(format!("{}.snapshot", snapshot.time()));
+        snapshot.write(&file)?;
+        files.push(file);
+        Ok(())
+    };
+    let bytes = csv(|recorder, _| {
+        let run = Run::new(system).observe(recorder);
+        run.snapshots(Some(seconds(every)), &[], &mut keep).go().unwrap();
+    });
+    (bytes, files.iter().map(|file| Snapshot::read(file).unwrap()).collect())
+}
+
+#[test]
+fn every_snapshot_goes_on_to_the_same_bytes() {
+    let ways = [
+        Overrides::new().algorithm(Algorithm::Jacobi),
+        Overrides::new(),
+        Overrides::new().algorithm(Algorithm::Iterative),
+        Overrides::new().input("", Input::Linear),
+        Overrides::new().step_control(1e-3).input("", Input::Linear),
+    ];
+    for overrides in ways {
+        let system = zoo().load(&overrides).unwrap();
+        let (bytes, snapshots) = whole(&system, 0.4);
+        let times: Vec<f64> = snapshots.iter().map(|s| s.time().seconds()).collect();
+        assert_eq!(times, [0.4, 0.8, 1.2]);
+        let undisturbed = csv(|recorder, _| drop(system.run(&mut [recorder]).unwrap()));
+        assert!(bytes == undisturbed, "taking snapshots changes nothing");
+        for snapshot in &snapshots {
+            let old = Recording::read_csv(write(&bytes)).unwrap();
+            let folder = TempDir::new().unwrap();
+            let file = folder.path().join("out.csv");
+            let recorder = Box::new(CsvRecorder::create(&file).unwrap());
+            let mut continued = Continued::new(recorder, old);
+            Run::new(&system).observe(&mut continued).resume(snapshot).go().unwrap();
+            let resumed = std::fs::read(&file).unwrap();
+            assert!(resumed == bytes, "{overrides:?} from {}", snapshot.time());
+        }
+    }
+}
+
+fn write(bytes: &[u8]) -> std::path::PathBuf {
+    let (_, path) = tempfile::NamedTempFile::new().unwrap().keep().unwrap();
+    std::fs::write(&path, bytes).unwrap();
+    path
+}
+
+#[test]
+fn the_command_line_continues_a_file_in_another_process() {
+    let (folder, ssd) = (TempDir::new().unwrap(), zoo());
+    let file = ssd.write();
+    let cosim = |arguments: &[&str]| {
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_cosim"))
+            .args(["run", file.to_str().unwrap(), "-q"])
+            .args(arguments)
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    for suffix in ["csv", "mcap"] {
+        let (whole, part) = (format!("whole.{suffix}"), format!("part.{suffix}"));
+        assert_eq!(cosim(&["-o", &whole]).0, Some(0));
+        let arguments = ["-o", &part, "--snapshot-at=0.75", "--snapshot-file", "at_{t}.snapshot"];
+        // The end is another: what is known at 0.75 s goes on to any.
+        let (code, stderr) = cosim(&[&arguments[..], &["--stop-time=1.1"]].concat());
+        assert_eq!(code, Some(0), "{stderr}");
+        let (code, stderr) = cosim(&["-o", &part, "--resume", "at_0.8.snapshot"]);
+        assert_eq!(code, Some(0), "{stderr}");
+        if suffix == "csv" {
+            assert!(read(&whole) == read(&part));
+        }
+        let [whole, part] = [whole, part].map(|f| Recording::read(folder.path().join(f)).unwrap());
+        assert!(whole == part);
+    }
+    // Into a new file: only what comes after.
+    assert_eq!(cosim(&["-o", "tail.csv", "--resume", "at_0.8.snapshot"]).0, Some(0));
+    let tail = Recording::read(folder.path().join("tail.csv")).unwrap();
+    assert_eq!((tail.time()[0], tail.time().len()), (0.9, 7));
+    let (code, stderr) =
+        cosim(&["-o", "part.csv", "--resume", "at_0.8.snapshot", "--output-variable=p.y"]);
+    assert_eq!(code, Some(3), "{stderr}");
+    let before = read("part.csv");
+    let (code, stderr) =
+        cosim(&["-o", "part.csv", "--resume", "at_0.8.snapshot", "--start-value=p.k=0.2"]);
+    assert!(code == Some(3) && stderr.contains("E307") && stderr.contains("p.k = 0.3"), "{stderr}");
+    assert!(before == read("part.csv"), "a refusal harms no results");
+}
+
+#[test]
+fn what_is_damaged_or_of_another_system_is_refused() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("x.snapshot");
+    let ssd = Ssd::new().add("g", Gain).add("x", Integrator).connect("g.y", "x.u");
+    let system = ssd.load(&Overrides::new()).unwrap();
+    let (_, snapshots) = whole(&system, 0.5);
+    snapshots[0].write(&file).unwrap();
+    let good = std::fs::read(&file).unwrap();
+    let refused = |bytes: &[u8], part: &str| {
+        std::fs::write(&file, bytes).unwrap();
+        let error = Snapshot::read(&file).unwrap_err();
+        assert_eq!(error.code(), Code::Snapshot);
+        assert!(error.to_string().contains(part), "{error}");
+    };
+    for place in [60, good.len() / 2, good.len() - 1] {
+        let mut bytes = good.clone();
+        bytes[place] ^= 1;
+        refused(&bytes, "checksum");
+    }
+    refused(&good[..good.len() - 1], "checksum");
+    refused(b"time,x\n0,1\n", "no snapshot");
+    let mut other = good.clone();
+    other[8] = 9;
+    refused(&other, "version 9");
+    for (overrides, part) in [
+        (Overrides::new().algorithm(Algorithm::Jacobi), "jacobi"),
+        (Overrides::new().step("x", 0.05), "every 0.05 s"),
+        (Overrides::new().start_value("g.k", 2), "g.k = 2"),
+        (Overrides::new().replace("g", Affine.fmu()), "component g"),
+        (Overrides::new().output_variable("g.y"), "column"),
+    ] {
+        let other = system.with(&overrides).unwrap();
+        let error = Run::new(&other).resume(&snapshots[0]).go().unwrap_err().to_string();
+        assert!(error.contains("another system") && error.contains(part), "{error}");
+    }
+    let late = system.with(&Overrides::new().stop_time(0.5)).unwrap();
+    let error = Run::new(&late).resume(&snapshots[0]).go().unwrap_err();
+    assert_eq!(error.code(), Code::Timing);
+}
+
+#[test]
+fn an_fmu_that_cannot_serialize_is_named() {
+    let folder = TempDir::new().unwrap();
+    let unable = Gain.varied(folder.path(), "canSerializeFMUstate=\"true\"", "");
+    let ssd = Ssd::new().add("g", Gain).add("h", Gain).connect("g.y", "h.u");
+    let system = ssd.load(&Overrides::new().replace("h", &unable)).unwrap();
+    let mut keep = |_| Ok(());
+    let run = Run::new(&system).snapshots(None, &[seconds(0.3)], &mut keep);
+    let error = run.go().unwrap_err();
+    assert_eq!(error.code(), Code::State);
+    let text = error.to_string();
+    assert!(text.contains("'h' cannot be part") && text.contains("canSerializeFMUstate"), "{text}");
+}

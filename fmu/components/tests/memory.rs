@@ -1,0 +1,83 @@
+//! What an instance costs in memory: its value, its table of values, its model, all on the heap.
+
+#![allow(
+    clippy::undocumented_unsafe_blocks,
+    reason = "each is a call of the C interface as an importer makes it"
+)]
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::ffi::CString;
+use std::ptr::null;
+
+use fmu_kit::abi::types::*;
+use fmu_kit::kernel::Status;
+use rexrov_fmu::{REGISTRY, fmi2};
+
+/// Most that an instance may hold, in bytes.
+const MOST: isize = 8192;
+
+struct Counting;
+
+thread_local! {
+    /// Bytes held by this thread, since the test harness has its own.
+    static HELD: Cell<isize> = const { Cell::new(0) };
+}
+
+// SAFETY: passes everything on to the system's allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        HELD.set(HELD.get() + layout.size() as isize);
+        // SAFETY: as the caller promised.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        HELD.set(HELD.get() - layout.size() as isize);
+        // SAFETY: as the caller promised.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// An instance past initialization.
+fn started(guid: &CString, interface: fmi2Type) -> fmi2Component {
+    let functions = fmi2CallbackFunctions {
+        logger: None,
+        allocateMemory: None,
+        freeMemory: None,
+        stepFinished: None,
+        componentEnvironment: std::ptr::null_mut(),
+    };
+    unsafe {
+        let f = &raw const functions;
+        let c = fmi2::fmi2Instantiate(c"m".as_ptr(), interface, guid.as_ptr(), null(), f, 0, 0);
+        assert_eq!(fmi2::fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), Status::Ok);
+        assert_eq!(fmi2::fmi2EnterInitializationMode(c), Status::Ok);
+        assert_eq!(fmi2::fmi2ExitInitializationMode(c), Status::Ok);
+        c
+    }
+}
+
+#[test]
+fn an_initialized_instance_fits_into_eight_kilobytes_and_leaves_nothing() {
+    for entry in REGISTRY.entries() {
+        let guid = CString::new(entry.guid()).unwrap();
+        for interface in [0, 1] {
+            // The first one makes the list of handles, which all share.
+            unsafe { fmi2::fmi2FreeInstance(started(&guid, interface)) };
+            let before = HELD.get();
+            let instance = started(&guid, interface);
+            let bytes = HELD.get() - before;
+            unsafe { fmi2::fmi2FreeInstance(instance) };
+            // Before anything is printed, which the harness keeps in memory of this thread.
+            let left = HELD.get() - before;
+            let name = entry.info().name;
+            println!("{name}: {bytes} bytes");
+            assert!((1..=MOST).contains(&bytes), "{name} holds {bytes} bytes");
+            assert_eq!(left, 0, "{name} leaves memory behind");
+        }
+    }
+}

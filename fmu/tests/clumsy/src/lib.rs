@@ -1,0 +1,6 @@
+//! A library of its own with a component that panics on command: the tests of packaging load it to
+//! see that the host survives, whatever linker was used.
+
+pub mod component;
+
+fmu_kit::export!(component::Clumsy);

@@ -1,0 +1,80 @@
+//! What lies in an FMU beside its description and its library: documentation, icon, licences and
+//! the reference run.
+
+use super::{archive::Entry, icon, page, reference};
+use crate::{paths, process};
+use anyhow::{Context, Result};
+use fmu_kit::kernel;
+use std::fs;
+
+/// Where the Reference FMUs of the Modelica Association keep their results.
+const REFERENCE: &str = "extra/org.fmi-standard.fmi-ls-ref";
+
+/// The files of one component.
+pub(crate) fn of(component: &kernel::Entry) -> Result<Vec<Entry>> {
+    let name = component.info().name;
+    let run = reference::run(component)?;
+    let text = source(&format!("{name}.md"))?;
+    let page = page::html(component, &text, &run).with_context(|| format!("{name}.md"))?;
+    let icon =
+        icon::png(&source(&format!("{name}.svg"))?).with_context(|| format!("{name}.svg"))?;
+    let mut files = vec![
+        ("documentation/index.html".to_owned(), page.into_bytes()),
+        ("model.png".to_owned(), icon),
+        (format!("{REFERENCE}/fmi-ls-manifest.xml"), run.manifest(name).into_bytes()),
+    ];
+    if let Some(inputs) = run.inputs.csv() {
+        files.push((format!("{REFERENCE}/{name}_in.csv"), inputs.into_bytes()));
+    }
+    if let Some(outputs) = run.outputs.csv() {
+        files.push((format!("{REFERENCE}/{name}_out.csv"), outputs.into_bytes()));
+    }
+    Ok(files)
+}
+
+/// What the author of a component gives: its text with equations, its drawing. A line `{{file}}`
+/// stands for that file, which several components share.
+fn source(file: &str) -> Result<String> {
+    let path = paths::root().join("fmu/components/documentation").join(file);
+    let text = fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+    let mut whole = String::new();
+    for line in text.lines() {
+        match line.strip_prefix("{{").and_then(|rest| rest.strip_suffix("}}")) {
+            Some(shared) => whole.push_str(&source(shared)?),
+            None => whole.push_str(line),
+        }
+        whole.push('\n');
+    }
+    Ok(whole)
+}
+
+/// The licences: an entry page, ours, and what is linked in with its terms.
+pub(crate) fn licenses() -> Result<Vec<Entry>> {
+    let folder = "documentation/licenses";
+    let mut files = vec![(format!("{folder}/license.txt"), summary()?.into_bytes())];
+    for license in ["LICENSE-APACHE", "LICENSE-MIT"] {
+        files.push((format!("{folder}/{license}"), fs::read(paths::root().join(license))?));
+    }
+    Ok(files)
+}
+
+/// The entry page: our terms, and the crates in the library with theirs, as cargo knows them.
+fn summary() -> Result<String> {
+    let tree = ["tree", "-p", "rexrov-fmu", "--edges", "normal,no-proc-macro", "--prefix", "none"];
+    let tree = process::output(process::cargo(&tree).args(["--format", "{p}\t{l}"]))?;
+    let mut crates: Vec<String> = tree
+        .lines()
+        // Those of this workspace are shown with their folder.
+        .filter(|line| !line.contains('(') && !line.trim().is_empty())
+        .map(|line| line.replace('\t', "  "))
+        .collect();
+    crates.sort();
+    crates.dedup();
+    Ok(format!(
+        "This FMU is licensed under MIT or Apache-2.0, at your option:\n\
+         see LICENSE-MIT and LICENSE-APACHE in this folder.\n\n\
+         Its library contains the Rust standard library (MIT OR Apache-2.0) and these crates:\n\n\
+         {}\n",
+        crates.join("\n")
+    ))
+}

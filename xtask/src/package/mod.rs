@@ -1,0 +1,126 @@
+//! Packaging: one library, nine FMUs and the paper's system, the same bytes every time.
+//!
+//! | file | what |
+//! |---|---|
+//! | `platform` | the platforms and their names |
+//! | `compile` | the library, linked for any machine or for this one |
+//! | `library` | what the library exports and needs, checked before it is packed |
+//! | `contents`, `page`, `icon` | what lies in an FMU beside description and library |
+//! | `reference`, `stimulus` | the run whose result an FMU carries |
+//! | `archive`, `merge` | zip files; FMUs of several platforms in one |
+
+mod archive;
+mod compile;
+mod contents;
+mod icon;
+mod library;
+mod merge;
+mod page;
+mod platform;
+mod reference;
+#[cfg(test)]
+mod shipped;
+mod stimulus;
+
+use crate::{describe, paths};
+use anyhow::{Context, Result};
+use compile::Linker;
+use library::Library;
+use platform::Platform;
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+/// What to package.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Options {
+    /// Link with this machine's linker: needs no Python, starts only where glibc is as new
+    #[arg(long, conflicts_with_all = ["target", "merge"])]
+    native: bool,
+    /// Platform to build for, may be repeated [default: the x86-64 or ARM Linux this runs on]
+    #[arg(long, value_name = "PLATFORM", conflicts_with = "merge")]
+    target: Vec<String>,
+    /// Build nothing: merge the FMUs in these folders, each built for another platform
+    #[arg(long, value_name = "FOLDER", num_args = 2..)]
+    merge: Vec<PathBuf>,
+    /// Where to write the FMUs
+    #[arg(long, value_name = "FOLDER", default_value_os_t = paths::fmus())]
+    output: PathBuf,
+}
+
+/// Packages for shipping.
+pub(crate) fn run(options: &Options) -> Result<()> {
+    let output = &options.output;
+    if !options.merge.is_empty() {
+        let merged = merge::folders(&options.merge, output)?;
+        return system(&merged, output);
+    }
+    let linker = if options.native { Linker::Native } else { Linker::Zig };
+    let platforms = match options.target.as_slice() {
+        [] => vec![platform::host()?],
+        names => names.iter().map(|name| platform::named(name)).collect::<Result<_>>()?,
+    };
+    build(linker, &platforms, output)
+}
+
+/// Packages as [`run`] does when nothing else is asked for.
+pub(crate) fn for_shipping() -> Result<()> {
+    build(Linker::Zig, &[platform::host()?], &paths::fmus())
+}
+
+/// Packages for use on this machine, which needs no more than Rust and a C compiler.
+pub(crate) fn for_this_machine() -> Result<()> {
+    build(Linker::at_hand(), &[platform::host()?], &paths::fmus())
+}
+
+/// Builds the library for all platforms, writes the FMUs and the paper's system.
+fn build(linker: Linker, platforms: &[&'static Platform], output: &Path) -> Result<()> {
+    let mut libraries = Vec::new();
+    for platform in platforms {
+        let bytes = compile::library(linker, platform, &["-p", "rexrov-fmu"], "librexrov_fmu.so")?;
+        let library = Library::read(&bytes)?;
+        library.check(platform).context("the library is not fit for an FMU")?;
+        if linker == Linker::Zig {
+            library.check_portable().context("the library is not fit for other machines")?;
+        }
+        println!("{}: {} bytes, glibc {} or later", platform.folder, bytes.len(), library.glibc());
+        libraries.push((platform.folder, bytes));
+    }
+    fs::create_dir_all(output)?;
+    let licenses = contents::licenses()?;
+    let mut packaged = Vec::new();
+    for entry in rexrov_fmu::REGISTRY.entries() {
+        let name = entry.info().name;
+        let mut files =
+            vec![("modelDescription.xml".to_owned(), describe::text(entry)?.into_bytes())];
+        for (folder, bytes) in &libraries {
+            files.push((format!("binaries/{folder}/{name}.so"), bytes.clone()));
+        }
+        files.extend(contents::of(entry)?);
+        files.extend(licenses.iter().cloned());
+        let path = output.join(format!("{name}.fmu"));
+        archive::write(&path, &files)?;
+        packaged.push(path);
+    }
+    system(&packaged, output)
+}
+
+/// Writes the paper's system: the description with its FMUs beside it under resources/, in the
+/// order of their names.
+fn system(fmus: &[PathBuf], output: &Path) -> Result<()> {
+    let mut fmus = fmus.to_vec();
+    fmus.sort();
+    let description = paths::root().join("examples/paper.ssd");
+    let text = fs::read_to_string(&description)
+        .with_context(|| description.display().to_string())?
+        .replace("\"../target/fmus/", "\"resources/");
+    let mut files = vec![("SystemStructure.ssd".to_owned(), text.into_bytes())];
+    for path in &fmus {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        files.push((format!("resources/{name}"), fs::read(path)?));
+    }
+    archive::write(&output.join("paper.ssp"), &files)?;
+    println!("{} FMUs and paper.ssp in {}", fmus.len(), output.display());
+    Ok(())
+}

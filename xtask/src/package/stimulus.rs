@@ -1,0 +1,54 @@
+//! What the inputs of a component do in its reference run.
+//!
+//! One motion for all, so that their results fit together: a dive on a helix, level, at constant
+//! speed, on a circle of radius u / r that is left behind at r and sinks at w:
+//! `p = (u/r sin rt, u/r (1 - cos rt), 20 + wt)`, `psi = rt`, specific force `(0, ru, -g)`.
+//! The thrusters push ahead, up and down, and turn.
+
+/// Speed ahead, m/s.
+const SURGE: f64 = 0.5;
+/// Speed downwards, m/s.
+const HEAVE: f64 = 0.05;
+/// Turn rate, rad/s.
+const TURN: f64 = 0.1;
+/// Gravity, m/s2.
+const GRAVITY: f64 = 9.81;
+
+/// The value of an input at time `t` in seconds; `None` if it keeps its start value.
+pub(crate) fn value(input: &str, t: f64) -> Option<f64> {
+    let (sine, cosine) = libm::sincos(TURN * t);
+    // Whose motion it is does not matter, nor which instrument tells it.
+    let quantity = ["vehicle.", "imu.", "dvl.", "fix.", "pressure."]
+        .iter()
+        .find_map(|prefix| input.strip_prefix(prefix))
+        .unwrap_or(input);
+    Some(match quantity {
+        "pose.x" | "position.x" => SURGE / TURN * sine,
+        "pose.y" | "position.y" => SURGE / TURN * (1.0 - cosine),
+        "pose.z" | "depth" => 20.0 + HEAVE * t,
+        "pose.yaw" | "attitude.yaw" => TURN * t,
+        "velocity.u" | "command.u" => SURGE,
+        "velocity.w" => HEAVE,
+        "velocity.r" | "rate.r" => TURN,
+        "command.w" => 2.0 * HEAVE,
+        "command.r" => TURN * cosine,
+        "specific_force.y" => TURN * SURGE,
+        "specific_force.z" => -GRAVITY,
+        _ => return thruster(quantity, t),
+    })
+}
+
+/// Forces of the thrusters: 0 to 3 push up, 4 and 5 ahead, 6 and 7 astern.
+fn thruster(quantity: &str, t: f64) -> Option<f64> {
+    let (index, quantity) = quantity.strip_prefix("thruster[")?.split_once("].")?;
+    if !matches!(quantity, "force" | "thrust") {
+        return None;
+    }
+    let slow = libm::sin(TURN * t);
+    Some(match index.parse::<u8>().ok()? {
+        0..=3 => -20.0 - 30.0 * slow,
+        4 => 100.0 + 10.0 * slow,
+        5 => 100.0 - 10.0 * slow,
+        _ => 0.0,
+    })
+}
