@@ -70,7 +70,7 @@ fn what_cannot_be_saved_is_computed_again_from_the_start_unless_that_is_refused(
 fn what_is_not_deterministic_is_found() {
     let sample = pair(Nature::Chaos);
     let trial =
-        Trial { faults: vec![(30, Fault::DiesAfter)], options: every(None), ..Trial::default() };
+        Trial { faults: vec![(20, Fault::DiesAfter)], options: every(None), ..Trial::default() };
     let error = apart(&sample.system, &[0, 0], trial).err().unwrap();
     assert_eq!(error.code(), Code::Differs, "{error}");
     assert!(error.what().contains("a, b") && error.what().contains("t = "), "{error}");

@@ -39,6 +39,10 @@ Component fmi2Instantiate(const char *name, int type, const char *guid, const ch
   if (!m) return NULL;
   m->callbacks = callbacks;
   m->data.noise = 42;
+  m->data.r[3] = 0.4;
+  m->data.r[4] = !strcmp(guid, "Through");
+  m->data.r[5] = 0.1;
+  m->data.r[7] = !strcmp(guid, "Chaos");
   return m;
 }
 void fmi2FreeInstance(Component c) { ((Model *)c)->callbacks->release(c); }

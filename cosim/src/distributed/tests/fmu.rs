@@ -3,7 +3,9 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::Mutex;
 
+use tempfile::TempDir;
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
@@ -22,8 +24,24 @@ pub(super) enum Nature {
     Chaos,
 }
 
+/// The packed FMU, made once per process: equal FMUs are opened once and keep their first path.
+pub(super) fn fmu(nature: Nature) -> PathBuf {
+    static MADE: Mutex<Option<TempDir>> = Mutex::new(None);
+    let mut made = MADE.lock().unwrap();
+    let folder = made.get_or_insert_with(|| {
+        let folder = TempDir::new().unwrap();
+        compile(folder.path());
+        folder
+    });
+    let path = folder.path().join(format!("{nature:?}.fmu"));
+    if !path.exists() {
+        pack(folder.path(), nature);
+    }
+    path
+}
+
 /// Packs an FMU into `folder`, whose library is there as `m.so`.
-pub(super) fn pack(folder: &Path, nature: Nature) -> PathBuf {
+fn pack(folder: &Path, nature: Nature) {
     let path = folder.join(format!("{nature:?}.fmu"));
     let mut zip = ZipWriter::new(std::fs::File::create(&path).unwrap());
     let library = std::fs::read(folder.join("m.so")).unwrap();
@@ -36,11 +54,10 @@ pub(super) fn pack(folder: &Path, nature: Nature) -> PathBuf {
         zip.write_all(&bytes).unwrap();
     }
     zip.finish().unwrap();
-    path
 }
 
 /// Compiles the library into `folder`.
-pub(super) fn compile(folder: &Path) {
+fn compile(folder: &Path) {
     let source = concat!(env!("CARGO_MANIFEST_DIR"), "/src/distributed/tests/fmu.c");
     let done = Command::new("cc")
         .args(["-O2", "-ffp-contract=off", "-shared", "-fPIC", "-w", "-o"])
@@ -88,7 +105,7 @@ fn description(nature: Nature) -> String {
         .collect();
     format!(
         r#"<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="2.0" modelName="m" guid="{{m}}" numberOfEventIndicators="0">
+<fmiModelDescription fmiVersion="2.0" modelName="m" guid="{nature:?}" numberOfEventIndicators="0">
 {kind}
 <DefaultExperiment startTime="0" stopTime="1" stepSize="0.1"/>
 <ModelVariables>

@@ -4,17 +4,16 @@ use std::collections::BTreeMap;
 
 use tempfile::TempDir;
 
-use super::fmu::{Nature, compile, pack};
+use super::fmu::{Nature, fmu};
 use crate::distributed::coordinator::Coordinator;
 use crate::distributed::distribute::Distribution;
 use crate::distributed::local::{Fault, Files, Local};
 use crate::distributed::options::Options;
 use crate::{Algorithm, Overrides, Recording, Result, Run, Snapshot, Summary, System, Time};
 
-/// A system, and the folder with its files.
+/// A system.
 pub(super) struct Sample {
     pub system: System,
-    _folder: TempDir,
 }
 
 /// Components (name, nature, step) and connections `a.y b.u`.
@@ -24,10 +23,9 @@ pub(super) fn sample(
     algorithm: Algorithm,
 ) -> Sample {
     let folder = TempDir::new().unwrap();
-    compile(folder.path());
     let mut elements = String::new();
     for (name, nature, step) in components {
-        let fmu = pack(folder.path(), *nature);
+        let fmu = fmu(*nature);
         elements += &format!(
             "<ssd:Component name='{name}' type='application/x-fmu-sharedlibrary' source='{}'><ssd:Connectors>
 <ssd:Connector name='u' kind='input'><ssc:Real/></ssd:Connector>
@@ -60,7 +58,7 @@ pub(super) fn sample(
     let file = folder.path().join("test.ssd");
     std::fs::write(&file, text).unwrap();
     let overrides = Overrides::new().algorithm(algorithm).output_variable("*.?");
-    Sample { system: System::load(&file, &overrides).unwrap(), _folder: folder }
+    Sample { system: System::load(&file, &overrides).unwrap() }
 }
 
 /// A chain of feed-through with several rates, model exchange and a way back.
@@ -91,15 +89,13 @@ pub(super) fn solved() -> Sample {
 
 /// One FMU driven by recorded inputs.
 pub(super) fn driven() -> Sample {
-    let folder = TempDir::new().unwrap();
-    compile(folder.path());
-    let fmu = pack(folder.path(), Nature::Through);
+    let fmu = fmu(Nature::Through);
     let time: Vec<f64> = (0..20).map(|k| 0.1 * f64::from(k)).collect();
     let u = time.iter().map(|t| t * t - 0.3).collect();
     let inputs = Recording::from_columns(vec!["u".to_owned()], time, vec![u]);
     let overrides = Overrides::new().step("", 0.05).stop_time(2.0).output_variable("?");
     let system = System::single(&fmu, &overrides, Some(&inputs)).unwrap();
-    Sample { system, _folder: folder }
+    Sample { system }
 }
 
 /// The bits of all that was recorded.
