@@ -122,13 +122,16 @@ impl Instance {
         if !f64::is_finite(sum) {
             return None;
         }
+        // What was set to the value it has already leaves outputs and derivatives as they are.
+        let mut changed = 0;
         for (reference, value) in references.iter().zip(values) {
             if let Some(place) = inputs.get_mut(index(*reference)) {
+                changed |= place.to_bits() ^ value.to_bits();
                 *place = *value;
             }
         }
-        self.run.stale.outputs = true;
-        self.run.stale.derivatives = true;
+        self.run.stale.outputs |= changed != 0;
+        self.run.stale.derivatives |= changed != 0;
         Some(())
     }
 
