@@ -177,7 +177,7 @@ impl Observer for McapRecorder {
 
 /// Appends a value at the next place that its size divides.
 fn encode(message: &mut Vec<u8>, field: Field, value: f64) {
-    while (message.len() - CDR_HEADER.len()) % field.size() != 0 {
+    while !(message.len() - CDR_HEADER.len()).is_multiple_of(field.size()) {
         message.push(0);
     }
     match field {
