@@ -56,6 +56,7 @@ codes! {
     Loop "E305" 1 "The iteration that solves an algebraic loop did not converge."
     Step "E306" 1 "No communication step was small enough: for the tolerance, or for an FMU that discards steps."
     Snapshot "E307" 3 "A snapshot cannot be read, is damaged, or belongs to another system."
+    Ended "E308" 1 "An FMU ended the run itself. In a run this is no error: it ends there, and its results are kept."
     Results "E401" 3 "A file of recorded results cannot be read."
     Report "E402" 1 "A report could not be made."
 }

@@ -143,11 +143,14 @@ impl<'a> Run<'a> {
             acted = Some(begin);
         }
         let mut row = vec![0.0; self.system.columns().len()];
-        let mut taken = acted;
+        let (mut taken, mut before) = (acted, begin);
         loop {
             let action = self.action(acted).map(|at| at.max(begin)).filter(|at| *at <= stop);
             let goal = action.map_or(output, |action| action.min(output)).min(stop);
-            engine.run_until(goal)?;
+            if let Some(reason) = run_until(engine, goal)? {
+                return Ok((before, Some(reason)));
+            }
+            before = goal;
             if goal == output {
                 engine.sample(&mut row)?;
                 self.observers.iter_mut().try_for_each(|o| o.sample(output, &row))?;
@@ -173,8 +176,8 @@ impl<'a> Run<'a> {
             }
         }
         // The part after the last output instant, when the interval does not divide the run.
-        engine.run_until(stop)?;
-        Ok((stop, None))
+        let ended = run_until(engine, stop)?;
+        Ok((ended.map_or(stop, |_| before), ended))
     }
 
     /// The next instant at which a manipulator acts, after the last one.
@@ -215,6 +218,19 @@ impl<'a> Run<'a> {
         }
         *taken = Some(now);
         Ok(())
+    }
+}
+
+/// Makes the steps until `goal`. A component that ends the run does not fail; its step is not made,
+/// so what is known of the system is the instant before.
+fn run_until(engine: &mut Engine, goal: Time) -> Result<Option<Stop>> {
+    match engine.run_until(goal) {
+        Err(ended) if ended.code() == Code::Ended => {
+            let why = ended.reason().unwrap_or_default();
+            engine.warnings.push(format!("{}: {why}", ended.what()));
+            Ok(Some(Stop::Component))
+        }
+        outcome => outcome.map(|()| None),
     }
 }
 

@@ -87,3 +87,49 @@ pub trait Slave {
         0
     }
 }
+
+/// What a slave around another one leaves to it; `Place`, `Result` and `Time` are the caller's.
+macro_rules! passes_on {
+    ($inner:ident) => {
+        fn enter_initialization(&mut self, start: Time, stop: Time) -> Result<()> {
+            self.$inner.enter_initialization(start, stop)
+        }
+
+        fn exit_initialization(&mut self) -> Result<()> {
+            self.$inner.exit_initialization()
+        }
+
+        fn step(&mut self, start: Time, step: Time) -> Result<Time> {
+            self.$inner.step(start, step)
+        }
+
+        fn assign(&mut self, variable: usize, value: f64) -> Result<()> {
+            self.$inner.assign(variable, value)
+        }
+
+        fn messages(&mut self) -> Vec<String> {
+            self.$inner.messages()
+        }
+
+        fn save(&mut self, place: Place) -> Result<()> {
+            self.$inner.save(place)
+        }
+
+        fn restore(&mut self, place: Place, time: Time) -> Result<()> {
+            self.$inner.restore(place, time)
+        }
+
+        fn serialize(&mut self) -> Result<Vec<u8>> {
+            self.$inner.serialize()
+        }
+
+        fn deserialize(&mut self, state: &[u8], time: Time) -> Result<()> {
+            self.$inner.deserialize(state, time)
+        }
+
+        fn rejected(&self) -> u64 {
+            self.$inner.rejected()
+        }
+    };
+}
+pub(super) use passes_on;
