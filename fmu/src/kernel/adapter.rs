@@ -5,6 +5,7 @@ use crate::author::{Component, Fault, ParameterError, Ports, Reader, Resources, 
 use super::integrator::Integrator;
 use super::model::{Cause, Events, Halt, Memory, Model, Outputs};
 use super::parameters::Parameters;
+use super::shape;
 use super::signal::{Held, Moving, Signal, Slopes};
 use super::stepper::{Progress, Scheme, Stepper};
 use super::table::{Group, Layout, Table};
@@ -326,10 +327,15 @@ impl<C: Component> Model for ComponentModel<C> {
         let progress = memory
             .downcast_ref::<Progress<C::Memory>>()
             .ok_or("the state is another component's")?;
-        postcard::to_stdvec(progress).map_err(|cause| cause.to_string())
+        let bytes = shape::fingerprint(&C::Memory::default())?.to_vec();
+        postcard::to_extend(progress, bytes).map_err(|cause| cause.to_string())
     }
 
     fn unpack(&self, bytes: &[u8]) -> Result<Memory, String> {
+        let expected = shape::fingerprint(&C::Memory::default())?;
+        let bytes = bytes
+            .strip_prefix(&expected)
+            .ok_or("it has another shape in the version of the library that saved it")?;
         match postcard::take_from_bytes::<Progress<C::Memory>>(bytes) {
             Ok((progress, [])) => Ok(Box::new(progress)),
             Ok((_, rest)) => Err(format!("{} bytes too many", rest.len())),
