@@ -89,6 +89,7 @@ impl Engine {
         let inner = self.slaves.remove(component);
         let patched = PatchedSlave::new(inner, &self.plan.nodes[component], patches.clone());
         self.slaves.insert(component, Box::new(patched));
+        self.steps.leave(component, &self.plan);
         patches
     }
 }

@@ -18,6 +18,7 @@
 
 mod control;
 mod converting_slave;
+mod direct;
 mod engine;
 mod exchange_slave;
 mod fmu_slave;

@@ -152,7 +152,7 @@ impl<'a> Run<'a> {
             }
             before = goal;
             if goal == output {
-                engine.sample(&mut row)?;
+                engine.sample(output, &mut row)?;
                 self.observers.iter_mut().try_for_each(|o| o.sample(output, &row))?;
             }
             let mut ended = None;
@@ -187,6 +187,7 @@ impl<'a> Run<'a> {
     }
 
     fn act(&mut self, engine: &mut Engine, now: Time, acted: Option<Time>) -> Result<Option<Stop>> {
+        engine.come_to(now);
         let mut controls = Controls { system: self.system, engine, stop: None };
         for manipulator in &mut self.manipulators {
             let due = |at: Time| at <= now && acted.is_none_or(|acted| at > acted);
@@ -214,6 +215,7 @@ impl<'a> Run<'a> {
         });
         if periodic || snapshots.at.iter().any(|&at| since(at)) {
             self.observers.iter_mut().try_for_each(|observer| observer.flush())?;
+            engine.come_to(now);
             (snapshots.keep)(engine.snapshot(self.system, now)?)?;
         }
         *taken = Some(now);

@@ -51,7 +51,7 @@ impl System {
         let mut notes = self.solved(engine);
         self.tell_control(engine, &mut warnings, &mut notes);
         Summary {
-            steps: engine.plan.nodes.iter().map(|node| node.steps).sum(),
+            steps: engine.made.iter().sum(),
             simulated: (end - begin).seconds(),
             stopped,
             components: self.costs(engine),
@@ -63,18 +63,17 @@ impl System {
 
     fn costs(&self, engine: &Engine) -> Vec<ComponentSummary> {
         let whole: Vec<f64> = engine
-            .plan
-            .nodes
+            .made
             .iter()
             .zip(&engine.meter.costs)
-            .map(|(node, cost)| node.steps as f64 * cost.seconds_per_step())
+            .map(|(made, cost)| *made as f64 * cost.seconds_per_step())
             .collect();
         let all: f64 = whole.iter().sum();
         let taken_back = engine.control.as_ref().map_or(0, |control| control.rejected);
         let each = self.components().iter().enumerate();
         each.map(|(c, component)| ComponentSummary {
             name: component.name.clone(),
-            steps: engine.plan.nodes[c].steps,
+            steps: engine.made[c],
             rejected: engine.slaves[c].rejected() + taken_back,
             seconds_per_step: engine.meter.costs[c].seconds_per_step(),
             share: if all > 0.0 { whole[c] / all } else { 0.0 },

@@ -48,13 +48,24 @@ impl Instance {
             // SAFETY: `c` is alive and the state allows the call.
             unsafe { do_step(c, from, length, 1) }
         };
-        let mut status = match self.followed {
+        let status = match self.followed {
             None => call(&self.functions, self.component),
             Some(_) => {
                 let shown = |_: &Followed| format!("{from:?}, {length:?}, true");
                 self.followed_call::<false>("fmi2DoStep", shown, call)
             }
         };
+        self.stepped(start, step, status)
+    }
+
+    /// What came of a step that returned `status`.
+    #[inline(always)]
+    pub(super) fn stepped(
+        &mut self,
+        start: Time,
+        step: Time,
+        mut status: RawStatus,
+    ) -> Result<Time> {
         if status == status::PENDING {
             status = self.wait()?;
         }
