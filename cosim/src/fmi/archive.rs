@@ -1,6 +1,6 @@
 //! Unpacking .fmu and .ssp archives (ZIP) from strangers.
 //!
-//! Every entry is looked at before the first byte is written ([`check`]); what breaks a rule
+//! Every entry is looked at before the first byte is written (`archive::check`); what breaks a rule
 //! refuses the archive and is named. Then no more is written than the entries claimed.
 
 use std::fs::{self, File, OpenOptions};
