@@ -29,7 +29,7 @@
 
 //!
 //! A packager that does more (several platforms, an icon, a reference run) puts the files together
-//! itself: [`fmu`] and what it adds, then [`write`].
+//! itself: [`fmu`] and what it adds, then [`write()`].
 
 use std::env::consts::{ARCH, DLL_PREFIX, DLL_SUFFIX, OS};
 use std::fs;
