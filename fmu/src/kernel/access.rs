@@ -111,11 +111,10 @@ impl Instance {
         let inputs = self.values.reals.get_mut(place)?;
         let index = |reference: u32| (reference as usize).wrapping_sub(first);
         // All or none, so this takes two ways through.
-        let mut sum = 0.0;
+        let (mut sum, mut changed) = (0.0, 0);
         for (reference, value) in references.iter().zip(values) {
-            if index(*reference) >= inputs.len() {
-                return None;
-            }
+            let before = inputs.get(index(*reference))?;
+            changed |= before.to_bits() ^ value.to_bits();
             sum += value;
         }
         // A sum that is finite is one of finite values; one that is not is looked at closely.
@@ -123,15 +122,15 @@ impl Instance {
             return None;
         }
         // What was set to the value it has already leaves outputs and derivatives as they are.
-        let mut changed = 0;
-        for (reference, value) in references.iter().zip(values) {
-            if let Some(place) = inputs.get_mut(index(*reference)) {
-                changed |= place.to_bits() ^ value.to_bits();
-                *place = *value;
+        if changed != 0 {
+            for (reference, value) in references.iter().zip(values) {
+                if let Some(place) = inputs.get_mut(index(*reference)) {
+                    *place = *value;
+                }
             }
+            self.run.stale.outputs = true;
+            self.run.stale.derivatives = true;
         }
-        self.run.stale.outputs |= changed != 0;
-        self.run.stale.derivatives |= changed != 0;
         Some(())
     }
 
