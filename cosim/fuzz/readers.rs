@@ -85,6 +85,55 @@ pub const PARAMETERS: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 </ssv:ParameterSet>
 "#;
 
+/// The same system for OSP, with functions and groups of variables.
+pub const STRUCTURE: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<OspSystemStructure version="0.1" xmlns="http://opensimulationplatform.com/MSMI/OSPSystemStructure">
+  <StartTime>0.0</StartTime>
+  <EndTime>1.0</EndTime>
+  <BaseStepSize>0.1</BaseStepSize>
+  <Algorithm>fixedStep</Algorithm>
+  <Simulators>
+    <Simulator name="a" source="tank.fmu" stepSize="0.2">
+      <InitialValues>
+        <InitialValue variable="n"><Integer value="-7"/></InitialValue>
+        <InitialValue variable="on"><Boolean value="false"/></InitialValue>
+        <InitialValue variable="file"><String value="x.csv"/></InitialValue>
+      </InitialValues>
+    </Simulator>
+    <Simulator name="b" source="tank.fmu"/>
+    <Simulator name="c" source="tank.fmu"/>
+  </Simulators>
+  <Functions>
+    <LinearTransformation name="l" factor="2.0" offset="-1.0"/>
+    <VectorSum name="v" inputCount="2" dimension="1"/>
+  </Functions>
+  <Connections>
+    <VariableConnection><Variable simulator="a" name="y"/><Variable simulator="b" name="u"/></VariableConnection>
+    <SignalConnection><Variable simulator="a" name="y"/><Signal function="l" name="in"/></SignalConnection>
+    <SignalConnection><Variable simulator="a" name="u"/><Signal function="l" name="out"/></SignalConnection>
+    <SignalGroupConnection><VariableGroup simulator="a" name="port"/><SignalGroup function="v" name="in[0]"/></SignalGroupConnection>
+    <SignalGroupConnection><VariableGroup simulator="b" name="port"/><SignalGroup function="v" name="in[1]"/></SignalGroupConnection>
+    <SignalConnection><Variable simulator="c" name="u"/><Signal function="v" name="out[0]"/></SignalConnection>
+  </Connections>
+</OspSystemStructure>
+"#;
+
+/// The groups of its variables.
+pub const GROUPS: &str = r#"<OspModelDescription version="1.0"
+ xmlns="https://open-simulation-platform.com/OspModelDescription/1.0.0">
+  <VariableGroups>
+    <Generic name="port"><Force name="out"><Variable ref="y"/></Force></Generic>
+  </VariableGroups>
+</OspModelDescription>
+"#;
+
+/// What is recorded of it.
+pub const LOG_CONFIG: &str = r#"<simulators xmlns="http://opensimulationplatform.com/LogConfig">
+  <simulator name="a" decimationFactor="10"><variable name="y"/></simulator>
+  <simulator name="b"/>
+</simulators>
+"#;
+
 /// Recorded signals.
 pub const TABLE: &str = "time,a.y,\"b[1,2]\"\n0.0,1,True\n1e-3, 2.5,false\n0.002,-1e300,0\n";
 
@@ -125,6 +174,8 @@ pub fn description(bytes: &[u8]) {
     }
 }
 
+const GROUPS_FILE: &str = "tank_OspModelDescription.xml";
+
 /// A folder with an FMU, used again and again; the FMU stays open, so it is unpacked once.
 fn folder() -> &'static TempDir {
     static FOLDER: OnceLock<(TempDir, Arc<Fmu>)> = OnceLock::new();
@@ -133,6 +184,7 @@ fn folder() -> &'static TempDir {
         let file = folder.path().join("tank.fmu");
         std::fs::write(&file, fmu()).unwrap();
         std::fs::write(folder.path().join("tank.ssv"), PARAMETERS).unwrap();
+        std::fs::write(folder.path().join(GROUPS_FILE), GROUPS).unwrap();
         (folder, Fmu::open(&file).unwrap())
     });
     folder
@@ -172,6 +224,29 @@ fn load(name: &str, bytes: &[u8]) {
 /// Systems are read and checked.
 pub fn ssd(bytes: &[u8]) {
     load("fuzzed.ssd", bytes);
+}
+
+/// OSP structures with the files that belong to them: the three texts follow one another, each
+/// from its root element on.
+pub fn osp(bytes: &[u8]) {
+    let (structure, rest) = split(bytes, b"<OspModelDescription");
+    let (groups, log_config) = split(rest, b"<simulators");
+    let own = folder().path().join("osp");
+    std::fs::create_dir_all(&own).unwrap();
+    std::fs::write(own.join(GROUPS_FILE), groups).unwrap();
+    std::fs::write(own.join("LogConfig.xml"), log_config).unwrap();
+    let _ = std::fs::hard_link(folder().path().join("tank.fmu"), own.join("tank.fmu"));
+    load("osp/OspSystemStructure.xml", structure);
+}
+
+/// The three texts as one.
+pub fn structure() -> Vec<u8> {
+    [STRUCTURE, GROUPS, LOG_CONFIG].concat().into_bytes()
+}
+
+fn split<'a>(bytes: &'a [u8], at: &[u8]) -> (&'a [u8], &'a [u8]) {
+    let found = bytes.windows(at.len()).position(|window| window == at);
+    bytes.split_at(found.unwrap_or(bytes.len()))
 }
 
 /// Packages are unpacked, read and checked.

@@ -27,9 +27,13 @@
 //! for this program, and writes `target/fmus/<name>.fmu` for each component. The same library
 //! always gives the same bytes.
 
+//!
+//! A packager that does more (several platforms, an icon, a reference run) puts the files together
+//! itself: [`fmu`] and what it adds, then [`write()`].
+
 use std::env::consts::{ARCH, DLL_PREFIX, DLL_SUFFIX, OS};
 use std::fs;
-use std::io::{Cursor, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -68,19 +72,14 @@ fn write_all(registry: &Registry, folder: Option<PathBuf>) -> Result<Vec<PathBuf
         Some(root) => files(&Path::new(&root).join("resources"), "resources")?,
         None => Vec::new(),
     };
-    let write = |entry: &Entry| {
-        let mut files = fmu(entry, &[(platform(), library.clone())])?;
+    let libraries = [(platform(OS, ARCH), library)];
+    let packaged = |entry: &Entry| {
+        let mut files = fmu(entry, &libraries, "")?;
         files.extend(resources.iter().cloned());
-        let path = folder.join(entry.info().name).with_extension("fmu");
-        // Somebody may be reading the old one: the new one appears under its name when it is whole.
-        let partial = path.with_extension("partial");
-        let written = fs::write(&partial, archive(&files)?);
-        written
-            .and_then(|()| fs::rename(&partial, &path))
-            .map_err(|cause| format!("{}: {cause}", path.display()))?;
-        Ok(path)
+        let path = folder.join(format!("{}.fmu", entry.info().name));
+        write(&path, &files).map(|()| path)
     };
-    registry.entries().map(write).collect()
+    registry.entries().map(packaged).collect()
 }
 
 /// Where Cargo leaves the `cdylib` when it builds a program that depends on the library.
@@ -97,26 +96,37 @@ fn built_library(registry: &Registry, profile: &Path) -> Result<PathBuf, String>
     }
 }
 
-/// The files of an FMU, with the library for each platform; the description comes first, as the
-/// standard recommends for streaming.
+/// The files of an FMU, with the library for each platform, which its folder of binaries names. The
+/// description comes first, as the standard recommends for streaming; `chapters` is HTML shown in
+/// the documentation before the variables.
 ///
 /// # Errors
 /// The component cannot be described: its variable table cannot stand, say.
-pub fn fmu(entry: &Entry, libraries: &[(String, Vec<u8>)]) -> Result<Vec<File>, String> {
+pub fn fmu(
+    entry: &Entry,
+    libraries: &[(String, Vec<u8>)],
+    chapters: &str,
+) -> Result<Vec<File>, String> {
     let name = entry.info().name;
     let mut files = vec![("modelDescription.xml".to_owned(), entry.describe()?.into_bytes())];
     for (platform, library) in libraries {
-        let suffix = if platform.starts_with("win") { ".dll" } else { DLL_SUFFIX };
+        let suffix = match platform {
+            name if name.starts_with("win") || name.ends_with("windows") => ".dll",
+            name if name.contains("darwin") => ".dylib",
+            _ => ".so",
+        };
         files.push((format!("binaries/{platform}/{name}{suffix}"), library.clone()));
     }
-    files.push(("documentation/index.html".to_owned(), entry.documentation().into_bytes()));
+    let page = entry.documentation(chapters).into_bytes();
+    files.push(("documentation/index.html".to_owned(), page));
     Ok(files)
 }
 
-/// The folder of binaries for the machine this was compiled for (FMI 2.0.4, section 2.3.1).
+/// The folder of binaries for a platform, by its names in [`std::env::consts`]: FMI 2.0's own, or
+/// the tuple that 2.0.4 took over from FMI 3.0 (section 2.3.1).
 #[must_use]
-pub fn platform() -> String {
-    match (OS, ARCH) {
+pub fn platform(os: &str, arch: &str) -> String {
+    match (os, arch) {
         ("linux", "x86_64") => "linux64".to_owned(),
         ("windows", "x86_64") => "win64".to_owned(),
         ("macos", "x86_64") => "darwin64".to_owned(),
@@ -125,23 +135,28 @@ pub fn platform() -> String {
     }
 }
 
-/// A zip file with fixed times and permissions, so that equal files give equal bytes.
+/// Writes a zip file with fixed times and permissions, so that equal files give equal bytes. It
+/// appears under its name when it is whole: somebody may be reading the old one.
 ///
 /// # Errors
-/// Two files have the same path, or one is too large for the format.
-pub fn archive(files: &[File]) -> Result<Vec<u8>, String> {
+/// Two files have the same path, one is too large for the format, or it cannot be written.
+pub fn write(path: &Path, files: &[File]) -> Result<(), String> {
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
         .last_modified_time(DateTime::default())
         .unix_permissions(0o644);
-    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
-    for (path, bytes) in files {
-        zip.start_file(path.as_str(), options)
-            .map_err(|cause| cause.to_string())
-            .and_then(|()| zip.write_all(bytes).map_err(|cause| cause.to_string()))
-            .map_err(|reason| format!("{path}: {reason}"))?;
-    }
-    zip.finish().map(Cursor::into_inner).map_err(|cause| cause.to_string())
+    let partial = path.with_extension("partial");
+    let written =
+        fs::File::create(&partial).map_err(zip::result::ZipError::from).and_then(|file| {
+            let mut zip = ZipWriter::new(file);
+            for (place, bytes) in files {
+                zip.start_file(place.as_str(), options)?;
+                zip.write_all(bytes)?;
+            }
+            zip.finish()?;
+            Ok(fs::rename(&partial, path)?)
+        });
+    written.map_err(|cause| format!("{}: {cause}", path.display()))
 }
 
 /// The files of a folder and those below, in the order of their names; none if it does not exist.

@@ -61,6 +61,14 @@ pub struct Drive {
     current_ned: Vec3,
 }
 
+impl Drive {
+    /// Time derivative of the rotor speeds.
+    #[inline(always)]
+    fn rotor_acceleration(&self, speed: &[f64; 8]) -> [f64; 8] {
+        core::array::from_fn(|i| (self.rotor_target[i] - speed[i]) * self.rotor_rate)
+    }
+}
+
 impl Vehicle {
     /// Checks the parameters and derives the constants.
     ///
@@ -177,9 +185,20 @@ impl Vehicle {
             p_ned: mul(&r_nb, linear(&state.nu)),
             quaternion: quaternion_rate(state.quaternion, angular(&state.nu)),
             nu: self.acceleration(&state.nu, &r_nb, &thrust, &drive.wrench, drive.current_ned),
-            rotor_speed: core::array::from_fn(|i| {
-                (drive.rotor_target[i] - s[i]) * drive.rotor_rate
-            }),
+            rotor_speed: drive.rotor_acceleration(s),
+        }
+    }
+
+    /// The bits of [`rate`](Self::rate) where the outputs of the same state and inputs are known:
+    /// velocity in NED and acceleration, the costly parts, stand there already.
+    #[inline(always)]
+    #[must_use]
+    pub fn rate_beside(&self, state: &State, outputs: &Outputs, drive: &Drive) -> State {
+        State {
+            p_ned: outputs.v_ned,
+            quaternion: quaternion_rate(state.quaternion, angular(&state.nu)),
+            nu: outputs.nu_dot,
+            rotor_speed: drive.rotor_acceleration(&state.rotor_speed),
         }
     }
 
@@ -205,7 +224,8 @@ impl Vehicle {
         let turning = add(cross(omega, h), cross(v_r, p));
         let moment = sub(cross(down, self.buoyant_moment), turning);
 
-        let mut tau = *wrench;
+        // Never -0, so that it makes no difference whether a thrust of zero is 0 or -0.
+        let mut tau = wrench.map(|component| component + 0.0);
         add_wrench(&mut tau, &self.thruster_wrench, thrust);
         for i in 0..6 {
             let damping = self.linear_damping[i] + self.quadratic_damping[i] * nu_r[i].abs();

@@ -100,7 +100,7 @@ impl Sensitivity {
 }
 
 impl Tangent<'_> {
-    /// Change of [`Vehicle::derivative`] and [`Vehicle::outputs`] as the coefficients change; state
+    /// Change of the derivative and the outputs of the vehicle as the coefficients change; state
     /// and inputs stay.
     #[must_use]
     pub fn with_coefficients(&self, d: &Sensitivity) -> (State, Outputs) {

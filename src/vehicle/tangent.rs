@@ -40,8 +40,6 @@ pub struct Tangent<'a> {
     /// Current and velocity relative to the water, body.
     pub(super) current: Vec3,
     pub(super) v_r: Vec3,
-    /// `[p; h] = M nu_r`.
-    momentum: [f64; 6],
 }
 
 /// What derivative and outputs have in common.
@@ -55,13 +53,11 @@ struct Motion {
 
 impl Vehicle {
     /// Linearises derivative and outputs at a point.
+    #[inline(always)]
     #[must_use]
     pub fn tangent<'a>(&'a self, state: &'a State, inputs: &'a Inputs) -> Tangent<'a> {
         let r_nb = attitude::rotation(state.quaternion);
-        let omega = angular(&state.nu);
         let current = mul_transposed(&r_nb, inputs.current_ned);
-        let v_r = sub(linear(&state.nu), current);
-        let nu_r = [v_r[0], v_r[1], v_r[2], omega[0], omega[1], omega[2]];
         Tangent {
             vehicle: self,
             state,
@@ -69,8 +65,7 @@ impl Vehicle {
             two_over_norm2: 2.0 / dot(state.quaternion, state.quaternion),
             r_nb,
             current,
-            v_r,
-            momentum: mul6(&self.mass, &nu_r),
+            v_r: sub(linear(&state.nu), current),
         }
     }
 }
@@ -90,14 +85,14 @@ impl Tangent<'_> {
 
     /// Both at once, their common part worked out once: a column of the Jacobian where the
     /// direction is an axis.
+    #[inline(always)]
     #[must_use]
     pub fn along(&self, d_state: &State, d_inputs: &Inputs) -> (State, Outputs) {
         let motion = self.motion(d_state, d_inputs);
         (self.d_derivative(d_state, d_inputs, &motion), self.d_outputs(d_state, motion))
     }
 
-    // Not inlined: three copies of it are no faster.
-    #[inline(never)]
+    #[inline(always)]
     fn motion(&self, d_state: &State, d_inputs: &Inputs) -> Motion {
         let turn = self.turn(d_state.quaternion);
         let thrust = self.thrust(d_state, d_inputs);
@@ -119,7 +114,8 @@ impl Tangent<'_> {
         if moves(&d_nu_r) {
             self.add_hydrodynamics(&mut tau, &d_nu_r);
         }
-        let mut nu_dot = mul6(&self.vehicle.mass_inverse, &tau);
+        let mut nu_dot =
+            if moves(&tau) { mul6(&self.vehicle.mass_inverse, &tau) } else { [0.0; 6] };
         let drift = add(cross(d_omega, self.current), cross(omega, d_current));
         for i in 0..3 {
             nu_dot[i] -= drift[i];
@@ -160,14 +156,15 @@ impl Tangent<'_> {
     #[inline(always)]
     fn add_hydrodynamics(&self, tau: &mut [f64; 6], d_nu_r: &[f64; 6]) {
         let (vehicle, v_r, omega) = (self.vehicle, self.v_r, angular(&self.state.nu));
-        let (p, h) = (linear(&self.momentum), angular(&self.momentum));
+        let nu_r = [v_r[0], v_r[1], v_r[2], omega[0], omega[1], omega[2]];
+        let momentum = mul6(&vehicle.mass, &nu_r);
+        let (p, h) = (linear(&momentum), angular(&momentum));
         let (d_v_r, d_omega) = (linear(d_nu_r), angular(d_nu_r));
         let d_momentum = mul6(&vehicle.mass, d_nu_r);
         let (d_p, d_h) = (linear(&d_momentum), angular(&d_momentum));
         let coriolis = add(cross(d_omega, p), cross(omega, d_p));
         let spin = add(cross(d_omega, h), cross(omega, d_h));
         let munk = add(cross(d_v_r, p), cross(v_r, d_p));
-        let nu_r = [v_r[0], v_r[1], v_r[2], omega[0], omega[1], omega[2]];
         for i in 0..6 {
             let slope = 2.0 * vehicle.quadratic_damping[i] * nu_r[i].abs();
             tau[i] -= (vehicle.linear_damping[i] + slope) * d_nu_r[i];
@@ -203,10 +200,14 @@ impl Tangent<'_> {
             let fastest = p.speed(p.thrust_limit);
             return core::array::from_fn(|i| within(command[i], fastest) * d_command[i]);
         }
-        core::array::from_fn(|i| {
-            let slope = inverse(2.0 * (p.thrust_gain * command[i].abs()).sqrt());
-            within(command[i], p.thrust_limit) * slope * d_command[i]
-        })
+        let mut d_target = [0.0; 8];
+        for i in 0..8 {
+            if d_command[i] != 0.0 {
+                let slope = inverse(2.0 * (p.thrust_gain * command[i].abs()).sqrt());
+                d_target[i] = within(command[i], p.thrust_limit) * slope * d_command[i];
+            }
+        }
+        d_target
     }
 
     #[inline(always)]
@@ -262,9 +263,10 @@ fn dot(a: [f64; 4], b: [f64; 4]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
 }
 
+/// Whether any is not zero, looked at without a branch for each.
 #[inline(always)]
 fn moves(direction: &[f64]) -> bool {
-    direction.iter().any(|d| *d != 0.0)
+    direction.iter().fold(false, |any, d| any | (*d != 0.0))
 }
 
 /// Slope of clipping at a limit.

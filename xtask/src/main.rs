@@ -39,10 +39,10 @@ enum Task {
     Bench(bench::Options),
     /// Ask FMPy, fmi-rs, fmutool and libcosim about the FMUs, and compare `cosim` with them.
     Judge,
-    /// Fuzz the FMI functions and the reader of saved states, under AddressSanitizer; needs nightly
-    /// Rust and cargo-fuzz.
+    /// Fuzz the FMI functions, the reader of saved states and the readers of `cosim`, under
+    /// AddressSanitizer; needs nightly Rust and cargo-fuzz.
     Fuzz {
-        /// How long to fuzz each of the two.
+        /// How long to fuzz each target.
         #[arg(long, default_value_t = 600)]
         seconds: u32,
     },

@@ -252,7 +252,7 @@ impl Drive for Coordinator<'_> {
         Ok(())
     }
 
-    fn sample(&mut self, row: &mut [f64]) -> Result<()> {
+    fn sample(&mut self, _now: Time, row: &mut [f64]) -> Result<()> {
         for group in self.groups() {
             let recorded = self.plan.recorded(&self.layout.groups[group].own).next().is_some();
             if recorded && !self.members[group].recorded {
@@ -271,7 +271,7 @@ impl Drive for Coordinator<'_> {
         Ok(())
     }
 
-    fn change(&mut self, component: usize, change: Change) -> Result<()> {
+    fn change(&mut self, component: usize, change: Change, _now: Time) -> Result<()> {
         let place = |own: &[usize]| own.iter().position(|&own| own == component);
         let homes = self.layout.groups.iter().enumerate();
         let home = homes.filter_map(|(group, of)| Some((group, place(&of.own)?))).next();
@@ -285,7 +285,7 @@ impl Drive for Coordinator<'_> {
         self.answers().map(drop)
     }
 
-    fn save(&mut self) -> Result<EngineState> {
+    fn save(&mut self, _now: Time) -> Result<EngineState> {
         let groups: Vec<usize> = self.groups().collect();
         let mut whole = EngineState {
             values: self.values.clone(),

@@ -147,7 +147,7 @@ impl Running {
             Kind::Step => self.step(header, body, &mut answer)?,
             Kind::Sample => {
                 body.end().map_err(malformed)?;
-                self.record(&mut answer)?;
+                self.record(header.time, &mut answer)?;
             }
             Kind::Save => {
                 body.end().map_err(malformed)?;
@@ -181,7 +181,7 @@ impl Running {
         self.open = Some(Open::Instant(now));
         self.put_outputs(&due, answer);
         if header.has(RECORD) {
-            self.record(answer)?;
+            self.record(now, answer)?;
         }
         Ok(())
     }
@@ -208,8 +208,8 @@ impl Running {
         Ok(part)
     }
 
-    fn record(&mut self, answer: &mut Vec<u8>) -> Result<()> {
-        self.engine.read_recorded()?;
+    fn record(&mut self, now: Time, answer: &mut Vec<u8>) -> Result<()> {
+        self.engine.read_recorded(now)?;
         put_values(answer, self.engine.plan.recorded(&self.group.own), &self.engine.values);
         Ok(())
     }

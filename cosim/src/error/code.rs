@@ -56,6 +56,7 @@ codes! {
     Loop "E305" 1 "The iteration that solves an algebraic loop did not converge."
     Step "E306" 1 "No communication step was small enough: for the tolerance, or for an FMU that discards steps."
     Snapshot "E307" 3 "A snapshot cannot be read, is damaged, or belongs to another system."
+    Ended "E308" 1 "An FMU ended the run itself. In a run this is no error: it ends there, and its results are kept."
     Protocol "E501" 1 "The coordinator and a worker did not understand each other, or a message came out of turn."
     Lost "E502" 1 "A worker, or the process with its components, ended or fell silent, and no other could take over."
     Placement "E503" 2 "A component cannot be where it was placed, or the run cannot be distributed like this."

@@ -1,12 +1,12 @@
 //! Unpacking .fmu and .ssp archives (ZIP) from strangers.
 //!
-//! Every entry is looked at before the first byte is written ([`check`]); what breaks a rule
+//! Every entry is looked at before the first byte is written (`archive::check`); what breaks a rule
 //! refuses the archive and is named. Then no more is written than the entries claimed.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{BufReader, Read, Seek};
+use std::io::{BufReader, BufWriter, Read, Seek, Write};
 use std::os::unix::fs::OpenOptionsExt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use zip::ZipReadOptions;
 use zip::unstable::read::ZipIterable;
@@ -17,15 +17,31 @@ use check::Checked;
 
 mod check;
 
+/// Bytes read and written at once.
+const PIECE: usize = 1 << 16;
+
 /// Unpacks `archive` into a fresh folder.
 pub fn unpack(archive: &Path) -> Result<Unpacked> {
+    unpack_part(archive, |_| true)
+}
+
+/// The same with only the wanted files; the others leave their folders. All are checked.
+pub fn unpack_part(archive: &Path, wanted: impl Fn(&Path) -> bool) -> Result<Unpacked> {
     let file = File::open(archive)
         .map_err(|e| Error::new(Code::File, "the archive cannot be opened").at(archive).why(e))?;
-    unpack_from(BufReader::new(file), archive)
+    part_from(BufReader::with_capacity(PIECE, file), archive, wanted)
 }
 
 /// Unpacks what `reader` holds; `archive` is its name in messages.
 pub fn unpack_from(reader: impl Read + Seek, archive: &Path) -> Result<Unpacked> {
+    part_from(reader, archive, |_| true)
+}
+
+fn part_from(
+    reader: impl Read + Seek,
+    archive: &Path,
+    wanted: impl Fn(&Path) -> bool,
+) -> Result<Unpacked> {
     let mut zip =
         ZipIterable::try_new(reader, Default::default()).map_err(|e| broken(archive, e))?;
     let checked = check::entries(&mut zip, archive)?;
@@ -35,8 +51,10 @@ pub fn unpack_from(reader: impl Read + Seek, archive: &Path) -> Result<Unpacked>
         let Some(entry) = entries.next() else { break };
         let entry = entry.map_err(|e| broken(archive, e))?;
         let path = folder.path().join(&checked.path);
-        if checked.is_folder {
-            fs::create_dir_all(&path).map_err(|e| not_unpacked(archive, checked, &e))?;
+        let unwanted = !checked.is_folder && !wanted(&checked.path);
+        let made = if checked.is_folder { Some(&*path) } else { path.parent() };
+        made.map_or(Ok(()), fs::create_dir_all).map_err(|e| not_unpacked(archive, checked, &e))?;
+        if checked.is_folder || unwanted {
             continue;
         }
         let file = create(&path, checked).map_err(|e| not_unpacked(archive, checked, &e))?;
@@ -48,20 +66,20 @@ pub fn unpack_from(reader: impl Read + Seek, archive: &Path) -> Result<Unpacked>
     Ok(folder)
 }
 
-fn create(path: &PathBuf, checked: &Checked) -> std::io::Result<File> {
-    if let Some(parent) = path.parent() {
-        fs::create_dir_all(parent)?;
-    }
+fn create(path: &Path, checked: &Checked) -> std::io::Result<File> {
     let mode = if checked.executable { 0o700 } else { 0o600 };
     OpenOptions::new().write(true).create_new(true).mode(mode).open(path)
 }
 
 /// The sizes in the directory may lie: one byte more than was checked refuses the archive. The
 /// end of the content is reached, so its checksum is compared.
-fn copy(content: impl Read, mut file: File, checked: &Checked, archive: &Path) -> Result<()> {
+fn copy(content: impl Read, file: File, checked: &Checked, archive: &Path) -> Result<()> {
     let mut limited = content.take(checked.size.saturating_add(1));
-    let written =
-        std::io::copy(&mut limited, &mut file).map_err(|e| not_unpacked(archive, checked, &e))?;
+    let mut file = BufWriter::with_capacity(PIECE, file);
+    let copied = std::io::copy(&mut limited, &mut file);
+    let written = copied
+        .and_then(|written| file.flush().map(|()| written))
+        .map_err(|e| not_unpacked(archive, checked, &e))?;
     if written == checked.size {
         return Ok(());
     }

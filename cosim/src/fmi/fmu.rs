@@ -76,7 +76,7 @@ impl Fmu {
     }
 
     fn unpack(path: &Path) -> Result<Self> {
-        let folder = archive::unpack(path)?;
+        let folder = archive::unpack_part(path, is_used)?;
         let file = folder.path().join("modelDescription.xml");
         if !file.is_file() {
             return Err(Error::new(Code::Archive, "the archive has no modelDescription.xml")
@@ -209,6 +209,17 @@ impl Fmu {
     }
 }
 
+/// Whether a file of an FMU is needed to run it: an FMU may have several times as much for people,
+/// for compilers, for other tools and other machines.
+fn is_used(path: &Path) -> bool {
+    let mut parts = path.iter().map(|part| part.to_str().unwrap_or_default());
+    match parts.next() {
+        Some("documentation" | "sources" | "extra" | "model.png") => false,
+        Some("binaries") => parts.next().is_none_or(|folder| library::folders().contains(&folder)),
+        _ => true,
+    }
+}
+
 impl Drop for Fmu {
     fn drop(&mut self) {
         if self.abandoned.load(Ordering::Acquire) {
@@ -246,4 +257,21 @@ fn identity(path: &Path) -> Result<Identity> {
             .help("pack it: zip -r ../name.fmu * inside of it"));
     }
     Ok((full, metadata.len(), metadata.modified().ok()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_used;
+    use std::path::Path;
+
+    #[test]
+    fn what_is_for_people_and_other_machines_is_not_unpacked() {
+        let own = format!("binaries/{}/libs/a.so", super::library::folders()[0]);
+        for used in ["modelDescription.xml", "resources/extra/a.csv", own.as_str()] {
+            assert!(is_used(Path::new(used)), "{used}");
+        }
+        for left in ["documentation/index.html", "sources/a.c", "binaries/win64/a.dll", "extra/a"] {
+            assert!(!is_used(Path::new(left)), "{left}");
+        }
+    }
 }

@@ -2,7 +2,7 @@
 //!
 //! [`Fmu::open`] gives one shared value per file and process; [`Instance`] is the safe handle of
 //! one `fmi2Component`; [`Logging`] says what instances log. All `unsafe` of this crate is here, in
-//! `open`, `library`, `callbacks`, `instance` and `temporary`.
+//! `open`, `library`, `callbacks`, `instance` and `temporary`, but for one call in `master::direct`.
 
 pub mod archive;
 mod callbacks;
@@ -21,5 +21,6 @@ pub use description::{
     Causality, Description, InterfaceType, Kind, Output, Value, Variability, Variable,
 };
 pub use fmu::Fmu;
+pub(crate) use instance::{Direct, Unusual};
 pub use instance::{Instance, NextEvent, Place, State};
 pub use trace::{Logging, Trace};

@@ -179,9 +179,8 @@ impl Engine {
 
     /// Every component makes the same step.
     fn together(&mut self, begin: Time, length: Time) -> Result<()> {
-        for (node, end) in self.plan.nodes.iter_mut().zip(&mut self.ends) {
-            (node.step, *end) = (length, begin + length);
-        }
+        self.lengths.fill(length);
+        self.ends.fill(begin + length);
         self.instant(begin + length).map(|_| ())
     }
 

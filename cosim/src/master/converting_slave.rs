@@ -4,7 +4,7 @@
 
 use super::patched_slave::{PatchedSlave, SharedPatches};
 use super::plan::Node;
-use super::slave::Slave;
+use super::slave::{Slave, passes_on};
 use crate::error::{Code, Error, Result};
 use crate::fmi::Place;
 use crate::system::{Conversion, System};
@@ -78,6 +78,8 @@ impl ConvertingSlave {
 }
 
 impl Slave for ConvertingSlave {
+    passes_on!(inner);
+
     fn set(&mut self, values: &[f64]) -> Result<()> {
         self.convert(values)?;
         self.inner.set(&self.buffer)
@@ -94,18 +96,6 @@ impl Slave for ConvertingSlave {
         self.inner.tangent(&self.slopes, outputs)
     }
 
-    fn enter_initialization(&mut self, start: Time, stop: Time) -> Result<()> {
-        self.inner.enter_initialization(start, stop)
-    }
-
-    fn exit_initialization(&mut self) -> Result<()> {
-        self.inner.exit_initialization()
-    }
-
-    fn step(&mut self, start: Time, step: Time) -> Result<Time> {
-        self.inner.step(start, step)
-    }
-
     fn get(&mut self, values: &mut [f64]) -> Result<()> {
         self.inner.get(values)
     }
@@ -116,33 +106,5 @@ impl Slave for ConvertingSlave {
 
     fn read(&mut self, values: &mut [f64]) -> Result<()> {
         self.inner.read(values)
-    }
-
-    fn assign(&mut self, variable: usize, value: f64) -> Result<()> {
-        self.inner.assign(variable, value)
-    }
-
-    fn messages(&mut self) -> Vec<String> {
-        self.inner.messages()
-    }
-
-    fn save(&mut self, place: Place) -> Result<()> {
-        self.inner.save(place)
-    }
-
-    fn restore(&mut self, place: Place, time: Time) -> Result<()> {
-        self.inner.restore(place, time)
-    }
-
-    fn serialize(&mut self) -> Result<Vec<u8>> {
-        self.inner.serialize()
-    }
-
-    fn deserialize(&mut self, state: &[u8], time: Time) -> Result<()> {
-        self.inner.deserialize(state, time)
-    }
-
-    fn rejected(&self) -> u64 {
-        self.inner.rejected()
     }
 }

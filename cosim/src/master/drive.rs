@@ -15,14 +15,14 @@ pub(crate) trait Drive {
     /// Makes every step that ends at or before `limit`.
     fn run_until(&mut self, limit: Time) -> Result<()>;
 
-    /// The recorded values of the present instant.
-    fn sample(&mut self, row: &mut [f64]) -> Result<()>;
+    /// The recorded values of the present instant `now`.
+    fn sample(&mut self, now: Time, row: &mut [f64]) -> Result<()>;
 
     /// Changes a variable of a component from now on.
-    fn change(&mut self, component: usize, change: Change) -> Result<()>;
+    fn change(&mut self, component: usize, change: Change, now: Time) -> Result<()>;
 
     /// The state after all steps that end now or before.
-    fn save(&mut self) -> Result<EngineState>;
+    fn save(&mut self, now: Time) -> Result<EngineState>;
 
     /// Goes on from a state of the instant `time`.
     fn resume(&mut self, state: &EngineState, time: Time, stop: Time) -> Result<()>;
@@ -40,19 +40,21 @@ impl Drive for Engine {
         Engine::run_until(self, limit)
     }
 
-    fn sample(&mut self, row: &mut [f64]) -> Result<()> {
-        self.read_recorded()?;
+    fn sample(&mut self, now: Time, row: &mut [f64]) -> Result<()> {
+        self.read_recorded(now)?;
         for (value, &slot) in row.iter_mut().zip(&self.plan.columns) {
             *value = self.values[slot];
         }
         Ok(())
     }
 
-    fn change(&mut self, component: usize, change: Change) -> Result<()> {
+    fn change(&mut self, component: usize, change: Change, now: Time) -> Result<()> {
+        self.come_to(now);
         Engine::change(self, component, change)
     }
 
-    fn save(&mut self) -> Result<EngineState> {
+    fn save(&mut self, now: Time) -> Result<EngineState> {
+        self.come_to(now);
         Engine::save(self)
     }
 

@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use crate::error::{Code, Error, Result};
-use crate::fmi::{Fmu, Instance, InterfaceType, Kind, Logging, Place, Value};
+use crate::fmi::{Fmu, Instance, InterfaceType, Kind, Logging, Place, Unusual, Value};
 use crate::system::Component;
 use crate::time::Time;
 
 use super::group::Group;
 use super::plan::Node;
-use super::slave::Slave;
+use super::slave::{DirectCalls, Slave};
 
 /// What becomes of a step that the FMU discards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -225,6 +225,24 @@ impl Slave for FmuSlave {
 
     fn rejected(&self) -> u64 {
         self.rejected
+    }
+
+    fn direct(&self) -> Option<DirectCalls<'_>> {
+        if !matches!(self.discards, Discards::Final | Discards::Repeated(0)) {
+            return None;
+        }
+        let (inputs, outputs) = (self.inputs.only_reals()?, self.outputs.only_reals()?);
+        Some(DirectCalls { calls: self.instance.direct()?, inputs, outputs })
+    }
+
+    #[cold]
+    fn conclude(&mut self, found: Unusual, start: Time, step: Time) -> Result<()> {
+        let reached = self.instance.conclude(found, start, step)?;
+        self.discarded(start, step, reached).map(drop)
+    }
+
+    fn came_to(&mut self, now: Time) {
+        self.instance.came_to(now);
     }
 }
 

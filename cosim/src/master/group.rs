@@ -40,6 +40,11 @@ impl Group {
         &self.reals
     }
 
+    /// The references, if all are Reals.
+    pub(super) fn only_reals(&self) -> Option<&[u32]> {
+        (self.integers.is_empty() && self.booleans.is_empty()).then_some(&self.reals)
+    }
+
     #[inline(always)]
     pub(super) fn set(&mut self, instance: &mut Instance, values: &[f64]) -> Result<()> {
         let (reals, rest) = values.split_at(self.reals.len());

@@ -87,7 +87,7 @@ impl Engine {
         let outcome = self.solve(&cuts, &members, &mut |engine| {
             for &c in &members {
                 if !first {
-                    let begin = now - engine.plan.nodes[c].step;
+                    let begin = now - engine.lengths[c];
                     engine.slaves[c].restore(Place::Iteration, begin)?;
                 }
                 engine.step_one(c, now)?;

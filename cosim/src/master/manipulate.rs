@@ -35,6 +35,7 @@ pub trait Manipulator {
 pub struct Controls<'a> {
     pub(super) system: &'a System,
     pub(super) driven: &'a mut dyn Drive,
+    pub(super) now: Time,
     pub(super) stop: Option<Stop>,
 }
 
@@ -62,7 +63,8 @@ impl Controls<'_> {
     fn change(&mut self, name: &str, patch: Option<Patch>) -> Result<()> {
         let port = self.system.manipulable(name)?;
         let start = start_of(self.system, port);
-        self.driven.change(port.component, Change { variable: port.variable, patch, start })
+        let change = Change { variable: port.variable, patch, start };
+        self.driven.change(port.component, change, self.now)
     }
 }
 
@@ -107,6 +109,7 @@ impl Engine {
         let inner = self.slaves.remove(component);
         let patched = PatchedSlave::new(inner, &self.plan.nodes[component], patches.clone());
         self.slaves.insert(component, Box::new(patched));
+        self.steps.leave(component, &self.plan);
         patches
     }
 }

@@ -24,10 +24,11 @@ pub(super) struct Cost {
     spent: Duration,
 }
 
-/// So many first instants are timed all, for short runs.
+/// All first instants are timed, for short runs: so many, and of large systems so many steps.
 const FIRST: u64 = 100;
+const FIRST_STEPS: u64 = 1000;
 /// The mean distance of timed instants is half of this.
-const FAR: u64 = 256;
+const FAR: u64 = 512;
 
 impl Meter {
     pub(super) fn new(components: usize) -> Self {
@@ -37,7 +38,8 @@ impl Meter {
         });
         let clock = readings.min().unwrap_or_default();
         let costs = vec![Cost::default(); components];
-        Self { timing: true, costs, wait: FIRST + 1, dice: 1, clock }
+        let first = (FIRST_STEPS / components.max(1) as u64).clamp(1, FIRST);
+        Self { timing: true, costs, wait: first + 1, dice: 1, clock }
     }
 
     /// Another instant begins.

@@ -18,6 +18,7 @@
 
 mod control;
 mod converting_slave;
+mod direct;
 mod drive;
 mod engine;
 mod exchange_slave;

@@ -10,7 +10,7 @@ use std::rc::Rc;
 use serde::{Deserialize, Serialize};
 
 use super::plan::Node;
-use super::slave::Slave;
+use super::slave::{Slave, passes_on};
 use crate::error::Result;
 use crate::fmi::Place;
 use crate::time::Time;
@@ -81,13 +81,7 @@ impl PatchedSlave {
 }
 
 impl Slave for PatchedSlave {
-    fn enter_initialization(&mut self, start: Time, stop: Time) -> Result<()> {
-        self.inner.enter_initialization(start, stop)
-    }
-
-    fn exit_initialization(&mut self) -> Result<()> {
-        self.inner.exit_initialization()
-    }
+    passes_on!(inner);
 
     fn set(&mut self, values: &[f64]) -> Result<()> {
         self.values.clear();
@@ -104,10 +98,6 @@ impl Slave for PatchedSlave {
         Self::patch(&self.patches.borrow(), &self.inputs, &mut self.values);
         Self::flatten(&self.patches.borrow(), &self.inputs, &mut self.slopes);
         self.inner.ramp(&self.values, &self.slopes)
-    }
-
-    fn step(&mut self, start: Time, step: Time) -> Result<Time> {
-        self.inner.step(start, step)
     }
 
     fn get(&mut self, values: &mut [f64]) -> Result<()> {
@@ -135,33 +125,5 @@ impl Slave for PatchedSlave {
         self.inner.read(values)?;
         Self::patch(&self.patches.borrow(), &self.recorded, values);
         Ok(())
-    }
-
-    fn assign(&mut self, variable: usize, value: f64) -> Result<()> {
-        self.inner.assign(variable, value)
-    }
-
-    fn messages(&mut self) -> Vec<String> {
-        self.inner.messages()
-    }
-
-    fn save(&mut self, place: Place) -> Result<()> {
-        self.inner.save(place)
-    }
-
-    fn restore(&mut self, place: Place, time: Time) -> Result<()> {
-        self.inner.restore(place, time)
-    }
-
-    fn serialize(&mut self) -> Result<Vec<u8>> {
-        self.inner.serialize()
-    }
-
-    fn deserialize(&mut self, state: &[u8], time: Time) -> Result<()> {
-        self.inner.deserialize(state, time)
-    }
-
-    fn rejected(&self) -> u64 {
-        self.inner.rejected()
     }
 }

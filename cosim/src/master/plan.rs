@@ -51,14 +51,10 @@ pub(crate) struct RampWay {
     pub fresh: bool,
 }
 
-/// A component's part of the plan. What every step touches comes first, in one and
-/// a half cache lines.
+/// A component's part of the plan.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[repr(C, align(64))]
 pub(crate) struct Node {
     pub step: Time,
-    /// How many were made.
-    pub steps: u64,
     /// Where its values are in the arrays.
     pub input_slots: Range<usize>,
     pub output_slots: Range<usize>,
@@ -242,7 +238,6 @@ impl Plan {
         };
         self.nodes.push(Node {
             step: system.components()[component].step,
-            steps: 0,
             input_slots: take(&mut self.inputs, inputs.len()),
             output_slots: take(&mut self.values, outputs.len()),
             recorded_slots: take(&mut self.values, recorded.len()),

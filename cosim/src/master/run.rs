@@ -29,6 +29,8 @@ pub struct Run<'a> {
     manipulators: Vec<&'a mut dyn Manipulator>,
     resume: Option<&'a Snapshot>,
     snapshots: Option<Snapshots<'a>>,
+    /// What was odd.
+    warnings: Vec<String>,
 }
 
 /// When to take snapshots.
@@ -55,6 +57,7 @@ impl<'a> Run<'a> {
             manipulators: Vec::new(),
             resume: None,
             snapshots: None,
+            warnings: Vec::new(),
         }
     }
 
@@ -108,7 +111,9 @@ impl<'a> Run<'a> {
         // The reason why a run ended comes before what happened while closing files.
         let (end, stopped) = run?;
         finished?;
-        Ok(system.summary(driven.report()?, begin, end, stopped))
+        let mut report = driven.report()?;
+        report.warnings.append(&mut self.warnings);
+        Ok(system.summary(report, begin, end, stopped))
     }
 
     fn prepare(&mut self, resumed: Option<Time>) -> Result<()> {
@@ -149,13 +154,16 @@ impl<'a> Run<'a> {
             driven.initialize(stop)?;
         }
         let mut row = vec![0.0; self.system.columns().len()];
-        let mut taken = acted;
+        let (mut taken, mut before) = (acted, begin);
         loop {
             let action = self.action(acted).map(|at| at.max(begin)).filter(|at| *at <= stop);
             let goal = action.map_or(output, |action| action.min(output)).min(stop);
-            driven.run_until(goal)?;
+            if let Some(reason) = self.advance(driven, goal)? {
+                return Ok((before, Some(reason)));
+            }
+            before = goal;
             if goal == output {
-                driven.sample(&mut row)?;
+                driven.sample(output, &mut row)?;
                 self.observers.iter_mut().try_for_each(|o| o.sample(output, &row))?;
             }
             let mut ended = None;
@@ -179,8 +187,8 @@ impl<'a> Run<'a> {
             }
         }
         // The part after the last output instant, when the interval does not divide the run.
-        driven.run_until(stop)?;
-        Ok((stop, None))
+        let ended = self.advance(driven, stop)?;
+        Ok((ended.map_or(stop, |_| before), ended))
     }
 
     /// The next instant at which a manipulator acts, after the last one.
@@ -189,13 +197,26 @@ impl<'a> Run<'a> {
         wishes.filter(|at| acted.is_none_or(|acted| *at > acted)).min()
     }
 
+    /// Makes the steps until `goal`. A component that ends the run does not fail; its step is not
+    /// made, so what is known of the system is the instant before.
+    fn advance(&mut self, driven: &mut dyn Drive, goal: Time) -> Result<Option<Stop>> {
+        match driven.run_until(goal) {
+            Err(ended) if ended.code() == Code::Ended => {
+                let why = ended.reason().unwrap_or_default();
+                self.warnings.push(format!("{}: {why}", ended.what()));
+                Ok(Some(Stop::Component))
+            }
+            outcome => outcome.map(|()| None),
+        }
+    }
+
     fn act(
         &mut self,
         driven: &mut dyn Drive,
         now: Time,
         acted: Option<Time>,
     ) -> Result<Option<Stop>> {
-        let mut controls = Controls { system: self.system, driven, stop: None };
+        let mut controls = Controls { system: self.system, driven, now, stop: None };
         for manipulator in &mut self.manipulators {
             let due = |at: Time| at <= now && acted.is_none_or(|acted| at > acted);
             if manipulator.next().is_some_and(due) {
@@ -222,7 +243,7 @@ impl<'a> Run<'a> {
         });
         if periodic || snapshots.at.iter().any(|&at| since(at)) {
             self.observers.iter_mut().try_for_each(|observer| observer.flush())?;
-            (snapshots.keep)(Snapshot::new(self.system, now, driven.save()?)?)?;
+            (snapshots.keep)(Snapshot::new(self.system, now, driven.save(now)?)?)?;
         }
         *taken = Some(now);
         Ok(())

@@ -1,7 +1,7 @@
 //! What the master steps: an FMU here, prepared signals, later something remote.
 
 use crate::error::Result;
-use crate::fmi::Place;
+use crate::fmi::{Direct, Place, Unusual};
 use crate::time::Time;
 
 /// A component as the master sees it. Which variables [`Slave::set`], [`Slave::get`] and
@@ -86,4 +86,74 @@ pub trait Slave {
     fn rejected(&self) -> u64 {
         0
     }
+
+    /// The calls that [`Slave::advance`] makes, if these are all that it does (see
+    /// `master::direct`).
+    #[doc(hidden)]
+    fn direct(&self) -> Option<DirectCalls<'_>> {
+        None
+    }
+
+    /// Goes on after a direct call of the step from `start` by `step` did not go well.
+    #[doc(hidden)]
+    fn conclude(&mut self, _found: Unusual, _start: Time, _step: Time) -> Result<()> {
+        Ok(())
+    }
+
+    /// Direct calls have brought the slave to this instant.
+    #[doc(hidden)]
+    fn came_to(&mut self, _now: Time) {}
 }
+
+/// The calls of a slave's step, and the value references of its inputs and outputs.
+pub struct DirectCalls<'a> {
+    pub(super) calls: Direct,
+    pub(super) inputs: &'a [u32],
+    pub(super) outputs: &'a [u32],
+}
+
+/// What a slave around another one leaves to it; `Place`, `Result` and `Time` are the caller's.
+macro_rules! passes_on {
+    ($inner:ident) => {
+        fn enter_initialization(&mut self, start: Time, stop: Time) -> Result<()> {
+            self.$inner.enter_initialization(start, stop)
+        }
+
+        fn exit_initialization(&mut self) -> Result<()> {
+            self.$inner.exit_initialization()
+        }
+
+        fn step(&mut self, start: Time, step: Time) -> Result<Time> {
+            self.$inner.step(start, step)
+        }
+
+        fn assign(&mut self, variable: usize, value: f64) -> Result<()> {
+            self.$inner.assign(variable, value)
+        }
+
+        fn messages(&mut self) -> Vec<String> {
+            self.$inner.messages()
+        }
+
+        fn save(&mut self, place: Place) -> Result<()> {
+            self.$inner.save(place)
+        }
+
+        fn restore(&mut self, place: Place, time: Time) -> Result<()> {
+            self.$inner.restore(place, time)
+        }
+
+        fn serialize(&mut self) -> Result<Vec<u8>> {
+            self.$inner.serialize()
+        }
+
+        fn deserialize(&mut self, state: &[u8], time: Time) -> Result<()> {
+            self.$inner.deserialize(state, time)
+        }
+
+        fn rejected(&self) -> u64 {
+            self.$inner.rejected()
+        }
+    };
+}
+pub(super) use passes_on;

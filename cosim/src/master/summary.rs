@@ -68,14 +68,12 @@ pub(crate) type Tally = (Vec<u64>, Vec<Effort>);
 impl Engine {
     /// What was counted so far.
     pub(crate) fn tally(&self) -> Tally {
-        (self.plan.nodes.iter().map(|node| node.steps).collect(), self.efforts.clone())
+        (self.made.clone(), self.efforts.clone())
     }
 
     /// Goes on counting from there.
     pub(crate) fn count_from(&mut self, (steps, efforts): &Tally) {
-        for (node, steps) in self.plan.nodes.iter_mut().zip(steps) {
-            node.steps = *steps;
-        }
+        self.made.clone_from(steps);
         for (own, effort) in self.efforts.iter_mut().zip(efforts) {
             *own = *effort;
         }
@@ -85,9 +83,9 @@ impl Engine {
         let (mut warnings, mut notes) = (self.warnings.clone(), Vec::new());
         self.tell_control(&mut warnings, &mut notes);
         let taken_back = self.control.as_ref().map_or(0, |control| control.rejected);
-        let each = self.slaves.iter_mut().zip(&self.plan.nodes).zip(&self.meter.costs);
-        let components = each.map(|((slave, node), cost)| ComponentReport {
-            steps: node.steps,
+        let each = self.slaves.iter_mut().zip(&self.made).zip(&self.meter.costs);
+        let components = each.map(|((slave, made), cost)| ComponentReport {
+            steps: *made,
             rejected: slave.rejected() + taken_back,
             seconds_per_step: cost.seconds_per_step(),
             messages: slave.messages(),

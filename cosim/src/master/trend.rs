@@ -104,7 +104,7 @@ impl Engine {
                 let stepped = self.ends[way.source] == now;
                 let trend = &self.trends[way.trend];
                 let goal = if stepped { self.inputs[way.input] } else { trend.at(now) };
-                (goal - ramp.value) / node.step.seconds()
+                (goal - ramp.value) / self.lengths[c].seconds()
             } else {
                 ramp.slope
             };

@@ -72,7 +72,7 @@ fn is_mcap(file: &Path) -> bool {
     file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mcap"))
 }
 
-/// Why an observer ends a run before its stop time.
+/// Why a run ends before its stop time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stop {
     /// The observer has seen enough.
@@ -81,4 +81,6 @@ pub enum Stop {
     ReaderGone,
     /// The user asked for it.
     Interrupted,
+    /// An FMU ended it; a warning of the run says which and when.
+    Component,
 }

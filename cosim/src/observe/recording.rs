@@ -96,7 +96,7 @@ impl Recording {
     fn sort_in(&mut self) {
         let width = self.columns.len().max(1);
         for (position, column) in self.columns.iter_mut().enumerate() {
-            column.extend(self.rows.iter().skip(position).step_by(width));
+            column.extend(self.rows.chunks_exact(width).map(|row| row[position]));
         }
         self.rows.clear();
     }

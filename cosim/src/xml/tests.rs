@@ -1,3 +1,5 @@
+//! What is read, and what is refused with its line.
+
 use super::*;
 
 fn parse_str(text: &str) -> Result<Element> {

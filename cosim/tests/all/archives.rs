@@ -114,7 +114,9 @@ impl Run {
     }
 
     fn command(folder: &TempDir) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_cosim"));
+        // A shell lets what it starts in the background ignore SIGINT, and that is inherited.
+        let mut command = Command::new("env");
+        command.args(["--default-signal=HUP,INT,TERM", env!("CARGO_BIN_EXE_cosim")]);
         command.args(["simulate", "--stop-time=1e8", "--step-size=0.01", "-q"]);
         command.arg(Model::Clock.fmu()).current_dir(folder.path());
         command.env("TMPDIR", folder.path().join("temporary"));

@@ -228,7 +228,9 @@ fn a_closed_pipe_ends_the_run_without_a_word() {
 #[test]
 fn an_interrupted_run_keeps_its_results() {
     let (fmu, folder) = (Model::Clock.fmu(), TempDir::new().unwrap());
-    let mut child = Command::new(env!("CARGO_BIN_EXE_cosim"))
+    // A shell lets what it starts in the background ignore SIGINT, and that is inherited.
+    let mut child = Command::new("env")
+        .args(["--default-signal=INT", env!("CARGO_BIN_EXE_cosim")])
         .args(["simulate", path(&fmu), "-o", "kept.csv", "--stop-time", "1e8"])
         .args(["--output-interval", "1000", "-q"])
         .current_dir(folder.path())

@@ -1,17 +1,20 @@
 //! Conversions with the other things that happen to inputs: manipulation, linear inputs.
 
+use std::path::PathBuf;
+
 use cosim::master::{Controls, Manipulator};
 use cosim::system::Input;
-use cosim::{Overrides, Recording, Run, System, Time};
+use cosim::{Algorithm, Overrides, Recording, Run, System, Time};
 
 use crate::formats::{Folder, component, connection, last, ssd, system};
 use crate::models::Model;
-use crate::ssd::run;
+use crate::osp;
+use crate::ssd::{assert_near, run};
 
 const LINEAR: &str = "<ssc:LinearTransformation factor='3' offset='1'/>";
 
 /// A clock, tripled plus one, drives a model.
-fn converted(model: Model, folder: &Folder, overrides: &Overrides) -> System {
+pub(crate) fn converted(model: Model, folder: &Folder, overrides: &Overrides) -> System {
     let ports = "u:input:Real y:output:Real";
     let elements = [
         component("c", &Model::Clock.fmu(), "y:output:Real", ""),
@@ -19,6 +22,65 @@ fn converted(model: Model, folder: &Folder, overrides: &Overrides) -> System {
     ];
     let text = ssd(&system(&elements.concat(), &connection("c.y", "x.u", LINEAR)), "");
     System::load(folder.write("test.ssd", &text), overrides).unwrap()
+}
+
+/// An affine FMU with directional derivatives.
+fn with_derivatives(folder: &Folder) -> PathBuf {
+    let flag = "canGetAndSetFMUstate=\"true\"";
+    let able = format!("{flag} providesDirectionalDerivative=\"true\"");
+    folder.fmu(Model::Affine, "affine", &[(flag, &able)])
+}
+
+/// The loop of the system is solved at each step by one exact step of Newton, after which
+/// a.y = `slope` t + `offset`.
+fn assert_newton_is_exact(system: &System, slope: f64, offset: f64) {
+    let mut recording = Recording::new();
+    let summary = system.run(&mut [&mut recording]).unwrap();
+    let told = &summary.notes[0];
+    assert!(told.contains("Jacobians by directional derivatives"), "{told}");
+    assert!(!told.contains("by differences") && told.contains("at most 2,"), "{told}");
+    let exact: Vec<f64> = recording.time().iter().map(|t| slope * t + offset).collect();
+    assert_near(recording.column("a.y").unwrap(), &exact);
+}
+
+#[test]
+fn the_derivatives_of_a_loop_go_through_its_conversions() {
+    let folder = Folder::new();
+    let affine = with_derivatives(&folder);
+    let ports = "u:input:Real y:output:Real";
+    let elements = [component("a", &affine, ports, ""), component("b", &affine, ports, "")];
+    let connections = [connection("a.y", "b.u", LINEAR), connection("b.y", "a.u", "")];
+    let text = ssd(&system(&elements.concat(), &connections.concat()), "");
+    let overrides =
+        Overrides::new().algorithm(Algorithm::Iterative).start_value("b.k", 2).stop_time(1.0);
+    let system = System::load(folder.write("loop.ssd", &text), &overrides).unwrap();
+    // a = b + t, b = 2 (3 a + 1) + t.
+    assert_newton_is_exact(&system, -0.4, -0.4);
+}
+
+#[test]
+fn the_derivatives_of_a_loop_go_through_its_sums() {
+    let folder = Folder::new();
+    let simulators = [
+        osp::simulator("a", &with_derivatives(&folder), ""),
+        osp::simulator("c", &Model::Clock.fmu(), ""),
+    ];
+    let connections = [
+        osp::signal(("a", "y"), ("s", "in[0]")),
+        osp::signal(("a", "y"), ("s", "in[1]")),
+        osp::signal(("c", "y"), ("s", "in[2]")),
+        osp::signal(("a", "u"), ("s", "out")),
+    ];
+    let text = osp::structure(&format!(
+        "<Simulators>{}</Simulators><Functions><Sum name='s' inputCount='3'/></Functions>\
+         <Connections>{}</Connections>",
+        simulators.concat(),
+        connections.concat()
+    ));
+    let overrides = Overrides::new().algorithm(Algorithm::Iterative);
+    let system = System::load(folder.write("loop.xml", &text), &overrides).unwrap();
+    // a = (a + a + t) + t.
+    assert_newton_is_exact(&system, -2.0, 0.0);
 }
 
 /// Overrides an input at 0.5 s.

@@ -126,7 +126,9 @@ Status fmi2NewDiscreteStates(Component c, EventInfo *info) {
 }
 Status fmi2CompletedIntegratorStep(Component c, int no_set, int *event, int *terminate) {
 #ifdef MODEL_SAWTOOTH
-  *event = ((Model *)c)->r[3] >= 1;
+  const Model *m = c;
+  *event = m->r[3] >= 1;
+  *terminate = m->i[0] && m->i[1] >= m->i[0];
 #endif
   return 0;
 }

@@ -7,6 +7,7 @@ mod clock;
 mod command;
 mod convert;
 mod converted;
+mod direct;
 mod distributed;
 mod exchange;
 mod failures;

@@ -29,6 +29,7 @@ typedef struct {
   int i[4], b[4];
   double time;
   double reached; /* of a discarded step */
+  int ended;
   int steps;
   int initialized;
   char name[64], text[64];
@@ -246,7 +247,12 @@ Status fmi2DoStep(Component c, double t, double h, int no_set) {
   if (m->debug) SAY(0, "logAll", "step to %g s", t + h);
   m->steps++;
 #ifdef MODEL_PICKY
-  if (h > m->r[3] * (1 + 1e-9)) { /* what it has computed by then is of no use */
+  m->ended = m->i[0] == 2 && t + h > m->r[3] * (1 + 1e-9);
+  if (m->ended) {
+    m->reached = m->r[3];
+    return 2;
+  }
+  if (m->i[0] != 2 && h > m->r[3] * (1 + 1e-9)) { /* what it has computed by then is of no use */
     m->reached = m->i[0] ? t : t + m->r[3] / 2;
     m->r[2] += 1000;
     m->time += m->r[3] / 3;
@@ -294,7 +300,7 @@ Status fmi2GetRealStatus(Component c, int kind, double *value) {
   return kind == 2 ? 0 : 2;
 }
 Status fmi2GetBooleanStatus(Component c, int kind, int *value) {
-  *value = 0;
+  *value = kind == 3 && ((Model *)c)->ended;
   return 0;
 }
 Status fmi2SetRealInputDerivatives(Component c, const Ref *refs, size_t n, const int *orders,

@@ -33,7 +33,7 @@ pub(crate) enum Model {
     /// x'' = u - k x, x(0) = second; y = x'', feed-through; interpolates u and gives y'.
     Inertia,
     /// An integrator that discards steps longer than second, of which it makes a half, or with m
-    /// not 0 nothing.
+    /// 1 nothing; with m 2 it ends the run at second.
     Picky,
     /// Model exchange: height y, falls from 1 m, keeps k of its speed; n bounces.
     Ball,
@@ -41,7 +41,8 @@ pub(crate) enum Model {
     Ticker,
     /// Model exchange: x'' = -400 x from 1, and s' = -500 (s - sin t) + cos t from 0.
     Oscillator,
-    /// Model exchange: x' = 1, set back by 1 by a step event; n of them.
+    /// Model exchange: x' = 1, set back by 1 by a step event; n of them. Ends the run
+    /// after m, if that is not 0.
     Sawtooth,
     /// Model exchange: x' = u - k x; n counts its events, the indicator is u - 0.5.
     Lag,

@@ -126,6 +126,26 @@ fn systems() {
     survive(3, readers::SYSTEM.as_bytes(), 1500, readers::ssd);
 }
 
+/// What is mutated is read wholly while it is good.
+#[test]
+fn the_structure_is_a_system() {
+    let folder = TempDir::new().unwrap();
+    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
+    write("tank.fmu", &readers::fmu());
+    write("tank_OspModelDescription.xml", readers::GROUPS.as_bytes());
+    write("LogConfig.xml", readers::LOG_CONFIG.as_bytes());
+    write("OspSystemStructure.xml", readers::STRUCTURE.as_bytes());
+    let system = System::load(folder.path(), &Overrides::new()).unwrap();
+    let names: Vec<&str> = system.components().iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["a", "b", "c", "v"]);
+    assert_eq!(system.output_interval(), Time::from_nanoseconds(100_000_000));
+}
+
+#[test]
+fn structures() {
+    survive(9, &readers::structure(), 1500, readers::osp);
+}
+
 #[test]
 fn packages() {
     survive(4, &readers::package(), 500, readers::ssp);

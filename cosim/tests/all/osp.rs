@@ -8,7 +8,7 @@ use crate::formats::{Folder, assert_parts, last};
 use crate::models::Model;
 use crate::ssd::{assert_near, run};
 
-fn structure(body: &str) -> String {
+pub(crate) fn structure(body: &str) -> String {
     format!(
         "<?xml version='1.0' encoding='UTF-8'?>
 <OspSystemStructure xmlns='http://opensimulationplatform.com/MSMI/OSPSystemStructure' version='0.1'>
@@ -22,7 +22,7 @@ fn structure(body: &str) -> String {
     )
 }
 
-fn simulator(name: &str, source: &Path, values: &str) -> String {
+pub(crate) fn simulator(name: &str, source: &Path, values: &str) -> String {
     let source = source.display();
     format!(
         "<Simulator name='{name}' source='{source}'><InitialValues>{values}</InitialValues>\
@@ -42,7 +42,7 @@ fn variables(a: (&str, &str), b: (&str, &str)) -> String {
     )
 }
 
-fn signal(variable: (&str, &str), signal: (&str, &str)) -> String {
+pub(crate) fn signal(variable: (&str, &str), signal: (&str, &str)) -> String {
     format!(
         "<SignalConnection><Variable simulator='{}' name='{}'/><Signal function='{}' name='{}'/>\
          </SignalConnection>\n",
@@ -51,9 +51,8 @@ fn signal(variable: (&str, &str), signal: (&str, &str)) -> String {
 }
 
 /// Two clocks, one through a linear transformation, summed up for two gains.
-fn summed(folder: &Folder) -> String {
+pub(crate) fn summed() -> String {
     let (clock, gain) = (Model::Clock.fmu(), Model::Gain.fmu());
-    let _ = folder;
     let simulators = [
         simulator("sum_of", &gain, &real("k", 2.0)),
         simulator("a", &clock, ""),
@@ -78,7 +77,7 @@ fn summed(folder: &Folder) -> String {
 #[test]
 fn functions_take_no_time_in_any_algorithm() {
     let folder = Folder::new();
-    let file = folder.write("OspSystemStructure.xml", &summed(&folder));
+    let file = folder.write("OspSystemStructure.xml", &summed());
     let system = System::load(&file, &Overrides::new()).unwrap();
     assert_eq!(system.algorithm(), Algorithm::Jacobi);
     let results = run(&system);
@@ -181,7 +180,7 @@ fn groups_of_variables_and_vectors() {
 #[test]
 fn the_log_config_chooses_what_is_recorded() {
     let folder = Folder::new();
-    folder.write("OspSystemStructure.xml", &summed(&folder));
+    folder.write("OspSystemStructure.xml", &summed());
     folder.write(
         "LogConfig.xml",
         "<simulators xmlns='http://opensimulationplatform.com/LogConfig'>\
@@ -203,7 +202,7 @@ fn the_log_config_chooses_what_is_recorded() {
 #[test]
 fn what_is_wrong_is_told_all_at_once() {
     let folder = Folder::new();
-    let text = summed(&folder)
+    let text = summed()
         .replace("name='scaled' source", "name='scaled' stepsize='0.1' source")
         .replace("<Functions>", "<Functions><Product name='p'/>")
         .replace("name='in[1]'", "name='in[2]'")

@@ -6,10 +6,12 @@ use cosim::observe::{Continued, CsvRecorder};
 use cosim::{Algorithm, Code, Input, Observer, Overrides, Recording, Run, Snapshot, System, Time};
 use tempfile::TempDir;
 
+use crate::formats::Folder;
 use crate::models::Model::{
     Affine, Ball, Clock, Counter, Gain, Integrator, Lag, Mass, Oscillator, Sawtooth, Ticker,
 };
 use crate::ssd::Ssd;
+use crate::{converted, osp};
 
 fn seconds(seconds: f64) -> Time {
     Time::from_seconds(seconds, "t").unwrap()
@@ -62,20 +64,39 @@ fn whole(system: &System, every: f64) -> (Vec<u8>, Vec<Snapshot>) {
     (bytes, files.iter().map(|file| Snapshot::read(file).unwrap()).collect())
 }
 
-#[test]
-fn every_snapshot_goes_on_to_the_same_bytes() {
-    let ways = [
+/// Ways to run a system.
+fn ways() -> [Overrides; 5] {
+    [
         Overrides::new().algorithm(Algorithm::Jacobi),
-        Overrides::new(),
+        Overrides::new().algorithm(Algorithm::GaussSeidel),
         Overrides::new().algorithm(Algorithm::Iterative),
         Overrides::new().input("", Input::Linear),
         Overrides::new().step_control(1e-3).input("", Input::Linear),
-    ];
-    for overrides in ways {
-        let system = zoo().load(&overrides).unwrap();
+    ]
+}
+
+#[test]
+fn every_snapshot_goes_on_to_the_same_bytes() {
+    resumes_as_if_nothing_happened(&|overrides| zoo().load(overrides).unwrap(), &[0.4, 0.8, 1.2]);
+}
+
+#[test]
+fn converted_inputs_and_sums_go_on_to_the_same_bytes() {
+    let folder = Folder::new();
+    let converted = |overrides: &Overrides| converted::converted(Lag, &folder, overrides);
+    resumes_as_if_nothing_happened(&converted, &[0.4, 0.8]);
+    let file = folder.write("OspSystemStructure.xml", &osp::summed());
+    let summed = |overrides: &Overrides| System::load(&file, overrides).unwrap();
+    resumes_as_if_nothing_happened(&summed, &[0.4, 0.8]);
+}
+
+/// In every way, from every snapshot.
+fn resumes_as_if_nothing_happened(load: &dyn Fn(&Overrides) -> System, taken: &[f64]) {
+    for overrides in ways() {
+        let system = load(&overrides);
         let (bytes, snapshots) = whole(&system, 0.4);
         let times: Vec<f64> = snapshots.iter().map(|s| s.time().seconds()).collect();
-        assert_eq!(times, [0.4, 0.8, 1.2]);
+        assert_eq!(times, taken);
         let undisturbed = csv(|recorder, _| drop(system.run(&mut [recorder]).unwrap()));
         assert!(bytes == undisturbed, "taking snapshots changes nothing");
         for snapshot in &snapshots {

@@ -1,11 +1,12 @@
 //! Steps that are taken back, made again, and made by their error; inputs that move.
 
 use cosim::fmi::Fmu;
+use cosim::observe::Stop;
 use cosim::{Algorithm, Code, Input, Overrides, Recording, Run};
 use tempfile::TempDir;
 
 use crate::models::Model::{
-    Affine, Ball, Clock, Cubic, Gain, Inertia, Integrator, Lag, Mass, Picky, Ticker,
+    Affine, Ball, Clock, Cubic, Gain, Inertia, Integrator, Lag, Mass, Picky, Sawtooth, Ticker,
 };
 use crate::ssd::{Ssd, assert_near, run};
 
@@ -102,6 +103,40 @@ fn a_discarded_step_is_made_again_by_smaller_ones() {
         let end = *recording.column("x.y").unwrap().last().unwrap();
         assert!((0.06..0.08).contains(&end), "{end}");
     }
+}
+
+#[test]
+fn an_fmu_that_ends_the_run_does_not_fail() {
+    let ending = |model, values: &[(&str, f64)]| {
+        Ssd::new().add("clock", Clock).add_with("x", model, values, None).stop(5.0)
+    };
+    // By a discarded step, and by completedIntegratorStep.
+    let picky = ending(Picky, &[("second", 0.25), ("m", 2.0)]);
+    let saw = ending(Sawtooth, &[("m", 2.0)]);
+    for (ssd, end, told, why) in
+        [(&picky, 0.2, "t = 0.25 s", "fmi2Terminated"), (&saw, 2.0, "t = 2", "terminateSimulation")]
+    {
+        for overrides in [Overrides::new(), Overrides::new().retries(3)] {
+            let system = ssd.load(&overrides).unwrap();
+            let mut recording = Recording::new();
+            let summary = system.run(&mut [&mut recording]).unwrap();
+            assert_eq!(summary.stopped, Some(Stop::Component));
+            let time = recording.time();
+            assert!((summary.simulated - end).abs() < 0.11, "{summary:?}");
+            assert_eq!(time.last(), Some(&summary.simulated));
+            assert_near(recording.column("clock.y").unwrap(), time);
+            let warning = &summary.warnings[0];
+            assert!(warning.contains(&format!("'x' ended the run at {told}")), "{warning}");
+            assert!(warning.contains(why), "{warning}");
+        }
+    }
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_cosim"))
+        .args(["run", picky.write().to_str().unwrap(), "-o-"])
+        .output()
+        .unwrap();
+    let (out, told) = (String::from_utf8(output.stdout), String::from_utf8(output.stderr));
+    assert_eq!((output.status.code(), out.unwrap().lines().count()), (Some(0), 4));
+    assert!(told.as_ref().is_ok_and(|t| t.contains("'x' ended the run")), "{told:?}");
 }
 
 #[test]

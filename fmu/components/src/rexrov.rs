@@ -154,9 +154,14 @@ impl Component for RexRov {
         &self,
         (): &(),
         Direct(u): &Direct<Inputs>,
-    ) -> impl Fn(f64, &Direct<State>) -> Direct<State> {
+    ) -> impl Fn(f64, &Direct<State>, Option<&Direct<Outputs>>) -> Direct<State> {
         let drive = self.vehicle.drive(u);
-        move |_, Direct(x)| Direct(self.vehicle.rate(x, &drive))
+        move |_, Direct(x), known| {
+            Direct(match known {
+                Some(Direct(y)) => self.vehicle.rate_beside(x, y, &drive),
+                None => self.vehicle.rate(x, &drive),
+            })
+        }
     }
 
     #[inline]
@@ -170,6 +175,7 @@ impl Component for RexRov {
         Direct(self.vehicle.outputs(x, u))
     }
 
+    #[inline(always)]
     fn tangent(
         &self,
         _: f64,

@@ -7,8 +7,7 @@
     reason = "each is a call of the C interface as an importer makes it"
 )]
 
-use std::ffi::CString;
-use std::ptr::null;
+mod host;
 
 use fmu_kit::Start;
 use fmu_kit::abi::types::*;
@@ -43,18 +42,9 @@ impl Random {
 
 /// An instance for model exchange, whose thrusters take `mode` (1 to 3), in initialization mode.
 fn starting(mode: i32) -> fmi2Component {
-    let guid = CString::new(REGISTRY.named("RexROV").unwrap().guid()).unwrap();
-    let functions = fmi2CallbackFunctions {
-        logger: None,
-        allocateMemory: None,
-        freeMemory: None,
-        stepFinished: None,
-        componentEnvironment: std::ptr::null_mut(),
-    };
     let thruster_mode = table().named("thruster_mode").unwrap().reference;
     unsafe {
-        let f = &raw const functions;
-        let c = fmi2::fmi2Instantiate(c"test".as_ptr(), 0, guid.as_ptr(), null(), f, 0, 0);
+        let c = host::instantiate("RexROV", 0);
         ok(fmi2::fmi2SetInteger(c, &raw const thruster_mode, 1, &raw const mode));
         ok(fmi2::fmi2EnterInitializationMode(c));
         c

@@ -6,8 +6,7 @@
     reason = "each is a call of the C interface as an importer makes it"
 )]
 
-use std::ffi::CString;
-use std::ptr::null;
+mod host;
 
 use fmu_kit::abi::types::*;
 use fmu_kit::kernel::Status;
@@ -45,19 +44,10 @@ struct Rov(fmi2Component);
 
 impl Rov {
     fn new(interface: fmi2Type, method: i32) -> Self {
-        let guid = CString::new(REGISTRY.named("RexROV").unwrap().guid()).unwrap();
-        let functions = fmi2CallbackFunctions {
-            logger: None,
-            allocateMemory: None,
-            freeMemory: None,
-            stepFinished: None,
-            componentEnvironment: std::ptr::null_mut(),
-        };
         let integers = [Self::vr("thruster_mode"), Self::vr("integrator.method")];
         let values = [ROTOR_SPEED, method];
         unsafe {
-            let f = &raw const functions;
-            let c = fmi2::fmi2Instantiate(c"t".as_ptr(), interface, guid.as_ptr(), null(), f, 0, 0);
+            let c = host::instantiate("RexROV", interface);
             ok(fmi2::fmi2SetInteger(c, integers.as_ptr(), 2, values.as_ptr()));
             let rov = Self(c);
             rov.set("integrator.step", 0.001);

@@ -103,14 +103,17 @@ pub trait Component: Sized + Send + 'static {
     /// [`derivatives`](Component::derivatives) as a function of time and states while memory and
     /// inputs are held, for the stages of an integration step.
     ///
+    /// Where the outputs of that very point are known, as at the beginning of most steps, they come
+    /// along. Only their time may be another by rounding.
+    ///
     /// Override it where part of the work depends on the inputs alone and need not be done again
-    /// for each stage; it must give the same bits.
+    /// for each stage, or stands among the outputs already; it must give the same bits.
     fn held_derivatives(
         &self,
         memory: &Self::Memory,
         inputs: &Self::Inputs,
-    ) -> impl Fn(f64, &Self::States) -> Self::States {
-        move |t, states| self.derivatives(t, memory, states, inputs)
+    ) -> impl Fn(f64, &Self::States, Option<&Self::Outputs>) -> Self::States {
+        move |t, states, _| self.derivatives(t, memory, states, inputs)
     }
 
     /// The outputs at time `t` in seconds.

@@ -111,24 +111,26 @@ impl Instance {
         let inputs = self.values.reals.get_mut(place)?;
         let index = |reference: u32| (reference as usize).wrapping_sub(first);
         // All or none, so this takes two ways through.
-        let mut sum = 0.0;
+        let (mut sum, mut changed) = (0.0, 0);
         for (reference, value) in references.iter().zip(values) {
-            if index(*reference) >= inputs.len() {
-                return None;
-            }
+            let before = inputs.get(index(*reference))?;
+            changed |= before.to_bits() ^ value.to_bits();
             sum += value;
         }
         // A sum that is finite is one of finite values; one that is not is looked at closely.
         if !f64::is_finite(sum) {
             return None;
         }
-        for (reference, value) in references.iter().zip(values) {
-            if let Some(place) = inputs.get_mut(index(*reference)) {
-                *place = *value;
+        // What was set to the value it has already leaves outputs and derivatives as they are.
+        if changed != 0 {
+            for (reference, value) in references.iter().zip(values) {
+                if let Some(place) = inputs.get_mut(index(*reference)) {
+                    *place = *value;
+                }
             }
+            self.run.stale.outputs = true;
+            self.run.stale.derivatives = true;
         }
-        self.run.stale.outputs = true;
-        self.run.stale.derivatives = true;
         Some(())
     }
 

@@ -3,8 +3,9 @@
 use crate::author::{Component, Fault, ParameterError, Ports, Reader, Resources, Time, Variables};
 
 use super::integrator::Integrator;
-use super::model::{Cause, Events, Halt, Memory, Model};
+use super::model::{Cause, Events, Halt, Memory, Model, Outputs};
 use super::parameters::Parameters;
+use super::shape;
 use super::signal::{Held, Moving, Signal, Slopes};
 use super::stepper::{Progress, Scheme, Stepper};
 use super::table::{Group, Layout, Table};
@@ -59,14 +60,20 @@ impl<C: Component> ComponentModel<C> {
         t: f64,
         h: f64,
         signal: &impl Signal<C>,
+        fresh: bool,
         values: &mut Values,
     ) -> Result<usize, Halt> {
         let Some(component) = &self.component else {
             return Err(Halt::new(t, unconfigured()));
         };
         let mut x = self.states(values);
-        let mut stepper =
-            Stepper { component, scheme: &self.scheme, progress: &mut self.progress, signal };
+        let mut stepper = Stepper {
+            component,
+            scheme: &self.scheme,
+            progress: &mut self.progress,
+            signal,
+            known: values.reals.get(self.layout.outputs.clone()).filter(|_| fresh),
+        };
         let events = match stepper.advance(&mut x, t, h) {
             Ok(events) => events,
             Err(halt) => {
@@ -137,7 +144,7 @@ impl<C: Component> ComponentModel<C> {
             value: self.inputs(values),
             slopes: slopes.orders.each_ref().map(|slopes| read(slopes, &(0..slopes.len()))),
         };
-        let done = self.advance(t, h, &signal, values);
+        let done = self.advance(t, h, &signal, false, values);
         let end = done.as_ref().map_or_else(|halt| halt.reached_s, |_| t + h);
         write(&signal.at(end), &mut values.reals, &self.layout.inputs);
         done
@@ -155,6 +162,7 @@ impl<C: Component> ComponentModel<C> {
             scheme: &self.scheme,
             progress: &mut self.progress,
             signal: &Held(u),
+            known: None,
         };
         let done = work(&mut stepper, &mut x);
         Ok((done, x))
@@ -232,16 +240,23 @@ impl<C: Component> Model for ComponentModel<C> {
         }
     }
 
-    fn tangent(&self, t: f64, values: &Values, changes: &mut [f64]) -> bool {
+    fn tangent(&self, t: f64, values: &Values, wanted: Outputs, changes: &mut [f64]) -> bool {
         let Some(component) = self.component.as_ref().filter(|_| C::TANGENT) else {
             return false;
         };
         let (x, u) = (self.states(values), self.inputs(values));
         let dx = read(changes, &self.layout.states);
         let du = read(changes, &self.layout.inputs);
-        let (derivatives, outputs) = component.tangent(t, &self.progress.memory, &x, &u, &dx, &du);
-        write(&derivatives, changes, &self.layout.derivatives);
-        write(&outputs, changes, &self.layout.outputs);
+        let tangent = || component.tangent(t, &self.progress.memory, &x, &u, &dx, &du);
+        // Two calls, so that the compiler leaves out what only the outputs need from the first.
+        match wanted {
+            Outputs::Unread => write(&tangent().0, changes, &self.layout.derivatives),
+            Outputs::Wanted => {
+                let (derivatives, outputs) = tangent();
+                write(&derivatives, changes, &self.layout.derivatives);
+                write(&outputs, changes, &self.layout.outputs);
+            }
+        }
         true
     }
 
@@ -256,7 +271,7 @@ impl<C: Component> Model for ComponentModel<C> {
         let (dx, derivatives, outputs) =
             component.initial_tangent(&x, &u, &parameters.author, &along.author, &du);
         write(&dx, changes, &self.layout.states);
-        self.tangent(t, values, changes);
+        self.tangent(t, values, Outputs::Wanted, changes);
         accumulate(&derivatives, changes, &self.layout.derivatives);
         accumulate(&outputs, changes, &self.layout.outputs);
         true
@@ -287,10 +302,11 @@ impl<C: Component> Model for ComponentModel<C> {
         t: f64,
         h: f64,
         slopes: Option<&Slopes>,
+        fresh: bool,
         values: &mut Values,
     ) -> Result<usize, Halt> {
         match slopes {
-            None => self.advance(t, h, &Held(self.inputs(values)), values),
+            None => self.advance(t, h, &Held(self.inputs(values)), fresh, values),
             Some(slopes) => self.step_moving(t, h, slopes, values),
         }
     }
@@ -311,10 +327,15 @@ impl<C: Component> Model for ComponentModel<C> {
         let progress = memory
             .downcast_ref::<Progress<C::Memory>>()
             .ok_or("the state is another component's")?;
-        postcard::to_stdvec(progress).map_err(|cause| cause.to_string())
+        let bytes = shape::fingerprint(&C::Memory::default())?.to_vec();
+        postcard::to_extend(progress, bytes).map_err(|cause| cause.to_string())
     }
 
     fn unpack(&self, bytes: &[u8]) -> Result<Memory, String> {
+        let expected = shape::fingerprint(&C::Memory::default())?;
+        let bytes = bytes
+            .strip_prefix(&expected)
+            .ok_or("it has another shape in the version of the library that saved it")?;
         match postcard::take_from_bytes::<Progress<C::Memory>>(bytes) {
             Ok((progress, [])) => Ok(Box::new(progress)),
             Ok((_, rest)) => Err(format!("{} bytes too many", rest.len())),

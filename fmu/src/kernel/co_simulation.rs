@@ -31,7 +31,8 @@ impl Instance {
     fn step(&mut self, t: f64, h: f64) -> Result<(), Trouble> {
         self.check_step(t, h)?;
         let slopes = (self.slopes.course == Course::Ahead).then_some(&self.slopes);
-        let events = match self.model.step(t, h, slopes, &mut self.values) {
+        let fresh = !self.run.stale.outputs;
+        let events = match self.model.step(t, h, slopes, fresh, &mut self.values) {
             Ok(events) => events,
             Err(halt) => return Err(self.halted(t, h, &halt)),
         };

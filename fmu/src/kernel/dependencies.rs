@@ -26,7 +26,7 @@ use crate::author::{Component, Resources, Start, Time};
 
 use super::adapter::ComponentModel;
 use super::factors::{Factor, Factors};
-use super::model::Model;
+use super::model::{Model, Outputs};
 use super::perturbation::{Random, set, shift};
 use super::table::{Group, Table, Variable};
 use super::values::{Explicit, Values};
@@ -205,7 +205,7 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
             }
             for (known, variable) in moving.into_iter().flat_map(|group| table.group(group)) {
                 let mut changes = unit(&values, variable);
-                model.tangent(0.0, &values, &mut changes);
+                model.tangent(0.0, &values, Outputs::Wanted, &mut changes);
                 for unknown in [Group::Output, Group::Derivative] {
                     for (unknown, variable) in table.group(unknown) {
                         let slope = changes.get(variable.reference as usize).copied();

@@ -58,11 +58,10 @@ fn moved<X: Ports>(x: &X, k: &X, h: f64) -> X {
     there
 }
 
-/// One step of the classical Runge-Kutta method.
+/// One step of the classical Runge-Kutta method, from `x`, where the derivatives are `k1`.
 #[inline]
-pub(crate) fn runge_kutta<X: Ports>(f: &impl Fn(f64, &X) -> X, x: &mut X, t: f64, h: f64) {
+pub(crate) fn runge_kutta<X: Ports>(f: &impl Fn(f64, &X) -> X, k1: X, x: &mut X, t: f64, h: f64) {
     let half = 0.5 * h;
-    let k1 = f(t, x);
     let k2 = f(t + half, &moved(x, &k1, half));
     let k3 = f(t + half, &moved(x, &k2, half));
     let k4 = f(t + h, &moved(x, &k3, h));
@@ -78,7 +77,7 @@ pub(crate) fn runge_kutta<X: Ports>(f: &impl Fn(f64, &X) -> X, x: &mut X, t: f64
 #[inline(never)]
 pub(crate) fn runge_kutta_again<X: Ports>(f: &impl Fn(f64, &X) -> X, x: &X, t: f64, h: f64) -> X {
     let mut there = *x;
-    runge_kutta(f, &mut there, t, h);
+    runge_kutta(f, f(t, x), &mut there, t, h);
     there
 }
 

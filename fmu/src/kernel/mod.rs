@@ -25,6 +25,7 @@ mod model_exchange;
 mod parameters;
 mod perturbation;
 mod registry;
+mod shape;
 mod signal;
 mod state;
 mod status;

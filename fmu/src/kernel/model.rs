@@ -15,6 +15,15 @@ use super::values::{Explicit, Values};
 /// What a model remembers besides its values, in a form only the model knows.
 pub type Memory = Box<dyn Any + Send>;
 
+/// Whether somebody reads the outputs besides the derivatives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outputs {
+    /// They are left as they are.
+    Unread,
+    /// They are computed, too.
+    Wanted,
+}
+
 /// What happened when events were handled.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Events {
@@ -82,9 +91,9 @@ pub trait Model: Send {
     fn indicators(&self, t: f64, values: &Values, into: &mut [f64]);
 
     /// The tangent-linear model at `t` seconds: reads the changes of inputs and states from
-    /// `changes`, which lie there as the Reals do, and writes those of outputs and derivatives.
-    /// False if there is none.
-    fn tangent(&self, t: f64, values: &Values, changes: &mut [f64]) -> bool;
+    /// `changes`, which lie there as the Reals do, and writes those of the derivatives, and of the
+    /// outputs if they are `wanted`. False if there is none.
+    fn tangent(&self, t: f64, values: &Values, wanted: Outputs, changes: &mut [f64]) -> bool;
 
     /// The same for the start, where parameters change and states with them: reads the changes of
     /// parameters and inputs, and writes those of states, outputs and derivatives.
@@ -100,7 +109,8 @@ pub trait Model: Send {
     fn events(&mut self, t: f64, values: &mut Values) -> Result<Events, Fault>;
 
     /// Co-simulation: advances from `t` by `h` seconds, with inputs held or moving along `slopes`,
-    /// and computes the outputs there; returns how many events there were.
+    /// and computes the outputs there; returns how many events there were. `fresh` says whether
+    /// the outputs among the values are those of the beginning, with these inputs.
     ///
     /// # Errors
     /// How far it got and why not further.
@@ -109,6 +119,7 @@ pub trait Model: Send {
         t: f64,
         h: f64,
         slopes: Option<&Slopes>,
+        fresh: bool,
         values: &mut Values,
     ) -> Result<usize, Halt>;
 

@@ -18,12 +18,13 @@ pub(crate) trait Signal<C: Component> {
     /// Calls `f` with the inputs at `t`.
     fn with<R>(&self, t: f64, f: impl FnOnce(&C::Inputs) -> R) -> R;
 
-    /// The derivatives of the states along these inputs.
+    /// The derivatives of the states along these inputs; the outputs of the same point come along
+    /// where they are known.
     fn derivatives<'a>(
         &'a self,
         component: &'a C,
         memory: &'a C::Memory,
-    ) -> impl Fn(f64, &C::States) -> C::States;
+    ) -> impl Fn(f64, &C::States, Option<&C::Outputs>) -> C::States;
 }
 
 /// Inputs that stay as they are.
@@ -42,7 +43,7 @@ impl<C: Component> Signal<C> for Held<C::Inputs> {
         &'a self,
         component: &'a C,
         memory: &'a C::Memory,
-    ) -> impl Fn(f64, &C::States) -> C::States {
+    ) -> impl Fn(f64, &C::States, Option<&C::Outputs>) -> C::States {
         component.held_derivatives(memory, &self.0)
     }
 }
@@ -80,8 +81,8 @@ impl<C: Component> Signal<C> for Moving<C::Inputs> {
         &'a self,
         component: &'a C,
         memory: &'a C::Memory,
-    ) -> impl Fn(f64, &C::States) -> C::States {
-        move |t, x| component.derivatives(t, memory, x, &self.at(t))
+    ) -> impl Fn(f64, &C::States, Option<&C::Outputs>) -> C::States {
+        move |t, x, _| component.derivatives(t, memory, x, &self.at(t))
     }
 }
 

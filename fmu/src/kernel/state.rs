@@ -7,7 +7,8 @@
 //! allocation.
 //!
 //! As bytes: magic and version, length, the state in Postcard's format, SHA-256 of all before.
-//! The state names the GUID of its component, so that other components' states are refused.
+//! The state names the GUID of its component, so that other components' states are refused, and the
+//! shape of its memory (`shape.rs`), so that those of other versions are.
 
 use std::sync::Arc;
 
@@ -22,7 +23,7 @@ use super::status::{Status, Trouble};
 use super::values::{Explicit, Values, all_finite};
 
 /// What serialized states begin with; the digit is the version of the format.
-const MAGIC: &[u8; 8] = b"fmu-kit1";
+const MAGIC: &[u8; 8] = b"fmu-kit2";
 /// Length of the magic and of the number of bytes that follow it.
 const HEAD: usize = 16;
 const CHECKSUM: usize = 32;

@@ -17,7 +17,7 @@ use super::integrator::{
 };
 use super::model::{Cause, Halt};
 use super::signal::Signal;
-use super::values::{first_not_finite, is_finite};
+use super::values::{first_not_finite, is_finite, read};
 
 /// Slack of one part in 10^9 when counting steps: h may be an ulp longer than n steps.
 const SLACK: f64 = 1e-9;
@@ -66,6 +66,8 @@ pub(crate) struct Stepper<'a, C: Component, S> {
     pub(crate) scheme: &'a Scheme<C::States>,
     pub(crate) progress: &'a mut Progress<C::Memory>,
     pub(crate) signal: &'a S,
+    /// The outputs at the beginning, where they are known: only until something happens.
+    pub(crate) known: Option<&'a [f64]>,
 }
 
 impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
@@ -108,6 +110,7 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
     /// Handles the time event of one instant, and the state event it may lead to.
     fn event(&mut self, instant: Time, x: &mut C::States) -> Result<(), Halt> {
         let t = instant.seconds();
+        self.known = None;
         self.time_event(instant, x).map_err(|fault| Halt::new(t, fault))?;
         if watches::<C, S>() { self.settle(x, t) } else { Ok(()) }
     }
@@ -184,7 +187,7 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
     }
 
     #[inline]
-    fn fixed(&self, x: &mut C::States, t: f64, h: f64) -> Result<Option<f64>, Halt> {
+    fn fixed(&mut self, x: &mut C::States, t: f64, h: f64) -> Result<Option<f64>, Halt> {
         // The common case of a single step needs no division.
         let longest = self.scheme.integrator.step;
         let single = h <= longest * (1.0 + SLACK);
@@ -192,15 +195,21 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
         let step = if single { h } else { h / steps };
         // The result of a single step is looked at once it is stored with the outputs.
         let look = !single || watches::<C, S>() || self.next_event().is_some();
-        let f = self.signal.derivatives(self.component, &self.progress.memory);
+        let mut known = self.known.take();
+        let slope = self.signal.derivatives(self.component, &self.progress.memory);
+        let f = |t, x: &C::States| slope(t, x, None);
         for k in 0..steps as u64 {
             let at = t + k as f64 * step;
+            let first = match known.take() {
+                Some(reals) => slope(at, x, Some(&outputs::<C>(reals))),
+                None => slope(at, x, None),
+            };
             if !look {
-                runge_kutta(&f, x, at, step);
+                runge_kutta(&f, first, x, at, step);
                 continue;
             }
             let before = *x;
-            runge_kutta(&f, x, at, step);
+            runge_kutta(&f, first, x, at, step);
             if !is_finite(x) {
                 let halt = Halt::not_finite(at, x);
                 *x = before;
@@ -223,8 +232,10 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
         if proposed.is_nan() || proposed <= 0.0 {
             proposed = first;
         }
-        let f = self.signal.derivatives(self.component, &self.progress.memory);
-        let mut slope = f(t, x);
+        let known = self.known.take();
+        let derivatives = self.signal.derivatives(self.component, &self.progress.memory);
+        let f = |t, x: &C::States| derivatives(t, x, None);
+        let mut slope = derivatives(t, x, known.map(outputs::<C>).as_ref());
         let (mut elapsed, mut crossing) = (0.0, None);
         while elapsed < h && crossing.is_none() {
             let (at, rest) = (t + elapsed, h - elapsed);
@@ -255,7 +266,7 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
                 elapsed = if last { h } else { elapsed + step };
             }
         }
-        drop(f);
+        drop(derivatives);
         self.progress.proposed_s = proposed;
         Ok(crossing)
     }
@@ -304,6 +315,7 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
     /// Handles a state event: iterates until the component has nothing to change any more.
     #[cold]
     fn settle(&mut self, x: &mut C::States, t: f64) -> Result<(), Halt> {
+        self.known = None;
         for _ in 0..ITERATIONS {
             if !self.state_event(t, x).map_err(|fault| Halt::new(t, fault))? {
                 self.progress.signs = self.signs(x, t);
@@ -328,6 +340,11 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
             nearest.map_or("?", |(name, _)| name)
         ))
     }
+}
+
+#[inline(always)]
+fn outputs<C: Component>(reals: &[f64]) -> C::Outputs {
+    read(reals, &(0..reals.len()))
 }
 
 const fn has_indicators<C: Component>() -> bool {

@@ -13,14 +13,16 @@
 
 use super::call::{Call, Phase};
 use super::instance::Instance;
+use super::model::Outputs;
 use super::signal::Course;
 use super::status::{Status, Trouble};
 use super::table::{Group, Kind};
 use super::values::all_finite;
 
-const UNKNOWNS: [Group; 2] = [Group::Output, Group::Derivative];
-const KNOWNS: [Group; 3] = [Group::Input, Group::State, Group::Time];
-const UNKNOWNS_AT_START: [Group; 3] = [Group::Output, Group::State, Group::Derivative];
+// The first of the unknowns are those that solvers ask for alone.
+const UNKNOWNS: [Group; 2] = [Group::Derivative, Group::Output];
+const KNOWNS: [Group; 3] = [Group::State, Group::Input, Group::Time];
+const UNKNOWNS_AT_START: [Group; 3] = [Group::Derivative, Group::Output, Group::State];
 const KNOWNS_AT_START: [Group; 3] = [Group::Input, Group::Parameter, Group::Time];
 
 impl Instance {
@@ -40,13 +42,16 @@ impl Instance {
                 ));
             }
             let starts = me.run.phase == Phase::Initialization;
+            let mut outputs = Outputs::Wanted;
             if starts {
-                me.check_group("unknown", unknowns, &UNKNOWNS_AT_START)?;
-                me.check_group("known", knowns, &KNOWNS_AT_START)?;
+                me.check_groups("unknown", unknowns, &UNKNOWNS_AT_START)?;
+                me.check_groups("known", knowns, &KNOWNS_AT_START)?;
                 me.refresh()?;
             } else {
-                me.check_group("unknown", unknowns, &UNKNOWNS)?;
-                me.check_group("known", knowns, &KNOWNS)?;
+                if me.check_groups("unknown", unknowns, &UNKNOWNS)? == 1 {
+                    outputs = Outputs::Unread;
+                }
+                me.check_groups("known", knowns, &KNOWNS)?;
             }
             if !all_finite(along) {
                 return Err(Trouble::error("an element of dvKnown is not finite"));
@@ -60,7 +65,7 @@ impl Instance {
             if starts {
                 me.model.initial_tangent(me.run.time_s, &me.values, &mut me.changes);
             } else {
-                me.model.tangent(me.run.time_s, &me.values, &mut me.changes);
+                me.model.tangent(me.run.time_s, &me.values, outputs, &mut me.changes);
             }
             me.read_changes(unknowns, into)
         })
@@ -74,7 +79,7 @@ impl Instance {
         into: &mut [f64],
     ) -> Status {
         self.call(Call::GetRealOutputDerivatives, |me| {
-            me.check_group("output", references, &[Group::Output])?;
+            me.check_groups("output", references, &[Group::Output])?;
             let highest = i32::from(me.table.has_tangent());
             if let Some(order) = orders.iter().find(|order| !(1..=highest).contains(*order)) {
                 return Err(Trouble::error(format_args!(
@@ -98,43 +103,51 @@ impl Instance {
             {
                 du.copy_from_slice(&me.slopes.orders[0]);
             }
-            me.model.tangent(me.run.time_s, &me.values, &mut me.changes);
+            me.model.tangent(me.run.time_s, &me.values, Outputs::Wanted, &mut me.changes);
             me.read_changes(references, into)
         })
     }
 
-    /// Checks that all are Reals of the groups that count as `what` now.
-    fn check_group(&self, what: &str, references: &[u32], groups: &[Group]) -> Result<(), Trouble> {
+    /// How many are Reals of a group; counted without a branch, several at a time.
+    #[inline]
+    fn count(&self, references: &[u32], group: Group) -> u32 {
         let layout = self.table.layout();
-        // Where the groups begin and how long they are, worked out once: there are many references.
-        let mut places = [(0_u32, 0_u32); 4];
-        for (place, group) in places.iter_mut().zip(groups) {
-            let range = match group {
-                Group::Input => &layout.inputs,
-                Group::Output => &layout.outputs,
-                Group::State => &layout.states,
-                Group::Derivative => &layout.derivatives,
-                Group::Parameter => &(0..layout.parameters.reals),
-                Group::Time => &(layout.time..layout.time + 1),
-            };
-            *place = (range.start as u32, range.len() as u32);
-        }
-        let within = |reference: &u32| {
-            places.iter().fold(false, |any, (start, n)| any | (reference.wrapping_sub(*start) < *n))
+        let place = match group {
+            Group::Input => layout.inputs.clone(),
+            Group::Output => layout.outputs.clone(),
+            Group::State => layout.states.clone(),
+            Group::Derivative => layout.derivatives.clone(),
+            Group::Parameter => 0..layout.parameters.reals,
+            Group::Time => layout.time..layout.time + 1,
         };
-        // Without a branch, several at a time.
-        if references.iter().fold(true, |all, reference| all & within(reference)) {
-            return Ok(());
+        let (start, n) = (place.start as u32, place.len() as u32);
+        references.iter().map(|reference| u32::from(reference.wrapping_sub(start) < n)).sum()
+    }
+
+    /// Checks that all are Reals of the groups that count as `what` now; tells how many of these
+    /// groups, from the first, have them all. No Real is of two groups, so what each has adds up.
+    #[inline]
+    fn check_groups(
+        &self,
+        what: &str,
+        references: &[u32],
+        groups: &[Group],
+    ) -> Result<usize, Trouble> {
+        let mut found = 0;
+        for (looked_at, group) in (1..).zip(groups) {
+            found += self.count(references, *group) as usize;
+            if found == references.len() {
+                return Ok(looked_at);
+            }
         }
-        match references.iter().find(|reference| !within(reference)) {
-            None => Ok(()),
-            Some(bad) => Err(self.wrong_group(what, *bad, groups)),
-        }
+        Err(self.wrong_group(what, references, groups))
     }
 
     #[cold]
-    fn wrong_group(&self, what: &str, reference: u32, groups: &[Group]) -> Trouble {
-        let words = self.run.phase.words();
+    fn wrong_group(&self, what: &str, references: &[u32], groups: &[Group]) -> Trouble {
+        let is_right = |reference| groups.iter().any(|g| self.count(&[reference], *g) > 0);
+        let wrong = references.iter().copied().find(|reference| !is_right(*reference));
+        let (words, reference) = (self.run.phase.words(), wrong.unwrap_or_default());
         let right: Vec<&str> = groups.iter().map(|group| group.words()).collect();
         let right = right.join(", ");
         match self.table.find(Kind::Real, reference) {
@@ -165,8 +178,9 @@ impl Instance {
     }
 
     fn read_changes(&self, references: &[u32], into: &mut [f64]) -> Result<(), Trouble> {
+        let changes = &*self.changes;
         for (reference, place) in references.iter().zip(&mut *into) {
-            *place = self.changes.get(*reference as usize).copied().unwrap_or(f64::NAN);
+            *place = changes.get(*reference as usize).copied().unwrap_or(f64::NAN);
         }
         if all_finite(into) { Ok(()) } else { Err(self.doubtful("a derivative is not finite")) }
     }

@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 use crate::components::fmi2;
 use crate::driver::{CS, Fmu, ME};
 
-const HEAD: &[u8] = b"fmu-kit1";
+const HEAD: &[u8] = b"fmu-kit2";
 /// Before the body: the head and its length. Behind it: the checksum.
 const BEFORE: usize = 16;
 const CHECKSUM: usize = 32;

@@ -1,32 +1,14 @@
-//! Zip files: the same bytes every time, and read back whole.
+//! Zip files: written by the kit, read back whole for merging.
 
-use anyhow::{Context, Result};
-use std::{
-    fs::{self, File},
-    io::{Read, Write},
-    path::Path,
-};
-use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter, write::SimpleFileOptions};
+use anyhow::{Context, Error, Result};
+use std::{fs::File, io::Read, path::Path};
+use zip::ZipArchive;
 
-/// A file in an archive: its name with `/` between folders, and its bytes.
-pub(crate) type Entry = (String, Vec<u8>);
+pub(crate) use fmu_kit::package::File as Entry;
 
-/// Writes a zip file with fixed times and permissions, so that equal input gives equal bytes. It
-/// appears under its name when it is whole: somebody may be reading the old one.
+/// Writes a zip file, the same bytes every time.
 pub(crate) fn write(path: &Path, files: &[Entry]) -> Result<()> {
-    let options = SimpleFileOptions::default()
-        .compression_method(CompressionMethod::Deflated)
-        .last_modified_time(DateTime::default())
-        .unix_permissions(0o644);
-    let partial = path.with_extension("partial");
-    let file = File::create(&partial).with_context(|| partial.display().to_string())?;
-    let mut zip = ZipWriter::new(file);
-    for (name, bytes) in files {
-        zip.start_file(name.as_str(), options)?;
-        zip.write_all(bytes)?;
-    }
-    zip.finish()?;
-    fs::rename(&partial, path).with_context(|| path.display().to_string())
+    fmu_kit::package::write(path, files).map_err(Error::msg)
 }
 
 /// Reads all files of a zip file, in its order.

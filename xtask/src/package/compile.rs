@@ -43,7 +43,7 @@ pub(crate) fn library(
         }
         Linker::Zig => {
             process::run(zig(platform)?.args(selection))?;
-            paths::target().join(platform.target).join("release")
+            paths::target().join(platform.target()).join("release")
         }
     };
     let path = output.join(file);
@@ -59,7 +59,7 @@ fn zig(platform: &Platform) -> Result<Command> {
     let mut command = Command::new(programs.join("cargo-zigbuild"));
     command
         .args(["zigbuild", "--release", "--quiet", "--target"])
-        .arg(format!("{}.{GLIBC}", platform.target))
+        .arg(format!("{}.{GLIBC}", platform.target()))
         .current_dir(paths::root())
         .env("PATH", path)
         .env("CARGO_TARGET_DIR", paths::target())

@@ -1,28 +1,26 @@
-//! What lies in an FMU beside its description and its library: documentation, icon, licences and
-//! the reference run.
+//! What lies in an FMU: to what the kit puts there, this adds text and plot of the documentation, the
+//! icon, licences and the reference run.
 
 use super::{archive::Entry, icon, page, reference};
 use crate::{paths, process};
-use anyhow::{Context, Result};
+use anyhow::{Context, Error, Result};
 use fmu_kit::kernel;
 use std::fs;
 
 /// Where the Reference FMUs of the Modelica Association keep their results.
 const REFERENCE: &str = "extra/org.fmi-standard.fmi-ls-ref";
 
-/// The files of one component.
-pub(crate) fn of(component: &kernel::Entry) -> Result<Vec<Entry>> {
+/// The files of one component, with the library for each platform.
+pub(crate) fn of(component: &kernel::Entry, libraries: &[Entry]) -> Result<Vec<Entry>> {
     let name = component.info().name;
     let run = reference::run(component)?;
     let text = source(&format!("{name}.md"))?;
-    let page = page::html(component, &text, &run).with_context(|| format!("{name}.md"))?;
+    let chapters = page::chapters(component, &text, &run).with_context(|| format!("{name}.md"))?;
     let icon =
         icon::png(&source(&format!("{name}.svg"))?).with_context(|| format!("{name}.svg"))?;
-    let mut files = vec![
-        ("documentation/index.html".to_owned(), page.into_bytes()),
-        ("model.png".to_owned(), icon),
-        (format!("{REFERENCE}/fmi-ls-manifest.xml"), run.manifest(name).into_bytes()),
-    ];
+    let mut files = fmu_kit::package::fmu(component, libraries, &chapters).map_err(Error::msg)?;
+    files.push(("model.png".to_owned(), icon));
+    files.push((format!("{REFERENCE}/fmi-ls-manifest.xml"), run.manifest(name).into_bytes()));
     if let Some(inputs) = run.inputs.csv() {
         files.push((format!("{REFERENCE}/{name}_in.csv"), inputs.into_bytes()));
     }

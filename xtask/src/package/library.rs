@@ -95,7 +95,7 @@ impl Library {
             self.machine == platform.machine,
             "it is built for machine {:?} of ELF, binaries/{} is for {:?}",
             self.machine,
-            platform.folder,
+            platform.folder(),
             platform.machine
         );
         let standard: BTreeSet<String> = Call::ALL
@@ -163,6 +163,8 @@ mod tests {
     use super::*;
     use crate::package::platform;
 
+    type Change = fn(&mut Library);
+
     fn set(names: &[&str]) -> BTreeSet<String> {
         names.iter().map(|name| (*name).to_owned()).collect()
     }
@@ -181,21 +183,21 @@ mod tests {
     #[test]
     fn a_library_that_is_not_fit_is_told_why() {
         let linux64 = platform::named("linux64").unwrap();
-        let judge = |change: &dyn Fn(&mut Library)| {
+        let judge = |change: Change| {
             let mut library = fit();
             change(&mut library);
             library.check(linux64).and_then(|()| library.check_portable())
         };
         assert_eq!(fit().exports.len(), 44);
-        judge(&|_| ()).unwrap();
-        let cases: [(&dyn Fn(&mut Library), &str); 7] = [
-            (&|l| l.machine = elf::EM_AARCH64, "binaries/linux64 is for"),
-            (&|l| l.exports = set(&["fmi2Reset"]), "does not export fmi2CancelStep"),
-            (&|l| l.exports.extend(set(&["rust_eh_personality"])), "exports rust_eh_personality"),
-            (&|l| l.interposable = set(&["fmi2Reset"]), "looks up its own fmi2Reset"),
-            (&|l| l.needed.extend(set(&["libgcc_s.so.1"])), "needs libgcc_s.so.1"),
-            (&|l| l.versions.extend(set(&["GLIBC_2.18"])), "needs GLIBC_2.18"),
-            (&|l| l.versions.extend(set(&["GCC_3.0"])), "needs GCC_3.0"),
+        judge(|_| ()).unwrap();
+        let cases: [(Change, &str); 7] = [
+            (|l| l.machine = elf::EM_AARCH64, "binaries/linux64 is for"),
+            (|l| l.exports = set(&["fmi2Reset"]), "does not export fmi2CancelStep"),
+            (|l| l.exports.extend(set(&["rust_eh_personality"])), "exports rust_eh_personality"),
+            (|l| l.interposable = set(&["fmi2Reset"]), "looks up its own fmi2Reset"),
+            (|l| l.needed.extend(set(&["libgcc_s.so.1"])), "needs libgcc_s.so.1"),
+            (|l| l.versions.extend(set(&["GLIBC_2.18"])), "needs GLIBC_2.18"),
+            (|l| l.versions.extend(set(&["GCC_3.0"])), "needs GCC_3.0"),
         ];
         for (change, part) in cases {
             let error = judge(change).unwrap_err().to_string();

@@ -22,7 +22,7 @@ mod reference;
 mod shipped;
 mod stimulus;
 
-use crate::{describe, paths};
+use crate::paths;
 use anyhow::{Context, Result};
 use compile::Linker;
 use library::Library;
@@ -84,22 +84,17 @@ fn build(linker: Linker, platforms: &[&'static Platform], output: &Path) -> Resu
         if linker == Linker::Zig {
             library.check_portable().context("the library is not fit for other machines")?;
         }
-        println!("{}: {} bytes, glibc {} or later", platform.folder, bytes.len(), library.glibc());
-        libraries.push((platform.folder, bytes));
+        let folder = platform.folder();
+        println!("{folder}: {} bytes, glibc {} or later", bytes.len(), library.glibc());
+        libraries.push((folder, bytes));
     }
     fs::create_dir_all(output)?;
     let licenses = contents::licenses()?;
     let mut packaged = Vec::new();
     for entry in rexrov_fmu::REGISTRY.entries() {
-        let name = entry.info().name;
-        let mut files =
-            vec![("modelDescription.xml".to_owned(), describe::text(entry)?.into_bytes())];
-        for (folder, bytes) in &libraries {
-            files.push((format!("binaries/{folder}/{name}.so"), bytes.clone()));
-        }
-        files.extend(contents::of(entry)?);
+        let mut files = contents::of(entry, &libraries)?;
         files.extend(licenses.iter().cloned());
-        let path = output.join(format!("{name}.fmu"));
+        let path = output.join(format!("{}.fmu", entry.info().name));
         archive::write(&path, &files)?;
         packaged.push(path);
     }

@@ -1,5 +1,5 @@
-//! `documentation/index.html`: the author's text with its equations, a plot of the reference run,
-//! and the variables from the component's own table.
+//! What `documentation/index.html` shows before the variables: the author's text with its equations,
+//! and a plot of the reference run.
 //!
 //! The text is Markdown with equations in LaTeX between `$` signs, which become MathML: browsers
 //! show it by themselves, without a network.
@@ -14,8 +14,8 @@ use pulldown_latex::{RenderConfig, Storage, config::DisplayMode, push_mathml};
 /// Height of one panel of the plot, px.
 const PANEL_HEIGHT: f64 = 110.0;
 
-/// The page of a component.
-pub(crate) fn html(component: &Entry, text: &str, run: &Run) -> Result<String> {
+/// The chapters of a component, as HTML.
+pub(crate) fn chapters(component: &Entry, text: &str, run: &Run) -> Result<String> {
     let name = component.info().name;
     let mut chapters = "<img class=\"icon\" src=\"../model.png\" alt=\"\">\n".to_owned();
     chapters.push_str(&markdown(text)?);
@@ -28,7 +28,7 @@ pub(crate) fn html(component: &Entry, text: &str, run: &Run) -> Result<String> {
         component.info().stop_time_s,
         plot(component, run)?,
     ));
-    Ok(component.documentation(&chapters))
+    Ok(chapters)
 }
 
 /// Markdown to HTML, LaTeX to MathML.

@@ -1,30 +1,44 @@
-//! The platforms an FMU can hold a library for, by the names that FMI, Rust and ELF have for them.
+//! The platforms an FMU can be shipped for: Linux on several machines, by the names that Rust, FMI and
+//! ELF have for them.
 
 use anyhow::{Result, anyhow};
+use fmu_kit::package;
 use object::elf::{EM_AARCH64, EM_X86_64, Machine};
+use std::env::consts::{ARCH, OS};
 
 /// One platform.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Platform {
-    /// Folder under binaries/: FMI 2.0's own name, or the tuple that 2.0.4 took over from FMI 3.0.
-    pub(crate) folder: &'static str,
-    /// Rust's target.
-    pub(crate) target: &'static str,
+    /// The processor, as Rust calls it.
+    arch: &'static str,
     /// `e_machine` of ELF.
     pub(crate) machine: Machine,
 }
 
 /// All of them. A line more is a platform more, if Rust and Zig both know it.
-pub(crate) const ALL: [Platform; 2] = [
-    Platform { folder: "linux64", target: "x86_64-unknown-linux-gnu", machine: EM_X86_64 },
-    Platform { folder: "aarch64-linux", target: "aarch64-unknown-linux-gnu", machine: EM_AARCH64 },
+const ALL: [Platform; 2] = [
+    Platform { arch: "x86_64", machine: EM_X86_64 },
+    Platform { arch: "aarch64", machine: EM_AARCH64 },
 ];
+
+impl Platform {
+    /// Folder under binaries/.
+    pub(crate) fn folder(&self) -> String {
+        package::platform("linux", self.arch)
+    }
+
+    /// Rust's target.
+    pub(crate) fn target(&self) -> String {
+        format!("{}-unknown-linux-gnu", self.arch)
+    }
+}
 
 /// The platform of a folder or of a Rust target.
 pub(crate) fn named(name: &str) -> Result<&'static Platform> {
-    ALL.iter().find(|platform| platform.folder == name || platform.target == name).ok_or_else(
+    ALL.iter().find(|platform| platform.folder() == name || platform.target() == name).ok_or_else(
         || {
-            let known = ALL.map(|platform| format!("{} ({})", platform.folder, platform.target));
+            let known =
+                ALL.map(|platform| format!("{} ({})", platform.folder(), platform.target()));
             anyhow!("no platform is called \"{name}\"; there are {}", known.join(", "))
         },
     )
@@ -32,5 +46,5 @@ pub(crate) fn named(name: &str) -> Result<&'static Platform> {
 
 /// The machine this runs on.
 pub(crate) fn host() -> Result<&'static Platform> {
-    named(&format!("{}-unknown-{}-gnu", std::env::consts::ARCH, std::env::consts::OS))
+    named(&package::platform(OS, ARCH))
 }

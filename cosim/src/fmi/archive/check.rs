@@ -11,7 +11,7 @@ use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use zip::unstable::read::ZipIterable;
-use zip::{SUPPORTED_COMPRESSION_METHODS, ZipReadOptions};
+use zip::{CompressionMethod, ZipReadOptions};
 
 use super::{broken, refused};
 use crate::error::{Code, Error, Result};
@@ -74,7 +74,7 @@ pub(super) fn entries<R: Read + Seek>(
         if entry.encrypted() {
             return refuse("it is encrypted".to_owned());
         }
-        if !SUPPORTED_COMPRESSION_METHODS.contains(&entry.compression()) {
+        if !matches!(entry.compression(), CompressionMethod::Stored | CompressionMethod::Deflated) {
             return refuse(format!("its compression ({}) is not deflate", entry.compression()));
         }
         let (size, packed) = (entry.size(), entry.compressed_size());

@@ -110,7 +110,7 @@ impl Instance {
             unsafe { (f.completed_step)(c, 0, &mut event, &mut terminate) }
         })?;
         self.show(|_| format!("event: {}, terminate: {}", event != 0, terminate != 0));
-        self.ended(terminate)?;
+        self.unless_ended(terminate)?;
         Ok(event != 0)
     }
 
@@ -134,7 +134,7 @@ impl Instance {
                 unsafe { (f.new_discrete)(c, &mut info) }
             })?;
             self.show(|_| format!("{info:?}"));
-            self.ended(info.terminate)?;
+            self.unless_ended(info.terminate)?;
             next.states_changed |= info.states_changed != 0;
             next.nominals_changed |= info.nominals_changed != 0;
             next.time = (info.next_event_defined != 0).then_some(info.next_event);
@@ -153,14 +153,8 @@ impl Instance {
             .why(format!("the event asked for {MAX_ITERATIONS} iterations and still for more")))
     }
 
-    fn ended(&self, terminate: i32) -> Result<()> {
-        if terminate == 0 {
-            return Ok(());
-        }
-        Err(Error::new(Code::Fmu, format!("'{}' ended the run at t = {}", self.name, self.time))
-            .at(self.fmu.path())
-            .why("the FMU set terminateSimulation")
-            .log(self.log.take()))
+    fn unless_ended(&mut self, terminate: i32) -> Result<()> {
+        if terminate == 0 { Ok(()) } else { Err(self.ended("the FMU set terminateSimulation")) }
     }
 
     #[inline]

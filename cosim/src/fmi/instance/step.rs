@@ -48,13 +48,24 @@ impl Instance {
             // SAFETY: `c` is alive and the state allows the call.
             unsafe { do_step(c, from, length, 1) }
         };
-        let mut status = match self.followed {
+        let status = match self.followed {
             None => call(&self.functions, self.component),
             Some(_) => {
                 let shown = |_: &Followed| format!("{from:?}, {length:?}, true");
                 self.followed_call::<false>("fmi2DoStep", shown, call)
             }
         };
+        self.stepped(start, step, status)
+    }
+
+    /// What came of a step that returned `status`.
+    #[inline(always)]
+    pub(super) fn stepped(
+        &mut self,
+        start: Time,
+        step: Time,
+        mut status: RawStatus,
+    ) -> Result<Time> {
         if status == status::PENDING {
             status = self.wait()?;
         }
@@ -111,17 +122,22 @@ impl Instance {
     #[cold]
     fn reached(&mut self, start: Time, step: Time) -> Result<Time> {
         self.state = State::Failed;
-        if self.boolean_status(TERMINATED) {
-            let what = format!("'{}' ended the run at t = {}", self.name, self.time);
-            return Err(Error::new(Code::Fmu, what)
-                .at(self.fmu.path())
-                .why("the FMU discarded a step with the status fmi2Terminated")
-                .log(self.log.take()));
-        }
         let said = self.real_status(LAST_SUCCESSFUL_TIME);
         let reached = said.and_then(|t| Time::from_seconds(t, "the last successful time").ok());
+        if self.boolean_status(TERMINATED) {
+            self.time = reached.filter(|t| *t >= start && *t <= start + step).unwrap_or(start);
+            return Err(self.ended("the FMU discarded a step with the status fmi2Terminated"));
+        }
         // One that came to the end has no reason to discard the step: it came nowhere.
         Ok(reached.filter(|t| *t > start && *t < start + step).unwrap_or(start))
+    }
+
+    /// The FMU wants the run to end at the present time.
+    #[cold]
+    pub(super) fn ended(&mut self, why: &str) -> Error {
+        Error::new(Code::Ended, format!("'{}' ended the run at t = {}", self.name, self.time))
+            .at(self.fmu.path())
+            .why(why)
     }
 
     /// The error for a discarded step that nobody repeats.

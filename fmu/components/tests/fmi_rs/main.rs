@@ -19,17 +19,6 @@ use runge_kutta::RungeKutta;
 /// A power of two, so that instants are the same numbers wherever a run begins.
 const STEP: f64 = 1.0 / 128.0;
 const STOP: f64 = 4.0;
-const COMPONENTS: [&str; 9] = [
-    "RexROV",
-    "Imu",
-    "Dvl",
-    "Gps",
-    "PressureSensor",
-    "EkfDynamic",
-    "EkfKinematic",
-    "PurePursuit",
-    "VelocityController",
-];
 
 type Outcome = Result<(), String>;
 
@@ -41,7 +30,7 @@ fn target() -> PathBuf {
 fn judge(check: &str, examine: impl Fn(&Fmu) -> Outcome) {
     let mut rows = String::new();
     let mut complaints = Vec::new();
-    for name in COMPONENTS {
+    for name in rexrov_fmu::REGISTRY.entries().map(|entry| entry.info().name) {
         let outcome = Fmu::open(name).and_then(|fmu| examine(&fmu));
         let verdict = if outcome.is_ok() { "passed" } else { "failed" };
         rows += &format!("fmi-rs,{check},{name},{verdict}\n");

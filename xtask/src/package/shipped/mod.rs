@@ -27,7 +27,7 @@ fn names() -> impl Iterator<Item = &'static str> {
 
 /// The library of an FMU for this machine.
 fn library(name: &str) -> Vec<u8> {
-    let file = format!("binaries/{}/{name}.so", platform::host().unwrap().folder);
+    let file = format!("binaries/{}/{name}.so", platform::host().unwrap().folder());
     packaged(name).into_iter().find(|(name, _)| *name == file).unwrap().1
 }
 

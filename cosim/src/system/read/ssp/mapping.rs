@@ -1,13 +1,10 @@
 //! `<ssm:ParameterMapping>`: other names for parameters, inline or in an .ssm file.
 
-use std::sync::Arc;
-
 use super::Reader;
 use super::connection::TRANSFORMATIONS;
 use crate::error::{Code, Result};
 use crate::system::raw::{Place, Stage};
-use crate::units::Units;
-use crate::xml::{self, Element};
+use crate::xml::Element;
 
 /// One parameter under another name.
 pub(super) struct Entry {
@@ -35,17 +32,7 @@ impl Reader<'_> {
         match (element.get("source"), element.child("ParameterMapping")) {
             (None, Some(inline)) => self.entries(inline).map(Some),
             (Some(source), None) => {
-                let base = self.base_of(element, component)?;
-                let file = base.open(source, &self.place(element))?;
-                let at = self.place(element);
-                let root = xml::read(&file, &file).map_err(|e| e.help(format!("named in {at}")))?;
-                let mut other = Reader {
-                    file: Arc::from(file.as_path()),
-                    base,
-                    units: Units::new(),
-                    gathered: self.gathered,
-                    nested: self.nested,
-                };
+                let (root, mut other) = self.follow(element, source, component)?;
                 other.entries(&root).map(Some)
             }
             _ => Err(self

@@ -36,17 +36,7 @@ impl Reader<'_> {
         let mapping = self.mapping(binding, component)?;
         let mut values = Vec::new();
         if let Some(source) = binding.get("source") {
-            let base = self.base_of(binding, component)?;
-            let file = base.open(source, &self.place(binding))?;
-            let at = self.place(binding);
-            let root = xml::read(&file, &file).map_err(|e| e.help(format!("named in {at}")))?;
-            let mut other = Reader {
-                file: Arc::from(file.as_path()),
-                base,
-                units: Units::new(),
-                gathered: self.gathered,
-                nested: self.nested,
-            };
+            let (root, mut other) = self.follow(binding, source, component)?;
             other.set(&root, false, &mut values)?;
         }
         for set in binding.grandchildren("ParameterValues") {
@@ -78,8 +68,28 @@ impl Reader<'_> {
         Ok(())
     }
 
+    /// The root of the file that an element names as its source, and a reader for it.
+    pub(super) fn follow(
+        &mut self,
+        element: &Element,
+        source: &str,
+        component: Option<&Path>,
+    ) -> Result<(Element, Reader<'_>)> {
+        let (base, at) = (self.base_of(element, component)?, self.place(element));
+        let file = base.open(source, &at)?;
+        let root = xml::read(&file, &file).map_err(|e| e.help(format!("named in {at}")))?;
+        let reader = Reader {
+            file: Arc::from(file.as_path()),
+            base,
+            units: Units::new(),
+            gathered: self.gathered,
+            nested: self.nested,
+        };
+        Ok((root, reader))
+    }
+
     /// What a source is relative to.
-    pub(super) fn base_of(&self, element: &Element, component: Option<&Path>) -> Result<Base> {
+    fn base_of(&self, element: &Element, component: Option<&Path>) -> Result<Base> {
         match (element.get("sourceBase"), component) {
             (None | Some("SSD"), _) => Ok(self.base.clone()),
             (Some("component"), Some(fmu)) if self.base.folder.is_some() => self.base_in(fmu),

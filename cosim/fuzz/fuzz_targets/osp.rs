@@ -1,0 +1,8 @@
+//! An OSP structure with its groups of variables and LogConfig, read and checked.
+#![no_main]
+#![allow(dead_code)]
+
+#[path = "../readers.rs"]
+mod readers;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| readers::osp(bytes));
