@@ -73,7 +73,9 @@ impl Engine {
 
     /// Goes on counting from there.
     pub(crate) fn count_from(&mut self, (steps, efforts): &Tally) {
-        self.made.clone_from(steps);
+        for (own, steps) in self.made.iter_mut().zip(steps) {
+            *own = *steps;
+        }
         for (own, effort) in self.efforts.iter_mut().zip(efforts) {
             *own = *effort;
         }
