@@ -24,6 +24,7 @@ mod stepping;
 mod summary;
 mod validate;
 mod values;
+mod verify;
 mod worker;
 
 use clap::{Parser, Subcommand, ValueEnum};
@@ -49,6 +50,7 @@ enum Verb {
     Workers(worker::Workers),
     Group(worker::Group),
     Report(report::Report),
+    Verify(verify::Verify),
     Explain(explain::Explain),
     Completion(completion::Completion),
     Man(completion::Man),
@@ -76,6 +78,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<()> {
         Verb::Workers(verb) => verb.run(),
         Verb::Group(verb) => verb.run(),
         Verb::Report(verb) => verb.run(),
+        Verb::Verify(verb) => verb.run(),
         Verb::Explain(verb) => verb.run(),
         Verb::Completion(verb) => verb.run(),
         Verb::Man(verb) => verb.run(),

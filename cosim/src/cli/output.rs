@@ -1,11 +1,13 @@
 //! Where results go, and running with a recorder, the clock and snapshots.
 
+use std::cell::RefCell;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use clap::Args;
 use cosim::distributed::Cluster;
-use cosim::observe::{self, Continued, CsvRecorder, Progress, Stop};
+use cosim::observe::{self, Continued, CsvRecorder, Digested, Progress, RunningDigest, Stop};
 use cosim::scenario::Scenario;
 use cosim::{Code, Error, Observer, Overrides, Recording, Result, Run, Snapshot, Summary, System};
 
@@ -40,6 +42,9 @@ pub(crate) struct Output {
     #[arg(long, value_name = "FACTOR", value_parser = super::values::factor, num_args = 0..=1,
           default_missing_value = "1", require_equals = true)]
     real_time: Option<f64>,
+    /// Write the running digest of the results after each sample there, for `cosim verify`
+    #[arg(long, value_name = "FILE")]
+    digest_file: Option<PathBuf>,
     /// How the summary is told: for people on stderr, or as JSON on stdout
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
@@ -54,6 +59,9 @@ struct Computed<'a> {
     cluster: Option<&'a Cluster>,
     snapshot: Option<Snapshot>,
 }
+
+/// What records, and where the digest of that is found.
+type Recorder = (Box<dyn Observer>, Rc<RefCell<RunningDigest>>);
 
 impl Output {
     /// What of this is decided when the system is made.
@@ -72,7 +80,7 @@ impl Output {
         let snapshot = self.snapshots.resumed(system)?;
         let computed = Computed { system, cluster, snapshot };
         if target != Path::new("-") {
-            let recorder = recorder(&target, system, computed.snapshot.as_ref())?;
+            let recorder = self.recorder(&target, system, computed.snapshot.as_ref())?;
             return self.observe(computed, recorder, &target.display().to_string());
         }
         if self.format == Format::Json {
@@ -80,13 +88,46 @@ impl Output {
                 .help("give --output-file a file"));
         }
         let recorder = CsvRecorder::new(io::BufWriter::new(io::stdout()), "stdout");
-        self.observe(computed, Box::new(recorder), "stdout")
+        let recorder = self.digested(Box::new(recorder))?;
+        self.observe(computed, recorder, "stdout")
+    }
+
+    /// A new file of results; a resumed run continues those that are there.
+    fn recorder(
+        &self,
+        target: &Path,
+        system: &System,
+        snapshot: Option<&Snapshot>,
+    ) -> Result<Recorder> {
+        if snapshot.is_none() || !target.exists() {
+            return self.digested(observe::create(target)?);
+        }
+        let old = Recording::read_unfinished(target)?;
+        if !old.names().iter().eq(system.columns().iter().map(|column| &column.name)) {
+            return Err(Error::new(Code::Results, "the results cannot be continued")
+                .at(target)
+                .why("their columns are not those of this run")
+                .help("give --output-file another file"));
+        }
+        let unfinished = beside(target);
+        let (recorder, digest) = self.digested(observe::create(&unfinished)?)?;
+        let continued = Continued::new(recorder, old).replacing(unfinished, target.to_owned());
+        Ok((Box::new(continued), digest))
+    }
+
+    fn digested(&self, recorder: Box<dyn Observer>) -> Result<Recorder> {
+        let (digested, digest) = Digested::new(recorder);
+        let digested = match &self.digest_file {
+            Some(file) => digested.list(file)?,
+            None => digested,
+        };
+        Ok((Box::new(digested), digest))
     }
 
     fn observe(
         &self,
         what: Computed<'_>,
-        mut recorder: Box<dyn Observer>,
+        (mut recorder, digest): Recorder,
         target: &str,
     ) -> Result<()> {
         let Computed { system, cluster, snapshot } = what;
@@ -123,7 +164,8 @@ impl Output {
             _ => e,
         })?;
         let (spent, overruns) = (begun.elapsed().as_secs_f64(), live.overruns());
-        self.tell(&Told { system, summary: &summary, spent, target, overruns })?;
+        let digest = digest.borrow().text();
+        self.tell(&Told { system, summary: &summary, spent, target, overruns, digest })?;
         match summary.stopped {
             Some(Stop::Interrupted) => {
                 Err(Error::new(Code::Interrupted, "the run was interrupted")
@@ -170,23 +212,10 @@ pub(crate) fn file_name(name: &str) -> String {
     name.replace(['/', '\\', '\0'], "_")
 }
 
-/// A new file of results; a resumed run continues those that are there.
-fn recorder(
-    target: &Path,
-    system: &System,
-    snapshot: Option<&Snapshot>,
-) -> Result<Box<dyn Observer>> {
-    if snapshot.is_none() || !target.exists() {
-        return observe::create(target);
-    }
-    let old = Recording::read(target)?;
-    if !old.names().iter().eq(system.columns().iter().map(|column| &column.name)) {
-        return Err(Error::new(Code::Results, "the results cannot be continued")
-            .at(target)
-            .why("their columns are not those of this run")
-            .help("give --output-file another file"));
-    }
-    Ok(Box::new(Continued::new(observe::create(target)?, old)))
+/// A file of the same kind in the same folder.
+fn beside(target: &Path) -> PathBuf {
+    let name = target.file_name().unwrap_or_default().to_string_lossy();
+    target.with_file_name(format!(".continued-{name}"))
 }
 
 /// Prints to stdout; a closed pipe (`| head`) ends quietly.

@@ -12,6 +12,8 @@ pub(crate) struct Told<'a> {
     pub spent: f64,
     pub target: &'a str,
     pub overruns: Option<Overruns>,
+    /// Of all that was recorded.
+    pub digest: String,
 }
 
 /// So many components are told one by one.
@@ -19,7 +21,7 @@ const TOLD: usize = 20;
 
 /// A line for the whole, a table of the components; of many those that took the most time.
 pub(crate) fn text(told: &Told) -> String {
-    let Told { system, summary, spent, target, overruns } = told;
+    let Told { system, summary, spent, target, overruns, digest } = told;
     let mut lines = table(summary);
     if let Some(o) = overruns {
         lines.push(match o.count {
@@ -33,6 +35,7 @@ pub(crate) fn text(told: &Told) -> String {
             ),
         });
     }
+    lines.push(format!("digest {digest}"));
     lines.push(format!(
         "{}: {} s simulated in {spent:.3} s ({:.0} x real time, {} steps); results in {target}",
         system.name(),
@@ -79,7 +82,7 @@ fn table(summary: &Summary) -> Vec<String> {
 
 /// The same as JSON, in SI units.
 pub(crate) fn json(told: &Told) -> Value {
-    let Told { system, summary, spent, target, overruns } = told;
+    let Told { system, summary, spent, target, overruns, digest } = told;
     json!({
         "name": system.name(),
         "simulated": summary.simulated,
@@ -87,6 +90,7 @@ pub(crate) fn json(told: &Told) -> Value {
         "steps": summary.steps,
         "stopped": summary.stopped.map(|reason| format!("{reason:?}")),
         "results": target,
+        "digest": digest,
         "components": summary.components.iter().map(|c| json!({
             "name": c.name,
             "steps": c.steps,

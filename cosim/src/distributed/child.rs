@@ -15,7 +15,7 @@ use super::session::Access;
 use super::setup::{FmuFile, FmuSource};
 use crate::digest::sha256;
 use crate::error::{Code, Error, Result};
-use crate::fmi::Fmu;
+use crate::fmi::{Fmu, LastCall};
 
 /// How long the coordinator may take to be heard of.
 const PATIENCE: Duration = Duration::from_secs(30);
@@ -50,7 +50,7 @@ pub fn serve(access: &Access, order: &Order) -> Result<()> {
     // Whoever sees the token can speak to us.
     let _token = session.liveliness().declare_token(format!("{life}/alive")).wait();
     let _token = _token.map_err(refused)?;
-    let fmus = Delivered { session: session.clone(), run: order.run.clone(), folder: folder()? };
+    let fmus = Delivered::new(&session, &order.run)?;
     let mut host = Host::new(order.generation, Box::new(fmus));
     while let Ok(message) = inbox.recv() {
         let (answer, last) = match host.handle(&message) {
@@ -73,18 +73,29 @@ fn refused(why: zenoh::Error) -> Error {
     Error::new(Code::Session, "the session of a group failed").why(why)
 }
 
-fn folder() -> Result<tempfile::TempDir> {
-    tempfile::Builder::new()
-        .prefix("cosim-")
-        .tempdir()
-        .map_err(|why| Error::new(Code::Output, "no temporary folder could be made").why(why))
-}
+/// The name of the file with the last FMI call, in the temporary folder of the process.
+pub(super) const LAST_CALL: &str = "last-call";
 
 /// FMUs that the coordinator sends.
 struct Delivered {
     session: Session,
     run: String,
     folder: tempfile::TempDir,
+    last_call: Arc<LastCall>,
+}
+
+impl Delivered {
+    fn new(session: &Session, run: &str) -> Result<Self> {
+        let unmade = |why| Error::new(Code::Output, "a temporary file could not be made").why(why);
+        let folder = tempfile::Builder::new().prefix("cosim-").tempdir();
+        let last_call = LastCall::create(std::env::temp_dir().join(LAST_CALL));
+        Ok(Self {
+            session: session.clone(),
+            run: run.to_owned(),
+            folder: folder.map_err(|why: std::io::Error| unmade(why))?,
+            last_call: Arc::new(last_call.map_err(unmade)?),
+        })
+    }
 }
 
 impl FmuSource for Delivered {
@@ -98,6 +109,10 @@ impl FmuSource for Delivered {
             std::fs::write(&path, bytes).map_err(|why| undelivered(file).why(why))?;
         }
         Fmu::open(&path)
+    }
+
+    fn last_call(&self) -> Option<Arc<LastCall>> {
+        Some(self.last_call.clone())
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use super::fate::Fate;
 use crate::error::Result;
 
 /// Starts lives of groups and carries messages to and from them. A *life* is one host of a group,
@@ -15,6 +16,9 @@ pub(crate) trait Fabric {
 
     /// What happens next; nothing if nothing happens for so long.
     fn next(&mut self, patience: Duration) -> Option<Event>;
+
+    /// What is known of a life that is lost or silent, if that can be found out soon.
+    fn inquire(&mut self, group: usize, generation: u32) -> Option<Fate>;
 
     /// Gives a life up. It may go on somewhere, but is not listened to any more.
     fn abandon(&mut self, group: usize, generation: u32);

@@ -2,7 +2,8 @@
 //!
 //! `@1` is the protocol's version and a verbatim chunk: no wildcard of an observer ever matches
 //! it, so nobody can hold up a run by listening. What observers may listen to is under
-//! `cosim/1/...`.
+//! `cosim/1/...`. Workers announce themselves under `cosim/@pool/VERSION`, so that those of other
+//! versions are seen and named.
 
 use super::wire::VERSION;
 
@@ -13,12 +14,22 @@ pub(crate) fn root() -> String {
 
 /// A worker: its liveliness token; queries to it are below.
 pub(crate) fn worker(id: &str) -> String {
-    format!("{}/pool/{id}", root())
+    format!("cosim/@pool/{VERSION}/{id}")
 }
 
-/// Every worker's token.
-pub(crate) fn workers() -> String {
-    worker("*")
+/// Every worker's token, of whatever version.
+pub(crate) fn workers() -> &'static str {
+    "cosim/@pool/*/*"
+}
+
+/// A run: its liveliness token. Whatever was started for it ends with it.
+pub(crate) fn running(run: &str) -> String {
+    format!("{}/running/{run}", root())
+}
+
+/// The run of a key that [`running`] gave.
+pub(crate) fn parse_running(key: &str) -> Option<&str> {
+    key.split('/').nth(3)
 }
 
 /// A life of a group: `cmd`, `rep` and the liveliness token `alive` are below.
@@ -43,9 +54,10 @@ pub(crate) fn parse_life(key: &str) -> Option<(usize, u32)> {
     Some((group.parse().ok()?, generation.parse().ok()?))
 }
 
-/// The worker of a key that [`worker`] gave.
-pub(crate) fn parse_worker(key: &str) -> Option<&str> {
-    key.split('/').nth(3)
+/// Version and name of the worker of a key that [`worker`] gave.
+pub(crate) fn parse_worker(key: &str) -> Option<(&str, &str)> {
+    let mut chunks = key.split('/').skip(2);
+    Some((chunks.next()?, chunks.next()?))
 }
 
 #[cfg(test)]
@@ -55,7 +67,8 @@ mod tests {
     #[test]
     fn what_a_key_says_is_read_again() {
         assert_eq!(parse_life(&format!("{}/rep", life("r", 12, 3))), Some((12, 3)));
-        assert_eq!(parse_worker(&worker("left")), Some("left"));
+        assert_eq!(parse_worker(&worker("left")), Some(("1", "left")));
+        assert_eq!(parse_running(&running("r")), Some("r"));
         assert_eq!(parse_life("cosim/@1/run/r/fmu/00"), None);
     }
 }

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::fabric::{Event, Fabric};
+use super::fate::Fate;
 use super::host::{Handled, Host};
 use super::setup::{FmuFile, FmuSource};
 use crate::error::{Code, Error, Result};
@@ -129,6 +130,10 @@ impl Fabric for Local {
 
     fn next(&mut self, _patience: Duration) -> Option<Event> {
         self.queue.pop_front()
+    }
+
+    fn inquire(&mut self, _group: usize, _generation: u32) -> Option<Fate> {
+        None
     }
 
     fn abandon(&mut self, group: usize, generation: u32) {

@@ -34,6 +34,8 @@ pub(super) struct Member {
     pub lost: Option<(Instant, String)>,
     /// The longest time that an answer took.
     longest: Duration,
+    /// The command at which the group failed by its own fault, and how often in a row.
+    faults: (u64, u32),
 }
 
 /// What a group is waited for.
@@ -71,6 +73,7 @@ impl Member {
             recoveries: 0,
             lost: None,
             longest: Duration::ZERO,
+            faults: (0, 0),
         }
     }
 
@@ -102,6 +105,32 @@ impl Member {
             Awaited::Again(number) => Some(self.before_log() + 1 + number as u64),
             Awaited::Last => Some(self.sequence),
         }
+    }
+
+    /// What it is waited for, for people.
+    pub(super) fn awaits(&self) -> String {
+        let told = match self.awaited {
+            Some(Awaited::Launch) | None => return "its start".to_owned(),
+            Some(Awaited::SetUp) => return "its set-up".to_owned(),
+            Some(Awaited::Again(number)) => self.log.get(number),
+            Some(Awaited::Last) => self.log.last(),
+        };
+        match told.and_then(|told| Header::read(&told.message).ok()) {
+            Some((Header { kind: Kind::Step, time, .. }, _)) => format!("the step to t = {time}"),
+            Some((Header { kind, .. }, _)) => format!("the command {kind:?}"),
+            None => "its last command".to_owned(),
+        }
+    }
+
+    /// It is lost; how often in a row it was by its own fault at this command.
+    pub(super) fn faults(&mut self, own: bool) -> u32 {
+        let at = self.awaited_sequence().unwrap_or_default();
+        self.faults = match self.faults {
+            _ if !own => (at, 0),
+            (before, count) if before == at => (at, count + 1),
+            _ => (at, 1),
+        };
+        self.faults.1
     }
 
     pub(super) fn is_launching(&self) -> bool {

@@ -12,14 +12,17 @@
 //! * `wire` is the form of the messages, `setup` what a host is told first;
 //! * `host` computes a group with the engine of an ordinary run;
 //! * `coordinator` drives the groups, `recovery` and `member` what happens when one is lost;
-//! * `fabric` is what carries messages; `net` does so over Zenoh, `session` opens it;
-//! * `worker` lends a machine, `child` is the process in which FMUs run.
+//! * `fabric` is what carries messages; `net` does so over Zenoh, `session` opens it, `present` knows
+//!   who is there;
+//! * `worker` lends a machine, `child` is the process in which FMUs run, `fate` how it ended;
+//! * `own` starts workers for one run.
 
 mod child;
 mod coordinator;
 mod distribute;
 mod fabric;
 mod failure;
+mod fate;
 mod host;
 mod keys;
 mod layout;
@@ -28,8 +31,10 @@ mod local;
 mod member;
 mod net;
 mod options;
+mod own;
 mod placement;
 mod pool;
+mod present;
 mod recovery;
 mod run;
 mod session;

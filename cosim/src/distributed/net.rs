@@ -1,9 +1,8 @@
 //! The fabric over Zenoh: groups live on workers that dialled us.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use zenoh::pubsub::Publisher;
@@ -12,22 +11,30 @@ use zenoh::sample::SampleKind;
 use zenoh::{Session, Wait};
 
 use super::fabric::{Event, Fabric};
+use super::fate::Fate;
 use super::keys;
 use super::pool::{Order, WorkerInfo};
+use super::present::Present;
 use crate::error::{Code, Error, Result};
 
-/// The workers that are there, by name.
-type Present = Arc<Mutex<BTreeSet<String>>>;
+/// How long a worker may take to tell how a life ended. It is local to it, and a run waits.
+const INQUIRY: Duration = Duration::from_millis(200);
 
 /// Groups on workers.
 pub(crate) struct Net {
     session: Session,
     run: String,
-    events: Receiver<Event>,
-    sender: Sender<Event>,
+    news: Receiver<News>,
+    sender: Sender<News>,
+    /// What is to be told next.
+    due: VecDeque<Event>,
     present: Present,
+    /// Workers that did not answer; they are asked when nobody else is there.
+    silent: BTreeSet<String>,
     /// The worker that each group is meant for.
     homes: Vec<String>,
+    /// How long to wait for a worker when none is left.
+    patience: Duration,
     lives: BTreeMap<usize, Life>,
     /// Subscribers and queryables end with this.
     _declared: Vec<Box<dyn std::any::Any>>,
@@ -37,6 +44,17 @@ struct Life {
     generation: u32,
     worker: String,
     commands: Publisher<'static>,
+    /// It can be spoken to.
+    ready: bool,
+}
+
+/// What callbacks tell.
+pub(super) enum News {
+    Event(Event),
+    /// A worker is there.
+    Came(String),
+    /// It is gone.
+    Left(String),
 }
 
 impl Net {
@@ -46,8 +64,7 @@ impl Net {
         run: &str,
         files: BTreeMap<String, PathBuf>,
     ) -> Result<Self> {
-        let (sender, events) = channel();
-        let present = Present::default();
+        let (sender, news) = channel();
         let mut declared: Vec<Box<dyn std::any::Any>> = Vec::new();
 
         let answers = sender.clone();
@@ -56,7 +73,7 @@ impl Net {
             .callback(move |sample| {
                 if let Some((group, _)) = keys::parse_life(sample.key_expr().as_str()) {
                     let bytes = sample.payload().to_bytes().into_owned();
-                    let _ = answers.send(Event::Answer { group, bytes });
+                    let _ = answers.send(News::Event(Event::Answer { group, bytes }));
                 }
             })
             .wait();
@@ -71,33 +88,19 @@ impl Net {
                 let Some((group, generation)) = keys::parse_life(sample.key_expr().as_str()) else {
                     return;
                 };
-                let _ = lives.send(match sample.kind() {
+                let _ = lives.send(News::Event(match sample.kind() {
                     SampleKind::Put => Event::Ready { group, generation },
                     SampleKind::Delete => {
-                        let why = "its process ended".to_owned();
+                        let why = "it is cut off".to_owned();
                         Event::Lost { group, generation, why }
                     }
-                });
+                }));
             })
             .wait();
         declared.push(Box::new(subscriber.map_err(refused)?));
 
-        let workers = present.clone();
-        let subscriber = session
-            .liveliness()
-            .declare_subscriber(keys::workers())
-            .history(true)
-            .callback(move |sample| {
-                if let Some(worker) = keys::parse_worker(sample.key_expr().as_str()) {
-                    let mut workers = workers.lock().unwrap_or_else(PoisonError::into_inner);
-                    match sample.kind() {
-                        SampleKind::Put => workers.insert(worker.to_owned()),
-                        SampleKind::Delete => workers.remove(worker),
-                    };
-                }
-            })
-            .wait();
-        declared.push(Box::new(subscriber.map_err(refused)?));
+        let (present, subscriber) = Present::follow(&session, sender.clone())?;
+        declared.push(subscriber);
 
         for (hash, file) in files {
             let queryable = session
@@ -116,10 +119,13 @@ impl Net {
         Ok(Self {
             session,
             run: run.to_owned(),
-            events,
+            news,
             sender,
+            due: VecDeque::new(),
             present,
+            silent: BTreeSet::new(),
             homes: Vec::new(),
+            patience: Duration::ZERO,
             lives: BTreeMap::new(),
             _declared: declared,
         })
@@ -132,42 +138,19 @@ impl Net {
         named: &[String],
         patience: Duration,
     ) -> Result<Vec<String>> {
-        let begun = Instant::now();
-        loop {
-            let present = self.present();
-            let missing: Vec<&String> = named.iter().filter(|n| !present.contains(*n)).collect();
-            if missing.is_empty() && present.len() >= count {
-                return Ok(present.into_iter().collect());
-            }
-            if begun.elapsed() > patience {
-                let what = match missing.first() {
-                    Some(name) => format!("the worker '{name}' is not there"),
-                    None => format!("{} of {count} workers are there", present.len()),
-                };
-                let there: Vec<String> = present.into_iter().collect();
-                return Err(Error::new(Code::Placement, what)
-                    .why(format!(
-                        "after {:.0} s there are: {}",
-                        patience.as_secs_f64(),
-                        list(&there)
-                    ))
-                    .maybe_help(missing.first().and_then(|name| {
-                        crate::names::did_you_mean(name, there.iter().map(String::as_str))
-                    })));
-            }
-            std::thread::sleep(Duration::from_millis(5));
-        }
+        self.present.gather(count, named, patience)
     }
 
-    /// The worker of each group.
-    pub(crate) fn settle(&mut self, homes: Vec<String>) {
+    /// The worker of each group, and how long to wait for one when none is left.
+    pub(crate) fn settle(&mut self, homes: Vec<String>, patience: Duration) {
         self.homes = homes;
+        self.patience = patience;
     }
 
     /// What the workers say of themselves.
     pub(crate) fn infos(&self) -> Vec<WorkerInfo> {
         let (answers, inbox) = channel();
-        for worker in self.present() {
+        for worker in self.present.names() {
             let answers = answers.clone();
             let asked = self
                 .session
@@ -189,19 +172,38 @@ impl Net {
         infos
     }
 
-    fn present(&self) -> BTreeSet<String> {
-        self.present.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    /// The group's own worker if that is there; else the one with the fewest groups. If nobody is
+    /// there, somebody may come back.
+    fn choose(&self, group: usize) -> Option<String> {
+        let begun = Instant::now();
+        loop {
+            let mut there = self.present.names();
+            if there.iter().any(|worker| !self.silent.contains(worker)) {
+                there.retain(|worker| !self.silent.contains(worker));
+            }
+            let home = self.homes.get(group).filter(|home| there.contains(*home));
+            let load =
+                |worker: &String| self.lives.values().filter(|life| life.worker == *worker).count();
+            let least = there.iter().min_by_key(|worker| load(worker));
+            if let Some(worker) = home.or(least) {
+                return Some(worker.clone());
+            }
+            if begun.elapsed() > self.patience {
+                return None;
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        }
     }
 
-    /// The group's own worker if that is there; else the one with the fewest groups.
-    fn choose(&self, group: usize) -> Option<String> {
-        let present = self.present();
-        let home = self.homes.get(group)?;
-        if present.contains(home) {
-            return Some(home.clone());
+    /// What became of the lives of a worker that is gone: those that cannot be spoken to yet will
+    /// never be. The others are still connected, or tell it themselves.
+    fn left(&mut self, worker: &str) {
+        for (&group, life) in self.lives.iter().filter(|(_, life)| life.worker == worker) {
+            if !life.ready {
+                let (generation, why) = (life.generation, format!("worker {worker} is gone"));
+                self.due.push_back(Event::Lost { group, generation, why });
+            }
         }
-        let load = |worker: &String| self.lives.values().filter(|l| l.worker == *worker).count();
-        present.into_iter().min_by_key(|worker| load(worker))
     }
 
     fn order(&self, group: usize, generation: u32) -> Order {
@@ -226,7 +228,7 @@ impl Net {
                 };
                 if let Err::<(), String>(why) = outcome {
                     let why = format!("worker {name}: {why}");
-                    let _ = events.send(Event::Lost { group, generation, why });
+                    let _ = events.send(News::Event(Event::Lost { group, generation, why }));
                 }
             })
             .wait()
@@ -237,7 +239,9 @@ impl Net {
 impl Fabric for Net {
     fn launch(&mut self, group: usize, generation: u32) -> Result<()> {
         let worker = self.choose(group).ok_or_else(|| {
-            Error::new(Code::Lost, "no worker is left").help("start some: cosim worker")
+            Error::new(Code::Lost, "no worker is left")
+                .why(format!("none came within {:.0} s", self.patience.as_secs_f64()))
+                .help("start some: cosim worker")
         })?;
         let commands = self
             .session
@@ -246,7 +250,8 @@ impl Fabric for Net {
             .express(true)
             .wait()
             .map_err(refused)?;
-        self.lives.insert(group, Life { generation, worker: worker.clone(), commands });
+        let life = Life { generation, worker: worker.clone(), commands, ready: false };
+        self.lives.insert(group, life);
         self.ask(&worker, "start", &self.order(group, generation))
     }
 
@@ -260,7 +265,51 @@ impl Fabric for Net {
     }
 
     fn next(&mut self, patience: Duration) -> Option<Event> {
-        self.events.recv_timeout(patience).ok()
+        let begun = Instant::now();
+        loop {
+            if let Some(event) = self.due.pop_front() {
+                return Some(event);
+            }
+            match self.news.recv_timeout(patience.saturating_sub(begun.elapsed())).ok()? {
+                News::Event(event) => {
+                    if let Event::Ready { group, generation } = event
+                        && let Some(life) = self.lives.get_mut(&group)
+                    {
+                        life.ready |= life.generation == generation;
+                    }
+                    return Some(event);
+                }
+                News::Came(worker) => drop(self.silent.remove(&worker)),
+                News::Left(worker) => self.left(&worker),
+            }
+        }
+    }
+
+    fn inquire(&mut self, group: usize, generation: u32) -> Option<Fate> {
+        let life = self.lives.get(&group).filter(|life| life.generation == generation)?;
+        let worker = life.worker.clone();
+        if !self.present.names().contains(&worker) {
+            return None;
+        }
+        let order = postcard::to_stdvec(&self.order(group, generation)).ok()?;
+        let (answers, inbox) = channel();
+        self.session
+            .get(format!("{}/fate", keys::worker(&worker)))
+            .payload(order)
+            .timeout(INQUIRY)
+            .callback(move |reply| {
+                let bytes =
+                    reply.result().ok().map(|sample| sample.payload().to_bytes().into_owned());
+                let _ = answers.send(bytes);
+            })
+            .wait()
+            .ok()?;
+        // The channel closes without an answer when the worker is gone, or nobody answered in time.
+        let Ok(Some(answer)) = inbox.recv_timeout(2 * INQUIRY) else {
+            self.silent.insert(worker);
+            return None;
+        };
+        postcard::from_bytes::<Result<Fate, String>>(&answer).ok()?.ok()
     }
 
     fn abandon(&mut self, group: usize, generation: u32) {
@@ -279,10 +328,6 @@ impl Fabric for Net {
     }
 }
 
-fn list(names: &[String]) -> String {
-    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
-}
-
-fn refused(why: zenoh::Error) -> Error {
+pub(super) fn refused(why: zenoh::Error) -> Error {
     Error::new(Code::Session, "the session failed").why(why)
 }

@@ -15,6 +15,8 @@ pub struct Options {
     pub launch_deadline: Duration,
     /// How many new lives a group may have.
     pub recoveries: u32,
+    /// So many times in a row a group may be lost at the same command by a fault of its own.
+    pub attempts: u32,
     /// A lost group that has no saved state is the end of the run, not computed again from the
     /// start.
     pub require_resume: bool,
@@ -28,6 +30,7 @@ impl Default for Options {
             slowness: 100,
             launch_deadline: Duration::from_secs(30),
             recoveries: 1000,
+            attempts: 3,
             require_resume: false,
         }
     }

@@ -47,8 +47,9 @@ impl Coordinator<'_> {
                     }
                 }
                 None => {
-                    let silent = self.members[group].silent();
-                    self.lose(group, &format!("no answer for {:.1} s", silent.as_secs_f64()))?;
+                    let member = &self.members[group];
+                    let (awaited, silent) = (member.awaits(), member.silent().as_secs_f64());
+                    self.lose(group, &format!("no answer to {awaited} for {silent:.1} s"))?;
                 }
             }
         }
@@ -163,13 +164,19 @@ impl Coordinator<'_> {
     /// A group is lost: it begins a new life from its last state, and hears all commands since
     /// then again.
     fn lose(&mut self, group: usize, why: &str) -> Result<()> {
+        let begun = Instant::now();
         let place = self.fabric.place(group);
-        let why = format!("lost at {place}, t = {}: {why}", self.now);
+        let fate = self.fabric.inquire(group, self.members[group].generation);
+        let told = fate.as_ref().map_or_else(String::new, |fate| format!("; {fate}"));
+        let why = format!("lost at {place}, t = {}: {why}{told}", self.now);
         let member = &mut self.members[group];
-        let since = member.lost.as_ref().map_or_else(Instant::now, |(since, _)| *since);
+        let since = member.lost.as_ref().map_or(begun, |(since, _)| *since);
         member.lost = Some((since, why.clone()));
         member.recoveries += 1;
-        let help = if member.recoveries > self.options.recoveries {
+        let faults = member.faults(fate.is_some_and(|fate| fate.is_own_fault()));
+        let help = if faults >= self.options.attempts {
+            "it does so each time that it comes there: its FMU is at fault"
+        } else if member.recoveries > self.options.recoveries {
             "--recoveries allows more new lives"
         } else if member.base.is_none() && self.options.require_resume {
             "without --require-resume it would be computed again from the start"

@@ -1,20 +1,20 @@
 //! Running a system on workers.
 
-use std::os::unix::process::CommandExt;
-use std::path::Path;
-use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use zenoh::Wait;
 
 use super::coordinator::Coordinator;
 use super::distribute::Distribution;
+use super::keys;
 use super::net::Net;
 use super::options::Options;
+use super::own::OwnWorkers;
 use super::placement::place;
 use super::pool::WorkerInfo;
 use super::session::Access;
-use crate::error::{Code, Error, Result};
+use crate::error::Result;
+use crate::fmi::temporary::Unpacked;
 use crate::master::{Run, Summary};
 use crate::system::System;
 
@@ -40,19 +40,27 @@ pub struct Cluster {
 impl Cluster {
     /// Runs `run` of `system` there.
     pub fn go(&self, system: &System, run: Run<'_>) -> Result<Summary> {
-        let folder = private_folder()?;
+        // Ours alone; what a killed run leaves is removed by the next one.
+        let folder = Unpacked::new()?;
         let access = self.access.clone().unwrap_or_else(|| Access {
             endpoints: vec![format!("unixsock-stream/{}/socket", folder.path().display())],
             ..Access::default()
         });
         let session = access.listen()?;
-        let _own = OwnWorkers::start(self, &access, folder.path())?;
-        let named: Vec<String> = self.places.iter().map(|(_, worker)| worker.clone()).collect();
+        let endpoint = access.endpoints.first().map_or("", String::as_str);
+        let wishes = self.wishes(system);
+        let mut named: Vec<String> = wishes.iter().map(|(_, worker)| worker.clone()).collect();
+        named.dedup();
+        let own = own_names(self.own, system);
+        let own = OwnWorkers::start(&self.program, &own, endpoint, folder.path())?;
         // The plan needs the workers' names, and the session the FMUs of the plan.
         let id = session.zid().to_string();
+        // Workers end what they do for this run when it is gone.
+        let _running = session.liveliness().declare_token(keys::running(&id)).wait();
+        let _running = _running.map_err(super::net::refused)?;
         let waiting = Net::new(session.clone(), &id, Default::default())?;
         let workers = waiting.gather(self.needed.max(self.own), &named, self.patience)?;
-        let places = place(system, &self.places, &workers)?;
+        let places = place(system, &wishes, &workers)?;
         drop(waiting);
 
         // A worker without components is a spare.
@@ -66,7 +74,7 @@ impl Cluster {
         let mut net = Net::new(session.clone(), &id, distribution.files.clone())?;
         net.gather(workers.len(), &[], self.patience)?;
         let differences = differences(&net.infos());
-        net.settle(homes);
+        net.settle(homes, self.patience);
         let Distribution { plan, layout, setups, .. } = distribution;
         let options = self.options.clone();
         let mut driven = Coordinator::new(system, plan, layout, &setups, Box::new(net), options)?;
@@ -74,10 +82,35 @@ impl Cluster {
         let outcome = run.drive_all(&mut driven);
         driven.end();
         drop(driven);
+        drop(own);
         // Everything is said; a session that does not close in order ends with the process.
         let _ = session.close().wait();
         outcome
     }
+}
+
+impl Cluster {
+    /// Who wants to be where: what is asked for here, and for the rest what the system's file says.
+    fn wishes(&self, system: &System) -> Vec<(String, String)> {
+        let asked = |name: &str| self.places.iter().any(|(component, _)| component == name);
+        let filed = system.components().iter().filter(|component| !asked(&component.name));
+        let filed = filed.filter_map(|c| Some((c.name.clone(), c.worker.clone()?)));
+        self.places.iter().cloned().chain(filed).collect()
+    }
+}
+
+/// Names for so many workers of our own: first those that the system's file knows.
+fn own_names(count: usize, system: &System) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for name in system.components().iter().filter_map(|component| component.worker.as_ref()) {
+        if !names.contains(name) && names.len() < count {
+            names.push(name.clone());
+        }
+    }
+    let others = (1..=count).map(|number| format!("worker-{number}"));
+    let others: Vec<String> = others.filter(|name| !names.contains(name)).collect();
+    names.extend(others.into_iter().take(count - names.len().min(count)));
+    names
 }
 
 /// Lists the workers that dial `access` within `patience`.
@@ -107,54 +140,4 @@ fn differences(infos: &[WorkerInfo]) -> Vec<String> {
         )
     });
     told.collect()
-}
-
-/// Workers on this machine that end with the run, however it ends.
-struct OwnWorkers(Vec<Child>);
-
-impl OwnWorkers {
-    /// What is temporary goes into `folder`, which vanishes with the run.
-    fn start(cluster: &Cluster, access: &Access, folder: &Path) -> Result<Self> {
-        let mut own = Self(Vec::new());
-        let Some((program, arguments)) = cluster.program.split_first() else {
-            return Ok(own);
-        };
-        if cluster.own == 0 {
-            return Ok(own);
-        }
-        let endpoint = access.endpoints.first().cloned().unwrap_or_default();
-        for number in 1..=cluster.own {
-            let child = Command::new(program)
-                .args(arguments)
-                .args(["--name", &format!("worker-{number}")])
-                .args(["--connect", &endpoint])
-                .env("TMPDIR", folder)
-                .stdin(Stdio::null())
-                // Ctrl-C at a terminal is for the process that the user started.
-                .process_group(0)
-                .spawn();
-            own.0.push(child.map_err(|why| {
-                Error::new(Code::Session, "a worker cannot be started").at(program).why(why)
-            })?);
-        }
-        Ok(own)
-    }
-}
-
-/// A folder that is ours alone and vanishes with the run.
-fn private_folder() -> Result<tempfile::TempDir> {
-    tempfile::Builder::new()
-        .prefix("cosim-")
-        .tempdir()
-        .map_err(|why| Error::new(Code::Output, "no temporary folder could be made").why(why))
-}
-
-impl Drop for OwnWorkers {
-    fn drop(&mut self) {
-        for child in &mut self.0 {
-            // Its children end with it; it may have ended already.
-            let _ = child.kill();
-            let _ = child.wait();
-        }
-    }
 }

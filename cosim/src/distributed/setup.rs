@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 
 use super::layout::Group;
 use crate::error::{Code, Error, Result};
-use crate::fmi::{Fmu, InterfaceType, Logging, Value};
+use crate::fmi::{Fmu, InterfaceType, LastCall, Logging, Value};
 use crate::master::{Converted, Engine, EngineState, Making, Plan, Tally, slave};
 use crate::signals::Signals;
 use crate::system::{Component, Function, Model};
@@ -73,6 +73,11 @@ pub(crate) struct FmuFile {
 pub(crate) trait FmuSource {
     /// The FMU of this hash.
     fn open(&mut self, file: &FmuFile) -> Result<Arc<Fmu>>;
+
+    /// Where the last call is kept for those who find this process dead.
+    fn last_call(&self) -> Option<Arc<LastCall>> {
+        None
+    }
 }
 
 impl Setup {
@@ -80,7 +85,7 @@ impl Setup {
     pub(crate) fn build(self, fmus: &mut dyn FmuSource) -> Result<(Engine, Group)> {
         let (debug, categories) = (self.making.debug, self.making.categories.clone());
         // Messages are told at the end; nobody follows them here.
-        let logging = Logging { debug, categories, trace: None };
+        let logging = Logging { debug, categories, trace: None, last: fmus.last_call() };
         let mut slaves = Vec::with_capacity(self.components.len());
         for (blueprint, node) in self.components.into_iter().zip(&self.plan.nodes) {
             let model = match blueprint.source {
@@ -97,6 +102,7 @@ impl Setup {
                 interface: blueprint.interface,
                 step: blueprint.step,
                 start_values: blueprint.start_values,
+                worker: None,
             };
             slaves.push(slave(&component, node, blueprint.converted, &self.making, &logging)?);
         }

@@ -3,17 +3,22 @@
 
 use std::collections::BTreeMap;
 use std::os::unix::process::CommandExt;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use zenoh::Wait;
 use zenoh::query::Query;
+use zenoh::sample::SampleKind;
+use zenoh::{Session, Wait};
 
+use super::child::LAST_CALL;
+use super::fate::{Call, Fate, Process};
 use super::keys;
 use super::pool::{Order, WorkerInfo};
 use super::session::Access;
 use crate::error::{Code, Error, Result};
+use crate::fmi::LastCall;
+use crate::fmi::temporary::Unpacked;
 
 /// A worker to be run.
 pub struct Worker {
@@ -30,6 +35,9 @@ enum Request {
     Info(Query),
     Start(Query),
     Stop(Query),
+    Fate(Query),
+    /// This run is gone.
+    Gone(String),
 }
 
 /// What is asked under a name below the worker's key.
@@ -42,8 +50,13 @@ impl Worker {
         let (requests, inbox) = channel();
         let key = keys::worker(&self.name);
         let mut queryables = Vec::new();
-        let kinds: [Asked; 3] =
-            [("info", Request::Info), ("start", Request::Start), ("stop", Request::Stop)];
+        self.have_name(&session, &key)?;
+        let kinds: [Asked; 4] = [
+            ("info", Request::Info),
+            ("start", Request::Start),
+            ("stop", Request::Stop),
+            ("fate", Request::Fate),
+        ];
         for (name, request) in kinds {
             let requests: Sender<Request> = requests.clone();
             let queryable = session
@@ -55,12 +68,48 @@ impl Worker {
                 .wait();
             queryables.push(queryable.map_err(refused)?);
         }
+        let _runs = session
+            .liveliness()
+            .declare_subscriber(keys::running("*"))
+            .history(true)
+            .callback(move |sample| {
+                let gone = sample.kind() == SampleKind::Delete;
+                if let Some(run) = keys::parse_running(sample.key_expr().as_str()).filter(|_| gone)
+                {
+                    let _ = requests.send(Request::Gone(run.to_owned()));
+                }
+            })
+            .wait()
+            .map_err(refused)?;
         let _token = session.liveliness().declare_token(&key).wait().map_err(refused)?;
         let mut children = Children { worker: self, lives: BTreeMap::new() };
         children.serve(&inbox, ended);
         Ok(())
     }
+
+    /// Waits until nobody else has our name: one that was killed is gone at once, one that was cut
+    /// off after its lease.
+    fn have_name(&self, session: &Session, key: &str) -> Result<()> {
+        let begun = Instant::now();
+        loop {
+            let there = session.liveliness().get(key).timeout(NAME_PATIENCE).wait();
+            let taken = there.map_err(refused)?.into_iter().any(|reply| reply.result().is_ok());
+            if !taken {
+                return Ok(());
+            }
+            if begun.elapsed() > NAME_PATIENCE {
+                let what = format!("a worker named '{}' is there already", self.name);
+                return Err(Error::new(Code::Session, what).help("another --name"));
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
 }
+
+/// How long one of our name may stay.
+const NAME_PATIENCE: Duration = Duration::from_secs(3);
+/// How long the death of a process may follow the end of its connection.
+const LAST_BREATH: Duration = Duration::from_millis(50);
 
 fn refused(why: zenoh::Error) -> Error {
     Error::new(Code::Session, "the worker cannot announce itself").why(why)
@@ -76,17 +125,24 @@ struct Children<'a> {
 struct Life {
     generation: u32,
     child: Child,
-    _folder: tempfile::TempDir,
+    folder: Unpacked,
+    /// How it ended by itself.
+    ended: Option<ExitStatus>,
 }
 
 impl Children<'_> {
     fn serve(&mut self, inbox: &Receiver<Request>, ended: &dyn Fn() -> bool) {
         let info = WorkerInfo::of_this(&self.worker.name);
         while !ended() {
-            let answered = match inbox.recv_timeout(Duration::from_millis(200)) {
+            let answered = match inbox.recv_timeout(Duration::from_millis(50)) {
                 Ok(Request::Info(query)) => answer(&query, &info),
                 Ok(Request::Start(query)) => self.with_order(&query, Self::start),
                 Ok(Request::Stop(query)) => self.with_order(&query, Self::stop),
+                Ok(Request::Fate(query)) => self.with_order(&query, Self::fate),
+                Ok(Request::Gone(run)) => {
+                    self.end_run(&run);
+                    Ok(())
+                }
                 Err(RecvTimeoutError::Timeout) => Ok(()),
                 Err(RecvTimeoutError::Disconnected) => return,
             };
@@ -97,10 +153,10 @@ impl Children<'_> {
         }
     }
 
-    fn with_order(
+    fn with_order<T: serde::Serialize>(
         &mut self,
         query: &Query,
-        act: fn(&mut Self, &Order) -> std::io::Result<()>,
+        act: fn(&mut Self, &Order) -> std::io::Result<T>,
     ) -> Result<(), zenoh::Error> {
         let payload = query.payload().map(|payload| payload.to_bytes().into_owned());
         let order = payload.as_deref().map(postcard::from_bytes::<Order>);
@@ -114,7 +170,7 @@ impl Children<'_> {
     fn start(&mut self, order: &Order) -> std::io::Result<()> {
         let program = &self.worker.program;
         let (name, arguments) = program.split_first().ok_or(std::io::ErrorKind::InvalidInput)?;
-        let folder = tempfile::Builder::new().prefix("cosim-").tempdir()?;
+        let folder = Unpacked::new().map_err(std::io::Error::other)?;
         let child = Command::new(name)
             .args(arguments)
             .args(["--run", &order.run])
@@ -125,7 +181,7 @@ impl Children<'_> {
             // Ctrl-C at a terminal is for the process that the user started.
             .process_group(0)
             .spawn()?;
-        let life = Life { generation: order.generation, child, _folder: folder };
+        let life = Life { generation: order.generation, child, folder, ended: None };
         if let Some(former) = self.lives.insert((order.run.clone(), order.group), life) {
             end(former);
         }
@@ -142,16 +198,41 @@ impl Children<'_> {
         Ok(())
     }
 
-    /// Forgets children that ended by themselves.
-    fn reap(&mut self) {
-        self.lives.retain(|(run, group), life| match life.child.try_wait() {
-            Ok(Some(status)) if !status.success() => {
-                eprintln!("group {group}.{} of run {run} ended: {status}", life.generation);
-                false
+    /// How a life ended, or what it does.
+    fn fate(&mut self, order: &Order) -> std::io::Result<Fate> {
+        let life = self.lives.get_mut(&(order.run.clone(), order.group));
+        let life = life.filter(|life| life.generation == order.generation);
+        let life = life.ok_or_else(|| std::io::Error::other("there is no such life"))?;
+        let begun = Instant::now();
+        while life.ended.is_none() && begun.elapsed() < LAST_BREATH {
+            life.ended = life.child.try_wait()?;
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let process = match life.ended {
+            Some(status) => Process::ended(status),
+            None => Process::living(life.child.id()),
+        };
+        let call = LastCall::read(life.folder.path().join(LAST_CALL)).map(Call::from);
+        Ok(Fate { process, call })
+    }
+
+    /// Ends all lives of a run.
+    fn end_run(&mut self, run: &str) {
+        let all = std::mem::take(&mut self.lives);
+        for (key, life) in all {
+            if key.0 == run {
+                end(life);
+            } else {
+                self.lives.insert(key, life);
             }
-            Ok(Some(_)) | Err(_) => false,
-            Ok(None) => true,
-        });
+        }
+    }
+
+    /// Notes which children ended by themselves; they are asked after.
+    fn reap(&mut self) {
+        for life in self.lives.values_mut().filter(|life| life.ended.is_none()) {
+            life.ended = life.child.try_wait().ok().flatten();
+        }
     }
 }
 

@@ -63,6 +63,7 @@ codes! {
     Session "E504" 1 "A Zenoh session could not be opened: an endpoint, a certificate or a right is missing or wrong."
     Differs "E505" 1 "A repeated computation gave other values: an FMU is not deterministic, or its state is not complete."
     Results "E401" 3 "A file of recorded results cannot be read."
+    Parted "E403" 1 "Two recordings that were compared are not the same."
     Report "E402" 1 "A report could not be made."
 }
 

@@ -194,7 +194,7 @@ impl Instance {
         let Some(followed) = &self.followed else {
             return call(&self.functions, self.component);
         };
-        followed.begin(function, &arguments(followed));
+        followed.begin(function, self.time, arguments);
         let status = call(&self.functions, self.component);
         let well = status == status::OK || status == status::WARNING;
         followed.end(function, status, RESULTS && well);
@@ -242,7 +242,7 @@ impl Drop for Instance {
         }
         let follow = |function, call: &mut dyn FnMut()| {
             if let Some(followed) = &self.followed {
-                followed.begin(function, "");
+                followed.begin(function, self.time, nothing);
             }
             call();
             if let Some(followed) = &self.followed {
@@ -272,5 +272,5 @@ impl Drop for Instance {
 #[cold]
 #[inline(never)]
 fn show_results(followed: &Followed, results: impl FnOnce(&Followed) -> String) {
-    followed.results(&results(followed));
+    followed.results(results);
 }

@@ -2,7 +2,7 @@
 //!
 //! [`Fmu::open`] gives one shared value per file and process; [`Instance`] is the safe handle of
 //! one `fmi2Component`; [`Logging`] says what instances log. All `unsafe` of this crate is here, in
-//! `open`, `library`, `callbacks`, `instance` and `temporary`, but for one call in `master::direct`.
+//! `open`, `library`, `last`, `callbacks`, `instance` and `temporary`, but for one call in `master::direct`.
 
 pub mod archive;
 mod callbacks;
@@ -10,11 +10,12 @@ pub mod description;
 mod elf;
 mod fmu;
 mod instance;
+mod last;
 mod library;
 mod log;
 mod open;
 mod status;
-mod temporary;
+pub(crate) mod temporary;
 mod trace;
 
 pub use description::{
@@ -23,4 +24,5 @@ pub use description::{
 pub use fmu::Fmu;
 pub(crate) use instance::{Direct, Unusual};
 pub use instance::{Instance, NextEvent, Place, State};
+pub use last::{LastCall, Noted};
 pub use trace::{Logging, Trace};

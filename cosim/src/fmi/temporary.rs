@@ -30,7 +30,7 @@ pub struct Unpacked {
 
 impl Unpacked {
     /// A fresh and empty folder.
-    pub(super) fn new() -> Result<Self> {
+    pub(crate) fn new() -> Result<Self> {
         static SWEPT: Once = Once::new();
         SWEPT.call_once(|| sweep(&std::env::temp_dir()));
         Self::make().map_err(|e| {

@@ -1,5 +1,7 @@
 //! Results that go on where a file of a run before ends.
 
+use std::path::PathBuf;
+
 use super::{Observer, Recording, RunInfo, Stop};
 use crate::error::{Code, Error, Result};
 use crate::time::Time;
@@ -9,12 +11,32 @@ use crate::time::Time;
 pub struct Continued {
     recorder: Box<dyn Observer>,
     old: Recording,
+    /// What the recorder writes, and the name it gets when the old results are in it.
+    renamed: Option<(PathBuf, PathBuf)>,
 }
 
 impl Continued {
     /// `old` is what the run before recorded, of which the part up to the snapshot is used.
     pub fn new(recorder: Box<dyn Observer>, old: Recording) -> Self {
-        Self { recorder, old }
+        Self { recorder, old, renamed: None }
+    }
+
+    /// The recorder writes the file `from`, which takes the place of `to` as soon as what is
+    /// continued is in it: whoever is killed before that has lost nothing.
+    #[must_use]
+    pub fn replacing(mut self, from: PathBuf, to: PathBuf) -> Self {
+        self.renamed = Some((from, to));
+        self
+    }
+
+    fn rename(&mut self) -> Result<()> {
+        let Some((from, to)) = self.renamed.take() else {
+            return Ok(());
+        };
+        self.recorder.flush()?;
+        std::fs::rename(from, &to).map_err(|why| {
+            Error::new(Code::Output, "the results cannot be replaced").at(to).why(why)
+        })
     }
 }
 
@@ -37,7 +59,11 @@ impl Observer for Continued {
         }
         self.old = Recording::new();
         if last.is_some_and(|last| until - last < info.output_interval) {
-            return Ok(());
+            return self.rename();
+        }
+        if let Some((from, _)) = &self.renamed {
+            // It would be in the way of nobody.
+            drop(std::fs::remove_file(from));
         }
         let end = last.map_or("nothing".to_owned(), |last| format!("values up to t = {last}"));
         Err(Error::new(Code::Results, "the results cannot be continued")

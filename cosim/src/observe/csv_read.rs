@@ -12,6 +12,17 @@ pub(super) fn read(file: &Path) -> Result<Recording> {
     parse(&text, file)
 }
 
+/// Reads a file whose writer may have been killed: a last line without its end is left out.
+pub(super) fn read_unfinished(file: &Path) -> Result<Recording> {
+    let bytes = std::fs::read(file)
+        .map_err(|e| Error::new(Code::File, "the results cannot be read").at(file).why(e))?;
+    // The rest of a line may look like a shorter number.
+    let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+    let text = std::str::from_utf8(&bytes[..whole])
+        .map_err(|e| Error::new(Code::Results, "the results are no text").at(file).why(e))?;
+    parse(text, file)
+}
+
 fn parse(text: &str, file: &Path) -> Result<Recording> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
@@ -84,6 +95,14 @@ mod tests {
         assert_eq!(read.time(), [0.0, 0.001]);
         assert_eq!(read.column("a[1,2]").unwrap(), [1.0, 2.5]);
         assert_eq!(read.column("b").unwrap(), [1.0, 0.0]);
+    }
+
+    #[test]
+    fn a_line_without_its_end_was_not_written_to_its_end() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), "time,a\n0.0,1.5\n0.1,1.2").unwrap();
+        assert_eq!(read(file.path()).unwrap().time(), [0.0, 0.1]);
+        assert_eq!(read_unfinished(file.path()).unwrap().time(), [0.0]);
     }
 
     #[test]

@@ -3,16 +3,20 @@
 mod continued;
 mod csv;
 mod csv_read;
+mod digest;
 mod mcap;
 mod mcap_read;
 mod progress;
 mod recording;
+mod verify;
 
 pub use continued::Continued;
 pub use csv::CsvRecorder;
+pub use digest::{Digested, RunningDigest};
 pub use mcap::McapRecorder;
 pub use progress::Progress;
 pub use recording::Recording;
+pub use verify::{Comparison, Differing, Parting};
 
 use std::path::Path;
 

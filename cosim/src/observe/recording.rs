@@ -41,6 +41,13 @@ impl Recording {
         if super::is_mcap(file) { mcap_read::read(file) } else { csv_read::read(file) }
     }
 
+    /// Reads results whose writer may have been killed: of the last sample all is there, or it is
+    /// left out.
+    pub fn read_unfinished(file: impl AsRef<Path>) -> Result<Self> {
+        let file = file.as_ref();
+        if super::is_mcap(file) { mcap_read::read(file) } else { csv_read::read_unfinished(file) }
+    }
+
     /// Which of the columns are Reals; the others hold whole numbers.
     pub(super) fn with_reals(mut self, real: Vec<bool>) -> Self {
         self.real = real;

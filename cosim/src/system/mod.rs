@@ -80,6 +80,8 @@ pub struct Component {
     pub step: Time,
     /// Start values: positions of variables and their values.
     pub start_values: Vec<(usize, Value)>,
+    /// The worker that its file wants it on when the run is distributed.
+    pub worker: Option<String>,
 }
 
 /// What computes a component.

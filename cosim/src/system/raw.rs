@@ -62,6 +62,8 @@ pub(super) struct RawComponent {
     /// The interface type that the file asks for.
     pub interface: Option<InterfaceType>,
     pub step: Option<f64>,
+    /// The worker that computes it when the run is distributed.
+    pub worker: Option<String>,
     /// The variables that may be connected; `None`: the format does not list them.
     pub connectors: Option<Vec<RawConnector>>,
     pub place: Place,

@@ -41,6 +41,7 @@ impl System {
             interface,
             step,
             start_values,
+            worker: None,
         }];
         let mut connections = Vec::new();
         if let Some(recording) = inputs {
@@ -48,7 +49,8 @@ impl System {
             connections = connect(description, &signals);
             let model = Model::Signals(Arc::new(signals));
             let name = "input file".to_owned();
-            components.push(Component { name, model, interface, step, start_values: Vec::new() });
+            let start_values = Vec::new();
+            components.push(Component { name, model, interface, step, start_values, worker: None });
         }
         // Held: an input keeps the value of the beginning of the step, as fmusim and FMPy do it.
         let algorithm = Algorithm::Jacobi;

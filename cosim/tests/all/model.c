@@ -270,6 +270,19 @@ Status fmi2DoStep(Component c, double t, double h, int no_set) {
   if (m->steps == 2 && m->text[0])
     m->callbacks->log(m->callbacks->environment, m->name, 1, "logAll", "%s", m->text);
 #endif
+#ifdef ABORTS
+  if (m->steps == 6) abort();
+#endif
+#ifdef ABORTS_ONCE
+  if (m->steps == 60 && getenv("CRASH_MARK") && !unlink(getenv("CRASH_MARK"))) abort();
+#endif
+#ifdef SPINS
+  if (m->steps == 6)
+    for (;;) __asm__ volatile("");
+#endif
+#ifdef FATAL
+  if (m->steps == 6) return 4;
+#endif
 #ifdef MODEL_FAILING
   if (m->time > m->r[3]) {
     m->callbacks->log(m->callbacks->environment, m->name, 3, "logStatusError", "%s",

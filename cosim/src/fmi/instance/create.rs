@@ -31,9 +31,7 @@ impl Instance {
         }
         let log = Arc::new(Log::new(logging.messages_of(name), name));
         let callbacks = Box::new(Callbacks::new(&log));
-        let followed = logging
-            .calls_of(name)
-            .map(|trace| Box::new(Followed::new(trace, name, fmu.description())));
+        let followed = Followed::of(logging, name, fmu.description()).map(Box::new);
         let mut instance = Self {
             component: std::ptr::null_mut(),
             name: name.to_owned(),
@@ -67,8 +65,9 @@ impl Instance {
         let debug = logging.debug && logging.categories.is_empty();
         if let Some(followed) = &self.followed {
             let (guid, kind) = (&self.fmu.description().guid, self.kind.name());
-            let arguments = format!("{:?}, {kind}, {guid:?}, {resources:?}, {debug}", self.name);
-            followed.begin("fmi2Instantiate", &arguments);
+            followed.begin("fmi2Instantiate", self.time, |_| {
+                format!("{:?}, {kind}, {guid:?}, {resources:?}, {debug}", self.name)
+            });
         }
         let resources = text(&resources);
         let Some(callbacks) = self.callbacks.as_deref() else { return Ok(()) };

@@ -6,11 +6,13 @@ use std::sync::Arc;
 
 use crate::fmi::status::{self, RawStatus};
 use crate::fmi::trace::Trace;
-use crate::fmi::{Description, Kind};
+use crate::fmi::{Description, Kind, LastCall, Logging};
+use crate::time::Time;
 
-/// A follower, and what it calls things.
+/// Followers, and what they call things.
 pub(super) struct Followed {
-    trace: Arc<Trace>,
+    trace: Option<Arc<Trace>>,
+    last: Option<Arc<LastCall>>,
     instance: String,
     /// Names of variables by FMI's base type and value reference; the first of aliases.
     names: HashMap<(&'static str, u32), String>,
@@ -30,26 +32,49 @@ fn base(kind: &Kind) -> &'static str {
 }
 
 impl Followed {
-    pub(super) fn new(trace: Arc<Trace>, instance: &str, description: &Description) -> Self {
+    /// None if nobody follows.
+    pub(super) fn of(logging: &Logging, instance: &str, description: &Description) -> Option<Self> {
+        let (trace, last) = (logging.calls_of(instance), logging.last.clone());
+        if trace.is_none() && last.is_none() {
+            return None;
+        }
         let mut names = HashMap::new();
         for variable in &description.variables {
             let key = (base(&variable.kind), variable.value_reference);
             names.entry(key).or_insert_with(|| variable.name.clone());
         }
-        Self { trace, instance: instance.to_owned(), names }
+        Some(Self { trace, last, instance: instance.to_owned(), names })
     }
 
-    pub(super) fn begin(&self, function: &'static str, arguments: &str) {
-        self.trace.begin(&self.instance, function, arguments);
+    /// Before a call at the instance's time `now`. Arguments become words for a trace only.
+    pub(super) fn begin(
+        &self,
+        function: &'static str,
+        now: Time,
+        arguments: impl FnOnce(&Self) -> String,
+    ) {
+        if let Some(last) = &self.last {
+            last.begin(&self.instance, function, now);
+        }
+        if let Some(trace) = &self.trace {
+            trace.begin(&self.instance, function, &arguments(self));
+        }
     }
 
     /// After a call; `more`: its results follow.
     pub(super) fn end(&self, function: &'static str, status: RawStatus, more: bool) {
-        self.trace.end(&self.instance, function, status::name(status), more);
+        if let Some(last) = &self.last {
+            last.end();
+        }
+        if let Some(trace) = &self.trace {
+            trace.end(&self.instance, function, status::name(status), more);
+        }
     }
 
-    pub(super) fn results(&self, results: &str) {
-        self.trace.results(results);
+    pub(super) fn results(&self, results: impl FnOnce(&Self) -> String) {
+        if let Some(trace) = &self.trace {
+            trace.results(&results(self));
+        }
     }
 
     /// `u, y`

@@ -101,7 +101,7 @@ impl Instance {
             }
             if found != status::PENDING {
                 if let Some(followed) = &self.followed {
-                    followed.begin("fmi2GetStatus", "fmi2DoStepStatus");
+                    followed.begin("fmi2GetStatus", self.time, |_| "fmi2DoStepStatus".to_owned());
                     followed.end("fmi2GetStatus", found, false);
                 }
                 return Ok(found);

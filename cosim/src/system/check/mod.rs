@@ -65,8 +65,10 @@ pub(super) fn check(
         .zip(timing.steps)
         .zip(start_values)
         .filter_map(|((opened, step), start_values)| {
-            let (name, interface) = (opened.name, opened.interface);
-            Some(Component { name, model: opened.model?, interface, step, start_values })
+            let (name, interface, model) = (opened.name, opened.interface, opened.model?);
+            let described = raw.components.iter().find(|component| component.name == name);
+            let worker = described.and_then(|component| component.worker.clone());
+            Some(Component { name, model, interface, step, start_values, worker })
         })
         .collect();
     let algorithm = overrides.algorithm.or(raw.master.algorithm).unwrap_or_default();

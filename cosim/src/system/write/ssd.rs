@@ -75,7 +75,9 @@ impl Writer<'_> {
         self.start_values(xml, position);
         xml.start("ssd:Annotations", &[]);
         let step = number(component.step.seconds());
-        annotation(xml, "cosim", |xml| xml.empty("cosim:Component", &[("stepSize", &step)]));
+        let mut own = vec![("stepSize", step.as_str())];
+        own.extend(component.worker.as_deref().map(|worker| ("worker", worker)));
+        annotation(xml, "cosim", |xml| xml.empty("cosim:Component", &own));
         annotation(xml, OSP, |xml| xml.empty("osp:StepSizeHint", &[("value", &step)]));
         xml.end();
         xml.end();

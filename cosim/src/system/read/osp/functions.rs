@@ -80,6 +80,7 @@ impl Reader {
             model: RawModel::Function(Arc::new(function)),
             interface: None,
             step: None,
+            worker: None,
             connectors: None,
             place,
         });

@@ -44,6 +44,7 @@ impl Reader {
             model: path.map_or(RawModel::Unknown, RawModel::Fmu),
             interface: None,
             step: step.or(base_step),
+            worker: None,
             connectors: None,
             place,
         });

@@ -12,8 +12,9 @@
 //! </ssd:Annotations>
 //! ```
 //! in the SystemStructureDescription, its System or its DefaultExperiment, and
-//! `<cosim:Component stepSize="0.1"/>` in a Component. Without them a component steps by the
-//! stepSize of its FMU's DefaultExperiment. Those of the Open Simulation Platform are read where
+//! `<cosim:Component stepSize="0.1" worker="left"/>` in a Component, where `worker` is where it is
+//! computed in a distributed run. Without them a component steps by the stepSize of its FMU's
+//! DefaultExperiment. Those of the Open Simulation Platform are read where
 //! ours are missing: `<osp:FixedStepAlgorithm baseStepSize="0.01"/>` in
 //! `<osp:Algorithm>` of the DefaultExperiment and `<osp:StepSizeHint value="0.1"/>` of a Component.
 
@@ -69,10 +70,16 @@ impl Reader<'_> {
             step = self.number(element, "value").or(step);
         }
         for element in self.ours(owner, "Component") {
-            self.known(element, &[], &["stepSize"]);
+            self.known(element, &[], &["stepSize", "worker"]);
             step = self.number(element, "stepSize").or(step);
         }
         step
+    }
+
+    /// The worker of a component in a distributed run.
+    pub(super) fn worker(&mut self, owner: &Element) -> Option<String> {
+        let own = self.ours(owner, "Component");
+        own.iter().rev().find_map(|element| element.get("worker").map(str::to_owned))
     }
 
     fn number(&mut self, element: &Element, name: &str) -> Option<f64> {

@@ -143,6 +143,7 @@ impl Reader<'_> {
             model: source.map_or(RawModel::Unknown, RawModel::Fmu),
             interface,
             step: self.step(element),
+            worker: self.worker(element),
             connectors: Some(connectors),
             place: self.place(element),
         };

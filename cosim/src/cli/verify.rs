@@ -1,0 +1,145 @@
+//! `cosim verify`: whether two runs gave the same, and if not, where they part.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use cosim::observe::{Comparison, Parting};
+use cosim::{Code, Error, Recording, Result};
+
+use super::output::print;
+
+/// Compare two files of results bit by bit, or one with a digest
+#[derive(Args)]
+pub(crate) struct Verify {
+    /// Results: CSV or MCAP; or a list of digests (--digest-file)
+    a: PathBuf,
+    /// The other results, CSV or MCAP, or the digest that a run told
+    b: PathBuf,
+}
+
+/// So many variables are told one by one.
+const TOLD: usize = 20;
+
+impl Verify {
+    pub(crate) fn run(self) -> Result<()> {
+        if let Some(digest) = digest_in(&self.b) {
+            return self.against(&digest);
+        }
+        if let (Some(a), Some(b)) = (list(&self.a)?, list(&self.b)?) {
+            return self.lists(&a, &b);
+        }
+        let (a, b) = (Recording::read(&self.a)?, Recording::read(&self.b)?);
+        let found = Comparison::of(&a, &b);
+        if found.is_same() {
+            let order = if found.reordered { ", in another order" } else { "" };
+            return print(&format!(
+                "the same: {} samples of {} variables{order}; digest {}",
+                found.samples,
+                found.columns,
+                a.digest()?.text()
+            ));
+        }
+        self.tell(&found)
+    }
+
+    fn tell(&self, found: &Comparison) -> Result<()> {
+        let names = [&self.a, &self.b].map(|file| file.display().to_string());
+        for (only, name) in [(&found.only_a, &names[0]), (&found.only_b, &names[1])] {
+            if !only.is_empty() {
+                print(&format!("only {name} has: {}", only.join(", ")))?;
+            }
+        }
+        for (a, b) in found.renamed() {
+            print(&format!("is '{a}' called '{b}' in the other?"))?;
+        }
+        if let Some(Parting::Values { variables, .. }) = &found.parting {
+            for variable in variables.iter().take(TOLD) {
+                print(&variable.to_string())?;
+            }
+            if variables.len() > TOLD {
+                print(&format!("and {} more variables", variables.len() - TOLD))?;
+            }
+        }
+        let alike =
+            format!("{} samples of {} variables are the same", found.samples, found.columns);
+        Err(Error::new(Code::Parted, what(found, &names)).why(alike))
+    }
+
+    fn against(&self, digest: &str) -> Result<()> {
+        let recording = Recording::read(&self.a)?;
+        let found = recording.digest()?.text();
+        match found == digest {
+            true => print(&format!("the same: {} samples", recording.time().len())),
+            false => Err(Error::new(Code::Parted, "the results have another digest")
+                .at(&self.a)
+                .why(format!("it is {found}"))
+                .help("two files tell where they part: cosim verify A B")),
+        }
+    }
+
+    fn lists(&self, a: &[(String, String)], b: &[(String, String)]) -> Result<()> {
+        let parted = a.iter().zip(b).position(|(a, b)| a != b);
+        match parted {
+            None if a.len() == b.len() => print(&format!("the same: {} samples", a.len())),
+            None => {
+                let what = format!("one list ends after {} digests", a.len().min(b.len()));
+                Err(Error::new(Code::Parted, what).why(format!("{} and {}", a.len(), b.len())))
+            }
+            Some(sample) => {
+                let times = (&a[sample].0, &b[sample].0);
+                let when = match times.0 == times.1 {
+                    true => format!("t = {}", times.0),
+                    false => format!("t = {} and {}", times.0, times.1),
+                };
+                let what = format!("the runs part at sample {sample}, {when}");
+                Err(Error::new(Code::Parted, what)
+                    .why(format!("{sample} digests before it are the same"))
+                    .help("the results themselves tell the variables: cosim verify A B"))
+            }
+        }
+    }
+}
+
+fn what(found: &Comparison, names: &[String; 2]) -> String {
+    match &found.parting {
+        None => "the results have different variables".to_owned(),
+        Some(Parting::Values { sample, time, variables }) => format!(
+            "the results part at sample {sample}, t = {time:?}: {} of {} variables differ",
+            variables.len(),
+            found.columns
+        ),
+        Some(Parting::Time { sample, a, b }) => {
+            format!("the results part at sample {sample}: it is of t = {a:?} and of t = {b:?}")
+        }
+        Some(Parting::End { a, b, time }) => {
+            let (short, long) = if a < b { (0, 1) } else { (1, 0) };
+            let time = time.map_or(String::new(), |t| format!(" at t = {t:?}"));
+            format!(
+                "{} ends{time} after {} samples, {} has {}",
+                names[short],
+                a.min(b),
+                names[long],
+                a.max(b)
+            )
+        }
+    }
+}
+
+/// The digest that is given instead of a file.
+fn digest_in(path: &Path) -> Option<String> {
+    let text = path.to_str()?;
+    let is_digest = text.len() == 64 && text.bytes().all(|b| b.is_ascii_hexdigit());
+    (is_digest && !path.exists()).then(|| text.to_ascii_lowercase())
+}
+
+/// The lines of a list of digests, if the file is one.
+fn list(file: &Path) -> Result<Option<Vec<(String, String)>>> {
+    let bytes = std::fs::read(file)
+        .map_err(|why| Error::new(Code::File, "the results cannot be read").at(file).why(why))?;
+    let Some(lines) = bytes.strip_prefix(b"time,digest\n") else {
+        return Ok(None);
+    };
+    let text = String::from_utf8_lossy(lines);
+    let pairs = text.lines().filter_map(|line| line.split_once(','));
+    Ok(Some(pairs.map(|(time, digest)| (time.to_owned(), digest.to_owned())).collect()))
+}

@@ -1,0 +1,144 @@
+//! The last FMI call of a process, where it outlives the process.
+//!
+//! An FMU that crashes takes its process with it, and one that spins answers nobody. Before each
+//! call its name, its instance and the instance's time are therefore stored in a file that is
+//! mapped into memory: a few stores, no system call, and whoever supervises the process reads the
+//! file when it is dead.
+
+use std::fs::File;
+use std::io::Read;
+use std::os::fd::AsRawFd;
+use std::path::Path;
+use std::ptr::NonNull;
+use std::sync::Mutex;
+
+use crate::time::Time;
+
+/// Octets: the mark, the time, then function and instance with their lengths before them.
+const SIZE: usize = 256;
+const MARK: u8 = 0xCA;
+const FUNCTION: usize = 16;
+const INSTANCE: usize = 80;
+
+/// Where calls are noted.
+#[derive(Debug)]
+pub struct LastCall {
+    page: Mutex<Page>,
+}
+
+#[derive(Debug)]
+struct Page(NonNull<[u8; SIZE]>);
+
+// SAFETY: the memory belongs to this value alone, whatever thread has it.
+unsafe impl Send for Page {}
+
+/// The call that was noted last.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Noted {
+    /// The function, such as `fmi2DoStep`.
+    pub function: String,
+    /// The instance.
+    pub instance: String,
+    /// The instance's time, at which its step begins.
+    pub time: Time,
+    /// The call has not come back.
+    pub inside: bool,
+}
+
+impl LastCall {
+    /// Notes calls in `file`, which is made.
+    pub fn create(file: impl AsRef<Path>) -> std::io::Result<Self> {
+        let file = File::options().read(true).write(true).create(true).truncate(true).open(file)?;
+        file.set_len(SIZE as u64)?;
+        let (access, how) = (libc::PROT_READ | libc::PROT_WRITE, libc::MAP_SHARED);
+        // SAFETY: a new mapping of a file that is open and as long as the mapping.
+        let page =
+            unsafe { libc::mmap(std::ptr::null_mut(), SIZE, access, how, file.as_raw_fd(), 0) };
+        match NonNull::new(page.cast::<[u8; SIZE]>()) {
+            Some(own) if page != libc::MAP_FAILED => Ok(Self { page: Mutex::new(Page(own)) }),
+            _ => Err(std::io::Error::last_os_error()),
+        }
+    }
+
+    /// Before a call.
+    pub(super) fn begin(&self, instance: &str, function: &str, time: Time) {
+        self.write(|page| {
+            page[0] = MARK;
+            page[1] = 1;
+            page[8..16].copy_from_slice(&time.nanoseconds().to_le_bytes());
+            put(&mut page[FUNCTION..INSTANCE], function);
+            put(&mut page[INSTANCE..], instance);
+        });
+    }
+
+    /// After it.
+    pub(super) fn end(&self) {
+        self.write(|page| page[1] = 0);
+    }
+
+    fn write(&self, write: impl FnOnce(&mut [u8; SIZE])) {
+        // One that is locked by a dead thread is of no use any more.
+        if let Ok(mut page) = self.page.lock() {
+            // SAFETY: `SIZE` octets are mapped there until the drop; only the lock's holder has a
+            // reference, and readers are other processes that read the file.
+            write(unsafe { page.0.as_mut() });
+        }
+    }
+
+    /// What was noted in `file`.
+    pub fn read(file: impl AsRef<Path>) -> Option<Noted> {
+        let mut page = [0; SIZE];
+        File::open(file).ok()?.read_exact(&mut page).ok()?;
+        let time = i64::from_le_bytes(*page[8..16].first_chunk()?);
+        (page[0] == MARK).then(|| Noted {
+            function: get(&page[FUNCTION..INSTANCE]),
+            instance: get(&page[INSTANCE..]),
+            time: Time::from_nanoseconds(time),
+            inside: page[1] == 1,
+        })
+    }
+}
+
+impl Drop for LastCall {
+    fn drop(&mut self) {
+        let page = self.page.get_mut().map(|page| page.0.as_ptr().cast());
+        if let Ok(page) = page {
+            // SAFETY: mapped by `create` with this size, and nobody refers to it any more.
+            unsafe { libc::munmap(page, SIZE) };
+        }
+    }
+}
+
+/// A text, cut to the room there is.
+fn put(room: &mut [u8], text: &str) {
+    let length = text.len().min(room.len() - 1).min(usize::from(u8::MAX));
+    room[0] = length as u8;
+    room[1..=length].copy_from_slice(&text.as_bytes()[..length]);
+}
+
+fn get(room: &[u8]) -> String {
+    let text = room.get(1..=usize::from(room[0])).unwrap_or_default();
+    String::from_utf8_lossy(text).into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_noted_is_in_the_file_at_once() {
+        let folder = tempfile::TempDir::new().unwrap();
+        let file = folder.path().join("last");
+        let last = LastCall::create(&file).unwrap();
+        assert_eq!(LastCall::read(&file), None);
+        let time = Time::from_nanoseconds(-5);
+        last.begin("a.b", "fmi2DoStep", time);
+        let noted = LastCall::read(&file).unwrap();
+        assert_eq!((noted.function.as_str(), noted.instance.as_str()), ("fmi2DoStep", "a.b"));
+        assert!(noted.inside && noted.time == time);
+        last.end();
+        assert!(!LastCall::read(&file).unwrap().inside);
+        last.begin(&"ä".repeat(500), "fmi2GetReal", time);
+        assert_eq!(LastCall::read(&file).unwrap().function, "fmi2GetReal");
+    }
+}

@@ -1,0 +1,142 @@
+//! A running digest of what is recorded: SHA-256 over names, times and values.
+//!
+//! It is that of the numbers, not of a file: a run recorded as CSV and one as MCAP have the same.
+//! After each sample it stands for all samples until then, so two runs agree up to exactly the
+//! last sample at which their digests do.
+//!
+//! The octets are the names of the columns, each with a line feed after it; then per sample the
+//! time in ns (i64) and the values (f64), little-endian. All NaNs count as one: CSV has no other.
+
+use std::cell::RefCell;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use sha2::{Digest, Sha256};
+
+use super::{Observer, Recording, RunInfo, Stop};
+use crate::digest::hexadecimal;
+use crate::error::{Code, Error, Result};
+use crate::time::Time;
+
+/// The digest of what was recorded so far.
+#[derive(Debug, Clone, Default)]
+pub struct RunningDigest {
+    hash: Sha256,
+    samples: u64,
+}
+
+impl RunningDigest {
+    /// Of columns with these names, and no sample yet.
+    pub fn new<'a>(names: impl IntoIterator<Item = &'a str>) -> Self {
+        let mut digest = Self::default();
+        for name in names {
+            digest.hash.update(name);
+            digest.hash.update(b"\n");
+        }
+        digest
+    }
+
+    /// Takes a sample in.
+    pub fn add(&mut self, time: Time, values: impl IntoIterator<Item = f64>) {
+        self.hash.update(time.nanoseconds().to_le_bytes());
+        for value in values {
+            let value = if value.is_nan() { f64::NAN } else { value };
+            self.hash.update(value.to_le_bytes());
+        }
+        self.samples += 1;
+    }
+
+    /// How many samples were taken in.
+    pub fn samples(&self) -> u64 {
+        self.samples
+    }
+
+    /// The digest in hexadecimal digits.
+    pub fn text(&self) -> String {
+        hexadecimal(&self.hash.clone().finalize())
+    }
+}
+
+impl Recording {
+    /// The digest of all that was recorded.
+    pub fn digest(&self) -> Result<RunningDigest> {
+        let mut digest = RunningDigest::new(self.columns().map(|(name, _)| name));
+        for (sample, &seconds) in self.time().iter().enumerate() {
+            let time = Time::from_seconds(seconds, "a time of the results")?;
+            digest.add(time, self.columns().map(|(_, values)| values[sample]));
+        }
+        Ok(digest)
+    }
+}
+
+/// A recorder around another one that also keeps the digest.
+pub struct Digested {
+    recorder: Box<dyn Observer>,
+    digest: Rc<RefCell<RunningDigest>>,
+    /// Gets the digest after each sample.
+    list: Option<(BufWriter<File>, PathBuf)>,
+}
+
+impl Digested {
+    /// Around `recorder`; the digest can be read where the second value is.
+    pub fn new(recorder: Box<dyn Observer>) -> (Self, Rc<RefCell<RunningDigest>>) {
+        let digest = Rc::<RefCell<RunningDigest>>::default();
+        (Self { recorder, digest: digest.clone(), list: None }, digest)
+    }
+
+    /// Writes the digest after each sample as a line `time,digest` of this file.
+    pub fn list(mut self, file: impl AsRef<Path>) -> Result<Self> {
+        let target = file.as_ref().to_owned();
+        let file = File::create(&target).map_err(|why| not_written(&target, &why))?;
+        self.list = Some((BufWriter::new(file), target));
+        Ok(self)
+    }
+
+    fn write(
+        &mut self,
+        write: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
+    ) -> Result<()> {
+        match &mut self.list {
+            Some((file, target)) => write(file).map_err(|why| not_written(target, &why)),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Observer for Digested {
+    fn start(&mut self, info: &RunInfo<'_>) -> Result<()> {
+        let names = info.columns.iter().map(|column| column.name.as_str());
+        *self.digest.borrow_mut() = RunningDigest::new(names);
+        self.write(|file| file.write_all(b"time,digest\n"))?;
+        self.recorder.start(info)
+    }
+
+    fn sample(&mut self, time: Time, values: &[f64]) -> Result<()> {
+        self.digest.borrow_mut().add(time, values.iter().copied());
+        if self.list.is_some() {
+            let text = self.digest.borrow().text();
+            self.write(|file| writeln!(file, "{:?},{text}", time.seconds()))?;
+        }
+        self.recorder.sample(time, values)
+    }
+
+    fn flush(&mut self) -> Result<()> {
+        self.write(Write::flush)?;
+        self.recorder.flush()
+    }
+
+    fn finish(&mut self) -> Result<()> {
+        // The results come first: they are closed even if the list cannot be.
+        self.recorder.finish().and(self.write(Write::flush))
+    }
+
+    fn stop(&self) -> Option<Stop> {
+        self.recorder.stop()
+    }
+}
+
+fn not_written(target: &Path, why: &std::io::Error) -> Error {
+    Error::new(Code::Output, "the list of digests cannot be written").at(target).why(why)
+}

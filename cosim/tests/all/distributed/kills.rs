@@ -1,0 +1,108 @@
+//! Whoever is killed or stopped: the run goes on, with the same bytes, and leaves nothing.
+
+use super::*;
+
+/// A run that is disturbed by `disturb`: its messages. Its bytes are those of an ordinary run, and
+/// nothing of it is left.
+fn survives(stop: f64, more: &[&str], disturb: impl FnOnce(&mut Child)) -> String {
+    let (file, folder) = (chain(stop), TempDir::new().unwrap());
+    let file = file.write();
+    let path = file.to_str().unwrap();
+    let here = undisturbed(folder.path(), path);
+    let arguments = [&["run", path, "-o", "there.csv"], more].concat();
+    let mut run = cosim(folder.path(), &arguments).stderr(Stdio::piped()).spawn().unwrap();
+    disturb(&mut run);
+    let started = below(run.id());
+    let output = run.wait_with_output().unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{stderr}");
+    assert!(here == results(folder.path(), "there.csv"), "{stderr}");
+    assert!(remaining(&started, Duration::from_secs(2)).is_empty(), "{stderr}");
+    assert_eq!(leftovers(folder.path()), Vec::<PathBuf>::new());
+    stderr
+}
+
+#[test]
+fn killed_groups_and_workers_change_no_byte_and_leave_nothing() {
+    let told = survives(2000.0, &["--workers", "3"], |run| {
+        let mut dice = Dice(3);
+        for round in 0..12 {
+            let groups = groups_below(run, 1);
+            std::thread::sleep(Duration::from_millis(dice.below(120)));
+            let victims = if round % 4 == 3 { children(run.id()) } else { groups };
+            if let Some(&victim) = victims.get(dice.below(victims.len() as u64) as usize) {
+                signal(victim, "-KILL");
+            }
+        }
+    });
+    assert!(told.contains("went on at worker"), "{told}");
+    assert!(told.contains("was killed by SIGKILL"), "{told}");
+}
+
+#[test]
+fn the_only_worker_is_started_again() {
+    let told = survives(500.0, &["--workers", "1"], |run| {
+        assert!(!groups_below(run, 1).is_empty());
+        std::thread::sleep(Duration::from_millis(100));
+        children(run.id()).into_iter().for_each(|worker| signal(worker, "-KILL"));
+    });
+    assert!(told.contains("went on at worker worker-1"), "{told}");
+}
+
+#[test]
+fn a_stopped_group_is_named_and_replaced() {
+    let told = survives(500.0, &["--workers", "2"], |run| {
+        let groups = groups_below(run, 2);
+        std::thread::sleep(Duration::from_millis(100));
+        signal(groups[0], "-STOP");
+    });
+    assert!(told.contains("its process is stopped"), "{told}");
+}
+
+#[test]
+fn a_stopped_worker_is_harmless_when_it_comes_back() {
+    let (file, folder) = (chain(1000.0), TempDir::new().unwrap());
+    let file = file.write();
+    let path = file.to_str().unwrap();
+    let here = undisturbed(folder.path(), path);
+    let place = endpoint();
+    let arguments = ["run", path, "-o", "there.csv", "--distributed", "--listen", &place];
+    let more = ["--min-workers", "2", "--wait", "20"];
+    let arguments = [&arguments[..], &more].concat();
+    let run = cosim(folder.path(), &arguments).stderr(Stdio::piped()).spawn().unwrap();
+    let left = Kept::worker(folder.path(), "left", &place);
+    let right = Kept::worker(folder.path(), "right", &place);
+    assert_eq!(groups_of(&[left.id(), right.id()], 2).len(), 2);
+    std::thread::sleep(Duration::from_millis(100));
+    // With what it started, as if its machine had been cut off.
+    let cut = [vec![left.id()], children(left.id())].concat();
+    cut.iter().for_each(|&process| signal(process, "-STOP"));
+    std::thread::sleep(Duration::from_millis(2500));
+    cut.iter().for_each(|&process| signal(process, "-CONT"));
+    let output = run.wait_with_output().unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{stderr}");
+    assert!(stderr.contains("went on at worker right"), "{stderr}");
+    assert!(here == results(folder.path(), "there.csv"), "{stderr}");
+    // The worker has ended what it did for a run that is over.
+    assert!(remaining(&cut[1..], Duration::from_secs(3)).is_empty());
+}
+
+#[test]
+fn an_interrupted_run_leaves_no_process_and_no_folder() {
+    let (file, folder) = (chain(1e6), TempDir::new().unwrap());
+    let file = file.write();
+    for name in ["-INT", "-KILL"] {
+        let arguments = ["run", file.to_str().unwrap(), "-q", "-o", "x.csv", "--workers", "2"];
+        let mut run = cosim(folder.path(), &arguments).stderr(Stdio::null()).spawn().unwrap();
+        assert!(!groups_below(&run, 2).is_empty());
+        let started = below(run.id());
+        std::thread::sleep(Duration::from_millis(200));
+        signal(run.id(), name);
+        run.wait().unwrap();
+        assert!(remaining(&started, Duration::from_secs(2)).is_empty(), "{name}");
+        if name == "-INT" {
+            assert_eq!(leftovers(folder.path()), Vec::<PathBuf>::new());
+        }
+    }
+}
