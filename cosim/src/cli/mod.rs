@@ -11,6 +11,7 @@ mod explain;
 mod info;
 mod inspect;
 mod interrupt;
+mod keys;
 mod live;
 mod logging;
 pub(crate) mod messages;
@@ -48,6 +49,7 @@ enum Verb {
     Worker(worker::Worker),
     Workers(worker::Workers),
     Group(worker::Group),
+    Keys(keys::Keys),
     Report(report::Report),
     Explain(explain::Explain),
     Completion(completion::Completion),
@@ -75,6 +77,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<()> {
         Verb::Worker(verb) => verb.run(),
         Verb::Workers(verb) => verb.run(),
         Verb::Group(verb) => verb.run(),
+        Verb::Keys(verb) => verb.run(),
         Verb::Report(verb) => verb.run(),
         Verb::Explain(verb) => verb.run(),
         Verb::Completion(verb) => verb.run(),

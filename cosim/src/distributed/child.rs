@@ -8,6 +8,8 @@ use std::time::{Duration, Instant};
 use zenoh::qos::CongestionControl;
 use zenoh::{Session, Wait};
 
+use super::allowed::Allowed;
+use super::confine;
 use super::host::{Handled, Host};
 use super::keys;
 use super::pool::Order;
@@ -21,7 +23,10 @@ use crate::fmi::Fmu;
 const PATIENCE: Duration = Duration::from_secs(30);
 
 /// Computes a life of a group until it is told to end.
-pub fn serve(access: &Access, order: &Order) -> Result<()> {
+pub fn serve(access: &Access, order: &Order, allowed: Allowed, confined: bool) -> Result<()> {
+    if confined {
+        confine::process(&access.endpoints, &std::env::temp_dir())?;
+    }
     let session = access.dial()?;
     let life = keys::life(&order.run, order.group, order.generation);
     let (commands, inbox) = channel();
@@ -50,7 +55,11 @@ pub fn serve(access: &Access, order: &Order) -> Result<()> {
     // Whoever sees the token can speak to us.
     let _token = session.liveliness().declare_token(format!("{life}/alive")).wait();
     let _token = _token.map_err(refused)?;
-    let fmus = Delivered { session: session.clone(), run: order.run.clone(), folder: folder()? };
+    let folder = folder()?;
+    let fmus = Delivered { session: session.clone(), run: order.run.clone(), folder, allowed };
+    if confined {
+        confine::this_thread()?;
+    }
     let mut host = Host::new(order.generation, Box::new(fmus));
     while let Ok(message) = inbox.recv() {
         let (answer, last) = match host.handle(&message) {
@@ -85,9 +94,14 @@ struct Delivered {
     session: Session,
     run: String,
     folder: tempfile::TempDir,
+    allowed: Allowed,
 }
 
 impl FmuSource for Delivered {
+    fn permit(&self, component: &str, file: &FmuFile) -> Result<()> {
+        self.allowed.check(component, file)
+    }
+
     fn open(&mut self, file: &FmuFile) -> Result<Arc<Fmu>> {
         let path: PathBuf = self.folder.path().join(format!("{}.fmu", file.sha256));
         if !path.is_file() {

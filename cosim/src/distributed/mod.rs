@@ -13,11 +13,21 @@
 //! * `host` computes a group with the engine of an ordinary run;
 //! * `coordinator` drives the groups, `recovery` and `member` what happens when one is lost;
 //! * `fabric` is what carries messages; `net` does so over Zenoh, `session` opens it;
+//! * `endpoint`, `credentials`, `members` and `rights` keep the door: who may come in, and what they
+//!   may do then; `diagnose` says why somebody may not, `authority` makes certificates;
+//! * `allowed` says which FMUs a worker loads, `confine` what these may do there;
 //! * `worker` lends a machine, `child` is the process in which FMUs run.
 
+mod allowed;
+mod authority;
 mod child;
+mod configuration;
+mod confine;
 mod coordinator;
+mod credentials;
+mod diagnose;
 mod distribute;
+mod endpoint;
 mod fabric;
 mod failure;
 mod host;
@@ -26,11 +36,13 @@ mod layout;
 #[cfg(test)]
 mod local;
 mod member;
+mod members;
 mod net;
 mod options;
 mod placement;
 mod pool;
 mod recovery;
+mod rights;
 mod run;
 mod session;
 mod setup;
@@ -39,9 +51,15 @@ mod tests;
 mod wire;
 mod worker;
 
+pub use allowed::Allowed;
+pub use authority::Authority;
 pub use child::serve as serve_group;
+pub use confine::{close_inherited, unconfined};
+pub use configuration::{Configuration, Ours};
+pub use credentials::Credentials;
+pub use members::Members;
 pub use options::Options;
 pub use pool::{Order, WorkerInfo, default_name};
 pub use run::{Cluster, workers};
-pub use session::{Access, Credentials, DEFAULT_ENDPOINT};
+pub use session::{Access, DEFAULT_ENDPOINT};
 pub use worker::Worker;

@@ -11,7 +11,9 @@ use zenoh::Wait;
 use zenoh::query::Query;
 
 use super::keys;
+use super::members::Role;
 use super::pool::{Order, WorkerInfo};
+use super::rights;
 use super::session::Access;
 use crate::error::{Code, Error, Result};
 
@@ -23,6 +25,8 @@ pub struct Worker {
     pub access: Access,
     /// The program to start for a life, with arguments that make it call [`super::child::serve`].
     pub program: Vec<String>,
+    /// FMUs are confined where the kernel can.
+    pub confined: bool,
 }
 
 /// What the supervisor is asked to do.
@@ -39,6 +43,7 @@ impl Worker {
     /// Serves until `ended` says so.
     pub fn serve(&self, ended: &dyn Fn() -> bool) -> Result<()> {
         let session = self.access.dial()?;
+        self.may_work(&session)?;
         let (requests, inbox) = channel();
         let key = keys::worker(&self.name);
         let mut queryables = Vec::new();
@@ -62,6 +67,21 @@ impl Worker {
     }
 }
 
+impl Worker {
+    /// A worker speaks under the name in its certificate; another one is dropped in silence.
+    fn may_work(&self, session: &zenoh::Session) -> Result<()> {
+        match rights::ask(session, &self.access, Role::Worker)? {
+            Some((name, Role::Worker)) if name != self.name => {
+                let what = format!("the worker '{}' has the certificate of '{name}'", self.name);
+                Err(Error::new(Code::Forbidden, what)
+                    .why("a worker may speak under the name in its certificate only")
+                    .help(format!("--name {name}, or --credentials of '{}'", self.name)))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 fn refused(why: zenoh::Error) -> Error {
     Error::new(Code::Session, "the worker cannot announce itself").why(why)
 }
@@ -81,7 +101,7 @@ struct Life {
 
 impl Children<'_> {
     fn serve(&mut self, inbox: &Receiver<Request>, ended: &dyn Fn() -> bool) {
-        let info = WorkerInfo::of_this(&self.worker.name);
+        let info = WorkerInfo::of_this(&self.worker.name, self.worker.confined);
         while !ended() {
             let answered = match inbox.recv_timeout(Duration::from_millis(200)) {
                 Ok(Request::Info(query)) => answer(&query, &info),

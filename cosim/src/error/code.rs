@@ -62,6 +62,10 @@ codes! {
     Placement "E503" 2 "A component cannot be where it was placed, or the run cannot be distributed like this."
     Session "E504" 1 "A Zenoh session could not be opened: an endpoint, a certificate or a right is missing or wrong."
     Differs "E505" 1 "A repeated computation gave other values: an FMU is not deterministic, or its state is not complete."
+    Certificate "E506" 1 "A certificate, its key or its authority is missing, not valid now, or not trusted by the other side."
+    Forbidden "E507" 1 "The other side does not give this certificate's name the right to do that."
+    NotAllowed "E508" 1 "A worker was to load an FMU that nobody allowed there."
+    Configuration "E509" 3 "A configuration file cannot be understood, or asks for what is not permitted."
     Results "E401" 3 "A file of recorded results cannot be read."
     Report "E402" 1 "A report could not be made."
 }
