@@ -19,6 +19,7 @@ use rcgen::{
 use time::{Duration, OffsetDateTime};
 
 use super::members::Members;
+use crate::digest::sha256;
 use crate::error::{Code, Error, Result};
 
 /// The folder of the side that others dial, and its name.
@@ -54,7 +55,9 @@ impl Authority {
                 .help("name another folder, or remove this one"));
         }
         let key = KeyPair::generate().map_err(unmade)?;
-        let mut params = self.params("cosim authority")?;
+        // Two authorities of one name would be taken for each other until a signature fails.
+        let number = sha256(key.public_key_raw());
+        let mut params = self.params(&format!("cosim authority {}", &number[..8]))?;
         params.is_ca = IsCa::Ca(BasicConstraints::Constrained(0));
         params.key_usages = vec![KeyUsagePurpose::KeyCertSign, KeyUsagePurpose::CrlSign];
         let root = params.self_signed(&key).map_err(unmade)?.pem();

@@ -58,12 +58,19 @@ fn text(folder: &Path, file: &str) -> String {
     std::fs::read_to_string(folder.join(file)).unwrap()
 }
 
+fn common_name(certificate: &str) -> String {
+    let (_, pem) = x509_parser::pem::parse_x509_pem(certificate.as_bytes()).unwrap();
+    let certificate = pem.parse_x509().unwrap();
+    let name = certificate.subject().iter_common_name().next().unwrap();
+    name.as_str().unwrap().to_owned()
+}
+
 /// A certificate of the authority `keys` for the days given, from now.
 fn dated(folder: &Path, name: &str, days: std::ops::Range<i64>) {
     let key = KeyPair::from_pem(&text(folder, "keys/authority/ca.key.pem")).unwrap();
     let mut authority = CertificateParams::default();
     authority.distinguished_name = rcgen::DistinguishedName::new();
-    authority.distinguished_name.push(DnType::CommonName, "cosim authority");
+    authority.distinguished_name.push(DnType::CommonName, common_name(&text(folder, "keys/authority/ca.pem")));
     let mut params = CertificateParams::new(["localhost".to_owned()]).unwrap();
     let now = time::OffsetDateTime::now_utc();
     params.not_before = now + time::Duration::days(days.start);
@@ -182,7 +189,7 @@ fn locked_run(at: &Path, file: &str, more: &[&str]) -> (Running, Running, Runnin
 
 #[test]
 fn an_observer_can_neither_read_nor_write_what_steers_a_run() {
-    let (folder, file) = (keys(), chain(2000.0));
+    let (folder, file) = (keys(), chain(60.0));
     let (at, file) = (folder.path(), file.write());
     let path = file.to_str().unwrap();
     let (code, stderr) = outcome(at, &["run", path, "-q", "-o", "here.csv"]);
