@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::Args;
 use cosim::Result;
 use cosim::distributed::{
-    Access, Cluster, Configuration, Credentials, DEFAULT_ENDPOINT, Options, Ours,
+    Access, Cluster, Configuration, Credentials, DEFAULT_ENDPOINT, Options, Ours, Rate,
 };
 
 use super::values;
@@ -95,6 +95,9 @@ pub(crate) struct Distributed {
     /// again from the start
     #[arg(long)]
     require_resume: bool,
+    /// Send what is recorded to observers, at most RATE times a second (default: always)
+    #[arg(long, value_name = "RATE", value_parser = values::factor, require_equals = true)]
+    telemetry: Option<Option<f64>>,
     #[command(flatten)]
     reach: Reach,
 }
@@ -117,6 +120,7 @@ impl Distributed {
             deadline: Duration::from_secs_f64(self.deadline),
             recoveries: self.recoveries,
             require_resume: self.require_resume,
+            telemetry: self.telemetry.map(|rate| rate.map_or(Rate::All, Rate::PerSecond)),
             ..Options::default()
         };
         let endpoint = match own {

@@ -25,6 +25,7 @@ mod stepping;
 mod summary;
 mod validate;
 mod values;
+mod watch;
 mod worker;
 
 use clap::{Parser, Subcommand, ValueEnum};
@@ -50,6 +51,7 @@ enum Verb {
     Workers(worker::Workers),
     Group(worker::Group),
     Keys(keys::Keys),
+    Watch(watch::Watch),
     Report(report::Report),
     Explain(explain::Explain),
     Completion(completion::Completion),
@@ -78,6 +80,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<()> {
         Verb::Workers(verb) => verb.run(),
         Verb::Group(verb) => verb.run(),
         Verb::Keys(verb) => verb.run(),
+        Verb::Watch(verb) => verb.run(),
         Verb::Report(verb) => verb.run(),
         Verb::Explain(verb) => verb.run(),
         Verb::Completion(verb) => verb.run(),

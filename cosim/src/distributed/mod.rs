@@ -16,6 +16,7 @@
 //! * `endpoint`, `credentials`, `members` and `rights` keep the door: who may come in, and what they
 //!   may do then; `diagnose` says why somebody may not, `authority` makes certificates;
 //! * `allowed` says which FMUs a worker loads, `confine` what these may do there;
+//! * `status` knows how a run stands, `telemetry` tells it and what is recorded, `watch` hears it;
 //! * `worker` lends a machine, `child` is the process in which FMUs run.
 
 mod allowed;
@@ -46,8 +47,11 @@ mod rights;
 mod run;
 mod session;
 mod setup;
+mod status;
+mod telemetry;
 #[cfg(test)]
 mod tests;
+mod watch;
 mod wire;
 mod worker;
 
@@ -62,4 +66,7 @@ pub use options::Options;
 pub use pool::{Order, WorkerInfo, default_name};
 pub use run::{Cluster, workers};
 pub use session::{Access, DEFAULT_ENDPOINT};
+pub use status::{GroupStatus, Status};
+pub use telemetry::Rate;
+pub use watch::watch;
 pub use worker::Worker;

@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use super::telemetry::Rate;
+
 /// How a distributed run behaves.
 #[derive(Debug, Clone)]
 pub struct Options {
@@ -18,6 +20,8 @@ pub struct Options {
     /// A lost group that has no saved state is the end of the run, not computed again from the
     /// start.
     pub require_resume: bool,
+    /// What is recorded is sent to observers.
+    pub telemetry: Option<Rate>,
 }
 
 impl Default for Options {
@@ -29,6 +33,7 @@ impl Default for Options {
             launch_deadline: Duration::from_secs(30),
             recoveries: 1000,
             require_resume: false,
+            telemetry: None,
         }
     }
 }
