@@ -286,6 +286,18 @@ pub fn mcap(bytes: &[u8]) {
     }
 }
 
+/// A message of a distributed run: a step with a part and values.
+pub fn step() -> Vec<u8> {
+    let head = [0xC5, 1, 6, 3, 1, 0, 0, 0, 7, 0, 0, 0, 0, 0, 0, 0];
+    let values = [0.5_f64, -0.0, 1e300, f64::NAN].map(f64::to_le_bytes).concat();
+    [&head[..], &[0; 16], &2_u32.to_le_bytes(), &values].concat()
+}
+
+/// Messages between the processes of a distributed run.
+pub fn message(bytes: &[u8]) {
+    cosim::distributed::decode(bytes);
+}
+
 /// Snapshots of runs.
 pub fn snapshot(bytes: &[u8]) {
     let file = folder().path().join("fuzzed.snapshot");

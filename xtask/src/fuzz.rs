@@ -11,7 +11,18 @@ const TARGETS: [(&str, &[&str]); 2] = [
     ("fmu/fuzz", &["calls", "state"]),
     (
         "cosim/fuzz",
-        &["archive", "description", "ssd", "ssp", "ssv", "osp", "csv", "mcap", "snapshot"],
+        &[
+            "archive",
+            "description",
+            "ssd",
+            "ssp",
+            "ssv",
+            "osp",
+            "csv",
+            "mcap",
+            "snapshot",
+            "message",
+        ],
     ),
 ];
 /// Longest input (bytes): some hundred calls, a description of a small FMU.

@@ -5,17 +5,19 @@ use std::time::Duration;
 
 use clap::Args;
 use cosim::Result;
-use cosim::distributed::{Access, Cluster, Credentials, DEFAULT_ENDPOINT, Options};
+use cosim::distributed::{
+    Access, Cluster, Configuration, Credentials, DEFAULT_ENDPOINT, Options, Ours, Rate,
+};
 
 use super::values;
 
 /// How to reach the other side.
 #[derive(Args, Clone)]
 pub(crate) struct Reach {
-    /// A Zenoh configuration file (json5), under what is said here
+    /// A configuration file: Zenoh's json5, with what is ours under cosim: {}
     #[arg(long, value_name = "FILE")]
-    zenoh_config: Option<PathBuf>,
-    /// A folder with ca.pem, cert.pem and key.pem, for endpoints tls/HOST:PORT
+    config: Option<PathBuf>,
+    /// A folder with ca.pem, cert.pem and key.pem (cosim keys), for endpoints tls/HOST:PORT
     #[arg(long, value_name = "FOLDER")]
     credentials: Option<PathBuf>,
     /// Permit an endpoint of another machine without TLS
@@ -24,12 +26,20 @@ pub(crate) struct Reach {
 }
 
 impl Reach {
-    pub(crate) fn access(&self, endpoint: String) -> Access {
+    /// What the configuration file says of us.
+    pub(crate) fn ours(&self) -> Result<Ours> {
+        let read = self.config.as_deref().map(Configuration::read).transpose()?;
+        Ok(read.map(|read| read.ours).unwrap_or_default())
+    }
+
+    /// What is said here goes before what the file says.
+    pub(crate) fn access(&self, endpoint: String, ours: &Ours) -> Access {
+        let credentials = self.credentials.as_ref().or(ours.credentials.as_ref());
         Access {
             endpoints: vec![endpoint],
-            configuration: self.zenoh_config.clone(),
-            credentials: self.credentials.as_deref().map(Credentials::in_folder),
-            insecure: self.insecure,
+            configuration: self.config.clone(),
+            credentials: credentials.map(|folder| Credentials::in_folder(folder)),
+            insecure: self.insecure || ours.insecure,
         }
     }
 
@@ -37,8 +47,8 @@ impl Reach {
     pub(crate) fn arguments(&self) -> Vec<String> {
         let mut arguments = Vec::new();
         let text = |path: &PathBuf| path.to_string_lossy().into_owned();
-        if let Some(file) = &self.zenoh_config {
-            arguments.extend(["--zenoh-config".to_owned(), text(file)]);
+        if let Some(file) = &self.config {
+            arguments.extend(["--config".to_owned(), text(file)]);
         }
         if let Some(folder) = &self.credentials {
             arguments.extend(["--credentials".to_owned(), text(folder)]);
@@ -85,6 +95,9 @@ pub(crate) struct Distributed {
     /// again from the start
     #[arg(long)]
     require_resume: bool,
+    /// Send what is recorded to observers, at most RATE times a second (default: always)
+    #[arg(long, value_name = "RATE", value_parser = values::factor, require_equals = true)]
+    telemetry: Option<Option<f64>>,
     #[command(flatten)]
     reach: Reach,
 }
@@ -97,14 +110,17 @@ impl Distributed {
         }
         let own = self.workers.unwrap_or(0) as usize;
         let mut program = vec![super::worker::this_program()?, "worker".to_owned()];
-        program.push("--with-parent".to_owned());
+        // They are this user's own, and what they are sent is what this user runs.
+        program.extend(["--with-parent", "--allow-upload"].map(str::to_owned));
         program.extend(self.reach.arguments());
-        let listen = self.listen.clone();
+        let ours = self.reach.ours()?;
+        let listen = self.listen.clone().or_else(|| ours.listen.clone());
         let options = Options {
             save_every: Some(self.save_every).filter(|every| *every > 0),
             deadline: Duration::from_secs_f64(self.deadline),
             recoveries: self.recoveries,
             require_resume: self.require_resume,
+            telemetry: self.telemetry.map(|rate| rate.map_or(Rate::All, Rate::PerSecond)),
             ..Options::default()
         };
         let endpoint = match own {
@@ -112,7 +128,7 @@ impl Distributed {
             _ => listen,
         };
         Ok(Some(Cluster {
-            access: endpoint.map(|endpoint| self.reach.access(endpoint)),
+            access: endpoint.map(|endpoint| self.reach.access(endpoint, &ours)),
             own,
             program,
             needed: self.min_workers.max(1) as usize,

@@ -11,6 +11,7 @@ mod explain;
 mod info;
 mod inspect;
 mod interrupt;
+mod keys;
 mod live;
 mod logging;
 pub(crate) mod messages;
@@ -25,6 +26,7 @@ mod summary;
 mod validate;
 mod values;
 mod verify;
+mod watch;
 mod worker;
 
 use clap::{Parser, Subcommand, ValueEnum};
@@ -49,6 +51,8 @@ enum Verb {
     Worker(worker::Worker),
     Workers(worker::Workers),
     Group(worker::Group),
+    Keys(keys::Keys),
+    Watch(watch::Watch),
     Report(report::Report),
     Verify(verify::Verify),
     Explain(explain::Explain),
@@ -77,6 +81,8 @@ pub(crate) fn run(arguments: Arguments) -> Result<()> {
         Verb::Worker(verb) => verb.run(),
         Verb::Workers(verb) => verb.run(),
         Verb::Group(verb) => verb.run(),
+        Verb::Keys(verb) => verb.run(),
+        Verb::Watch(verb) => verb.run(),
         Verb::Report(verb) => verb.run(),
         Verb::Verify(verb) => verb.run(),
         Verb::Explain(verb) => verb.run(),

@@ -1,7 +1,7 @@
 //! `cosim worker`: lends this machine to runs; and the process for one group of components.
 
 use clap::Args;
-use cosim::distributed::{DEFAULT_ENDPOINT, Order, serve_group};
+use cosim::distributed::{Allowed, DEFAULT_ENDPOINT, Order, Ours, serve_group};
 use cosim::{Code, Error, Result, distributed};
 
 use super::distributed::Reach;
@@ -13,9 +13,11 @@ pub(crate) struct Worker {
     /// Name of this worker (default: the machine's name and a number)
     #[arg(long)]
     name: Option<String>,
-    /// Where runs listen
-    #[arg(long, value_name = "ENDPOINT", default_value = DEFAULT_ENDPOINT)]
-    connect: String,
+    /// Where runs listen (default: tcp/127.0.0.1:7447)
+    #[arg(long, value_name = "ENDPOINT")]
+    connect: Option<String>,
+    #[command(flatten)]
+    lent: Lent,
     /// End with the process that started this one
     #[arg(long, hide = true)]
     with_parent: bool,
@@ -23,12 +25,46 @@ pub(crate) struct Worker {
     reach: Reach,
 }
 
+/// What a worker lends to runs.
+#[derive(Args)]
+struct Lent {
+    /// Load this FMU when a run sends it: its SHA-256, its file, or a folder of FMUs (repeatable)
+    #[arg(long, value_name = "HASH|FILE|FOLDER")]
+    allow: Vec<String>,
+    /// Load every FMU that a run sends
+    #[arg(long)]
+    allow_upload: bool,
+    /// Do not confine FMUs: they may write files and open connections as this user may
+    #[arg(long)]
+    no_confine: bool,
+}
+
+impl Lent {
+    /// With what the configuration file says.
+    fn and(self, ours: &Ours) -> Self {
+        Self {
+            allow: [self.allow, ours.allow.clone()].concat(),
+            allow_upload: self.allow_upload || ours.allow_upload,
+            no_confine: self.no_confine || ours.no_confine,
+        }
+    }
+
+    /// For the processes of groups: the files are read once.
+    fn arguments(&self) -> Result<Vec<String>> {
+        let allowed = Allowed::new(self.allow_upload, &self.allow)?;
+        let hashes = allowed.hashes.into_iter().flat_map(|hash| ["--allow".to_owned(), hash]);
+        let flags = [(allowed.all, "--allow-upload"), (self.no_confine, "--no-confine")];
+        let flags = flags.into_iter().filter(|(is, _)| *is).map(|(_, flag)| flag.to_owned());
+        Ok(flags.chain(hashes).collect())
+    }
+}
+
 /// List the workers that dial an endpoint
 #[derive(Args)]
 pub(crate) struct Workers {
-    /// Where workers dial
-    #[arg(long, value_name = "ENDPOINT", default_value = DEFAULT_ENDPOINT)]
-    listen: String,
+    /// Where workers dial (default: tcp/127.0.0.1:7447)
+    #[arg(long, value_name = "ENDPOINT")]
+    listen: Option<String>,
     /// Wait so long for them
     #[arg(long, value_name = "SECONDS", default_value = "2", value_parser = super::values::seconds)]
     wait: f64,
@@ -39,11 +75,15 @@ pub(crate) struct Workers {
 impl Workers {
     pub(crate) fn run(self) -> Result<()> {
         let patience = std::time::Duration::from_secs_f64(self.wait);
-        for worker in distributed::workers(&self.reach.access(self.listen), patience)? {
+        let ours = self.reach.ours()?;
+        let listen = self.listen.or_else(|| ours.listen.clone());
+        let access = self.reach.access(listen.unwrap_or(DEFAULT_ENDPOINT.to_owned()), &ours);
+        for worker in distributed::workers(&access, patience)? {
             let (name, host, process) = (&worker.name, &worker.host, worker.process);
             super::output::print(&format!(
-                "{name}: {host}, process {process}, {}",
-                worker.computes()
+                "{name}: {host}, process {process}, {}, {}",
+                worker.computes(),
+                worker.confined
             ))?;
         }
         Ok(())
@@ -63,6 +103,8 @@ pub(crate) struct Group {
     #[arg(long)]
     generation: u32,
     #[command(flatten)]
+    lent: Lent,
+    #[command(flatten)]
     reach: Reach,
 }
 
@@ -71,21 +113,34 @@ impl Worker {
         if self.with_parent {
             end_with_parent()?;
         }
+        let ours = self.reach.ours()?;
+        let connect = self.connect.or_else(|| ours.connect.clone());
+        let connect = connect.unwrap_or(DEFAULT_ENDPOINT.to_owned());
+        let lent = self.lent.and(&ours);
         let mut program = vec![this_program()?, "group".to_owned()];
-        program.extend(["--connect".to_owned(), self.connect.clone()]);
+        program.extend(["--connect".to_owned(), connect.clone()]);
         program.extend(self.reach.arguments());
-        let name = self.name.unwrap_or_else(distributed::default_name);
-        let access = self.reach.access(self.connect);
+        program.extend(lent.arguments()?);
+        let name = self.name.or_else(|| ours.name.clone());
+        let name = name.unwrap_or_else(distributed::default_name);
+        let access = self.reach.access(connect, &ours);
         let interrupt = Interrupt::new();
-        distributed::Worker { name, access, program }.serve(&|| interrupt.came())
+        let confined = !lent.no_confine;
+        if let Some(why) = distributed::unconfined().filter(|_| confined) {
+            super::messages::warning(&why);
+        }
+        distributed::Worker { name, access, program, confined }.serve(&|| interrupt.came())
     }
 }
 
 impl Group {
     pub(crate) fn run(self) -> Result<()> {
         end_with_parent()?;
+        distributed::close_inherited();
         let order = Order { run: self.run, group: self.group, generation: self.generation };
-        serve_group(&self.reach.access(self.connect), &order)
+        let access = self.reach.access(self.connect, &self.reach.ours()?);
+        let allowed = Allowed::new(self.lent.allow_upload, &self.lent.allow)?;
+        serve_group(&access, &order, allowed, !self.lent.no_confine)
     }
 }
 

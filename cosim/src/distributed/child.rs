@@ -8,6 +8,8 @@ use std::time::{Duration, Instant};
 use zenoh::qos::CongestionControl;
 use zenoh::{Session, Wait};
 
+use super::allowed::Allowed;
+use super::confine;
 use super::host::{Handled, Host};
 use super::keys;
 use super::pool::Order;
@@ -21,7 +23,10 @@ use crate::fmi::{Fmu, LastCall};
 const PATIENCE: Duration = Duration::from_secs(30);
 
 /// Computes a life of a group until it is told to end.
-pub fn serve(access: &Access, order: &Order) -> Result<()> {
+pub fn serve(access: &Access, order: &Order, allowed: Allowed, confined: bool) -> Result<()> {
+    if confined {
+        confine::process(&access.endpoints, &std::env::temp_dir())?;
+    }
     let session = access.dial()?;
     let life = keys::life(&order.run, order.group, order.generation);
     let (commands, inbox) = channel();
@@ -50,7 +55,10 @@ pub fn serve(access: &Access, order: &Order) -> Result<()> {
     // Whoever sees the token can speak to us.
     let _token = session.liveliness().declare_token(format!("{life}/alive")).wait();
     let _token = _token.map_err(refused)?;
-    let fmus = Delivered::new(&session, &order.run)?;
+    let fmus = Delivered::new(&session, &order.run, allowed)?;
+    if confined {
+        confine::this_thread()?;
+    }
     let mut host = Host::new(order.generation, Box::new(fmus));
     while let Ok(message) = inbox.recv() {
         let (answer, last) = match host.handle(&message) {
@@ -82,10 +90,11 @@ struct Delivered {
     run: String,
     folder: tempfile::TempDir,
     last_call: Arc<LastCall>,
+    allowed: Allowed,
 }
 
 impl Delivered {
-    fn new(session: &Session, run: &str) -> Result<Self> {
+    fn new(session: &Session, run: &str, allowed: Allowed) -> Result<Self> {
         let unmade = |why| Error::new(Code::Output, "a temporary file could not be made").why(why);
         let folder = tempfile::Builder::new().prefix("cosim-").tempdir();
         let last_call = LastCall::create(std::env::temp_dir().join(LAST_CALL));
@@ -94,11 +103,16 @@ impl Delivered {
             run: run.to_owned(),
             folder: folder.map_err(|why: std::io::Error| unmade(why))?,
             last_call: Arc::new(last_call.map_err(unmade)?),
+            allowed,
         })
     }
 }
 
 impl FmuSource for Delivered {
+    fn permit(&self, component: &str, file: &FmuFile) -> Result<()> {
+        self.allowed.check(component, file)
+    }
+
     fn open(&mut self, file: &FmuFile) -> Result<Arc<Fmu>> {
         let path: PathBuf = self.folder.path().join(format!("{}.fmu", file.sha256));
         if !path.is_file() {

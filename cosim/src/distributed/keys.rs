@@ -47,6 +47,21 @@ pub(crate) fn fmu(run: &str, sha256: &str) -> String {
     format!("{}/run/{run}/fmu/{sha256}", root())
 }
 
+/// Which rights somebody has: a query that everybody may send.
+pub(crate) fn rights() -> String {
+    format!("{}/rights", root())
+}
+
+/// All keys there are: a wildcard matches no verbatim chunk.
+pub(crate) fn everything() -> [String; 3] {
+    ["**".to_owned(), format!("{}/**", root()), "cosim/@pool/**".to_owned()]
+}
+
+/// What everybody may read.
+pub(crate) fn open(what: &str) -> String {
+    format!("cosim/{VERSION}/{what}")
+}
+
 /// Group and generation of a key that [`life`] gave.
 pub(crate) fn parse_life(key: &str) -> Option<(usize, u32)> {
     let life = key.split('/').nth(4)?;

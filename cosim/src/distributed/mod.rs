@@ -14,12 +14,24 @@
 //! * `coordinator` drives the groups, `recovery` and `member` what happens when one is lost;
 //! * `fabric` is what carries messages; `net` does so over Zenoh, `session` opens it, `present` knows
 //!   who is there;
+//! * `endpoint`, `credentials`, `members` and `rights` keep the door: who may come in, and what they
+//!   may do then; `diagnose` says why somebody may not, `authority` makes certificates;
+//! * `allowed` says which FMUs a worker loads, `confine` what these may do there;
+//! * `status` knows how a run stands, `telemetry` tells it and what is recorded, `watch` hears it;
 //! * `worker` lends a machine, `child` is the process in which FMUs run, `fate` how it ended;
 //! * `own` starts workers for one run.
 
+mod allowed;
+mod authority;
 mod child;
+mod configuration;
+mod confine;
 mod coordinator;
+mod credentials;
+mod decode;
+mod diagnose;
 mod distribute;
+mod endpoint;
 mod fabric;
 mod failure;
 mod fate;
@@ -29,6 +41,7 @@ mod layout;
 #[cfg(test)]
 mod local;
 mod member;
+mod members;
 mod net;
 mod options;
 mod own;
@@ -36,17 +49,32 @@ mod placement;
 mod pool;
 mod present;
 mod recovery;
+mod rights;
 mod run;
 mod session;
 mod setup;
+mod status;
+mod telemetry;
 #[cfg(test)]
 mod tests;
+mod watch;
 mod wire;
 mod worker;
 
+pub use allowed::Allowed;
+pub use authority::Authority;
 pub use child::serve as serve_group;
+pub use configuration::{Configuration, Ours};
+pub use confine::{close_inherited, unconfined};
+pub use credentials::Credentials;
+#[doc(hidden)]
+pub use decode::decode;
+pub use members::Members;
 pub use options::Options;
 pub use pool::{Order, WorkerInfo, default_name};
 pub use run::{Cluster, workers};
-pub use session::{Access, Credentials, DEFAULT_ENDPOINT};
+pub use session::{Access, DEFAULT_ENDPOINT};
+pub use status::{GroupStatus, Status};
+pub use telemetry::Rate;
+pub use watch::watch;
 pub use worker::Worker;

@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use super::telemetry::Rate;
+
 /// How a distributed run behaves.
 #[derive(Debug, Clone)]
 pub struct Options {
@@ -20,6 +22,8 @@ pub struct Options {
     /// A lost group that has no saved state is the end of the run, not computed again from the
     /// start.
     pub require_resume: bool,
+    /// What is recorded is sent to observers.
+    pub telemetry: Option<Rate>,
 }
 
 impl Default for Options {
@@ -32,6 +36,7 @@ impl Default for Options {
             recoveries: 1000,
             attempts: 3,
             require_resume: false,
+            telemetry: None,
         }
     }
 }

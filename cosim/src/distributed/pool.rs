@@ -19,6 +19,8 @@ pub struct WorkerInfo {
     pub cpu: Vec<String>,
     /// Identity of the process that supervises.
     pub process: u32,
+    /// What keeps its FMUs from doing more than computing.
+    pub confined: String,
 }
 
 /// Start or end a life of a group.
@@ -39,7 +41,7 @@ impl WorkerInfo {
     }
 
     /// Of this process.
-    pub fn of_this(name: &str) -> Self {
+    pub fn of_this(name: &str, confined: bool) -> Self {
         Self {
             name: name.to_owned(),
             host: host(),
@@ -48,6 +50,7 @@ impl WorkerInfo {
             platform: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
             cpu: cpu(),
             process: std::process::id(),
+            confined: super::confine::describe(confined),
         }
     }
 }

@@ -13,6 +13,8 @@ use super::own::OwnWorkers;
 use super::placement::place;
 use super::pool::WorkerInfo;
 use super::session::Access;
+use super::status::{Board, Watched};
+use super::telemetry::{self, Fed};
 use crate::error::Result;
 use crate::fmi::temporary::Unpacked;
 use crate::master::{Run, Summary};
@@ -77,9 +79,20 @@ impl Cluster {
         net.settle(homes, self.patience);
         let Distribution { plan, layout, setups, .. } = distribution;
         let options = self.options.clone();
-        let mut driven = Coordinator::new(system, plan, layout, &setups, Box::new(net), options)?;
+        let name = |&component: &usize| system.components()[component].name.clone();
+        let groups = layout.groups.iter();
+        let groups = groups.map(|group| group.own.iter().map(name).collect()).collect();
+        let board = Board::new(&id, system.name(), system.stop_time().seconds(), groups);
+        let names = system.columns().iter().map(|column| column.name.clone()).collect();
+        let (feed, sender) = telemetry::open(&session, &id, &board, names, self.options.telemetry)?;
+        let fabric = Box::new(Watched::new(net, &board));
+        let mut driven = Coordinator::new(system, plan, layout, &setups, fabric, options)?;
         driven.warn(differences);
-        let outcome = run.drive_all(&mut driven);
+        let outcome = std::thread::scope(|threads| {
+            threads.spawn(|| sender.serve());
+            // When the feed is dropped the sender tells the end, and ends.
+            run.drive_all(&mut Fed { driven: &mut driven, feed })
+        });
         driven.end();
         drop(driven);
         drop(own);

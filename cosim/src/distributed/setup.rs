@@ -71,6 +71,12 @@ pub(crate) struct FmuFile {
 
 /// Where a host gets FMUs from.
 pub(crate) trait FmuSource {
+    /// Refuses what may not be loaded here.
+    fn permit(&self, component: &str, file: &FmuFile) -> Result<()> {
+        let _ = (component, file);
+        Ok(())
+    }
+
     /// The FMU of this hash.
     fn open(&mut self, file: &FmuFile) -> Result<Arc<Fmu>>;
 
@@ -86,6 +92,12 @@ impl Setup {
         let (debug, categories) = (self.making.debug, self.making.categories.clone());
         // Messages are told at the end; nobody follows them here.
         let logging = Logging { debug, categories, trace: None, last: fmus.last_call() };
+        // Before the first is loaded: it runs code.
+        for blueprint in &self.components {
+            if let Source::Fmu(file) = &blueprint.source {
+                fmus.permit(&blueprint.name, file)?;
+            }
+        }
         let mut slaves = Vec::with_capacity(self.components.len());
         for (blueprint, node) in self.components.into_iter().zip(&self.plan.nodes) {
             let model = match blueprint.source {

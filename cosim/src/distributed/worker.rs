@@ -14,7 +14,9 @@ use zenoh::{Session, Wait};
 use super::child::LAST_CALL;
 use super::fate::{Call, Fate, Process};
 use super::keys;
+use super::members::Role;
 use super::pool::{Order, WorkerInfo};
+use super::rights;
 use super::session::Access;
 use crate::error::{Code, Error, Result};
 use crate::fmi::LastCall;
@@ -28,7 +30,14 @@ pub struct Worker {
     pub access: Access,
     /// The program to start for a life, with arguments that make it call [`super::child::serve`].
     pub program: Vec<String>,
+    /// FMUs are confined where the kernel can.
+    pub confined: bool,
 }
+
+/// How long one of our name may stay.
+const NAME_PATIENCE: Duration = Duration::from_secs(3);
+/// How long the death of a process may follow the end of its connection.
+const LAST_BREATH: Duration = Duration::from_millis(50);
 
 /// What the supervisor is asked to do.
 enum Request {
@@ -47,6 +56,7 @@ impl Worker {
     /// Serves until `ended` says so.
     pub fn serve(&self, ended: &dyn Fn() -> bool) -> Result<()> {
         let session = self.access.dial()?;
+        self.may_work(&session)?;
         let (requests, inbox) = channel();
         let key = keys::worker(&self.name);
         let mut queryables = Vec::new();
@@ -87,6 +97,19 @@ impl Worker {
         Ok(())
     }
 
+    /// A worker speaks under the name in its certificate; another one is dropped in silence.
+    fn may_work(&self, session: &zenoh::Session) -> Result<()> {
+        match rights::ask(session, &self.access, Role::Worker)? {
+            Some((name, Role::Worker)) if name != self.name => {
+                let what = format!("the worker '{}' has the certificate of '{name}'", self.name);
+                Err(Error::new(Code::Forbidden, what)
+                    .why("a worker may speak under the name in its certificate only")
+                    .help(format!("--name {name}, or --credentials of '{}'", self.name)))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Waits until nobody else has our name: one that was killed is gone at once, one that was cut
     /// off after its lease.
     fn have_name(&self, session: &Session, key: &str) -> Result<()> {
@@ -105,11 +128,6 @@ impl Worker {
         }
     }
 }
-
-/// How long one of our name may stay.
-const NAME_PATIENCE: Duration = Duration::from_secs(3);
-/// How long the death of a process may follow the end of its connection.
-const LAST_BREATH: Duration = Duration::from_millis(50);
 
 fn refused(why: zenoh::Error) -> Error {
     Error::new(Code::Session, "the worker cannot announce itself").why(why)
@@ -132,7 +150,7 @@ struct Life {
 
 impl Children<'_> {
     fn serve(&mut self, inbox: &Receiver<Request>, ended: &dyn Fn() -> bool) {
-        let info = WorkerInfo::of_this(&self.worker.name);
+        let info = WorkerInfo::of_this(&self.worker.name, self.worker.confined);
         while !ended() {
             let answered = match inbox.recv_timeout(Duration::from_millis(50)) {
                 Ok(Request::Info(query)) => answer(&query, &info),

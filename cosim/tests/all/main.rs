@@ -15,6 +15,7 @@ mod flags;
 mod formats;
 mod hostile;
 mod import;
+mod locked;
 mod logging;
 mod loops;
 mod manipulations;

@@ -26,6 +26,9 @@ pub(crate) enum Model {
     Cubic,
     /// A gain that fails in the first step that ends after `second`.
     Failing,
+    /// A gain that in its first step writes to $HOME, dials 127.0.0.1 at the port k and writes to
+    /// its temporary folder, and tells what came of it.
+    Nosy,
     /// A gain that logs in three formats and dies in its third step.
     Logging,
     /// y'' = second u - k y, y(0) = m; no feed-through; interpolates u and gives y'.
@@ -58,6 +61,7 @@ impl Model {
             Model::Affine => "AFFINE",
             Model::Cubic => "CUBIC",
             Model::Failing => "FAILING",
+            Model::Nosy => "NOSY",
             Model::Logging => "LOGGING",
             Model::Mass => "MASS",
             Model::Inertia => "INERTIA",
@@ -71,8 +75,8 @@ impl Model {
     }
 
     fn feeds_through(self) -> bool {
-        use Model::{Affine, Cubic, Failing, Gain, Inertia, Logging};
-        matches!(self, Gain | Affine | Cubic | Inertia | Failing | Logging)
+        use Model::{Affine, Cubic, Failing, Gain, Inertia, Logging, Nosy};
+        matches!(self, Gain | Affine | Cubic | Inertia | Failing | Nosy | Logging)
     }
 
     /// States and event indicators, for model exchange.

@@ -185,3 +185,8 @@ fn snapshots() {
     Run::new(&system()).snapshots(None, &half, &mut keep).go().unwrap();
     survive(8, &std::fs::read(&file).unwrap(), 1500, readers::snapshot);
 }
+
+#[test]
+fn messages() {
+    survive(10, &readers::step(), 20_000, readers::message);
+}

@@ -17,7 +17,7 @@ use crate::models::Model;
 use crate::ssd::Ssd;
 
 /// A chain with several rates.
-fn chain(stop: f64) -> Ssd {
+pub(crate) fn chain(stop: f64) -> Ssd {
     Ssd::new()
         .add("clock", Model::Clock)
         .add_with("x", Model::Integrator, &[], Some(0.2))
@@ -29,19 +29,19 @@ fn chain(stop: f64) -> Ssd {
         .stop(stop)
 }
 
-fn cosim(folder: &Path, arguments: &[&str]) -> Command {
+pub(crate) fn cosim(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_cosim"));
     command.args(arguments).current_dir(folder).env("NO_COLOR", "1").env("TMPDIR", folder);
     command
 }
 
 /// Runs to the end: exit code, stderr.
-fn outcome(folder: &Path, arguments: &[&str]) -> (i32, String) {
+pub(crate) fn outcome(folder: &Path, arguments: &[&str]) -> (i32, String) {
     let output = cosim(folder, arguments).output().unwrap();
     (output.status.code().unwrap_or(-1), String::from_utf8_lossy(&output.stderr).into_owned())
 }
 
-fn results(folder: &Path, name: &str) -> Vec<u8> {
+pub(crate) fn results(folder: &Path, name: &str) -> Vec<u8> {
     std::fs::read(folder.join(name)).unwrap()
 }
 
@@ -78,7 +78,7 @@ fn remaining(processes: &[u32], patience: Duration) -> Vec<u32> {
 }
 
 /// The processes whose parent is `parent`.
-fn children(parent: u32) -> Vec<u32> {
+pub(crate) fn children(parent: u32) -> Vec<u32> {
     let all = std::fs::read_dir("/proc").unwrap().flatten();
     let numbers = all.filter_map(|entry| entry.file_name().to_str()?.parse::<u32>().ok());
     numbers
@@ -86,7 +86,7 @@ fn children(parent: u32) -> Vec<u32> {
         .collect()
 }
 
-fn signal(process: u32, name: &str) {
+pub(crate) fn signal(process: u32, name: &str) {
     // It may have ended by itself.
     let _ = Command::new("kill").args([name, &process.to_string()]).stderr(Stdio::null()).status();
 }
@@ -150,7 +150,7 @@ struct Kept(Child);
 
 impl Kept {
     fn worker(folder: &Path, name: &str, endpoint: &str) -> Self {
-        let arguments = ["worker", "--name", name, "--connect", endpoint];
+        let arguments = ["worker", "--name", name, "--connect", endpoint, "--allow-upload"];
         Self(cosim(folder, &arguments).stderr(Stdio::null()).spawn().unwrap())
     }
 

@@ -1,0 +1,8 @@
+//! Messages between the processes of a distributed run.
+#![no_main]
+#![allow(dead_code)]
+
+#[path = "../readers.rs"]
+mod readers;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| readers::message(bytes));

@@ -1,0 +1,107 @@
+//! The FMUs that a worker loads. An FMU is native code: one that is sent by somebody else is run
+//! only when it was allowed here.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use super::setup::FmuFile;
+use crate::digest::sha256;
+use crate::error::{Code, Error, Result};
+
+/// What a worker loads.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Allowed {
+    /// Every FMU that a run sends.
+    pub all: bool,
+    /// Those with this SHA-256.
+    pub hashes: BTreeSet<String>,
+}
+
+/// Whether a text is a SHA-256 and no path.
+pub(super) fn is_hash(text: &str) -> bool {
+    text.len() == 64 && text.bytes().all(|byte| byte.is_ascii_hexdigit())
+}
+
+impl Allowed {
+    /// From hashes, FMU files, and folders with FMU files.
+    pub fn new(all: bool, list: &[String]) -> Result<Self> {
+        let mut hashes = BTreeSet::new();
+        for item in list {
+            if is_hash(item) {
+                hashes.insert(item.to_ascii_lowercase());
+                continue;
+            }
+            for file in files(Path::new(item))? {
+                let bytes = std::fs::read(&file).map_err(|why| unreadable(&file).why(why))?;
+                hashes.insert(sha256(bytes));
+            }
+        }
+        Ok(Self { all, hashes })
+    }
+
+    /// Refuses an FMU that is not allowed, for a component.
+    pub(super) fn check(&self, component: &str, file: &FmuFile) -> Result<()> {
+        if self.all || self.hashes.contains(&file.sha256) {
+            return Ok(());
+        }
+        let FmuFile { name, sha256 } = file;
+        Err(Error::new(Code::NotAllowed, format!("{component}: this worker does not load {name}"))
+            .why(format!("nobody allowed the FMU with the SHA-256 {sha256}"))
+            .help(format!(
+                "start the worker with --allow {sha256}, with --allow and the file or its folder, \
+                 or with --allow-upload for every FMU that a run sends"
+            )))
+    }
+}
+
+fn files(path: &Path) -> Result<Vec<PathBuf>> {
+    if !path.is_dir() {
+        return Ok(vec![path.to_owned()]);
+    }
+    let entries = std::fs::read_dir(path).map_err(|why| unreadable(path).why(why))?;
+    let mut files: Vec<PathBuf> = entries
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(|path| path.extension().is_some_and(|end| end == "fmu"))
+        .collect();
+    files.sort();
+    if files.is_empty() {
+        return Err(unreadable(path).why("there is no .fmu in this folder"));
+    }
+    Ok(files)
+}
+
+fn unreadable(path: &Path) -> Error {
+    Error::new(Code::File, "what is to be allowed cannot be read")
+        .at(path)
+        .help("--allow takes a SHA-256, an .fmu file, or a folder with .fmu files")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hashes_files_and_folders_are_allowed_and_nothing_else() {
+        let folder = tempfile::TempDir::new().unwrap();
+        let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+        std::fs::write(path("a.fmu"), "a").unwrap();
+        std::fs::write(path("b.txt"), "b").unwrap();
+        let of = |content: &str| FmuFile { sha256: sha256(content), name: "x.fmu".to_owned() };
+        let hash = sha256("c").to_uppercase();
+        for (list, allowed) in [
+            (vec![], [false, false, false]),
+            (vec![path("")], [true, false, false]),
+            (vec![path("b.txt"), hash], [false, true, true]),
+        ] {
+            let list = Allowed::new(false, &list).unwrap();
+            assert_eq!(["a", "b", "c"].map(|c| list.check("x", &of(c)).is_ok()), allowed);
+        }
+        assert!(Allowed::new(true, &[]).unwrap().check("x", &of("a")).is_ok());
+        let refusal = Allowed::default().check("pump", &of("a")).unwrap_err().to_string();
+        for part in ["pump", "x.fmu", &sha256("a"), "--allow"] {
+            assert!(refusal.contains(part), "{refusal}");
+        }
+        assert!(Allowed::new(false, &[path("none.fmu")]).is_err());
+    }
+}

@@ -1,0 +1,59 @@
+//! All decoders of what comes over the wire, as one function of bytes: they may refuse, and do
+//! nothing else. For the fuzzer, and for the test that does its work in small.
+
+use std::sync::Arc;
+
+use super::failure::Failure;
+use super::fate::Fate;
+use super::host::Host;
+use super::pool::{Order, WorkerInfo};
+use super::setup::{FmuFile, FmuSource, Setup};
+use super::wire::{Body, Header};
+use crate::error::{Code, Error, Result};
+use crate::fmi::Fmu;
+use crate::master::{Change, EngineState, Report, Tally};
+
+/// Nothing can be loaded.
+struct Nothing;
+
+impl FmuSource for Nothing {
+    fn open(&mut self, file: &FmuFile) -> Result<Arc<Fmu>> {
+        Err(Error::new(Code::File, format!("no {} here", file.name)))
+    }
+}
+
+/// Reads bytes as every kind of message there is; whether they are one.
+pub fn decode(bytes: &[u8]) -> bool {
+    // What has no header goes to workers and from them.
+    let order = postcard::from_bytes::<Order>(bytes).is_ok();
+    let info = postcard::from_bytes::<WorkerInfo>(bytes).is_ok();
+    let fate = postcard::from_bytes::<Result<Fate, String>>(bytes).is_ok();
+    // A host takes everything; one that was not set up makes nothing of it.
+    let mut host = Host::new(1, Box::new(Nothing));
+    host.handle(bytes);
+    let Ok((_, body)) = Header::read(bytes) else {
+        return order || info || fate;
+    };
+    values(body);
+    let whole = body.whole().is_ok();
+    let setup = body.structure::<Setup>().is_ok();
+    let change = body.structure::<(usize, Change)>().is_ok();
+    let failure = body.structure::<Failure>().map(|failure| failure.into_error("there")).is_ok();
+    let state = state(body);
+    let report = body.structure::<Report>().is_ok();
+    whole || setup || change || failure || state || report
+}
+
+/// A part, values, and the end.
+fn values(mut body: Body<'_>) {
+    let mut read = [0.0; 4];
+    if body.number().is_ok() && body.values(0..4, &mut read).is_ok() {
+        // It may be longer.
+        drop(body.end());
+    }
+}
+
+fn state(mut body: Body<'_>) -> bool {
+    let blob = body.blob();
+    blob.is_ok_and(|blob| postcard::from_bytes::<(EngineState, Tally)>(blob).is_ok())
+}

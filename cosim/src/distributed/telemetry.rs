@@ -1,0 +1,172 @@
+//! What observers may read, sent so that they can harm nothing.
+//!
+//! A thread of its own sends, and what cannot be sent at once is dropped: by the queue that leads
+//! to the thread, and by Zenoh when the line to an observer is full. The keys are no part of the
+//! protocol, so nobody who reads them all is ever in the way of a step.
+//!
+//! * `cosim/1/<run>/status`: four times a second, a [`Status`] in JSON;
+//! * `cosim/1/<run>/signals`, on demand: `{"time": s, "values": {"component.variable": ..}}`, what
+//!   is recorded, at every instant at which it is recorded.
+
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::time::{Duration, Instant};
+
+use serde_json::{Map, Value, json};
+use zenoh::bytes::Encoding;
+use zenoh::pubsub::Publisher;
+use zenoh::qos::CongestionControl;
+use zenoh::{Session, Wait};
+
+use super::keys;
+use super::status::Board;
+use crate::error::{Code, Error, Result};
+use crate::master::{Change, Drive, EngineState, Report};
+use crate::time::Time;
+
+/// Time between two messages on how the run stands.
+const PULSE: Duration = Duration::from_millis(250);
+/// Rows that wait to be sent; more are dropped.
+const QUEUE: usize = 256;
+
+/// How often signals are sent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Rate {
+    /// At every instant at which they are recorded.
+    All,
+    /// At most so many times in a second of the clock.
+    PerSecond(f64),
+}
+
+/// One row of recorded values.
+type Row = (Time, Vec<f64>);
+
+/// Takes what is recorded; nothing it does can take long.
+pub(super) struct Feed {
+    rate: Option<Rate>,
+    rows: SyncSender<Row>,
+    last: Option<Instant>,
+}
+
+impl Feed {
+    fn take(&mut self, time: Time, values: &[f64]) {
+        let due = match self.rate {
+            None => false,
+            Some(Rate::All) => true,
+            Some(Rate::PerSecond(rate)) => {
+                self.last.is_none_or(|last| last.elapsed().as_secs_f64() * rate >= 1.0)
+            }
+        };
+        if due {
+            self.last = Some(Instant::now());
+            // Full, or its reader gone: an observer misses a row.
+            let _ = self.rows.try_send((time, values.to_vec()));
+        }
+    }
+}
+
+/// A system whose recorded values go to a feed, too.
+pub(super) struct Fed<'a, D> {
+    pub(super) driven: &'a mut D,
+    pub(super) feed: Feed,
+}
+
+impl<D: Drive> Drive for Fed<'_, D> {
+    fn initialize(&mut self, stop: Time) -> Result<()> {
+        self.driven.initialize(stop)
+    }
+
+    fn run_until(&mut self, limit: Time) -> Result<()> {
+        self.driven.run_until(limit)
+    }
+
+    fn sample(&mut self, now: Time, row: &mut [f64]) -> Result<()> {
+        self.driven.sample(now, row)?;
+        self.feed.take(now, row);
+        Ok(())
+    }
+
+    fn change(&mut self, component: usize, change: Change, now: Time) -> Result<()> {
+        self.driven.change(component, change, now)
+    }
+
+    fn save(&mut self, now: Time) -> Result<EngineState> {
+        self.driven.save(now)
+    }
+
+    fn resume(&mut self, state: &EngineState, time: Time, stop: Time) -> Result<()> {
+        self.driven.resume(state, time, stop)
+    }
+
+    fn report(&mut self) -> Result<Report> {
+        self.driven.report()
+    }
+}
+
+/// What sends.
+pub(super) struct Sender<'a> {
+    board: &'a Board,
+    names: Vec<String>,
+    rows: Receiver<Row>,
+    status: Publisher<'static>,
+    signals: Publisher<'static>,
+}
+
+/// The two ends of the telemetry of a run that records `names`.
+pub(super) fn open<'a>(
+    session: &Session,
+    run: &str,
+    board: &'a Board,
+    names: Vec<String>,
+    rate: Option<Rate>,
+) -> Result<(Feed, Sender<'a>)> {
+    let publisher = |what: &str| {
+        session
+            .declare_publisher(keys::open(&format!("{run}/{what}")))
+            .congestion_control(CongestionControl::Drop)
+            .encoding(Encoding::APPLICATION_JSON)
+            .wait()
+            .map_err(|why| Error::new(Code::Session, "telemetry cannot be announced").why(why))
+    };
+    let (sender, rows) = sync_channel(QUEUE);
+    let (status, signals) = (publisher("status")?, publisher("signals")?);
+    let feed = Feed { rate, rows: sender, last: None };
+    Ok((feed, Sender { board, names, rows, status, signals }))
+}
+
+impl Sender<'_> {
+    /// Sends until the feed is gone.
+    pub(super) fn serve(self) {
+        let mut next = Instant::now();
+        loop {
+            match self.rows.recv_timeout(next.saturating_duration_since(Instant::now())) {
+                Ok((time, values)) => {
+                    let message = self.row(time, &values);
+                    // What is not sent is missed, here and below: observers are guests.
+                    let _ = self.signals.put(message.to_string()).wait();
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => break,
+            }
+            if next <= Instant::now() {
+                self.tell(false);
+                next = Instant::now() + PULSE;
+            }
+        }
+        self.tell(true);
+    }
+
+    fn tell(&self, ended: bool) {
+        let status = super::Status { ended, ..self.board.status() };
+        if let Ok(text) = serde_json::to_string(&status) {
+            let _ = self.status.put(text).wait();
+        }
+    }
+
+    /// JSON has no NaN and no infinity: they are null.
+    fn row(&self, time: Time, values: &[f64]) -> Value {
+        let pairs = self.names.iter().zip(values);
+        let values: Map<String, Value> =
+            pairs.map(|(name, value)| (name.clone(), json!(value))).collect();
+        json!({ "time": time.seconds(), "values": values })
+    }
+}

@@ -1,0 +1,58 @@
+//! Watching a run from elsewhere.
+
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
+
+use zenoh::Wait;
+
+use super::keys;
+use super::members::Role;
+use super::rights;
+use super::session::Access;
+use super::status::Status;
+use crate::error::{Code, Error, Result};
+
+/// A run that is not heard of for so long is gone: it tells how it stands four times a second.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Shows how the run at `access` stands until it ends, or until `ended` says so.
+pub fn watch(
+    access: &Access,
+    ended: &dyn Fn() -> bool,
+    show: &mut dyn FnMut(&Status) -> Result<()>,
+) -> Result<()> {
+    let session = access.dial()?;
+    rights::ask(&session, access, Role::Observer)?;
+    let (news, inbox) = channel();
+    let _subscriber = session
+        .declare_subscriber(keys::open("*/status"))
+        .callback(move |sample| {
+            let _ = news.send(serde_json::from_slice::<Status>(&sample.payload().to_bytes()));
+        })
+        .wait()
+        .map_err(|why| Error::new(Code::Session, "the session failed").why(why))?;
+    let mut heard = Instant::now();
+    while !ended() {
+        match inbox.recv_timeout(Duration::from_millis(200)) {
+            Ok(Ok(status)) => {
+                heard = Instant::now();
+                show(&status)?;
+                if status.ended {
+                    return Ok(());
+                }
+            }
+            Ok(Err(why)) => {
+                let what = "what the run tells cannot be understood";
+                return Err(Error::new(Code::Protocol, what)
+                    .why(why)
+                    .help("are both sides of the same version?"));
+            }
+            Err(RecvTimeoutError::Timeout) if heard.elapsed() < PATIENCE => {}
+            Err(_) => {
+                let silent = format!("nothing was heard for {} s", PATIENCE.as_secs());
+                return Err(Error::new(Code::Lost, "the run is gone").why(silent));
+            }
+        }
+    }
+    Ok(())
+}
