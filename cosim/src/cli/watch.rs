@@ -80,9 +80,8 @@ fn table(status: &Status) -> String {
     let mut text = format!("{}{end}\n", head(status));
     let title = ["place", "life", "answers", "mean ms", "longest", "waits ms", "components"];
     let [place, life, answers, mean, longest, waits, names] = title;
-    let head = format!(
-        "{place:<20} {life:>4} {answers:>9} {mean:>8} {longest:>8} {waits:>8}  {names}\n"
-    );
+    let head =
+        format!("{place:<20} {life:>4} {answers:>9} {mean:>8} {longest:>8} {waits:>8}  {names}\n");
     text.push_str(&head);
     for group in &status.groups {
         let waits = group.awaited.map_or("-".to_owned(), |since| format!("{:.1}", since * 1e3));

@@ -48,16 +48,8 @@ pub struct Ours {
 }
 
 /// What is understood under `cosim`.
-const KEYS: [&str; 8] = [
-    "listen",
-    "connect",
-    "credentials",
-    "insecure",
-    "name",
-    "allow",
-    "allow_upload",
-    "no_confine",
-];
+const KEYS: [&str; 8] =
+    ["listen", "connect", "credentials", "insecure", "name", "allow", "allow_upload", "no_confine"];
 
 impl Configuration {
     /// Reads a file.

@@ -88,7 +88,8 @@ impl Credentials {
         let key = PrivateKeyDer::from_pem_slice(&read(&self.key)?)
             .map_err(|why| wrong("there is no private key in it", &self.key).why(text(&why)))?;
         CertifiedKey::from_der(chain.clone(), key.clone_key(), &provider()).map_err(|why| {
-            let what = format!("the key does not fit the certificate {}", self.certificate.display());
+            let what =
+                format!("the key does not fit the certificate {}", self.certificate.display());
             wrong(what, &self.key).why(why).help("take both from the same folder of cosim keys")
         })?;
         let roots = Arc::new(roots);

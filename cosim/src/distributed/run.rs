@@ -76,8 +76,7 @@ impl Cluster {
         let groups = groups.map(|group| group.own.iter().map(name).collect()).collect();
         let board = Board::new(&id, system.name(), system.stop_time().seconds(), groups);
         let names = system.columns().iter().map(|column| column.name.clone()).collect();
-        let (feed, sender) =
-            telemetry::open(&session, &id, &board, names, self.options.telemetry)?;
+        let (feed, sender) = telemetry::open(&session, &id, &board, names, self.options.telemetry)?;
         let fabric = Box::new(Watched::new(net, &board));
         let mut driven = Coordinator::new(system, plan, layout, &setups, fabric, options)?;
         driven.warn(differences);
@@ -106,7 +105,7 @@ pub fn workers(access: &Access, patience: Duration) -> Result<Vec<WorkerInfo>> {
     Ok(infos)
 }
 
-/// What differs between workers and may change the last bit of results.
+/// What differs between workers and may change the last bit of results, and what they lack.
 fn differences(infos: &[WorkerInfo]) -> Vec<String> {
     let Some((first, others)) = infos.split_first() else {
         return Vec::new();
@@ -120,7 +119,14 @@ fn differences(infos: &[WorkerInfo]) -> Vec<String> {
              of the C library may give other last bits"
         )
     });
-    told.collect()
+    let loose: Vec<&str> = infos.iter().filter(|i| i.is_loose()).map(|i| i.name.as_str()).collect();
+    let loose = (!loose.is_empty()).then(|| {
+        format!(
+            "the FMUs of {} are not confined: the kernel there has no Landlock",
+            loose.join(", ")
+        )
+    });
+    told.chain(loose).collect()
 }
 
 /// Workers on this machine that end with the run, however it ends.

@@ -16,7 +16,7 @@ use crate::models::Model;
 use crate::ssd::Ssd;
 
 /// A process that ends with the test.
-struct Running(Child);
+pub(crate) struct Running(pub(crate) Child);
 
 impl Drop for Running {
     fn drop(&mut self) {
@@ -25,7 +25,7 @@ impl Drop for Running {
     }
 }
 
-fn start(folder: &Path, arguments: &[&str]) -> Running {
+pub(crate) fn start(folder: &Path, arguments: &[&str]) -> Running {
     let mut command = cosim(folder, arguments);
     Running(command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap())
 }
@@ -70,7 +70,9 @@ fn dated(folder: &Path, name: &str, days: std::ops::Range<i64>) {
     let key = KeyPair::from_pem(&text(folder, "keys/authority/ca.key.pem")).unwrap();
     let mut authority = CertificateParams::default();
     authority.distinguished_name = rcgen::DistinguishedName::new();
-    authority.distinguished_name.push(DnType::CommonName, common_name(&text(folder, "keys/authority/ca.pem")));
+    authority
+        .distinguished_name
+        .push(DnType::CommonName, common_name(&text(folder, "keys/authority/ca.pem")));
     let mut params = CertificateParams::new(["localhost".to_owned()]).unwrap();
     let now = time::OffsetDateTime::now_utc();
     params.not_before = now + time::Duration::days(days.start);
@@ -113,23 +115,23 @@ fn a_refusal_says_which_it_is() {
     let of = |member: &str, file: &str| text(at, &format!("{member}/{file}"));
     let certificate = |member: &str| ("cert.pem", of(member, "cert.pem"));
     let key = |member: &str| ("key.pem", of(member, "key.pem"));
-    mixed(at, "foreign", [
-        ("ca.pem", ca("keys")),
-        certificate("strangers/left"),
-        key("strangers/left"),
-    ]);
-    mixed(at, "trusting", [
-        ("ca.pem", both),
-        certificate("strangers/left"),
-        key("strangers/left"),
-    ]);
+    mixed(
+        at,
+        "foreign",
+        [("ca.pem", ca("keys")), certificate("strangers/left"), key("strangers/left")],
+    );
+    mixed(at, "trusting", [("ca.pem", both), certificate("strangers/left"), key("strangers/left")]);
     mixed(at, "swapped", [("ca.pem", ca("keys")), certificate("keys/left"), key("keys/right")]);
-    mixed(at, "garbled", [
-        ("ca.pem", ca("keys")),
-        ("cert.pem", "no certificate".to_owned()),
-        key("keys/left"),
-    ]);
-    mixed(at, "keyless", [("ca.pem", ca("keys")), certificate("keys/left"), certificate("keys/left")]);
+    mixed(
+        at,
+        "garbled",
+        [("ca.pem", ca("keys")), ("cert.pem", "no certificate".to_owned()), key("keys/left")],
+    );
+    mixed(
+        at,
+        "keyless",
+        [("ca.pem", ca("keys")), certificate("keys/left"), certificate("keys/left")],
+    );
     std::fs::create_dir(at.join("empty")).unwrap();
     dated(at, "expired", -10..-1);
     dated(at, "early", 1..10);
@@ -148,7 +150,13 @@ fn a_refusal_says_which_it_is() {
         (&tls, "strangers/left", "left", "[E506] no trust", "another authority than ours"),
         (&elsewhere, "keys/left", "left", "[E506] no trust", "not for the name 127.0.0.2"),
         (&tls, "empty", "left", "[E506] a certificate or key is missing", "empty/ca.pem"),
-        (&tls, "foreign", "left", "[E506] the certificate is not of the authority", "UnknownIssuer"),
+        (
+            &tls,
+            "foreign",
+            "left",
+            "[E506] the certificate is not of the authority",
+            "UnknownIssuer",
+        ),
         (&tls, "trusting", "left", "[E506] no trust", "does not know the authority of our"),
         (&tls, "swapped", "left", "[E506] the key does not fit", "swapped/key.pem"),
         (&tls, "garbled", "left", "[E506] there is no certificate", "garbled/cert.pem"),
@@ -276,7 +284,8 @@ fn sha256(file: &Path) -> String {
 fn has_landlock() -> bool {
     let release = std::fs::read_to_string("/proc/sys/kernel/osrelease").unwrap();
     let mut numbers = release.split(['.', '-']).map(|n| n.parse::<u32>().unwrap_or(0));
-    (numbers.next(), numbers.next()) >= (Some(6), Some(7)) && cosim::distributed::unconfined().is_none()
+    (numbers.next(), numbers.next()) >= (Some(6), Some(7))
+        && cosim::distributed::unconfined().is_none()
 }
 
 #[test]
@@ -288,7 +297,8 @@ fn an_fmu_of_a_worker_writes_only_in_its_folder_and_dials_nobody() {
     let (at, file) = (folder.path(), system.write());
     let environment = [("HOME", home.path().to_str().unwrap())];
     let run = |lent: &[&str]| {
-        let (code, stderr) = on_worker(at, &file, &[&["--allow-upload"], lent].concat(), &environment);
+        let (code, stderr) =
+            on_worker(at, &file, &[&["--allow-upload"], lent].concat(), &environment);
         assert_eq!(code, 0, "{stderr}");
         (stderr, home.path().join("nosy.txt").exists())
     };
@@ -316,7 +326,11 @@ fn a_configuration_file_opens_no_door() {
     for (text, code, part) in [
         ("{ cosim: { connect: 'tcp/192.0.2.1:7447' } }", 1, "--insecure"),
         ("{ cosim: { conect: 'tcp/127.0.0.1:7447' } }", 3, "did you mean 'connect'?"),
-        ("{ cosim: { connect: 'tls/127.0.0.1:7447', credentials: 'nowhere' } }", 1, "nowhere/ca.pem"),
+        (
+            "{ cosim: { connect: 'tls/127.0.0.1:7447', credentials: 'nowhere' } }",
+            1,
+            "nowhere/ca.pem",
+        ),
         ("{ scouting: { multicast: { enabled: true } } }", 3, "[E509] scouting by multicast"),
     ] {
         let file = write(text);
