@@ -18,25 +18,26 @@ impl Network {
         format!("{}-{machine}", self.0)
     }
 
-    /// Lays the cables: 10.77.0.1 for the run, .2 and .3 for the workers.
+    /// Lays the cables: 10.77.0.1 for the run, .2 and .3 for the workers. Nothing where that is
+    /// not permitted.
     fn lay() -> Result<Self, String> {
         let network = Self(format!("cosim-{}", std::process::id()));
         let [hub, left, right] = ["hub", "left", "right"].map(|machine| network.name(machine));
         for machine in [&hub, &left, &right] {
             ip(&["netns", "add", machine])?;
-            ip(&["-n", machine, "link", "set", "lo", "up"])?;
         }
-        ip(&["-n", &hub, "link", "add", "switch", "type", "bridge"])?;
-        ip(&["-n", &hub, "addr", "add", "10.77.0.1/24", "dev", "switch"])?;
-        ip(&["-n", &hub, "link", "set", "switch", "up"])?;
+        let ip = |arguments: &[&str]| ip(arguments).unwrap();
+        ip(&["-n", &hub, "link", "add", "name", "switch", "type", "bridge"]);
+        ip(&["-n", &hub, "addr", "add", "10.77.0.1/24", "dev", "switch"]);
+        ip(&["-n", &hub, "link", "set", "switch", "up"]);
         for (machine, cable, address) in
-            [(&left, "l", "10.77.0.2/24"), (&right, "r", "10.77.0.3/24")]
+            [(&left, "to-left", "10.77.0.2/24"), (&right, "to-right", "10.77.0.3/24")]
         {
-            let pair = ["type", "veth", "peer", "name", "eth", "netns", machine.as_str()];
-            ip(&[&["-n", &hub, "link", "add", cable], &pair[..]].concat())?;
-            ip(&["-n", &hub, "link", "set", cable, "master", "switch", "up"])?;
-            ip(&["-n", machine, "addr", "add", address, "dev", "eth"])?;
-            ip(&["-n", machine, "link", "set", "eth", "up"])?;
+            let pair = ["type", "veth", "peer", "name", "cable", "netns", machine.as_str()];
+            ip(&[&["-n", &hub, "link", "add", "name", cable], &pair[..]].concat());
+            ip(&["-n", &hub, "link", "set", cable, "master", "switch", "up"]);
+            ip(&["-n", machine, "addr", "add", address, "dev", "cable"]);
+            ip(&["-n", machine, "link", "set", "cable", "up"]);
         }
         Ok(network)
     }
@@ -107,9 +108,9 @@ fn machines_that_are_cut_off_and_killed_change_no_byte() {
     while std::fs::metadata(at.join("there.csv")).map_or(0, |file| file.len()) == 0 {
         pause(0.05);
     }
-    network.cable("r", "down");
+    network.cable("to-right", "down");
     pause(3.0);
-    network.cable("r", "up");
+    network.cable("to-right", "up");
     pause(3.0);
     signal(left.0.id(), "-KILL");
     let output = run.wait_with_output().unwrap();
