@@ -12,6 +12,7 @@ mod paths;
 mod process;
 mod python;
 mod reproduce;
+mod soak;
 mod test;
 
 use clap::{Parser, Subcommand};
@@ -46,6 +47,8 @@ enum Task {
         #[arg(long, default_value_t = 600)]
         seconds: u32,
     },
+    /// Kill the processes of distributed runs hundreds of times; every byte must stay the same.
+    Soak(soak::Options),
     /// Run every check and every test of the project.
     Test,
 }
@@ -61,6 +64,7 @@ fn main() -> std::process::ExitCode {
         Task::Bench(options) => bench::run(&options),
         Task::Judge => judge::run(),
         Task::Fuzz { seconds } => fuzz::run(seconds),
+        Task::Soak(options) => soak::run(&options),
         Task::Test => test::run(),
     };
     match outcome {

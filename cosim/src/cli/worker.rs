@@ -126,7 +126,7 @@ impl Worker {
         let access = self.reach.access(connect, &ours);
         let interrupt = Interrupt::new();
         let confined = !lent.no_confine;
-        if let Some(why) = distributed::unconfined().filter(|_| confined) {
+        if let Some(why) = distributed::unconfined().filter(|_| confined && !self.with_parent) {
             super::messages::warning(&why);
         }
         distributed::Worker { name, access, program, confined }.serve(&|| interrupt.came())

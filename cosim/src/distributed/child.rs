@@ -27,7 +27,7 @@ pub fn serve(access: &Access, order: &Order, allowed: Allowed, confined: bool) -
     if confined {
         confine::process(&access.endpoints, &std::env::temp_dir())?;
     }
-    let session = access.dial()?;
+    let session = access.dial_known()?;
     let life = keys::life(&order.run, order.group, order.generation);
     let (commands, inbox) = channel();
     // Nothing is computed in the callback: it is the thread that receives.

@@ -80,11 +80,14 @@ pub fn unconfined() -> Option<String> {
     })
 }
 
+/// What is said where the kernel cannot.
+pub(super) const LOOSE: &str = "not confined: the kernel has no Landlock";
+
 /// In a few words.
 pub(super) fn describe(wanted: bool) -> String {
     let text = match (wanted, unconfined()) {
         (true, None) => "confined by Landlock",
-        (true, Some(_)) => "not confined: the kernel has no Landlock",
+        (true, Some(_)) => LOOSE,
         (false, _) => "not confined: --no-confine",
     };
     text.to_owned()

@@ -176,3 +176,85 @@ fn unusable(file: &Path) -> Error {
         .at(file)
         .help(r#"it is as {"orchestrators": ["a"], "workers": ["b"], "observers": ["c"]}"#)
 }
+
+#[cfg(test)]
+mod tests {
+    use zenoh::key_expr::KeyExpr;
+
+    use super::*;
+
+    fn members() -> Members {
+        let names = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
+        Members {
+            orchestrators: names(&["o"]),
+            workers: names(&["left", "right"]),
+            observers: names(&["desk"]),
+        }
+    }
+
+    /// Whether `subject` may send `message` on `key`.
+    fn may(list: &Value, subject: &str, message: &str, key: &str) -> bool {
+        let has = |list: &Value, text: &str| list.as_array().unwrap().iter().any(|v| v == text);
+        let key = KeyExpr::try_from(key).unwrap();
+        let policies = list["policies"].as_array().unwrap();
+        let of =
+            policies.iter().filter(|p| ["anybody", subject].iter().any(|s| has(&p["subjects"], s)));
+        let rules: Vec<&Value> =
+            of.flat_map(|policy| policy["rules"].as_array().unwrap()).collect();
+        list["rules"].as_array().unwrap().iter().any(|rule| {
+            let keys = rule["key_exprs"].as_array().unwrap();
+            rules.contains(&&rule["id"])
+                && has(&rule["flows"], "ingress")
+                && has(&rule["messages"], message)
+                && keys
+                    .iter()
+                    .any(|k| KeyExpr::try_from(k.as_str().unwrap()).unwrap().includes(&key))
+        })
+    }
+
+    #[test]
+    fn everybody_has_the_rights_of_his_role_and_no_more() {
+        let list = members().access_control();
+        let life = keys::life("r", 1, 2);
+        let (command, answer) = (format!("{life}/cmd"), format!("{life}/rep"));
+        let (left, signals) = (keys::worker("left"), keys::open("r/signals"));
+        for (subject, message, key, wanted) in [
+            ("orchestrators", "put", &command, true),
+            ("orchestrators", "query", &format!("{left}/start"), true),
+            ("left", "put", &answer, true),
+            ("left", "put", &command, false),
+            ("left", "declare_subscriber", &command, true),
+            ("left", "declare_subscriber", &answer, false),
+            ("left", "liveliness_token", &left, true),
+            ("right", "liveliness_token", &left, false),
+            ("right", "declare_queryable", &format!("{left}/start"), false),
+            ("left", "query", &format!("{left}/start"), false),
+            ("left", "query", &keys::fmu("r", "00"), true),
+            ("left", "put", &signals, false),
+            ("observers", "declare_subscriber", &signals, true),
+            ("observers", "put", &signals, false),
+            ("observers", "declare_subscriber", &answer, false),
+            ("observers", "put", &command, false),
+            ("nobody", "query", &keys::rights(), true),
+            ("nobody", "declare_subscriber", &signals, false),
+        ] {
+            assert_eq!(may(&list, subject, message, key), wanted, "{subject} {message} {key}");
+        }
+    }
+
+    #[test]
+    fn zenoh_takes_the_list() {
+        let mut config = zenoh::Config::default();
+        let list = members().access_control().to_string();
+        assert!(config.insert_json5("access_control", &list).is_ok());
+        let list = Members::default().access_control().to_string();
+        assert!(config.insert_json5("access_control", &list).is_ok());
+    }
+
+    #[test]
+    fn a_name_has_one_role() {
+        let roles = ["o", "left", "desk", "x"].map(|name| members().role(name));
+        let wanted = [Some(Role::Orchestrator), Some(Role::Worker), Some(Role::Observer), None];
+        assert_eq!(roles, wanted);
+    }
+}

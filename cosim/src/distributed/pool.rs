@@ -40,6 +40,11 @@ impl WorkerInfo {
         format!("{}, {}, cosim {}", self.platform, self.cpu.join(" "), self.version)
     }
 
+    /// Its FMUs are not confined, though nobody said that they should not be.
+    pub(crate) fn is_loose(&self) -> bool {
+        self.confined == super::confine::LOOSE
+    }
+
     /// Of this process.
     pub fn of_this(name: &str, confined: bool) -> Self {
         Self {

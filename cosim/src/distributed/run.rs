@@ -138,7 +138,7 @@ pub fn workers(access: &Access, patience: Duration) -> Result<Vec<WorkerInfo>> {
     Ok(infos)
 }
 
-/// What differs between workers and may change the last bit of results.
+/// What differs between workers and may change the last bit of results, and what they lack.
 fn differences(infos: &[WorkerInfo]) -> Vec<String> {
     let Some((first, others)) = infos.split_first() else {
         return Vec::new();
@@ -152,5 +152,12 @@ fn differences(infos: &[WorkerInfo]) -> Vec<String> {
              of the C library may give other last bits"
         )
     });
-    told.collect()
+    let loose: Vec<&str> = infos.iter().filter(|i| i.is_loose()).map(|i| i.name.as_str()).collect();
+    let loose = (!loose.is_empty()).then(|| {
+        format!(
+            "the FMUs of {} are not confined: the kernel there has no Landlock",
+            loose.join(", ")
+        )
+    });
+    told.chain(loose).collect()
 }

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use zenoh::{Config, Session, Wait};
 
 use super::configuration::Configuration;
-use super::credentials::Credentials;
+use super::credentials::{Checked, Credentials};
 use super::diagnose::{self, silence};
 use super::endpoint::Endpoint;
 use super::members::Members;
@@ -39,35 +39,40 @@ impl Access {
 
     /// A session that dials a listening one, and does so again when it is cut off.
     pub fn dial(&self) -> Result<Session> {
+        let checked = self.checked()?;
+        let refusals = self.endpoints.iter().map(|e| diagnose::refusal(e, checked.as_ref()));
+        match refusals.flatten().next() {
+            Some(refusal) => Err(refusal),
+            None => self.dial_known(),
+        }
+    }
+
+    /// The same, to one that has taken us in before: it is not asked by hand first.
+    pub(super) fn dial_known(&self) -> Result<Session> {
         self.open("client", "connect/endpoints")
     }
 
+    /// Refuses endpoints that are open to others, and credentials that nobody will believe.
+    fn checked(&self) -> Result<Option<Checked>> {
+        let mut tls = false;
+        for endpoint in &self.endpoints {
+            tls |= matches!(Endpoint::permit(endpoint, self.insecure)?, Endpoint::Tls(..));
+        }
+        match &self.credentials {
+            Some(credentials) if tls => credentials.check().map(Some),
+            None if tls => Err(Error::new(Code::Session, "TLS needs certificates")
+                .why(format!("the endpoint is {}", self.endpoints.join(", ")))
+                .help("--credentials FOLDER; cosim keys FOLDER makes some")),
+            _ => Ok(None),
+        }
+    }
+
     fn open(&self, mode: &str, endpoints: &str) -> Result<Session> {
-        let parsed: Vec<Endpoint<'_>> = self
-            .endpoints
-            .iter()
-            .map(|endpoint| Endpoint::permit(endpoint, self.insecure))
-            .collect::<Result<_>>()?;
-        let tls = parsed.iter().any(|endpoint| matches!(endpoint, Endpoint::Tls(..)));
-        let checked = match (&self.credentials, tls) {
-            (Some(credentials), true) => Some(credentials.check()?),
-            (None, true) => {
-                return Err(Error::new(Code::Session, "TLS needs certificates")
-                    .why(format!("the endpoint is {}", self.endpoints.join(", ")))
-                    .help("--credentials FOLDER; cosim keys FOLDER makes some"));
-            }
-            (_, false) => None,
-        };
-        let members = match (&self.credentials, mode) {
-            (Some(credentials), "router") if tls => Members::read(&credentials.members)?,
+        let tls = self.checked()?.is_some();
+        let members = match &self.credentials {
+            Some(credentials) if tls && mode == "router" => Members::read(&credentials.members)?,
             _ => None,
         };
-        if mode == "client" {
-            let refusals = self.endpoints.iter().map(|e| diagnose::refusal(e, checked.as_ref()));
-            if let Some(refusal) = refusals.flatten().next() {
-                return Err(refusal);
-            }
-        }
         let config = self.config(mode, endpoints, members.as_ref())?;
         let session = zenoh::open(config).wait().map_err(|why| self.unopened(mode, &why))?;
         if let Some(members) = members {
@@ -112,9 +117,7 @@ impl Access {
 
     /// The name under which the other side knows us, if it does.
     pub(super) fn common_name(&self) -> Option<String> {
-        let tls = self.endpoints.iter().any(|endpoint| endpoint.starts_with("tls/"));
-        let credentials = self.credentials.as_ref().filter(|_| tls)?;
-        credentials.check().ok().map(|checked| checked.name)
+        self.checked().ok().flatten().map(|checked| checked.name)
     }
 
     fn unopened(&self, mode: &str, why: &zenoh::Error) -> Error {

@@ -54,8 +54,9 @@ pub struct GroupStatus {
 pub(super) struct Board(Mutex<Counts>);
 
 struct Counts {
+    /// When the first command was sent.
     begun: Instant,
-    /// Simulated time when the run began and now, ns.
+    /// Simulated time then and now, ns.
     first: Option<i64>,
     time: i64,
     fixed: Status,
@@ -121,7 +122,10 @@ impl Board {
         };
         let mut counts = self.counts();
         counts.time = header.time.nanoseconds();
-        counts.first.get_or_insert(header.time.nanoseconds());
+        if counts.first.is_none() {
+            counts.first = Some(counts.time);
+            counts.begun = Instant::now();
+        }
         if let Some(count) = counts.groups.get_mut(group) {
             count.asked = Some((Instant::now(), header.sequence));
         }

@@ -16,7 +16,7 @@ use crate::models::Model;
 use crate::ssd::Ssd;
 
 /// A process that ends with the test.
-struct Running(Child);
+pub(crate) struct Running(pub(crate) Child);
 
 impl Drop for Running {
     fn drop(&mut self) {
@@ -25,7 +25,7 @@ impl Drop for Running {
     }
 }
 
-fn start(folder: &Path, arguments: &[&str]) -> Running {
+pub(crate) fn start(folder: &Path, arguments: &[&str]) -> Running {
     let mut command = cosim(folder, arguments);
     Running(command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap())
 }
@@ -130,7 +130,11 @@ fn a_refusal_says_which_it_is() {
     mixed(
         at,
         "keyless",
-        [("ca.pem", ca("keys")), certificate("keys/left"), certificate("keys/left")],
+        [
+            ("ca.pem", ca("keys")),
+            certificate("keys/left"),
+            ("key.pem", of("keys/left", "cert.pem")),
+        ],
     );
     std::fs::create_dir(at.join("empty")).unwrap();
     dated(at, "expired", -10..-1);
@@ -204,13 +208,14 @@ fn an_observer_can_neither_read_nor_write_what_steers_a_run() {
     assert_eq!(code, 0, "{stderr}");
     let (mut run, _left, _right, endpoint) = locked_run(at, path, &[]);
     let observer = observe(&endpoint, &at.join("keys/observer"));
+    let second = observe(&endpoint, &at.join("keys/observer"));
     let heard = observer.declare_subscriber("cosim/@1/**").wait().unwrap();
     let runs = observer.liveliness().get("cosim/@1/run/**").wait().unwrap();
     assert_eq!(runs.iter().filter(|reply| reply.result().is_ok()).count(), 0);
     let mut ended = None;
     while ended.is_none() {
         for key in ["cosim/@1/run/x/0.1/cmd", "cosim/@1/run/x/0.1/rep"] {
-            observer.put(key, vec![0xC5, 1, 10]).wait().unwrap();
+            second.put(key, vec![0xC5, 1, 10]).wait().unwrap();
         }
         std::thread::sleep(Duration::from_millis(20));
         ended = run.0.try_wait().unwrap();

@@ -21,9 +21,11 @@ use std::thread::available_parallelism;
 use anyhow::{Context, bail};
 
 use self::campaign::Campaign;
-use self::case::{Case, Course};
+pub(crate) use self::case::Case;
+use self::case::Course;
 use self::figures::Figures;
 use self::goals::{Verdict, verdicts};
+pub(crate) use self::settings::arguments;
 use crate::paths;
 
 /// Options of `reproduce`.

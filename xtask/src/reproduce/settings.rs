@@ -75,19 +75,28 @@ pub(crate) fn overrides(case: &Case) -> anyhow::Result<Overrides> {
     Ok(overrides)
 }
 
-/// The command that repeats one run.
-pub(crate) fn command(case: &Case) -> anyhow::Result<String> {
-    let mut parts = vec![format!("cosim run {SYSTEM}")];
+/// The arguments of `cosim` for one run from the root of the workspace: a verb with a file, then
+/// options with their values.
+pub(crate) fn arguments(case: &Case) -> anyhow::Result<Vec<(String, String)>> {
+    let mut arguments = vec![("run".to_owned(), SYSTEM.to_owned())];
+    let mut add = |option: &str, value: String| arguments.push((option.to_owned(), value));
     if replacement(case).is_some() {
-        parts.push(format!("--replace ekf=target/fmus/{}", case.filter.fmu()));
+        add("--replace", format!("ekf=target/fmus/{}", case.filter.fmu()));
     }
     for (name, value) in start_values(case) {
-        parts.push(format!("--start-value {name}={value}"));
+        add("--start-value", format!("{name}={value}"));
     }
-    parts.push(format!("--stop-time {}", stop_time(case)?));
-    parts.push(format!("--output-interval {OUTPUT_INTERVAL_S}"));
-    parts.push(format!("--output-file {}", case.file_name()));
-    Ok(parts.join(" \\\n    "))
+    add("--stop-time", stop_time(case)?.to_string());
+    add("--output-interval", OUTPUT_INTERVAL_S.to_string());
+    Ok(arguments)
+}
+
+/// The command that repeats one run.
+pub(crate) fn command(case: &Case) -> anyhow::Result<String> {
+    let mut arguments = arguments(case)?;
+    arguments.push(("--output-file".to_owned(), case.file_name()));
+    let parts = arguments.iter().map(|(option, value)| format!("{option} {value}"));
+    Ok(format!("cosim {}", parts.collect::<Vec<_>>().join(" \\\n    ")))
 }
 
 #[cfg(test)]

@@ -1,0 +1,130 @@
+//! Observers of a distributed run: what they read, and that they can harm nothing.
+
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use tempfile::TempDir;
+use zenoh::Wait;
+
+use crate::distributed::{cosim, outcome, results, signal};
+use crate::locked::{Running, free_port, start};
+use crate::models::Model;
+use crate::ssd::Ssd;
+
+/// A chain with so many outputs that a row is some kilobytes of telemetry.
+fn wide(stop: f64) -> Ssd {
+    let mut system = Ssd::new().add("clock", Model::Clock);
+    let mut before = "clock".to_owned();
+    for number in 0..40 {
+        let name = format!("a gain with a name that takes room, number {number}");
+        let gain = system.add_with(&name, Model::Gain, &[("k", 0.99)], None);
+        system = gain.connect(&format!("{before}.y"), &format!("{name}.u"));
+        before = name;
+    }
+    system.stop(stop)
+}
+
+/// A session of an observer, as soon as the run listens.
+fn observer(endpoint: &str) -> zenoh::Session {
+    let mut config = zenoh::Config::default();
+    for (key, value) in [
+        ("mode", "\"client\"".to_owned()),
+        ("connect/endpoints", format!("[{endpoint:?}]")),
+        ("connect/timeout_ms", "20000".to_owned()),
+        ("scouting/multicast/enabled", "false".to_owned()),
+    ] {
+        config.insert_json5(key, &value).unwrap();
+    }
+    zenoh::open(config).wait().unwrap()
+}
+
+const ENDPOINT: &str = "COSIM_TEST_OBSERVED";
+
+/// Not a test of its own: the process that [`a_stopped_observer_delays_no_step`] stops.
+#[test]
+fn an_observer_of_everything() {
+    let Ok(endpoint) = std::env::var(ENDPOINT) else {
+        return;
+    };
+    let session = observer(&endpoint);
+    let all = session.declare_subscriber("**").wait().unwrap();
+    while all.recv().is_ok() {}
+}
+
+#[test]
+fn a_stopped_observer_delays_no_step() {
+    let (folder, system) = (TempDir::new().unwrap(), wide(400.0));
+    let file = system.write();
+    let (at, path) = (folder.path(), file.to_str().unwrap());
+    let (code, stderr) = outcome(at, &["run", path, "-q", "-o", "here.csv"]);
+    assert_eq!(code, 0, "{stderr}");
+    let endpoint = format!("tcp/127.0.0.1:{}", free_port());
+    let run = ["run", path, "-q", "-o", "there.csv", "--workers", "2", "--telemetry"];
+    let mut run = start(at, &[&run[..], &["--listen", &endpoint]].concat());
+    let good = observer(&endpoint);
+    let told = good.declare_subscriber("cosim/1/*/status").wait().unwrap();
+    let rows = good.declare_subscriber("cosim/1/*/signals").wait().unwrap();
+    let stopped = Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "watched::an_observer_of_everything"])
+        .env(ENDPOINT, &endpoint)
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    let stopped = Running(stopped);
+    // It listens by then, or soon and is stopped while it does.
+    std::thread::sleep(Duration::from_millis(500));
+    signal(stopped.0.id(), "-STOP");
+    let mut status = serde_json::Value::Null;
+    while status["ended"] != true {
+        let message = told.recv_timeout(Duration::from_secs(30)).unwrap().expect("the run tells");
+        status = serde_json::from_slice(&message.payload().to_bytes()).unwrap();
+    }
+    signal(stopped.0.id(), "-CONT");
+    signal(stopped.0.id(), "-KILL");
+    assert_eq!(run.0.wait().unwrap().code(), Some(0));
+    assert_eq!(results(at, "here.csv"), results(at, "there.csv"));
+    let seen = std::iter::from_fn(|| rows.try_recv().ok().flatten()).count();
+    assert!(seen > 100, "{seen}");
+    let groups = status["groups"].as_array().unwrap();
+    assert_eq!(groups.len(), 2);
+    for group in groups {
+        // One stalled line would hold a step up for the lease, or five seconds.
+        let longest = group["longest"].as_f64().unwrap();
+        assert!(longest < 0.7, "{status}");
+        assert_eq!(group["generation"], 1, "{status}");
+    }
+}
+
+#[test]
+fn watch_shows_a_run_until_it_ends() {
+    let (folder, system) = (TempDir::new().unwrap(), wide(4.0));
+    let file = system.write();
+    let (at, path) = (folder.path(), file.to_str().unwrap());
+    let endpoint = format!("tcp/127.0.0.1:{}", free_port());
+    let run = ["run", path, "-q", "-o", "x.csv", "--workers", "2", "--real-time"];
+    let mut run = start(at, &[&run[..], &["--listen", &endpoint]].concat());
+    let address = endpoint.trim_start_matches("tcp/").to_owned();
+    while std::net::TcpStream::connect(&address).is_err() {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let json = cosim(at, &["watch", "--connect", &endpoint, "--format", "json"]);
+    let json = { json }.stdout(Stdio::piped()).spawn().unwrap();
+    let text = cosim(at, &["watch", "--connect", &endpoint]).output().unwrap();
+    let json = json.wait_with_output().unwrap();
+    assert_eq!(run.0.wait().unwrap().code(), Some(0));
+    assert!(text.status.success() && json.status.success());
+    let text = String::from_utf8(text.stdout).unwrap();
+    let last = text.lines().last().unwrap();
+    assert!(last.starts_with("test: t = 4.000 of 4 s, "), "{text}");
+    assert!(last.ends_with("ended"), "{text}");
+    let lines = String::from_utf8(json.stdout).unwrap();
+    let lines: Vec<serde_json::Value> =
+        lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert!(lines.len() > 5);
+    let places: Vec<&str> =
+        lines[2]["groups"].as_array().unwrap().iter().filter_map(|g| g["place"].as_str()).collect();
+    assert_eq!(places, ["worker worker-1", "worker worker-2"]);
+    let (code, stderr) = outcome(at, &["watch", "--connect", &endpoint]);
+    assert_eq!(code, 1);
+    assert!(stderr.contains("[E504]") && stderr.contains("nobody listens"), "{stderr}");
+}
