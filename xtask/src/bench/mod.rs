@@ -39,10 +39,17 @@ pub(crate) struct Options {
     /// Also libcosim and FMPy on the same chains, and memory over 10,000 runs
     #[arg(long)]
     third_party: bool,
+    /// Only what distributed runs cost, beside raw TCP
+    #[arg(long)]
+    distributed: bool,
 }
 
 /// Measures everything and prints it.
 pub(crate) fn run(options: &Options) -> Result<()> {
+    let bench = |name| process::cargo(&["bench", "--quiet", "-p", "cosim", "--bench", name]);
+    if options.distributed {
+        return process::run(&mut bench("distributed"));
+    }
     package::for_this_machine()?;
     let mut rows = vehicle::measure()?;
     rows.extend(functions::bars()?);
@@ -62,7 +69,6 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     }
     println!();
     functions::print()?;
-    let bench = |name| process::cargo(&["bench", "--quiet", "-p", "cosim", "--bench", name]);
     if !options.third_party {
         return process::run(&mut bench("chain"));
     }
