@@ -5,6 +5,7 @@ mod csv;
 mod csv_read;
 mod mcap;
 mod mcap_read;
+mod mcap_records;
 mod progress;
 mod recording;
 
