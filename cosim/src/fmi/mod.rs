@@ -21,6 +21,6 @@ pub use description::{
     Causality, Description, InterfaceType, Kind, Output, Value, Variability, Variable,
 };
 pub use fmu::Fmu;
-pub(crate) use instance::{Direct, Unusual};
+pub(crate) use instance::{Direct, DirectSteps, Unusual};
 pub use instance::{Instance, NextEvent, Place, State};
 pub use trace::{Logging, Trace};

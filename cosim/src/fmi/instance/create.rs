@@ -48,6 +48,7 @@ impl Instance {
             kind,
             functions,
             own,
+            kept: Arc::default(),
             fmu,
         };
         instance.instantiate(logging)?;
