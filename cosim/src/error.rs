@@ -7,6 +7,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 mod code;
+mod remedy;
 pub use code::Code;
 
 /// Short for results of this crate.

@@ -1,4 +1,4 @@
-//! `cosim explain`: what an error code means.
+//! `cosim explain`: what an error code means, and what to do about it.
 
 use clap::Args;
 use cosim::{Code, Error, Result, names};
@@ -19,7 +19,7 @@ impl Explain {
             return print(&lines.join("\n"));
         };
         match Code::ALL.iter().find(|code| code.as_str().eq_ignore_ascii_case(&wanted)) {
-            Some(&code) => print(&line(code)),
+            Some(&code) => print(&format!("{}\n{}", line(code), code.remedy())),
             None => Err(Error::new(Code::Usage, format!("there is no error code '{wanted}'"))
                 .maybe_help(names::did_you_mean(&wanted, Code::ALL.iter().map(|c| c.as_str())))),
         }

@@ -25,9 +25,9 @@ pub(crate) fn text(told: &Told) -> String {
     let mut lines = table(summary);
     if let Some(o) = overruns {
         lines.push(match o.count {
-            0 => format!("real time: no overrun at {} instants", o.instants),
+            0 => format!("real time: no overrun, {} instants", o.instants),
             _ => format!(
-                "real time: {} overruns at {} instants, the worst {:.3} ms late at t = {}",
+                "real time: {} of {} instants overrun, the worst {:.3} ms late at t = {}",
                 o.count,
                 o.instants,
                 o.worst * 1e3,

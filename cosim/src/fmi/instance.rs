@@ -23,7 +23,7 @@ mod exchange;
 mod followed;
 mod state;
 mod step;
-pub(crate) use direct::{Direct, Unusual};
+pub(crate) use direct::{Direct, DirectSteps, Unusual};
 pub use exchange::NextEvent;
 use followed::{Followed, nothing};
 pub use state::Place;
@@ -72,6 +72,8 @@ pub struct Instance {
     /// Pointers into the library, which `fmu` keeps mapped.
     functions: Functions,
     own: Own,
+    /// Shared with those who call the FMU without this handle.
+    kept: Arc<()>,
     fmu: Arc<Fmu>,
 }
 
@@ -234,8 +236,8 @@ impl Drop for Instance {
             return;
         }
         // FMI allows no call at all after a fatal error: the instance is leaked, and with it what
-        // its code may still use.
-        if self.state == State::Fatal {
+        // its code may still use. So it is when somebody could still call it.
+        if self.state == State::Fatal || Arc::strong_count(&self.kept) > 1 {
             self.fmu.abandoned.store(true, Ordering::Release);
             std::mem::forget((self.callbacks.take(), self.log.clone()));
             return;

@@ -22,7 +22,7 @@ pub use description::{
     Causality, Description, InterfaceType, Kind, Output, Value, Variability, Variable,
 };
 pub use fmu::Fmu;
-pub(crate) use instance::{Direct, Unusual};
+pub(crate) use instance::{Direct, DirectSteps, Unusual};
 pub use instance::{Instance, NextEvent, Place, State};
 pub use last::{LastCall, Noted};
 pub use trace::{Logging, Trace};

@@ -1,51 +1,47 @@
 //! The steps of an instant, laid out as memory is read.
 //!
 //! A system of hundreds of small FMUs costs what its cache lines cost. Here all that a plain step
-//! touches stands in a few arrays in the order of stepping: a record of one cache line per
-//! component, value references and routes one after the other, and the engine's own flat arrays.
-//! A step is then: copy the fresh inputs, `fmi2SetReal`, `fmi2DoStep`, `fmi2GetReal`.
+//! touches stands in a few arrays in the order of stepping: a line per component with the calls of
+//! its FMU (`fmi::DirectSteps`) and its places, value references and routes one after the other, and
+//! the engine's own flat arrays. A step is then: copy the fresh inputs, `fmi2SetReal`, `fmi2DoStep`,
+//! `fmi2GetReal`, which at instants that are recorded reads what is only recorded too.
 //!
 //! Plain are co-simulation FMUs whose connected variables are Reals, without conversions,
 //! manipulations, moving inputs, followed calls, retries or error control. All others have an
-//! empty record and step through [`Slave`]; so do plain ones at instants that are timed, and at
+//! empty line and step through [`Slave`]; so do plain ones at instants that are timed, and at
 //! their first call that does not go well.
 
 use std::ops::Range;
 
 use super::engine::{Engine, copy};
-use super::plan::{Plan, Route};
+use super::plan::{Node, Plan, Route};
 use super::slave::{DirectCalls, Slave};
 use crate::error::Result;
-use crate::fmi::Direct;
+use crate::fmi::DirectSteps;
 use crate::time::Time;
 
 /// The steps of all components in their order, and the inputs that are held.
 #[derive(Default)]
 pub(super) struct Steps {
-    records: Vec<Record>,
-    /// Of each component its inputs', then its outputs'.
-    references: Vec<u32>,
+    direct: DirectSteps<Places>,
+    /// The fresh inputs of one step after those of the other.
     routes: Vec<Route>,
     held: Vec<Held>,
 }
 
-/// One component's step.
-#[repr(C, align(64))]
-struct Record {
-    /// None: by its slave.
-    calls: Option<Direct>,
+/// Where the values of a component's step are in the engine's arrays: starts, and counts in half
+/// the size, so that they and its calls fit a cache line.
+#[derive(Default)]
+struct Places {
     component: u32,
-    references: u32,
-    inputs: Slots,
-    outputs: Slots,
-    routes: Slots,
-}
-
-/// Places in an array: half the size of a `Range<usize>`, so that a record fits its line.
-#[derive(Clone, Copy, Default)]
-struct Slots {
-    start: u32,
-    count: u32,
+    inputs: u32,
+    outputs: u32,
+    routes: u32,
+    input_count: u16,
+    output_count: u16,
+    /// They follow the outputs.
+    recorded_count: u16,
+    route_count: u16,
 }
 
 /// An input that gets its value when a step of its component begins.
@@ -54,28 +50,35 @@ struct Held {
     route: Route,
 }
 
-impl Slots {
-    /// None where the numbers are too great.
-    fn new(range: &Range<usize>) -> Option<Self> {
-        Some(Self { start: narrow(range.start)?, count: narrow(range.len())? })
-    }
-
-    #[inline(always)]
-    fn range(self) -> Range<usize> {
-        self.start as usize..self.start as usize + self.count as usize
-    }
+#[inline(always)]
+fn range(start: u32, count: u16) -> Range<usize> {
+    start as usize..start as usize + usize::from(count)
 }
 
-fn narrow(number: usize) -> Option<u32> {
-    u32::try_from(number).ok()
+impl Places {
+    /// None where the numbers are too great.
+    fn new(component: usize, node: &Node, routes: usize, recorded: usize) -> Option<Self> {
+        let start = |number: usize| u32::try_from(number).ok();
+        let count = |number: usize| u16::try_from(number).ok();
+        Some(Self {
+            component: start(component)?,
+            inputs: start(node.input_slots.start)?,
+            outputs: start(node.output_slots.start)?,
+            routes: start(routes)?,
+            input_count: count(node.input_slots.len())?,
+            output_count: count(node.output_slots.len())?,
+            recorded_count: count(recorded)?,
+            route_count: count(node.fresh.len())?,
+        })
+    }
 }
 
 impl Steps {
+    /// Those of slaves that are initialized; of others all steps are made by the slaves.
     pub(super) fn new(plan: &Plan, slaves: &[Box<dyn Slave>]) -> Self {
         let mut steps = Self::default();
         for &c in &plan.sequence {
-            let record = steps.record(plan, &*slaves[c], c);
-            steps.records.push(record.unwrap_or(Record::by_slave()));
+            steps.push(c, &plan.nodes[c], &*slaves[c]);
         }
         for (component, node) in plan.nodes.iter().enumerate() {
             steps.held.extend(node.held.iter().map(|&route| Held { component, route }));
@@ -83,42 +86,25 @@ impl Steps {
         steps
     }
 
-    fn record(&mut self, plan: &Plan, slave: &dyn Slave, c: usize) -> Option<Record> {
-        let node = &plan.nodes[c];
-        if node.ramped {
-            return None;
-        }
-        let DirectCalls { calls, inputs, outputs } = slave.direct()?;
-        let routes = self.routes.len()..self.routes.len() + node.fresh.len();
-        let record = Record {
-            calls: Some(calls),
-            component: narrow(c)?,
-            references: narrow(self.references.len())?,
-            inputs: Slots::new(&node.input_slots)?,
-            outputs: Slots::new(&node.output_slots)?,
-            routes: Slots::new(&routes)?,
+    fn push(&mut self, c: usize, node: &Node, slave: &dyn Slave) {
+        let direct = if node.ramped { None } else { slave.direct() };
+        let recorded = direct.as_ref().map_or(0, |direct| direct.recorded.len());
+        let places = Places::new(c, node, self.routes.len(), recorded);
+        let (Some(DirectCalls { calls, inputs, outputs, recorded }), Some(places)) =
+            (direct, places)
+        else {
+            return self.direct.push(None, Places::default());
         };
         debug_assert_eq!((inputs.len(), outputs.len()), (node.inputs.len(), node.outputs.len()));
-        self.references.extend(inputs.iter().chain(outputs));
+        self.direct.push(Some((calls, &[inputs, outputs, recorded])), places);
         self.routes.extend_from_slice(&node.fresh);
-        Some(record)
     }
 
     /// From now on this component steps by its slave.
     pub(super) fn leave(&mut self, component: usize, plan: &Plan) {
-        for (record, _) in
-            self.records.iter_mut().zip(&plan.sequence).filter(|(_, c)| **c == component)
-        {
-            record.calls = None;
+        if let Some(place) = plan.sequence.iter().position(|&c| c == component) {
+            self.direct.leave(place);
         }
-    }
-}
-
-impl Record {
-    fn by_slave() -> Self {
-        let none = Slots::default();
-        let (inputs, outputs, routes) = (none, none, none);
-        Self { calls: None, component: 0, references: 0, inputs, outputs, routes }
     }
 }
 
@@ -138,14 +124,13 @@ impl Engine {
     /// Makes those from a place of the sequence on, up to the first that needs its slave: where
     /// that is.
     fn step_directly(&mut self, first: usize, now: Time) -> Result<usize> {
-        let Self { steps, values, inputs, .. } = self;
+        let reads = now == self.limit;
         // Instants in seconds, for components with the same step.
         let (mut length, mut seconds) = (Time::ZERO, (0.0, 0.0));
-        for (place, record) in steps.records.iter().enumerate().skip(first) {
-            let Some(calls) = &record.calls else {
-                return Ok(place);
-            };
-            let c = record.component as usize;
+        let mut place = first;
+        for (places, step) in self.steps.direct.from(first) {
+            place += 1;
+            let c = places.component as usize;
             if self.ends[c] != now {
                 continue;
             }
@@ -154,20 +139,20 @@ impl Engine {
                 seconds = ((now - length).seconds(), length.seconds());
             }
             self.made[c] += 1;
-            copy(&steps.routes[record.routes.range()], values, inputs);
-            let own = &inputs[record.inputs.range()];
-            let results = &mut values[record.outputs.range()];
-            let (set, get) = steps.references[record.references as usize..].split_at(own.len());
-            let get = &get[..results.len()];
-            // SAFETY: the record is made of a slave of this engine, which keeps the instance alive;
-            // after its initialization it stays `Ready` until a call fails, which ends the run. The
-            // arrays are as long as their references, see the two lines above.
-            let done = unsafe { calls.advance((set, own), seconds, (get, results)) };
-            if let Err(found) = done {
+            let fresh = &self.steps.routes[range(places.routes, places.route_count)];
+            copy(fresh, &self.values, &mut self.inputs);
+            let mut results = places.output_count;
+            if reads && places.recorded_count > 0 {
+                results += places.recorded_count;
+                self.read_at[c] = Some(now);
+            }
+            let own = &self.inputs[range(places.inputs, places.input_count)];
+            let results = &mut self.values[range(places.outputs, results)];
+            if let Err(found) = step.advance(own, seconds, results) {
                 self.slaves[c].conclude(found, now - length, length)?;
             }
         }
-        Ok(steps.records.len())
+        Ok(place)
     }
 
     /// Gives the components whose next step begins now their held inputs.

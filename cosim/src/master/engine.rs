@@ -20,6 +20,10 @@ pub(crate) struct Engine {
     pub(super) steps: Steps,
     /// Those of which variables are recorded that nobody else needs.
     reading: Vec<usize>,
+    /// For which instant they were read in a step.
+    pub(super) read_at: Vec<Option<Time>>,
+    /// Where the present run of steps ends: what is recorded is read there.
+    pub(super) limit: Time,
     pub(super) slaves: Vec<Box<dyn Slave>>,
     pub(crate) values: Vec<f64>,
     pub(super) inputs: Vec<f64>,
@@ -52,6 +56,8 @@ impl Engine {
         let (slaves, patches): (Vec<_>, _) = made.into_iter().unzip();
         Self {
             steps: Steps::new(&plan, &slaves),
+            read_at: vec![None; plan.nodes.len()],
+            limit: start,
             reading: those(&|node| !node.recorded.is_empty()),
             values: vec![0.0; plan.values],
             inputs: vec![0.0; plan.inputs],
@@ -137,6 +143,7 @@ impl Engine {
         for node in &self.plan.nodes {
             copy(&node.held, &self.values, &mut self.inputs);
         }
+        self.steps = Steps::new(&self.plan, &self.slaves);
         self.begin_trends()
     }
 
@@ -162,6 +169,7 @@ impl Engine {
         if self.control.is_some() {
             return self.run_controlled(limit);
         }
+        self.limit = limit;
         let mut next = self.ends.iter().min().copied();
         while let Some(now) = next.filter(|&now| now <= limit) {
             next = self.instant(now)?;
@@ -274,9 +282,12 @@ impl Engine {
         self.slaves.iter_mut().for_each(|slave| slave.came_to(now));
     }
 
-    /// Reads the variables that are only recorded.
+    /// Reads the variables that are only recorded, where no step has done it.
     pub(crate) fn read_recorded(&mut self, now: Time) -> Result<()> {
         for &c in &self.reading {
+            if self.read_at[c] == Some(now) {
+                continue;
+            }
             self.slaves[c].came_to(now);
             let slots = self.plan.nodes[c].recorded_slots.clone();
             self.slaves[c].read(&mut self.values[slots])?;

@@ -232,7 +232,8 @@ impl Slave for FmuSlave {
             return None;
         }
         let (inputs, outputs) = (self.inputs.only_reals()?, self.outputs.only_reals()?);
-        Some(DirectCalls { calls: self.instance.direct()?, inputs, outputs })
+        let recorded = self.recorded.only_reals().unwrap_or_default();
+        Some(DirectCalls { calls: self.instance.direct()?, inputs, outputs, recorded })
     }
 
     #[cold]

@@ -87,8 +87,8 @@ pub trait Slave {
         0
     }
 
-    /// The calls that [`Slave::advance`] makes, if these are all that it does (see
-    /// `master::direct`).
+    /// The calls that [`Slave::advance`] makes after the initialization, if these are all that it
+    /// does (see `master::direct`).
     #[doc(hidden)]
     fn direct(&self) -> Option<DirectCalls<'_>> {
         None
@@ -105,11 +105,13 @@ pub trait Slave {
     fn came_to(&mut self, _now: Time) {}
 }
 
-/// The calls of a slave's step, and the value references of its inputs and outputs.
+/// The calls of a slave's step, and the value references of its inputs, its outputs and of what is
+/// only recorded, if that can be read in one call with the outputs.
 pub struct DirectCalls<'a> {
     pub(super) calls: Direct,
     pub(super) inputs: &'a [u32],
     pub(super) outputs: &'a [u32],
+    pub(super) recorded: &'a [u32],
 }
 
 /// What a slave around another one leaves to it; `Place`, `Result` and `Time` are the caller's.

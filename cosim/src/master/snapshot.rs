@@ -198,6 +198,7 @@ impl Engine {
         self.ends.clone_from(&state.ends);
         self.trends.clone_from(&state.trends);
         self.ramps.clone_from(&state.ramps);
+        self.read_at.fill(None);
         if let (Some(control), Some(step)) = (&mut self.control, state.step) {
             (control.now, control.step) = (time, step);
         }

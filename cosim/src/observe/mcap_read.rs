@@ -2,11 +2,9 @@
 
 use std::path::Path;
 
-use ::mcap::MessageStream;
-use ::mcap::read::Options;
-
 use super::Recording;
 use super::mcap::{CDR_HEADER, COLUMNS, Field};
+use super::mcap_records::{MAGIC, Record, each};
 use crate::error::{Code, Error, Result};
 
 /// A column being read: its position and name, and whether it is a Real.
@@ -30,44 +28,39 @@ pub(super) fn read(file: &Path) -> Result<Recording> {
         |why: String| Error::new(Code::Results, "the results cannot be read").at(file).why(why);
     let bytes = std::fs::read(file)
         .map_err(|e| Error::new(Code::File, "the results cannot be read").at(file).why(e))?;
-    let stream = MessageStream::new_with_options(&bytes, Options::IgnoreEndMagic.into());
+    let records = bytes
+        .strip_prefix(MAGIC)
+        .ok_or_else(|| wrong("the file is no MCAP: its first bytes are others".to_owned()))?;
     let mut topics: Vec<Topic> = Vec::new();
     let mut time: Vec<u64> = Vec::new();
-    for message in stream.map_err(|e| wrong(e.to_string()))? {
-        let message = match message {
-            Ok(message) => message,
-            Err(error) if time.is_empty() => return Err(wrong(error.to_string())),
-            // What follows was not written any more.
-            Err(_) => break,
-        };
-        let known = topics.iter().position(|t| t.channel == message.channel.id);
-        let at = match (known, message.channel.metadata.get(COLUMNS)) {
-            (Some(at), _) => at,
-            (None, Some(listed)) => {
-                let (fields, columns) = columns_of(listed).ok_or_else(|| {
-                    wrong(format!("the channel {} lists no columns", message.channel.topic))
-                })?;
-                topics.push(Topic { channel: message.channel.id, fields, columns });
-                topics.len() - 1
-            }
-            (None, None) => {
-                return Err(wrong(format!(
-                    "the channel {} was not written by cosim: its metadata has no {COLUMNS}",
-                    message.channel.topic
-                )));
-            }
-        };
-        if at == 0 {
-            time.push(message.log_time);
+    each(records, &mut |record| match record {
+        Record::Channel { id, .. } if topics.iter().any(|topic| topic.channel == id) => Ok(()),
+        Record::Channel { id, topic, metadata } => {
+            let listed = metadata.iter().find(|(key, _)| *key == COLUMNS).ok_or_else(|| {
+                format!(
+                    "the channel {topic} was not written by cosim: its metadata has no {COLUMNS}"
+                )
+            })?;
+            let (fields, columns) = columns_of(listed.1)
+                .ok_or_else(|| format!("the channel {topic} lists no columns"))?;
+            topics.push(Topic { channel: id, fields, columns });
+            Ok(())
         }
-        let topic = &mut topics[at];
-        decode(&message.data, topic)
-            .ok_or_else(|| wrong(format!("a message on {} is too short", message.channel.topic)))?;
-    }
+        Record::Message { channel, log_time, data } => {
+            let at = topics.iter().position(|topic| topic.channel == channel);
+            let at = at.ok_or_else(|| format!("a message is of the unknown channel {channel}"))?;
+            if at == 0 {
+                time.push(log_time);
+            }
+            decode(data, &mut topics[at])
+                .ok_or_else(|| format!("a message on the channel {channel} is too short"))
+        }
+    })
+    .map_err(wrong)?;
     let mut columns: Vec<Read> = topics.into_iter().flat_map(|topic| topic.columns).collect();
     columns.sort_by_key(|column| column.position);
     // The last sample of an unfinished file may lack topics.
-    let whole = columns.iter().map(|c| c.values.len()).min().unwrap_or(0);
+    let whole = columns.iter().map(|c| c.values.len()).fold(time.len(), usize::min);
     time.truncate(whole);
     columns.iter_mut().for_each(|column| column.values.truncate(whole));
     let time = time.into_iter().map(|ns| ns as f64 / 1e9).collect();

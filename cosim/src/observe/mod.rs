@@ -6,6 +6,7 @@ mod csv_read;
 mod digest;
 mod mcap;
 mod mcap_read;
+mod mcap_records;
 mod progress;
 mod recording;
 mod verify;

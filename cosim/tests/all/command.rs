@@ -193,6 +193,13 @@ fn every_code_is_explained() {
     let folder = TempDir::new().unwrap();
     let output = cosim(folder.path(), &["explain", "e203"]);
     assert!(text(&output.stdout).starts_with("E203  (exit code 3)"));
+    for code in cosim::Code::ALL {
+        let output = cosim(folder.path(), &["explain", code.as_str()]);
+        let shown = text(&output.stdout);
+        let (meaning, remedy) = shown.split_once('\n').unwrap();
+        assert!(meaning.contains(code.explanation().trim()), "{shown}");
+        assert_eq!(remedy.trim(), code.remedy());
+    }
 }
 
 #[test]

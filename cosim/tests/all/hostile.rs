@@ -136,12 +136,34 @@ fn names_that_meet() {
         (&["resources/a", "resources/A"], "'resources/A'"),
         (&["RESOURCES/a", "resources/a"], "'resources/a'"),
         (&["resources/a", "./resources//a"], "'./resources//a'"),
+        (&["resources//a", "resources/./a"], "'resources/./a'"),
+        (&["resources/a/", "resources//a"], "'resources//a'"),
         (&["modelDescription.XML"], "'modelDescription.XML'"),
         (&["resources/ä", "resources/Ä"], "'resources/Ä'"),
         (&["resources", "resources/a"], "'resources/a'"),
         (&["resources/a", "resources"], "'resources'"),
     ] {
         room.refuses("x.fmu", &with(names), &["[E102]", shown]);
+    }
+}
+
+/// Odd, and yet files of their own inside the folder.
+#[test]
+fn names_that_are_only_names_here() {
+    let names = [
+        "resources/CON",
+        "nul.txt",
+        "resources/a.",
+        "resources/a",
+        "resources/a ",
+        "resources/a:b",
+    ];
+    let mut entries = vec![good(), bad("b//c", |_| ()), bad("./b/./d", |_| ())];
+    entries.extend(names.map(|name| bad(name, |_| ())));
+    let bytes = std::io::Cursor::new(archive(&entries));
+    let unpacked = cosim::fmi::archive::unpack_from(bytes, Path::new("x.fmu")).unwrap();
+    for name in names.iter().chain(&["b/c", "b/d"]) {
+        assert!(unpacked.path().join(name).is_file(), "{name}");
     }
 }
 

@@ -174,6 +174,14 @@ fn results() {
     let good = std::fs::read(&file).unwrap();
     std::fs::remove_file(&file).unwrap();
     survive(7, &good, 1500, readers::mcap);
+    // Lengths that no addition may meet: of a record, of one in a chunk, of a chunk.
+    for length in [u64::MAX, u64::MAX - 8, 1 << 40] {
+        for at in (0..good.len() - 8).filter(|at| good[*at..].starts_with(&[0; 6])) {
+            let mut wrong = good.clone();
+            wrong[at - 2..at + 6].copy_from_slice(&length.to_le_bytes());
+            readers::mcap(&wrong);
+        }
+    }
 }
 
 #[test]

@@ -120,7 +120,7 @@ impl Places<'_> {
             None | Some((true, false)) if is_folder => Ok(()),
             None => Ok(()),
             Some((true, false)) => refuse("it is a file, and a folder of other entries"),
-            Some(_) => refuse("another entry has the same name, or differs only in case"),
+            Some(_) => refuse("another entry has the same place, or one that differs only in case"),
         }
     }
 

@@ -46,6 +46,7 @@ impl Instance {
             kind,
             functions,
             own,
+            kept: Arc::default(),
             fmu,
         };
         instance.instantiate(logging)?;

@@ -1,0 +1,166 @@
+//! Good files for the readers of strangers' files: what the fuzz targets start from, and what the
+//! test breaks.
+
+use std::io::{Cursor, Write};
+
+/// An FMU in the shape of those that real systems use, without a binary: nothing is run.
+pub const DESCRIPTION: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="2.0" modelName="tank" guid="{1}" numberOfEventIndicators="1">
+  <ModelExchange modelIdentifier="tank" completedIntegratorStepNotNeeded="true"/>
+  <CoSimulation modelIdentifier="tank" canGetAndSetFMUstate="true" maxOutputDerivativeOrder="1"/>
+  <UnitDefinitions><Unit name="m"><BaseUnit m="1"/></Unit></UnitDefinitions>
+  <TypeDefinitions>
+    <SimpleType name="Mode"><Enumeration><Item name="Off" value="0"/><Item name="On" value="1"/></Enumeration></SimpleType>
+  </TypeDefinitions>
+  <LogCategories><Category name="logAll"/></LogCategories>
+  <DefaultExperiment startTime="0" stopTime="1" stepSize="0.1" tolerance="1e-6"/>
+  <ModelVariables>
+    <ScalarVariable name="u" valueReference="0" causality="input"><Real start="0" unit="m"/></ScalarVariable>
+    <ScalarVariable name="y" valueReference="1" causality="output"><Real unit="m"/></ScalarVariable>
+    <ScalarVariable name="der(y)" valueReference="2"><Real derivative="2"/></ScalarVariable>
+    <ScalarVariable name="n" valueReference="0" causality="input" variability="discrete"><Integer start="3"/></ScalarVariable>
+    <ScalarVariable name="on" valueReference="0" causality="parameter" variability="fixed"><Boolean start="true"/></ScalarVariable>
+    <ScalarVariable name="mode" valueReference="1" causality="parameter" variability="fixed"><Enumeration declaredType="Mode" start="1"/></ScalarVariable>
+    <ScalarVariable name="file" valueReference="0" causality="parameter" variability="fixed"><String start="a&lt;b"/></ScalarVariable>
+  </ModelVariables>
+  <ModelStructure>
+    <Outputs><Unknown index="2" dependencies="1 4" dependenciesKind="dependent dependent"/></Outputs>
+    <Derivatives><Unknown index="3"/></Derivatives>
+  </ModelStructure>
+</fmiModelDescription>
+"#;
+
+/// A system of two of them, with parameters of its own and of a file.
+pub const SYSTEM: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<ssd:SystemStructureDescription version="1.0" name="tanks"
+ xmlns:ssd="http://ssp-standard.org/SSP1/SystemStructureDescription"
+ xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon"
+ xmlns:ssv="http://ssp-standard.org/SSP1/SystemStructureParameterValues">
+  <ssd:System name="tanks">
+    <ssd:Elements>
+      <ssd:Component name="a" type="application/x-fmu-sharedlibrary" source="tank.fmu">
+        <ssd:Connectors>
+          <ssd:Connector name="u" kind="input"><ssc:Real unit="m"/></ssd:Connector>
+          <ssd:Connector name="y" kind="output"><ssc:Real unit="m"/></ssd:Connector>
+        </ssd:Connectors>
+        <ssd:ParameterBindings>
+          <ssd:ParameterBinding source="tank.ssv"/>
+          <ssd:ParameterBinding><ssd:ParameterValues>
+            <ssv:ParameterSet version="1.0" name="p"><ssv:Parameters>
+              <ssv:Parameter name="on"><ssv:Boolean value="false"/></ssv:Parameter>
+              <ssv:Parameter name="mode"><ssv:Enumeration value="On"/></ssv:Parameter>
+            </ssv:Parameters></ssv:ParameterSet>
+          </ssd:ParameterValues></ssd:ParameterBinding>
+        </ssd:ParameterBindings>
+      </ssd:Component>
+      <ssd:Component name="b" type="application/x-fmu-sharedlibrary" source="tank.fmu">
+        <ssd:Connectors><ssd:Connector name="u" kind="input"><ssc:Real/></ssd:Connector></ssd:Connectors>
+      </ssd:Component>
+    </ssd:Elements>
+    <ssd:Connections>
+      <ssd:Connection startElement="a" startConnector="y" endElement="b" endConnector="u"/>
+    </ssd:Connections>
+  </ssd:System>
+  <ssd:DefaultExperiment startTime="0" stopTime="1"/>
+</ssd:SystemStructureDescription>
+"#;
+
+/// The parameters of that file.
+pub const PARAMETERS: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<ssv:ParameterSet version="1.0" name="tank"
+ xmlns:ssv="http://ssp-standard.org/SSP1/SystemStructureParameterValues">
+  <ssv:Parameters>
+    <ssv:Parameter name="u"><ssv:Real value="1e-3"/></ssv:Parameter>
+    <ssv:Parameter name="n"><ssv:Integer value="-7"/></ssv:Parameter>
+    <ssv:Parameter name="file"><ssv:String value="x.csv"/></ssv:Parameter>
+  </ssv:Parameters>
+</ssv:ParameterSet>
+"#;
+
+/// The same system for OSP, with functions and groups of variables.
+pub const STRUCTURE: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<OspSystemStructure version="0.1" xmlns="http://opensimulationplatform.com/MSMI/OSPSystemStructure">
+  <StartTime>0.0</StartTime>
+  <EndTime>1.0</EndTime>
+  <BaseStepSize>0.1</BaseStepSize>
+  <Algorithm>fixedStep</Algorithm>
+  <Simulators>
+    <Simulator name="a" source="tank.fmu" stepSize="0.2">
+      <InitialValues>
+        <InitialValue variable="n"><Integer value="-7"/></InitialValue>
+        <InitialValue variable="on"><Boolean value="false"/></InitialValue>
+        <InitialValue variable="file"><String value="x.csv"/></InitialValue>
+      </InitialValues>
+    </Simulator>
+    <Simulator name="b" source="tank.fmu"/>
+    <Simulator name="c" source="tank.fmu"/>
+  </Simulators>
+  <Functions>
+    <LinearTransformation name="l" factor="2.0" offset="-1.0"/>
+    <VectorSum name="v" inputCount="2" dimension="1"/>
+  </Functions>
+  <Connections>
+    <VariableConnection><Variable simulator="a" name="y"/><Variable simulator="b" name="u"/></VariableConnection>
+    <SignalConnection><Variable simulator="a" name="y"/><Signal function="l" name="in"/></SignalConnection>
+    <SignalConnection><Variable simulator="a" name="u"/><Signal function="l" name="out"/></SignalConnection>
+    <SignalGroupConnection><VariableGroup simulator="a" name="port"/><SignalGroup function="v" name="in[0]"/></SignalGroupConnection>
+    <SignalGroupConnection><VariableGroup simulator="b" name="port"/><SignalGroup function="v" name="in[1]"/></SignalGroupConnection>
+    <SignalConnection><Variable simulator="c" name="u"/><Signal function="v" name="out[0]"/></SignalConnection>
+  </Connections>
+</OspSystemStructure>
+"#;
+
+/// The groups of its variables.
+pub const GROUPS: &str = r#"<OspModelDescription version="1.0"
+ xmlns="https://open-simulation-platform.com/OspModelDescription/1.0.0">
+  <VariableGroups>
+    <Generic name="port"><Force name="out"><Variable ref="y"/></Force></Generic>
+  </VariableGroups>
+</OspModelDescription>
+"#;
+
+/// What is recorded of it.
+pub const LOG_CONFIG: &str = r#"<simulators xmlns="http://opensimulationplatform.com/LogConfig">
+  <simulator name="a" decimationFactor="10"><variable name="y"/></simulator>
+  <simulator name="b"/>
+</simulators>
+"#;
+
+/// Recorded signals.
+pub const TABLE: &str = "time,a.y,\"b[1,2]\"\n0.0,1,True\n1e-3, 2.5,false\n0.002,-1e300,0\n";
+
+/// The three texts as one.
+pub fn structure() -> Vec<u8> {
+    [STRUCTURE, GROUPS, LOG_CONFIG].concat().into_bytes()
+}
+
+/// The FMU.
+pub fn fmu() -> Vec<u8> {
+    zip(&[("modelDescription.xml", DESCRIPTION.as_bytes()), ("resources/x.csv", b"1")])
+}
+
+/// A package of the system.
+pub fn package() -> Vec<u8> {
+    zip(&[
+        ("SystemStructure.ssd", SYSTEM.as_bytes()),
+        ("tank.fmu", &fmu()),
+        ("tank.ssv", PARAMETERS.as_bytes()),
+    ])
+}
+
+/// An archive of these files.
+pub fn zip(entries: &[(&str, &[u8])]) -> Vec<u8> {
+    let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, bytes) in entries {
+        zip.start_file(*name, zip::write::SimpleFileOptions::default()).unwrap();
+        zip.write_all(bytes).unwrap();
+    }
+    zip.finish().unwrap().into_inner()
+}
+
+/// A message of a distributed run: a step with a part and values.
+pub fn step() -> Vec<u8> {
+    let head = [0xC5, 1, 6, 3, 1, 0, 0, 0, 7, 0, 0, 0, 0, 0, 0, 0];
+    let values = [0.5_f64, -0.0, 1e300, f64::NAN].map(f64::to_le_bytes).concat();
+    [&head[..], &[0; 16], &2_u32.to_le_bytes(), &values].concat()
+}

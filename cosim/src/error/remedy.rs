@@ -1,0 +1,120 @@
+//! What to do about each kind of error, beside what the error itself proposes.
+
+use super::Code;
+
+impl Code {
+    /// Where such errors come from, and what helps.
+    pub fn remedy(self) -> &'static str {
+        match self {
+            Code::Usage => "`cosim COMMAND --help` lists the options of a command.",
+            Code::File => {
+                "Paths in a system description are relative to its folder, those on the command \
+                 line to the present one. See that the file exists and may be read."
+            }
+            Code::Archive => {
+                "Refused are entries whose names leave the folder or meet another one, links, \
+                 devices, encryption, other compressions than deflate, absurd sizes, and damage. \
+                 Pack the folder again with an ordinary tool, or download the file again."
+            }
+            Code::Xml => {
+                "The line is where reading stopped: look there and just before it for a tag that \
+                 is not closed. A DTD can be removed, FMI, SSP and OSP need none."
+            }
+            Code::Description => {
+                "Only the tool that exported the FMU can mend this for good. Send its authors the \
+                 line; a checker of FMUs tells more of the same kind."
+            }
+            Code::Library => {
+                "`cosim info` lists the platforms of an FMU. A library that cannot be loaded \
+                 mostly misses another one: `ldd` on the .so file in binaries/ shows which."
+            }
+            Code::Ssd => {
+                "Look up the element at this line in the standard. What is not supported must be \
+                 removed, or expressed by what is: see the page on formats."
+            }
+            Code::UnknownName => {
+                "Names are compared letter by letter, with case. `cosim info` lists the variables \
+                 of an FMU and the components of a system."
+            }
+            Code::Connection => {
+                "Connect one output, or parameter of the same type, to an input, and each input \
+                 once. Of SSP, both must be connectors of their components."
+            }
+            Code::Parameter => {
+                "Start values can be given to inputs and parameters, not to outputs, constants and \
+                 what the FMU calculates. `cosim info FMU` shows type, limits and causality."
+            }
+            Code::Timing => {
+                "All times are counted in nanoseconds, and a step must divide the run. Choose a \
+                 step that does, and a stop after the start."
+            }
+            Code::Replacement => {
+                "An FMU can replace another one when it has all variables that the system connects \
+                 to. `cosim info` of both shows where they differ."
+            }
+            Code::Scenario => {
+                "A scenario is JSON as in OSP: a list `events` of time, model, variable, action \
+                 and value. The error names the event."
+            }
+            Code::Source => {
+                "Put the file into the archive, or beside the description, and name it by a \
+                 relative path without `..`."
+            }
+            Code::Unit => {
+                "Units of one dimension are converted (deg to rad). For others correct the \
+                 declared unit, or say what is meant by a linear transformation."
+            }
+            Code::Format => {
+                "Choose the other format, or take out of the system what the error names."
+            }
+            Code::Fmu => {
+                "The FMU's own messages follow the error; `--debug-logging` asks it for more, and \
+                 `--log-fmi-calls` shows each call before it with its values. Often a smaller step \
+                 or another start value helps."
+            }
+            Code::Output => "Is the disk full, the folder there, and may you write there?",
+            Code::Interrupted => {
+                "Nothing is wrong. With `--snapshot-every` a later run can go on from there by \
+                 `--resume`."
+            }
+            Code::State => {
+                "`cosim info` shows whether the FMU declares canGetAndSetFMUstate and \
+                 canSerializeFMUstate. Do without snapshots, iteration and step control for it."
+            }
+            Code::Loop => {
+                "Take a smaller step, start values nearer to the solution, or the algorithm \
+                 gauss-seidel, which holds one connection of the loop for a step. `cosim inspect` \
+                 names its members."
+            }
+            Code::Step => {
+                "Look at what happens at that time: a jump cannot be stepped over with any \
+                 tolerance. Allow a greater tolerance, or more `--retries`."
+            }
+            Code::Snapshot => {
+                "A snapshot is resumed with the same files, start values, steps, algorithm and \
+                 recorded variables as it was taken with, and the same version of cosim."
+            }
+            Code::Ended => "Nothing is wrong, unless you expected the FMU to go on.",
+            Code::Protocol => {
+                "Use one version of cosim on all machines; if it is one, this is an error of ours."
+            }
+            Code::Lost => {
+                "See the messages of that worker. With more workers (`--min-workers`) and saved \
+                 states another one can take over."
+            }
+            Code::Placement => "`cosim workers` lists who is there and what each can run.",
+            Code::Session => {
+                "See that both sides name the same endpoint, that its port is open, and that \
+                 certificate and rights are those of this run."
+            }
+            Code::Differs => {
+                "Look for random numbers without a seed, the clock, and uninitialized memory in \
+                 the FMU; or for something that it forgets in its saved state."
+            }
+            Code::Results => {
+                "`cosim run` writes MCAP and CSV; CSV of others needs the time in its first column."
+            }
+            Code::Report => "The error names the file or the variable that a figure could not use.",
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! The records of an MCAP file without compression, as far as they are whole: of strangers too, so
+//! no length is believed before that much is there.
+//!
+//! A record is an opcode, its length and its content (<https://mcap.dev/spec>); a chunk holds
+//! others.
+
+pub(super) const MAGIC: &[u8] = b"\x89MCAP0\r\n";
+const FOOTER: u8 = 2;
+const CHANNEL: u8 = 4;
+const MESSAGE: u8 = 5;
+const CHUNK: u8 = 6;
+
+/// What results are made of.
+pub(super) enum Record<'a> {
+    Channel { id: u16, topic: &'a str, metadata: Vec<(&'a str, &'a str)> },
+    Message { channel: u16, log_time: u64, data: &'a [u8] },
+}
+
+/// Shows what follows the magic bytes to `see`, up to the footer or to where the file is cut.
+pub(super) fn each<'a>(
+    bytes: &'a [u8],
+    see: &mut dyn FnMut(Record<'a>) -> Result<(), String>,
+) -> Result<(), String> {
+    walk(bytes, true, see)
+}
+
+fn walk<'a>(
+    bytes: &'a [u8],
+    chunks: bool,
+    see: &mut dyn FnMut(Record<'a>) -> Result<(), String>,
+) -> Result<(), String> {
+    let mut left = Bytes(bytes);
+    while let (Some(&[opcode]), Some(length)) = (left.array::<1>(), left.u64()) {
+        let there = usize::try_from(length).unwrap_or(usize::MAX).min(left.0.len());
+        let whole = there as u64 == length;
+        let content = Bytes(left.take(there).unwrap_or_default());
+        match opcode {
+            FOOTER => return Ok(()),
+            // One that is cut has records that are not. Chunks are not in chunks.
+            CHUNK if chunks => walk(chunk(content)?, false, see)?,
+            CHANNEL if whole => see(channel(content).ok_or("a channel is damaged")?)?,
+            MESSAGE if whole => see(message(content).ok_or("a message is damaged")?)?,
+            _ => (),
+        }
+    }
+    Ok(())
+}
+
+/// The records of a chunk behind its times, size and checksum.
+fn chunk(mut content: Bytes<'_>) -> Result<&[u8], String> {
+    let (Some(_), Some(compression)) = (content.take(28), content.text()) else {
+        return Ok(&[]);
+    };
+    if !compression.is_empty() {
+        return Err(format!("its chunks are compressed ({compression}), which is not read"));
+    }
+    let length = content.u64().and_then(|length| usize::try_from(length).ok());
+    Ok(&content.0[..length.unwrap_or(usize::MAX).min(content.0.len())])
+}
+
+fn channel(mut content: Bytes<'_>) -> Option<Record<'_>> {
+    let (id, _schema) = (content.u16()?, content.u16()?);
+    let (topic, _encoding) = (content.text()?, content.text()?);
+    let length = content.u32()?;
+    let mut entries = Bytes(content.take(length)?);
+    let mut metadata = Vec::new();
+    while !entries.0.is_empty() {
+        metadata.push((entries.text()?, entries.text()?));
+    }
+    Some(Record::Channel { id, topic, metadata })
+}
+
+fn message(mut content: Bytes<'_>) -> Option<Record<'_>> {
+    let channel = content.u16()?;
+    let _sequence = content.u32()?;
+    let (log_time, _publish_time) = (content.u64()?, content.u64()?);
+    Some(Record::Message { channel, log_time, data: content.0 })
+}
+
+/// What is not read yet.
+struct Bytes<'a>(&'a [u8]);
+
+impl<'a> Bytes<'a> {
+    fn take(&mut self, count: usize) -> Option<&'a [u8]> {
+        let (taken, rest) = self.0.split_at_checked(count)?;
+        self.0 = rest;
+        Some(taken)
+    }
+
+    fn array<const N: usize>(&mut self) -> Option<&'a [u8; N]> {
+        let (taken, rest) = self.0.split_first_chunk::<N>()?;
+        self.0 = rest;
+        Some(taken)
+    }
+
+    fn u16(&mut self) -> Option<u16> {
+        self.array().copied().map(u16::from_le_bytes)
+    }
+
+    fn u32(&mut self) -> Option<usize> {
+        self.array().copied().map(|bytes| u32::from_le_bytes(bytes) as usize)
+    }
+
+    fn u64(&mut self) -> Option<u64> {
+        self.array().copied().map(u64::from_le_bytes)
+    }
+
+    fn text(&mut self) -> Option<&'a str> {
+        let length = self.u32()?;
+        std::str::from_utf8(self.take(length)?).ok()
+    }
+}

@@ -1,0 +1,68 @@
+//! `cargo xtask fuzz`: libFuzzer with AddressSanitizer on the targets of fmu/fuzz and cosim/fuzz. It
+//! starts from good files (`seeds`), and what it learns stays under target/fuzz, so that the next run
+//! goes on from there; the short form, without nightly Rust, is among the ordinary tests.
+
+mod seeds;
+
+use crate::{package, paths, process};
+use anyhow::{Context, Result};
+use std::{fs, process::Command};
+
+/// Folders, their longest inputs (bytes) and their targets: the FMU as random callers see it, some
+/// hundred calls; the readers of strangers' files, most of ours.
+const TARGETS: [(&str, usize, &[&str]); 2] = [
+    ("fmu/fuzz", 8 << 10, &["calls", "state"]),
+    (
+        "cosim/fuzz",
+        64 << 10,
+        &[
+            "archive",
+            "description",
+            "ssd",
+            "ssp",
+            "ssv",
+            "osp",
+            "csv",
+            "mcap",
+            "snapshot",
+            "message",
+        ],
+    ),
+];
+/// What one input may take: seconds and MiB.
+const LIMITS: [&str; 2] = ["-timeout=20", "-rss_limit_mb=2048"];
+
+/// Fuzzes each target for so many seconds; fails with the first finding.
+pub(crate) fn run(seconds: u32) -> Result<()> {
+    process::run(&mut nightly(&["fuzz", "--version"])).context(
+        "fuzzing needs `rustup toolchain install nightly` and `cargo install cargo-fuzz`",
+    )?;
+    package::for_this_machine()?;
+    for (folder, longest, targets) in TARGETS {
+        for target in targets {
+            let own = paths::target().join("fuzz").join(target);
+            let (corpus, good) = (own.join("corpus"), own.join("seeds"));
+            fs::create_dir_all(&corpus).with_context(|| corpus.display().to_string())?;
+            seeds::write(target, longest, &good)?;
+            let limits = [format!("-max_total_time={seconds}"), format!("-max_len={longest}")];
+            let fuzz = ["fuzz", "run", "--fuzz-dir", folder, target];
+            // New inputs go to the first folder.
+            let mut command = nightly(&fuzz);
+            command.args([&corpus, &good]).args(["--", "-len_control=0"]);
+            process::run(command.args(LIMITS).args(limits))?;
+        }
+    }
+    Ok(())
+}
+
+/// Cargo of the nightly toolchain; the one that runs us is not.
+fn nightly(arguments: &[&str]) -> Command {
+    let mut command = Command::new("rustup");
+    command
+        .args(["run", "nightly", "cargo"])
+        .args(arguments)
+        .current_dir(paths::root())
+        .env_remove("CARGO")
+        .env("CARGO_TARGET_DIR", paths::target().join("fuzz/build"));
+    command
+}

@@ -1,0 +1,73 @@
+//! What the readers' fuzz targets start from: good files, whole ones, for no fuzzer finds an
+//! archive or a system description from nothing.
+
+use crate::paths;
+use anyhow::{Context, Result};
+use cosim::{Overrides, Run, Snapshot, System, Time, observe};
+use std::{fs, path::Path};
+
+#[path = "../../../cosim/fuzz/samples.rs"]
+#[allow(dead_code, unreachable_pub, reason = "the fuzz targets need all of it")]
+mod samples;
+
+/// Writes the seeds of a target of `cosim/fuzz` no longer than `longest` (bytes) into `folder`.
+pub(super) fn write(target: &str, longest: usize, folder: &Path) -> Result<()> {
+    fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    let seeds = of(target)?.into_iter().filter(|seed| seed.len() <= longest);
+    for (number, seed) in seeds.enumerate() {
+        let file = folder.join(format!("good_{number}"));
+        fs::write(&file, seed).with_context(|| file.display().to_string())?;
+    }
+    Ok(())
+}
+
+fn of(target: &str) -> Result<Vec<Vec<u8>>> {
+    let committed = |folder: &str, ending: &str| committed(&paths::root().join(folder), ending);
+    let packed = |name: &str, files: Vec<Vec<u8>>| -> Vec<Vec<u8>> {
+        files.iter().map(|file| samples::zip(&[(name, file)])).collect()
+    };
+    Ok(match target {
+        "archive" => {
+            let described = packed("modelDescription.xml", committed("modelDescription", "xml")?);
+            [vec![samples::fmu(), samples::package()], described].concat()
+        }
+        "description" => {
+            let own = samples::DESCRIPTION.into();
+            [vec![own], committed("modelDescription", "xml")?].concat()
+        }
+        "ssd" => [vec![samples::SYSTEM.into()], committed("examples", "ssd")?].concat(),
+        "ssp" => {
+            let examples = packed("SystemStructure.ssd", committed("examples", "ssd")?);
+            [vec![samples::package()], examples].concat()
+        }
+        "ssv" => vec![samples::PARAMETERS.into()],
+        "osp" => vec![samples::structure()],
+        "csv" => [vec![samples::TABLE.into()], committed("examples", "csv")?].concat(),
+        "mcap" => vec![files_of_a_run()?.0],
+        "snapshot" => vec![files_of_a_run()?.1],
+        "message" => vec![samples::step()],
+        _ => Vec::new(),
+    })
+}
+
+/// The files of a folder whose names end so, in the order of their names.
+fn committed(folder: &Path, ending: &str) -> Result<Vec<Vec<u8>>> {
+    let entries = fs::read_dir(folder).with_context(|| folder.display().to_string())?;
+    let mut files = entries.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>>>()?;
+    files.retain(|file| file.extension().is_some_and(|own| own == ending));
+    files.sort();
+    files.iter().map(|file| fs::read(file).with_context(|| file.display().to_string())).collect()
+}
+
+/// Results as MCAP and a snapshot of a GPS that runs for three seconds.
+fn files_of_a_run() -> Result<(Vec<u8>, Vec<u8>)> {
+    let folder = paths::target().join("fuzz");
+    let (results, state) = (folder.join("run.mcap"), folder.join("run.snapshot"));
+    let overrides = Overrides::new().stop_time(3.0);
+    let system = System::single(&paths::fmus().join("Gps.fmu"), &overrides, None)?;
+    let mut observer = observe::create(&results)?;
+    let mut keep = |snapshot: Snapshot| snapshot.write(&state);
+    let middle = [Time::from_nanoseconds(1_500_000_000)];
+    Run::new(&system).observe(&mut *observer).snapshots(None, &middle, &mut keep).go()?;
+    Ok((fs::read(&results)?, fs::read(&state)?))
+}
