@@ -6,7 +6,8 @@ impl Vehicle {
     /// Advances the state by `h` seconds.
     ///
     /// At 10 ms a minute of manoeuvring is good to about 1e-7 m. The rotor lag limits the step:
-    /// the method is stable up to 2.78 rotor time constants.
+    /// after commands that jump, thrusts are wrong by up to 2e-5 of their peak at 10 ms and by less
+    /// than 1e-6 at 4 ms, and the method is stable up to 2.78 rotor time constants.
     pub fn step(&self, state: &mut State, inputs: &Inputs, h: f64) {
         let drive = self.drive(inputs);
         let k1 = self.rate(state, &drive);

@@ -43,6 +43,7 @@ pub struct Tangent<'a> {
 }
 
 /// What derivative and outputs have in common.
+#[derive(Clone, Copy, Debug, Default)]
 struct Motion {
     /// dtheta.
     turn: Vec3,
@@ -92,35 +93,42 @@ impl Tangent<'_> {
         (self.d_derivative(d_state, d_inputs, &motion), self.d_outputs(d_state, motion))
     }
 
+    /// An axis moves few of these: what does not move is not worked out.
     #[inline(always)]
     fn motion(&self, d_state: &State, d_inputs: &Inputs) -> Motion {
-        let turn = self.turn(d_state.quaternion);
-        let thrust = self.thrust(d_state, d_inputs);
-        let d_current =
-            add(cross(self.current, turn), mul_transposed(&self.r_nb, d_inputs.current_ned));
         let (v, omega) = (linear(&self.state.nu), angular(&self.state.nu));
         let (d_v, d_omega) = (linear(&d_state.nu), angular(&d_state.nu));
-        let d_v_r = sub(d_v, d_current);
-        let d_nu_r = [d_v_r[0], d_v_r[1], d_v_r[2], d_omega[0], d_omega[1], d_omega[2]];
-
-        // An axis moves few of these: what does not move is not worked out.
-        let mut tau = d_inputs.wrench;
-        if moves(&thrust) {
-            add_wrench(&mut tau, &self.vehicle.thruster_wrench, &thrust);
+        let mut motion = Motion::default();
+        let (mut tau, mut d_current, mut d_along) = (d_inputs.wrench, [0.0; 3], d_v);
+        if moves(&d_state.quaternion) {
+            motion.turn = self.turn(d_state.quaternion);
+            d_current = cross(self.current, motion.turn);
+            d_along = add(d_v, cross(motion.turn, v));
+            self.add_restoring(&mut tau, motion.turn);
         }
-        if moves(&turn) {
-            self.add_restoring(&mut tau, turn);
+        if moves(&d_inputs.current_ned) {
+            d_current = add(d_current, mul_transposed(&self.r_nb, d_inputs.current_ned));
         }
-        if moves(&d_nu_r) {
-            self.add_hydrodynamics(&mut tau, &d_nu_r);
+        if moves(self.pushing(d_state, d_inputs)) {
+            motion.thrust = self.thrust(d_state, d_inputs);
+            add_wrench(&mut tau, &self.vehicle.thruster_wrench, &motion.thrust);
         }
-        let mut nu_dot =
-            if moves(&tau) { mul6(&self.vehicle.mass_inverse, &tau) } else { [0.0; 6] };
-        let drift = add(cross(d_omega, self.current), cross(omega, d_current));
+        let mut drift = [0.0; 3];
+        if moves(&d_state.nu) || moves(&d_current) {
+            let d_v_r = sub(d_v, d_current);
+            self.add_hydrodynamics(&mut tau, d_v_r, d_omega);
+            drift = add(cross(d_omega, self.current), cross(omega, d_current));
+        }
+        if moves(&tau) {
+            motion.nu_dot = mul6(&self.vehicle.mass_inverse, &tau);
+        }
         for i in 0..3 {
-            nu_dot[i] -= drift[i];
+            motion.nu_dot[i] -= drift[i];
         }
-        Motion { turn, thrust, nu_dot, v_ned: mul(&self.r_nb, add(d_v, cross(turn, v))) }
+        if moves(&d_along) {
+            motion.v_ned = mul(&self.r_nb, d_along);
+        }
+        motion
     }
 
     /// dtheta: the rotation about body axes that a change of the quaternion means; a change of its
@@ -154,37 +162,47 @@ impl Tangent<'_> {
 
     /// Coriolis forces of body and added mass, damping.
     #[inline(always)]
-    fn add_hydrodynamics(&self, tau: &mut [f64; 6], d_nu_r: &[f64; 6]) {
+    fn add_hydrodynamics(&self, tau: &mut [f64; 6], d_v_r: Vec3, d_omega: Vec3) {
         let (vehicle, v_r, omega) = (self.vehicle, self.v_r, angular(&self.state.nu));
         let nu_r = [v_r[0], v_r[1], v_r[2], omega[0], omega[1], omega[2]];
+        let d_nu_r = [d_v_r[0], d_v_r[1], d_v_r[2], d_omega[0], d_omega[1], d_omega[2]];
         let momentum = mul6(&vehicle.mass, &nu_r);
         let (p, h) = (linear(&momentum), angular(&momentum));
-        let (d_v_r, d_omega) = (linear(d_nu_r), angular(d_nu_r));
-        let d_momentum = mul6(&vehicle.mass, d_nu_r);
+        let d_momentum = mul6(&vehicle.mass, &d_nu_r);
         let (d_p, d_h) = (linear(&d_momentum), angular(&d_momentum));
-        let coriolis = add(cross(d_omega, p), cross(omega, d_p));
-        let spin = add(cross(d_omega, h), cross(omega, d_h));
-        let munk = add(cross(d_v_r, p), cross(v_r, d_p));
+        let mut coriolis = cross(omega, d_p);
+        let mut turning = add(cross(omega, d_h), add(cross(d_v_r, p), cross(v_r, d_p)));
+        if moves(&d_omega) {
+            coriolis = add(coriolis, cross(d_omega, p));
+            turning = add(turning, cross(d_omega, h));
+        }
         for i in 0..6 {
             let slope = 2.0 * vehicle.quadratic_damping[i] * nu_r[i].abs();
             tau[i] -= (vehicle.linear_damping[i] + slope) * d_nu_r[i];
         }
         for i in 0..3 {
             tau[i] -= coriolis[i];
-            tau[3 + i] -= spin[i] + munk[i];
+            tau[3 + i] -= turning[i];
+        }
+    }
+
+    /// What the thrusts follow: commands or rotor speeds.
+    #[inline(always)]
+    fn pushing<'b>(&self, state: &'b State, inputs: &'b Inputs) -> &'b [f64; 8] {
+        match self.vehicle.propulsion.mode {
+            ThrusterMode::Force => &inputs.thruster_force,
+            _ => &state.rotor_speed,
         }
     }
 
     /// Change of the thrusts.
     #[inline(always)]
     fn thrust(&self, d_state: &State, d_inputs: &Inputs) -> [f64; 8] {
-        let (p, s, d_s) = (&self.vehicle.propulsion, &self.state.rotor_speed, &d_state.rotor_speed);
+        let p = &self.vehicle.propulsion;
+        let (at, d) = (self.pushing(self.state, self.inputs), self.pushing(d_state, d_inputs));
         match p.mode {
-            ThrusterMode::Force => {
-                let (command, d_command) = (p.command(self.inputs), p.command(d_inputs));
-                core::array::from_fn(|i| within(command[i], p.thrust_limit) * d_command[i])
-            }
-            _ => core::array::from_fn(|i| 2.0 * p.thrust_gain * s[i].abs() * d_s[i]),
+            ThrusterMode::Force => core::array::from_fn(|i| within(at[i], p.thrust_limit) * d[i]),
+            _ => core::array::from_fn(|i| 2.0 * p.thrust_gain * at[i].abs() * d[i]),
         }
     }
 
@@ -210,21 +228,38 @@ impl Tangent<'_> {
         d_target
     }
 
+    /// Change of the accelerations of the rotors.
+    #[inline(always)]
+    fn rotor_acceleration(&self, d_state: &State, d_inputs: &Inputs) -> [f64; 8] {
+        let (d_speed, d_command) =
+            (&d_state.rotor_speed, self.vehicle.propulsion.command(d_inputs));
+        if !moves(d_speed) && !moves(d_command) {
+            return [0.0; 8];
+        }
+        let (d_target, rate) = (self.rotor_target(d_inputs), self.vehicle.rotor_rate());
+        core::array::from_fn(|i| (d_target[i] - d_speed[i]) * rate)
+    }
+
+    /// Change of the rate of the quaternion.
+    #[inline(always)]
+    fn quaternion_rate(&self, d_q: [f64; 4], d_omega: Vec3) -> [f64; 4] {
+        if !moves(&d_q) && !moves(&d_omega) {
+            return [0.0; 4];
+        }
+        let q = self.state.quaternion;
+        let turned = half_product(d_q, angular(&self.state.nu));
+        let faster = half_product(q, d_omega);
+        let (stretch, d_stretch) = (stretch_rate(q), -NORM_RATE * dot(q, d_q));
+        core::array::from_fn(|i| turned[i] + faster[i] + stretch * d_q[i] + d_stretch * q[i])
+    }
+
     #[inline(always)]
     fn d_derivative(&self, d_state: &State, d_inputs: &Inputs, motion: &Motion) -> State {
-        let (q, d_q) = (self.state.quaternion, d_state.quaternion);
-        let turned = half_product(d_q, angular(&self.state.nu));
-        let faster = half_product(q, angular(&d_state.nu));
-        let (stretch, d_stretch) = (stretch_rate(q), -NORM_RATE * dot(q, d_q));
-        let (d_target, d_speed) = (self.rotor_target(d_inputs), &d_state.rotor_speed);
-        let rate = self.vehicle.rotor_rate();
         State {
             p_ned: motion.v_ned,
-            quaternion: core::array::from_fn(|i| {
-                turned[i] + faster[i] + stretch * d_q[i] + d_stretch * q[i]
-            }),
+            quaternion: self.quaternion_rate(d_state.quaternion, angular(&d_state.nu)),
             nu: motion.nu_dot,
-            rotor_speed: core::array::from_fn(|i| (d_target[i] - d_speed[i]) * rate),
+            rotor_speed: self.rotor_acceleration(d_state, d_inputs),
         }
     }
 

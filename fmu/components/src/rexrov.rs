@@ -105,6 +105,9 @@ pub struct RexRov {
 impl Component for RexRov {
     const INFO: Info = Info {
         stop_time_s: 60.0,
+        // Commands that jump set off the lag of the rotors, 50 ms: a minute of that is good to a
+        // millionth of each signal's peak.
+        integrator_step_s: 0.004,
         ..crate::info(
             "RexROV",
             "RexROV underwater vehicle, six degrees of freedom, eight thrusters",

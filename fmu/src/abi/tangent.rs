@@ -2,7 +2,7 @@
 
 use crate::kernel::Call;
 
-use super::arguments::{array, array_mut};
+use super::arguments::{array, array_mut, plain_array, plain_array_mut};
 use super::guard::call;
 use super::types::*;
 
@@ -18,6 +18,18 @@ pub unsafe fn fmi2GetDirectionalDerivative(
 ) -> fmi2Status {
     call(c, Call::GetDirectionalDerivative, |instance| {
         // SAFETY: the importer passes arrays of these lengths, as the standard demands.
+        let plain = unsafe {
+            (
+                plain_array(vUnknown_ref, nUnknown),
+                plain_array(vKnown_ref, nKnown),
+                plain_array(dvKnown, nKnown),
+                plain_array_mut(dvUnknown, nUnknown),
+            )
+        };
+        if let (Some(unknowns), Some(knowns), Some(along), Some(into)) = plain {
+            return instance.directional_derivative(unknowns, knowns, along, into);
+        }
+        // SAFETY: as above.
         let arrays = unsafe {
             (
                 array("vUnknown_ref", vUnknown_ref, nUnknown),

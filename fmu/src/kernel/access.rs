@@ -10,7 +10,7 @@ use super::call::{Call, Phase};
 use super::instance::{Instance, new_edition};
 use super::status::{Status, Trouble};
 use super::table::{Group, Kind, Variable};
-use super::values::all_finite;
+use super::values::{all_finite, gather};
 
 impl Instance {
     /// `fmi2GetReal` of values that need no computing; `None` if it is not so simple.
@@ -22,17 +22,7 @@ impl Instance {
             return None;
         }
         let fresh = self.values.reals.get(..self.fresh_reals())?;
-        let get = |reference: &u32| fresh.get(*reference as usize).copied();
-        // Four at a time: half of the work would be counting.
-        let (by_four, rest) = references.as_chunks::<4>();
-        let (into_four, into_rest) = into.as_chunks_mut::<4>();
-        for ([a, b, c, d], place) in by_four.iter().zip(into_four) {
-            *place = [get(a)?, get(b)?, get(c)?, get(d)?];
-        }
-        for (reference, place) in rest.iter().zip(into_rest) {
-            *place = get(reference)?;
-        }
-        Some(())
+        gather(fresh, references, into).map(drop)
     }
 
     /// How many of the Reals, counted from the first, are up to date.

@@ -17,7 +17,7 @@ use super::model::Outputs;
 use super::signal::Course;
 use super::status::{Status, Trouble};
 use super::table::{Group, Kind};
-use super::values::all_finite;
+use super::values::{all_finite, gather};
 
 // The first of the unknowns are those that solvers ask for alone.
 const UNKNOWNS: [Group; 2] = [Group::Derivative, Group::Output];
@@ -178,10 +178,10 @@ impl Instance {
     }
 
     fn read_changes(&self, references: &[u32], into: &mut [f64]) -> Result<(), Trouble> {
-        let changes = &*self.changes;
-        for (reference, place) in references.iter().zip(&mut *into) {
-            *place = changes.get(*reference as usize).copied().unwrap_or(f64::NAN);
+        // All of them exist, since their groups were checked.
+        match gather(&self.changes, references, into) {
+            Some(sum) if sum.is_finite() || all_finite(into) => Ok(()),
+            _ => Err(self.doubtful("a derivative is not finite")),
         }
-        if all_finite(into) { Ok(()) } else { Err(self.doubtful("a derivative is not finite")) }
     }
 }

@@ -2,9 +2,11 @@
 
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::ptr::{null, null_mut};
+use std::sync::LazyLock;
 
+use fmu_kit::abi::fmi2Instantiate;
 use fmu_kit::abi::types::*;
-use fmu_kit::kernel::Status;
+use fmu_kit::kernel::{Registry, Status};
 
 use crate::components::{REGISTRY, fmi2};
 
@@ -63,6 +65,9 @@ pub fn callbacks(lines: *mut Vec<Line>) -> fmi2CallbackFunctions {
 pub const ME: fmi2Type = 0;
 pub const CS: fmi2Type = 1;
 
+/// The components of a library.
+pub type Library = LazyLock<Registry>;
+
 /// An instance under test.
 pub struct Fmu {
     pub c: fmi2Component,
@@ -70,6 +75,7 @@ pub struct Fmu {
     #[expect(clippy::box_collection, reason = "the address of the Vec itself must not change")]
     lines: Box<Vec<Line>>,
     pub name: &'static str,
+    registry: &'static Library,
 }
 
 impl Fmu {
@@ -83,22 +89,34 @@ impl Fmu {
         logging: fmi2Boolean,
         location: Option<&str>,
     ) -> Result<Self, Vec<Line>> {
-        let guid = CString::new(REGISTRY.named(name).unwrap().guid()).unwrap();
+        Self::made(&REGISTRY, name, location, |guid, location, callbacks| unsafe {
+            let name = c"under test".as_ptr();
+            fmi2::fmi2Instantiate(name, interface, guid, location, callbacks, FMI2_TRUE, logging)
+        })
+    }
+
+    /// An instance out of another library than that of the [`components`](crate::components).
+    pub fn of(registry: &'static Library, name: &'static str, interface: fmi2Type) -> Self {
+        let made = Self::made(registry, name, None, |guid, location, callbacks| unsafe {
+            let name = c"under test".as_ptr();
+            fmi2Instantiate(registry, name, interface, guid, location, callbacks, 0, 0)
+        });
+        made.expect("instantiates")
+    }
+
+    fn made(
+        registry: &'static Library,
+        name: &'static str,
+        location: Option<&str>,
+        make: impl FnOnce(fmi2String, fmi2String, *const fmi2CallbackFunctions) -> fmi2Component,
+    ) -> Result<Self, Vec<Line>> {
+        let guid = CString::new(registry.named(name).unwrap().guid()).unwrap();
         let location = location.map(|text| CString::new(text).unwrap());
+        let location = location.as_ref().map_or(null(), |text| text.as_ptr());
         let mut lines = Box::<Vec<Line>>::default();
         let callbacks = callbacks(&raw mut *lines);
-        let c = unsafe {
-            fmi2::fmi2Instantiate(
-                c"under test".as_ptr(),
-                interface,
-                guid.as_ptr(),
-                location.as_ref().map_or(null(), |text| text.as_ptr()),
-                &raw const callbacks,
-                FMI2_TRUE,
-                logging,
-            )
-        };
-        if c.is_null() { Err(*lines) } else { Ok(Self { c, lines, name }) }
+        let c = make(guid.as_ptr(), location, &raw const callbacks);
+        if c.is_null() { Err(*lines) } else { Ok(Self { c, lines, name, registry }) }
     }
 
     /// An instance of `name` past initialization.
@@ -133,7 +151,7 @@ impl Fmu {
     }
 
     pub fn reference(&self, name: &str) -> u32 {
-        let variable = REGISTRY.named(self.name).unwrap().table().named(name);
+        let variable = self.registry.named(self.name).unwrap().table().named(name);
         variable.unwrap_or_else(|| panic!("no variable {name}")).reference
     }
 

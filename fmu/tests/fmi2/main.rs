@@ -17,6 +17,7 @@ mod hybrid;
 mod initialization;
 mod integration;
 mod legality;
+mod memory_shape;
 mod model_exchange;
 mod random_calls;
 mod random_states;

@@ -4,7 +4,7 @@
     reason = "each is a call of the C interface with arrays of the lengths that are passed"
 )]
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use fmu_kit::Start;
 use fmu_kit::abi::types::*;
 use fmu_kit::kernel::{Entry, Group, Status};
@@ -84,6 +84,14 @@ impl Component {
         match self.entry.table().named("rate_hz").map(|rate| &rate.start) {
             Some(Start::Real(rate_hz)) => 1.0 / rate_hz,
             _ => 0.01,
+        }
+    }
+
+    /// Longest step of the integrator (s), unless it is set.
+    pub(super) fn integrator_step_s(&self) -> Result<f64> {
+        match self.entry.table().named("integrator.step").map(|step| &step.start) {
+            Some(Start::Real(step_s)) => Ok(*step_s),
+            _ => bail!("{} does not integrate", self.entry.info().name),
         }
     }
 

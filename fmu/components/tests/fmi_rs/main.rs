@@ -16,8 +16,9 @@ use fmi_rs::sim::fmi2::recorder::Recorder;
 use fmi_rs::sim::fmi2::{SimulationSettings, Trajectories, VariableValue, cs, me};
 use runge_kutta::RungeKutta;
 
-/// A power of two, so that instants are the same numbers wherever a run begins.
-const STEP: f64 = 1.0 / 128.0;
+/// A power of two, so that instants are the same numbers wherever a run begins; no longer than the
+/// steps in which the vehicle integrates itself, so that both make the same steps.
+const STEP: f64 = 1.0 / 256.0;
 const STOP: f64 = 4.0;
 
 type Outcome = Result<(), String>;
