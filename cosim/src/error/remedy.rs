@@ -111,6 +111,21 @@ impl Code {
                 "Look for random numbers without a seed, the clock, and uninitialized memory in \
                  the FMU; or for something that it forgets in its saved state."
             }
+            Code::Certificate => {
+                "`cosim keys` makes an authority and a certificate for each machine; all sides need                  those of the same authority. The error names the file or the name that is wrong."
+            }
+            Code::Forbidden => {
+                "Use the certificate that was made for this role: a worker speaks under its own                  name only, an observer may listen to telemetry and nothing else."
+            }
+            Code::NotAllowed => {
+                "Start the worker with `--allow` and the hash, file or folder, or with                  `--allow-upload` if you trust all that this coordinator sends."
+            }
+            Code::Configuration => {
+                "The file is Zenoh's configuration with an object `cosim` of our own keys; the                  error names the key."
+            }
+            Code::Parted => {
+                "See whether both runs had the same FMUs, start values and versions; `cosim verify`                  tells when they part, and `--log-fmi-calls` what was said before."
+            }
             Code::Results => {
                 "`cosim run` writes MCAP and CSV; CSV of others needs the time in its first column."
             }
