@@ -118,7 +118,8 @@ impl Soak {
         let mut run = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn()?;
         let mut killed = 0;
         while run.try_wait()?.is_none() {
-            std::thread::sleep(Duration::from_millis(dice.below(150)));
+            // Much more often, and a run would do nothing but begin anew.
+            std::thread::sleep(Duration::from_millis(100 + dice.below(800)));
             let victims = victims(&run, dice.below(5) == 0);
             if let Some(victim) = victims.get(dice.below(victims.len() as u64) as usize) {
                 let kill = Command::new("kill").args(["-KILL", &victim.to_string()]).status()?;

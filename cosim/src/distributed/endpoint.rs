@@ -159,8 +159,8 @@ mod tests {
         #[test]
         fn a_name_is_never_own(name in "[a-z][a-z0-9.-]{0,20}", port: u16) {
             prop_assume!(name != "localhost");
-            let refused = Endpoint::permit(&format!("tcp/{name}:{port}"), false).is_err();
-            prop_assert!(refused);
+            let endpoint = format!("tcp/{name}:{port}");
+            prop_assert!(Endpoint::permit(&endpoint, false).is_err());
         }
 
         #[test]

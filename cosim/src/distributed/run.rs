@@ -1,8 +1,9 @@
 //! Running a system on workers.
 
+use std::sync::mpsc::channel;
 use std::time::Duration;
 
-use zenoh::Wait;
+use zenoh::{Session, Wait};
 
 use super::coordinator::Coordinator;
 use super::distribute::Distribution;
@@ -96,8 +97,7 @@ impl Cluster {
         driven.end();
         drop(driven);
         drop(own);
-        // Everything is said; a session that does not close in order ends with the process.
-        let _ = session.close().wait();
+        close(session);
         outcome
     }
 }
@@ -126,6 +126,20 @@ fn own_names(count: usize, system: &System) -> Vec<String> {
     names
 }
 
+/// So long a session may take to close.
+const FAREWELL: Duration = Duration::from_millis(500);
+
+/// Closes a session. Everything is said: one that does not close in order, because somebody does
+/// not listen any more, ends with the process.
+fn close(session: Session) {
+    let (closed, inbox) = channel();
+    std::thread::spawn(move || {
+        let _ = session.close().wait();
+        let _ = closed.send(());
+    });
+    let _ = inbox.recv_timeout(FAREWELL);
+}
+
 /// Lists the workers that dial `access` within `patience`.
 pub fn workers(access: &Access, patience: Duration) -> Result<Vec<WorkerInfo>> {
     let session = access.listen()?;
@@ -133,8 +147,7 @@ pub fn workers(access: &Access, patience: Duration) -> Result<Vec<WorkerInfo>> {
     std::thread::sleep(patience);
     let infos = net.infos();
     drop(net);
-    // A session that does not close in order ends with the process.
-    let _ = session.close().wait();
+    close(session);
     Ok(infos)
 }
 

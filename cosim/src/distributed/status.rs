@@ -9,6 +9,7 @@ use super::fabric::{Event, Fabric};
 use super::fate::Fate;
 use super::wire::Header;
 use crate::error::Result;
+use crate::time::Time;
 
 /// How a run stands. In JSON, what observers get.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -93,7 +94,7 @@ impl Board {
     pub(super) fn status(&self) -> Status {
         let counts = self.counts();
         let mut status = counts.fixed.clone();
-        status.time = counts.time as f64 * 1e-9;
+        status.time = Time::from_nanoseconds(counts.time).seconds();
         status.elapsed = counts.begun.elapsed().as_secs_f64();
         let simulated = counts.first.map_or(0, |first| counts.time - first) as f64 * 1e-9;
         status.real_time_factor = simulated / status.elapsed.max(1e-9);

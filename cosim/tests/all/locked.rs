@@ -21,6 +21,8 @@ pub(crate) struct Running(pub(crate) Child);
 impl Drop for Running {
     fn drop(&mut self) {
         signal(self.0.id(), "-TERM");
+        // One that is stopped hears nothing.
+        signal(self.0.id(), "-CONT");
         let _ = self.0.wait();
     }
 }
@@ -201,12 +203,12 @@ fn locked_run(at: &Path, file: &str, more: &[&str]) -> (Running, Running, Runnin
 
 #[test]
 fn an_observer_can_neither_read_nor_write_what_steers_a_run() {
-    let (folder, file) = (keys(), chain(60.0));
+    let (folder, file) = (keys(), chain(16.0));
     let (at, file) = (folder.path(), file.write());
     let path = file.to_str().unwrap();
     let (code, stderr) = outcome(at, &["run", path, "-q", "-o", "here.csv"]);
     assert_eq!(code, 0, "{stderr}");
-    let (mut run, _left, _right, endpoint) = locked_run(at, path, &[]);
+    let (mut run, _left, _right, endpoint) = locked_run(at, path, &["--real-time=2"]);
     let observer = observe(&endpoint, &at.join("keys/observer"));
     let second = observe(&endpoint, &at.join("keys/observer"));
     let heard = observer.declare_subscriber("cosim/@1/**").wait().unwrap();

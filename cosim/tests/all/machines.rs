@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use tempfile::TempDir;
 
-use crate::distributed::{chain, outcome, results, signal};
+use crate::distributed::{chain, children, outcome, results, signal};
 use crate::locked::Running;
 
 /// The machine of the run, with a switch, and two others.
@@ -105,9 +105,14 @@ fn machines_that_are_cut_off_and_killed_change_no_byte() {
     };
     let (left, _right) = (worker("left"), worker("right"));
     let pause = |seconds| std::thread::sleep(Duration::from_secs_f64(seconds));
-    while std::fs::metadata(at.join("there.csv")).map_or(0, |file| file.len()) == 0 {
+    // A worker has a process for its group as soon as the run begins.
+    for _ in 0..600 {
+        if !children(left.0.id()).is_empty() {
+            break;
+        }
         pause(0.05);
     }
+    pause(1.0);
     network.cable("to-right", "down");
     pause(3.0);
     network.cable("to-right", "up");
