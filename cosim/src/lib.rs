@@ -2,7 +2,8 @@
 //!
 //! Loads FMUs (those of model exchange get an integrator of ours), links them as an SSP or OSP system description says, steps them by a
 //! deterministic schedule in integer time and records the results. It knows FMI and these formats,
-//! and no component in particular.
+//! and no component in particular. The feature `distributed` (by default) adds runs over several
+//! processes and machines.
 //!
 //! ```no_run
 //! use cosim::{Overrides, Recording, System};
@@ -51,7 +52,11 @@
 //! Ready made: [`scenario::Scenario`] from a file, [`pace::Pace`] for the pace of the clock,
 //! [`observe::create`] for files of results.
 
+// Without distributed runs nobody drives the engine in parts.
+#![cfg_attr(not(feature = "distributed"), allow(dead_code, unused_imports))]
+
 mod digest;
+#[cfg(feature = "distributed")]
 pub mod distributed;
 pub mod error;
 pub mod fmi;

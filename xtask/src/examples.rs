@@ -9,7 +9,7 @@ const DOCUMENTS: [&str; 2] = ["README.md", "examples/README.md"];
 
 /// Runs every `cosim` command of the documents, in a folder under target/.
 pub(crate) fn run() -> Result<()> {
-    process::run(&mut process::cargo(&["build", "--release", "--quiet", "-p", "cosim"]))?;
+    process::run(&mut process::build_cosim())?;
     let folder = paths::target().join("examples");
     let _ = fs::remove_dir_all(&folder);
     fs::create_dir_all(&folder)?;

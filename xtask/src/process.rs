@@ -35,6 +35,12 @@ pub(crate) fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
+/// Builds the program `cosim`. All of the workspace is named because the features of its dependencies
+/// follow from that: what the tests have built is not built again with others.
+pub(crate) fn build_cosim() -> Command {
+    cargo(&["build", "--release", "--quiet", "--workspace", "--all-targets"])
+}
+
 fn shown(command: &Command) -> String {
     let program = std::path::Path::new(command.get_program());
     let name = program.file_name().unwrap_or(program.as_os_str()).to_string_lossy();

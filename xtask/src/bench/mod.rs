@@ -46,7 +46,7 @@ pub(crate) struct Options {
 
 /// Measures everything and prints it.
 pub(crate) fn run(options: &Options) -> Result<()> {
-    let bench = |name| process::cargo(&["bench", "--quiet", "-p", "cosim", "--bench", name]);
+    let bench = |name| process::cargo(&["bench", "--quiet", "--workspace", "--bench", name]);
     if options.distributed {
         return process::run(&mut bench("distributed"));
     }
