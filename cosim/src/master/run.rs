@@ -157,38 +157,57 @@ impl<'a> Run<'a> {
         let (mut taken, mut before) = (acted, begin);
         loop {
             let action = self.action(acted).map(|at| at.max(begin)).filter(|at| *at <= stop);
-            let goal = action.map_or(output, |action| action.min(output)).min(stop);
-            if let Some(reason) = self.advance(driven, goal)? {
+            // Until then nobody acts: there are only rows.
+            while output <= stop && action.is_none_or(|action| output < action) {
+                if let Some(reason) = self.advance(driven, output)? {
+                    return Ok((before, Some(reason)));
+                }
+                before = output;
+                self.record(driven, output, &mut row)?;
+                self.take_snapshots(driven, output, &mut taken)?;
+                if output == stop {
+                    return Ok((stop, None));
+                }
+                if let Some(reason) = self.wish_to_stop() {
+                    return Ok((output, Some(reason)));
+                }
+                output = output + interval;
+            }
+            let Some(now) = action else { break };
+            if let Some(reason) = self.advance(driven, now)? {
                 return Ok((before, Some(reason)));
             }
-            before = goal;
-            if goal == output {
-                driven.sample(output, &mut row)?;
-                self.observers.iter_mut().try_for_each(|o| o.sample(output, &row))?;
+            before = now;
+            if now == output {
+                self.record(driven, output, &mut row)?;
             }
-            let mut ended = None;
-            if action == Some(goal) {
-                ended = self.act(driven, goal, acted)?;
-                acted = Some(goal);
-            }
-            if goal == output {
-                self.take_snapshots(driven, goal, &mut taken)?;
+            let mut ended = self.act(driven, now, acted)?;
+            acted = Some(now);
+            if now == output {
+                self.take_snapshots(driven, now, &mut taken)?;
                 output = output + interval;
-                ended = ended.or_else(|| self.observers.iter().find_map(|o| o.stop()));
+                ended = ended.or_else(|| self.wish_to_stop());
             }
-            if goal == stop {
+            if now == stop {
                 return Ok((stop, None));
             }
             if let Some(reason) = ended {
-                return Ok((goal, Some(reason)));
-            }
-            if output > stop && self.action(acted).is_none_or(|at| at > stop) {
-                break;
+                return Ok((now, Some(reason)));
             }
         }
         // The part after the last output instant, when the interval does not divide the run.
         let ended = self.advance(driven, stop)?;
         Ok((ended.map_or(stop, |_| before), ended))
+    }
+
+    /// Shows the observers the values of the present instant.
+    fn record(&mut self, driven: &mut dyn Drive, now: Time, row: &mut [f64]) -> Result<()> {
+        driven.sample(now, row)?;
+        self.observers.iter_mut().try_for_each(|observer| observer.sample(now, row))
+    }
+
+    fn wish_to_stop(&self) -> Option<Stop> {
+        self.observers.iter().find_map(|observer| observer.stop())
     }
 
     /// The next instant at which a manipulator acts, after the last one.
