@@ -164,15 +164,6 @@ impl Instance {
         })
     }
 
-    /// Any other status kind: it would tell of a pending step, and there never is one.
-    pub fn no_status(&mut self, call: Call, kind: i32) -> Status {
-        self.call(call, |_| {
-            Err(Trouble::discard(format_args!(
-                "status kind {kind} is not available: steps are never pending"
-            )))
-        })
-    }
-
     /// The time of the instance in seconds.
     #[must_use]
     pub fn time_s(&self) -> f64 {

@@ -228,28 +228,7 @@ impl Instance {
     /// Marks the instance as corrupt after a panic in `call`.
     pub fn poison(&mut self, call: Call, reason: &str) -> Status {
         self.run.phase = Phase::Fatal;
-        self.log.failure(
-            Status::Fatal,
-            &format!("{}: panicked: {reason}; free the instance", call.name()),
-        );
-        Status::Fatal
-    }
-
-    /// Refuses a function that is declared as not supported.
-    pub fn unsupported(&mut self, call: Call, flag: &str) -> Status {
-        self.call(call, |_| {
-            Err(Trouble::error(format_args!("not supported, as modelDescription.xml says: {flag}")))
-        })
-    }
-
-    /// Whether a function may be called now; a line in the log if not.
-    pub fn may(&mut self, call: Call) -> Status {
-        self.call(call, |_| Ok(()))
-    }
-
-    /// Refuses a call for a reason its arguments gave away.
-    pub fn refuse(&mut self, call: Call, reason: &str) -> Status {
-        self.call(call, |_| Err(Trouble::error(reason)))
+        self.log.panicked(call, reason)
     }
 
     /// The frame of every function: legality, work, one line on failure.
@@ -260,31 +239,12 @@ impl Instance {
         work: impl FnOnce(&mut Self) -> Result<(), Trouble>,
     ) -> Status {
         if !(self.run.phase.allows(call) && call.belongs_to(self.interface)) {
-            return self.out_of_order(call);
+            return self.log.out_of_order(call, self.run.phase, self.interface);
         }
         match work(self) {
             Ok(()) => Status::Ok,
-            Err(trouble) => self.failed(call, &trouble),
+            Err(trouble) => self.log.failed(call, &trouble),
         }
-    }
-
-    #[cold]
-    fn out_of_order(&mut self, call: Call) -> Status {
-        let status = if self.run.phase == Phase::Fatal { Status::Fatal } else { Status::Error };
-        let words = match self.interface {
-            _ if call.belongs_to(self.interface) => self.run.phase.words(),
-            Interface::ModelExchange => "in model exchange",
-            Interface::CoSimulation => "in co-simulation",
-        };
-        let text = format!("{}: not allowed {words}", call.name());
-        self.log.failure(status, &text);
-        status
-    }
-
-    #[cold]
-    fn failed(&mut self, call: Call, trouble: &Trouble) -> Status {
-        self.log.failure(trouble.status, &format!("{}: {}", call.name(), trouble.text));
-        trouble.status
     }
 
     pub(super) fn set_clock(&mut self, time_s: f64) {

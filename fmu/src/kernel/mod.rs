@@ -7,6 +7,7 @@
 //! | `model`, `adapter`, `parameters` | the seam to the mathematics, and components behind it |
 //! | `stepper`, `integrator`, `signal` | co-simulation: from event to event, between them, inputs |
 //! | `instance`, `access`, `co_simulation`, `model_exchange`, `state`, `tangent` | the functions of FMI 2.0 |
+//! | `served` | what the C interface serves: such an instance, or something else |
 //! | `registry`, `description`, `documentation`, `xml`, `dependencies`, `factors`, `perturbation` | components of a library, what they say of themselves |
 
 mod access;
@@ -25,6 +26,7 @@ mod model_exchange;
 mod parameters;
 mod perturbation;
 mod registry;
+mod served;
 mod shape;
 mod signal;
 mod state;
@@ -39,12 +41,13 @@ mod xml;
 pub use call::{Call, Phase};
 pub use instance::{Instance, Interface};
 pub use integrator::{Integrator, IntegratorMethod};
-pub use log::{Category, Sink};
+pub use log::{Category, Log, Sink};
 pub use model::{Cause, Events, Halt, Memory, Model};
 pub use model_exchange::EventOutcome;
 pub use registry::{Entry, Registry};
+pub use served::{Request, Served};
 pub use signal::Slopes;
 pub use state::State;
-pub use status::Status;
+pub use status::{Status, Trouble};
 pub use table::{Group, Layout, Table, TableError, Variable};
 pub use values::{Explicit, Values};
