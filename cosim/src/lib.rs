@@ -54,7 +54,9 @@
 mod digest;
 pub mod distributed;
 pub mod error;
+pub mod export;
 pub mod fmi;
+pub mod hosted;
 pub mod master;
 pub mod names;
 pub mod observe;

@@ -80,7 +80,7 @@ impl Setup {
     pub(crate) fn build(self, fmus: &mut dyn FmuSource) -> Result<(Engine, Group)> {
         let (debug, categories) = (self.making.debug, self.making.categories.clone());
         // Messages are told at the end; nobody follows them here.
-        let logging = Logging { debug, categories, trace: None };
+        let logging = Logging { debug, categories, ..Logging::default() };
         let mut slaves = Vec::with_capacity(self.components.len());
         for (blueprint, node) in self.components.into_iter().zip(&self.plan.nodes) {
             let model = match blueprint.source {

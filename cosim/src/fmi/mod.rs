@@ -7,11 +7,12 @@
 pub mod archive;
 mod callbacks;
 pub mod description;
-mod elf;
+pub(crate) mod elf;
 mod fmu;
 mod instance;
 mod library;
 mod log;
+mod mailbox;
 mod open;
 mod status;
 mod temporary;
@@ -23,4 +24,5 @@ pub use description::{
 pub use fmu::Fmu;
 pub(crate) use instance::{Direct, Unusual};
 pub use instance::{Instance, NextEvent, Place, State};
+pub use mailbox::{Mailbox, Message};
 pub use trace::{Logging, Trace};

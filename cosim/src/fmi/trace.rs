@@ -16,7 +16,7 @@ use std::io::Write;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::error::{Code, Error, Result};
-use crate::fmi::Fmu;
+use crate::fmi::{Fmu, Mailbox};
 use crate::names;
 
 /// What FMUs are asked to log, and who follows.
@@ -28,6 +28,8 @@ pub struct Logging {
     pub categories: Vec<String>,
     /// Gets messages, and calls if it wants them, while they come.
     pub trace: Option<Arc<Trace>>,
+    /// Gets messages for somebody who passes them on.
+    pub mailbox: Option<Arc<Mailbox>>,
 }
 
 /// Writes the calls and messages of instances.

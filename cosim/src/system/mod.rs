@@ -33,6 +33,7 @@ pub use function::Function;
 pub use input::Input;
 pub use order::{Loop, Order};
 pub use overrides::Overrides;
+pub(crate) use write::{Xml, base_step, number};
 
 /// A checked system.
 pub struct System {
@@ -69,6 +70,7 @@ pub enum Algorithm {
 }
 
 /// A component of a system.
+#[derive(Clone)]
 pub struct Component {
     /// Name in the system.
     pub name: String,
@@ -153,6 +155,23 @@ impl System {
     /// Whether a path is a system description and not an FMU.
     pub fn is_system(path: &Path) -> bool {
         read::is_system(path)
+    }
+
+    /// The same system with other variables recorded.
+    pub(crate) fn recording(mut self, columns: Vec<Column>) -> Self {
+        self.columns = columns;
+        self
+    }
+
+    /// The same system with who gets the messages of its FMUs.
+    pub(crate) fn logging_to(mut self, logging: Logging) -> Self {
+        self.logging = logging;
+        self
+    }
+
+    /// Asks the FMUs of engines to come for debug messages, or not.
+    pub(crate) fn debug(&mut self, on: bool) {
+        self.logging.debug = on;
     }
 
     /// The same file with other overrides. No file is read again: neither the description nor an

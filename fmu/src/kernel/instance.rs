@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use crate::author::Time;
 
 use super::call::{Call, Phase};
+use super::clock::check_experiment;
 use super::log::{Log, Sink};
 use super::model::Model;
 use super::signal::Slopes;
@@ -28,9 +29,6 @@ pub enum Interface {
     /// The instance integrates.
     CoSimulation,
 }
-
-/// Latest start time: nanoseconds in 64 bits reach 292 years.
-pub(super) const LATEST_S: f64 = 9e9;
 
 /// What has to be computed again before it can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -152,21 +150,7 @@ impl Instance {
         stop_s: Option<f64>,
     ) -> Status {
         self.call(Call::SetupExperiment, |me| {
-            if let Some(bad) = tolerance.filter(|tolerance| !(0.0..=1.0).contains(tolerance)) {
-                return Err(Trouble::error(format_args!(
-                    "tolerance = {bad} is not within 0 and 1"
-                )));
-            }
-            if !(-LATEST_S..=LATEST_S).contains(&start_s) {
-                return Err(Trouble::error(format_args!(
-                    "startTime = {start_s} s is not within -{LATEST_S:e} s and {LATEST_S:e} s"
-                )));
-            }
-            if let Some(stop) = stop_s.filter(|stop| stop.is_nan() || *stop < start_s) {
-                return Err(Trouble::error(format_args!(
-                    "stopTime = {stop} s is before startTime = {start_s} s"
-                )));
-            }
+            check_experiment(tolerance, start_s, stop_s)?;
             me.set_clock(start_s);
             me.run.stop_s = stop_s;
             if me.run.tolerance != tolerance {

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `table`, `unit`, `values` | the variables of a component and the arrays they live in |
 //! | `call`, `status`, `log` | legal calls per state, return status, one line per failure |
+//! | `clock`, `envelope` | times as importers give them, saved states as bytes |
 //! | `model`, `adapter`, `parameters` | the seam to the mathematics, and components behind it |
 //! | `stepper`, `integrator`, `signal` | co-simulation: from event to event, between them, inputs |
 //! | `instance`, `access`, `co_simulation`, `model_exchange`, `state`, `tangent` | the functions of FMI 2.0 |
@@ -13,10 +14,12 @@
 mod access;
 mod adapter;
 mod call;
+mod clock;
 mod co_simulation;
 mod dependencies;
 mod description;
 mod documentation;
+mod envelope;
 mod factors;
 mod instance;
 mod integrator;
@@ -39,6 +42,8 @@ mod values;
 mod xml;
 
 pub use call::{Call, Phase};
+pub use clock::{check_experiment, check_step};
+pub use envelope::{seal, unseal};
 pub use instance::{Instance, Interface};
 pub use integrator::{Integrator, IntegratorMethod};
 pub use log::{Category, Log, Sink};
