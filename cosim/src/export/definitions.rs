@@ -5,7 +5,8 @@
 
 use std::collections::BTreeSet;
 
-use crate::system::Xml;
+use crate::system::{Xml, number};
+use crate::units::{BASES, Unit};
 use crate::xml::{Attribute, Element};
 
 /// What the exposed variables refer to.
@@ -55,6 +56,38 @@ impl Definitions {
             attributes.retain(|(name, _)| declared || name != "displayUnit");
         }
         attributes
+    }
+
+    /// The attributes of a variable that is given in a unit of the system's own; bounds of the
+    /// component's variable would be in another.
+    pub(super) fn of_unit(
+        &mut self,
+        unit: Option<&(String, Option<Unit>)>,
+    ) -> Vec<(String, String)> {
+        let Some((name, Some(unit))) = unit else {
+            return Vec::new();
+        };
+        let attribute = |name: &str, value: String| Attribute { name: name.to_owned(), value };
+        let bases = BASES.iter().zip(unit.exponents).filter(|(_, exponent)| *exponent != 0);
+        let mut base: Vec<Attribute> =
+            bases.map(|(base, exponent)| attribute(base, exponent.to_string())).collect();
+        if unit.factor != 1.0 {
+            base.push(attribute("factor", number(unit.factor)));
+        }
+        if unit.offset != 0.0 {
+            base.push(attribute("offset", number(unit.offset)));
+        }
+        let element = |name: &str, attributes, children| Element {
+            namespace: String::new(),
+            name: name.to_owned(),
+            line: 0,
+            attributes,
+            children,
+            text: String::new(),
+        };
+        let base = element("BaseUnit", base, Vec::new());
+        let unit = element("Unit", vec![attribute("name", name.clone())], vec![base]);
+        vec![("unit".to_owned(), add(&mut self.units, unit, &BTreeSet::new()))]
     }
 
     /// The name here of a unit; none if its FMU does not define it.

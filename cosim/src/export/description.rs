@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::choice::Chosen;
 use super::definitions::Definitions;
-use super::feedthrough::{self, Dependencies};
+use super::feedthrough;
 use super::interface::{Basic, Exposed, Role};
 use crate::error::Result;
 use crate::fmi::{Causality, Fmu, InterfaceType, Value};
@@ -89,22 +89,25 @@ impl Description<'_> {
         roots: &BTreeMap<&Path, Element>,
         definitions: &mut Definitions,
     ) -> Vec<(String, String)> {
-        let component = &self.system.components()[chosen.port.component];
+        let component = &self.system.components()[chosen.port().component];
         let root = component.fmu().and_then(|fmu| roots.get(fmu.path()));
         let element =
-            root.and_then(|root| root.grandchildren("ModelVariables").get(chosen.port.variable));
+            root.and_then(|root| root.grandchildren("ModelVariables").get(chosen.port().variable));
         let typed = element.and_then(|element| {
             element.children.iter().find(|child| child.name == self.kind(chosen))
         });
         match (root, typed) {
+            (Some(_), Some(_)) if chosen.unit.is_some() => {
+                definitions.of_unit(chosen.unit.as_ref())
+            }
             (Some(root), Some(typed)) => definitions.attributes(root, typed),
             _ => Vec::new(),
         }
     }
 
     fn kind(&self, chosen: &Chosen) -> &'static str {
-        let model = &self.system.components()[chosen.port.component].model;
-        model.description().map_or("Real", |d| d.variables[chosen.port.variable].kind.name())
+        let model = &self.system.components()[chosen.port().component].model;
+        model.description().map_or("Real", |d| d.variables[chosen.port().variable].kind.name())
     }
 
     /// Whether all names are built as FMI's structured ones are.
@@ -152,9 +155,9 @@ impl Description<'_> {
         for (chosen, typed) in self.chosen.iter().zip(types) {
             let Exposed { name, basic, role, start, .. } = &chosen.exposed;
             let reference = references.next(*basic).to_string();
-            let component = &self.system.components()[chosen.port.component];
+            let component = &self.system.components()[chosen.port().component];
             let described = component.model.description();
-            let described = described.map(|d| &d.variables[chosen.port.variable]);
+            let described = described.map(|d| &d.variables[chosen.port().variable]);
             let mut attributes = vec![("name", name.as_str()), ("valueReference", &reference)];
             if let Some(variable) = described {
                 if !variable.description.is_empty() {
@@ -179,49 +182,60 @@ impl Description<'_> {
     }
 
     fn structure(&self, xml: &mut Xml) {
-        let index: BTreeMap<Port, usize> =
-            self.chosen.iter().enumerate().map(|(position, c)| (c.port, position + 1)).collect();
-        let free: BTreeSet<Port> = self.ports(|c| c.exposed.role == Role::Input).collect();
-        let all: Dependencies = feedthrough::dependencies(self.system, &free);
+        let ends = |(place, c): (usize, &Chosen)| -> Vec<(Port, usize)> {
+            c.ports.iter().map(|port| (*port, place + 1)).collect()
+        };
+        let inputs = self.chosen.iter().enumerate().filter(|(_, c)| c.exposed.role == Role::Input);
+        let free: BTreeMap<Port, usize> = inputs.flat_map(ends).collect();
+        let all = feedthrough::dependencies(self.system, &free.keys().copied().collect());
         xml.start("ModelStructure", &[]);
-        let outputs: Vec<Port> = self.ports(|c| c.causality == Causality::Output).collect();
-        if !outputs.is_empty() {
-            xml.start("Outputs", &[]);
-            for port in &outputs {
-                let inputs = all.get(port).into_iter().flatten();
-                let inputs: Vec<usize> = inputs.filter_map(|i| index.get(i).copied()).collect();
+        self.unknowns(
+            xml,
+            "Outputs",
+            |c| c.causality == Causality::Output,
+            |chosen| {
+                let inputs = all.get(&chosen.port()).into_iter().flatten();
+                let inputs: BTreeSet<usize> = inputs.filter_map(|i| free.get(i).copied()).collect();
                 let inputs: Vec<String> = inputs.iter().map(usize::to_string).collect();
-                let dependencies = inputs.join(" ");
-                let own = index.get(port).copied().unwrap_or_default().to_string();
-                xml.empty("Unknown", &[("index", &own), ("dependencies", &dependencies)]);
-            }
-            xml.end();
-        }
-        let unknown = |c: &Chosen| {
+                Some(inputs.join(" "))
+            },
+        );
+        let initially = |c: &Chosen| {
             let computed = [Causality::Output, Causality::CalculatedParameter];
             c.exposed.role == Role::Calculated
                 && computed.contains(&c.causality)
                 && !self.is_constant(c)
         };
-        let unknowns: Vec<Port> = self.ports(unknown).collect();
-        if !unknowns.is_empty() {
-            xml.start("InitialUnknowns", &[]);
-            for port in &unknowns {
-                let own = index.get(port).copied().unwrap_or_default().to_string();
-                xml.empty("Unknown", &[("index", &own)]);
-            }
-            xml.end();
+        self.unknowns(xml, "InitialUnknowns", initially, |_| None);
+        xml.end();
+    }
+
+    /// A list of variables with what they depend on, if that is known.
+    fn unknowns(
+        &self,
+        xml: &mut Xml,
+        list: &'static str,
+        which: impl Fn(&Chosen) -> bool,
+        dependencies: impl Fn(&Chosen) -> Option<String>,
+    ) {
+        let unknowns = self.chosen.iter().enumerate().filter(|(_, chosen)| which(chosen));
+        let mut unknowns = unknowns.peekable();
+        if unknowns.peek().is_none() {
+            return;
+        }
+        xml.start(list, &[]);
+        for (place, chosen) in unknowns {
+            let (index, dependencies) = ((place + 1).to_string(), dependencies(chosen));
+            let mut attributes = vec![("index", index.as_str())];
+            attributes.extend(dependencies.as_ref().map(|on| ("dependencies", on.as_str())));
+            xml.empty("Unknown", &attributes);
         }
         xml.end();
     }
 
-    fn ports(&self, which: impl Fn(&Chosen) -> bool) -> impl Iterator<Item = Port> {
-        self.chosen.iter().filter(move |chosen| which(chosen)).map(|chosen| chosen.port)
-    }
-
     fn is_constant(&self, chosen: &Chosen) -> bool {
-        let model = &self.system.components()[chosen.port.component].model;
-        let described = model.description().map(|d| &d.variables[chosen.port.variable]);
+        let model = &self.system.components()[chosen.port().component].model;
+        let described = model.description().map(|d| &d.variables[chosen.port().variable]);
         described.is_some_and(|variable| variable.variability.name() == "constant")
     }
 }

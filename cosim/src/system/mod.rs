@@ -41,6 +41,7 @@ pub struct System {
     name: String,
     components: Vec<Component>,
     connections: Vec<Connection>,
+    ports: Vec<SystemPort>,
     order: Order,
     columns: Vec<Column>,
     start: Time,
@@ -125,6 +126,19 @@ pub struct Connection {
     pub conversion: Option<Conversion>,
 }
 
+/// A connector of the system itself: what it shows where it is a part of something else.
+#[derive(Debug, Clone)]
+pub struct SystemPort {
+    /// Name.
+    pub name: String,
+    /// Input or parameter, output or calculated parameter.
+    pub causality: Causality,
+    /// The variables of components behind it, and what happens to values on the way.
+    pub ends: Vec<(Port, Option<Conversion>)>,
+    /// Its own unit.
+    pub(crate) unit: Option<raw::RawUnit>,
+}
+
 /// A recorded variable.
 #[derive(Debug, Clone)]
 pub struct Column {
@@ -199,6 +213,11 @@ impl System {
     /// Connections in the order of the file.
     pub fn connections(&self) -> &[Connection] {
         &self.connections
+    }
+
+    /// Connectors of the system itself.
+    pub fn ports(&self) -> &[SystemPort] {
+        &self.ports
     }
 
     /// Who steps before whom.
