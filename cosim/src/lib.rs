@@ -51,7 +51,11 @@
 //! Ready made: [`scenario::Scenario`] from a file, [`pace::Pace`] for the pace of the clock,
 //! [`observe::create`] for files of results.
 
+// Some of what is for them is in other modules.
+#![cfg_attr(not(feature = "distributed"), allow(dead_code))]
+
 mod digest;
+#[cfg(feature = "distributed")]
 pub mod distributed;
 pub mod error;
 pub mod export;

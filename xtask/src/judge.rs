@@ -8,7 +8,15 @@ use std::process::Command;
 /// Packages, asks every judge, prints the table; fails when one judge does.
 pub(crate) fn run() -> Result<()> {
     package::for_shipping()?;
-    process::run(&mut process::cargo(&["build", "--release", "--quiet", "-p", "cosim"]))?;
+    process::run(&mut process::cargo(&[
+        "build",
+        "--release",
+        "--quiet",
+        "-p",
+        "cosim",
+        "-p",
+        "cosim-system",
+    ]))?;
     let fmi_rs = ["test", "--release", "--quiet", "-p", "rexrov-fmu", "--test", "fmi_rs"];
     process::run(&mut process::cargo(&fmi_rs))?;
     process::run(

@@ -44,7 +44,7 @@ impl Definitions {
         let mut attributes = Vec::new();
         for Attribute { name, value } in kept {
             let value = match name.as_str() {
-                "unit" => self.unit(root, value),
+                "unit" => Some(self.unit(root, value)),
                 "declaredType" => self.declared(root, value),
                 _ => Some(value.clone()),
             };
@@ -77,30 +77,28 @@ impl Definitions {
         if unit.offset != 0.0 {
             base.push(attribute("offset", number(unit.offset)));
         }
-        let element = |name: &str, attributes, children| Element {
-            namespace: String::new(),
-            name: name.to_owned(),
-            line: 0,
-            attributes,
-            children,
-            text: String::new(),
-        };
         let base = element("BaseUnit", base, Vec::new());
         let unit = element("Unit", vec![attribute("name", name.clone())], vec![base]);
         vec![("unit".to_owned(), add(&mut self.units, unit, &BTreeSet::new()))]
     }
 
-    /// The name here of a unit; none if its FMU does not define it.
-    fn unit(&mut self, root: &Element, name: &str) -> Option<String> {
-        let unit = named(root.grandchildren("UnitDefinitions"), name)?;
-        Some(add(&mut self.units, unit.clone(), &BTreeSet::new()))
+    /// The name here of a unit. One that its FMU only names is whatever has that name here.
+    fn unit(&mut self, root: &Element, name: &str) -> String {
+        match named(root.grandchildren("UnitDefinitions"), name) {
+            Some(unit) => add(&mut self.units, unit.clone(), &BTreeSet::new()),
+            None if named(&self.units, name).is_some() => name.to_owned(),
+            None => {
+                let own = vec![Attribute { name: "name".to_owned(), value: name.to_owned() }];
+                add(&mut self.units, element("Unit", own, Vec::new()), &BTreeSet::new())
+            }
+        }
     }
 
     fn declared(&mut self, root: &Element, name: &str) -> Option<String> {
         let mut simple = named(root.grandchildren("TypeDefinitions"), name)?.clone();
         for typed in &mut simple.children {
             for attribute in typed.attributes.iter_mut().filter(|a| a.name == "unit") {
-                attribute.value = self.unit(root, &attribute.value)?;
+                attribute.value = self.unit(root, &attribute.value);
             }
         }
         Some(add(&mut self.types, simple, &self.taken))
@@ -114,6 +112,11 @@ impl Definitions {
             xml.end();
         }
     }
+}
+
+fn element(name: &str, attributes: Vec<Attribute>, children: Vec<Element>) -> Element {
+    let (namespace, text) = (String::new(), String::new());
+    Element { namespace, name: name.to_owned(), line: 0, attributes, children, text }
 }
 
 fn named<'e>(elements: &'e [Element], name: &str) -> Option<&'e Element> {

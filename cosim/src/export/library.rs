@@ -51,13 +51,16 @@ fn search() -> Result<PathBuf> {
     }
     let program = env::current_exe().and_then(|program| program.canonicalize()).ok();
     let folder = program.as_deref().and_then(Path::parent).unwrap_or(Path::new("."));
-    let places = [folder.join(NAME), folder.join("../lib/cosim").join(NAME)];
+    let shared = folder.join("../lib/cosim");
+    let own = elf::here().map(|platform| shared.join(platform).join(NAME));
+    let places = [folder.join(NAME), shared.join(NAME)].into_iter().chain(own);
+    let places: Vec<PathBuf> = places.collect();
     if let Some(found) = places.iter().find(|place| place.is_file()) {
         return Ok(found.clone());
     }
     let places: Vec<String> = places.iter().map(|place| place.display().to_string()).collect();
     Err(Error::new(Code::Library, "the library of exported systems is not here")
-        .why(format!("there is neither {}", places.join(" nor ")))
+        .why(format!("there is none of {}", places.join(", ")))
         .help(format!("name it by --library or {VARIABLE}; cargo build --release makes it")))
 }
 

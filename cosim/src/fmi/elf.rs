@@ -40,6 +40,12 @@ pub(crate) fn is_here(folder: &str) -> bool {
     cfg!(target_os = "linux") && of_machine(std::env::consts::ARCH).contains(&folder)
 }
 
+/// The folder of this machine's binaries.
+pub(crate) fn here() -> Option<&'static str> {
+    let own = of_machine(std::env::consts::ARCH).first().copied();
+    own.filter(|_| cfg!(target_os = "linux"))
+}
+
 /// All names of a platform's folder.
 pub(crate) fn folders(folder: &str) -> &'static [&'static str] {
     FOLDERS.iter().find(|(_, names)| names.contains(&folder)).map_or(&[], |(_, names)| names)

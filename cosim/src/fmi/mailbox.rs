@@ -4,6 +4,7 @@
 //! They wait until the call that caused them is over. So they are handed on by the thread that
 //! called, also when an FMU logs from a thread of its own.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use super::status::RawStatus;
@@ -26,11 +27,16 @@ pub struct Message {
 
 /// Where messages wait.
 #[derive(Debug, Default)]
-pub struct Mailbox(Mutex<Vec<Message>>);
+pub struct Mailbox {
+    /// Whether there are some: looking costs nothing.
+    waiting: AtomicBool,
+    messages: Mutex<Vec<Message>>,
+}
 
 impl Mailbox {
     pub(super) fn put(&self, instance: &str, status: RawStatus, category: &str, text: &str) {
-        let mut messages = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut messages = self.messages.lock().unwrap_or_else(PoisonError::into_inner);
+        self.waiting.store(true, Ordering::Release);
         if messages.len() < MOST {
             let (category, text) = (category.to_owned(), text.to_owned());
             messages.push(Message { instance: instance.to_owned(), status, category, text });
@@ -38,7 +44,15 @@ impl Mailbox {
     }
 
     /// All messages since this was asked last, in their order.
+    #[inline]
     pub fn take(&self) -> Vec<Message> {
-        std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner))
+        if self.waiting.load(Ordering::Acquire) { self.take_all() } else { Vec::new() }
+    }
+
+    #[cold]
+    fn take_all(&self) -> Vec<Message> {
+        let mut messages = self.messages.lock().unwrap_or_else(PoisonError::into_inner);
+        self.waiting.store(false, Ordering::Release);
+        std::mem::take(&mut *messages)
     }
 }

@@ -104,6 +104,7 @@ impl Hosted {
     }
 
     /// What the FMUs inside said since this was asked last.
+    #[inline]
     pub fn messages(&self) -> Vec<Message> {
         self.mailbox.take()
     }
@@ -165,6 +166,16 @@ impl Hosted {
         self.time = end;
         self.unread.fill(true);
         Ok(())
+    }
+
+    /// Reals that are at hand while steps are made; `None` if some are not.
+    #[inline]
+    pub fn at_hand(&self, references: &[u32], into: &mut [f64]) -> Option<()> {
+        let engine = self.engine.as_ref().filter(|_| self.stage == Stage::Running)?;
+        for (reference, place) in references.iter().zip(into) {
+            *place = *engine.values.get(self.table.slot(*reference)?)?;
+        }
+        Some(())
     }
 
     /// A number: a Real, an Integer, a Boolean as 0 or 1.

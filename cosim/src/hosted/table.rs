@@ -10,7 +10,13 @@ use crate::master::Plan;
 use crate::system::{Column, Conversion, Port, System};
 
 /// All variables, per type.
-pub(super) struct Table([Vec<Known>; Basic::ALL.len()]);
+pub(super) struct Table {
+    known: [Vec<Known>; Basic::ALL.len()],
+    /// Of each Real, where its value is among the engine's; [`ELSEWHERE`] if it is not so simple.
+    slots: Box<[u32]>,
+}
+
+const ELSEWHERE: u32 = u32::MAX;
 
 /// A variable.
 pub(super) struct Known {
@@ -114,7 +120,7 @@ impl Table {
         let columns = columns.collect();
         let system = system.recording(columns);
         let plan = Plan::new(&system);
-        let mut table = Self(Default::default());
+        let mut table = Self { known: Default::default(), slots: Box::default() };
         for (exposed, ends) in found {
             let known = Known {
                 name: exposed.name.clone(),
@@ -124,24 +130,36 @@ impl Table {
                 value: exposed.start.clone(),
                 start: exposed.start.clone(),
             };
-            table.0[exposed.basic as usize].push(known);
+            table.known[exposed.basic as usize].push(known);
         }
+        let slot = |known: &Known| match (known.read, &known.ends[0].conversion) {
+            (Read::Slot(slot), None) => u32::try_from(slot).unwrap_or(ELSEWHERE),
+            _ => ELSEWHERE,
+        };
+        table.slots = table.known[Basic::Real as usize].iter().map(slot).collect();
         Ok((system, table))
     }
 
+    /// The place of a Real among the engine's values, where it is always up to date.
+    #[inline]
+    pub(super) fn slot(&self, reference: u32) -> Option<usize> {
+        let slot = *self.slots.get(reference as usize)?;
+        (slot != ELSEWHERE).then_some(slot as usize)
+    }
+
     pub(super) fn reset(&mut self) {
-        let all = self.0.iter_mut().flatten();
+        let all = self.known.iter_mut().flatten();
         all.for_each(|known| known.value.clone_from(&known.start));
     }
 
     /// What the host sees of each variable, for a state.
     pub(super) fn values(&self) -> Vec<Value> {
-        self.0.iter().flatten().map(|known| known.value.clone()).collect()
+        self.known.iter().flatten().map(|known| known.value.clone()).collect()
     }
 
     /// Whether the values of a state are as many and of the right types.
     pub(super) fn fits(&self, values: &[Value]) -> bool {
-        let all = || self.0.iter().flatten();
+        let all = || self.known.iter().flatten();
         let alike = |(known, value): (&Known, &Value)| {
             std::mem::discriminant(&known.value) == std::mem::discriminant(value)
         };
@@ -150,18 +168,18 @@ impl Table {
 
     /// Takes on the values of a state.
     pub(super) fn take(&mut self, values: &[Value]) {
-        let all = self.0.iter_mut().flatten();
+        let all = self.known.iter_mut().flatten();
         all.zip(values).for_each(|(known, value)| known.value.clone_from(value));
     }
 
     #[inline]
     pub(super) fn known(&self, basic: Basic, reference: u32) -> Result<&Known> {
-        let list = &self.0[basic as usize];
+        let list = &self.known[basic as usize];
         list.get(reference as usize).ok_or_else(|| unknown(list.len(), basic, reference))
     }
 
     pub(super) fn known_mut(&mut self, basic: Basic, reference: u32) -> Result<&mut Known> {
-        let list = &mut self.0[basic as usize];
+        let list = &mut self.known[basic as usize];
         let count = list.len();
         list.get_mut(reference as usize).ok_or_else(|| unknown(count, basic, reference))
     }

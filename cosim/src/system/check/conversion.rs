@@ -154,6 +154,7 @@ pub(super) fn of_value(unit: Option<&RawUnit>, to: &Measured, stages: &[Stage]) 
 /// The way of an output to a connector of the outermost system.
 pub(super) fn outward(from: &Measured, stages: &[Stage]) -> Result<Way> {
     let mut walk = Walk { linear: Linear::IDENTITY, unit: from.own(), undefined: None };
+    walk.to(from.listed(), false)?;
     for stage in stages {
         let target = stage.unit.as_ref().map(|unit| define(unit, from.units));
         walk.to(target, stage.suppress_unit_conversion)?;

@@ -23,14 +23,14 @@ pub(super) fn check(
             findings.notes.push(format!("the system's connector '{name}' leads nowhere"));
             continue;
         }
-        let found = of(port, opened).map_err(|error| port.connector.place.mark(error));
+        let found = of(port, raw, opened).map_err(|error| port.connector.place.mark(error));
         ports.extend(findings.note(found).flatten());
     }
     ports
 }
 
 /// `None`: it depends on an FMU that could not be opened.
-fn of(port: &RawPort, opened: &[Opened]) -> Result<Option<SystemPort>> {
+fn of(port: &RawPort, raw: &RawSystem, opened: &[Opened]) -> Result<Option<SystemPort>> {
     let RawPort { connector, ends, inward } = port;
     let causality = match (connector.kind.as_str(), inward) {
         ("parameter" | "structuralParameter", true) => Causality::Parameter,
@@ -40,7 +40,7 @@ fn of(port: &RawPort, opened: &[Opened]) -> Result<Option<SystemPort>> {
     };
     let mut found = Vec::new();
     for end in ends {
-        let Some((port, variable, measured)) = inner(end, opened)? else {
+        let Some((port, variable, measured)) = inner(end, raw, opened)? else {
             return Ok(None);
         };
         let wanted = connector.kind_of_value.as_deref();
@@ -61,7 +61,7 @@ fn of(port: &RawPort, opened: &[Opened]) -> Result<Option<SystemPort>> {
 
 type Found<'a> = (Port, &'a Variable, Measured<'a>);
 
-fn inner<'a>(end: &RawEnd, opened: &'a [Opened]) -> Result<Option<Found<'a>>> {
+fn inner<'a>(end: &RawEnd, raw: &'a RawSystem, opened: &'a [Opened]) -> Result<Option<Found<'a>>> {
     let (owner, name) = &end.name;
     let component = opened.iter().position(|o| o.name == *owner).ok_or_else(|| {
         let names = opened.iter().map(|o| o.name.as_str());
@@ -74,7 +74,11 @@ fn inner<'a>(end: &RawEnd, opened: &'a [Opened]) -> Result<Option<Found<'a>>> {
     let Some(description) = model.description() else {
         return Ok(None);
     };
-    let measured = Measured { variable, units: &description.units, connector: None };
+    let listed =
+        raw.components[component].connectors.as_ref().filter(|_| !opened[component].replaced);
+    let listed = listed.and_then(|list| list.iter().find(|connector| connector.name == *name));
+    let connector = listed.and_then(|connector| connector.unit.as_ref());
+    let measured = Measured { variable, units: &description.units, connector };
     Ok(Some((Port { component, variable: position }, variable, measured)))
 }
 

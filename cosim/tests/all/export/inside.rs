@@ -104,7 +104,7 @@ fn a_failure_inside_is_told_by_the_component_and_once_by_the_system() {
     let [(3, inner), (3, own)] = &told[..] else { panic!("{told:?}") };
     assert_eq!(inner, "tank (logStatusError): the tank is empty");
     assert!(own.starts_with("fmi2DoStep: fmi2DoStep of 'tank' failed at t = 0.4"), "{own}");
-    assert!(own.contains("fmi2Error"), "{own}");
+    assert!(own.contains("the FMU returned Error"), "{own}");
 }
 
 #[test]
@@ -152,8 +152,8 @@ fn a_component_that_ends_the_run_ends_it() {
 #[test]
 fn connectors_of_the_system_are_its_variables() {
     let folder = Folder::new();
-    let inside = component("g", &Gain.fmu(), "u:input:Real y:output:Real k:parameter:Real", "")
-        + &component("h", &Gain.fmu(), "u:input:Real y:output:Real", "");
+    let inside = component("g", &Gain.fmu(), "u:input:Real:m y:output:Real:m k:parameter:Real", "")
+        + &component("h", &Gain.fmu(), "u:input:Real:m y:output:Real:m", "");
     let ports = crate::formats::listed(
         "demand:input:Real:cm gain:parameter:Real height:output:Real:cm loose:input:Real",
     );

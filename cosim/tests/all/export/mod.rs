@@ -39,7 +39,7 @@ pub(crate) fn export(system: &Path, arguments: &[&str]) -> Exported {
     let folder = TempDir::new().unwrap();
     let fmu = folder.path().join("Loop.fmu");
     let done = command(folder.path(), system, arguments);
-    assert_eq!(done, (0, String::new()));
+    assert_eq!(done.0, 0, "{}", done.1);
     Exported { folder, fmu }
 }
 

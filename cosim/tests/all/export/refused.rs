@@ -34,7 +34,8 @@ fn a_system_that_does_not_check_is_not_exported() {
 
 #[test]
 fn names_that_are_not_there_are_told_with_the_nearest() {
-    let file = Ssd::new().add("clock", Clock).write();
+    let system = Ssd::new().add("clock", Clock);
+    let file = system.write();
     refused(&file, &["--hide", "clock.yy"], 3, &["E202", "'clock.yy'", "'clock.y'?"]);
     refused(&file, &["--expose", "klock.*"], 3, &["E202", "matches no variable"]);
 }
@@ -43,7 +44,8 @@ fn names_that_are_not_there_are_told_with_the_nearest() {
 fn two_variables_of_one_name_are_told() {
     let folder = TempDir::new().unwrap();
     let dotted = Gain.varied(folder.path(), "name=\"k\"", "name=\"b.k\"");
-    let file = Ssd::new().add("a", Gain).add("a.b", Gain).write();
+    let system = Ssd::new().add("a", Gain).add("a.b", Gain);
+    let file = system.write();
     let replaced = format!("a={}", dotted.display());
     let replaced = ["--replace", &replaced];
     refused(&file, &replaced, 3, &["E210", "two variables", "'a.b.k'", "--hide"]);
@@ -53,7 +55,8 @@ fn two_variables_of_one_name_are_told() {
 
 #[test]
 fn another_name_than_an_fmus_is_refused() {
-    let file = Ssd::new().add("clock", Clock).write();
+    let system = Ssd::new().add("clock", Clock);
+    let file = system.write();
     let library = library().to_str().unwrap();
     let folder = TempDir::new().unwrap();
     let arguments = ["export", file.to_str().unwrap(), "-o", "Loop.zip", "--library", library];
@@ -68,7 +71,8 @@ fn another_name_than_an_fmus_is_refused() {
 
 #[test]
 fn a_place_that_cannot_be_written_is_told() {
-    let file = Ssd::new().add("clock", Clock).write();
+    let system = Ssd::new().add("clock", Clock);
+    let file = system.write();
     let library = library().to_str().unwrap();
     let output = cosim(
         file.parent().unwrap(),
@@ -93,7 +97,8 @@ fn foreign(folder: &Path) -> std::path::PathBuf {
 fn every_fmu_inside_must_have_a_binary_for_each_platform() {
     let folder = TempDir::new().unwrap();
     let foreign = foreign(folder.path());
-    let file = Ssd::new().add("clock", Clock).write();
+    let system = Ssd::new().add("clock", Clock);
+    let file = system.write();
     let arm = ["--library", foreign.to_str().unwrap()];
     let told = ["E105", "'clock' has no binary for aarch64-linux", "foreign.so"];
     refused(&file, &arm, 3, &told);
@@ -119,7 +124,8 @@ fn every_fmu_inside_must_have_a_binary_for_each_platform() {
 #[test]
 fn other_libraries_are_refused() {
     let folder = TempDir::new().unwrap();
-    let file = Ssd::new().add("clock", Clock).write();
+    let system = Ssd::new().add("clock", Clock);
+    let file = system.write();
     for (name, bytes, part) in [
         ("wrong.so", fs::read(compile(Gain)).unwrap(), "does not say"),
         ("text.so", b"no library, but long enough".to_vec(), "no ELF"),

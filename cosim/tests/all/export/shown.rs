@@ -151,7 +151,7 @@ fn an_fmu_that_is_there_is_replaced_as_a_whole() {
     let folder = TempDir::new().unwrap();
     let file = folder.path().join("Loop.fmu");
     std::fs::write(&file, "old").unwrap();
-    assert_eq!(command(folder.path(), &two().write(), &[]), (0, String::new()));
+    assert_eq!(command(folder.path(), &two().write(), &[]).0, 0);
     assert!(Fmu::open(&file).is_ok());
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 }
