@@ -49,7 +49,6 @@ macro_rules! export_library {
     ($library:ident) => {
         /// The C interface of FMI 2.0.
         #[allow(missing_docs, non_snake_case, unsafe_code, clippy::missing_safety_doc)]
-        #[allow(clippy::too_many_arguments)]
         pub mod fmi2 {
             use $crate::abi::types::*;
 

@@ -26,7 +26,7 @@ pub(super) struct Library {
 pub(super) fn find(named: &[PathBuf]) -> Result<Vec<Library>> {
     let paths = match named {
         [] => vec![search()?],
-        [named @ ..] => named.to_vec(),
+        named => named.to_vec(),
     };
     let mut libraries: Vec<Library> = Vec::new();
     for path in paths.iter().flat_map(|path| env::split_paths(path).collect::<Vec<_>>()) {

@@ -53,11 +53,9 @@ impl Hosted {
         let alike = self.stage == Stage::Running
             && (self.start, self.stop) == (kept.start, kept.stop)
             && self.given == kept.given;
-        let goes_on = alike && kept.engine.is_some();
         self.table.take(&kept.values);
         self.given.clone_from(&kept.given);
-        let restored = if goes_on { self.take_on(kept) } else { Err(self.strange()) };
-        if restored.is_err() {
+        if !(alike && self.take_on(kept).is_ok()) {
             self.rebuild(kept)?;
         }
         self.pending.clone_from(&kept.pending);

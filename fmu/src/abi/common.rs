@@ -49,7 +49,6 @@ pub unsafe fn fmi2SetDebugLogging<L: Library>(
 }
 
 /// `fmi2Instantiate`; NULL when it fails, with a line in the log.
-#[expect(clippy::too_many_arguments, reason = "the standard's")]
 pub unsafe fn fmi2Instantiate<L: Library>(
     instanceName: fmi2String,
     fmuType: fmi2Type,
