@@ -23,6 +23,8 @@ struct Detail {
     why: Option<String>,
     help: Option<String>,
     log: Vec<String>,
+    /// What an FMI function returned.
+    status: Option<i32>,
     others: Vec<Error>,
 }
 
@@ -36,6 +38,7 @@ impl Error {
             why: None,
             help: None,
             log: Vec::new(),
+            status: None,
             others: Vec::new(),
         }))
     }
@@ -82,6 +85,13 @@ impl Error {
         self
     }
 
+    /// The status (`fmi2Status`) that an FMU returned.
+    #[must_use]
+    pub(crate) fn returned(mut self, status: i32) -> Self {
+        self.0.status = Some(status);
+        self
+    }
+
     /// Several problems as one error; `Ok` when there is none.
     pub fn all(problems: Vec<Error>) -> Result<()> {
         let mut rest = problems.into_iter().flat_map(|mut problem| {
@@ -120,6 +130,11 @@ impl Error {
     /// The remedy, if there is one to tell.
     pub fn remedy(&self) -> Option<&str> {
         self.0.help.as_deref()
+    }
+
+    /// The status (`fmi2Status`) that an FMU returned, if that is what failed.
+    pub fn status(&self) -> Option<i32> {
+        self.0.status
     }
 
     /// What the FMU had logged before the failure.

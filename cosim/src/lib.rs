@@ -59,7 +59,9 @@ mod digest;
 #[cfg(feature = "distributed")]
 pub mod distributed;
 pub mod error;
+pub mod export;
 pub mod fmi;
+pub mod hosted;
 pub mod master;
 pub mod names;
 pub mod observe;

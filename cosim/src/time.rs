@@ -21,6 +21,9 @@ impl Time {
     /// Zero.
     pub const ZERO: Time = Time(0);
 
+    /// After all instants: the stop time of who does not know one.
+    pub const NEVER: Time = Time(i64::MAX);
+
     /// From nanoseconds.
     pub const fn from_nanoseconds(ns: i64) -> Self {
         Self(ns)

@@ -81,6 +81,11 @@ impl Linear {
         self.factor * x + self.offset
     }
 
+    /// The value of x for that of y.
+    pub fn undo(self, y: f64) -> f64 {
+        (y - self.offset) / self.factor
+    }
+
     /// First this one, then `next`.
     #[must_use]
     pub fn then(self, next: Linear) -> Linear {

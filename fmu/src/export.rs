@@ -16,37 +16,46 @@ macro_rules! export {
                 )
             });
 
+        /// These components behind the C interface.
+        #[doc(hidden)]
+        #[allow(missing_docs)]
+        pub struct Components;
+
+        impl $crate::abi::Library for Components {
+            type Instance = $crate::kernel::Instance;
+
+            fn instantiate(
+                request: $crate::kernel::Request<'_>,
+            ) -> ::std::result::Result<Self::Instance, ::std::string::String> {
+                REGISTRY.serve(request)
+            }
+
+            #[inline]
+            fn shelf() -> &'static $crate::abi::Shelf<Self::Instance> {
+                static SHELF: $crate::abi::Shelf<$crate::kernel::Instance> =
+                    $crate::abi::Shelf::new();
+                &SHELF
+            }
+        }
+
+        $crate::export_library!(Components);
+    };
+}
+
+/// Exports the 44 functions of FMI 2.0 for a [`Library`](crate::abi::Library), which [`export!`]
+/// makes of components.
+#[macro_export]
+macro_rules! export_library {
+    ($library:ident) => {
         /// The C interface of FMI 2.0.
         #[allow(missing_docs, non_snake_case, unsafe_code, clippy::missing_safety_doc)]
         pub mod fmi2 {
             use $crate::abi::types::*;
 
-            #[unsafe(no_mangle)]
-            pub unsafe extern "C" fn fmi2Instantiate(
-                instanceName: fmi2String,
-                fmuType: fmi2Type,
-                fmuGUID: fmi2String,
-                fmuResourceLocation: fmi2String,
-                functions: *const fmi2CallbackFunctions,
-                visible: fmi2Boolean,
-                loggingOn: fmi2Boolean,
-            ) -> fmi2Component {
-                // SAFETY: the arguments are passed on as the importer gave them.
-                unsafe {
-                    $crate::abi::fmi2Instantiate(
-                        &super::REGISTRY,
-                        instanceName,
-                        fmuType,
-                        fmuGUID,
-                        fmuResourceLocation,
-                        functions,
-                        visible,
-                        loggingOn,
-                    )
-                }
-            }
-
-            $crate::fmi2_functions! {
+            $crate::fmi2_functions! { super::$library;
+                fmi2Instantiate(name: fmi2String, kind: fmi2Type, guid: fmi2String,
+                    resources: fmi2String, functions: *const fmi2CallbackFunctions,
+                    visible: fmi2Boolean, logging_on: fmi2Boolean) -> fmi2Component;
                 fmi2GetTypesPlatform() -> fmi2String;
                 fmi2GetVersion() -> fmi2String;
                 fmi2SetDebugLogging(c: fmi2Component, on: fmi2Boolean, n: usize,
@@ -131,13 +140,13 @@ macro_rules! export {
 #[doc(hidden)]
 #[macro_export]
 macro_rules! fmi2_functions {
-    ($($name:ident($($argument:ident: $type:ty),*) -> $result:ty;)+) => {
+    ($library:ty; $($name:ident($($argument:ident: $type:ty),*) -> $result:ty;)+) => {
         $(
             #[unsafe(no_mangle)]
             pub unsafe extern "C" fn $name($($argument: $type),*) -> $result {
                 // SAFETY: the arguments are passed on as the importer gave them.
                 #[allow(unused_unsafe)]
-                unsafe { $crate::abi::$name($($argument),*) }
+                unsafe { $crate::abi::$name::<$library>($($argument),*) }
             }
         )+
     };

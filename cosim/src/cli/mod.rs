@@ -8,6 +8,7 @@ mod completion;
 mod convert;
 mod distributed;
 mod explain;
+mod export;
 mod info;
 mod inspect;
 mod interrupt;
@@ -48,6 +49,7 @@ enum Verb {
     Simulate(simulate::Simulate),
     Run(run::Run),
     Convert(convert::Convert),
+    Export(export::Export),
     Worker(worker::Worker),
     Workers(worker::Workers),
     Group(worker::Group),
@@ -78,6 +80,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<()> {
         Verb::Simulate(verb) => verb.run(),
         Verb::Run(verb) => verb.run(),
         Verb::Convert(verb) => verb.run(),
+        Verb::Export(verb) => verb.run(),
         Verb::Worker(verb) => verb.run(),
         Verb::Workers(verb) => verb.run(),
         Verb::Group(verb) => verb.run(),

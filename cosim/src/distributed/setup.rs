@@ -91,7 +91,7 @@ impl Setup {
     pub(crate) fn build(self, fmus: &mut dyn FmuSource) -> Result<(Engine, Group)> {
         let (debug, categories) = (self.making.debug, self.making.categories.clone());
         // Messages are told at the end; nobody follows them here.
-        let logging = Logging { debug, categories, trace: None, last: fmus.last_call() };
+        let logging = Logging { debug, categories, last: fmus.last_call(), ..Logging::default() };
         // Before the first is loaded: it runs code.
         for blueprint in &self.components {
             if let Source::Fmu(file) = &blueprint.source {

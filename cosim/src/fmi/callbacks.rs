@@ -6,7 +6,7 @@
 use std::ffi::{CStr, c_char, c_void};
 
 use super::log::Log;
-use super::status::{self, RawStatus};
+use super::status::RawStatus;
 use variadic::Arguments;
 
 mod memory;
@@ -71,7 +71,7 @@ unsafe fn logged(
         Some(arguments) => printf::render(format, arguments),
         None => String::from_utf8_lossy(format).into_owned(),
     };
-    log.push(format!("{} ({category}): {}", status::name(status), message.trim_end()));
+    log.message(status, &category, message.trim_end());
 }
 
 /// A copy of a C string; empty for NULL.

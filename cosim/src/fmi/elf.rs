@@ -12,6 +12,11 @@ const MACHINES: &[(u16, &str)] =
     &[(3, "x86"), (40, "arm"), (62, "x86_64"), (183, "aarch64"), (243, "riscv")];
 const SHARED_OBJECT: u16 = 3;
 
+/// Machines with the folders of their Linux binaries: FMI 2.0's own name first, or the tuple that
+/// 2.0.4 took over from FMI 3.0 (section 2.3.1).
+const FOLDERS: &[(&str, &[&str])] =
+    &[("x86_64", &["linux64", "x86_64-linux"]), ("aarch64", &["aarch64-linux"])];
+
 /// Why the file at `path` is no library for this machine; `Ok` if it may be one.
 pub(super) fn check(path: &Path) -> Result<(), String> {
     let mut header = [0; 20];
@@ -21,7 +26,45 @@ pub(super) fn check(path: &Path) -> Result<(), String> {
     judge(&header, std::env::consts::ARCH)
 }
 
-fn judge(header: &[u8; 20], machine: &str) -> Result<(), String> {
+/// The folder of binaries that a library of these bytes belongs to.
+pub(crate) fn platform(bytes: &[u8]) -> Result<&'static str, String> {
+    let header = bytes.first_chunk().ok_or("it has no header")?;
+    let machine = machine(header)?;
+    let folders = FOLDERS.iter().find(|(name, _)| *name == machine).map(|(_, folders)| *folders);
+    let folder = folders.and_then(|folders| folders.first().copied());
+    folder.ok_or_else(|| format!("no FMU here is made for {machine}"))
+}
+
+/// Whether binaries in that folder are for this machine.
+pub(crate) fn is_here(folder: &str) -> bool {
+    cfg!(target_os = "linux") && of_machine(std::env::consts::ARCH).contains(&folder)
+}
+
+/// The folder of this machine's binaries.
+pub(crate) fn here() -> Option<&'static str> {
+    let own = of_machine(std::env::consts::ARCH).first().copied();
+    own.filter(|_| cfg!(target_os = "linux"))
+}
+
+/// All names of a platform's folder.
+pub(crate) fn folders(folder: &str) -> &'static [&'static str] {
+    FOLDERS.iter().find(|(_, names)| names.contains(&folder)).map_or(&[], |(_, names)| names)
+}
+
+/// The folders of a machine's binaries for Linux.
+pub(super) fn of_machine(machine: &str) -> &'static [&'static str] {
+    FOLDERS.iter().find(|(name, _)| *name == machine).map_or(&[], |(_, names)| names)
+}
+
+fn judge(header: &[u8; 20], wanted: &str) -> Result<(), String> {
+    match machine(header)? {
+        found if found == wanted => Ok(()),
+        found => Err(format!("it is built for {found}, this machine is {wanted}")),
+    }
+}
+
+/// The machine that a shared object is for.
+fn machine(header: &[u8; 20]) -> Result<&'static str, String> {
     if header[..4] != *b"\x7fELF" {
         return Err("it is no ELF file".to_owned());
     }
@@ -34,8 +77,7 @@ fn judge(header: &[u8; 20], machine: &str) -> Result<(), String> {
     }
     let found = MACHINES.iter().find(|(number, _)| *number == word(18));
     match found {
-        Some((_, name)) if *name == machine => Ok(()),
-        Some((_, name)) => Err(format!("it is built for {name}, this machine is {machine}")),
+        Some((_, name)) => Ok(name),
         None => Err(format!("it is built for the machine number {} of ELF", word(18))),
     }
 }

@@ -95,6 +95,11 @@ impl Fmu {
         })
     }
 
+    /// Whether it has a folder of binaries of that name; those of other machines are not unpacked.
+    pub(crate) fn has_binaries(&self, folder: &str) -> bool {
+        self.folder.path().join("binaries").join(folder).is_dir()
+    }
+
     /// The file.
     pub fn path(&self) -> &Path {
         &self.path

@@ -97,11 +97,12 @@ impl Instance {
     pub fn enter_initialization(&mut self, start: Time, stop: Time) -> Result<()> {
         self.require("fmi2SetupExperiment", &[State::Instantiated])?;
         self.time = start;
-        let (start, stop) = (start.seconds(), stop.seconds());
-        let arguments = |_: &Followed| format!("false, 0.0, {start:?}, true, {stop:?}");
+        let known = stop < Time::NEVER;
+        let (start, stop) = (start.seconds(), if known { stop.seconds() } else { 0.0 });
+        let arguments = |_: &Followed| format!("false, 0.0, {start:?}, {known}, {stop:?}");
         self.call("fmi2SetupExperiment", arguments, |f, c| {
             // SAFETY: `c` is alive and the state allows the call.
-            unsafe { (f.setup_experiment)(c, 0, 0.0, start, 1, stop) }
+            unsafe { (f.setup_experiment)(c, 0, 0.0, start, known.into(), stop) }
         })?;
         self.call("fmi2EnterInitializationMode", nothing, |f, c| {
             // SAFETY: as above.
@@ -221,6 +222,7 @@ impl Instance {
         };
         let what = format!("{function} of '{}' failed at t = {}", self.name, self.time);
         let error = Error::new(Code::Fmu, what).at(self.fmu.path()).log(self.log.take());
+        let error = error.returned(status);
         match status {
             status::MISSING => error.why(format!("the library of the FMU has no {function}")),
             _ => error.why(format!("the FMU returned {}", status::name(status))),

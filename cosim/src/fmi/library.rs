@@ -7,6 +7,7 @@ use libloading::Library;
 
 use super::callbacks::{Callbacks, text};
 use super::description::InterfaceType;
+use super::elf;
 use super::open;
 use super::status::{self, RawStatus};
 use crate::error::{Code, Error, Result};
@@ -90,6 +91,9 @@ functions! {
             get_real = "fmi2GetReal": fn(Component, *const u32, usize, *mut f64);
             get_integer = "fmi2GetInteger": fn(Component, *const u32, usize, *mut c_int);
             get_boolean = "fmi2GetBoolean": fn(Component, *const u32, usize, *mut Bool);
+            get_string = "fmi2GetString": fn(
+                Component, *const u32, usize, *mut *const c_char
+            );
             set_real = "fmi2SetReal": fn(Component, *const u32, usize, *const f64);
             set_integer = "fmi2SetInteger": fn(
                 Component, *const u32, usize, *const c_int
@@ -235,11 +239,5 @@ pub(super) fn load(path: &Path, fmu: &Path, kind: InterfaceType) -> Result<Binar
 
 /// Places of the library in the unpacked FMU, newest convention last (FMI 2.0.4, 2.3).
 pub(super) fn folders() -> &'static [&'static str] {
-    if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
-        &["linux64", "x86_64-linux"]
-    } else if cfg!(all(target_os = "linux", target_arch = "aarch64")) {
-        &["aarch64-linux"]
-    } else {
-        &[]
-    }
+    if cfg!(target_os = "linux") { elf::of_machine(std::env::consts::ARCH) } else { &[] }
 }

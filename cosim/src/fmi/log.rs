@@ -4,6 +4,8 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::mailbox::Mailbox;
+use super::status::{self, RawStatus};
 use super::trace::Trace;
 
 const KEPT: usize = 20;
@@ -14,6 +16,8 @@ pub(super) struct Log {
     messages: Mutex<Messages>,
     /// Who follows the messages, and the instance's name.
     live: Option<(Arc<Trace>, String)>,
+    /// Who passes them on, and the instance's name.
+    mailbox: Option<(Arc<Mailbox>, String)>,
 }
 
 #[derive(Default)]
@@ -24,8 +28,16 @@ struct Messages {
 }
 
 impl Log {
-    pub(super) fn new(live: Option<Arc<Trace>>, instance: &str) -> Self {
-        Self { live: live.map(|trace| (trace, instance.to_owned())), ..Self::default() }
+    pub(super) fn new(
+        live: Option<Arc<Trace>>,
+        mailbox: Option<Arc<Mailbox>>,
+        instance: &str,
+    ) -> Self {
+        Self {
+            messages: Mutex::default(),
+            live: live.map(|trace| (trace, instance.to_owned())),
+            mailbox: mailbox.map(|mailbox| (mailbox, instance.to_owned())),
+        }
     }
 
     /// Whether messages were shown already when they came.
@@ -33,7 +45,15 @@ impl Log {
         self.live.is_some()
     }
 
-    pub(super) fn push(&self, line: String) {
+    /// Takes a message as the FMU gave it.
+    pub(super) fn message(&self, status: RawStatus, category: &str, text: &str) {
+        if let Some((mailbox, instance)) = &self.mailbox {
+            mailbox.put(instance, status, category, text);
+        }
+        self.push(format!("{} ({category}): {text}", status::name(status)));
+    }
+
+    fn push(&self, line: String) {
         if let Some((trace, instance)) = &self.live {
             trace.message(instance, &line);
         }

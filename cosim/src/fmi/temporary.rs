@@ -4,14 +4,14 @@
 //! keeps locked; the lock ends with the process, however it ends, and the next process that
 //! unpacks something removes the folders whose lock is free.
 
-use std::fs::{self, File, Permissions};
-use std::io::ErrorKind;
-use std::os::unix::fs::{DirBuilderExt, MetadataExt, PermissionsExt};
+use std::ffi::{CString, OsString};
+use std::fs::{self, File};
+use std::io::{Error as IoError, ErrorKind};
+use std::os::unix::ffi::{OsStrExt, OsStringExt};
+use std::os::unix::fs::{DirBuilderExt, MetadataExt};
 use std::path::{Path, PathBuf};
 use std::sync::Once;
 use std::time::Duration;
-
-use tempfile::TempDir;
 
 use crate::error::{Code, Error, Result};
 
@@ -25,8 +25,11 @@ const YOUNG: Duration = Duration::from_secs(60);
 pub struct Unpacked {
     content: PathBuf,
     _lock: File,
-    _folder: TempDir,
+    _folder: Folder,
 }
+
+/// A folder that goes with its value.
+struct Folder(PathBuf);
 
 impl Unpacked {
     /// A fresh and empty folder.
@@ -42,16 +45,14 @@ impl Unpacked {
     }
 
     fn make() -> std::io::Result<Self> {
-        let mut builder = tempfile::Builder::new();
-        let private = Permissions::from_mode(0o700);
-        let folder = builder.prefix(PREFIX).permissions(private).tempdir()?;
-        let lock = File::create_new(folder.path().join(LOCK))?;
+        let folder = Folder::new()?;
+        let lock = File::create_new(folder.0.join(LOCK))?;
         match lock.lock() {
             // A file system without locks: nothing there is ever swept.
             Err(e) if e.kind() == ErrorKind::Unsupported => (),
             locked => locked?,
         }
-        let content = folder.path().join(CONTENT);
+        let content = folder.0.join(CONTENT);
         fs::DirBuilder::new().mode(0o700).create(&content)?;
         Ok(Self { content, _lock: lock, _folder: folder })
     }
@@ -59,6 +60,29 @@ impl Unpacked {
     /// The folder.
     pub fn path(&self) -> &Path {
         &self.content
+    }
+}
+
+impl Folder {
+    /// A new one that nobody else can enter. Its name is the system's choice: a random one of ours
+    /// would need a variable per thread, and who unloads this code before the thread ends (it may be
+    /// part of an FMU) would leave the thread with a destructor that is gone.
+    fn new() -> std::io::Result<Self> {
+        let pattern = std::env::temp_dir().join(format!("{PREFIX}XXXXXX"));
+        let pattern = CString::new(pattern.as_os_str().as_bytes())?.into_raw();
+        // SAFETY: the text ends with a NUL and is written in place; its length stays.
+        let made = unsafe { libc::mkdtemp(pattern) };
+        let failed = made.is_null().then(IoError::last_os_error);
+        // SAFETY: the pointer is that of `into_raw`.
+        let name = unsafe { CString::from_raw(pattern) }.into_bytes();
+        failed.map_or(Ok(Self(OsString::from_vec(name).into())), Err)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        // What cannot be removed is left to the next sweep.
+        drop(fs::remove_dir_all(&self.0));
     }
 }
 
@@ -87,6 +111,7 @@ fn is_left(folder: &Path) -> bool {
 mod tests {
     use super::*;
     use std::time::SystemTime;
+    use tempfile::TempDir;
 
     fn age(folder: &Path) {
         let lock = File::options().write(true).open(folder.join(LOCK)).unwrap();

@@ -16,7 +16,7 @@ use std::io::Write;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::error::{Code, Error, Result};
-use crate::fmi::{Fmu, LastCall};
+use crate::fmi::{Fmu, LastCall, Mailbox};
 use crate::names;
 
 /// What FMUs are asked to log, and who follows.
@@ -30,6 +30,8 @@ pub struct Logging {
     pub trace: Option<Arc<Trace>>,
     /// Keeps the last call for those who find the process dead.
     pub last: Option<Arc<LastCall>>,
+    /// Gets messages for somebody who passes them on.
+    pub mailbox: Option<Arc<Mailbox>>,
 }
 
 /// Writes the calls and messages of instances.

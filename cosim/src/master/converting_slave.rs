@@ -6,7 +6,7 @@ use super::patched_slave::{PatchedSlave, SharedPatches};
 use super::plan::Node;
 use super::slave::{Slave, passes_on};
 use crate::error::{Code, Error, Result};
-use crate::fmi::Place;
+use crate::fmi::{Place, Value};
 use crate::system::{Conversion, System};
 use crate::time::Time;
 

@@ -24,7 +24,7 @@ pub(crate) struct Engine {
     pub(super) read_at: Vec<Option<Time>>,
     /// Where the present run of steps ends: what is recorded is read there.
     pub(super) limit: Time,
-    pub(super) slaves: Vec<Box<dyn Slave>>,
+    pub(crate) slaves: Vec<Box<dyn Slave>>,
     pub(crate) values: Vec<f64>,
     pub(super) inputs: Vec<f64>,
     /// When each component's present step ends, and how long it is.
@@ -97,7 +97,7 @@ impl Engine {
     /// Passes values on until none changes in any bit. With loops that are solved, everything
     /// fresh is final after one pass; a second one brings the held inputs, on which no output
     /// depends directly.
-    fn settle(&mut self) -> Result<()> {
+    pub(crate) fn settle(&mut self) -> Result<()> {
         let mut before = vec![0; self.values.len()];
         for _ in 0..passes(&self.plan) {
             before.iter_mut().zip(&self.values).for_each(|(b, v)| *b = v.to_bits());
@@ -165,7 +165,7 @@ impl Engine {
     }
 
     /// Makes every step that ends at or before `limit`.
-    pub(super) fn run_until(&mut self, limit: Time) -> Result<()> {
+    pub(crate) fn run_until(&mut self, limit: Time) -> Result<()> {
         if self.control.is_some() {
             return self.run_controlled(limit);
         }
@@ -277,22 +277,32 @@ impl Engine {
         Ok(())
     }
 
+    /// What was odd so far.
+    pub(crate) fn take_warnings(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.warnings)
+    }
+
     /// Tells all slaves the present instant, which direct steps do not.
-    pub(super) fn come_to(&mut self, now: Time) {
+    pub(crate) fn come_to(&mut self, now: Time) {
         self.slaves.iter_mut().for_each(|slave| slave.came_to(now));
     }
 
     /// Reads the variables that are only recorded, where no step has done it.
     pub(crate) fn read_recorded(&mut self, now: Time) -> Result<()> {
-        for &c in &self.reading {
-            if self.read_at[c] == Some(now) {
-                continue;
+        for place in 0..self.reading.len() {
+            let component = self.reading[place];
+            if self.read_at[component] != Some(now) {
+                self.read_of(component, now)?;
             }
-            self.slaves[c].came_to(now);
-            let slots = self.plan.nodes[c].recorded_slots.clone();
-            self.slaves[c].read(&mut self.values[slots])?;
         }
         Ok(())
+    }
+
+    /// Reads those of one component.
+    pub(crate) fn read_of(&mut self, component: usize, now: Time) -> Result<()> {
+        self.slaves[component].came_to(now);
+        let slots = self.plan.nodes[component].recorded_slots.clone();
+        self.slaves[component].read(&mut self.values[slots])
     }
 }
 

@@ -7,12 +7,12 @@
 
 use std::sync::Arc;
 
-use super::fmu_slave::{assign, instantiate, tangent};
+use super::fmu_slave::{assign, give, instantiate, look, tangent};
 use super::group::Group;
 use super::plan::Node;
 use super::slave::Slave;
 use crate::error::{Code, Error, Result};
-use crate::fmi::{Fmu, Instance, InterfaceType, Kind, Logging, Place, State, Variability};
+use crate::fmi::{Fmu, Instance, InterfaceType, Kind, Logging, Place, State, Value, Variability};
 use crate::solver::{Continuous, Settings};
 use crate::system::Component;
 use crate::time::Time;
@@ -162,6 +162,20 @@ impl Slave for ExchangeSlave {
             return assign(&mut self.instance, variable, value);
         }
         self.solver.event(&mut self.instance, |instance| assign(instance, variable, value))
+    }
+
+    fn give(&mut self, variable: usize, value: &Value) -> Result<()> {
+        match (self.instance.state(), value) {
+            (State::ContinuousTime, Value::Real(value)) => self.assign(variable, *value),
+            (State::ContinuousTime, _) => {
+                self.solver.event(&mut self.instance, |instance| give(instance, variable, value))
+            }
+            _ => give(&mut self.instance, variable, value),
+        }
+    }
+
+    fn look(&mut self, variable: usize) -> Result<Value> {
+        look(&mut self.instance, variable)
     }
 
     fn messages(&mut self) -> Vec<String> {

@@ -203,6 +203,14 @@ impl Slave for FmuSlave {
         assign(&mut self.instance, variable, value)
     }
 
+    fn give(&mut self, variable: usize, value: &Value) -> Result<()> {
+        give(&mut self.instance, variable, value)
+    }
+
+    fn look(&mut self, variable: usize) -> Result<Value> {
+        look(&mut self.instance, variable)
+    }
+
     fn messages(&mut self) -> Vec<String> {
         self.instance.messages()
     }
@@ -264,15 +272,27 @@ pub(super) fn tangent(
 /// Sets one variable by its type.
 pub(super) fn assign(instance: &mut Instance, variable: usize, value: f64) -> Result<()> {
     let fmu = instance.fmu().clone();
-    let variable = &fmu.description().variables[variable];
-    let value = match variable.kind {
+    let described = &fmu.description().variables[variable];
+    let value = match described.kind {
         Kind::Real => Value::Real(value),
         Kind::Integer | Kind::Enumeration(_) => Value::Integer(value.round() as i32),
         Kind::Boolean => Value::Boolean(value != 0.0),
         Kind::String => {
-            return Err(Error::new(Code::Parameter, format!("'{}' is a String", variable.name))
+            return Err(Error::new(Code::Parameter, format!("'{}' is a String", described.name))
                 .why("only numbers and Booleans are set while a system runs"));
         }
     };
-    instance.set_value(variable, &value)
+    instance.set_value(described, &value)
+}
+
+/// Sets one variable to a value of its type.
+pub(super) fn give(instance: &mut Instance, variable: usize, value: &Value) -> Result<()> {
+    let fmu = instance.fmu().clone();
+    instance.set_value(&fmu.description().variables[variable], value)
+}
+
+/// Reads one variable.
+pub(super) fn look(instance: &mut Instance, variable: usize) -> Result<Value> {
+    let fmu = instance.fmu().clone();
+    instance.get_value(&fmu.description().variables[variable])
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::plan::Node;
 use super::slave::Slave;
 use crate::error::{Code, Error, Result};
-use crate::fmi::Place;
+use crate::fmi::{Place, Value};
 use crate::system::Function;
 use crate::time::Time;
 
@@ -96,6 +96,17 @@ impl Slave for FunctionSlave {
         self.values[variable] = value;
         self.evaluate();
         Ok(())
+    }
+
+    fn give(&mut self, variable: usize, value: &Value) -> Result<()> {
+        match value {
+            Value::Real(value) => self.assign(variable, *value),
+            _ => Err(Error::new(Code::Parameter, "the ports of a sum are Reals")),
+        }
+    }
+
+    fn look(&mut self, variable: usize) -> Result<Value> {
+        Ok(Value::Real(self.values[variable]))
     }
 
     fn messages(&mut self) -> Vec<String> {

@@ -56,6 +56,7 @@ use crate::error::Result;
 use crate::fmi::{InterfaceType, Kind, Logging, Variability};
 use crate::solver;
 use crate::system::{Component, Model, System};
+use crate::time::Time;
 use control::Control;
 use converting_slave::ConvertingSlave;
 use exchange_slave::ExchangeSlave;
@@ -109,11 +110,17 @@ pub(crate) fn slave(
 
 impl System {
     fn engine(&self) -> Result<Engine> {
-        let fmus = self.components().iter().filter_map(|c| Some((c.name.as_str(), c.fmu()?)));
+        self.engine_of(self.components(), self.start_time())
+    }
+
+    /// An engine that begins at `start`, of these components instead of its own, which differ in
+    /// their start values.
+    pub(crate) fn engine_of(&self, components: &[Component], start: Time) -> Result<Engine> {
+        let fmus = components.iter().filter_map(|c| Some((c.name.as_str(), c.fmu()?)));
         self.logging().check(fmus)?;
         let plan = Plan::new(self);
         let mut made = Vec::with_capacity(plan.nodes.len());
-        for (position, (component, node)) in self.components().iter().zip(&plan.nodes).enumerate() {
+        for (position, (component, node)) in components.iter().zip(&plan.nodes).enumerate() {
             let converted = self.converted(position, node);
             made.push(slave(component, node, converted, &self.making(), self.logging())?);
         }
@@ -121,9 +128,9 @@ impl System {
             let steps = plan.nodes.iter().map(|node| node.step);
             let largest = steps.min().unwrap_or(self.output_interval());
             let linear = !plan.ramps.is_empty();
-            Control::new(tolerance, largest, self.start_time(), linear, self.nominals(&plan))
+            Control::new(tolerance, largest, start, linear, self.nominals(&plan))
         });
-        let mut engine = Engine::new(plan, made, self.start_time());
+        let mut engine = Engine::new(plan, made, start);
         engine.control = control;
         Ok(engine)
     }

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::plan::Node;
 use super::slave::{Slave, passes_on};
 use crate::error::Result;
-use crate::fmi::Place;
+use crate::fmi::{Place, Value};
 use crate::time::Time;
 
 /// What is done to a value.

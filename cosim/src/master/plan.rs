@@ -270,7 +270,8 @@ impl Plan {
         own
     }
 
-    fn value_slot(&self, port: Port) -> Option<usize> {
+    /// Slot in `values` of an output or of a recorded variable.
+    pub(crate) fn value_slot(&self, port: Port) -> Option<usize> {
         let node = &self.nodes[port.component];
         slot(&node.outputs, &node.output_slots, port.variable)
             .or_else(|| slot(&node.recorded, &node.recorded_slots, port.variable))

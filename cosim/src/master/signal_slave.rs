@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::plan::Node;
 use super::slave::Slave;
 use crate::error::{Code, Error, Result};
-use crate::fmi::Place;
+use crate::fmi::{Place, Value};
 use crate::signals::Signals;
 use crate::time::Time;
 
@@ -73,6 +73,16 @@ impl Slave for SignalSlave {
 
     fn assign(&mut self, _variable: usize, _value: f64) -> Result<()> {
         Err(Error::new(Code::Parameter, "signals of a file cannot be set"))
+    }
+
+    fn give(&mut self, _variable: usize, _value: &Value) -> Result<()> {
+        Err(Error::new(Code::Parameter, "signals of a file cannot be set"))
+    }
+
+    fn look(&mut self, variable: usize) -> Result<Value> {
+        let mut value = [0.0];
+        self.signals.values_at(self.time, &[variable], &mut value);
+        Ok(Value::Real(value[0]))
     }
 
     fn messages(&mut self) -> Vec<String> {

@@ -1,7 +1,7 @@
 //! What the master steps: an FMU here, prepared signals, later something remote.
 
 use crate::error::Result;
-use crate::fmi::{Direct, Place, Unusual};
+use crate::fmi::{Direct, Place, Unusual, Value};
 use crate::time::Time;
 
 /// A component as the master sees it. Which variables [`Slave::set`], [`Slave::get`] and
@@ -66,6 +66,13 @@ pub trait Slave {
     /// position in the component's description.
     fn assign(&mut self, variable: usize, value: f64) -> Result<()>;
 
+    /// Gives a variable that is not connected a value of its type, in initialization mode or
+    /// between two steps.
+    fn give(&mut self, variable: usize, value: &Value) -> Result<()>;
+
+    /// The present value of any variable.
+    fn look(&mut self, variable: usize) -> Result<Value>;
+
     /// What the slave had to say since this was asked last.
     fn messages(&mut self) -> Vec<String>;
 
@@ -114,7 +121,8 @@ pub struct DirectCalls<'a> {
     pub(super) recorded: &'a [u32],
 }
 
-/// What a slave around another one leaves to it; `Place`, `Result` and `Time` are the caller's.
+/// What a slave around another one leaves to it; `Place`, `Result`, `Time` and `Value` are the
+/// caller's.
 macro_rules! passes_on {
     ($inner:ident) => {
         fn enter_initialization(&mut self, start: Time, stop: Time) -> Result<()> {
@@ -131,6 +139,14 @@ macro_rules! passes_on {
 
         fn assign(&mut self, variable: usize, value: f64) -> Result<()> {
             self.$inner.assign(variable, value)
+        }
+
+        fn give(&mut self, variable: usize, value: &Value) -> Result<()> {
+            self.$inner.give(variable, value)
+        }
+
+        fn look(&mut self, variable: usize) -> Result<Value> {
+            self.$inner.look(variable)
         }
 
         fn messages(&mut self) -> Vec<String> {

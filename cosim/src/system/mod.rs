@@ -33,6 +33,7 @@ pub use function::Function;
 pub use input::Input;
 pub use order::{Loop, Order};
 pub use overrides::Overrides;
+pub(crate) use write::{Xml, base_step, number};
 
 /// A checked system.
 pub struct System {
@@ -40,6 +41,7 @@ pub struct System {
     name: String,
     components: Vec<Component>,
     connections: Vec<Connection>,
+    ports: Vec<SystemPort>,
     order: Order,
     columns: Vec<Column>,
     start: Time,
@@ -69,6 +71,7 @@ pub enum Algorithm {
 }
 
 /// A component of a system.
+#[derive(Clone)]
 pub struct Component {
     /// Name in the system.
     pub name: String,
@@ -125,6 +128,19 @@ pub struct Connection {
     pub conversion: Option<Conversion>,
 }
 
+/// A connector of the system itself: what it shows where it is a part of something else.
+#[derive(Debug, Clone)]
+pub struct SystemPort {
+    /// Name.
+    pub name: String,
+    /// Input or parameter, output or calculated parameter.
+    pub causality: Causality,
+    /// The variables of components behind it, and what happens to values on the way.
+    pub ends: Vec<(Port, Option<Conversion>)>,
+    /// Its own unit.
+    pub(crate) unit: Option<raw::RawUnit>,
+}
+
 /// A recorded variable.
 #[derive(Debug, Clone)]
 pub struct Column {
@@ -157,6 +173,23 @@ impl System {
         read::is_system(path)
     }
 
+    /// The same system with other variables recorded.
+    pub(crate) fn recording(mut self, columns: Vec<Column>) -> Self {
+        self.columns = columns;
+        self
+    }
+
+    /// The same system with who gets the messages of its FMUs.
+    pub(crate) fn logging_to(mut self, logging: Logging) -> Self {
+        self.logging = logging;
+        self
+    }
+
+    /// Asks the FMUs of engines to come for debug messages, or not.
+    pub(crate) fn debug(&mut self, on: bool) {
+        self.logging.debug = on;
+    }
+
     /// The same file with other overrides. No file is read again: neither the description nor an
     /// FMU that a system of this file has used before, even when it has changed meanwhile.
     pub fn with(&self, overrides: &Overrides) -> Result<Self> {
@@ -182,6 +215,11 @@ impl System {
     /// Connections in the order of the file.
     pub fn connections(&self) -> &[Connection] {
         &self.connections
+    }
+
+    /// Connectors of the system itself.
+    pub fn ports(&self) -> &[SystemPort] {
+        &self.ports
     }
 
     /// Who steps before whom.

@@ -25,6 +25,8 @@ pub(super) struct RawSystem {
     pub name: String,
     pub components: Vec<RawComponent>,
     pub connections: Vec<RawConnection>,
+    /// Connectors of the outermost system.
+    pub ports: Vec<RawPort>,
     /// In the order in which they are applied: a later one wins.
     pub parameters: Vec<RawParameter>,
     /// Where start and stop stand.
@@ -89,7 +91,7 @@ pub(super) struct RawConnector {
 
 /// A unit as its file names it, with the file's definition.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct RawUnit {
+pub(crate) struct RawUnit {
     pub name: String,
     pub unit: Option<Unit>,
 }
@@ -114,6 +116,23 @@ pub(super) struct RawConnection {
     /// From the source on, at least one.
     pub stages: Vec<Stage>,
     pub place: Place,
+}
+
+/// A connector of the outermost system and what it leads to.
+pub(super) struct RawPort {
+    pub connector: RawConnector,
+    /// Inputs and parameters of components that it drives, or the output that drives it.
+    pub ends: Vec<RawEnd>,
+    /// Whether it drives.
+    pub inward: bool,
+}
+
+/// A variable of a component behind a connector.
+pub(super) struct RawEnd {
+    /// Component and connector.
+    pub name: (String, String),
+    /// On the way of the value.
+    pub stages: Vec<Stage>,
 }
 
 /// One connection of the file; several when it goes through connectors of systems.

@@ -60,6 +60,7 @@ impl System {
             order: Order::new(algorithm, &components, &connections),
             components,
             connections,
+            ports: Vec::new(),
             linear: Vec::new(),
             step_control: overrides.step_control,
             retries: overrides.retries,

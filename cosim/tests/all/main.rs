@@ -10,6 +10,7 @@ mod converted;
 mod direct;
 mod distributed;
 mod exchange;
+mod export;
 mod failures;
 mod flags;
 mod formats;

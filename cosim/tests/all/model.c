@@ -170,6 +170,10 @@ SET(Integer, int, i)
 GET(Boolean, int, b)
 SET(Boolean, int, b)
 #endif
+Status fmi2GetString(Component c, const Ref *refs, size_t n, const char **values) {
+  for (size_t k = 0; k < n; k++) values[k] = ((Model *)c)->text;
+  return 0;
+}
 Status fmi2SetString(Component c, const Ref *refs, size_t n, const char *const *values) {
   Model *m = c;
   snprintf(m->text, sizeof m->text, "%s", values[0]);

@@ -1,9 +1,10 @@
 //! Co-simulation (FMI 2.0.4, section 4.2).
 
-use crate::kernel::Call;
+use crate::kernel::{Call, Served};
 
 use super::arguments::{array, array_mut, place};
 use super::guard::call;
+use super::handles::Library;
 use super::types::*;
 
 /// `fmi2LastSuccessfulTime` of `fmi2StatusKind`
@@ -12,14 +13,14 @@ const LAST_SUCCESSFUL_TIME: fmi2StatusKind = 2;
 const TERMINATED: fmi2StatusKind = 3;
 
 /// `fmi2SetRealInputDerivatives`
-pub unsafe fn fmi2SetRealInputDerivatives(
+pub unsafe fn fmi2SetRealInputDerivatives<L: Library>(
     c: fmi2Component,
     vr: *const fmi2ValueReference,
     nvr: usize,
     order: *const fmi2Integer,
     value: *const fmi2Real,
 ) -> fmi2Status {
-    call(c, Call::SetRealInputDerivatives, |instance| {
+    call::<L>(c, Call::SetRealInputDerivatives, |instance| {
         // SAFETY: the importer passes arrays of `nvr` elements, as the standard demands.
         let arrays = unsafe {
             (array("vr", vr, nvr), array("order", order, nvr), array("value", value, nvr))
@@ -34,14 +35,14 @@ pub unsafe fn fmi2SetRealInputDerivatives(
 }
 
 /// `fmi2GetRealOutputDerivatives`
-pub unsafe fn fmi2GetRealOutputDerivatives(
+pub unsafe fn fmi2GetRealOutputDerivatives<L: Library>(
     c: fmi2Component,
     vr: *const fmi2ValueReference,
     nvr: usize,
     order: *const fmi2Integer,
     value: *mut fmi2Real,
 ) -> fmi2Status {
-    call(c, Call::GetRealOutputDerivatives, |instance| {
+    call::<L>(c, Call::GetRealOutputDerivatives, |instance| {
         // SAFETY: the importer passes arrays of `nvr` elements, as the standard demands.
         let arrays = unsafe {
             (array("vr", vr, nvr), array("order", order, nvr), array_mut("value", value, nvr))
@@ -57,40 +58,40 @@ pub unsafe fn fmi2GetRealOutputDerivatives(
 
 /// `fmi2DoStep`
 #[inline]
-pub unsafe fn fmi2DoStep(
+pub unsafe fn fmi2DoStep<L: Library>(
     c: fmi2Component,
     currentCommunicationPoint: fmi2Real,
     communicationStepSize: fmi2Real,
     _noSetFMUStatePriorToCurrentPoint: fmi2Boolean,
 ) -> fmi2Status {
-    call(c, Call::DoStep, |instance| {
+    call::<L>(c, Call::DoStep, |instance| {
         instance.do_step(currentCommunicationPoint, communicationStepSize)
     })
 }
 
 /// `fmi2CancelStep`: no step is ever pending, so it is never legal.
-pub unsafe fn fmi2CancelStep(c: fmi2Component) -> fmi2Status {
-    call(c, Call::CancelStep, |instance| {
+pub unsafe fn fmi2CancelStep<L: Library>(c: fmi2Component) -> fmi2Status {
+    call::<L>(c, Call::CancelStep, |instance| {
         instance.unsupported(Call::CancelStep, "canRunAsynchronuously = false")
     })
 }
 
 /// `fmi2GetStatus`: there is no pending step to tell of.
-pub unsafe fn fmi2GetStatus(
+pub unsafe fn fmi2GetStatus<L: Library>(
     c: fmi2Component,
     s: fmi2StatusKind,
     _value: *mut fmi2Status,
 ) -> fmi2Status {
-    call(c, Call::GetStatus, |instance| instance.no_status(Call::GetStatus, s))
+    call::<L>(c, Call::GetStatus, |instance| instance.no_status(Call::GetStatus, s))
 }
 
 /// `fmi2GetRealStatus`: the time of the last successful step.
-pub unsafe fn fmi2GetRealStatus(
+pub unsafe fn fmi2GetRealStatus<L: Library>(
     c: fmi2Component,
     s: fmi2StatusKind,
     value: *mut fmi2Real,
 ) -> fmi2Status {
-    call(c, Call::GetRealStatus, |instance| {
+    call::<L>(c, Call::GetRealStatus, |instance| {
         // SAFETY: the importer passes one Real to fill, as the standard demands.
         match unsafe { place("value", value) } {
             Ok(value) if s == LAST_SUCCESSFUL_TIME => instance.last_successful_time(value),
@@ -101,21 +102,21 @@ pub unsafe fn fmi2GetRealStatus(
 }
 
 /// `fmi2GetIntegerStatus`: there is none of this type.
-pub unsafe fn fmi2GetIntegerStatus(
+pub unsafe fn fmi2GetIntegerStatus<L: Library>(
     c: fmi2Component,
     s: fmi2StatusKind,
     _value: *mut fmi2Integer,
 ) -> fmi2Status {
-    call(c, Call::GetIntegerStatus, |instance| instance.no_status(Call::GetIntegerStatus, s))
+    call::<L>(c, Call::GetIntegerStatus, |instance| instance.no_status(Call::GetIntegerStatus, s))
 }
 
 /// `fmi2GetBooleanStatus`: a component never ends the simulation by itself.
-pub unsafe fn fmi2GetBooleanStatus(
+pub unsafe fn fmi2GetBooleanStatus<L: Library>(
     c: fmi2Component,
     s: fmi2StatusKind,
     value: *mut fmi2Boolean,
 ) -> fmi2Status {
-    call(c, Call::GetBooleanStatus, |instance| {
+    call::<L>(c, Call::GetBooleanStatus, |instance| {
         // SAFETY: the importer passes one Boolean to fill, as the standard demands.
         match unsafe { place("value", value) } {
             Ok(value) if s == TERMINATED => {
@@ -131,10 +132,10 @@ pub unsafe fn fmi2GetBooleanStatus(
 }
 
 /// `fmi2GetStringStatus`: there is no pending step to tell of.
-pub unsafe fn fmi2GetStringStatus(
+pub unsafe fn fmi2GetStringStatus<L: Library>(
     c: fmi2Component,
     s: fmi2StatusKind,
     _value: *mut fmi2String,
 ) -> fmi2Status {
-    call(c, Call::GetStringStatus, |instance| instance.no_status(Call::GetStringStatus, s))
+    call::<L>(c, Call::GetStringStatus, |instance| instance.no_status(Call::GetStringStatus, s))
 }

@@ -2,38 +2,37 @@
 
 use std::ffi::{CStr, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::LazyLock;
 
 use crate::author::Resources;
-use crate::kernel::{Call, Category, Interface, Registry, Sink, Status};
+use crate::kernel::{Call, Category, Interface, Request, Served, Sink, Status};
 
 use super::arguments::{array, text};
 use super::guard::{call, panic_text};
-use super::handles::{INSTANCES, Live, STATES};
+use super::handles::{Library, Live};
 use super::logger::Logger;
 use super::resource_uri;
 use super::types::*;
 
 /// `fmi2GetTypesPlatform`
 #[must_use]
-pub fn fmi2GetTypesPlatform() -> *const c_char {
+pub fn fmi2GetTypesPlatform<L: Library>() -> *const c_char {
     c"default".as_ptr()
 }
 
 /// `fmi2GetVersion`
 #[must_use]
-pub fn fmi2GetVersion() -> *const c_char {
+pub fn fmi2GetVersion<L: Library>() -> *const c_char {
     c"2.0".as_ptr()
 }
 
 /// `fmi2SetDebugLogging`
-pub unsafe fn fmi2SetDebugLogging(
+pub unsafe fn fmi2SetDebugLogging<L: Library>(
     c: fmi2Component,
     loggingOn: fmi2Boolean,
     nCategories: usize,
     categories: *const fmi2String,
 ) -> fmi2Status {
-    call(c, Call::SetDebugLogging, |instance| {
+    call::<L>(c, Call::SetDebugLogging, |instance| {
         // SAFETY: the importer passes `nCategories` texts, as the standard demands.
         let names = unsafe { array("categories", categories, nCategories) };
         let names = match names {
@@ -50,9 +49,7 @@ pub unsafe fn fmi2SetDebugLogging(
 }
 
 /// `fmi2Instantiate`; NULL when it fails, with a line in the log.
-#[expect(clippy::too_many_arguments, reason = "the standard's, plus the registry")]
-pub unsafe fn fmi2Instantiate(
-    registry: &LazyLock<Registry>,
+pub unsafe fn fmi2Instantiate<L: Library>(
     instanceName: fmi2String,
     fmuType: fmi2Type,
     fmuGUID: fmi2String,
@@ -79,14 +76,18 @@ pub unsafe fn fmi2Instantiate(
         if name.is_empty() {
             return Err("instanceName is missing or empty".to_owned());
         }
-        let guid = guid.map_or("", utf8);
         let resources =
             location.map_or_else(Resources::none, |uri| resource_uri::resources(utf8(uri)));
-        let entry = registry.by_guid(guid)?;
-        let logging_on = loggingOn != FMI2_FALSE;
-        let instance = entry.instantiate(interface, resources, Box::new(logger()), logging_on)?;
-        let live = Live { instance, states: Vec::new() };
-        INSTANCES.insert(Box::new(live)).ok_or_else(|| "too many instances".to_owned())
+        let request = Request {
+            interface,
+            name: utf8(name),
+            guid: guid.map_or("", utf8),
+            resources,
+            sink: Box::new(logger()),
+            logging_on: loggingOn != FMI2_FALSE,
+        };
+        let live = Live { instance: L::instantiate(request)?, states: Vec::new() };
+        L::shelf().instances.insert(Box::new(live)).ok_or_else(|| "too many instances".to_owned())
     }));
     let (status, category, reason) = match made {
         Ok(Ok(handle)) => return handle,
@@ -105,13 +106,13 @@ fn utf8(text: &CStr) -> &str {
 }
 
 /// `fmi2FreeInstance`, and with it the states that were made from it and not freed.
-pub unsafe fn fmi2FreeInstance(c: fmi2Component) {
+pub unsafe fn fmi2FreeInstance<L: Library>(c: fmi2Component) {
     // A handle that leads nowhere leaves nothing to free and nobody to tell.
-    if let Ok(live) = INSTANCES.remove(c) {
+    if let Ok(live) = L::shelf().instances.remove(c) {
         // A panic in an author's `drop` ends here.
         let _ = catch_unwind(AssertUnwindSafe(|| {
             for state in &live.states {
-                drop(STATES.remove(std::ptr::without_provenance_mut(*state)));
+                drop(L::shelf().states.remove(std::ptr::without_provenance_mut(*state)));
             }
             drop(live);
         }));
@@ -119,7 +120,7 @@ pub unsafe fn fmi2FreeInstance(c: fmi2Component) {
 }
 
 /// `fmi2SetupExperiment`
-pub unsafe fn fmi2SetupExperiment(
+pub unsafe fn fmi2SetupExperiment<L: Library>(
     c: fmi2Component,
     toleranceDefined: fmi2Boolean,
     tolerance: fmi2Real,
@@ -129,25 +130,27 @@ pub unsafe fn fmi2SetupExperiment(
 ) -> fmi2Status {
     let tolerance = (toleranceDefined != FMI2_FALSE).then_some(tolerance);
     let stop = (stopTimeDefined != FMI2_FALSE).then_some(stopTime);
-    call(c, Call::SetupExperiment, |instance| instance.setup_experiment(tolerance, startTime, stop))
+    call::<L>(c, Call::SetupExperiment, |instance| {
+        instance.setup_experiment(tolerance, startTime, stop)
+    })
 }
 
 /// `fmi2EnterInitializationMode`
-pub unsafe fn fmi2EnterInitializationMode(c: fmi2Component) -> fmi2Status {
-    call(c, Call::EnterInitializationMode, |instance| instance.enter_initialization_mode())
+pub unsafe fn fmi2EnterInitializationMode<L: Library>(c: fmi2Component) -> fmi2Status {
+    call::<L>(c, Call::EnterInitializationMode, |instance| instance.enter_initialization_mode())
 }
 
 /// `fmi2ExitInitializationMode`
-pub unsafe fn fmi2ExitInitializationMode(c: fmi2Component) -> fmi2Status {
-    call(c, Call::ExitInitializationMode, |instance| instance.exit_initialization_mode())
+pub unsafe fn fmi2ExitInitializationMode<L: Library>(c: fmi2Component) -> fmi2Status {
+    call::<L>(c, Call::ExitInitializationMode, |instance| instance.exit_initialization_mode())
 }
 
 /// `fmi2Terminate`
-pub unsafe fn fmi2Terminate(c: fmi2Component) -> fmi2Status {
-    call(c, Call::Terminate, |instance| instance.terminate())
+pub unsafe fn fmi2Terminate<L: Library>(c: fmi2Component) -> fmi2Status {
+    call::<L>(c, Call::Terminate, |instance| instance.terminate())
 }
 
 /// `fmi2Reset`
-pub unsafe fn fmi2Reset(c: fmi2Component) -> fmi2Status {
-    call(c, Call::Reset, |instance| instance.reset())
+pub unsafe fn fmi2Reset<L: Library>(c: fmi2Component) -> fmi2Status {
+    call::<L>(c, Call::Reset, |instance| instance.reset())
 }

@@ -3,45 +3,49 @@
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use crate::kernel::{Call, Instance, Status};
+use crate::kernel::{Call, Served, Status};
 
-use super::handles::{INSTANCES, Live};
+use super::handles::{Library, Live};
 use super::types::{fmi2Component, fmi2Status};
 
 /// Runs `work` on the instance behind a handle.
 ///
 /// A handle that leads nowhere gives `fmi2Error`: without an instance there is no logger to tell.
 #[inline]
-pub(super) fn call(
+pub(super) fn call<L: Library>(
     component: fmi2Component,
     call: Call,
-    work: impl FnOnce(&mut Instance) -> Status,
+    work: impl FnOnce(&mut L::Instance) -> Status,
 ) -> fmi2Status {
-    call_live(component, call, |live| work(&mut live.instance))
+    call_live::<L>(component, call, |live| work(&mut live.instance))
 }
 
 /// The same for functions that also deal with saved states.
 #[inline]
-pub(super) fn call_live(
+pub(super) fn call_live<L: Library>(
     component: fmi2Component,
     call: Call,
-    work: impl FnOnce(&mut Live) -> Status,
+    work: impl FnOnce(&mut Live<L::Instance>) -> Status,
 ) -> fmi2Status {
-    INSTANCES.with(component, |live| guarded(live, call, work)).unwrap_or(Status::Error)
+    L::shelf().instances.with(component, |live| guarded(live, call, work)).unwrap_or(Status::Error)
 }
 
 /// Whether `simple` did all there is to do, which must not be able to panic; if not, [`call`] is the
 /// way. The usual case is kept apart from all others because it is so short.
 #[inline(always)]
-pub(super) fn done_simply(
+pub(super) fn done_simply<L: Library>(
     component: fmi2Component,
-    simple: impl FnOnce(&mut Instance) -> Option<()>,
+    simple: impl FnOnce(&mut L::Instance) -> Option<()>,
 ) -> bool {
-    matches!(INSTANCES.with(component, |live| simple(&mut live.instance)), Ok(Some(())))
+    matches!(L::shelf().instances.with(component, |live| simple(&mut live.instance)), Ok(Some(())))
 }
 
 #[inline]
-fn guarded(live: &mut Live, call: Call, work: impl FnOnce(&mut Live) -> Status) -> Status {
+fn guarded<I: Served>(
+    live: &mut Live<I>,
+    call: Call,
+    work: impl FnOnce(&mut Live<I>) -> Status,
+) -> Status {
     match catch_unwind(AssertUnwindSafe(|| work(live))) {
         Ok(status) => status,
         Err(payload) => panicked(&mut live.instance, call, &*payload),
@@ -49,7 +53,7 @@ fn guarded(live: &mut Live, call: Call, work: impl FnOnce(&mut Live) -> Status) 
 }
 
 #[cold]
-fn panicked(instance: &mut Instance, call: Call, payload: &(dyn Any + Send)) -> Status {
+fn panicked<I: Served>(instance: &mut I, call: Call, payload: &(dyn Any + Send)) -> Status {
     let text = panic_text(payload);
     // The importer's logger runs in there; should that unwind, nothing is left but the status.
     catch_unwind(AssertUnwindSafe(|| instance.poison(call, text))).unwrap_or(Status::Fatal)

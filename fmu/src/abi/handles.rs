@@ -11,21 +11,46 @@ use std::ffi::c_void;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-use crate::kernel::{Instance, State};
+use crate::kernel::{Request, Served};
 
 const BLOCK: usize = 256;
 const BLOCKS: usize = 4096;
 
-/// An instance and the handles of its states, which go when it goes.
-pub(super) struct Live {
-    pub(super) instance: Instance,
-    pub(super) states: Vec<usize>,
+/// What the C interface of a library needs of it.
+pub trait Library: 'static {
+    /// What it serves.
+    type Instance: Served;
+
+    /// A new instance.
+    ///
+    /// # Errors
+    /// Why there is none, for the log.
+    fn instantiate(request: Request<'_>) -> Result<Self::Instance, String>;
+
+    /// Where its instances live: a static of the library.
+    fn shelf() -> &'static Shelf<Self::Instance>;
 }
 
-/// All live instances.
-pub(super) static INSTANCES: Handles<Live> = Handles::new(0);
-/// All saved states.
-pub(super) static STATES: Handles<State> = Handles::new(1 << 31);
+/// The live instances of a library and their saved states.
+pub struct Shelf<I: Served> {
+    pub(super) instances: Handles<Live<I>>,
+    pub(super) states: Handles<I::State>,
+}
+
+impl<I: Served> Shelf<I> {
+    /// An empty one.
+    #[must_use]
+    #[expect(clippy::new_without_default, reason = "it is made once, for a static")]
+    pub const fn new() -> Self {
+        Self { instances: Handles::new(0), states: Handles::new(1 << 31) }
+    }
+}
+
+/// An instance and the handles of its states, which go when it goes.
+pub(super) struct Live<I> {
+    pub(super) instance: I,
+    pub(super) states: Vec<usize>,
+}
 
 /// Things by number.
 pub(super) struct Handles<T> {

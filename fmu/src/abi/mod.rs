@@ -25,6 +25,7 @@ mod values;
 
 pub use co_simulation::*;
 pub use common::*;
+pub use handles::{Library, Shelf};
 pub use model_exchange::*;
 pub use state::*;
 pub use tangent::*;

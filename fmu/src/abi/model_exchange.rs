@@ -1,22 +1,23 @@
 //! Model exchange (FMI 2.0.4, section 3.2).
 
-use crate::kernel::{Call, EventOutcome, Instance, Status};
+use crate::kernel::{Call, EventOutcome, Served, Status};
 
 use super::arguments::{Wrong, array, array_mut, place};
 use super::guard::call;
+use super::handles::Library;
 use super::types::*;
 
 /// `fmi2EnterEventMode`
-pub unsafe fn fmi2EnterEventMode(c: fmi2Component) -> fmi2Status {
-    call(c, Call::EnterEventMode, |instance| instance.enter_event_mode())
+pub unsafe fn fmi2EnterEventMode<L: Library>(c: fmi2Component) -> fmi2Status {
+    call::<L>(c, Call::EnterEventMode, |instance| instance.enter_event_mode())
 }
 
 /// `fmi2NewDiscreteStates`
-pub unsafe fn fmi2NewDiscreteStates(
+pub unsafe fn fmi2NewDiscreteStates<L: Library>(
     c: fmi2Component,
     fmi2eventInfo: *mut fmi2EventInfo,
 ) -> fmi2Status {
-    call(c, Call::NewDiscreteStates, |instance| {
+    call::<L>(c, Call::NewDiscreteStates, |instance| {
         // SAFETY: the importer passes one struct to fill, as the standard demands.
         let info = match unsafe { place("fmi2eventInfo", fmi2eventInfo) } {
             Ok(info) => info,
@@ -38,18 +39,18 @@ pub unsafe fn fmi2NewDiscreteStates(
 }
 
 /// `fmi2EnterContinuousTimeMode`
-pub unsafe fn fmi2EnterContinuousTimeMode(c: fmi2Component) -> fmi2Status {
-    call(c, Call::EnterContinuousTimeMode, |instance| instance.enter_continuous_time_mode())
+pub unsafe fn fmi2EnterContinuousTimeMode<L: Library>(c: fmi2Component) -> fmi2Status {
+    call::<L>(c, Call::EnterContinuousTimeMode, |instance| instance.enter_continuous_time_mode())
 }
 
 /// `fmi2CompletedIntegratorStep`
-pub unsafe fn fmi2CompletedIntegratorStep(
+pub unsafe fn fmi2CompletedIntegratorStep<L: Library>(
     c: fmi2Component,
     _noSetFMUStatePriorToCurrentPoint: fmi2Boolean,
     enterEventMode: *mut fmi2Boolean,
     terminateSimulation: *mut fmi2Boolean,
 ) -> fmi2Status {
-    call(c, Call::CompletedIntegratorStep, |instance| {
+    call::<L>(c, Call::CompletedIntegratorStep, |instance| {
         // SAFETY: the importer passes two flags to fill, as the standard demands.
         let flags = unsafe {
             (
@@ -69,17 +70,17 @@ pub unsafe fn fmi2CompletedIntegratorStep(
 }
 
 /// `fmi2SetTime`
-pub unsafe fn fmi2SetTime(c: fmi2Component, time: fmi2Real) -> fmi2Status {
-    call(c, Call::SetTime, |instance| instance.set_time(time))
+pub unsafe fn fmi2SetTime<L: Library>(c: fmi2Component, time: fmi2Real) -> fmi2Status {
+    call::<L>(c, Call::SetTime, |instance| instance.set_time(time))
 }
 
 /// `fmi2SetContinuousStates`
-pub unsafe fn fmi2SetContinuousStates(
+pub unsafe fn fmi2SetContinuousStates<L: Library>(
     c: fmi2Component,
     x: *const fmi2Real,
     nx: usize,
 ) -> fmi2Status {
-    call(c, Call::SetContinuousStates, |instance| {
+    call::<L>(c, Call::SetContinuousStates, |instance| {
         // SAFETY: the importer passes an array of `nx` elements, as the standard demands.
         match unsafe { array("x", x, nx) } {
             Ok(x) => instance.set_continuous_states(x),
@@ -89,54 +90,58 @@ pub unsafe fn fmi2SetContinuousStates(
 }
 
 /// A function that fills one array of Reals.
-fn fill(
+fn fill<L: Library>(
     c: fmi2Component,
     function: Call,
     into: Result<&mut [fmi2Real], Wrong>,
-    get: fn(&mut Instance, &mut [fmi2Real]) -> Status,
+    get: fn(&mut L::Instance, &mut [fmi2Real]) -> Status,
 ) -> fmi2Status {
-    call(c, function, |instance| match into {
+    call::<L>(c, function, |instance| match into {
         Ok(into) => get(instance, into),
         Err(wrong) => instance.refuse(function, &wrong),
     })
 }
 
 /// `fmi2GetDerivatives`
-pub unsafe fn fmi2GetDerivatives(
+pub unsafe fn fmi2GetDerivatives<L: Library>(
     c: fmi2Component,
     derivatives: *mut fmi2Real,
     nx: usize,
 ) -> fmi2Status {
     // SAFETY: the importer passes an array of `nx` elements, as the standard demands.
     let into = unsafe { array_mut("derivatives", derivatives, nx) };
-    fill(c, Call::GetDerivatives, into, Instance::get_derivatives)
+    fill::<L>(c, Call::GetDerivatives, into, L::Instance::get_derivatives)
 }
 
 /// `fmi2GetEventIndicators`
-pub unsafe fn fmi2GetEventIndicators(
+pub unsafe fn fmi2GetEventIndicators<L: Library>(
     c: fmi2Component,
     eventIndicators: *mut fmi2Real,
     ni: usize,
 ) -> fmi2Status {
     // SAFETY: the importer passes an array of `ni` elements, as the standard demands.
     let into = unsafe { array_mut("eventIndicators", eventIndicators, ni) };
-    fill(c, Call::GetEventIndicators, into, Instance::get_event_indicators)
+    fill::<L>(c, Call::GetEventIndicators, into, L::Instance::get_event_indicators)
 }
 
 /// `fmi2GetContinuousStates`
-pub unsafe fn fmi2GetContinuousStates(c: fmi2Component, x: *mut fmi2Real, nx: usize) -> fmi2Status {
+pub unsafe fn fmi2GetContinuousStates<L: Library>(
+    c: fmi2Component,
+    x: *mut fmi2Real,
+    nx: usize,
+) -> fmi2Status {
     // SAFETY: the importer passes an array of `nx` elements, as the standard demands.
     let into = unsafe { array_mut("x", x, nx) };
-    fill(c, Call::GetContinuousStates, into, Instance::get_continuous_states)
+    fill::<L>(c, Call::GetContinuousStates, into, L::Instance::get_continuous_states)
 }
 
 /// `fmi2GetNominalsOfContinuousStates`
-pub unsafe fn fmi2GetNominalsOfContinuousStates(
+pub unsafe fn fmi2GetNominalsOfContinuousStates<L: Library>(
     c: fmi2Component,
     x_nominal: *mut fmi2Real,
     nx: usize,
 ) -> fmi2Status {
     // SAFETY: the importer passes an array of `nx` elements, as the standard demands.
     let into = unsafe { array_mut("x_nominal", x_nominal, nx) };
-    fill(c, Call::GetNominals, into, Instance::get_nominals)
+    fill::<L>(c, Call::GetNominals, into, L::Instance::get_nominals)
 }

@@ -5,24 +5,29 @@
 
 use std::ffi::c_void;
 
-use crate::kernel::{Call, Instance, State, Status};
+use crate::kernel::{Call, Served, Status};
 
 use super::arguments::{Wrong, array, array_mut, place};
 use super::guard::call_live;
-use super::handles::{Live, STATES};
+use super::handles::{Library, Live};
 use super::types::*;
 
 /// What to say of a handle that leads to no state.
 const NO_STATE: &str = "FMUstate is not a saved state; it was freed, or never given out";
 
 /// Gives a state a handle that its instance remembers.
-fn keep(live: &mut Live, state: Box<State>, call: Call, into: &mut fmi2FMUstate) -> Status {
-    let Some(handle) = STATES.insert(state) else {
+fn keep<L: Library>(
+    live: &mut Live<L::Instance>,
+    state: Box<<L::Instance as Served>::State>,
+    call: Call,
+    into: &mut fmi2FMUstate,
+) -> Status {
+    let Some(handle) = L::shelf().states.insert(state) else {
         return live.instance.refuse(call, "there are too many saved states");
     };
     // Handles freed through another instance are forgotten when the list would have to grow.
     if live.states.len() == live.states.capacity() {
-        live.states.retain(|old| STATES.lives(std::ptr::without_provenance_mut(*old)));
+        live.states.retain(|old| L::shelf().states.lives(std::ptr::without_provenance_mut(*old)));
     }
     live.states.push(handle.addr());
     *into = handle;
@@ -30,21 +35,25 @@ fn keep(live: &mut Live, state: Box<State>, call: Call, into: &mut fmi2FMUstate)
 }
 
 /// Runs `work` on a saved state.
-fn with_state(
-    instance: &mut Instance,
+fn with_state<L: Library>(
+    instance: &mut L::Instance,
     call: Call,
     handle: *mut c_void,
-    work: impl FnOnce(&mut Instance, &mut State) -> Status,
+    work: impl FnOnce(&mut L::Instance, &mut <L::Instance as Served>::State) -> Status,
 ) -> Status {
-    STATES
+    L::shelf()
+        .states
         .with(handle, |state| work(instance, state))
         .unwrap_or_else(|_| instance.refuse(call, NO_STATE))
 }
 
 /// `fmi2GetFMUstate`: a new state if `*FMUstate` is NULL, else that one is overwritten.
-pub unsafe fn fmi2GetFMUstate(c: fmi2Component, FMUstate: *mut fmi2FMUstate) -> fmi2Status {
+pub unsafe fn fmi2GetFMUstate<L: Library>(
+    c: fmi2Component,
+    FMUstate: *mut fmi2FMUstate,
+) -> fmi2Status {
     let this = Call::GetFmuState;
-    call_live(c, this, |live| {
+    call_live::<L>(c, this, |live| {
         // SAFETY: the importer passes one handle to fill, as the standard demands.
         let handle = match unsafe { place("FMUstate", FMUstate) } {
             Ok(handle) => handle,
@@ -52,28 +61,31 @@ pub unsafe fn fmi2GetFMUstate(c: fmi2Component, FMUstate: *mut fmi2FMUstate) -> 
         };
         if !handle.is_null() {
             let instance = &mut live.instance;
-            return with_state(instance, this, *handle, |me, state| me.get_state_again(state));
+            return with_state::<L>(instance, this, *handle, |me, state| me.get_state_again(state));
         }
         let mut state = None;
         match (live.instance.get_state(&mut state), state) {
-            (Status::Ok, Some(state)) => keep(live, state, this, handle),
+            (Status::Ok, Some(state)) => keep::<L>(live, state, this, handle),
             (status, _) => status,
         }
     })
 }
 
 /// `fmi2SetFMUstate`
-pub unsafe fn fmi2SetFMUstate(c: fmi2Component, FMUstate: fmi2FMUstate) -> fmi2Status {
+pub unsafe fn fmi2SetFMUstate<L: Library>(c: fmi2Component, FMUstate: fmi2FMUstate) -> fmi2Status {
     let this = Call::SetFmuState;
-    call_live(c, this, |live| {
-        with_state(&mut live.instance, this, FMUstate, |me, state| me.set_state(state))
+    call_live::<L>(c, this, |live| {
+        with_state::<L>(&mut live.instance, this, FMUstate, |me, state| me.set_state(state))
     })
 }
 
 /// `fmi2FreeFMUstate`: NULL is ignored, and what was freed becomes NULL.
-pub unsafe fn fmi2FreeFMUstate(c: fmi2Component, FMUstate: *mut fmi2FMUstate) -> fmi2Status {
+pub unsafe fn fmi2FreeFMUstate<L: Library>(
+    c: fmi2Component,
+    FMUstate: *mut fmi2FMUstate,
+) -> fmi2Status {
     let this = Call::FreeFmuState;
-    call_live(c, this, |live| {
+    call_live::<L>(c, this, |live| {
         let status = live.instance.may(this);
         if status != Status::Ok || FMUstate.is_null() {
             return status;
@@ -84,7 +96,7 @@ pub unsafe fn fmi2FreeFMUstate(c: fmi2Component, FMUstate: *mut fmi2FMUstate) ->
             Ok(handle) => handle,
             Err(wrong) => return live.instance.refuse(this, &wrong),
         };
-        if STATES.remove(*handle).is_err() {
+        if L::shelf().states.remove(*handle).is_err() {
             return live.instance.refuse(this, NO_STATE);
         }
         let freed = handle.addr();
@@ -95,16 +107,16 @@ pub unsafe fn fmi2FreeFMUstate(c: fmi2Component, FMUstate: *mut fmi2FMUstate) ->
 }
 
 /// `fmi2SerializedFMUstateSize`
-pub unsafe fn fmi2SerializedFMUstateSize(
+pub unsafe fn fmi2SerializedFMUstateSize<L: Library>(
     c: fmi2Component,
     FMUstate: fmi2FMUstate,
     size: *mut usize,
 ) -> fmi2Status {
     let this = Call::SerializedFmuStateSize;
-    call_live(c, this, |live| {
+    call_live::<L>(c, this, |live| {
         // SAFETY: the importer passes one size to fill, as the standard demands.
         match unsafe { place("size", size) } {
-            Ok(size) => with_state(&mut live.instance, this, FMUstate, |me, state| {
+            Ok(size) => with_state::<L>(&mut live.instance, this, FMUstate, |me, state| {
                 me.serialized_size(state, size)
             }),
             Err(wrong) => live.instance.refuse(this, &wrong),
@@ -113,17 +125,17 @@ pub unsafe fn fmi2SerializedFMUstateSize(
 }
 
 /// `fmi2SerializeFMUstate`
-pub unsafe fn fmi2SerializeFMUstate(
+pub unsafe fn fmi2SerializeFMUstate<L: Library>(
     c: fmi2Component,
     FMUstate: fmi2FMUstate,
     serializedState: *mut fmi2Byte,
     size: usize,
 ) -> fmi2Status {
     let this = Call::SerializeFmuState;
-    call_live(c, this, |live| {
+    call_live::<L>(c, this, |live| {
         // SAFETY: the importer passes `size` bytes to fill, as the standard demands.
         match unsafe { array_mut("serializedState", serializedState.cast::<u8>(), size) } {
-            Ok(bytes) => with_state(&mut live.instance, this, FMUstate, |me, state| {
+            Ok(bytes) => with_state::<L>(&mut live.instance, this, FMUstate, |me, state| {
                 me.serialize_state(state, bytes)
             }),
             Err(wrong) => live.instance.refuse(this, &wrong),
@@ -132,14 +144,14 @@ pub unsafe fn fmi2SerializeFMUstate(
 }
 
 /// `fmi2DeSerializeFMUstate`: always a new state.
-pub unsafe fn fmi2DeSerializeFMUstate(
+pub unsafe fn fmi2DeSerializeFMUstate<L: Library>(
     c: fmi2Component,
     serializedState: *const fmi2Byte,
     size: usize,
     FMUstate: *mut fmi2FMUstate,
 ) -> fmi2Status {
     let this = Call::DeSerializeFmuState;
-    call_live(c, this, |live| {
+    call_live::<L>(c, this, |live| {
         // SAFETY: the importer passes `size` bytes and one handle to fill, as the standard demands.
         let arguments: Result<_, Wrong> = unsafe {
             array("serializedState", serializedState.cast::<u8>(), size)
@@ -151,7 +163,7 @@ pub unsafe fn fmi2DeSerializeFMUstate(
         };
         let mut state = None;
         match (live.instance.deserialize_state(bytes, &mut state), state) {
-            (Status::Ok, Some(state)) => keep(live, state, this, handle),
+            (Status::Ok, Some(state)) => keep::<L>(live, state, this, handle),
             (status, _) => status,
         }
     })

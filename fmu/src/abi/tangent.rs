@@ -1,13 +1,14 @@
 //! Directional derivatives (FMI 2.0.4, section 2.1.9).
 
-use crate::kernel::Call;
+use crate::kernel::{Call, Served};
 
 use super::arguments::{array, array_mut, plain_array, plain_array_mut};
 use super::guard::call;
+use super::handles::Library;
 use super::types::*;
 
 /// `fmi2GetDirectionalDerivative`
-pub unsafe fn fmi2GetDirectionalDerivative(
+pub unsafe fn fmi2GetDirectionalDerivative<L: Library>(
     c: fmi2Component,
     vUnknown_ref: *const fmi2ValueReference,
     nUnknown: usize,
@@ -16,7 +17,7 @@ pub unsafe fn fmi2GetDirectionalDerivative(
     dvKnown: *const fmi2Real,
     dvUnknown: *mut fmi2Real,
 ) -> fmi2Status {
-    call(c, Call::GetDirectionalDerivative, |instance| {
+    call::<L>(c, Call::GetDirectionalDerivative, |instance| {
         // SAFETY: the importer passes arrays of these lengths, as the standard demands.
         let plain = unsafe {
             (

@@ -2,10 +2,11 @@
 
 use std::ffi::CString;
 
-use crate::kernel::Call;
+use crate::kernel::{Call, Served};
 
 use super::arguments::{array, array_mut, plain_array, plain_array_mut, text};
 use super::guard::{call, done_simply};
+use super::handles::Library;
 use super::types::*;
 
 /// Both arrays of a get or set function, or the refusal.
@@ -23,55 +24,55 @@ macro_rules! arrays {
 
 /// `fmi2GetReal`
 #[inline]
-pub unsafe fn fmi2GetReal(
+pub unsafe fn fmi2GetReal<L: Library>(
     c: fmi2Component,
     vr: *const fmi2ValueReference,
     nvr: usize,
     value: *mut fmi2Real,
 ) -> fmi2Status {
-    let simply = done_simply(c, |instance| {
+    let simply = done_simply::<L>(c, |instance| {
         // SAFETY: the importer passes arrays of `nvr` elements, as the standard demands, and
         // leaves them alone during the call.
         let (references, values) = unsafe { (plain_array(vr, nvr)?, plain_array_mut(value, nvr)?) };
         instance.get_fresh(references, values)
     });
-    if simply { fmi2Status::Ok } else { get_real(c, vr, nvr, value) }
+    if simply { fmi2Status::Ok } else { get_real::<L>(c, vr, nvr, value) }
 }
 
 #[inline(never)]
-fn get_real(
+fn get_real<L: Library>(
     c: fmi2Component,
     vr: *const fmi2ValueReference,
     nvr: usize,
     value: *mut fmi2Real,
 ) -> fmi2Status {
-    call(c, Call::GetReal, |instance| {
+    call::<L>(c, Call::GetReal, |instance| {
         let (references, values) = arrays!(instance, Call::GetReal, vr, value, nvr, array_mut);
         instance.get_real(references, values)
     })
 }
 
 /// `fmi2GetInteger`
-pub unsafe fn fmi2GetInteger(
+pub unsafe fn fmi2GetInteger<L: Library>(
     c: fmi2Component,
     vr: *const fmi2ValueReference,
     nvr: usize,
     value: *mut fmi2Integer,
 ) -> fmi2Status {
-    call(c, Call::GetInteger, |instance| {
+    call::<L>(c, Call::GetInteger, |instance| {
         let (references, values) = arrays!(instance, Call::GetInteger, vr, value, nvr, array_mut);
         instance.get_integer(references, values)
     })
 }
 
 /// `fmi2GetBoolean`
-pub unsafe fn fmi2GetBoolean(
+pub unsafe fn fmi2GetBoolean<L: Library>(
     c: fmi2Component,
     vr: *const fmi2ValueReference,
     nvr: usize,
     value: *mut fmi2Boolean,
 ) -> fmi2Status {
-    call(c, Call::GetBoolean, |instance| {
+    call::<L>(c, Call::GetBoolean, |instance| {
         let (references, values) = arrays!(instance, Call::GetBoolean, vr, value, nvr, array_mut);
         instance.get_boolean(references, |index, truth| {
             if let Some(place) = values.get_mut(index) {
@@ -82,13 +83,13 @@ pub unsafe fn fmi2GetBoolean(
 }
 
 /// `fmi2GetString`; the texts stay valid until the next call on this instance.
-pub unsafe fn fmi2GetString(
+pub unsafe fn fmi2GetString<L: Library>(
     c: fmi2Component,
     vr: *const fmi2ValueReference,
     nvr: usize,
     value: *mut fmi2String,
 ) -> fmi2Status {
-    call(c, Call::GetString, |instance| {
+    call::<L>(c, Call::GetString, |instance| {
         let (references, values) = arrays!(instance, Call::GetString, vr, value, nvr, array_mut);
         instance.get_string(references, |index, text| {
             if let Some(place) = values.get_mut(index) {
@@ -100,54 +101,54 @@ pub unsafe fn fmi2GetString(
 
 /// `fmi2SetReal`
 #[inline]
-pub unsafe fn fmi2SetReal(
+pub unsafe fn fmi2SetReal<L: Library>(
     c: fmi2Component,
     vr: *const fmi2ValueReference,
     nvr: usize,
     value: *const fmi2Real,
 ) -> fmi2Status {
-    let simply = done_simply(c, |instance| {
+    let simply = done_simply::<L>(c, |instance| {
         // SAFETY: as in `fmi2GetReal`.
         let (references, values) = unsafe { (plain_array(vr, nvr)?, plain_array(value, nvr)?) };
         instance.set_inputs(references, values)
     });
-    if simply { fmi2Status::Ok } else { set_real(c, vr, nvr, value) }
+    if simply { fmi2Status::Ok } else { set_real::<L>(c, vr, nvr, value) }
 }
 
 #[inline(never)]
-fn set_real(
+fn set_real<L: Library>(
     c: fmi2Component,
     vr: *const fmi2ValueReference,
     nvr: usize,
     value: *const fmi2Real,
 ) -> fmi2Status {
-    call(c, Call::SetReal, |instance| {
+    call::<L>(c, Call::SetReal, |instance| {
         let (references, values) = arrays!(instance, Call::SetReal, vr, value, nvr, array);
         instance.set_real(references, values)
     })
 }
 
 /// `fmi2SetInteger`
-pub unsafe fn fmi2SetInteger(
+pub unsafe fn fmi2SetInteger<L: Library>(
     c: fmi2Component,
     vr: *const fmi2ValueReference,
     nvr: usize,
     value: *const fmi2Integer,
 ) -> fmi2Status {
-    call(c, Call::SetInteger, |instance| {
+    call::<L>(c, Call::SetInteger, |instance| {
         let (references, values) = arrays!(instance, Call::SetInteger, vr, value, nvr, array);
         instance.set_integer(references, values)
     })
 }
 
 /// `fmi2SetBoolean`
-pub unsafe fn fmi2SetBoolean(
+pub unsafe fn fmi2SetBoolean<L: Library>(
     c: fmi2Component,
     vr: *const fmi2ValueReference,
     nvr: usize,
     value: *const fmi2Boolean,
 ) -> fmi2Status {
-    call(c, Call::SetBoolean, |instance| {
+    call::<L>(c, Call::SetBoolean, |instance| {
         let (references, values) = arrays!(instance, Call::SetBoolean, vr, value, nvr, array);
         let truths: Vec<bool> = values.iter().map(|value| *value != FMI2_FALSE).collect();
         instance.set_boolean(references, &truths)
@@ -155,13 +156,13 @@ pub unsafe fn fmi2SetBoolean(
 }
 
 /// `fmi2SetString`
-pub unsafe fn fmi2SetString(
+pub unsafe fn fmi2SetString<L: Library>(
     c: fmi2Component,
     vr: *const fmi2ValueReference,
     nvr: usize,
     value: *const fmi2String,
 ) -> fmi2Status {
-    call(c, Call::SetString, |instance| {
+    call::<L>(c, Call::SetString, |instance| {
         let (references, values) = arrays!(instance, Call::SetString, vr, value, nvr, array);
         // SAFETY: the importer passes texts that end with a NUL, as the standard demands.
         let texts = values.iter().map(|value| unsafe { text(*value) });

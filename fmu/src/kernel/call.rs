@@ -139,7 +139,8 @@ impl Phase {
     }
 
     /// The state in words, for log lines.
-    pub(crate) const fn words(self) -> &'static str {
+    #[must_use]
+    pub const fn words(self) -> &'static str {
         match self {
             Self::Instantiated => "after instantiation",
             Self::Initialization => "in initialization mode",

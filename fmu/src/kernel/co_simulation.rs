@@ -1,22 +1,12 @@
 //! Co-simulation: communication steps.
 
 use super::call::{Call, Phase};
-use super::instance::{Instance, Interface, LATEST_S};
+use super::clock::check_step;
+use super::instance::{Instance, Interface};
 use super::model::{Cause, Halt};
 use super::signal::{Course, ORDERS};
 use super::status::{Status, Trouble};
 use super::table::Kind;
-
-/// Two times are the same if no more than this many ulp apart …
-const SAME_ULP: f64 = 16.0;
-/// … or this many seconds, the resolution of time events.
-const SAME_S: f64 = 1e-9;
-
-/// Whether two times are the same but for rounding.
-#[inline]
-fn same_time(a: f64, b: f64) -> bool {
-    (a - b).abs() <= SAME_S.max(SAME_ULP * f64::EPSILON * a.abs().max(b.abs()))
-}
 
 impl Instance {
     /// `fmi2DoStep`: advances from `t` by `h` seconds.
@@ -29,7 +19,7 @@ impl Instance {
     }
 
     fn step(&mut self, t: f64, h: f64) -> Result<(), Trouble> {
-        self.check_step(t, h)?;
+        check_step(t, h, self.run.time_s, self.run.stop_s)?;
         let slopes = (self.slopes.course == Course::Ahead).then_some(&self.slopes);
         let fresh = !self.run.stale.outputs;
         let events = match self.model.step(t, h, slopes, fresh, &mut self.values) {
@@ -77,35 +67,6 @@ impl Instance {
             Cause::Accuracy { error, tolerance } => discard(format!(
                 "the error of the shortest step is {error:e} times the tolerance of {tolerance:e}"
             )),
-        }
-    }
-
-    fn check_step(&self, t: f64, h: f64) -> Result<(), Trouble> {
-        if !(h >= 0.0 && h.is_finite()) {
-            return Err(Trouble::error(format_args!(
-                "communicationStepSize = {h} s; it must not be negative and must be finite"
-            )));
-        }
-        if !same_time(t, self.run.time_s) {
-            return Err(Trouble::error(format_args!(
-                "currentCommunicationPoint = {t} s, but this instance is at {} s; steps must join",
-                self.run.time_s
-            )));
-        }
-        if t + h > LATEST_S {
-            return Err(Trouble::error(format_args!(
-                "communicationStepSize = {h} s leads beyond {LATEST_S:e} s"
-            )));
-        }
-        match self.run.stop_s {
-            Some(stop) if t + h > stop && !same_time(t + h, stop) => {
-                Err(Trouble::error(format_args!(
-                    "a step to {} s goes past the stop time of {stop} s given in \
-                     fmi2SetupExperiment",
-                    t + h
-                )))
-            }
-            _ => Ok(()),
         }
     }
 
@@ -161,15 +122,6 @@ impl Instance {
         self.call(Call::GetBooleanStatus, |_| {
             *into = false;
             Ok(())
-        })
-    }
-
-    /// Any other status kind: it would tell of a pending step, and there never is one.
-    pub fn no_status(&mut self, call: Call, kind: i32) -> Status {
-        self.call(call, |_| {
-            Err(Trouble::discard(format_args!(
-                "status kind {kind} is not available: steps are never pending"
-            )))
         })
     }
 

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use crate::author::Time;
 
 use super::call::{Call, Phase};
+use super::clock::check_experiment;
 use super::log::{Log, Sink};
 use super::model::Model;
 use super::signal::Slopes;
@@ -28,9 +29,6 @@ pub enum Interface {
     /// The instance integrates.
     CoSimulation,
 }
-
-/// Latest start time: nanoseconds in 64 bits reach 292 years.
-pub(super) const LATEST_S: f64 = 9e9;
 
 /// What has to be computed again before it can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -152,21 +150,7 @@ impl Instance {
         stop_s: Option<f64>,
     ) -> Status {
         self.call(Call::SetupExperiment, |me| {
-            if let Some(bad) = tolerance.filter(|tolerance| !(0.0..=1.0).contains(tolerance)) {
-                return Err(Trouble::error(format_args!(
-                    "tolerance = {bad} is not within 0 and 1"
-                )));
-            }
-            if !(-LATEST_S..=LATEST_S).contains(&start_s) {
-                return Err(Trouble::error(format_args!(
-                    "startTime = {start_s} s is not within -{LATEST_S:e} s and {LATEST_S:e} s"
-                )));
-            }
-            if let Some(stop) = stop_s.filter(|stop| stop.is_nan() || *stop < start_s) {
-                return Err(Trouble::error(format_args!(
-                    "stopTime = {stop} s is before startTime = {start_s} s"
-                )));
-            }
+            check_experiment(tolerance, start_s, stop_s)?;
             me.set_clock(start_s);
             me.run.stop_s = stop_s;
             if me.run.tolerance != tolerance {
@@ -228,28 +212,7 @@ impl Instance {
     /// Marks the instance as corrupt after a panic in `call`.
     pub fn poison(&mut self, call: Call, reason: &str) -> Status {
         self.run.phase = Phase::Fatal;
-        self.log.failure(
-            Status::Fatal,
-            &format!("{}: panicked: {reason}; free the instance", call.name()),
-        );
-        Status::Fatal
-    }
-
-    /// Refuses a function that is declared as not supported.
-    pub fn unsupported(&mut self, call: Call, flag: &str) -> Status {
-        self.call(call, |_| {
-            Err(Trouble::error(format_args!("not supported, as modelDescription.xml says: {flag}")))
-        })
-    }
-
-    /// Whether a function may be called now; a line in the log if not.
-    pub fn may(&mut self, call: Call) -> Status {
-        self.call(call, |_| Ok(()))
-    }
-
-    /// Refuses a call for a reason its arguments gave away.
-    pub fn refuse(&mut self, call: Call, reason: &str) -> Status {
-        self.call(call, |_| Err(Trouble::error(reason)))
+        self.log.panicked(call, reason)
     }
 
     /// The frame of every function: legality, work, one line on failure.
@@ -260,31 +223,12 @@ impl Instance {
         work: impl FnOnce(&mut Self) -> Result<(), Trouble>,
     ) -> Status {
         if !(self.run.phase.allows(call) && call.belongs_to(self.interface)) {
-            return self.out_of_order(call);
+            return self.log.out_of_order(call, self.run.phase, self.interface);
         }
         match work(self) {
             Ok(()) => Status::Ok,
-            Err(trouble) => self.failed(call, &trouble),
+            Err(trouble) => self.log.failed(call, &trouble),
         }
-    }
-
-    #[cold]
-    fn out_of_order(&mut self, call: Call) -> Status {
-        let status = if self.run.phase == Phase::Fatal { Status::Fatal } else { Status::Error };
-        let words = match self.interface {
-            _ if call.belongs_to(self.interface) => self.run.phase.words(),
-            Interface::ModelExchange => "in model exchange",
-            Interface::CoSimulation => "in co-simulation",
-        };
-        let text = format!("{}: not allowed {words}", call.name());
-        self.log.failure(status, &text);
-        status
-    }
-
-    #[cold]
-    fn failed(&mut self, call: Call, trouble: &Trouble) -> Status {
-        self.log.failure(trouble.status, &format!("{}: {}", call.name(), trouble.text));
-        trouble.status
     }
 
     pub(super) fn set_clock(&mut self, time_s: f64) {

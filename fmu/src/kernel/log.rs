@@ -2,7 +2,9 @@
 //! request. Failures are always told, since a status without a reason helps nobody; `loggingOn`
 //! and the categories choose among the debug messages, as the standard has it.
 
-use super::status::Status;
+use super::call::{Call, Phase};
+use super::instance::Interface;
+use super::status::{Status, Trouble};
 
 /// The categories of messages, by the names the standard recommends (FMI 2.0.4, section 2.2.4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,30 +68,65 @@ pub trait Sink: Send {
 }
 
 /// The log of one instance.
-pub(crate) struct Log {
+pub struct Log {
     sink: Box<dyn Sink>,
     events: bool,
 }
 
 impl Log {
-    pub(crate) fn new(sink: Box<dyn Sink>, logging_on: bool) -> Self {
+    /// One that ends in `sink`; `logging_on` asks for debug messages.
+    #[must_use]
+    pub fn new(sink: Box<dyn Sink>, logging_on: bool) -> Self {
         Self { sink, events: logging_on }
     }
 
     /// Tells of a call that failed.
-    pub(crate) fn failure(&self, status: Status, text: &str) {
+    #[cold]
+    pub fn failed(&self, call: Call, trouble: &Trouble) -> Status {
+        self.failure(trouble.status, &format!("{}: {}", call.name(), trouble.text))
+    }
+
+    /// Tells of a call that is not legal where the instance is.
+    #[cold]
+    pub fn out_of_order(&self, call: Call, phase: Phase, interface: Interface) -> Status {
+        let status = if phase == Phase::Fatal { Status::Fatal } else { Status::Error };
+        let words = match interface {
+            _ if call.belongs_to(interface) => phase.words(),
+            Interface::ModelExchange => "in model exchange",
+            Interface::CoSimulation => "in co-simulation",
+        };
+        self.failure(status, &format!("{}: not allowed {words}", call.name()))
+    }
+
+    /// Tells of a call that panicked.
+    #[cold]
+    pub fn panicked(&self, call: Call, reason: &str) -> Status {
+        let text = format!("{}: panicked: {reason}; free the instance", call.name());
+        self.failure(Status::Fatal, &text)
+    }
+
+    fn failure(&self, status: Status, text: &str) -> Status {
+        self.sink.write(status, Category::of(status), text);
+        status
+    }
+
+    /// Passes on what somebody else has to say.
+    pub fn pass_on(&self, status: Status, text: &str) {
         self.sink.write(status, Category::of(status), text);
     }
 
     /// Tells of an event, if someone asked; `text` is only made then.
-    pub(crate) fn event(&self, text: impl FnOnce() -> String) {
+    pub fn event(&self, text: impl FnOnce() -> String) {
         if self.events {
             self.sink.write(Status::Ok, Category::Events, &text());
         }
     }
 
     /// Chooses the debug messages; no categories means all. An unknown name is an error.
-    pub(crate) fn choose(&mut self, on: bool, categories: &[&str]) -> Result<(), String> {
+    ///
+    /// # Errors
+    /// The unknown name and those there are.
+    pub fn choose(&mut self, on: bool, categories: &[&str]) -> Result<(), String> {
         let known = |name: &str| Category::ALL.iter().any(|category| category.name() == name);
         if let Some(unknown) = categories.iter().find(|name| !known(name)) {
             let names: Vec<_> = Category::ALL.iter().map(|category| category.name()).collect();

@@ -4,18 +4,22 @@
 //! |---|---|
 //! | `table`, `unit`, `values` | the variables of a component and the arrays they live in |
 //! | `call`, `status`, `log` | legal calls per state, return status, one line per failure |
+//! | `clock`, `envelope` | times as importers give them, saved states as bytes |
 //! | `model`, `adapter`, `parameters` | the seam to the mathematics, and components behind it |
 //! | `stepper`, `integrator`, `signal` | co-simulation: from event to event, between them, inputs |
 //! | `instance`, `access`, `co_simulation`, `model_exchange`, `state`, `tangent` | the functions of FMI 2.0 |
+//! | `served` | what the C interface serves: such an instance, or something else |
 //! | `registry`, `description`, `documentation`, `xml`, `dependencies`, `factors`, `perturbation` | components of a library, what they say of themselves |
 
 mod access;
 mod adapter;
 mod call;
+mod clock;
 mod co_simulation;
 mod dependencies;
 mod description;
 mod documentation;
+mod envelope;
 mod factors;
 mod instance;
 mod integrator;
@@ -25,6 +29,7 @@ mod model_exchange;
 mod parameters;
 mod perturbation;
 mod registry;
+mod served;
 mod shape;
 mod signal;
 mod state;
@@ -37,14 +42,17 @@ mod values;
 mod xml;
 
 pub use call::{Call, Phase};
+pub use clock::{check_experiment, check_step};
+pub use envelope::{seal, unseal};
 pub use instance::{Instance, Interface};
 pub use integrator::{Integrator, IntegratorMethod};
-pub use log::{Category, Sink};
+pub use log::{Category, Log, Sink};
 pub use model::{Cause, Events, Halt, Memory, Model};
 pub use model_exchange::EventOutcome;
 pub use registry::{Entry, Registry};
+pub use served::{Request, Served};
 pub use signal::Slopes;
 pub use state::State;
-pub use status::Status;
+pub use status::{Status, Trouble};
 pub use table::{Group, Layout, Table, TableError, Variable};
 pub use values::{Explicit, Values};

@@ -13,6 +13,7 @@ use super::documentation;
 use super::instance::{Instance, Interface};
 use super::log::Sink;
 use super::model::Model;
+use super::served::Request;
 use super::table::{Table, TableError};
 
 /// One component of a library.
@@ -142,6 +143,15 @@ impl Registry {
     /// The components in the order of the export.
     pub fn entries(&self) -> impl Iterator<Item = &Entry> {
         self.entries.iter()
+    }
+
+    /// A new instance of the component that the request's GUID chooses.
+    ///
+    /// # Errors
+    /// There is no such component, or it does not offer the interface.
+    pub fn serve(&self, request: Request<'_>) -> Result<Instance, String> {
+        let Request { interface, guid, resources, sink, logging_on, .. } = request;
+        self.by_guid(guid)?.instantiate(interface, resources, sink, logging_on)
     }
 
     /// The component called `name`.

@@ -6,27 +6,20 @@
 //! own (its edition), so in the usual case saving and restoring are a few copies without
 //! allocation.
 //!
-//! As bytes: magic and version, length, the state in Postcard's format, SHA-256 of all before.
-//! The state names the GUID of its component, so that other components' states are refused, and the
+//! As bytes it is in Postcard's format within an envelope (`envelope.rs`). The state names the GUID of its component, so that other components' states are refused, and the
 //! shape of its memory (`shape.rs`), so that those of other versions are.
 
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use super::call::{Call, Phase};
+use super::envelope::{seal, unseal};
 use super::instance::{Instance, Interface, Run, new_edition};
 use super::model::Memory;
 use super::signal::Slopes;
 use super::status::{Status, Trouble};
 use super::values::{Explicit, Values, all_finite};
-
-/// What serialized states begin with; the digit is the version of the format.
-const MAGIC: &[u8; 8] = b"fmu-kit2";
-/// Length of the magic and of the number of bytes that follow it.
-const HEAD: usize = 16;
-const CHECKSUM: usize = 32;
 
 /// A saved state of an instance.
 pub struct State {
@@ -209,12 +202,7 @@ impl Instance {
             slopes,
             memory: memory.map_err(Trouble::error)?,
         };
-        let mut body = postcard::to_stdvec(&packed).map_err(Trouble::error)?;
-        let mut bytes = MAGIC.to_vec();
-        bytes.extend((body.len() as u64).to_le_bytes());
-        bytes.append(&mut body);
-        bytes.extend(Sha256::digest(&bytes));
-        Ok(bytes)
+        Ok(seal(postcard::to_stdvec(&packed).map_err(Trouble::error)?))
     }
 
     /// `fmi2DeSerializeFMUstate`
@@ -229,7 +217,7 @@ impl Instance {
     }
 
     fn read_state(&self, bytes: &[u8]) -> Result<State, String> {
-        let packed: Packed<'_> = postcard::from_bytes(body(bytes)?)
+        let packed: Packed<'_> = postcard::from_bytes(unseal(bytes)?)
             .map_err(|cause| format!("cannot be read as a state: {cause}"))?;
         if packed.guid != &*self.guid {
             return Err(format!(
@@ -270,27 +258,4 @@ impl Instance {
             ..own
         })
     }
-}
-
-/// What is between head and checksum, if both are right.
-fn body(bytes: &[u8]) -> Result<&[u8], String> {
-    let Some((head, rest)) = bytes.split_at_checked(HEAD) else {
-        return Err("are too few for a state".to_owned());
-    };
-    let (magic, length) = head.split_at(MAGIC.len());
-    if magic != MAGIC {
-        return Err("are not a state of this version of fmu-kit".to_owned());
-    }
-    let length = length.iter().rev().fold(0, |n: u64, byte| n << 8 | u64::from(*byte));
-    let Some((body, checksum)) = rest.split_last_chunk::<CHECKSUM>() else {
-        return Err("are cut short".to_owned());
-    };
-    if body.len() as u64 != length {
-        return Err(format!("hold {} bytes of state, not {length}", body.len()));
-    }
-    let digest = Sha256::new().chain_update(head).chain_update(body).finalize();
-    if digest[..] != checksum[..] {
-        return Err("were altered: their checksum does not fit".to_owned());
-    }
-    Ok(body)
 }

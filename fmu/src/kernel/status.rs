@@ -20,17 +20,21 @@ pub enum Status {
 
 /// Why a call did not succeed: what the log line says and the call returns.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Trouble {
-    pub(crate) status: Status,
-    pub(crate) text: String,
+pub struct Trouble {
+    /// The status of the call.
+    pub status: Status,
+    /// What happened, why and what to do.
+    pub text: String,
 }
 
 impl Trouble {
-    pub(crate) fn error(text: impl Display) -> Self {
+    /// The simulation cannot go on.
+    pub fn error(text: impl Display) -> Self {
         Self { status: Status::Error, text: text.to_string() }
     }
 
-    pub(crate) fn discard(text: impl Display) -> Self {
+    /// Another step or value may do.
+    pub fn discard(text: impl Display) -> Self {
         Self { status: Status::Discard, text: text.to_string() }
     }
 }

@@ -2,10 +2,9 @@
 
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::ptr::{null, null_mut};
-use std::sync::LazyLock;
 
-use fmu_kit::abi::fmi2Instantiate;
 use fmu_kit::abi::types::*;
+use fmu_kit::abi::{Library, fmi2Instantiate};
 use fmu_kit::kernel::{Registry, Status};
 
 use crate::components::{REGISTRY, fmi2};
@@ -65,9 +64,6 @@ pub fn callbacks(lines: *mut Vec<Line>) -> fmi2CallbackFunctions {
 pub const ME: fmi2Type = 0;
 pub const CS: fmi2Type = 1;
 
-/// The components of a library.
-pub type Library = LazyLock<Registry>;
-
 /// An instance under test.
 pub struct Fmu {
     pub c: fmi2Component,
@@ -75,7 +71,7 @@ pub struct Fmu {
     #[expect(clippy::box_collection, reason = "the address of the Vec itself must not change")]
     lines: Box<Vec<Line>>,
     pub name: &'static str,
-    registry: &'static Library,
+    registry: &'static Registry,
 }
 
 impl Fmu {
@@ -95,17 +91,22 @@ impl Fmu {
         })
     }
 
-    /// An instance out of another library than that of the [`components`](crate::components).
-    pub fn of(registry: &'static Library, name: &'static str, interface: fmi2Type) -> Self {
+    /// An instance out of another library than that of the [`components`](crate::components), on
+    /// the same shelf.
+    pub fn of<L: Library>(
+        registry: &'static Registry,
+        name: &'static str,
+        interface: fmi2Type,
+    ) -> Self {
         let made = Self::made(registry, name, None, |guid, location, callbacks| unsafe {
             let name = c"under test".as_ptr();
-            fmi2Instantiate(registry, name, interface, guid, location, callbacks, 0, 0)
+            fmi2Instantiate::<L>(name, interface, guid, location, callbacks, 0, 0)
         });
         made.expect("instantiates")
     }
 
     fn made(
-        registry: &'static Library,
+        registry: &'static Registry,
         name: &'static str,
         location: Option<&str>,
         make: impl FnOnce(fmi2String, fmi2String, *const fmi2CallbackFunctions) -> fmi2Component,

@@ -5,13 +5,14 @@ use std::marker::PhantomData;
 use std::ptr::null_mut;
 use std::sync::LazyLock;
 
-use fmu_kit::kernel::{Entry, Registry, Status};
+use fmu_kit::abi::{Library, Shelf};
+use fmu_kit::kernel::{Entry, Instance, Registry, Request, Status};
 use fmu_kit::{Component, Fault, Info, NoStates, ParameterError, Resources, Time, Variables};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::components::fmi2;
-use crate::driver::{CS, Fmu, Library};
+use crate::components::{Components, fmi2};
+use crate::driver::{CS, Fmu};
 
 /// What a version remembers of a level.
 trait Memory: Clone + Default + Send + Serialize + DeserializeOwned + 'static {
@@ -87,14 +88,30 @@ fn library<M: Memory>() -> Registry {
     Registry::new("keepers", vec![Entry::of::<Keeper<M>>()])
 }
 
-static VERSIONS: [Library; 3] = [
+static VERSIONS: [LazyLock<Registry>; 3] = [
     LazyLock::new(library::<[f64; 2]>),
     LazyLock::new(library::<[f64; 3]>),
     LazyLock::new(library::<(f64, [u8; 8])>),
 ];
 
+/// One of these versions, with its instances where the functions under test look for them.
+struct Version<const N: usize>;
+
+impl<const N: usize> Library for Version<N> {
+    type Instance = Instance;
+
+    fn instantiate(request: Request<'_>) -> Result<Instance, String> {
+        VERSIONS[N].serve(request)
+    }
+
+    fn shelf() -> &'static Shelf<Instance> {
+        Components::shelf()
+    }
+}
+
 fn started(version: usize, level: f64) -> Fmu {
-    let mut fmu = Fmu::of(&VERSIONS[version], "Keeper", CS);
+    let make = [Fmu::of::<Version<0>>, Fmu::of::<Version<1>>, Fmu::of::<Version<2>>][version];
+    let mut fmu = make(&VERSIONS[version], "Keeper", CS);
     fmu.set("level", level);
     assert_eq!((fmu.setup(0.0), fmu.initialize()), (Status::Ok, Status::Ok));
     fmu

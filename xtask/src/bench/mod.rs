@@ -36,7 +36,7 @@ fn row(what: impl Into<String>, value: f64, unit: &'static str, bar: Bar) -> Row
 /// What to measure.
 #[derive(clap::Args)]
 pub(crate) struct Options {
-    /// Also libcosim and FMPy on the same chains, and memory over 10,000 runs
+    /// Also libcosim, FMPy and the FMU Manipulation Toolbox on the same chains, and memory over 10,000 runs
     #[arg(long)]
     third_party: bool,
     /// Only what distributed runs cost, beside raw TCP
@@ -70,8 +70,11 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     println!();
     functions::print()?;
     if !options.third_party {
-        return process::run(&mut bench("chain"));
+        process::run(&mut bench("chain"))?;
+        return process::run(&mut bench("exported"));
     }
-    process::run(bench("chain").env("COSIM_BENCH_PYTHON", python::TESTS.interpreter()?))?;
+    let python = python::TESTS.interpreter()?;
+    process::run(bench("chain").env("COSIM_BENCH_PYTHON", &python))?;
+    process::run(bench("exported").env("COSIM_BENCH_PYTHON", &python))?;
     process::run(&mut bench("runs"))
 }

@@ -88,6 +88,9 @@ fn build(linker: Linker, platforms: &[&'static Platform], output: &Path) -> Resu
         println!("{folder}: {} bytes, glibc {} or later", bytes.len(), library.glibc());
         libraries.push((folder, bytes));
     }
+    for platform in platforms {
+        serving(linker, platform)?;
+    }
     fs::create_dir_all(output)?;
     let licenses = contents::licenses()?;
     let mut packaged = Vec::new();
@@ -99,6 +102,24 @@ fn build(linker: Linker, platforms: &[&'static Platform], output: &Path) -> Resu
         packaged.push(path);
     }
     system(&packaged, output)
+}
+
+/// Builds the library of exported systems where `cosim export` finds it: under lib/cosim/ beside the
+/// folder of the program.
+fn serving(linker: Linker, platform: &Platform) -> Result<()> {
+    let name = "libcosim_system.so";
+    let bytes = compile::library(linker, platform, &["-p", "cosim-system"], name)?;
+    let library = Library::read(&bytes)?;
+    library.check(platform).context("the library of exported systems is not fit for an FMU")?;
+    if linker == Linker::Zig {
+        let unfit = "the library of exported systems is not fit for other machines";
+        library.check_portable().context(unfit)?;
+    }
+    let folder = paths::target().join("lib/cosim").join(platform.folder());
+    fs::create_dir_all(&folder)?;
+    fs::write(folder.join(name), &bytes)?;
+    println!("{}/{name}: {} bytes", folder.display(), bytes.len());
+    Ok(())
 }
 
 /// Writes the paper's system: the description with its FMUs beside it under resources/, in the

@@ -4,6 +4,7 @@ use std::ffi::{CString, c_char};
 
 use super::{Followed, Instance, State, followed};
 use crate::error::{Code, Error, Result};
+use crate::fmi::callbacks::text;
 use crate::fmi::{Kind, Value, Variable};
 
 const READABLE: &[State] =
@@ -126,6 +127,37 @@ impl Instance {
             }
         };
         result.map_err(|e| e.help(format!("the value was {} = {value}", variable.name)))
+    }
+
+    /// Reads one String variable.
+    pub fn get_string(&mut self, reference: u32) -> Result<String> {
+        self.check("fmi2GetString", READABLE, 1, 1)?;
+        let mut pointer: *const c_char = std::ptr::null();
+        let shown = |f: &Followed| f.names(&Kind::String, &[reference]);
+        self.get("fmi2GetString", shown, |f, c| {
+            // SAFETY: `c` is alive; one reference and room for one pointer.
+            unsafe { (f.get_string)(c, &reference, 1, &mut pointer) }
+        })?;
+        // SAFETY: the FMU gave NULL or a C string, which lives until the next call.
+        let value = unsafe { text(pointer) };
+        self.show(|_| format!("{value:?}"));
+        Ok(value)
+    }
+
+    /// Reads a variable of any type.
+    pub fn get_value(&mut self, variable: &Variable) -> Result<Value> {
+        let reference = [variable.value_reference];
+        let (mut real, mut integer) = ([0.0], [0]);
+        match variable.kind {
+            Kind::Real => self.get_real(&reference, &mut real).map(|()| Value::Real(real[0])),
+            Kind::Integer | Kind::Enumeration(_) => {
+                self.get_integer(&reference, &mut integer).map(|()| Value::Integer(integer[0]))
+            }
+            Kind::Boolean => {
+                self.get_boolean(&reference, &mut integer).map(|()| Value::Boolean(integer[0] != 0))
+            }
+            Kind::String => self.get_string(reference[0]).map(Value::String),
+        }
     }
 
     #[inline(always)]

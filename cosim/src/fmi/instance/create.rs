@@ -29,7 +29,7 @@ impl Instance {
                 .at(fmu.path())
                 .why("the FMU allows one instance per process, and there is one already"));
         }
-        let log = Arc::new(Log::new(logging.messages_of(name), name));
+        let log = Arc::new(Log::new(logging.messages_of(name), logging.mailbox.clone(), name));
         let callbacks = Box::new(Callbacks::new(&log));
         let followed = Followed::of(logging, name, fmu.description()).map(Box::new);
         let mut instance = Self {

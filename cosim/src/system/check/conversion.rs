@@ -151,6 +151,19 @@ pub(super) fn of_value(unit: Option<&RawUnit>, to: &Measured, stages: &[Stage]) 
     })
 }
 
+/// The way of an output to a connector of the outermost system.
+pub(super) fn outward(from: &Measured, stages: &[Stage]) -> Result<Way> {
+    let mut walk = Walk { linear: Linear::IDENTITY, unit: from.own(), undefined: None };
+    walk.to(from.listed(), false)?;
+    for stage in stages {
+        let target = stage.unit.as_ref().map(|unit| define(unit, from.units));
+        walk.to(target, stage.suppress_unit_conversion)?;
+        walk.transform(stage.transformation.as_ref());
+    }
+    let (conversion, undefined) = (walk.conversion(), walk.undefined);
+    Ok(Way { conversion, missing: None, undefined, converted: None })
+}
+
 /// What the mappings among the stages do to integers; `None`: there is none of them.
 pub(super) fn map(from: &Kind, to: &Kind, stages: &[Stage]) -> Result<Option<Vec<(i32, i32)>>> {
     let mut whole: Option<Vec<(i32, i32)>> = None;

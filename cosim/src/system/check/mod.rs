@@ -6,6 +6,7 @@ mod connections;
 mod conversion;
 mod lookup;
 mod parameters;
+mod ports;
 mod timing;
 mod told;
 
@@ -46,6 +47,7 @@ pub(super) fn check(
     let mut findings = Findings { problems, warnings, notes };
     let opened = components::open(&raw, overrides, &mut findings);
     let connections = connections::check(&raw, &opened, &mut findings);
+    let ports = ports::check(&raw, &opened, &mut findings);
     let names = Names::of(&opened);
     let start_values = parameters::check(&raw, overrides, &opened, &names, &mut findings);
     let timing = timing::check(&raw, overrides, &opened, &mut findings);
@@ -78,6 +80,7 @@ pub(super) fn check(
         order: Order::new(algorithm, &components, &connections),
         components,
         connections,
+        ports,
         linear: Vec::new(),
         step_control: overrides.step_control,
         retries: overrides.retries,

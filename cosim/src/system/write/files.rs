@@ -51,6 +51,11 @@ impl Files {
         self.sources.get(&component).map_or("", String::as_str)
     }
 
+    /// The files with new names.
+    pub(super) fn into_copies(self) -> Vec<(String, PathBuf)> {
+        self.copies.into_iter().collect()
+    }
+
     /// The new name of a file: plain characters, and no two files of one name.
     fn add(&mut self, path: &Path, folder: &str) -> String {
         if let Some((name, _)) = self.copies.iter().find(|(_, file)| *file == path) {

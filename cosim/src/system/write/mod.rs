@@ -18,8 +18,10 @@ use std::path::{Path, PathBuf};
 use super::{Model, System};
 use crate::error::{Code, Error, Result};
 use files::Files;
+pub(crate) use ssd::base_step;
+pub(crate) use xml::{Xml, number};
 
-use super::read::OSP_FILE;
+use super::read::{OSP_FILE, SSD_FILE};
 
 /// How a system is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -92,6 +94,19 @@ impl System {
         files.copy(&parent(file))
     }
 
+    /// The system as a part of a package: its description, and the FMUs under their names in
+    /// `folder` beside it.
+    pub(crate) fn packed(&self, folder: &str) -> Result<Packed> {
+        let files = Files::packed(self, folder);
+        let sums = self.components.iter().any(|c| matches!(c.model, Model::Function(_)));
+        // SSP has no word for sums.
+        let (name, text) = match sums {
+            true => (OSP_FILE, osp::text(self, &files, &mut Vec::new())?),
+            false => (SSD_FILE, ssd::text(self, &files)?),
+        };
+        Ok(Packed { name, text, fmus: files.into_copies() })
+    }
+
     /// The folders of the archives that the system came in.
     fn archives(&self) -> impl Iterator<Item = &Path> {
         self.raw.iter().flat_map(|raw| raw._unpacked.iter().map(|folder| folder.path()))
@@ -104,6 +119,15 @@ impl System {
             _ => None,
         })
     }
+}
+
+/// A system in a package.
+pub(crate) struct Packed {
+    /// Of the description's file.
+    pub name: &'static str,
+    pub text: String,
+    /// Names relative to the description, and the files they are made of.
+    pub fmus: Vec<(String, PathBuf)>,
 }
 
 fn parent(path: &Path) -> PathBuf {

@@ -224,7 +224,7 @@ fn annotation(xml: &mut Xml, kind: &str, inside: impl FnOnce(&mut Xml)) {
 }
 
 /// The common base of all steps.
-pub(super) fn base_step(system: &System) -> Time {
+pub(crate) fn base_step(system: &System) -> Time {
     let steps = system.components().iter().map(|c| c.step);
     steps.reduce(Time::gcd).unwrap_or(system.output_interval)
 }

@@ -1,44 +1,44 @@
 //! XML as text, indented, one element a line.
 
 /// A document being written.
-pub(super) struct Xml {
+pub(crate) struct Xml {
     text: String,
     open: Vec<&'static str>,
 }
 
 impl Xml {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned();
         Self { text, open: Vec::new() }
     }
 
     /// `<name attributes>`, until [`Xml::end`].
-    pub(super) fn start(&mut self, name: &'static str, attributes: &[(&str, &str)]) {
+    pub(crate) fn start(&mut self, name: &'static str, attributes: &[(&str, &str)]) {
         self.tag(name, attributes, ">\n");
         self.open.push(name);
     }
 
     /// `<name attributes/>`.
-    pub(super) fn empty(&mut self, name: &'static str, attributes: &[(&str, &str)]) {
+    pub(crate) fn empty(&mut self, name: &'static str, attributes: &[(&str, &str)]) {
         self.tag(name, attributes, "/>\n");
     }
 
     /// `<name>text</name>`.
-    pub(super) fn text(&mut self, name: &'static str, text: &str) {
+    pub(crate) fn text(&mut self, name: &'static str, text: &str) {
         self.tag(name, &[], ">");
         self.escaped(text);
         self.text.push_str(&format!("</{name}>\n"));
     }
 
     /// Closes the element opened last.
-    pub(super) fn end(&mut self) {
+    pub(crate) fn end(&mut self) {
         if let Some(name) = self.open.pop() {
             self.indent();
             self.text.push_str(&format!("</{name}>\n"));
         }
     }
 
-    pub(super) fn finish(mut self) -> String {
+    pub(crate) fn finish(mut self) -> String {
         while !self.open.is_empty() {
             self.end();
         }
@@ -80,6 +80,6 @@ impl Xml {
 }
 
 /// A number that is read as exactly the same.
-pub(super) fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     format!("{value:?}")
 }

@@ -58,6 +58,7 @@ pub(super) fn read(
     let recorded = reader.log_config(&mut master);
     let name = file.parent().and_then(|p| p.file_name()).filter(|_| reader.base.folder.is_some());
     Ok(RawSystem {
+        ports: Vec::new(),
         file: file.to_owned(),
         name: name.map_or("system".to_owned(), |n| n.to_string_lossy().into_owned()),
         components: reader.components,

@@ -9,7 +9,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::error::{Code, Error};
 use crate::names;
-use crate::system::raw::{Place, RawComponent, RawConnection, RawConnector, RawParameter, Stage};
+use crate::system::raw::{
+    Place, RawComponent, RawConnection, RawConnector, RawEnd, RawParameter, RawPort, Stage,
+};
 
 use super::super::gathered::Gathered;
 use super::join;
@@ -55,6 +57,7 @@ pub(super) struct End {
 pub(super) struct Flat {
     pub components: Vec<RawComponent>,
     pub connections: Vec<RawConnection>,
+    pub ports: Vec<RawPort>,
     pub parameters: Vec<RawParameter>,
 }
 
@@ -94,7 +97,8 @@ pub(super) fn flatten(nested: Nested, gathered: &mut Gathered) -> Flat {
         connections.extend(gathered.take(trace(wire, to, &directed, &drivers)).flatten());
     }
     let parameters = parameters(&nested, &directed, gathered);
-    Flat { components: nested.components, connections, parameters }
+    let ports = outermost(&nested, &directed, &drivers, gathered);
+    Flat { components: nested.components, connections, ports, parameters }
 }
 
 struct Roles<'a> {
@@ -263,6 +267,29 @@ fn parameters(
                 parameter.place, parameter.name
             ));
         }
+    }
+    found
+}
+
+/// The connectors of the outermost system with what they lead to.
+fn outermost(
+    nested: &Nested,
+    directed: &[Directed],
+    drivers: &BTreeMap<&Port, &Directed>,
+    gathered: &mut Gathered,
+) -> Vec<RawPort> {
+    let mut found = Vec::new();
+    for (port, connector) in nested.ports.iter().filter(|((system, _), _)| system.is_empty()) {
+        let mut ends = Vec::new();
+        follow(port, directed, &mut Vec::new(), &mut |target, stages| {
+            ends.push(RawEnd { name: target.clone(), stages: stages.to_vec() });
+        });
+        let inward = !ends.is_empty();
+        if let (false, Some(last)) = (inward, drivers.get(port)) {
+            let source = gathered.take(trace(last, port, directed, drivers)).flatten();
+            ends.extend(source.map(|s| RawEnd { name: s.from, stages: s.stages }));
+        }
+        found.push(RawPort { connector: connector.clone(), ends, inward });
     }
     found
 }

@@ -74,6 +74,7 @@ pub(super) fn read(
         name: system.get("name").or(root.get("name")).unwrap_or("system").to_owned(),
         components: flat.components,
         connections: flat.connections,
+        ports: flat.ports,
         parameters: flat.parameters,
         experiment,
         start,

@@ -1,0 +1,58 @@
+//! `cosim export`: a system as one FMU.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use cosim::export::Export as Exporter;
+use cosim::{Result, System};
+
+use super::changes::Changes;
+use super::messages;
+
+/// Write a whole system as one FMU for co-simulation, with its FMUs and the master inside
+#[derive(Args)]
+pub(crate) struct Export {
+    /// A .ssd, .ssp or OspSystemStructure.xml file, or the folder of the last
+    system: PathBuf,
+    /// The FMU that is written; one that is there is replaced
+    #[arg(long, short, value_name = "FILE.fmu")]
+    output: PathBuf,
+    /// Show this variable and only those named so; * and ? make a pattern (repeatable; default:
+    /// all outputs, all parameters, and as inputs those that nothing drives)
+    #[arg(long, value_name = "NAME")]
+    expose: Vec<String>,
+    /// Do not show this variable; * and ? make a pattern (repeatable)
+    #[arg(long, value_name = "NAME")]
+    hide: Vec<String>,
+    /// Name of the model (default: the system's)
+    #[arg(long, value_name = "NAME")]
+    name: Option<String>,
+    /// The library that runs the system in the FMU, one for each platform (repeatable; default:
+    /// $COSIM_SYSTEM_LIBRARY, or libcosim_system.so beside this program or in ../lib/cosim)
+    #[arg(long, value_name = "FILE.so")]
+    library: Vec<PathBuf>,
+    #[command(flatten)]
+    changes: Changes,
+    /// No messages but errors
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+impl Export {
+    pub(crate) fn run(self) -> Result<()> {
+        let system = System::load(&self.system, &self.changes.overrides())?;
+        messages::findings(&system, self.quiet);
+        let mut exporter = self.expose.iter().fold(Exporter::new(), Exporter::expose);
+        exporter = self.hide.iter().fold(exporter, Exporter::hide);
+        exporter = self.library.iter().fold(exporter, Exporter::library);
+        if let Some(name) = &self.name {
+            exporter = exporter.name(name);
+        }
+        let notes = exporter.write(&system, &self.output)?;
+        if !self.quiet {
+            notes.iter().for_each(|text| messages::note(text));
+            messages::tell(&format!("written: {}", self.output.display()));
+        }
+        Ok(())
+    }
+}

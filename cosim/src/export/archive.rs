@@ -1,0 +1,87 @@
+//! The file of an exported FMU: with fixed times and permissions, so that the same content gives
+//! the same bytes, and under its name only when it is whole.
+
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use zip::result::ZipError;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
+
+use crate::digest::sha256;
+use crate::error::{Code, Error, Result};
+
+/// Place in the archive, with `/` between the parts, and content.
+pub(super) type Entry = (String, Content);
+
+/// What an entry holds.
+pub(super) struct Content {
+    what: What,
+    digest: String,
+}
+
+enum What {
+    Bytes(Vec<u8>),
+    /// An FMU, which is compressed already.
+    File(PathBuf),
+}
+
+impl Content {
+    pub(super) fn bytes(bytes: impl Into<Vec<u8>>) -> Self {
+        let bytes = bytes.into();
+        Self { digest: sha256(&bytes), what: What::Bytes(bytes) }
+    }
+
+    pub(super) fn file(path: PathBuf) -> Result<Self> {
+        let bytes = fs::read(&path)
+            .map_err(|e| Error::new(Code::File, "the FMU cannot be read").at(&path).why(e))?;
+        Ok(Self { digest: sha256(bytes), what: What::File(path) })
+    }
+
+    pub(super) fn digest(&self) -> &str {
+        &self.digest
+    }
+}
+
+/// Writes the archive.
+pub(super) fn write(path: &Path, entries: &[Entry]) -> Result<()> {
+    let unwritten = |e: &dyn std::fmt::Display| {
+        Error::new(Code::Output, "the FMU cannot be written").at(path).why(e)
+    };
+    let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    fs::create_dir_all(folder).map_err(|e| unwritten(&e))?;
+    let mut unfinished = tempfile::Builder::new();
+    let unfinished = unfinished.prefix(".cosim-export-").suffix(".part");
+    let unfinished = unfinished.tempfile_in(folder).map_err(|e| unwritten(&e))?;
+    pack(unfinished.as_file(), entries).map_err(|e| unwritten(&e))?;
+    readable(unfinished.as_file()).map_err(|e| unwritten(&e))?;
+    unfinished.persist(path).map_err(|e| unwritten(&e.error))?;
+    Ok(())
+}
+
+fn pack(file: &File, entries: &[Entry]) -> Result<(), ZipError> {
+    let mut zip = ZipWriter::new(file);
+    let options = SimpleFileOptions::default()
+        .last_modified_time(DateTime::default())
+        .unix_permissions(0o644);
+    for (name, content) in entries {
+        let method = match content.what {
+            What::Bytes(_) => CompressionMethod::Deflated,
+            What::File(_) => CompressionMethod::Stored,
+        };
+        zip.start_file(name.as_str(), options.compression_method(method))?;
+        match &content.what {
+            What::Bytes(bytes) => zip.write_all(bytes)?,
+            What::File(path) => drop(std::io::copy(&mut File::open(path)?, &mut zip)?),
+        }
+    }
+    zip.finish()?;
+    Ok(())
+}
+
+/// A temporary file is its owner's alone; an FMU is as readable as others.
+fn readable(file: &File) -> std::io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    file.set_permissions(fs::Permissions::from_mode(0o644))
+}

@@ -1,0 +1,103 @@
+//! The library that serves an exported system, for one platform or for several.
+
+use std::env;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::interface::MARK;
+use crate::error::{Code, Error, Result};
+use crate::fmi::elf;
+use crate::system::System;
+
+/// Names the library, or several with `:` between.
+const VARIABLE: &str = "COSIM_SYSTEM_LIBRARY";
+/// Its file as Cargo names it.
+const NAME: &str = "libcosim_system.so";
+
+/// The library for one platform.
+pub(super) struct Library {
+    /// Folder under binaries/.
+    pub folder: &'static str,
+    pub bytes: Vec<u8>,
+    pub path: PathBuf,
+}
+
+/// Reads the named libraries, or the one that is found.
+pub(super) fn find(named: &[PathBuf]) -> Result<Vec<Library>> {
+    let paths = match named {
+        [] => vec![search()?],
+        named => named.to_vec(),
+    };
+    let mut libraries: Vec<Library> = Vec::new();
+    for path in paths.iter().flat_map(|path| env::split_paths(path).collect::<Vec<_>>()) {
+        let library = read(&path)?;
+        if let Some(first) = libraries.iter().find(|other| other.folder == library.folder) {
+            let what = format!("two libraries are for {}", library.folder);
+            return Err(Error::new(Code::Usage, what)
+                .at(&library.path)
+                .why(format!("the other is {}", first.path.display()))
+                .help("name one library for each platform"));
+        }
+        libraries.push(library);
+    }
+    libraries.sort_by_key(|library| library.folder);
+    Ok(libraries)
+}
+
+/// Of the environment, beside this program, or where packages put it.
+fn search() -> Result<PathBuf> {
+    if let Some(named) = env::var_os(VARIABLE).filter(|named| !named.is_empty()) {
+        return Ok(named.into());
+    }
+    let program = env::current_exe().and_then(|program| program.canonicalize()).ok();
+    let folder = program.as_deref().and_then(Path::parent).unwrap_or(Path::new("."));
+    let shared = folder.join("../lib/cosim");
+    let own = elf::here().map(|platform| shared.join(platform).join(NAME));
+    let places = [folder.join(NAME), shared.join(NAME)].into_iter().chain(own);
+    let places: Vec<PathBuf> = places.collect();
+    if let Some(found) = places.iter().find(|place| place.is_file()) {
+        return Ok(found.clone());
+    }
+    let places: Vec<String> = places.iter().map(|place| place.display().to_string()).collect();
+    Err(Error::new(Code::Library, "the library of exported systems is not here")
+        .why(format!("there is none of {}", places.join(", ")))
+        .help(format!("name it by --library or {VARIABLE}; cargo build --release makes it")))
+}
+
+fn read(path: &Path) -> Result<Library> {
+    let wrong = |why: String| {
+        Error::new(Code::Library, "this is no library of exported systems").at(path).why(why)
+    };
+    let bytes = fs::read(path).map_err(|e| {
+        Error::new(Code::File, "the library of exported systems cannot be read").at(path).why(e)
+    })?;
+    let folder = elf::platform(&bytes).map_err(wrong)?;
+    if !bytes.windows(MARK.len()).any(|window| window == MARK.as_bytes()) {
+        return Err(wrong(format!("it does not say '{MARK}'"))
+            .help("take the library that was built together with this program"));
+    }
+    Ok(Library { folder, bytes, path: path.to_owned() })
+}
+
+/// Every FMU inside must have a binary for that platform; on this machine's it is loaded.
+pub(super) fn check(library: &Library, system: &System) -> Result<()> {
+    let mut problems = Vec::new();
+    for component in system.components() {
+        let Some(fmu) = component.fmu() else { continue };
+        if elf::is_here(library.folder) {
+            problems.extend(fmu.load(component.interface).err());
+            continue;
+        }
+        if !elf::folders(library.folder).iter().any(|folder| fmu.has_binaries(folder)) {
+            let name = &component.name;
+            let what = format!("'{name}' has no binary for {}", library.folder);
+            problems.push(
+                Error::new(Code::Library, what)
+                    .at(fmu.path())
+                    .why(format!("{} is for that platform", library.path.display()))
+                    .help("export its FMU for that platform, too, or leave the library out"),
+            );
+        }
+    }
+    Error::all(problems)
+}

@@ -1,0 +1,196 @@
+//! A whole system as one FMU for co-simulation (FMI 2.0).
+//!
+//! In its resources lie the system's description, as `System::write` makes it, its FMUs as they
+//! are, and what the value references mean; its library is one for all systems and runs them with
+//! the engine of this crate (`hosted`). What is written is checked before, and the same system
+//! gives the same bytes.
+//!
+//! | file | what |
+//! |---|---|
+//! | `choice` | which variables are shown |
+//! | `interface` | them as a list, for the library |
+//! | `description`, `definitions`, `feedthrough` | modelDescription.xml: variables, units and types, dependencies |
+//! | `library` | the binaries, and whether the FMUs inside have theirs |
+//! | `archive` | the file |
+
+mod archive;
+mod choice;
+mod definitions;
+mod description;
+mod feedthrough;
+pub(crate) mod interface;
+mod library;
+
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+
+use crate::error::{Code, Error, Result};
+use crate::fmi::Value;
+use crate::system::System;
+use archive::{Content, Entry};
+use choice::Chosen;
+use description::Description;
+pub use description::LOG_CATEGORIES;
+pub use interface::MARK;
+use interface::{Interface, Running};
+
+/// How a system becomes an FMU.
+///
+/// ```no_run
+/// use cosim::{Overrides, System, export::Export};
+///
+/// let system = System::load("vehicle.ssd", &Overrides::new())?;
+/// Export::new().hide("*.sigma.*").write(&system, "Vehicle.fmu")?;
+/// # Ok::<(), cosim::Error>(())
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct Export {
+    name: Option<String>,
+    expose: Vec<String>,
+    hide: Vec<String>,
+    libraries: Vec<PathBuf>,
+}
+
+impl Export {
+    /// All outputs, all parameters and the inputs that nothing drives, for this machine.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The name of the model; without one it is the system's.
+    #[must_use]
+    pub fn name(mut self, name: impl Into<String>) -> Self {
+        self.name = Some(name.into());
+        self
+    }
+
+    /// Shows this variable, or those that the pattern (`*`, `?`) matches, and only what is asked
+    /// for so. Inner inputs that are driven and local variables can be shown, too.
+    #[must_use]
+    pub fn expose(mut self, pattern: impl Into<String>) -> Self {
+        self.expose.push(pattern.into());
+        self
+    }
+
+    /// Does not show this variable, or those that the pattern matches.
+    #[must_use]
+    pub fn hide(mut self, pattern: impl Into<String>) -> Self {
+        self.hide.push(pattern.into());
+        self
+    }
+
+    /// The library that serves the system, one for each platform.
+    #[must_use]
+    pub fn library(mut self, path: impl Into<PathBuf>) -> Self {
+        self.libraries.push(path.into());
+        self
+    }
+
+    /// Writes the FMU, which replaces one that is there as a whole; gives what is good to know.
+    pub fn write(&self, system: &System, path: impl AsRef<Path>) -> Result<Vec<String>> {
+        let path = path.as_ref();
+        if !path.extension().is_some_and(|end| end.eq_ignore_ascii_case("fmu")) {
+            return Err(Error::new(Code::Usage, "the exported file is no .fmu")
+                .at(path)
+                .help("give it a name that ends with .fmu"));
+        }
+        let libraries = library::find(&self.libraries)?;
+        libraries.iter().try_for_each(|library| library::check(library, system))?;
+        let chosen = choice::choose(system, &self.expose, &self.hide)?;
+        let entries = self.entries(system, &chosen, libraries)?;
+        archive::write(path, &entries)?;
+        Ok(notes(system, &chosen))
+    }
+
+    fn entries(
+        &self,
+        system: &System,
+        chosen: &[Chosen],
+        libraries: Vec<library::Library>,
+    ) -> Result<Vec<Entry>> {
+        let model_name = self.name.as_deref().unwrap_or(system.name());
+        let identifier = identifier(model_name);
+        let description = Description { system, chosen, model_name, identifier: &identifier };
+        let packed = system.packed("fmus/")?;
+        let exposed = chosen.iter().map(|chosen| chosen.exposed.clone()).collect();
+        let mut interface = Interface::new(packed.name, running(system), exposed);
+        let inside = packed
+            .fmus
+            .iter()
+            .map(|(name, path)| Ok((format!("resources/{name}"), Content::file(path.clone())?)));
+        let inside = inside.collect::<Result<Vec<Entry>>>()?;
+        let guid = guid(&description.text("")?, &packed.text, &interface.bytes()?, &inside);
+        interface.guid.clone_from(&guid);
+        let text = description.text(&guid)?;
+        let mut entries = vec![("modelDescription.xml".to_owned(), Content::bytes(text))];
+        entries.extend(libraries.into_iter().map(|library| {
+            let name = format!("binaries/{}/{identifier}.so", library.folder);
+            (name, Content::bytes(library.bytes))
+        }));
+        entries.push((format!("resources/{}", packed.name), Content::bytes(packed.text)));
+        let list = Content::bytes(interface.bytes()?);
+        entries.push((format!("resources/{}", interface::FILE), list));
+        entries.extend(inside);
+        Ok(entries)
+    }
+}
+
+/// How the system is run, as far as its description does not say it.
+fn running(system: &System) -> Running {
+    let linear = system.connections().iter().enumerate();
+    let linear = linear.filter(|(position, _)| system.is_linear(*position));
+    Running {
+        algorithm: system.algorithm().to_string(),
+        solver: system.solver(),
+        step_control: system.step_control(),
+        retries: system.retries(),
+        linear: linear.map(|(_, connection)| system.port_name(connection.to)).collect(),
+    }
+}
+
+/// SHA-256 of all that is inside in the customary form of a GUID.
+fn guid(description: &str, system: &str, interface: &[u8], inside: &[Entry]) -> String {
+    let mut hash = Sha256::new();
+    let files = inside.iter().map(|(_, content)| content.digest().as_bytes());
+    let parts = [description.as_bytes(), system.as_bytes(), interface].into_iter().chain(files);
+    for part in parts {
+        hash.update((part.len() as u64).to_le_bytes());
+        hash.update(part);
+    }
+    let digits: String = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    let (a, b, c, d, e) =
+        (&digits[..8], &digits[8..12], &digits[12..16], &digits[16..20], &digits[20..32]);
+    format!("{{{a}-{b}-{c}-{d}-{e}}}")
+}
+
+/// A name as an identifier of C, which names the library's file.
+fn identifier(name: &str) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+    let name: String = name.chars().map(plain).collect();
+    match name.starts_with(|c: char| c.is_ascii_alphabetic()) {
+        true => name,
+        false => format!("system_{name}"),
+    }
+}
+
+/// What does not come along.
+fn notes(system: &System, chosen: &[Chosen]) -> Vec<String> {
+    let mut notes = Vec::new();
+    for component in system.components() {
+        let texts = component.start_values.iter().filter_map(|(variable, value)| match value {
+            Value::String(text) => Some((component.model.variable_name(*variable), text)),
+            _ => None,
+        });
+        for (name, text) in texts.filter(|(_, text)| Path::new(text).is_absolute()) {
+            notes.push(format!(
+                "'{}.{name}' names {text}, which stays where it is: the FMU needs it there",
+                component.name
+            ));
+        }
+    }
+    let count = |role| chosen.iter().filter(|chosen| chosen.exposed.role == role).count();
+    let inputs = count(interface::Role::Input);
+    notes.push(format!("{} variables are shown, {inputs} of them inputs", chosen.len()));
+    notes
+}

@@ -1,0 +1,325 @@
+//! A system that somebody else steps: what an exported FMU is behind its C interface.
+//!
+//! The host says when and how far, sets inputs and parameters, and reads. All steps that end in
+//! (t, t + h] are made, whatever h is; between their ends outputs hold. An input is passed on when
+//! the next steps are made, and only if it changed: so every step sees the inputs as they were set
+//! before the call that makes it, and an input that nobody touches costs nothing. No component
+//! stands for the inputs in the plan: a free input is driven by nothing else, so the connection
+//! would only repeat the value at every step.
+//!
+//! The FMUs inside are made when initialization begins, with all start values at once, as in a run
+//! of the system; nothing has to be undone to reset.
+
+mod state;
+mod table;
+
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::error::{Code, Error, Result};
+pub use crate::export::interface::Basic;
+use crate::export::interface::{FILE, Interface};
+use crate::fmi::{Logging, Mailbox, Message, Value};
+use crate::master::Engine;
+use crate::system::{Component, Input, Overrides, System};
+use crate::time::Time;
+pub use state::Kept;
+use table::{Known, Read, Table};
+
+/// A system and where it is.
+pub struct Hosted {
+    guid: String,
+    system: System,
+    table: Table,
+    /// Start values that the host gave, per component.
+    given: Vec<Vec<(usize, Value)>>,
+    mailbox: Arc<Mailbox>,
+    engine: Option<Engine>,
+    stage: Stage,
+    start: Time,
+    stop: Time,
+    time: Time,
+    /// Components whose variables that nobody else reads were not read since the last step.
+    unread: Vec<bool>,
+    /// What was set and not passed on yet.
+    pending: Vec<(Basic, u32)>,
+    /// Initialization: values have to be passed on until they come to rest.
+    unsettled: bool,
+}
+
+/// How far its life is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub(crate) enum Stage {
+    /// Start values are collected.
+    Before,
+    /// The components are in initialization mode.
+    Initializing,
+    /// Steps are made.
+    Running,
+}
+
+impl Hosted {
+    /// The system in the resources of an exported FMU; `debug`: its FMUs are asked for debug
+    /// messages.
+    pub fn open(resources: &Path, debug: bool) -> Result<Self> {
+        let file = resources.join(FILE);
+        let unread = |why: String| {
+            Error::new(Code::File, "the resources of the FMU cannot be read")
+                .at(&file)
+                .why(why)
+                .help("unpack the FMU again, or export it again")
+        };
+        let bytes = fs::read(&file).map_err(|e| unread(e.to_string()))?;
+        let interface = Interface::read(&bytes).map_err(unread)?;
+        let mailbox = Arc::new(Mailbox::default());
+        let logging = Logging { debug, mailbox: Some(mailbox.clone()), ..Logging::default() };
+        let overrides = overrides(&interface)?;
+        let system = System::load(resources.join(&interface.system), &overrides)?;
+        for component in system.components() {
+            component.fmu().map_or(Ok(()), |fmu| fmu.load(component.interface))?;
+        }
+        let (system, table) = Table::new(system.logging_to(logging), &interface)?;
+        let components = system.components().len();
+        Ok(Self {
+            guid: interface.guid,
+            table,
+            given: vec![Vec::new(); components],
+            mailbox,
+            engine: None,
+            stage: Stage::Before,
+            start: Time::ZERO,
+            stop: Time::NEVER,
+            time: Time::ZERO,
+            unread: vec![true; components],
+            pending: Vec::new(),
+            unsettled: false,
+            system,
+        })
+    }
+
+    /// The identity of the FMU.
+    pub fn guid(&self) -> &str {
+        &self.guid
+    }
+
+    /// What the FMUs inside said since this was asked last.
+    #[inline]
+    pub fn messages(&self) -> Vec<Message> {
+        self.mailbox.take()
+    }
+
+    /// Asks the FMUs for debug messages, or not, from the next initialization on.
+    pub fn debug(&mut self, on: bool) {
+        self.system.debug(on);
+    }
+
+    /// Back to the beginning: nothing is given.
+    pub fn reset(&mut self) {
+        self.engine = None;
+        self.stage = Stage::Before;
+        self.table.reset();
+        self.given.iter_mut().for_each(Vec::clear);
+        self.pending.clear();
+    }
+
+    /// Makes the components and enters initialization mode.
+    pub fn enter(&mut self, start: Time, stop: Time) -> Result<()> {
+        // An FMU that may be there once is gone before it comes again.
+        self.engine = None;
+        (self.start, self.stop, self.time) = (start, stop, start);
+        let given = |(component, given): (&Component, &Vec<(usize, Value)>)| {
+            let start_values = [&component.start_values[..], given].concat();
+            Component { start_values, ..component.clone() }
+        };
+        let components: Vec<Component> =
+            self.system.components().iter().zip(&self.given).map(given).collect();
+        let mut engine = self.system.engine_of(&components, start)?;
+        engine.enter(stop)?;
+        self.engine = Some(engine);
+        (self.stage, self.unsettled) = (Stage::Initializing, true);
+        self.pending.clear();
+        self.unread.fill(true);
+        Ok(())
+    }
+
+    /// Leaves initialization mode; gives what was odd.
+    pub fn exit(&mut self) -> Result<Vec<String>> {
+        self.settle()?;
+        let mut odd = Vec::new();
+        if let Some(engine) = &mut self.engine {
+            engine.exit()?;
+            engine.begin()?;
+            odd = engine.take_warnings();
+        }
+        self.stage = Stage::Running;
+        self.unread.fill(true);
+        Ok(odd)
+    }
+
+    /// Makes every step that ends at or before `end`.
+    pub fn advance(&mut self, end: Time) -> Result<()> {
+        self.pass_on()?;
+        if let Some(engine) = &mut self.engine {
+            engine.run_until(end)?;
+        }
+        self.time = end;
+        self.unread.fill(true);
+        Ok(())
+    }
+
+    /// Reals that are at hand while steps are made; `None` if some are not.
+    #[inline]
+    pub fn at_hand(&self, references: &[u32], into: &mut [f64]) -> Option<()> {
+        let engine = self.engine.as_ref().filter(|_| self.stage == Stage::Running)?;
+        for (reference, place) in references.iter().zip(into) {
+            *place = *engine.values.get(self.table.slot(*reference)?)?;
+        }
+        Some(())
+    }
+
+    /// A number: a Real, an Integer, a Boolean as 0 or 1.
+    #[inline]
+    pub fn number(&mut self, basic: Basic, reference: u32) -> Result<f64> {
+        if self.stage == Stage::Initializing {
+            self.settle()?;
+        }
+        let Self { table, engine, unread, time, .. } = self;
+        let known = table.known(basic, reference)?;
+        let Some(engine) = engine else {
+            return Ok(number_of(&known.value));
+        };
+        match known.read {
+            Read::Slot(slot) => Ok(known.outward(engine.values[slot])),
+            Read::Recorded(slot, component) => {
+                if unread[component] {
+                    engine.read_of(component, *time)?;
+                    unread[component] = false;
+                }
+                Ok(known.outward(engine.values[slot]))
+            }
+            Read::Asked => {
+                let port = known.ends[0].port;
+                Ok(number_of(&engine.slaves[port.component].look(port.variable)?))
+            }
+            Read::Own => Ok(number_of(&known.value)),
+        }
+    }
+
+    /// A String.
+    pub fn text(&mut self, reference: u32) -> Result<String> {
+        if self.stage == Stage::Initializing {
+            self.settle()?;
+        }
+        let known = self.table.known(Basic::String, reference)?;
+        let value = match (&mut self.engine, known.read) {
+            (Some(engine), Read::Asked) => {
+                let port = known.ends[0].port;
+                engine.slaves[port.component].look(port.variable)?
+            }
+            _ => known.value.clone(),
+        };
+        match value {
+            Value::String(text) => Ok(text),
+            other => Ok(other.to_string()),
+        }
+    }
+
+    /// Whether the variable can be set now, or why not.
+    pub fn settable(&self, basic: Basic, reference: u32) -> Result<()> {
+        self.table.known(basic, reference)?.settable(self.stage)
+    }
+
+    /// Sets a variable that is [`Hosted::settable`] to a value of its type.
+    pub fn set(&mut self, basic: Basic, reference: u32, value: Value) -> Result<()> {
+        let known = self.table.known_mut(basic, reference)?;
+        if self.stage == Stage::Running {
+            if !same(&known.value, &value) {
+                known.value = value;
+                self.pending.push((basic, reference));
+            }
+            return Ok(());
+        }
+        known.value = value;
+        for end in &known.ends {
+            let value = end.inward(&known.value)?;
+            let given = &mut self.given[end.port.component];
+            given.retain(|(variable, _)| *variable != end.port.variable);
+            given.push((end.port.variable, value));
+        }
+        if self.stage == Stage::Initializing {
+            self.pending.push((basic, reference));
+        }
+        Ok(())
+    }
+
+    /// Initialization: brings all values to rest, if something was set since.
+    fn settle(&mut self) -> Result<()> {
+        if !self.unsettled && self.pending.is_empty() {
+            return Ok(());
+        }
+        self.pass_on()?;
+        if let Some(engine) = &mut self.engine {
+            engine.settle()?;
+        }
+        self.unsettled = false;
+        self.unread.fill(true);
+        Ok(())
+    }
+
+    /// Gives the components what was set.
+    #[inline]
+    fn pass_on(&mut self) -> Result<()> {
+        if self.pending.is_empty() { Ok(()) } else { self.pass_all_on() }
+    }
+
+    fn pass_all_on(&mut self) -> Result<()> {
+        let Some(engine) = &mut self.engine else {
+            return Ok(());
+        };
+        for (basic, reference) in std::mem::take(&mut self.pending) {
+            let known: &Known = self.table.known(basic, reference)?;
+            for end in &known.ends {
+                let slave = &mut engine.slaves[end.port.component];
+                slave.came_to(self.time);
+                slave.give(end.port.variable, &end.inward(&known.value)?)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What the description of the system does not say of its run.
+fn overrides(interface: &Interface) -> Result<Overrides> {
+    let running = &interface.running;
+    let algorithm = running.algorithm.parse();
+    let algorithm = algorithm.map_err(|why: String| Error::new(Code::File, why))?;
+    let mut overrides = Overrides::new()
+        .execution_tools(true)
+        .algorithm(algorithm)
+        .solver(running.solver.method)
+        .tolerance(running.solver.tolerance)
+        .retries(running.retries);
+    if let Some(tolerance) = running.step_control {
+        overrides = overrides.step_control(tolerance);
+    }
+    let linear = running.linear.iter();
+    Ok(linear.fold(overrides, |overrides, name| overrides.input(name, Input::Linear)))
+}
+
+fn number_of(value: &Value) -> f64 {
+    match value {
+        Value::Real(value) => *value,
+        Value::Integer(value) => f64::from(*value),
+        Value::Boolean(value) => f64::from(u8::from(*value)),
+        Value::String(_) => 0.0,
+    }
+}
+
+/// Whether two values are the same in every bit.
+fn same(a: &Value, b: &Value) -> bool {
+    match (a, b) {
+        (Value::Real(a), Value::Real(b)) => a.to_bits() == b.to_bits(),
+        _ => a == b,
+    }
+}

@@ -1,0 +1,107 @@
+//! The state of a hosted system: everything to go on from, in this process or in another.
+//!
+//! Before steps are made it is what the host gave, and initialization is done over again; after
+//! that the components' own states come along as bytes.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Basic, Hosted, Stage};
+use crate::error::{Code, Error, Result};
+use crate::fmi::Value;
+use crate::master::EngineState;
+use crate::time::Time;
+
+/// A state.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Kept {
+    stage: Stage,
+    start: Time,
+    stop: Time,
+    time: Time,
+    given: Vec<Vec<(usize, Value)>>,
+    values: Vec<Value>,
+    pending: Vec<(Basic, u32)>,
+    engine: Option<EngineState>,
+}
+
+impl Hosted {
+    /// The present state.
+    pub fn save(&mut self) -> Result<Kept> {
+        let engine = match (&mut self.engine, self.stage) {
+            (Some(engine), Stage::Running) => {
+                engine.come_to(self.time);
+                Some(engine.save()?)
+            }
+            _ => None,
+        };
+        Ok(Kept {
+            stage: self.stage,
+            start: self.start,
+            stop: self.stop,
+            time: self.time,
+            given: self.given.clone(),
+            values: self.table.values(),
+            pending: self.pending.clone(),
+            engine,
+        })
+    }
+
+    /// Goes on from a state of this system.
+    pub fn restore(&mut self, kept: &Kept) -> Result<()> {
+        self.check(kept)?;
+        // Components that went on well take on their states; else they are made anew.
+        let alike = self.stage == Stage::Running
+            && (self.start, self.stop) == (kept.start, kept.stop)
+            && self.given == kept.given;
+        self.table.take(&kept.values);
+        self.given.clone_from(&kept.given);
+        if !(alike && self.take_on(kept).is_ok()) {
+            self.rebuild(kept)?;
+        }
+        self.pending.clone_from(&kept.pending);
+        self.time = kept.time;
+        self.unread.fill(true);
+        Ok(())
+    }
+
+    fn rebuild(&mut self, kept: &Kept) -> Result<()> {
+        if kept.stage == Stage::Before {
+            self.engine = None;
+            self.stage = Stage::Before;
+            return Ok(());
+        }
+        self.enter(kept.start, kept.stop)?;
+        if kept.stage == Stage::Running {
+            self.exit()?;
+            self.take_on(kept)?;
+        }
+        Ok(())
+    }
+
+    fn take_on(&mut self, kept: &Kept) -> Result<()> {
+        match (&mut self.engine, &kept.engine) {
+            (Some(engine), Some(state)) => engine.restore(state, kept.time),
+            _ => Err(self.strange()),
+        }
+    }
+
+    /// Whether the state is one of this system.
+    fn check(&self, kept: &Kept) -> Result<()> {
+        let variables = |component: usize| {
+            let model = &self.system.components()[component].model;
+            model.description().map_or(0, |d| d.variables.len())
+        };
+        let fits = kept.given.len() == self.given.len()
+            && kept.given.iter().enumerate().all(|(component, given)| {
+                given.iter().all(|(variable, _)| *variable < variables(component))
+            })
+            && kept.pending.iter().all(|&(basic, r)| self.table.known(basic, r).is_ok())
+            && self.table.fits(&kept.values)
+            && kept.engine.is_some() == (kept.stage == Stage::Running);
+        if fits { Ok(()) } else { Err(self.strange()) }
+    }
+
+    fn strange(&self) -> Error {
+        Error::new(Code::State, format!("the state is none of the system '{}'", self.system.name()))
+    }
+}

@@ -1,0 +1,222 @@
+//! The variables of a hosted system by their value references.
+
+use std::collections::BTreeMap;
+
+use super::{Stage, number_of};
+use crate::error::{Code, Error, Result};
+use crate::export::interface::{Basic, Exposed, Interface, Role};
+use crate::fmi::{Kind, Value};
+use crate::master::Plan;
+use crate::system::{Column, Conversion, Port, System};
+
+/// All variables, per type.
+pub(super) struct Table {
+    known: [Vec<Known>; Basic::ALL.len()],
+    /// Of each Real, where its value is among the engine's; [`ELSEWHERE`] if it is not so simple.
+    slots: Box<[u32]>,
+}
+
+const ELSEWHERE: u32 = u32::MAX;
+
+/// A variable.
+pub(super) struct Known {
+    pub name: String,
+    pub role: Role,
+    pub ends: Vec<Inner>,
+    pub read: Read,
+    /// What the host set it to last, or what it starts from.
+    pub value: Value,
+    start: Value,
+}
+
+/// A variable of a component.
+pub(super) struct Inner {
+    pub port: Port,
+    conversion: Option<Conversion>,
+}
+
+/// Where the value is read.
+#[derive(Clone, Copy)]
+pub(super) enum Read {
+    /// It is what the host set.
+    Own,
+    /// Among the engine's values.
+    Slot(usize),
+    /// The same, but it is read for the host alone, of this component.
+    Recorded(usize, usize),
+    /// At the component, whenever somebody wants to know.
+    Asked,
+}
+
+impl Known {
+    pub(super) fn settable(&self, stage: Stage) -> Result<()> {
+        let early = stage != Stage::Running;
+        let why = match self.role {
+            Role::Input | Role::Tunable => return Ok(()),
+            Role::Fixed | Role::Start if early => return Ok(()),
+            Role::Fixed => "it is fixed once initialization is over; reset to change it",
+            Role::Start | Role::Calculated => "it is calculated",
+        };
+        Err(Error::new(Code::Parameter, format!("{} cannot be set", self.name)).why(why))
+    }
+
+    /// A value of the system as the host sees it.
+    #[inline]
+    pub(super) fn outward(&self, value: f64) -> f64 {
+        match &self.ends[0].conversion {
+            None => value,
+            Some(conversion) => conversion.apply(value).unwrap_or(value),
+        }
+    }
+}
+
+impl Inner {
+    /// A value of the host as the component gets it.
+    pub(super) fn inward(&self, value: &Value) -> Result<Value> {
+        let Some(conversion) = &self.conversion else {
+            return Ok(value.clone());
+        };
+        let converted = conversion.apply(number_of(value)).ok_or_else(|| {
+            Error::new(Code::Connection, format!("a mapping of the system has no {value}"))
+        })?;
+        Ok(match value {
+            Value::Integer(_) => Value::Integer(converted as i32),
+            Value::Boolean(_) => Value::Boolean(converted != 0.0),
+            _ => Value::Real(converted),
+        })
+    }
+}
+
+impl Table {
+    /// The table of a system, and the system with what has to be read of it.
+    pub(super) fn new(system: System, interface: &Interface) -> Result<(System, Self)> {
+        let components: BTreeMap<&str, usize> =
+            system.components().iter().enumerate().map(|(p, c)| (c.name.as_str(), p)).collect();
+        let mut found = Vec::with_capacity(interface.variables.len());
+        for exposed in &interface.variables {
+            let ends = exposed.ends.iter().map(|end| {
+                let component = components.get(end.component.as_str()).copied();
+                let port = component.and_then(|component| {
+                    let model = &system.components()[component].model;
+                    let variable = model.description()?.position(&end.variable)?;
+                    Some(Port { component, variable })
+                });
+                let port = port.ok_or_else(|| strange(&end.component, &end.variable))?;
+                Ok(Inner { port, conversion: end.conversion.clone() })
+            });
+            let ends = ends.collect::<Result<Vec<Inner>>>()?;
+            if ends.is_empty() {
+                return Err(strange(&exposed.name, ""));
+            }
+            found.push((exposed, ends));
+        }
+        let columns = found.iter().filter(|(exposed, _)| is_column(exposed));
+        let columns = columns.map(|(exposed, ends)| {
+            let port = ends[0].port;
+            let description = system.components()[port.component].model.description();
+            let kind = description.map_or(Kind::Real, |d| d.variables[port.variable].kind.clone());
+            Column { name: exposed.name.clone(), port, kind }
+        });
+        let columns = columns.collect();
+        let system = system.recording(columns);
+        let plan = Plan::new(&system);
+        let mut table = Self { known: Default::default(), slots: Box::default() };
+        for (exposed, ends) in found {
+            let known = Known {
+                name: exposed.name.clone(),
+                role: exposed.role,
+                read: read(exposed, &ends, &plan),
+                ends,
+                value: exposed.start.clone(),
+                start: exposed.start.clone(),
+            };
+            table.known[exposed.basic as usize].push(known);
+        }
+        let slot = |known: &Known| match (known.read, &known.ends[0].conversion) {
+            (Read::Slot(slot), None) => u32::try_from(slot).unwrap_or(ELSEWHERE),
+            _ => ELSEWHERE,
+        };
+        table.slots = table.known[Basic::Real as usize].iter().map(slot).collect();
+        Ok((system, table))
+    }
+
+    /// The place of a Real among the engine's values, where it is always up to date.
+    #[inline]
+    pub(super) fn slot(&self, reference: u32) -> Option<usize> {
+        let slot = *self.slots.get(reference as usize)?;
+        (slot != ELSEWHERE).then_some(slot as usize)
+    }
+
+    pub(super) fn reset(&mut self) {
+        let all = self.known.iter_mut().flatten();
+        all.for_each(|known| known.value.clone_from(&known.start));
+    }
+
+    /// What the host sees of each variable, for a state.
+    pub(super) fn values(&self) -> Vec<Value> {
+        self.known.iter().flatten().map(|known| known.value.clone()).collect()
+    }
+
+    /// Whether the values of a state are as many and of the right types.
+    pub(super) fn fits(&self, values: &[Value]) -> bool {
+        let all = || self.known.iter().flatten();
+        let alike = |(known, value): (&Known, &Value)| {
+            std::mem::discriminant(&known.value) == std::mem::discriminant(value)
+        };
+        values.len() == all().count() && all().zip(values).all(alike)
+    }
+
+    /// Takes on the values of a state.
+    pub(super) fn take(&mut self, values: &[Value]) {
+        let all = self.known.iter_mut().flatten();
+        all.zip(values).for_each(|(known, value)| known.value.clone_from(value));
+    }
+
+    #[inline]
+    pub(super) fn known(&self, basic: Basic, reference: u32) -> Result<&Known> {
+        let list = &self.known[basic as usize];
+        list.get(reference as usize).ok_or_else(|| unknown(list.len(), basic, reference))
+    }
+
+    pub(super) fn known_mut(&mut self, basic: Basic, reference: u32) -> Result<&mut Known> {
+        let list = &mut self.known[basic as usize];
+        let count = list.len();
+        list.get_mut(reference as usize).ok_or_else(|| unknown(count, basic, reference))
+    }
+}
+
+fn is_column(exposed: &Exposed) -> bool {
+    matches!(exposed.role, Role::Start | Role::Calculated) && exposed.basic != Basic::String
+}
+
+fn read(exposed: &Exposed, ends: &[Inner], plan: &Plan) -> Read {
+    let port = ends[0].port;
+    match exposed.role {
+        Role::Input | Role::Tunable => Read::Own,
+        // In the host's unit it is known only here.
+        Role::Fixed if ends[0].conversion.is_some() => Read::Own,
+        Role::Fixed => Read::Asked,
+        _ => match plan.value_slot(port) {
+            None => Read::Asked,
+            Some(slot) if plan.nodes[port.component].recorded_slots.contains(&slot) => {
+                Read::Recorded(slot, port.component)
+            }
+            Some(slot) => Read::Slot(slot),
+        },
+    }
+}
+
+#[cold]
+fn unknown(count: usize, basic: Basic, reference: u32) -> Error {
+    let what = format!("no {basic:?} has value reference {reference}");
+    Error::new(Code::UnknownName, what).why(match count.checked_sub(1) {
+        Some(last) => format!("the last is {last}"),
+        None => "there are none".to_owned(),
+    })
+}
+
+fn strange(component: &str, variable: &str) -> Error {
+    Error::new(Code::File, "the parts of the FMU do not fit together")
+        .why(format!("its system has no variable '{variable}' of '{component}'"))
+        .help("export it again")
+}

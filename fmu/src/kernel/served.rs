@@ -1,0 +1,273 @@
+//! What the C interface serves: the functions of FMI 2.0 once their arguments are checked.
+//!
+//! A component of the kit is served as an [`Instance`]. A library that serves something else (a
+//! whole system of FMUs, a proxy of a remote one) implements this trait for it: it keeps a
+//! [`Phase`](super::Phase), which says what is legal when, and a [`Log`](super::Log) for the one
+//! line of each failure. Everything but co-simulation has a default that refuses.
+
+use std::ffi::{CStr, CString};
+
+use super::call::Call;
+use super::instance::{Instance, Interface};
+use super::log::Sink;
+use super::model_exchange::EventOutcome;
+use super::state::State;
+use super::status::{Status, Trouble};
+
+/// What `fmi2Instantiate` was asked for.
+pub struct Request<'a> {
+    /// The interface to serve.
+    pub interface: Interface,
+    /// Name of the instance.
+    pub name: &'a str,
+    /// The identity that description and library share.
+    pub guid: &'a str,
+    /// The FMU's folder of resources.
+    pub resources: crate::Resources,
+    /// The importer's logger.
+    pub sink: Box<dyn Sink>,
+    /// Whether debug messages are wanted.
+    pub logging_on: bool,
+}
+
+/// Declares functions whose default is a refusal.
+macro_rules! refused {
+    ($($(#[$doc:meta])* $name:ident($($argument:ident: $type:ty),*) = $call:ident, $flag:literal;)+) => {
+        $(
+            $(#[$doc])*
+            fn $name(&mut self, $($argument: $type),*) -> Status {
+                $(let _ = $argument;)*
+                self.unsupported(Call::$call, $flag)
+            }
+        )+
+    };
+}
+
+/// One instance of what a library serves.
+pub trait Served: Sized + Send + 'static {
+    /// A saved state.
+    type State: Send + 'static;
+
+    /// The frame of every function: whether it is legal now, its work, and on failure one line in
+    /// the log.
+    fn call(&mut self, call: Call, work: impl FnOnce(&mut Self) -> Result<(), Trouble>) -> Status;
+
+    /// Marks the instance as corrupt after a panic in `call`.
+    fn poison(&mut self, call: Call, reason: &str) -> Status;
+
+    /// Refuses a function that is declared as not supported.
+    fn unsupported(&mut self, call: Call, flag: &str) -> Status {
+        self.call(call, |_| {
+            Err(Trouble::error(format_args!("not supported, as modelDescription.xml says: {flag}")))
+        })
+    }
+
+    /// Whether a function may be called now; a line in the log if not.
+    fn may(&mut self, call: Call) -> Status {
+        self.call(call, |_| Ok(()))
+    }
+
+    /// Refuses a call for a reason its arguments gave away.
+    fn refuse(&mut self, call: Call, reason: &str) -> Status {
+        self.call(call, |_| Err(Trouble::error(reason)))
+    }
+
+    /// `fmi2SetDebugLogging`
+    fn set_debug_logging(&mut self, on: bool, categories: &[&str]) -> Status;
+
+    /// `fmi2SetupExperiment`
+    fn setup_experiment(
+        &mut self,
+        tolerance: Option<f64>,
+        start_s: f64,
+        stop_s: Option<f64>,
+    ) -> Status;
+
+    /// `fmi2EnterInitializationMode`
+    fn enter_initialization_mode(&mut self) -> Status;
+
+    /// `fmi2ExitInitializationMode`
+    fn exit_initialization_mode(&mut self) -> Status;
+
+    /// `fmi2Terminate`
+    fn terminate(&mut self) -> Status;
+
+    /// `fmi2Reset`
+    fn reset(&mut self) -> Status;
+
+    /// `fmi2GetReal` where that is only copying; `None` if it is not so simple. It must not panic.
+    #[inline]
+    fn get_fresh(&self, _references: &[u32], _into: &mut [f64]) -> Option<()> {
+        None
+    }
+
+    /// `fmi2SetReal` where that is only copying; `None` if it is not so simple. It must not panic.
+    #[inline]
+    fn set_inputs(&mut self, _references: &[u32], _values: &[f64]) -> Option<()> {
+        None
+    }
+
+    /// `fmi2GetReal`
+    fn get_real(&mut self, references: &[u32], into: &mut [f64]) -> Status;
+
+    /// `fmi2GetInteger`, enumerations included
+    fn get_integer(&mut self, references: &[u32], into: &mut [i32]) -> Status;
+
+    /// `fmi2GetBoolean`: hands each value to `give` with its index.
+    fn get_boolean(&mut self, references: &[u32], give: impl FnMut(usize, bool)) -> Status;
+
+    /// `fmi2GetString`: hands each text to `give` with its index; it stays where it is until the
+    /// next call.
+    fn get_string(&mut self, references: &[u32], give: impl FnMut(usize, &CStr)) -> Status;
+
+    /// `fmi2SetReal`
+    fn set_real(&mut self, references: &[u32], values: &[f64]) -> Status;
+
+    /// `fmi2SetInteger`, enumerations included
+    fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Status;
+
+    /// `fmi2SetBoolean`
+    fn set_boolean(&mut self, references: &[u32], values: &[bool]) -> Status;
+
+    /// `fmi2SetString`; `None` stands for NULL.
+    fn set_string(&mut self, references: &[u32], values: &[Option<CString>]) -> Status;
+
+    /// `fmi2GetFMUstate` into a new state.
+    fn get_state(&mut self, state: &mut Option<Box<Self::State>>) -> Status;
+
+    /// `fmi2GetFMUstate` into a state that is there already.
+    fn get_state_again(&mut self, state: &mut Self::State) -> Status;
+
+    /// `fmi2SetFMUstate`
+    fn set_state(&mut self, state: &Self::State) -> Status;
+
+    /// `fmi2SerializedFMUstateSize`
+    fn serialized_size(&mut self, state: &Self::State, size: &mut usize) -> Status;
+
+    /// `fmi2SerializeFMUstate`
+    fn serialize_state(&mut self, state: &Self::State, into: &mut [u8]) -> Status;
+
+    /// `fmi2DeSerializeFMUstate`
+    fn deserialize_state(&mut self, bytes: &[u8], state: &mut Option<Box<Self::State>>) -> Status;
+
+    /// `fmi2DoStep`
+    fn do_step(&mut self, t: f64, h: f64) -> Status;
+
+    /// `fmi2GetRealStatus` of `fmi2LastSuccessfulTime`
+    fn last_successful_time(&mut self, into: &mut f64) -> Status;
+
+    /// `fmi2GetBooleanStatus` of `fmi2Terminated`
+    fn wants_to_end(&mut self, into: &mut bool) -> Status;
+
+    /// Any other status kind: it would tell of a pending step, and there never is one.
+    fn no_status(&mut self, call: Call, kind: i32) -> Status {
+        self.call(call, |_| {
+            Err(Trouble::discard(format_args!(
+                "status kind {kind} is not available: steps are never pending"
+            )))
+        })
+    }
+
+    refused! {
+        /// `fmi2GetDirectionalDerivative`
+        directional_derivative(unknowns: &[u32], knowns: &[u32], along: &[f64], into: &mut [f64])
+            = GetDirectionalDerivative, "providesDirectionalDerivative = false";
+        /// `fmi2SetRealInputDerivatives`
+        set_input_derivatives(references: &[u32], orders: &[i32], values: &[f64])
+            = SetRealInputDerivatives, "canInterpolateInputs = false";
+        /// `fmi2GetRealOutputDerivatives`
+        output_derivatives(references: &[u32], orders: &[i32], into: &mut [f64])
+            = GetRealOutputDerivatives, "maxOutputDerivativeOrder = 0";
+        /// `fmi2EnterEventMode`
+        enter_event_mode() = EnterEventMode, "no ModelExchange";
+        /// `fmi2NewDiscreteStates`
+        new_discrete_states(outcome: &mut EventOutcome) = NewDiscreteStates, "no ModelExchange";
+        /// `fmi2EnterContinuousTimeMode`
+        enter_continuous_time_mode() = EnterContinuousTimeMode, "no ModelExchange";
+        /// `fmi2CompletedIntegratorStep`
+        completed_integrator_step() = CompletedIntegratorStep, "no ModelExchange";
+        /// `fmi2SetTime`
+        set_time(time_s: f64) = SetTime, "no ModelExchange";
+        /// `fmi2SetContinuousStates`
+        set_continuous_states(x: &[f64]) = SetContinuousStates, "no ModelExchange";
+        /// `fmi2GetContinuousStates`
+        get_continuous_states(x: &mut [f64]) = GetContinuousStates, "no ModelExchange";
+        /// `fmi2GetDerivatives`
+        get_derivatives(derivatives: &mut [f64]) = GetDerivatives, "no ModelExchange";
+        /// `fmi2GetNominalsOfContinuousStates`
+        get_nominals(nominals: &mut [f64]) = GetNominals, "no ModelExchange";
+        /// `fmi2GetEventIndicators`
+        get_event_indicators(indicators: &mut [f64]) = GetEventIndicators, "no ModelExchange";
+    }
+}
+
+/// Functions that the instance has under the same names.
+macro_rules! own {
+    ($($name:ident($($argument:ident: $type:ty),*);)+) => {
+        $(
+            #[inline]
+            fn $name(&mut self, $($argument: $type),*) -> Status {
+                Instance::$name(self, $($argument),*)
+            }
+        )+
+    };
+}
+
+impl Served for Instance {
+    type State = State;
+
+    #[inline]
+    fn call(&mut self, call: Call, work: impl FnOnce(&mut Self) -> Result<(), Trouble>) -> Status {
+        Instance::call(self, call, work)
+    }
+
+    #[inline]
+    fn get_fresh(&self, references: &[u32], into: &mut [f64]) -> Option<()> {
+        Instance::get_fresh(self, references, into)
+    }
+
+    #[inline]
+    fn set_inputs(&mut self, references: &[u32], values: &[f64]) -> Option<()> {
+        Instance::set_inputs(self, references, values)
+    }
+
+    own! {
+        poison(call: Call, reason: &str);
+        set_debug_logging(on: bool, categories: &[&str]);
+        setup_experiment(tolerance: Option<f64>, start_s: f64, stop_s: Option<f64>);
+        enter_initialization_mode();
+        exit_initialization_mode();
+        terminate();
+        reset();
+        get_real(references: &[u32], into: &mut [f64]);
+        get_integer(references: &[u32], into: &mut [i32]);
+        get_boolean(references: &[u32], give: impl FnMut(usize, bool));
+        get_string(references: &[u32], give: impl FnMut(usize, &CStr));
+        set_real(references: &[u32], values: &[f64]);
+        set_integer(references: &[u32], values: &[i32]);
+        set_boolean(references: &[u32], values: &[bool]);
+        set_string(references: &[u32], values: &[Option<CString>]);
+        get_state(state: &mut Option<Box<State>>);
+        get_state_again(state: &mut State);
+        set_state(state: &State);
+        serialized_size(state: &State, size: &mut usize);
+        serialize_state(state: &State, into: &mut [u8]);
+        deserialize_state(bytes: &[u8], state: &mut Option<Box<State>>);
+        do_step(t: f64, h: f64);
+        last_successful_time(into: &mut f64);
+        wants_to_end(into: &mut bool);
+        directional_derivative(unknowns: &[u32], knowns: &[u32], along: &[f64], into: &mut [f64]);
+        set_input_derivatives(references: &[u32], orders: &[i32], values: &[f64]);
+        output_derivatives(references: &[u32], orders: &[i32], into: &mut [f64]);
+        enter_event_mode();
+        new_discrete_states(outcome: &mut EventOutcome);
+        enter_continuous_time_mode();
+        completed_integrator_step();
+        set_time(time_s: f64);
+        set_continuous_states(x: &[f64]);
+        get_continuous_states(x: &mut [f64]);
+        get_derivatives(derivatives: &mut [f64]);
+        get_nominals(nominals: &mut [f64]);
+        get_event_indicators(indicators: &mut [f64]);
+    }
+}
