@@ -23,6 +23,7 @@ struct Detail {
     why: Option<String>,
     help: Option<String>,
     log: Vec<String>,
+    fatal: bool,
     others: Vec<Error>,
 }
 
@@ -36,6 +37,7 @@ impl Error {
             why: None,
             help: None,
             log: Vec::new(),
+            fatal: false,
             others: Vec::new(),
         }))
     }
@@ -82,6 +84,13 @@ impl Error {
         self
     }
 
+    /// An FMU returned `fmi2Fatal`: its process may be broken, another one need not be.
+    #[must_use]
+    pub(crate) fn fatal(mut self, fatal: bool) -> Self {
+        self.0.fatal = fatal;
+        self
+    }
+
     /// Several problems as one error; `Ok` when there is none.
     pub fn all(problems: Vec<Error>) -> Result<()> {
         let mut rest = problems.into_iter().flat_map(|mut problem| {
@@ -125,6 +134,11 @@ impl Error {
     /// What the FMU had logged before the failure.
     pub fn logged(&self) -> &[String] {
         &self.0.log
+    }
+
+    /// Whether an FMU returned `fmi2Fatal`.
+    pub(crate) fn is_fatal(&self) -> bool {
+        self.0.fatal
     }
 
     /// This problem and those reported with it.

@@ -221,6 +221,7 @@ impl Instance {
         };
         let what = format!("{function} of '{}' failed at t = {}", self.name, self.time);
         let error = Error::new(Code::Fmu, what).at(self.fmu.path()).log(self.log.take());
+        let error = error.fatal(status == status::FATAL);
         match status {
             status::MISSING => error.why(format!("the library of the FMU has no {function}")),
             _ => error.why(format!("the FMU returned {}", status::name(status))),
