@@ -87,8 +87,8 @@ impl Error {
 
     /// The status (`fmi2Status`) that an FMU returned.
     #[must_use]
-    pub(crate) fn returned(mut self, status: i32) -> Self {
-        self.0.status = Some(status);
+    pub(crate) fn returned(mut self, status: impl Into<Option<i32>>) -> Self {
+        self.0.status = status.into();
         self
     }
 

@@ -31,7 +31,16 @@ pub struct Signal {
 impl Signals {
     /// Signals over `time`, which must not decrease.
     pub fn new(time: &[f64], signals: Vec<Signal>) -> Result<Self> {
+        let names = signals.iter().map(|s| s.name.clone()).collect();
+        let signals = Self { time: time.to_vec(), names, signals };
+        signals.check()?;
+        Ok(signals)
+    }
+
+    /// Whether there is a value of every signal at every instant.
+    pub(crate) fn check(&self) -> Result<()> {
         let wrong = |what: String| Err(Error::new(Code::Results, what));
+        let (time, signals) = (&self.time, &self.signals);
         if time.is_empty() {
             return wrong("the signals have no samples".to_owned());
         }
@@ -41,8 +50,10 @@ impl Signals {
         if let Some(short) = signals.iter().find(|s| s.values.len() != time.len()) {
             return wrong(format!("'{}' has another number of samples than time", short.name));
         }
-        let names = signals.iter().map(|s| s.name.clone()).collect();
-        Ok(Self { time: time.to_vec(), names, signals })
+        if self.names.len() != signals.len() {
+            return wrong("there are more names than signals, or fewer".to_owned());
+        }
+        Ok(())
     }
 
     /// Names, in the order of the variables.

@@ -1,15 +1,16 @@
 //! What the command line says of workers.
 
+use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
 use cosim::Result;
 use cosim::distributed::{
-    Access, Cluster, Configuration, Credentials, DEFAULT_ENDPOINT, Options, Ours, Rate,
+    Access, Cluster, Configuration, Credentials, DEFAULT_ENDPOINT, OnFatal, Options, Ours, Rate,
 };
 
-use super::values;
+use super::{messages, values};
 
 /// How to reach the other side.
 #[derive(Args, Clone)]
@@ -60,6 +61,16 @@ impl Reach {
     }
 }
 
+/// What becomes of a run with a fatal FMU.
+#[derive(Clone, Copy, Default, clap::ValueEnum)]
+enum Fatal {
+    /// It ends
+    #[default]
+    End,
+    /// It goes on in another process
+    Resume,
+}
+
 /// Running on workers.
 #[derive(Args)]
 #[command(next_help_heading = "Distributed runs")]
@@ -95,6 +106,10 @@ pub(crate) struct Distributed {
     /// again from the start
     #[arg(long)]
     require_resume: bool,
+    /// What becomes of the run when an FMU returns fmi2Fatal; to resume, its components begin anew
+    /// in another process, as after a crash
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t)]
+    on_fatal: Fatal,
     /// Send what is recorded to observers, at most RATE times a second (default: always)
     #[arg(long, value_name = "RATE", value_parser = values::factor, require_equals = true)]
     telemetry: Option<Option<f64>>,
@@ -104,7 +119,7 @@ pub(crate) struct Distributed {
 
 impl Distributed {
     /// Where the run is computed; nothing when in this process.
-    pub(crate) fn cluster(&self) -> Result<Option<Cluster>> {
+    pub(crate) fn cluster(&self, quiet: bool) -> Result<Option<Cluster>> {
         if !self.distributed && self.workers.is_none() {
             return Ok(None);
         }
@@ -119,7 +134,13 @@ impl Distributed {
             save_every: Some(self.save_every).filter(|every| *every > 0),
             deadline: Duration::from_secs_f64(self.deadline),
             recoveries: self.recoveries,
+            on_fatal: match self.on_fatal {
+                Fatal::End => OnFatal::End,
+                Fatal::Resume => OnFatal::Resume,
+            },
             require_resume: self.require_resume,
+            // On a terminal there is a bar; what was lost is told at the end.
+            tell: if quiet || std::io::stderr().is_terminal() { |_| () } else { messages::note },
             telemetry: self.telemetry.map(|rate| rate.map_or(Rate::All, Rate::PerSecond)),
             ..Options::default()
         };

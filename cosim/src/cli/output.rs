@@ -50,7 +50,7 @@ pub(crate) struct Output {
     format: Format,
     /// No progress and no summary
     #[arg(long, short)]
-    quiet: bool,
+    pub(crate) quiet: bool,
 }
 
 /// What is run, where, and from where on.

@@ -31,6 +31,7 @@ impl Run {
         interrupt::listen();
         let overrides = self.logging.add_to(self.output.add_to(self.changes.overrides()))?;
         let system = System::load(&self.file, &overrides)?;
-        self.output.run(&system, self.distributed.cluster()?.as_ref())
+        let cluster = self.distributed.cluster(self.output.quiet)?;
+        self.output.run(&system, cluster.as_ref())
     }
 }

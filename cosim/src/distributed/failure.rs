@@ -12,6 +12,7 @@ pub(crate) struct Failure {
     why: Option<String>,
     help: Option<String>,
     log: Vec<String>,
+    status: Option<i32>,
 }
 
 impl From<&Error> for Failure {
@@ -22,6 +23,7 @@ impl From<&Error> for Failure {
             why: error.reason().map(str::to_owned),
             help: error.remedy().map(str::to_owned),
             log: error.logged().to_vec(),
+            status: error.status(),
         }
     }
 }
@@ -35,6 +37,6 @@ impl Failure {
             Some(why) => error.why(format!("{why} (on {place})")),
             None => error.why(format!("it happened on {place}")),
         };
-        error.log(self.log)
+        error.log(self.log).returned(self.status)
     }
 }

@@ -36,6 +36,8 @@ pub(crate) struct Host {
 struct Running {
     engine: Engine,
     group: Group,
+    /// How many each component has.
+    variables: Vec<usize>,
     stop: Time,
     tables: u64,
     /// What waits for the values that are held from the end of the last instant.
@@ -113,10 +115,10 @@ impl Host {
         let setup = body.whole().map_err(malformed)?;
         let setup: Setup = setup.structure().map_err(malformed)?;
         let stop = setup.stop;
-        let (engine, group) = setup.build(&mut *self.fmus)?;
+        let (engine, group, variables) = setup.build(&mut *self.fmus)?;
         self.sequence = header.sequence;
         let tables = header.tables;
-        self.running = Some(Running { engine, group, stop, tables, open: None });
+        self.running = Some(Running { engine, group, variables, stop, tables, open: None });
         Ok(Vec::new())
     }
 }
@@ -157,6 +159,10 @@ impl Running {
                 let (component, change): (usize, Change) = body.structure().map_err(malformed)?;
                 if component >= self.group.own.len() {
                     return Err(refused(format!("this group has no component {component}")));
+                }
+                let (variable, count) = (change.variable, self.variables[component]);
+                if variable >= count {
+                    return Err(refused(format!("there is no variable {variable} of {count}")));
                 }
                 self.engine.change(component, change)?;
             }

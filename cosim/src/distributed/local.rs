@@ -11,6 +11,7 @@ use super::fabric::{Event, Fabric};
 use super::fate::Fate;
 use super::host::{Handled, Host};
 use super::setup::{FmuFile, FmuSource};
+use super::wire::HEADER;
 use crate::error::{Code, Error, Result};
 use crate::fmi::Fmu;
 
@@ -40,6 +41,20 @@ pub(super) enum Fault {
     HearsTwice,
     /// A message of the group's former life comes first.
     Ghost,
+    /// The command itself comes back as if it were an answer.
+    Echo,
+    /// The answer to the command before comes again, before the one that is waited for.
+    Late,
+    /// The answer to a command that was not given yet comes first.
+    Early,
+    /// What others say comes first: noise, other versions, other plans, groups that do not exist.
+    Foreign,
+    /// The first octets of the command, and of its answer, come before the whole.
+    Torn,
+    /// The answer lacks its end.
+    CutAnswer,
+    /// The command lacks its end.
+    CutCommand,
 }
 
 pub(super) struct Local {
@@ -48,6 +63,8 @@ pub(super) struct Local {
     queue: VecDeque<Event>,
     faults: Vec<(u64, Fault)>,
     sent: u64,
+    /// The last answer of each group.
+    last: BTreeMap<usize, Vec<u8>>,
     /// All that group 0 was told.
     pub told: Rc<RefCell<Vec<Vec<u8>>>>,
 }
@@ -60,6 +77,7 @@ impl Local {
             queue: VecDeque::new(),
             faults,
             sent: 0,
+            last: BTreeMap::new(),
             told: Rc::default(),
         }
     }
@@ -68,6 +86,41 @@ impl Local {
         match self.hosts.get_mut(&group)?.1.handle(message) {
             Handled::Answer(bytes) | Handled::Last(bytes) => Some(bytes),
             Handled::Ignored(_) => None,
+        }
+    }
+}
+
+impl Local {
+    /// What is heard before an answer, and is none.
+    fn strays(
+        &self,
+        fault: Option<Fault>,
+        group: usize,
+        command: &[u8],
+        answer: &[u8],
+    ) -> Vec<(usize, Vec<u8>)> {
+        let with = |place: usize| {
+            let mut bytes = answer.to_vec();
+            bytes[place] = bytes[place].wrapping_add(1);
+            (group, bytes)
+        };
+        match fault {
+            Some(Fault::Echo) => vec![(group, command.to_vec())],
+            Some(Fault::Late) => {
+                self.last.get(&group).map(|b| (group, b.clone())).into_iter().collect()
+            }
+            // Where a header has its parts: `Header::message`.
+            Some(Fault::Early) => vec![with(8)],
+            Some(Fault::Torn) => vec![(group, answer[..HEADER / 2].to_vec())],
+            Some(Fault::Foreign) => vec![
+                (group, Vec::new()),
+                (group, b"GET / HTTP/1.1\r\n\r\n this is not of cosim".to_vec()),
+                with(0),
+                with(1),
+                with(16),
+                (99, answer.to_vec()),
+            ],
+            _ => Vec::new(),
         }
     }
 }
@@ -110,9 +163,12 @@ impl Fabric for Local {
                     self.queue.push_back(Event::Answer { group, bytes });
                 }
             }
+            Some(Fault::Torn) => drop(self.deliver(group, &message[..HEADER / 2])),
             _ => {}
         }
-        let Some(bytes) = self.deliver(group, message) else {
+        let heard =
+            if fault == Some(Fault::CutCommand) { message.len() - 1 } else { message.len() };
+        let Some(mut bytes) = self.deliver(group, &message[..heard]) else {
             return Ok(());
         };
         if fault == Some(Fault::DiesAfter) {
@@ -123,8 +179,15 @@ impl Fabric for Local {
         if fault == Some(Fault::AnswersTwice) {
             self.queue.push_front(Event::Answer { group, bytes: bytes.clone() });
         }
+        if fault == Some(Fault::CutAnswer) {
+            bytes.pop();
+        }
         // The last to answer is heard first.
-        self.queue.push_front(Event::Answer { group, bytes });
+        self.queue.push_front(Event::Answer { group, bytes: bytes.clone() });
+        for (group, bytes) in self.strays(fault, group, message, &bytes) {
+            self.queue.push_front(Event::Answer { group, bytes });
+        }
+        self.last.insert(group, bytes);
         Ok(())
     }
 

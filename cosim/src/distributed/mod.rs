@@ -10,7 +10,7 @@
 //!
 //! * `layout` says which component is where, and who waits for whom;
 //! * `wire` is the form of the messages, `setup` what a host is told first;
-//! * `host` computes a group with the engine of an ordinary run;
+//! * `host` computes a group with the engine of an ordinary run, `check` says what a set-up must be;
 //! * `coordinator` drives the groups, `recovery` and `member` what happens when one is lost;
 //! * `fabric` is what carries messages; `net` does so over Zenoh, `session` opens it, `present` knows
 //!   who is there;
@@ -23,6 +23,7 @@
 
 mod allowed;
 mod authority;
+mod check;
 mod child;
 mod configuration;
 mod confine;
@@ -38,6 +39,7 @@ mod fate;
 mod host;
 mod keys;
 mod layout;
+mod library;
 #[cfg(test)]
 mod local;
 mod member;
@@ -70,7 +72,7 @@ pub use credentials::Credentials;
 #[doc(hidden)]
 pub use decode::decode;
 pub use members::Members;
-pub use options::Options;
+pub use options::{OnFatal, Options};
 pub use pool::{Order, WorkerInfo, default_name};
 pub use run::{Cluster, workers};
 pub use session::{Access, DEFAULT_ENDPOINT};

@@ -4,6 +4,16 @@ use std::time::Duration;
 
 use super::telemetry::Rate;
 
+/// What becomes of a run one of whose FMUs returns `fmi2Fatal`, after which FMI allows no call of
+/// any instance of its process.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OnFatal {
+    /// It ends, as in one process.
+    End,
+    /// The group begins a new life in another process, as after a crash.
+    Resume,
+}
+
 /// How a distributed run behaves.
 #[derive(Debug, Clone)]
 pub struct Options {
@@ -19,9 +29,13 @@ pub struct Options {
     pub recoveries: u32,
     /// So many times in a row a group may be lost at the same command by a fault of its own.
     pub attempts: u32,
+    /// What becomes of a run one of whose FMUs returns `fmi2Fatal`.
+    pub on_fatal: OnFatal,
     /// A lost group that has no saved state is the end of the run, not computed again from the
     /// start.
     pub require_resume: bool,
+    /// Hears of a loss as soon as the coordinator knows it.
+    pub tell: fn(&str),
     /// What is recorded is sent to observers.
     pub telemetry: Option<Rate>,
 }
@@ -35,7 +49,9 @@ impl Default for Options {
             launch_deadline: Duration::from_secs(30),
             recoveries: 1000,
             attempts: 3,
+            on_fatal: OnFatal::End,
             require_resume: false,
+            tell: |_| (),
             telemetry: None,
         }
     }

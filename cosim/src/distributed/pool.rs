@@ -17,6 +17,8 @@ pub struct WorkerInfo {
     pub platform: String,
     /// What the processor can do that matters for floating point numbers.
     pub cpu: Vec<String>,
+    /// The C library that its FMUs call, with the hash of its mathematics.
+    pub library: String,
     /// Identity of the process that supervises.
     pub process: u32,
     /// What keeps its FMUs from doing more than computing.
@@ -37,7 +39,8 @@ pub struct Order {
 impl WorkerInfo {
     /// What results may depend on.
     pub fn computes(&self) -> String {
-        format!("{}, {}, cosim {}", self.platform, self.cpu.join(" "), self.version)
+        let Self { platform, library, version, .. } = self;
+        format!("{platform}, {}, {library}, cosim {version}", self.cpu.join(" "))
     }
 
     /// Its FMUs are not confined, though nobody said that they should not be.
@@ -54,6 +57,7 @@ impl WorkerInfo {
             protocol: super::wire::VERSION,
             platform: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
             cpu: cpu(),
+            library: super::library::describe(),
             process: std::process::id(),
             confined: super::confine::describe(confined),
         }

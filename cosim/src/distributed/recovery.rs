@@ -6,8 +6,10 @@ use super::coordinator::Coordinator;
 use super::fabric::Event;
 use super::failure::Failure;
 use super::member::{Awaited, Told, digest};
+use super::options::OnFatal;
 use super::wire::{Header, Kind};
 use crate::error::{Code, Error, Result};
+use crate::fmi::status::FATAL;
 use crate::master::{EngineState, Tally};
 
 impl Coordinator<'_> {
@@ -43,13 +45,13 @@ impl Coordinator<'_> {
                 Some(Event::Answer { .. }) => {}
                 Some(Event::Lost { group, generation, why }) => {
                     if self.is_living(group, generation) && !self.members[group].is_finished() {
-                        self.lose(group, &why)?;
+                        self.lose(group, &why, false)?;
                     }
                 }
                 None => {
                     let member = &self.members[group];
                     let (awaited, silent) = (member.awaits(), member.silent().as_secs_f64());
-                    self.lose(group, &format!("no answer to {awaited} for {silent:.1} s"))?;
+                    self.lose(group, &format!("no answer to {awaited} for {silent:.1} s"), false)?;
                 }
             }
         }
@@ -72,7 +74,8 @@ impl Coordinator<'_> {
     fn is_awaited(&self, group: usize, bytes: &[u8]) -> bool {
         match (self.members.get(group), Header::read(bytes)) {
             (Some(member), Ok((header, _))) => {
-                header.generation == member.generation
+                matches!(header.kind, Kind::Done | Kind::Failed)
+                    && header.generation == member.generation
                     && Some(header.sequence) == member.awaited_sequence()
                     && header.tables == member.tables
             }
@@ -92,7 +95,14 @@ impl Coordinator<'_> {
 
     /// Takes the answer that was waited for; whether it is that of the last command.
     fn take_answer(&mut self, group: usize, bytes: &[u8]) -> Result<bool> {
-        self.judge(group, bytes)?;
+        if let Err(error) = self.judge(group, bytes) {
+            if error.status() != Some(FATAL) || self.options.on_fatal == OnFatal::End {
+                return Err(error);
+            }
+            let why = error.reason().unwrap_or_default();
+            self.lose(group, &format!("{}: {why}", error.what()), true)?;
+            return Ok(false);
+        }
         let member = &mut self.members[group];
         member.answered();
         let next = match member.awaited {
@@ -161,19 +171,21 @@ impl Coordinator<'_> {
         }
     }
 
-    /// A group is lost: it begins a new life from its last state, and hears all commands since
-    /// then again.
-    fn lose(&mut self, group: usize, why: &str) -> Result<()> {
+    /// A group is lost, maybe by its own fault: it begins a new life from its last state, and hears
+    /// all commands since then again.
+    fn lose(&mut self, group: usize, why: &str, at_fault: bool) -> Result<()> {
         let begun = Instant::now();
         let place = self.fabric.place(group);
+        let known = format!("lost at {place}, t = {}: {why}", self.now);
+        (self.options.tell)(&format!("{}: {known}", self.names(group)));
         let fate = self.fabric.inquire(group, self.members[group].generation);
         let told = fate.as_ref().map_or_else(String::new, |fate| format!("; {fate}"));
-        let why = format!("lost at {place}, t = {}: {why}{told}", self.now);
+        let why = format!("{known}{told}");
         let member = &mut self.members[group];
         let since = member.lost.as_ref().map_or(begun, |(since, _)| *since);
         member.lost = Some((since, why.clone()));
         member.recoveries += 1;
-        let faults = member.faults(fate.is_some_and(|fate| fate.is_own_fault()));
+        let faults = member.faults(at_fault || fate.is_some_and(|fate| fate.is_own_fault()));
         let help = if faults >= self.options.attempts {
             "it does so each time that it comes there: its FMU is at fault"
         } else if member.recoveries > self.options.recoveries {

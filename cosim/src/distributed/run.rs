@@ -174,3 +174,24 @@ fn differences(infos: &[WorkerInfo]) -> Vec<String> {
     });
     told.chain(loose).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn another_processor_or_library_is_told_and_another_machine_is_not() {
+        let like = WorkerInfo::of_this("left", true);
+        let other = WorkerInfo { name: "right".to_owned(), host: "far".to_owned(), ..like.clone() };
+        assert_eq!(differences(&[like.clone(), other.clone()]).len(), usize::from(like.is_loose()));
+        let library = "glibc 2.17, libm 0123456789ab".to_owned();
+        for unlike in [
+            WorkerInfo { library, ..other.clone() },
+            WorkerInfo { cpu: vec!["sse2".to_owned()], ..other.clone() },
+        ] {
+            let told = differences(&[like.clone(), unlike.clone()]);
+            let parts = ["workers left (", "right (", &unlike.library, &unlike.cpu.join(" ")];
+            assert!(parts.iter().all(|part| told[0].contains(part)), "{told:?}");
+        }
+    }
+}

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use super::check::check_variables;
 use super::layout::Group;
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Fmu, InterfaceType, LastCall, Logging, Value};
@@ -87,8 +88,10 @@ pub(crate) trait FmuSource {
 }
 
 impl Setup {
-    /// Makes the components, and takes on the state if there is one.
-    pub(crate) fn build(self, fmus: &mut dyn FmuSource) -> Result<(Engine, Group)> {
+    /// Makes the components, and takes on the state if there is one; with the number of variables
+    /// of each.
+    pub(crate) fn build(self, fmus: &mut dyn FmuSource) -> Result<(Engine, Group, Vec<usize>)> {
+        self.check()?;
         let (debug, categories) = (self.making.debug, self.making.categories.clone());
         // Messages are told at the end; nobody follows them here.
         let logging = Logging { debug, categories, last: fmus.last_call(), ..Logging::default() };
@@ -98,7 +101,7 @@ impl Setup {
                 fmus.permit(&blueprint.name, file)?;
             }
         }
-        let mut slaves = Vec::with_capacity(self.components.len());
+        let (mut slaves, mut variables) = (Vec::new(), Vec::new());
         for (blueprint, node) in self.components.into_iter().zip(&self.plan.nodes) {
             let model = match blueprint.source {
                 Source::Fmu(file) => Model::Fmu(fmus.open(&file)?),
@@ -116,13 +119,9 @@ impl Setup {
                 start_values: blueprint.start_values,
                 worker: None,
             };
+            check_variables(&component, node)?;
+            variables.push(component.model.variables());
             slaves.push(slave(&component, node, blueprint.converted, &self.making, &logging)?);
-        }
-        if slaves.len() != self.plan.nodes.len() {
-            return Err(Error::new(
-                Code::Protocol,
-                "the set-up names fewer components than its plan",
-            ));
         }
         let mut engine = Engine::new(self.plan, slaves, self.start);
         if let Some((time, state, tally)) = &self.state {
@@ -132,7 +131,7 @@ impl Setup {
             engine.restore(state, *time)?;
             engine.count_from(tally);
         }
-        Ok((engine, self.group))
+        Ok((engine, self.group, variables))
     }
 }
 

@@ -5,4 +5,5 @@ mod decoder;
 mod faults;
 mod fmu;
 mod levels;
+mod placement;
 mod systems;

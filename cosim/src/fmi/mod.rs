@@ -15,7 +15,7 @@ mod library;
 mod log;
 mod mailbox;
 mod open;
-mod status;
+pub(crate) mod status;
 pub(crate) mod temporary;
 mod trace;
 

@@ -207,14 +207,18 @@ impl Slave for ExchangeSlave {
         let (fmu, solver, discrete, continuous): (Vec<u8>, _, Vec<f64>, Vec<f64>) =
             postcard::from_bytes(state).map_err(|e| self.unusable(&e))?;
         self.instance.deserialize(&fmu, time)?;
-        self.solver.resume(solver);
+        let fits = discrete.len() == self.discrete.values.len()
+            && continuous.len() == self.continuous.values.len();
+        if !fits || !self.solver.resume(solver) {
+            return Err(self.unusable(&"it has another number of values"));
+        }
         (self.discrete.values, self.continuous.values) = (discrete, continuous);
         Ok(())
     }
 }
 
 impl ExchangeSlave {
-    fn unusable(&self, why: &postcard::Error) -> Error {
+    fn unusable(&self, why: &dyn std::fmt::Display) -> Error {
         let what =
             format!("the integration of '{}' is no part of a snapshot", self.instance.name());
         Error::new(Code::State, what).why(why)

@@ -94,11 +94,16 @@ impl Continuous {
         }
     }
 
-    /// Goes on from there.
-    pub(crate) fn resume(&mut self, progress: Progress) {
+    /// Goes on from there; `false` if that is the progress of another FMU.
+    pub(crate) fn resume(&mut self, progress: Progress) -> bool {
         let Progress { time, h, next_event, x, end, nominal, z } = progress;
+        let states = [&x, &end, &nominal].iter().all(|of| of.len() == self.x.len());
+        if !states || z.len() != self.z.len() {
+            return false;
+        }
         (self.time, self.h, self.next_event) = (time, h, next_event);
         (self.x, self.end, self.nominal, self.z) = (x, end, nominal, z);
+        true
     }
 
     /// Lets Real inputs move from here on: their values now and their slopes.

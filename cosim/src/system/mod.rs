@@ -333,6 +333,15 @@ impl Model {
         }
     }
 
+    /// How many variables it has.
+    pub(crate) fn variables(&self) -> usize {
+        match self {
+            Model::Signals(signals) => signals.names().len(),
+            Model::Fmu(fmu) => fmu.description().variables.len(),
+            Model::Function(function) => function.description().variables.len(),
+        }
+    }
+
     /// Name of a variable.
     pub fn variable_name(&self, variable: usize) -> &str {
         match self {

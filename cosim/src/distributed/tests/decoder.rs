@@ -1,10 +1,20 @@
 //! No bytes make a host panic, and none that are damaged make it do something twice.
 
-use super::systems::{Dice, Trial, apart, chain};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use sha2::{Digest, Sha256};
+
+use super::systems::{Dice, Outcome, Sample, Trial, apart, chain, driven, solved};
 use crate::Algorithm;
 use crate::distributed::host::{Handled, Host};
-use crate::distributed::local::Files;
+use crate::distributed::local::{Fault, Files};
+use crate::distributed::options::Options;
+use crate::distributed::setup::{FmuFile, FmuSource, Setup};
 use crate::distributed::wire::{HEADER, Header, Kind};
+use crate::error::{Code, Error, Result};
+use crate::fmi::Fmu;
 
 fn mutated(message: &[u8], dice: &mut Dice) -> Vec<u8> {
     let mut bytes = message.to_vec();
@@ -77,4 +87,103 @@ fn commands_out_of_turn_are_refused_with_both_numbers() {
     let mut foreign = outcome.told[2].clone();
     foreign[4] = 9;
     assert!(matches!(host.handle(&foreign), Handled::Ignored(why) if why.contains("life 9")));
+}
+
+/// Octets of a checksum, which stands between header and body of a set-up.
+const SUM: usize = 32;
+
+fn is_setup(message: &[u8]) -> bool {
+    Header::read(message).is_ok_and(|(header, _)| header.kind == Kind::Setup)
+}
+
+/// A set-up whose body somebody changed who knows how checksums are made.
+fn resigned(setup: &[u8], body: &[u8]) -> Vec<u8> {
+    [&setup[..HEADER], &Sha256::digest(body), body].concat()
+}
+
+/// Runs that tell group 0 set-ups with and without a state, and what they told.
+fn runs() -> Vec<Outcome> {
+    let run = |sample: Sample, places: &[usize]| {
+        let options = Options { save_every: Some(2), ..Options::default() };
+        let faults = vec![(40, Fault::DiesAfter), (41, Fault::DiesAfter)];
+        apart(&sample.system, places, Trial { faults, options, ..Trial::default() }).unwrap()
+    };
+    vec![
+        run(chain(Algorithm::GaussSeidel), &[0, 0, 1, 0, 0]),
+        run(solved(), &[0, 0, 0, 0]),
+        run(driven(), &[0, 0]),
+    ]
+}
+
+#[test]
+fn set_ups_that_contradict_themselves_are_refused_by_name() {
+    let (mut dice, mut decoded, mut refused, mut made) = (Dice(23), 0, 0, 0);
+    for outcome in runs() {
+        let open = Open::all(&outcome.files);
+        let set_ups = outcome.told.iter().enumerate().filter(|(_, message)| is_setup(message));
+        for (at, setup) in set_ups {
+            let (header, _) = Header::read(setup).unwrap();
+            let body = &setup[HEADER + SUM..];
+            for _ in 0..500 {
+                let mut changed = body.to_vec();
+                for _ in 0..=dice.below(2) {
+                    let place = dice.below(changed.len() as u64) as usize;
+                    changed[place] = match dice.below(3) {
+                        0 => changed[place] ^ 1 << dice.below(8),
+                        1 => changed[place].wrapping_add(1),
+                        _ => [0, 1, 0x7F, 0xFF][dice.below(4) as usize],
+                    };
+                }
+                decoded += usize::from(postcard::from_bytes::<Setup>(&changed).is_ok());
+                let mut host = Host::new(header.generation, Box::new(open.clone()));
+                let Handled::Answer(answer) = host.handle(&resigned(setup, &changed)) else {
+                    panic!("no answer");
+                };
+                match Header::read(&answer).unwrap().0.kind {
+                    Kind::Done => made += 1,
+                    _ => refused += usize::from(contradicts(&answer)),
+                }
+                // What was made computes something, or fails by name.
+                for message in outcome.told[at + 1..].iter().take_while(|m| !is_setup(m)).take(30) {
+                    host.handle(message);
+                }
+            }
+        }
+    }
+    assert!(decoded > 1000 && refused > 100 && made > 100, "{decoded} {refused} {made}");
+}
+
+/// FMUs that are unpacked once for all hosts.
+#[derive(Clone)]
+struct Open(BTreeMap<String, Arc<Fmu>>);
+
+impl Open {
+    fn all(files: &BTreeMap<String, PathBuf>) -> Self {
+        Self(files.iter().map(|(hash, path)| (hash.clone(), Fmu::open(path).unwrap())).collect())
+    }
+}
+
+impl FmuSource for Open {
+    fn open(&mut self, file: &FmuFile) -> Result<Arc<Fmu>> {
+        let known = self.0.get(&file.sha256).cloned();
+        known.ok_or_else(|| Error::new(Code::File, format!("no {} here", file.name)))
+    }
+}
+
+fn contradicts(answer: &[u8]) -> bool {
+    String::from_utf8_lossy(answer).contains("contradicts itself")
+}
+
+#[test]
+fn a_change_of_a_variable_that_is_not_there_is_refused() {
+    let sample = chain(Algorithm::GaussSeidel);
+    let outcome = apart(&sample.system, &[0; 5], Trial::default()).unwrap();
+    let mut host = Host::new(1, Box::new(Files(outcome.files.clone())));
+    host.handle(&outcome.told[0]);
+    let mut message = outcome.told[1].clone();
+    message[2] = Kind::Change as u8;
+    let change = crate::master::Change { variable: 8, patch: None, start: 0.0 };
+    message.extend(postcard::to_stdvec(&(0_usize, change)).unwrap());
+    let Handled::Answer(answer) = host.handle(&message) else { panic!("no answer") };
+    assert!(String::from_utf8_lossy(&answer).contains("no variable 8 of 8"));
 }

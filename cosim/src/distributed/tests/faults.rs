@@ -6,8 +6,19 @@ use crate::distributed::local::Fault;
 use crate::distributed::options::Options;
 use crate::{Algorithm, Code};
 
-const FAULTS: [Fault; 5] =
-    [Fault::DiesBefore, Fault::DiesAfter, Fault::AnswersTwice, Fault::HearsTwice, Fault::Ghost];
+/// What may happen to a run that changes nothing.
+const FAULTS: [Fault; 10] = [
+    Fault::DiesBefore,
+    Fault::DiesAfter,
+    Fault::AnswersTwice,
+    Fault::HearsTwice,
+    Fault::Ghost,
+    Fault::Echo,
+    Fault::Late,
+    Fault::Early,
+    Fault::Foreign,
+    Fault::Torn,
+];
 
 fn every(save_every: Option<u64>) -> Options {
     Options { save_every, ..Options::default() }
@@ -28,8 +39,8 @@ fn random_faults_change_nothing() {
     let mut dice = Dice(7);
     let mut lives = 0;
     for round in 0..120 {
-        let mut fault = || (1 + dice.below(300), FAULTS[dice.below(5) as usize]);
-        let faults: Vec<_> = (0..8).map(|_| fault()).collect();
+        let mut fault = || (1 + dice.below(300), FAULTS[dice.below(FAULTS.len() as u64) as usize]);
+        let faults: Vec<_> = (0..16).map(|_| fault()).collect();
         let save_every = [None, Some(1), Some(3), Some(50)][round % 4];
         let places = [[0, 1, 2, 3, 4], [0, 1, 0, 1, 2], [0, 0, 1, 1, 1]][round % 3];
         let trial =
@@ -86,4 +97,43 @@ fn new_lives_are_counted() {
     let trial = Trial { faults: faults(4), options, ..Trial::default() };
     let error = apart(&sample.system, &[0, 0], trial).err().unwrap();
     assert!(error.remedy().unwrap().contains("--recoveries"), "{error}");
+}
+
+#[test]
+fn each_kind_of_stray_message_at_each_place_is_ignored() {
+    let sample = pair(Nature::State);
+    let (bits, summary) = here(&sample.system);
+    for fault in &FAULTS[2..] {
+        for at in 1..60 {
+            // One after the other, so that strays meet each other too.
+            let faults = (at..at + 3).map(|at| (at, *fault)).collect();
+            let trial = Trial { faults, options: every(Some(3)), ..Trial::default() };
+            let outcome = apart(&sample.system, &[0, 1], trial).unwrap();
+            assert!(outcome.bits == bits, "{fault:?} at {at}");
+            assert_eq!(outcome.summary.steps, summary.steps, "{fault:?} at {at}");
+            assert_eq!(outcome.summary.notes, summary.notes, "{fault:?} at {at}");
+        }
+    }
+}
+
+#[test]
+fn what_is_cut_is_refused_by_name() {
+    let sample = pair(Nature::State);
+    let bits = here(&sample.system).0;
+    let mut refused = 0;
+    for fault in [Fault::CutAnswer, Fault::CutCommand] {
+        for at in 1..60 {
+            let trial = Trial { faults: vec![(at, fault)], ..Trial::default() };
+            match apart(&sample.system, &[0, 1], trial) {
+                // Without its end a header is none: nobody answers, and the group begins anew.
+                Ok(outcome) => assert!(outcome.bits == bits, "{fault:?} at {at}"),
+                Err(error) => {
+                    assert_eq!(error.code(), Code::Protocol, "{fault:?} at {at}: {error}");
+                    assert!(error.what().contains("cannot be understood"), "{error}");
+                    refused += 1;
+                }
+            }
+        }
+    }
+    assert!(refused > 60, "{refused}");
 }

@@ -1,0 +1,162 @@
+//! What a set-up says fits together: every position lies in its table, every length is that of
+//! what it counts.
+//!
+//! A checksum tells that a message arrived as it was sent, not that it makes sense. The engine
+//! looks into its tables without asking; who sends others must be refused before.
+
+use std::ops::Range;
+
+use super::layout::{Group, Part};
+use super::setup::{Setup, Source};
+use crate::error::{Code, Error, Result};
+use crate::fmi::Kind;
+use crate::master::{Node, Plan};
+use crate::system::Component;
+use crate::time::Time;
+
+/// More values than these are no system: they would be room for nothing.
+const MOST: usize = 1 << 24;
+/// As with times that are read from text (73 years), sums of two have room.
+const LATEST: i64 = 1 << 61;
+
+/// Refuses with what is wrong, and where.
+fn require(holds: bool, what: impl FnOnce() -> String) -> Result<()> {
+    if holds {
+        return Ok(());
+    }
+    Err(Error::new(Code::Protocol, "the set-up of a group contradicts itself")
+        .why(what())
+        .help("whoever sent it is no run of this cosim"))
+}
+
+/// All of these are below `limit`.
+fn below(limit: usize, mut all: impl Iterator<Item = usize>, what: &str) -> Result<()> {
+    let wrong = all.find(|&position| position >= limit);
+    require(wrong.is_none(), || {
+        format!("{what} is at {}, there are {limit}", wrong.unwrap_or_default())
+    })
+}
+
+impl Setup {
+    /// Whether its tables fit together.
+    pub(super) fn check(&self) -> Result<()> {
+        let (nodes, components) = (self.plan.nodes.len(), self.components.len());
+        require(nodes == components, || {
+            format!("it names {components} components, its plan has {nodes}")
+        })?;
+        let timely = |time: Time| (-LATEST..LATEST).contains(&time.nanoseconds());
+        require(timely(self.start) && timely(self.stop) && self.start <= self.stop, || {
+            format!("it begins at {} and ends at {}", self.start, self.stop)
+        })?;
+        check_plan(&self.plan)?;
+        check_group(&self.plan, &self.group)?;
+        for (blueprint, node) in self.components.iter().zip(&self.plan.nodes) {
+            let converted = blueprint.converted.iter().map(|(input, ..)| *input);
+            below(node.inputs.len(), converted, "a converted input")?;
+            if let Source::Signals(signals) = &blueprint.source {
+                signals.check()?;
+            }
+        }
+        let Some((time, state, _)) = &self.state else {
+            return Ok(());
+        };
+        let times = state.ends.iter().chain([time]);
+        require(times.copied().all(timely), || "its state is of no time".to_owned())
+    }
+}
+
+fn check_plan(plan: &Plan) -> Result<()> {
+    let count = plan.nodes.len();
+    require(plan.values <= MOST && plan.inputs <= MOST, || {
+        format!("it asks for {} values and {} inputs", plan.values, plan.inputs)
+    })?;
+    check_order(count, &plan.sequence, "the stepping order")?;
+    below(plan.values, plan.trends.iter().copied(), "a value that is followed")?;
+    below(plan.values, plan.columns.iter().copied(), "a column")?;
+    for found in &plan.loops {
+        require(!found.members.is_empty(), || "a loop has no members".to_owned())?;
+        below(count, found.members.iter().copied(), "a member of a loop")?;
+        below(count, found.cuts.iter().flat_map(|cut| [cut.from, cut.to]), "a loop")?;
+        for cut in &found.cuts {
+            below(plan.values, [cut.route.from].into_iter(), "a cut")?;
+            within(&plan.nodes[cut.to].input_slots, cut.route.to, "a cut")?;
+        }
+    }
+    plan.nodes.iter().try_for_each(|node| check_node(plan, node))
+}
+
+fn check_node(plan: &Plan, node: &Node) -> Result<()> {
+    require((1..LATEST).contains(&node.step.nanoseconds()), || {
+        format!("a step is {} long", node.step)
+    })?;
+    for (slots, variables, limit, what) in [
+        (&node.input_slots, &node.inputs, plan.inputs, "inputs"),
+        (&node.output_slots, &node.outputs, plan.values, "outputs"),
+        (&node.recorded_slots, &node.recorded, plan.values, "recorded variables"),
+    ] {
+        let fits = slots.start <= slots.end && slots.end <= limit;
+        require(fits && slots.len() == variables.len(), || {
+            format!("{} {what} are at {slots:?} of {limit}", variables.len())
+        })?;
+    }
+    require(
+        node.recorded.is_empty() || node.recorded_slots.start == node.output_slots.end,
+        || "what is recorded does not follow the outputs".to_owned(),
+    )?;
+    for route in node.held.iter().chain(&node.fresh) {
+        below(plan.values, [route.from].into_iter(), "the value of an input")?;
+        within(&node.input_slots, route.to, "an input")?;
+    }
+    below(plan.loops.len(), node.member_of.into_iter(), "a loop")?;
+    below(plan.trends.len(), node.trends.iter().copied(), "a trend")?;
+    for &trend in &node.trends {
+        within(&node.output_slots, plan.trends[trend], "a value that is followed")?;
+    }
+    below(plan.ramps.len(), node.ramps.iter().copied(), "a ramp")?;
+    for ramp in node.ramps.iter().map(|&ramp| &plan.ramps[ramp]) {
+        within(&node.input_slots, ramp.input, "an input that moves")?;
+        below(plan.nodes.len(), [ramp.source].into_iter(), "the source of a ramp")?;
+        below(plan.trends.len(), [ramp.trend].into_iter(), "the trend of a ramp")?;
+    }
+    Ok(())
+}
+
+fn check_group(plan: &Plan, group: &Group) -> Result<()> {
+    check_order(plan.nodes.len(), &group.own, "the group")?;
+    below(plan.values, group.held.iter().copied(), "a held value")?;
+    let parts = group.parts.iter().chain(&group.stretches);
+    parts.into_iter().try_for_each(|Part { members, reads }| {
+        below(plan.nodes.len(), members.iter().copied(), "a member of a part")?;
+        below(plan.values, reads.iter().copied(), "a value that is read")
+    })
+}
+
+/// Each of `count` components once.
+fn check_order(count: usize, order: &[usize], what: &str) -> Result<()> {
+    below(count, order.iter().copied(), what)?;
+    let mut met = vec![false; count];
+    order.iter().for_each(|&component| met[component] = true);
+    require(order.len() == count && met.into_iter().all(|met| met), || {
+        format!("{what} does not have each of {count} components once")
+    })
+}
+
+fn within(slots: &Range<usize>, slot: usize, what: &str) -> Result<()> {
+    require(slots.contains(&slot), || format!("{what} is at {slot}, outside of {slots:?}"))
+}
+
+/// The variables that are meant are there and can be exchanged.
+pub(super) fn check_variables(component: &Component, node: &Node) -> Result<()> {
+    let count = component.model.variables();
+    let exchanged = [&node.inputs, &node.outputs, &node.recorded].into_iter().flatten().copied();
+    let started = component.start_values.iter().map(|(variable, _)| *variable);
+    let name = &component.name;
+    below(count, exchanged.clone().chain(started), &format!("a variable of '{name}'"))?;
+    let Some(description) = component.model.description() else {
+        return require(node.inputs.is_empty(), || format!("signals ('{name}') have no inputs"));
+    };
+    let text = |variable: &usize| description.variables[*variable].kind == Kind::String;
+    require(!exchanged.into_iter().any(|variable| text(&variable)), || {
+        format!("a String of '{name}' would be exchanged")
+    })
+}

@@ -1,0 +1,65 @@
+//! The C library whose mathematics FMUs call: two machines with another one may differ in the last
+//! bit of a sine.
+
+use std::path::PathBuf;
+
+use crate::digest::sha256;
+
+/// Its version and the SHA-256 of the file with the mathematics, as far as they are known.
+pub(super) fn describe() -> String {
+    let file = mathematics().and_then(|path| std::fs::read(path).ok());
+    let hash = file.map_or("unknown".to_owned(), |bytes| sha256(bytes).chars().take(12).collect());
+    format!("{}, libm {hash}", version())
+}
+
+/// The file that is mapped into a process here when something calls a sine.
+fn mathematics() -> Option<PathBuf> {
+    // SAFETY: the library is the system's own; nothing is looked up in it. FMUs map the same one.
+    let _kept = unsafe { libloading::Library::new("libm.so.6") };
+    mapped(&std::fs::read_to_string("/proc/self/maps").ok()?)
+}
+
+/// The first file of that name in a process's map of its memory.
+fn mapped(maps: &str) -> Option<PathBuf> {
+    // Address, rights, offset, device, inode; then the path, which may have blanks.
+    let paths = maps.lines().filter_map(|line| Some(PathBuf::from(&line[line.find('/')?..])));
+    let is_it = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        name.starts_with("libm.so") || name.starts_with("libm-")
+    };
+    paths.into_iter().find(is_it)
+}
+
+#[cfg(target_env = "gnu")]
+fn version() -> String {
+    // SAFETY: a text that lives as long as the program.
+    let text = unsafe { std::ffi::CStr::from_ptr(libc::gnu_get_libc_version()) };
+    format!("glibc {}", text.to_string_lossy())
+}
+
+#[cfg(not(target_env = "gnu"))]
+fn version() -> String {
+    "a C library without a version".to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mathematics_is_found_among_all_that_is_mapped() {
+        let maps = "7f0 r--p 0 08:01 1 /lib/libmad.so.0\n7f1 rw-p 0 00:00 0 [heap]\n\
+                    7f2 r-xp 0 08:01 3 /usr/lib/x86 64/libm.so.6\n";
+        assert_eq!(mapped(maps), Some(PathBuf::from("/usr/lib/x86 64/libm.so.6")));
+        assert_eq!(mapped("7f1 rw-p 0 00:00 0 [heap]\n"), None);
+    }
+
+    #[cfg(target_env = "gnu")]
+    #[test]
+    fn the_library_here_has_a_version_and_a_hash() {
+        let told = describe();
+        let (version, hash) = told.split_once(", libm ").unwrap();
+        assert!(version.starts_with("glibc 2."), "{told}");
+        assert!(hash.len() == 12 && hash.bytes().all(|b| b.is_ascii_hexdigit()), "{told}");
+    }
+}
