@@ -169,6 +169,7 @@ pub fn snapshot(bytes: &[u8]) {
 }
 
 /// Messages between the processes of a distributed run.
+#[cfg(feature = "distributed")]
 pub fn message(bytes: &[u8]) {
     cosim::distributed::decode(bytes);
 }

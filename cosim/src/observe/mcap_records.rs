@@ -37,7 +37,7 @@ fn walk<'a>(
         match opcode {
             FOOTER => return Ok(()),
             // One that is cut has records that are not. Chunks are not in chunks.
-            CHUNK if chunks => walk(chunk(content)?, false, see)?,
+            CHUNK if chunks => walk(chunk(content, whole)?, false, see)?,
             CHANNEL if whole => see(channel(content).ok_or("a channel is damaged")?)?,
             MESSAGE if whole => see(message(content).ok_or("a message is damaged")?)?,
             _ => (),
@@ -46,16 +46,26 @@ fn walk<'a>(
     Ok(())
 }
 
-/// The records of a chunk behind its times, size and checksum.
-fn chunk(mut content: Bytes<'_>) -> Result<&[u8], String> {
-    let (Some(_), Some(compression)) = (content.take(28), content.text()) else {
+/// The records of a chunk behind its times, size, checksum (0: none) and compression. The checksum
+/// of one that is cut is of more than is left.
+fn chunk(mut content: Bytes<'_>, whole: bool) -> Result<&[u8], String> {
+    let (Some(_), Some(checksum), Some(compression), Some(length)) =
+        (content.take(24), content.u32(), content.text(), content.u64())
+    else {
         return Ok(&[]);
     };
     if !compression.is_empty() {
-        return Err(format!("its chunks are compressed ({compression}), which is not read"));
+        return Err(format!(
+            "its chunks are compressed ({compression}), which is not read: the tool `mcap \
+             decompress` writes them without"
+        ));
     }
-    let length = content.u64().and_then(|length| usize::try_from(length).ok());
-    Ok(&content.0[..length.unwrap_or(usize::MAX).min(content.0.len())])
+    let length = usize::try_from(length).unwrap_or(usize::MAX).min(content.0.len());
+    let records = &content.0[..length];
+    if whole && checksum != 0 && crc32fast::hash(records) as usize != checksum {
+        return Err("a chunk is damaged: its checksum is another".to_owned());
+    }
+    Ok(records)
 }
 
 fn channel(mut content: Bytes<'_>) -> Option<Record<'_>> {

@@ -432,3 +432,16 @@ fn a_wrong_guid_is_refused_by_the_fmu_and_told() {
     assert_eq!(code, 1, "{shown}");
     assert!(shown.contains("returned NULL") && shown.contains("wrong GUID {other}"), "{shown}");
 }
+
+/// Found by the fuzz target: a record of 2^64 - 1 bytes, and a string of 4 GiB in a channel.
+#[test]
+fn results_that_lie_about_their_lengths() {
+    let room = Room::new();
+    let length = include_bytes!("hostile_mcap/record_length.mcap");
+    let (code, shown) = room.run("verify r.mcap", "r.mcap", length);
+    assert_eq!(code, 0, "{shown}");
+    let length = include_bytes!("hostile_mcap/string_length.mcap");
+    let (code, shown) = room.run("verify r.mcap", "r.mcap", length);
+    assert_eq!(code, 3, "{shown}");
+    assert!(shown.contains("r.mcap") && shown.contains("a channel is damaged"), "{shown}");
+}

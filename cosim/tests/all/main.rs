@@ -21,6 +21,7 @@ mod logging;
 mod loops;
 mod machines;
 mod manipulations;
+mod mcap;
 mod models;
 mod mutations;
 mod osp;

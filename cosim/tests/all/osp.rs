@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use cosim::{Algorithm, Overrides, System};
+use cosim::{Algorithm, Overrides, Recording, Run, Snapshot, System, Time};
 
 use crate::formats::{Folder, assert_parts, last};
 use crate::models::Model;
@@ -197,6 +197,46 @@ fn the_log_config_chooses_what_is_recorded() {
     );
     let error = System::load(folder.0.path(), &Overrides::new()).err().unwrap().to_string();
     assert_parts(&error, &["E202", "'yy'", "did you mean 'y'?"]);
+}
+
+/// Every n-th step counts from the start of the run, also when the run goes on from between.
+#[test]
+fn decimated_results_are_every_nth_row_of_all() {
+    let folder = Folder::new();
+    folder.write("OspSystemStructure.xml", &summed());
+    let every = |factor: u32| {
+        let own = format!("<simulator name='a' decimationFactor='{factor}'/>");
+        folder.write("LogConfig.xml", &format!("<simulators>{own}</simulators>"));
+        System::load(folder.0.path(), &Overrides::new()).unwrap()
+    };
+    let (all, mut taken) = (run(&every(1)), None);
+    assert_eq!(all.time().len(), 11);
+    for factor in [2, 3, 4, 10] {
+        let some = run(&every(factor));
+        let nth = |values: &[f64]| -> Vec<f64> {
+            values.iter().copied().step_by(factor as usize).collect()
+        };
+        assert_eq!(some.time(), nth(all.time()), "{factor}");
+        for (name, values) in some.columns() {
+            assert_eq!(values, nth(all.column(name).unwrap()), "{factor}: {name}");
+        }
+    }
+    let mut keep = |snapshot: Snapshot| {
+        taken = Some(snapshot);
+        Ok(())
+    };
+    let at = [Time::from_seconds(0.3, "t").unwrap()];
+    Run::new(&every(3)).snapshots(None, &at, &mut keep).go().unwrap();
+    let taken = taken.unwrap();
+    for (factor, expected) in [(3, &[0.6, 0.9][..]), (2, &[0.4, 0.6, 0.8, 1.0]), (4, &[0.4, 0.8])] {
+        let mut rest = Recording::new();
+        Run::new(&every(factor)).observe(&mut rest).resume(&taken).go().unwrap();
+        assert_eq!(rest.time(), expected, "{factor}");
+        let whole = run(&every(factor));
+        for (name, values) in rest.columns() {
+            assert!(whole.column(name).unwrap().ends_with(values), "{factor}: {name}");
+        }
+    }
 }
 
 #[test]
