@@ -1,9 +1,11 @@
 //! `cargo xtask soak`: the paper's loop on workers that are killed again and again. Every run must
-//! give the bytes of the undisturbed one; how long each loss took is told.
+//! give the bytes of the undisturbed one; how soon losses were noticed and how long they took is told.
 
 use std::fs;
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, ensure};
@@ -20,7 +22,7 @@ pub(crate) struct Options {
     /// Workers of each run
     #[arg(long, default_value_t = 3)]
     workers: u32,
-    /// First compare every course and filter on 1 to 5 workers, by socket and by TCP
+    /// First compare every course and filter on 1 to 5 workers, by socket, TCP and TLS
     #[arg(long)]
     courses: bool,
     /// Where the random numbers begin
@@ -42,22 +44,32 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let case = first.context("there is no course")?;
     let here = soak.undisturbed(&case)?;
     let mut dice = Dice(options.seed);
-    let (mut killed, mut took, begun) = (0, Vec::new(), Instant::now());
-    while killed < options.kills {
-        let (now, more) = soak.disturbed(&case, options, &mut dice, &here)?;
-        killed += now;
-        took.extend(more);
-        println!("{killed} killed, {} resumed, every byte the same", took.len());
+    let (mut all, begun) = (Kills::default(), Instant::now());
+    while all.killed < options.kills {
+        soak.disturbed(&case, options, &mut dice, &here, &mut all)?;
+        println!("{} killed, {} resumed, every byte the same", all.killed, all.resumed.len());
     }
+    println!("{} kills in {:.0} s", all.killed, begun.elapsed().as_secs_f64());
+    println!("killed to noticed: {}", spread(&mut all.noticed));
+    println!("lost to resumed: {}", spread(&mut all.resumed));
+    Ok(())
+}
+
+/// What was killed, and the milliseconds that it took.
+#[derive(Default)]
+struct Kills {
+    killed: u32,
+    /// From a kill until the run says that it lost something.
+    noticed: Vec<f64>,
+    /// From there until it goes on, as the run tells itself.
+    resumed: Vec<f64>,
+}
+
+fn spread(took: &mut [f64]) -> String {
     took.sort_by(f64::total_cmp);
     let at = |part: f64| took.get((part * took.len() as f64) as usize).or(took.last());
     let [half, most, worst] = [0.5, 0.95, 1.0].map(|p| at(p).copied().unwrap_or(f64::NAN));
-    println!(
-        "{killed} kills in {:.0} s: killed to resumed {half:.0} ms (median), {most:.0} ms (95 %), \
-         {worst:.0} ms (worst)",
-        begun.elapsed().as_secs_f64()
-    );
-    Ok(())
+    format!("{half:.0} ms (median), {most:.0} ms (95 %), {worst:.0} ms (worst)")
 }
 
 struct Soak {
@@ -85,57 +97,140 @@ impl Soak {
 
     /// Every course and filter on 1 to 5 workers.
     fn courses(&self) -> Result<()> {
-        let there = self.folder.join("there.csv");
+        let keys = self.folder.join("keys");
+        if !keys.exists() {
+            let mut command = Command::new(&self.program);
+            let workers = (1..=5).map(|number| format!("--worker=worker-{number}"));
+            process::run(command.arg("keys").arg(&keys).args(workers))?;
+        }
         for case in Case::all(1).into_iter().filter(Case::is_in_paper) {
             let here = self.undisturbed(&case)?;
             for workers in 1..=5 {
-                let port = std::net::TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
-                for listen in [None, Some(format!("tcp/127.0.0.1:{port}"))] {
-                    let mut more = vec!["-q".to_owned(), format!("--workers={workers}")];
-                    more.extend(listen.iter().map(|endpoint| format!("--listen={endpoint}")));
-                    let status = self.command(&case, &there, &more)?.status()?;
-                    ensure!(status.success(), "{case}, {workers} workers: {status}");
-                    let same = fs::read(&there)? == here;
-                    ensure!(same, "{case}, {workers} workers, {listen:?}: other bytes");
+                for (transport, keys) in [("unix", None), ("tcp", None), ("tls", Some(&*keys))] {
+                    let there = self.distributed(&case, workers, transport, keys)?;
+                    ensure!(there == here, "{case}, {workers} workers, {transport}: other bytes");
                 }
             }
-            println!("{case}: the same bytes with 1 to 5 workers");
+            println!("{case}: the same bytes with 1 to 5 workers by Unix socket, TCP and TLS");
         }
         Ok(())
     }
 
-    /// One run whose processes are killed: how many, and the milliseconds that each loss took.
+    /// The bytes of a run on workers of its own, or with keys on workers that have theirs.
+    fn distributed(
+        &self,
+        case: &Case,
+        workers: u32,
+        transport: &str,
+        keys: Option<&Path>,
+    ) -> Result<Vec<u8>> {
+        let port = std::net::TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
+        let endpoint = format!("{transport}/127.0.0.1:{port}");
+        let mut more = vec!["-q".to_owned()];
+        if transport != "unix" {
+            more.push(format!("--listen={endpoint}"));
+        }
+        let mut lent = Vec::new();
+        if let Some(keys) = keys {
+            more.extend(["--distributed".to_owned(), format!("--min-workers={workers}")]);
+            more.push(format!("--credentials={}", keys.join("orchestrator").display()));
+            for number in 1..=workers {
+                let name = format!("worker-{number}");
+                let mut worker = Command::new(&self.program);
+                worker.args(["worker", "--allow-upload", "--connect", &endpoint, "--name", &name]);
+                worker.arg("--credentials").arg(keys.join(&name)).stderr(Stdio::null());
+                lent.push(worker.spawn()?);
+            }
+        } else {
+            more.push(format!("--workers={workers}"));
+        }
+        let file = self.folder.join("there.csv");
+        let status = self.command(case, &file, &more)?.status();
+        for mut worker in lent {
+            worker.kill()?;
+            worker.wait()?;
+        }
+        ensure!(status?.success(), "{case}, {workers} workers by {transport}: it failed");
+        Ok(fs::read(&file)?)
+    }
+
+    /// One run whose processes are killed, one after the other: the next when the loss of the one
+    /// before was noticed.
     fn disturbed(
         &self,
         case: &Case,
         options: &Options,
         dice: &mut Dice,
         here: &[u8],
-    ) -> Result<(u32, Vec<f64>)> {
+        all: &mut Kills,
+    ) -> Result<()> {
         let there = self.folder.join("there.csv");
         let more = [format!("--workers={}", options.workers), "--format=json".to_owned()];
         let mut command = self.command(case, &there, &more)?;
-        let mut run = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn()?;
-        let mut killed = 0;
+        let mut run = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
+        let losses = losses(&mut run)?;
         while run.try_wait()?.is_none() {
             // Much more often, and a run would do nothing but begin anew.
             std::thread::sleep(Duration::from_millis(100 + dice.below(800)));
             let victims = victims(&run, dice.below(5) == 0);
-            if let Some(victim) = victims.get(dice.below(victims.len() as u64) as usize) {
-                let kill = Command::new("kill").args(["-KILL", &victim.to_string()]).status()?;
-                killed += u32::from(kill.success());
+            if let Some(&victim) = victims.get(dice.below(victims.len() as u64) as usize) {
+                all.kill(victim, &losses)?;
             }
         }
-        let output = run.wait_with_output()?;
+        let (output, killed) = (run.wait_with_output()?, all.killed);
         ensure!(output.status.success(), "after {killed} kills: {}", output.status);
         ensure!(fs::read(&there)? == here, "after {killed} kills the results have other bytes");
         let summary: serde_json::Value = serde_json::from_slice(&output.stdout)?;
         let notes = summary["notes"].as_array().into_iter().flatten();
-        let took = notes.filter_map(|note| {
-            note.as_str()?.rsplit("after ").next()?.strip_suffix(" ms")?.parse().ok()
-        });
-        Ok((killed, took.collect()))
+        all.resumed.extend(notes.filter_map(|note| {
+            let took = note.as_str()?.rsplit("after ").next()?.strip_suffix(" ms")?;
+            took.parse::<f64>().ok()
+        }));
+        Ok(())
     }
+}
+
+/// How long a loss may go unnoticed before the soak goes on without it.
+const UNNOTICED: Duration = Duration::from_secs(2);
+
+impl Kills {
+    fn kill(&mut self, victim: u32, losses: &Receiver<Instant>) -> Result<()> {
+        // A worker without a process of its own computes nothing: nobody misses it.
+        let idle = is_worker(victim) && children(victim).is_empty();
+        // One loss of several groups may be told several times.
+        losses.try_iter().for_each(drop);
+        let begun = Instant::now();
+        let kill = Command::new("kill").args(["-KILL", &victim.to_string()]).status()?;
+        self.killed += u32::from(kill.success());
+        if kill.success()
+            && !idle
+            && let Ok(heard) = losses.recv_timeout(UNNOTICED)
+        {
+            self.noticed.push(heard.duration_since(begun).as_secs_f64() * 1e3);
+        }
+        Ok(())
+    }
+}
+
+fn is_worker(process: u32) -> bool {
+    let arguments = fs::read(format!("/proc/{process}/cmdline")).unwrap_or_default();
+    arguments.split(|byte| *byte == 0).nth(1) == Some(b"worker")
+}
+
+/// When a run says that it has lost something.
+fn losses(run: &mut Child) -> Result<Receiver<Instant>> {
+    let stderr = run.stderr.take().context("the run has no stderr")?;
+    let (heard, losses) = channel();
+    std::thread::spawn(move || {
+        for line in BufReader::new(stderr).lines().map_while(Result::ok) {
+            // Those at the end tell also how it went on.
+            if line.contains(": lost at ") && !line.contains("; went on") {
+                // The run may have ended meanwhile.
+                let _ = heard.send(Instant::now());
+            }
+        }
+    });
+    Ok(losses)
 }
 
 /// The workers of a run, or the processes with its components.

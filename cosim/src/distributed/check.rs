@@ -5,9 +5,11 @@
 //! looks into its tables without asking; who sends others must be refused before.
 
 use std::ops::Range;
+use std::os::unix::ffi::OsStrExt;
+use std::path::Path;
 
 use super::layout::{Group, Part};
-use super::setup::{Setup, Source};
+use super::setup::{FmuFile, Setup, Source};
 use crate::error::{Code, Error, Result};
 use crate::fmi::Kind;
 use crate::master::{Node, Plan};
@@ -53,8 +55,10 @@ impl Setup {
         for (blueprint, node) in self.components.iter().zip(&self.plan.nodes) {
             let converted = blueprint.converted.iter().map(|(input, ..)| *input);
             below(node.inputs.len(), converted, "a converted input")?;
-            if let Source::Signals(signals) = &blueprint.source {
-                signals.check()?;
+            match &blueprint.source {
+                Source::Signals(signals) => signals.check()?,
+                Source::Fmu(file) => check_file(file)?,
+                Source::Sum(..) => {}
             }
         }
         let Some((time, state, _)) = &self.state else {
@@ -63,6 +67,14 @@ impl Setup {
         let times = state.ends.iter().chain([time]);
         require(times.copied().all(timely), || "its state is of no time".to_owned())
     }
+}
+
+/// Hash and name become names of files here.
+fn check_file(FmuFile { sha256, name }: &FmuFile) -> Result<()> {
+    let is_hash = sha256.len() == 64 && sha256.bytes().all(|octet| octet.is_ascii_hexdigit());
+    require(is_hash, || format!("'{sha256}' is no SHA-256"))?;
+    let is_name = Path::new(name).file_name().is_some_and(|own| own.as_bytes() == name.as_bytes());
+    require(is_name, || format!("'{name}' is no name of a file"))
 }
 
 fn check_plan(plan: &Plan) -> Result<()> {

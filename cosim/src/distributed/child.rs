@@ -114,13 +114,17 @@ impl FmuSource for Delivered {
     }
 
     fn open(&mut self, file: &FmuFile) -> Result<Arc<Fmu>> {
-        let path: PathBuf = self.folder.path().join(format!("{}.fmu", file.sha256));
+        // By its own name, which is told when something is wrong with it.
+        let folder = self.folder.path().join(&file.sha256);
+        let path: PathBuf = folder.join(&file.name);
         if !path.is_file() {
             let bytes = self.ask_for(file)?;
             if sha256(&bytes) != file.sha256 {
                 return Err(undelivered(file).why("its hash is not the one that was announced"));
             }
-            std::fs::write(&path, bytes).map_err(|why| undelivered(file).why(why))?;
+            let written =
+                std::fs::create_dir_all(folder).and_then(|()| std::fs::write(&path, bytes));
+            written.map_err(|why| undelivered(file).why(why))?;
         }
         Fmu::open(&path)
     }

@@ -9,6 +9,8 @@ use crate::error::{Code, Error};
 pub(crate) struct Failure {
     code: String,
     what: String,
+    /// The name of the file concerned; where it lies there means nothing here.
+    file: Option<String>,
     why: Option<String>,
     help: Option<String>,
     log: Vec<String>,
@@ -20,6 +22,9 @@ impl From<&Error> for Failure {
         Self {
             code: error.code().as_str().to_owned(),
             what: error.what().to_owned(),
+            file: error
+                .place()
+                .and_then(|(file, _)| Some(file.file_name()?.to_string_lossy().into_owned())),
             why: error.reason().map(str::to_owned),
             help: error.remedy().map(str::to_owned),
             log: error.logged().to_vec(),
@@ -37,6 +42,10 @@ impl Failure {
             Some(why) => error.why(format!("{why} (on {place})")),
             None => error.why(format!("it happened on {place}")),
         };
-        error.log(self.log).returned(self.status)
+        let error = error.log(self.log).returned(self.status);
+        match self.file {
+            Some(file) => error.at(file),
+            None => error,
+        }
     }
 }

@@ -11,7 +11,7 @@ use crate::Algorithm;
 use crate::distributed::host::{Handled, Host};
 use crate::distributed::local::{Fault, Files};
 use crate::distributed::options::Options;
-use crate::distributed::setup::{FmuFile, FmuSource, Setup};
+use crate::distributed::setup::{FmuFile, FmuSource, Setup, Source};
 use crate::distributed::wire::{HEADER, Header, Kind};
 use crate::error::{Code, Error, Result};
 use crate::fmi::Fmu;
@@ -172,6 +172,30 @@ impl FmuSource for Open {
 
 fn contradicts(answer: &[u8]) -> bool {
     String::from_utf8_lossy(answer).contains("contradicts itself")
+}
+
+#[test]
+fn a_file_of_a_set_up_stays_in_its_folder() {
+    let outcome = apart(&chain(Algorithm::GaussSeidel).system, &[0; 5], Trial::default()).unwrap();
+    let body = &outcome.told[0][HEADER + SUM..];
+    for (name, hash) in [
+        ("../m.fmu", None),
+        ("/m.fmu", None),
+        ("..", None),
+        ("", None),
+        ("m.fmu/", None),
+        ("m.fmu", Some("../../m")),
+        ("m.fmu", Some("")),
+    ] {
+        let mut setup: Setup = postcard::from_bytes(body).unwrap();
+        let Source::Fmu(file) = &mut setup.components[0].source else { panic!("no FMU") };
+        file.name = name.to_owned();
+        file.sha256 = hash.map_or(file.sha256.clone(), str::to_owned);
+        let message = resigned(&outcome.told[0], &postcard::to_stdvec(&setup).unwrap());
+        let mut host = Host::new(1, Box::new(Files(outcome.files.clone())));
+        let Handled::Answer(answer) = host.handle(&message) else { panic!("no answer") };
+        assert!(contradicts(&answer), "{name} {hash:?}");
+    }
 }
 
 #[test]
