@@ -1,4 +1,4 @@
-//! The commands in the documents are run as a reader would type them.
+//! The commands in the documents are run as a reader would type them, and the library's example.
 
 use crate::{paths, process};
 use anyhow::{Context, Result};
@@ -7,7 +7,7 @@ use std::{fs, os::unix::fs::symlink, path::Path, process::Command};
 /// Documents whose `cosim` lines must work.
 const DOCUMENTS: [&str; 2] = ["README.md", "examples/README.md"];
 
-/// Runs every `cosim` command of the documents, in a folder under target/.
+/// Runs every `cosim` command of the documents, in a folder under target/, and the example.
 pub(crate) fn run() -> Result<()> {
     process::run(&mut process::build_cosim())?;
     let folder = paths::target().join("examples");
@@ -28,7 +28,9 @@ pub(crate) fn run() -> Result<()> {
             .with_context(|| Path::new(document).display().to_string())?;
         }
     }
-    Ok(())
+    let campaign = ["run", "--release", "--quiet", "-p", "cosim", "--example", "campaign", "--"];
+    let one_run = ["examples/paper.ssd", "1"];
+    process::run(&mut process::cargo(&[&campaign[..], &one_run].concat()))
 }
 
 /// The `cosim` commands in the shell blocks of a document; lines that end in a backslash go on.
