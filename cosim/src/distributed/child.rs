@@ -8,12 +8,12 @@ use std::time::{Duration, Instant};
 use zenoh::qos::CongestionControl;
 use zenoh::{Session, Wait};
 
-use super::allowed::Allowed;
-use super::confine;
+use super::door::allowed::Allowed;
+use super::door::confine;
+use super::door::session::Access;
 use super::host::{Handled, Host};
 use super::keys;
 use super::pool::Order;
-use super::session::Access;
 use super::setup::{FmuFile, FmuSource};
 use crate::digest::sha256;
 use crate::error::{Code, Error, Result};

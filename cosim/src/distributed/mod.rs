@@ -12,27 +12,18 @@
 //! * `wire` is the form of the messages, `setup` what a host is told first;
 //! * `host` computes a group with the engine of an ordinary run, `check` says what a set-up must be;
 //! * `coordinator` drives the groups, `recovery` and `member` what happens when one is lost;
-//! * `fabric` is what carries messages; `net` does so over Zenoh, `session` opens it, `present` knows
-//!   who is there;
-//! * `endpoint`, `credentials`, `members` and `rights` keep the door: who may come in, and what they
-//!   may do then; `diagnose` says why somebody may not, `authority` makes certificates;
-//! * `allowed` says which FMUs a worker loads, `confine` what these may do there;
+//! * `fabric` is what carries messages; `net` does so over Zenoh, `present` knows who is there;
+//! * `door` opens sessions, and says who may come in and what they may do then;
 //! * `status` knows how a run stands, `telemetry` tells it and what is recorded, `watch` hears it;
 //! * `worker` lends a machine, `child` is the process in which FMUs run, `fate` how it ended;
 //! * `own` starts workers for one run.
 
-mod allowed;
-mod authority;
 mod check;
 mod child;
-mod configuration;
-mod confine;
 mod coordinator;
-mod credentials;
 mod decode;
-mod diagnose;
 mod distribute;
-mod endpoint;
+mod door;
 mod fabric;
 mod failure;
 mod fate;
@@ -43,7 +34,6 @@ mod library;
 #[cfg(test)]
 mod local;
 mod member;
-mod members;
 mod net;
 mod options;
 mod own;
@@ -51,9 +41,7 @@ mod placement;
 mod pool;
 mod present;
 mod recovery;
-mod rights;
 mod run;
-mod session;
 mod setup;
 mod status;
 mod telemetry;
@@ -63,19 +51,19 @@ mod watch;
 mod wire;
 mod worker;
 
-pub use allowed::Allowed;
-pub use authority::Authority;
 pub use child::serve as serve_group;
-pub use configuration::{Configuration, Ours};
-pub use confine::{close_inherited, unconfined};
-pub use credentials::Credentials;
 #[doc(hidden)]
 pub use decode::decode;
-pub use members::Members;
+pub use door::allowed::Allowed;
+pub use door::authority::Authority;
+pub use door::configuration::{Configuration, Ours};
+pub use door::confine::{close_inherited, unconfined};
+pub use door::credentials::Credentials;
+pub use door::members::Members;
+pub use door::session::{Access, DEFAULT_ENDPOINT};
 pub use options::{OnFatal, Options};
 pub use pool::{Order, WorkerInfo, default_name};
 pub use run::{Cluster, workers};
-pub use session::{Access, DEFAULT_ENDPOINT};
 pub use status::{GroupStatus, Status};
 pub use telemetry::Rate;
 pub use watch::watch;

@@ -7,13 +7,13 @@ use zenoh::{Session, Wait};
 
 use super::coordinator::Coordinator;
 use super::distribute::Distribution;
+use super::door::session::Access;
 use super::keys;
 use super::net::Net;
 use super::options::Options;
 use super::own::OwnWorkers;
 use super::placement::place;
 use super::pool::WorkerInfo;
-use super::session::Access;
 use super::status::{Board, Watched};
 use super::telemetry::{self, Fed};
 use crate::error::Result;

@@ -5,10 +5,10 @@ use std::time::{Duration, Instant};
 
 use zenoh::Wait;
 
+use super::door::members::Role;
+use super::door::rights;
+use super::door::session::Access;
 use super::keys;
-use super::members::Role;
-use super::rights;
-use super::session::Access;
 use super::status::Status;
 use crate::error::{Code, Error, Result};
 

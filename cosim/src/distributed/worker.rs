@@ -12,12 +12,12 @@ use zenoh::sample::SampleKind;
 use zenoh::{Session, Wait};
 
 use super::child::LAST_CALL;
+use super::door::members::Role;
+use super::door::rights;
+use super::door::session::Access;
 use super::fate::{Call, Fate, Process};
 use super::keys;
-use super::members::Role;
 use super::pool::{Order, WorkerInfo};
-use super::rights;
-use super::session::Access;
 use crate::error::{Code, Error, Result};
 use crate::fmi::LastCall;
 use crate::fmi::temporary::Unpacked;

@@ -21,7 +21,7 @@ const VERDICT: Duration = Duration::from_millis(300);
 
 /// What stands in the way to `endpoint`. Nothing is known of one that answers as it should, and
 /// of one where nobody listens `None` is said, too: somebody may do so later.
-pub(super) fn refusal(endpoint: &str, with: Option<&Checked>) -> Option<Error> {
+pub(crate) fn refusal(endpoint: &str, with: Option<&Checked>) -> Option<Error> {
     let Ok(Endpoint::Tls(host, port)) = Endpoint::parse(endpoint) else {
         return None;
     };
@@ -30,7 +30,7 @@ pub(super) fn refusal(endpoint: &str, with: Option<&Checked>) -> Option<Error> {
 }
 
 /// Why nobody answers, for people.
-pub(super) fn silence(endpoint: &str) -> Option<String> {
+pub(crate) fn silence(endpoint: &str) -> Option<String> {
     let (host, port) = match Endpoint::parse(endpoint) {
         Ok(Endpoint::Tcp(host, port) | Endpoint::Tls(host, port)) => (host, port),
         _ => return None,

@@ -24,7 +24,7 @@ const WANTED: ABI = ABI::V6;
 const SINKS: [&str; 3] = ["/dev/null", "/dev/zero", "/dev/full"];
 
 /// For the whole process, which writes only to `folder`, and dials only these endpoints.
-pub(super) fn process(endpoints: &[String], folder: &Path) -> Result<()> {
+pub(crate) fn process(endpoints: &[String], folder: &Path) -> Result<()> {
     let ports = endpoints.iter().filter_map(|endpoint| match Endpoint::parse(endpoint) {
         Ok(Endpoint::Tcp(_, port) | Endpoint::Tls(_, port)) => Some(port),
         _ => None,
@@ -54,7 +54,7 @@ pub(super) fn process(endpoints: &[String], folder: &Path) -> Result<()> {
 }
 
 /// For the calling thread and those that it will start: no TCP.
-pub(super) fn this_thread() -> Result<()> {
+pub(crate) fn this_thread() -> Result<()> {
     let confine = || -> Result<RulesetStatus, Box<dyn std::error::Error>> {
         let rules = Ruleset::default()
             .set_compatibility(CompatLevel::BestEffort)
@@ -81,10 +81,10 @@ pub fn unconfined() -> Option<String> {
 }
 
 /// What is said where the kernel cannot.
-pub(super) const LOOSE: &str = "not confined: the kernel has no Landlock";
+pub(crate) const LOOSE: &str = "not confined: the kernel has no Landlock";
 
 /// In a few words.
-pub(super) fn describe(wanted: bool) -> String {
+pub(crate) fn describe(wanted: bool) -> String {
     let text = match (wanted, unconfined()) {
         (true, None) => "confined by Landlock",
         (true, Some(_)) => LOOSE,

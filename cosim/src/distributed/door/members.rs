@@ -9,7 +9,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::keys;
+use crate::distributed::keys;
 use crate::error::{Code, Error, Result};
 
 /// The common names that are known, by what they may do.

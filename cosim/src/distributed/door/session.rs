@@ -48,7 +48,7 @@ impl Access {
     }
 
     /// The same, to one that has taken us in before: it is not asked by hand first.
-    pub(super) fn dial_known(&self) -> Result<Session> {
+    pub(crate) fn dial_known(&self) -> Result<Session> {
         self.open("client", "connect/endpoints")
     }
 
@@ -116,7 +116,7 @@ impl Access {
     }
 
     /// The name under which the other side knows us, if it does.
-    pub(super) fn common_name(&self) -> Option<String> {
+    pub(crate) fn common_name(&self) -> Option<String> {
         self.checked().ok().flatten().map(|checked| checked.name)
     }
 

@@ -30,16 +30,16 @@ pub struct Credentials {
 }
 
 /// What is in the files, found to fit together.
-pub(super) struct Checked {
-    pub(super) roots: Arc<RootCertStore>,
-    pub(super) chain: Vec<CertificateDer<'static>>,
-    pub(super) key: PrivateKeyDer<'static>,
+pub(crate) struct Checked {
+    pub(crate) roots: Arc<RootCertStore>,
+    pub(crate) chain: Vec<CertificateDer<'static>>,
+    pub(crate) key: PrivateKeyDer<'static>,
     /// The certificate's common name: under this name the other side knows us.
-    pub(super) name: String,
+    pub(crate) name: String,
 }
 
 /// The provider of cryptography that Zenoh takes as well.
-pub(super) fn provider() -> Arc<CryptoProvider> {
+pub(crate) fn provider() -> Arc<CryptoProvider> {
     Arc::new(ring::default_provider())
 }
 
@@ -56,7 +56,7 @@ impl Credentials {
     }
 
     /// The settings of Zenoh for mutual TLS with these files.
-    pub(super) fn entries(&self) -> Result<Vec<(&'static str, String)>> {
+    pub(crate) fn entries(&self) -> Result<Vec<(&'static str, String)>> {
         let path = |file: &PathBuf| {
             serde_json::to_string(file).map_err(|why| wrong("its name is no text", file).why(why))
         };
@@ -75,7 +75,7 @@ impl Credentials {
 
     /// Reads the files and finds out whether another side that trusts the same authority would
     /// believe them now.
-    pub(super) fn check(&self) -> Result<Checked> {
+    pub(crate) fn check(&self) -> Result<Checked> {
         let mut roots = RootCertStore::empty();
         for root in certificates(&self.authority)? {
             dates(&root, &self.authority, "the authority's certificate")?;

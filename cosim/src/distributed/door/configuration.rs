@@ -89,7 +89,7 @@ impl Configuration {
     }
 
     /// What Zenoh gets.
-    pub(super) fn zenoh(&self, file: &Path) -> Result<Config> {
+    pub(crate) fn zenoh(&self, file: &Path) -> Result<Config> {
         Config::from_json5(&self.zenoh.to_string())
             .map_err(|why| wrong(file, "Zenoh does not take this configuration").why(why))
     }

@@ -4,8 +4,8 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use super::setup::FmuFile;
 use crate::digest::sha256;
+use crate::distributed::setup::FmuFile;
 use crate::error::{Code, Error, Result};
 
 /// What a worker loads.
@@ -18,7 +18,7 @@ pub struct Allowed {
 }
 
 /// Whether a text is a SHA-256 and no path.
-pub(super) fn is_hash(text: &str) -> bool {
+pub(crate) fn is_hash(text: &str) -> bool {
     text.len() == 64 && text.bytes().all(|byte| byte.is_ascii_hexdigit())
 }
 
@@ -40,7 +40,7 @@ impl Allowed {
     }
 
     /// Refuses an FMU that is not allowed, for a component.
-    pub(super) fn check(&self, component: &str, file: &FmuFile) -> Result<()> {
+    pub(crate) fn check(&self, component: &str, file: &FmuFile) -> Result<()> {
         if self.all || self.hashes.contains(&file.sha256) {
             return Ok(());
         }

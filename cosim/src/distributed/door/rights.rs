@@ -6,16 +6,16 @@ use std::time::Duration;
 
 use zenoh::{Session, Wait};
 
-use super::keys;
 use super::members::{Members, Role};
 use super::session::Access;
+use crate::distributed::keys;
 use crate::error::{Code, Error, Result};
 
 /// How long the other side may take; one without a list of members does not answer.
 const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Tells whoever asks.
-pub(super) fn answer(session: &Session, members: Members) -> Result<()> {
+pub(crate) fn answer(session: &Session, members: Members) -> Result<()> {
     session
         .declare_queryable(keys::rights())
         .callback(move |query| {
@@ -32,7 +32,7 @@ pub(super) fn answer(session: &Session, members: Members) -> Result<()> {
 
 /// Refuses to go on when the other side is known to forbid what `wanted` does. Gives the name
 /// in our certificate and what it may do, if the other side keeps rights.
-pub(super) fn ask(
+pub(crate) fn ask(
     session: &Session,
     access: &Access,
     wanted: Role,
