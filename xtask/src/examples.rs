@@ -28,9 +28,12 @@ pub(crate) fn run() -> Result<()> {
             .with_context(|| Path::new(document).display().to_string())?;
         }
     }
-    let campaign = ["run", "--release", "--quiet", "-p", "cosim", "--example", "campaign", "--"];
-    let one_run = ["examples/paper.ssd", "1"];
-    process::run(&mut process::cargo(&[&campaign[..], &one_run].concat()))
+    // The library's example; it is built with all of the workspace.
+    process::run(
+        Command::new(paths::target().join("release/examples/campaign"))
+            .args(["examples/paper.ssd", "1"])
+            .current_dir(paths::root()),
+    )
 }
 
 /// The `cosim` commands in the shell blocks of a document; lines that end in a backslash go on.
