@@ -181,7 +181,7 @@ impl Running {
     fn step(&mut self, header: &Header, mut body: Body<'_>, answer: &mut Vec<u8>) -> Result<()> {
         let now = header.time;
         let part = self.part(&mut body, |group| &group.parts)?;
-        let due = |&member: &usize| self.engine.ends[member] == now;
+        let due = |&member: &usize| self.engine.due(member, now);
         let due: Vec<usize> = part.members.iter().copied().filter(due).collect();
         self.engine.end_steps(&part.members, now)?;
         self.open = Some(Open::Instant(now));
@@ -198,7 +198,7 @@ impl Running {
         body.values(held, &mut self.engine.values).map_err(malformed)?;
         match self.open.take() {
             Some(Open::Start) => self.engine.begin(),
-            Some(Open::Instant(now)) => self.engine.begin_steps(now).map(drop),
+            Some(Open::Instant(now)) => self.engine.begin_steps(now),
             None => Err(refused("no step is waiting for the values it holds")),
         }
     }

@@ -179,9 +179,10 @@ impl Engine {
 
     /// Every component makes the same step.
     fn together(&mut self, begin: Time, length: Time) -> Result<()> {
-        self.lengths.fill(length);
-        self.ends.fill(begin + length);
-        self.instant(begin + length).map(|_| ())
+        for pace in &mut self.paces {
+            (pace.length, pace.end) = (length, begin + length);
+        }
+        self.instant(begin + length)
     }
 
     fn keep(&self) -> Kept {

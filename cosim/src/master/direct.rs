@@ -29,19 +29,17 @@ pub(super) struct Steps {
     held: Vec<Held>,
 }
 
-/// Where the values of a component's step are in the engine's arrays: starts, and counts in half
-/// the size, so that they and its calls fit a cache line.
+/// Where the values of a component's step are in the engine's arrays; small, so that they and its
+/// calls fit a cache line.
 #[derive(Default)]
 struct Places {
     component: u32,
     inputs: u32,
+    /// What is recorded and no output follows the outputs.
     outputs: u32,
-    routes: u32,
-    input_count: u16,
-    output_count: u16,
-    /// They follow the outputs.
-    recorded_count: u16,
+    recorded: u16,
     route_count: u16,
+    routes: u32,
 }
 
 /// An input that gets its value when a step of its component begins.
@@ -51,8 +49,8 @@ struct Held {
 }
 
 #[inline(always)]
-fn range(start: u32, count: u16) -> Range<usize> {
-    start as usize..start as usize + usize::from(count)
+fn range(start: u32, count: usize) -> Range<usize> {
+    start as usize..start as usize + count
 }
 
 impl Places {
@@ -64,11 +62,9 @@ impl Places {
             component: start(component)?,
             inputs: start(node.input_slots.start)?,
             outputs: start(node.output_slots.start)?,
-            routes: start(routes)?,
-            input_count: count(node.input_slots.len())?,
-            output_count: count(node.output_slots.len())?,
-            recorded_count: count(recorded)?,
+            recorded: count(recorded)?,
             route_count: count(node.fresh.len())?,
+            routes: start(routes)?,
         })
     }
 }
@@ -96,7 +92,7 @@ impl Steps {
             return self.direct.push(None, Places::default());
         };
         debug_assert_eq!((inputs.len(), outputs.len()), (node.inputs.len(), node.outputs.len()));
-        self.direct.push(Some((calls, &[inputs, outputs, recorded])), places);
+        self.direct.push(Some((calls, inputs, &[outputs, recorded])), places);
         self.routes.extend_from_slice(&node.fresh);
     }
 
@@ -111,43 +107,49 @@ impl Steps {
 impl Engine {
     /// Makes the steps that end now.
     pub(super) fn step_plain(&mut self, now: Time) -> Result<()> {
-        let mut place = self.step_directly(0, now)?;
-        while let Some(&c) = self.plan.sequence.get(place) {
-            if self.ends[c] == now {
+        let mut place = 0;
+        loop {
+            place = self.step_directly(place, now)?;
+            let Some(&c) = self.plan.sequence.get(place) else {
+                return Ok(());
+            };
+            if self.due(c, now) {
                 self.step_untimed(c, now)?;
             }
-            place = self.step_directly(place + 1, now)?;
+            place += 1;
         }
-        Ok(())
     }
 
     /// Makes those from a place of the sequence on, up to the first that needs its slave: where
     /// that is.
+    #[inline(always)]
     fn step_directly(&mut self, first: usize, now: Time) -> Result<usize> {
-        let reads = now == self.limit;
+        let recording = now == self.limit;
         // Instants in seconds, for components with the same step.
         let (mut length, mut seconds) = (Time::ZERO, (0.0, 0.0));
         let mut place = first;
         for (places, step) in self.steps.direct.from(first) {
             place += 1;
             let c = places.component as usize;
-            if self.ends[c] != now {
+            let pace = &mut self.paces[c];
+            if pace.end != now {
                 continue;
             }
-            if self.lengths[c] != length {
-                length = self.lengths[c];
+            if pace.length != length {
+                length = pace.length;
                 seconds = ((now - length).seconds(), length.seconds());
             }
-            self.made[c] += 1;
-            let fresh = &self.steps.routes[range(places.routes, places.route_count)];
-            copy(fresh, &self.values, &mut self.inputs);
-            let mut results = places.output_count;
-            if reads && places.recorded_count > 0 {
-                results += places.recorded_count;
-                self.read_at[c] = Some(now);
+            pace.made += 1;
+            let routes = range(places.routes, usize::from(places.route_count));
+            copy(&self.steps.routes[routes], &self.values, &mut self.inputs);
+            let mut reads = step.reads();
+            if !recording {
+                reads -= usize::from(places.recorded);
+            } else if places.recorded > 0 {
+                pace.read_at = now;
             }
-            let own = &self.inputs[range(places.inputs, places.input_count)];
-            let results = &mut self.values[range(places.outputs, results)];
+            let own = &self.inputs[range(places.inputs, step.sets())];
+            let results = &mut self.values[range(places.outputs, reads)];
             if let Err(found) = step.advance(own, seconds, results) {
                 self.slaves[c].conclude(found, now - length, length)?;
             }
@@ -158,7 +160,7 @@ impl Engine {
     /// Gives the components whose next step begins now their held inputs.
     pub(super) fn hold(&mut self, now: Time) {
         for held in &self.steps.held {
-            if self.ends[held.component] == now {
+            if self.due(held.component, now) {
                 self.inputs[held.route.to] = self.values[held.route.from];
             }
         }

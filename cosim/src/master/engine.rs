@@ -20,18 +20,15 @@ pub(crate) struct Engine {
     pub(super) steps: Steps,
     /// Those of which variables are recorded that nobody else needs.
     reading: Vec<usize>,
-    /// For which instant they were read in a step.
-    pub(super) read_at: Vec<Option<Time>>,
     /// Where the present run of steps ends: what is recorded is read there.
     pub(super) limit: Time,
     pub(crate) slaves: Vec<Box<dyn Slave>>,
     pub(crate) values: Vec<f64>,
     pub(super) inputs: Vec<f64>,
-    /// When each component's present step ends, and how long it is.
-    pub(crate) ends: Vec<Time>,
-    pub(super) lengths: Vec<Time>,
-    /// How many steps each component made.
-    pub(super) made: Vec<u64>,
+    /// Per component.
+    pub(super) paces: Vec<Pace>,
+    /// When the first of the present steps ends.
+    pub(super) next: Time,
     pub(super) start: Time,
     /// Per loop of the plan.
     pub(super) efforts: Vec<Effort>,
@@ -48,6 +45,24 @@ pub(crate) struct Engine {
     pub(super) warnings: Vec<String>,
 }
 
+/// Where a component is in time.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pace {
+    /// When its present step ends, and how long it is.
+    pub end: Time,
+    pub length: Time,
+    /// How many steps it made.
+    pub made: u64,
+    /// For which instant a step read what is only recorded.
+    pub read_at: Time,
+}
+
+impl Pace {
+    fn new(start: Time, length: Time) -> Self {
+        Self { end: start + length, length, made: 0, read_at: Time::NEVER }
+    }
+}
+
 impl Engine {
     pub(crate) fn new(plan: Plan, made: Vec<Made>, start: Time) -> Self {
         let those = |which: &dyn Fn(&Node) -> bool| -> Vec<usize> {
@@ -56,14 +71,12 @@ impl Engine {
         let (slaves, patches): (Vec<_>, _) = made.into_iter().unzip();
         Self {
             steps: Steps::new(&plan, &slaves),
-            read_at: vec![None; plan.nodes.len()],
             limit: start,
             reading: those(&|node| !node.recorded.is_empty()),
             values: vec![0.0; plan.values],
             inputs: vec![0.0; plan.inputs],
-            ends: plan.nodes.iter().map(|node| start + node.step).collect(),
-            lengths: plan.nodes.iter().map(|node| node.step).collect(),
-            made: vec![0; plan.nodes.len()],
+            next: plan.nodes.iter().map(|node| start + node.step).min().unwrap_or(Time::NEVER),
+            paces: plan.nodes.iter().map(|node| Pace::new(start, node.step)).collect(),
             efforts: vec![Effort::default(); plan.loops.len()],
             trends: vec![Trend::default(); plan.trends.len()],
             ramps: vec![Ramp::default(); plan.ramps.len()],
@@ -164,21 +177,26 @@ impl Engine {
         result
     }
 
+    /// Whether the present step of a component ends now.
+    #[inline]
+    pub(crate) fn due(&self, component: usize, now: Time) -> bool {
+        self.paces[component].end == now
+    }
+
     /// Makes every step that ends at or before `limit`.
     pub(crate) fn run_until(&mut self, limit: Time) -> Result<()> {
         if self.control.is_some() {
             return self.run_controlled(limit);
         }
         self.limit = limit;
-        let mut next = self.ends.iter().min().copied();
-        while let Some(now) = next.filter(|&now| now <= limit) {
-            next = self.instant(now)?;
+        while self.next <= limit {
+            self.instant(self.next)?;
         }
         Ok(())
     }
 
-    /// Makes the steps that end now; when the next ones end.
-    pub(super) fn instant(&mut self, now: Time) -> Result<Option<Time>> {
+    /// Makes the steps that end now.
+    pub(super) fn instant(&mut self, now: Time) -> Result<()> {
         self.meter.instant();
         if self.meter.timing || !self.plan.loops.is_empty() {
             self.with_sequence(|engine, sequence| engine.step_members(sequence, now))?;
@@ -194,23 +212,25 @@ impl Engine {
         self.step_members(members, now)
     }
 
-    /// The second half: who ended a step begins the next one, with the values held during it;
-    /// when the next ones end.
+    /// The second half: who ended a step begins the next one, with the values held during it.
     #[inline]
-    pub(crate) fn begin_steps(&mut self, now: Time) -> Result<Option<Time>> {
+    pub(crate) fn begin_steps(&mut self, now: Time) -> Result<()> {
         if !self.ramps.is_empty() {
             self.follow(now)?;
         }
         self.hold(now);
-        for (end, length) in self.ends.iter_mut().zip(&self.lengths) {
-            if *end == now {
-                *end = now + *length;
+        self.next = Time::NEVER;
+        for pace in &mut self.paces {
+            if pace.end == now {
+                pace.end = now + pace.length;
             }
+            self.next = self.next.min(pace.end);
         }
-        Ok(self.ends.iter().min().copied())
+        Ok(())
     }
 
     /// Every step of `members` that ends now, with loops and the clock.
+    #[inline(never)]
     fn step_members(&mut self, members: &[usize], now: Time) -> Result<()> {
         let mut place = 0;
         while let Some(&c) = members.get(place) {
@@ -220,7 +240,7 @@ impl Engine {
                 place += self.plan.loops[found].members.len();
                 continue;
             }
-            if self.ends[c] == now {
+            if self.due(c, now) {
                 self.step_one(c, now)?;
             }
             place += 1;
@@ -245,9 +265,9 @@ impl Engine {
     }
 
     pub(super) fn step_untimed(&mut self, c: usize, now: Time) -> Result<()> {
-        let (node, length) = (&self.plan.nodes[c], self.lengths[c]);
-        let slave = &mut *self.slaves[c];
-        self.made[c] += 1;
+        let (node, pace) = (&self.plan.nodes[c], &mut self.paces[c]);
+        let (slave, length) = (&mut *self.slaves[c], pace.length);
+        pace.made += 1;
         copy(&node.fresh, &self.values, &mut self.inputs);
         if node.ramped {
             return self.step_ramped(c, now);
@@ -262,7 +282,8 @@ impl Engine {
     #[cold]
     fn step_ramped(&mut self, c: usize, now: Time) -> Result<()> {
         self.set_ramps(c, now)?;
-        let (node, slave, length) = (&self.plan.nodes[c], &mut self.slaves[c], self.lengths[c]);
+        let (node, slave) = (&self.plan.nodes[c], &mut self.slaves[c]);
+        let length = self.paces[c].length;
         let reached = slave.step(now - length, length)?;
         if reached != now {
             return self.stopped_short(reached);
@@ -291,7 +312,7 @@ impl Engine {
     pub(crate) fn read_recorded(&mut self, now: Time) -> Result<()> {
         for place in 0..self.reading.len() {
             let component = self.reading[place];
-            if self.read_at[component] != Some(now) {
+            if self.paces[component].read_at != now {
                 self.read_of(component, now)?;
             }
         }

@@ -72,7 +72,7 @@ impl Engine {
     /// Steps the members of a loop whose steps end now.
     pub(super) fn step_loop(&mut self, position: usize, now: Time) -> Result<()> {
         let found = &self.plan.loops[position];
-        let active = |c: usize| self.ends[c] == now;
+        let active = |c: usize| self.due(c, now);
         let members: Vec<usize> = found.members.iter().copied().filter(|&c| active(c)).collect();
         let (cuts, known): (Vec<Cut>, Vec<Cut>) =
             found.cuts.iter().filter(|cut| active(cut.to)).partition(|cut| active(cut.from));
@@ -87,7 +87,7 @@ impl Engine {
         let outcome = self.solve(&cuts, &members, &mut |engine| {
             for &c in &members {
                 if !first {
-                    let begin = now - engine.lengths[c];
+                    let begin = now - engine.paces[c].length;
                     engine.slaves[c].restore(Place::Iteration, begin)?;
                 }
                 engine.step_one(c, now)?;

@@ -245,7 +245,18 @@ impl<'a> Run<'a> {
         Ok(controls.stop)
     }
 
+    #[inline]
     fn take_snapshots(
+        &mut self,
+        driven: &mut dyn Drive,
+        now: Time,
+        taken: &mut Option<Time>,
+    ) -> Result<()> {
+        if self.snapshots.is_none() { Ok(()) } else { self.take_due(driven, now, taken) }
+    }
+
+    #[cold]
+    fn take_due(
         &mut self,
         driven: &mut dyn Drive,
         now: Time,

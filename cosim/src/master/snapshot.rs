@@ -173,7 +173,7 @@ impl Engine {
         Ok(EngineState {
             values: self.values.clone(),
             inputs: self.inputs.clone(),
-            ends: self.ends.clone(),
+            ends: self.paces.iter().map(|pace| pace.end).collect(),
             trends: self.trends.clone(),
             ramps: self.ramps.clone(),
             step: self.control.as_ref().map(|control| control.step),
@@ -185,7 +185,7 @@ impl Engine {
     pub(crate) fn restore(&mut self, state: &EngineState, time: Time) -> Result<()> {
         let fits = state.values.len() == self.values.len()
             && state.inputs.len() == self.inputs.len()
-            && state.ends.len() == self.ends.len()
+            && state.ends.len() == self.paces.len()
             && state.trends.len() == self.trends.len()
             && state.ramps.len() == self.ramps.len()
             && state.components.len() == self.slaves.len();
@@ -195,10 +195,12 @@ impl Engine {
         }
         self.values.clone_from(&state.values);
         self.inputs.clone_from(&state.inputs);
-        self.ends.clone_from(&state.ends);
+        for (pace, &end) in self.paces.iter_mut().zip(&state.ends) {
+            (pace.end, pace.read_at) = (end, Time::NEVER);
+        }
+        self.next = state.ends.iter().min().copied().unwrap_or(Time::NEVER);
         self.trends.clone_from(&state.trends);
         self.ramps.clone_from(&state.ramps);
-        self.read_at.fill(None);
         if let (Some(control), Some(step)) = (&mut self.control, state.step) {
             (control.now, control.step) = (time, step);
         }

@@ -68,13 +68,13 @@ pub(crate) type Tally = (Vec<u64>, Vec<Effort>);
 impl Engine {
     /// What was counted so far.
     pub(crate) fn tally(&self) -> Tally {
-        (self.made.clone(), self.efforts.clone())
+        (self.paces.iter().map(|pace| pace.made).collect(), self.efforts.clone())
     }
 
     /// Goes on counting from there.
     pub(crate) fn count_from(&mut self, (steps, efforts): &Tally) {
-        for (own, steps) in self.made.iter_mut().zip(steps) {
-            *own = *steps;
+        for (pace, steps) in self.paces.iter_mut().zip(steps) {
+            pace.made = *steps;
         }
         for (own, effort) in self.efforts.iter_mut().zip(efforts) {
             *own = *effort;
@@ -85,9 +85,9 @@ impl Engine {
         let (mut warnings, mut notes) = (self.warnings.clone(), Vec::new());
         self.tell_control(&mut warnings, &mut notes);
         let taken_back = self.control.as_ref().map_or(0, |control| control.rejected);
-        let each = self.slaves.iter_mut().zip(&self.made).zip(&self.meter.costs);
-        let components = each.map(|((slave, made), cost)| ComponentReport {
-            steps: *made,
+        let each = self.slaves.iter_mut().zip(&self.paces).zip(&self.meter.costs);
+        let components = each.map(|((slave, pace), cost)| ComponentReport {
+            steps: pace.made,
             rejected: slave.rejected() + taken_back,
             seconds_per_step: cost.seconds_per_step(),
             messages: slave.messages(),

@@ -49,12 +49,12 @@ impl Engine {
     /// After the last component of an instant: trends of the sources, then ramps of the inputs.
     pub(super) fn follow(&mut self, now: Time) -> Result<()> {
         for c in 0..self.plan.nodes.len() {
-            if self.ends[c] == now {
+            if self.due(c, now) {
                 self.learn(c, now)?;
             }
         }
         for c in 0..self.plan.nodes.len() {
-            if self.ends[c] == now {
+            if self.due(c, now) {
                 self.take_ramps(c, now);
             }
         }
@@ -101,10 +101,10 @@ impl Engine {
             let (way, ramp) = (&self.plan.ramps[position], self.ramps[position]);
             let place = way.input - first;
             slopes[place] = if way.fresh {
-                let stepped = self.ends[way.source] == now;
+                let stepped = self.due(way.source, now);
                 let trend = &self.trends[way.trend];
                 let goal = if stepped { self.inputs[way.input] } else { trend.at(now) };
-                (goal - ramp.value) / self.lengths[c].seconds()
+                (goal - ramp.value) / self.paces[c].length.seconds()
             } else {
                 ramp.slope
             };

@@ -100,6 +100,7 @@ impl Recording {
 
 impl Recording {
     /// Puts the newest rows into their columns.
+    #[cold]
     fn sort_in(&mut self) {
         let width = self.columns.len().max(1);
         for (position, column) in self.columns.iter_mut().enumerate() {

@@ -38,25 +38,30 @@ pub(crate) struct Direct {
 /// The steps of many instances in an order, each with something of the master's.
 pub(crate) struct DirectSteps<T> {
     lines: Vec<Line<T>>,
-    /// Value references of each line, first of what is set.
+    /// Those of all lines: of each first what is set, then what is read.
     references: Vec<u32>,
     /// No instance of a line is freed as long as this is there.
     kept: Vec<Arc<()>>,
 }
 
-/// A cache line, if `T` is no longer than 28 bytes.
+/// A cache line, if `T` is no longer than 24 bytes.
 #[repr(C, align(64))]
 struct Line<T> {
     /// None: the step is not made directly.
     calls: Option<Calls>,
+    /// Where its references begin; there are as many as are set and read.
     references: u32,
+    sets: u16,
+    reads: u16,
     own: T,
 }
 
 /// The step of an instance.
 pub(crate) struct DirectStep<'a> {
     calls: &'a mut Option<Calls>,
+    /// What is set, then what is read.
     references: &'a [u32],
+    sets: usize,
 }
 
 /// A call that did not go well: nothing more was called.
@@ -71,15 +76,6 @@ enum Call {
     Get,
 }
 
-/// Well, or with a warning, which the FMU has logged.
-#[inline(always)]
-fn check(call: Call, status: RawStatus) -> Result<(), Unusual> {
-    match status {
-        status::OK | status::WARNING => Ok(()),
-        _ => Err(Unusual { call, status }),
-    }
-}
-
 impl<T> Default for DirectSteps<T> {
     fn default() -> Self {
         Self { lines: Vec::new(), references: Vec::new(), kept: Vec::new() }
@@ -87,18 +83,22 @@ impl<T> Default for DirectSteps<T> {
 }
 
 impl<T> DirectSteps<T> {
-    /// Adds a step that sets and gets Reals of these references, or one that is not made directly.
-    pub(crate) fn push(&mut self, direct: Option<(Direct, &[&[u32]])>, own: T) {
-        let place = u32::try_from(self.references.len());
-        let (calls, references) = match (direct, place) {
-            (Some((direct, references)), Ok(place)) => {
+    /// Adds a step that sets Reals and then reads some, or one that is not made directly, which is
+    /// also what becomes of one with more of them than can be counted.
+    pub(crate) fn push(&mut self, direct: Option<(Direct, &[u32], &[&[u32]])>, own: T) {
+        let mut line = Line { calls: None, references: 0, sets: 0, reads: 0, own };
+        if let Some((direct, sets, reads)) = direct {
+            let reads = reads.concat();
+            let place = u32::try_from(self.references.len());
+            let counts = (u16::try_from(sets.len()), u16::try_from(reads.len()));
+            if let (Ok(references), (Ok(set), Ok(read))) = (place, counts) {
                 self.kept.push(direct.kept);
-                self.references.extend(references.iter().copied().flatten());
-                (Some(direct.calls), place)
+                self.references.extend(sets.iter().chain(&reads));
+                (line.calls, line.references) = (Some(direct.calls), references);
+                (line.sets, line.reads) = (set, read);
             }
-            _ => (None, 0),
-        };
-        self.lines.push(Line { calls, references, own });
+        }
+        self.lines.push(line);
     }
 
     /// From now on this step is not made directly.
@@ -112,19 +112,32 @@ impl<T> DirectSteps<T> {
     #[inline(always)]
     pub(crate) fn from(&mut self, place: usize) -> impl Iterator<Item = (&T, DirectStep<'_>)> {
         let references = &self.references;
-        self.lines.iter_mut().skip(place).map_while(|line| {
-            let calls = &mut line.calls;
+        let lines = self.lines.get_mut(place..).unwrap_or_default();
+        lines.iter_mut().map_while(move |Line { calls, references: first, sets, reads, own }| {
             calls.as_ref()?;
-            let references = references.get(line.references as usize..)?;
-            Some((&line.own, DirectStep { calls, references }))
+            let count = (usize::from(*sets), usize::from(*reads));
+            let references = &references[*first as usize..][..count.0 + count.1];
+            Some((&*own, DirectStep { calls, references, sets: count.0 }))
         })
     }
 }
 
 impl DirectStep<'_> {
-    /// Sets the inputs, steps from `start` by `length` (in seconds), reads the outputs. There are
-    /// as many as there are references; of the outputs the last may be left out. Empty arrays are
-    /// left alone.
+    /// How many Reals it sets.
+    #[inline(always)]
+    pub(crate) fn sets(&self) -> usize {
+        self.sets
+    }
+
+    /// How many Reals it reads.
+    #[inline(always)]
+    pub(crate) fn reads(&self) -> usize {
+        self.references.len() - self.sets
+    }
+
+    /// Sets the inputs, steps from `start` by `length` (in seconds), reads the outputs. The inputs
+    /// are as many as it sets; of the outputs the last may be left out. Empty arrays are left
+    /// alone.
     #[inline(always)]
     pub(crate) fn advance(
         self,
@@ -132,34 +145,49 @@ impl DirectStep<'_> {
         (start, length): (f64, f64),
         outputs: &mut [f64],
     ) -> Result<(), Unusual> {
-        let Some(Calls { component: c, set_real, do_step, get_real }) = *self.calls else {
+        let Some(Calls { component, set_real, do_step, get_real }) = *self.calls else {
             return Ok(());
         };
-        let (set, get) = self.references.split_at(inputs.len());
-        let get = &get[..outputs.len()];
-        let mut done = || {
-            if !set.is_empty() {
-                // SAFETY: the instance is kept and was initialized, here and below; the arrays have
-                // one length and live during the calls.
-                let status = unsafe { set_real(c, set.as_ptr(), set.len(), inputs.as_ptr()) };
-                check(Call::Set, status)?;
+        let (set, read) = self.references.split_at(inputs.len());
+        let read = &read[..outputs.len()];
+        if !set.is_empty() {
+            // SAFETY: the instance is kept and was initialized, here and below; the arrays have one
+            // length and live during the calls.
+            let status = unsafe { set_real(component, set.as_ptr(), set.len(), inputs.as_ptr()) };
+            if is_unusual(status) {
+                return Err(self.end(Call::Set, status));
             }
+        }
+        // SAFETY: as above.
+        let status = unsafe { do_step(component, start, length, 1) };
+        if is_unusual(status) {
+            return Err(self.end(Call::Step, status));
+        }
+        if !read.is_empty() {
             // SAFETY: as above.
-            check(Call::Step, unsafe { do_step(c, start, length, 1) })?;
-            if !get.is_empty() {
-                // SAFETY: as above.
-                let status = unsafe { get_real(c, get.as_ptr(), get.len(), outputs.as_mut_ptr()) };
-                check(Call::Get, status)?;
+            let status =
+                unsafe { get_real(component, read.as_ptr(), read.len(), outputs.as_mut_ptr()) };
+            if is_unusual(status) {
+                return Err(self.end(Call::Get, status));
             }
-            Ok(())
-        };
-        done().inspect_err(|unusual: &Unusual| {
-            // A discarded step may be followed by others, nothing else may.
-            if unusual.status != status::DISCARD {
-                *self.calls = None;
-            }
-        })
+        }
+        Ok(())
     }
+
+    /// A discarded step may be followed by others, nothing else may.
+    #[cold]
+    fn end(self, call: Call, status: RawStatus) -> Unusual {
+        if status != status::DISCARD {
+            *self.calls = None;
+        }
+        Unusual { call, status }
+    }
+}
+
+/// Neither well nor with a warning, which the FMU has logged.
+#[inline(always)]
+fn is_unusual(status: RawStatus) -> bool {
+    !matches!(status, status::OK | status::WARNING)
 }
 
 impl Instance {
