@@ -173,7 +173,11 @@ impl Hosted {
     pub fn at_hand(&self, references: &[u32], into: &mut [f64]) -> Option<()> {
         let engine = self.engine.as_ref().filter(|_| self.stage == Stage::Running)?;
         for (reference, place) in references.iter().zip(into) {
-            *place = *engine.values.get(self.table.slot(*reference)?)?;
+            let slot = self.table.slot(*reference)?;
+            if slot.read_with.is_some_and(|step| !engine.has_read(step as usize, self.time)) {
+                return None;
+            }
+            *place = *engine.values.get(slot.place as usize)?;
         }
         Some(())
     }

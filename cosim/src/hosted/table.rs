@@ -12,11 +12,17 @@ use crate::system::{Column, Conversion, Port, System};
 /// All variables, per type.
 pub(super) struct Table {
     known: [Vec<Known>; Basic::ALL.len()],
-    /// Of each Real, where its value is among the engine's; [`ELSEWHERE`] if it is not so simple.
-    slots: Box<[u32]>,
+    /// Of each Real, where its value is among the engine's; `None` if it is not so simple.
+    slots: Box<[Option<Slot>]>,
 }
 
-const ELSEWHERE: u32 = u32::MAX;
+/// A place among the engine's values.
+#[derive(Clone, Copy)]
+pub(super) struct Slot {
+    pub place: u32,
+    /// It is up to date only after steps of this component that read it.
+    pub read_with: Option<u32>,
+}
 
 /// A variable.
 pub(super) struct Known {
@@ -132,19 +138,24 @@ impl Table {
             };
             table.known[exposed.basic as usize].push(known);
         }
-        let slot = |known: &Known| match (known.read, &known.ends[0].conversion) {
-            (Read::Slot(slot), None) => u32::try_from(slot).unwrap_or(ELSEWHERE),
-            _ => ELSEWHERE,
+        let slot = |known: &Known| {
+            let (slot, component) = match known.read {
+                Read::Slot(slot) => (slot, None),
+                Read::Recorded(slot, component) => (slot, Some(component)),
+                Read::Own | Read::Asked => return None,
+            };
+            let read_with = component.map(u32::try_from).transpose().ok()?;
+            let plain = known.ends[0].conversion.is_none();
+            u32::try_from(slot).ok().filter(|_| plain).map(|place| Slot { place, read_with })
         };
         table.slots = table.known[Basic::Real as usize].iter().map(slot).collect();
         Ok((system, table))
     }
 
-    /// The place of a Real among the engine's values, where it is always up to date.
+    /// The place of a Real among the engine's values.
     #[inline]
-    pub(super) fn slot(&self, reference: u32) -> Option<usize> {
-        let slot = *self.slots.get(reference as usize)?;
-        (slot != ELSEWHERE).then_some(slot as usize)
+    pub(super) fn slot(&self, reference: u32) -> Option<Slot> {
+        *self.slots.get(reference as usize)?
     }
 
     pub(super) fn reset(&mut self) {

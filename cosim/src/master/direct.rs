@@ -4,7 +4,7 @@
 //! touches stands in a few arrays in the order of stepping: a line per component with the calls of
 //! its FMU (`fmi::DirectSteps`) and its places, value references and routes one after the other, and
 //! the engine's own flat arrays. A step is then: copy the fresh inputs, `fmi2SetReal`, `fmi2DoStep`,
-//! `fmi2GetReal`, which at instants that are recorded reads what is only recorded too.
+//! `fmi2GetReal`, which at instants that are recorded reads the Reals that are only recorded too.
 //!
 //! Plain are co-simulation FMUs whose connected variables are Reals, without conversions,
 //! manipulations, moving inputs, followed calls, retries or error control. All others have an
@@ -27,6 +27,8 @@ pub(super) struct Steps {
     /// The fresh inputs of one step after those of the other.
     routes: Vec<Route>,
     held: Vec<Held>,
+    /// Per component: of what is only recorded, the Reals are read in the step, others are not.
+    partly: Vec<bool>,
 }
 
 /// Where the values of a component's step are in the engine's arrays; small, so that they and its
@@ -72,7 +74,7 @@ impl Places {
 impl Steps {
     /// Those of slaves that are initialized; of others all steps are made by the slaves.
     pub(super) fn new(plan: &Plan, slaves: &[Box<dyn Slave>]) -> Self {
-        let mut steps = Self::default();
+        let mut steps = Self { partly: vec![false; plan.nodes.len()], ..Self::default() };
         for &c in &plan.sequence {
             steps.push(c, &plan.nodes[c], &*slaves[c]);
         }
@@ -92,8 +94,15 @@ impl Steps {
             return self.direct.push(None, Places::default());
         };
         debug_assert_eq!((inputs.len(), outputs.len()), (node.inputs.len(), node.outputs.len()));
+        self.partly[c] = recorded.len() < node.recorded.len();
         self.direct.push(Some((calls, inputs, &[outputs, recorded])), places);
         self.routes.extend_from_slice(&node.fresh);
+    }
+
+    /// Whether a step reads only some of what is only recorded of a component.
+    #[inline]
+    pub(super) fn reads_partly(&self, component: usize) -> bool {
+        self.partly[component]
     }
 
     /// From now on this component steps by its slave.

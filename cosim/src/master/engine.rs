@@ -53,7 +53,7 @@ pub(super) struct Pace {
     pub length: Time,
     /// How many steps it made.
     pub made: u64,
-    /// For which instant a step read what is only recorded.
+    /// For which instant a step read the Reals that are only recorded.
     pub read_at: Time,
 }
 
@@ -312,11 +312,17 @@ impl Engine {
     pub(crate) fn read_recorded(&mut self, now: Time) -> Result<()> {
         for place in 0..self.reading.len() {
             let component = self.reading[place];
-            if self.paces[component].read_at != now {
+            if !self.has_read(component, now) || self.steps.reads_partly(component) {
                 self.read_of(component, now)?;
             }
         }
         Ok(())
+    }
+
+    /// Whether the Reals among those of a component were read by its step that ends now.
+    #[inline]
+    pub(crate) fn has_read(&self, component: usize, now: Time) -> bool {
+        self.paces[component].read_at == now
     }
 
     /// Reads those of one component.

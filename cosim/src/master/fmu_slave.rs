@@ -240,7 +240,7 @@ impl Slave for FmuSlave {
             return None;
         }
         let (inputs, outputs) = (self.inputs.only_reals()?, self.outputs.only_reals()?);
-        let recorded = self.recorded.only_reals().unwrap_or_default();
+        let recorded = self.recorded.reals();
         Some(DirectCalls { calls: self.instance.direct()?, inputs, outputs, recorded })
     }
 

@@ -112,8 +112,8 @@ pub trait Slave {
     fn came_to(&mut self, _now: Time) {}
 }
 
-/// The calls of a slave's step, and the value references of its inputs, its outputs and of what is
-/// only recorded, if that can be read in one call with the outputs.
+/// The calls of a slave's step, and the value references of its inputs, its outputs and of the Reals
+/// that are only recorded.
 pub struct DirectCalls<'a> {
     pub(super) calls: Direct,
     pub(super) inputs: &'a [u32],
