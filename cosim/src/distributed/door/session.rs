@@ -52,6 +52,11 @@ impl Access {
         self.open("client", "connect/endpoints")
     }
 
+    /// Refuses what is refused when a session is opened, as far as it is known before.
+    pub fn check(&self) -> Result<()> {
+        self.checked().map(drop)
+    }
+
     /// Refuses endpoints that are open to others, and credentials that nobody will believe.
     fn checked(&self) -> Result<Option<Checked>> {
         let mut tls = false;
