@@ -39,7 +39,11 @@ impl Remote {
                 return Err(Error::new(Code::Lost, why));
             }
         }
-        Ok(Self {
+        Ok(Self::over(link, manifest, name))
+    }
+
+    fn over(link: Link, manifest: Manifest, name: &str) -> Self {
+        Self {
             known: Known::new(&manifest.outputs),
             manifest,
             name: name.to_owned(),
@@ -47,7 +51,7 @@ impl Remote {
             held: Vec::new(),
             stepping: false,
             messages: Vec::new(),
-        })
+        }
     }
 
     /// Makes calls, after what was held back.
@@ -214,3 +218,6 @@ fn failed(trouble: Trouble) -> Error {
     let code = if trouble.ended { Code::Ended } else { Code::Fmu };
     Error::new(code, trouble.text).returned(trouble.status)
 }
+
+#[cfg(test)]
+mod tests;

@@ -64,7 +64,7 @@ pub use door::confine::{close_inherited, unconfined};
 pub use door::credentials::Credentials;
 pub use door::members::Members;
 pub use door::session::{Access, DEFAULT_ENDPOINT};
-pub use options::{OnFatal, Options};
+pub use options::{OnFatal, Options, several};
 pub use pool::{Order, WorkerInfo, default_name};
 pub use remote::{Reached, Remote};
 pub use run::{Cluster, workers};

@@ -14,6 +14,11 @@ pub enum OnFatal {
     Resume,
 }
 
+/// Endpoints with commas between.
+pub fn several(text: &str) -> impl Iterator<Item = &str> {
+    text.split(',').map(str::trim).filter(|endpoint| !endpoint.is_empty())
+}
+
 /// How a distributed run behaves.
 #[derive(Debug, Clone)]
 pub struct Options {

@@ -25,7 +25,8 @@ const GRACE: Duration = Duration::from_millis(1500);
 /// A program of one's own.
 pub struct Link {
     stream: UnixStream,
-    child: Child,
+    /// None in tests.
+    child: Option<Child>,
 }
 
 impl Link {
@@ -50,7 +51,13 @@ impl Link {
             .process_group(0)
             .spawn()
             .map_err(unstarted)?;
-        Ok(Self { stream: ours, child })
+        Ok(Self { stream: ours, child: Some(child) })
+    }
+
+    /// With somebody who serves the other end of `stream`, for tests.
+    #[doc(hidden)]
+    pub fn over(stream: UnixStream) -> Self {
+        Self { stream, child: None }
     }
 
     /// Asks, and waits for the answer.
@@ -68,8 +75,8 @@ impl Link {
     fn broken(&mut self, why: &std::io::Error) -> Error {
         let error = Error::new(Code::Lost, "the process that speaks to the workers is gone");
         let silent = matches!(why.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut);
-        match self.child.try_wait() {
-            Ok(Some(status)) => error.why(format!("it ended: {status}")),
+        match self.child.as_mut().map(Child::try_wait) {
+            Some(Ok(Some(status))) => error.why(format!("it ended: {status}")),
             _ if silent => error.why(format!("it said nothing for {} s", SILENCE.as_secs())),
             _ => error.why(why),
         }
@@ -80,16 +87,19 @@ impl Drop for Link {
     fn drop(&mut self) {
         // It ends with this.
         let _ = self.stream.shutdown(Shutdown::Both);
+        let Some(child) = &mut self.child else {
+            return;
+        };
         let begun = Instant::now();
         while begun.elapsed() < GRACE {
-            match self.child.try_wait() {
+            match child.try_wait() {
                 Ok(None) => std::thread::sleep(Duration::from_millis(2)),
                 // The importer may have waited for all of its children.
                 Ok(Some(_)) | Err(_) => return,
             }
         }
-        let _ = self.child.kill();
-        let _ = self.child.wait();
+        let _ = child.kill();
+        let _ = child.wait();
     }
 }
 

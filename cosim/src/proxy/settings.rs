@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::manifest::CONNECTION;
-use crate::distributed::{Access, Configuration, Credentials, DEFAULT_ENDPOINT, Ours, Reached};
+use crate::distributed::{
+    Access, Configuration, Credentials, DEFAULT_ENDPOINT, Ours, Reached, several,
+};
 use crate::error::{Code, Error, Result};
 
 /// What each variable of the environment is called, and means.
@@ -123,11 +125,6 @@ impl Reached {
             save_every: Some(save_every).filter(|every| *every > 0),
         })
     }
-}
-
-/// Endpoints with commas between.
-fn several(text: &str) -> impl Iterator<Item = &str> {
-    text.split(',').map(str::trim).filter(|endpoint| !endpoint.is_empty())
 }
 
 /// A variable that is set to something.
