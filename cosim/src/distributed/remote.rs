@@ -172,9 +172,13 @@ impl Remote {
                 self.stepping = false;
                 self.rebase()?;
             } else if !self.stepping && ask.changes() {
+                if matches!(ask, Ask::Restore(_)) {
+                    // What was done before has left no trace.
+                    self.setup.before.clear();
+                }
                 self.setup.before.push(ask.clone());
             }
-            self.stepping |= *ask == Ask::Exit;
+            self.stepping |= matches!(ask, Ask::Exit | Ask::Restore(_));
         }
         Ok(())
     }
