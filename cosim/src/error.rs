@@ -87,7 +87,7 @@ impl Error {
 
     /// The status (`fmi2Status`) that an FMU returned.
     #[must_use]
-    pub(crate) fn returned(mut self, status: impl Into<Option<i32>>) -> Self {
+    pub fn returned(mut self, status: impl Into<Option<i32>>) -> Self {
         self.0.status = status.into();
         self
     }
@@ -145,6 +145,24 @@ impl Error {
     /// This problem and those reported with it.
     pub fn problems(&self) -> impl Iterator<Item = &Error> {
         std::iter::once(self).chain(&self.0.others)
+    }
+
+    /// Everything in one line, for logs: what, where, why, what to do.
+    pub fn line(&self) -> String {
+        let one = |error: &Self| {
+            let mut text = error.what().to_owned();
+            if let Some((file, place)) = error.place() {
+                let place = place.map_or(String::new(), |line| format!(":{line}"));
+                text.push_str(&format!(" [{}{place}]", file.display()));
+            }
+            let parts = [(": ", error.reason()), ("; ", error.remedy())];
+            for (before, part) in parts {
+                text.extend(part.map(|part| format!("{before}{part}")));
+            }
+            text
+        };
+        let all: Vec<String> = self.problems().map(one).collect();
+        all.join("; ")
     }
 
     fn write_one(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

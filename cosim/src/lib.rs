@@ -66,6 +66,7 @@ pub mod master;
 pub mod names;
 pub mod observe;
 pub mod pace;
+pub mod proxy;
 pub mod report;
 pub mod scenario;
 pub mod signals;

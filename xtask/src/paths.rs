@@ -17,3 +17,19 @@ pub(crate) fn target() -> PathBuf {
 pub(crate) fn fmus() -> PathBuf {
     target().join("fmus")
 }
+
+/// Cargo's output folder for a target of Rust, or for this machine.
+pub(crate) fn released(target: Option<&str>) -> PathBuf {
+    target().join(target.unwrap_or_default()).join("release")
+}
+
+/// The program `cosim` for a target of Rust, as [`package`](crate::package) builds it for shipping:
+/// linked by Zig, with Zenoh.
+pub(crate) fn program(target: &str) -> PathBuf {
+    released(Some(target)).join("cosim")
+}
+
+/// The libraries of the FMUs that `cosim` writes, for a platform by its folder in an FMU.
+pub(crate) fn libraries(platform: &str) -> PathBuf {
+    target().join("lib/cosim").join(platform)
+}

@@ -1,14 +1,14 @@
 //! The library of FMUs that `cosim export` writes: one for all systems.
 //!
-//! The C interface, the rules what is legal when, and the log are those of `fmu-kit`; what a system
-//! does is `cosim::hosted`. Between them stands [`System`], one instance.
+//! What a system does is `cosim::hosted`, what any FMU of `cosim` does around it `cosim-served`.
 
 mod instance;
 
+use cosim_served::Around;
 use fmu_kit::abi::{Library, Shelf};
 use fmu_kit::kernel::Request;
 
-pub use instance::{State, System};
+pub use instance::System;
 
 /// Tells whoever exports a system that this library serves it.
 #[used]
@@ -19,15 +19,15 @@ static MARK: &str = cosim::export::MARK;
 pub struct Systems;
 
 impl Library for Systems {
-    type Instance = System;
+    type Instance = Around<System>;
 
-    fn instantiate(request: Request<'_>) -> Result<System, String> {
-        System::new(request)
+    fn instantiate(request: Request<'_>) -> Result<Around<System>, String> {
+        Around::new(request, |request, folder| System::open(folder, request.logging_on))
     }
 
     #[inline]
-    fn shelf() -> &'static Shelf<System> {
-        static SHELF: Shelf<System> = Shelf::new();
+    fn shelf() -> &'static Shelf<Around<System>> {
+        static SHELF: Shelf<Around<System>> = Shelf::new();
         &SHELF
     }
 }

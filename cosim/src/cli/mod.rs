@@ -17,6 +17,7 @@ mod live;
 mod logging;
 pub(crate) mod messages;
 mod output;
+mod proxy;
 mod report;
 mod run;
 mod simulate;
@@ -50,6 +51,8 @@ enum Verb {
     Run(run::Run),
     Convert(convert::Convert),
     Export(export::Export),
+    Proxy(proxy::Proxy),
+    Remote(proxy::Remote),
     Worker(worker::Worker),
     Workers(worker::Workers),
     Group(worker::Group),
@@ -81,6 +84,8 @@ pub(crate) fn run(arguments: Arguments) -> Result<()> {
         Verb::Run(verb) => verb.run(),
         Verb::Convert(verb) => verb.run(),
         Verb::Export(verb) => verb.run(),
+        Verb::Proxy(verb) => verb.run(),
+        Verb::Remote(verb) => verb.run(),
         Verb::Worker(verb) => verb.run(),
         Verb::Workers(verb) => verb.run(),
         Verb::Group(verb) => verb.run(),

@@ -1,5 +1,7 @@
 //! `cosim worker`: lends this machine to runs; and the process for one group of components.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use clap::Args;
 use cosim::distributed::{Allowed, DEFAULT_ENDPOINT, Order, Ours, serve_group};
 use cosim::{Code, Error, Result, distributed};
@@ -13,7 +15,8 @@ pub(crate) struct Worker {
     /// Name of this worker (default: the machine's name and a number)
     #[arg(long)]
     name: Option<String>,
-    /// Where runs listen (default: tcp/127.0.0.1:7447)
+    /// Where runs and remote FMUs listen; several with commas between are all served (default:
+    /// tcp/127.0.0.1:7447)
     #[arg(long, value_name = "ENDPOINT")]
     connect: Option<String>,
     #[command(flatten)]
@@ -52,7 +55,7 @@ impl Lent {
     /// For the processes of groups: the files are read once.
     fn arguments(&self) -> Result<Vec<String>> {
         let allowed = Allowed::new(self.allow_upload, &self.allow)?;
-        let hashes = allowed.hashes.into_iter().flat_map(|hash| ["--allow".to_owned(), hash]);
+        let hashes = allowed.list().flat_map(|item| ["--allow".to_owned(), item]);
         let flags = [(allowed.all, "--allow-upload"), (self.no_confine, "--no-confine")];
         let flags = flags.into_iter().filter(|(is, _)| *is).map(|(_, flag)| flag.to_owned());
         Ok(flags.chain(hashes).collect())
@@ -117,20 +120,47 @@ impl Worker {
         let connect = self.connect.or_else(|| ours.connect.clone());
         let connect = connect.unwrap_or(DEFAULT_ENDPOINT.to_owned());
         let lent = self.lent.and(&ours);
-        let mut program = vec![this_program()?, "group".to_owned()];
-        program.extend(["--connect".to_owned(), connect.clone()]);
-        program.extend(self.reach.arguments());
-        program.extend(lent.arguments()?);
+        let mut arguments = self.reach.arguments();
+        arguments.extend(lent.arguments()?);
         let name = self.name.or_else(|| ours.name.clone());
         let name = name.unwrap_or_else(distributed::default_name);
-        let access = self.reach.access(connect, &ours);
         let interrupt = Interrupt::new();
         let confined = !lent.no_confine;
         if let Some(why) = distributed::unconfined().filter(|_| confined && !self.with_parent) {
             super::messages::warning(&why);
         }
-        distributed::Worker { name, access, program, confined }.serve(&|| interrupt.came())
+        let program = this_program()?;
+        let workers = cosim::distributed::several(&connect).map(|endpoint| {
+            let own = [&program, "group", "--connect", endpoint].map(str::to_owned);
+            distributed::Worker {
+                name: name.clone(),
+                access: self.reach.access(endpoint.to_owned(), &ours),
+                program: own.into_iter().chain(arguments.iter().cloned()).collect(),
+                confined,
+            }
+        });
+        serve_all(&workers.collect::<Vec<_>>(), &|| interrupt.came())
     }
+}
+
+/// Serves at each endpoint by a thread of its own, until it is told to end or one of them fails.
+fn serve_all(workers: &[distributed::Worker], ended: &(dyn Fn() -> bool + Sync)) -> Result<()> {
+    let failed = AtomicBool::new(false);
+    let is_over = || ended() || failed.load(Ordering::Relaxed);
+    let serve = |worker: &distributed::Worker| {
+        let served = worker.serve(&is_over);
+        failed.fetch_or(served.is_err(), Ordering::Relaxed);
+        served
+    };
+    std::thread::scope(|threads| {
+        let serve = &serve;
+        let all: Vec<_> = workers.iter().map(|w| threads.spawn(move || serve(w))).collect();
+        let ends = all.into_iter().map(|thread| match thread.join() {
+            Ok(served) => served,
+            Err(panic) => std::panic::resume_unwind(panic),
+        });
+        ends.fold(Ok(()), |before, served| before.and(served))
+    })
 }
 
 impl Group {

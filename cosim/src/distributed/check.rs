@@ -70,7 +70,7 @@ impl Setup {
 }
 
 /// Hash and name become names of files here.
-fn check_file(FmuFile { sha256, name }: &FmuFile) -> Result<()> {
+pub(super) fn check_file(FmuFile { sha256, name }: &FmuFile) -> Result<()> {
     let is_hash = sha256.len() == 64 && sha256.bytes().all(|octet| octet.is_ascii_hexdigit());
     require(is_hash, || format!("'{sha256}' is no SHA-256"))?;
     let is_name = Path::new(name).file_name().is_some_and(|own| own.as_bytes() == name.as_bytes());

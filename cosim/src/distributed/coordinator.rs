@@ -9,6 +9,7 @@ use super::fabric::Fabric;
 use super::layout::Layout;
 use super::member::Member;
 use super::options::Options;
+use super::recovery::Crew;
 use super::setup::Setup;
 use super::wire::{Body, Kind, OPENING, RECORD, put_values};
 use crate::error::{Code, Error, Result};
@@ -18,27 +19,21 @@ use crate::time::Time;
 
 /// A system whose groups are elsewhere.
 pub(crate) struct Coordinator<'a> {
-    pub(super) system: &'a System,
     pub(super) plan: Plan,
     pub(super) layout: Layout,
-    pub(super) members: Vec<Member>,
-    pub(super) fabric: Box<dyn Fabric + 'a>,
-    pub(super) options: Options,
+    crew: Crew<'a>,
     /// Which groups can give their state.
     can_save: Vec<bool>,
-    pub(super) notes: Vec<String>,
     warnings: Vec<String>,
     values: Vec<f64>,
     ends: Vec<Time>,
-    /// The instant that is computed or was computed last.
-    pub(super) now: Time,
     instants: u64,
 }
 
 impl<'a> Coordinator<'a> {
     /// For groups as `layout` says, each of which is made from its set-up.
     pub(crate) fn new(
-        system: &'a System,
+        system: &System,
         plan: Plan,
         layout: Layout,
         setups: &[Setup],
@@ -46,21 +41,22 @@ impl<'a> Coordinator<'a> {
         options: Options,
     ) -> Result<Self> {
         let can_save = layout.groups.iter().map(|group| can_save(system, &group.own)).collect();
-        let members = setups.iter().map(super::setup::encode).collect::<Result<Vec<_>>>()?;
+        let name = |&component: &usize| system.components()[component].name.as_str();
+        let groups = layout.groups.iter().zip(setups).map(|(group, setup)| {
+            let names: Vec<&str> = group.own.iter().map(name).collect();
+            let (body, tables) = super::setup::encode(setup)?;
+            Ok((names.join(", "), Member::new(Kind::Setup, body, tables)))
+        });
+        let groups = groups.collect::<Result<Vec<_>>>()?;
         let start = system.start_time();
         Ok(Self {
-            system,
             values: vec![0.0; plan.values],
             ends: plan.nodes.iter().map(|node| start + node.step).collect(),
             plan,
             layout,
-            members: members.into_iter().map(|(body, tables)| Member::new(body, tables)).collect(),
-            fabric,
-            options,
+            crew: Crew::new(groups, fabric, options, start),
             can_save,
-            notes: Vec::new(),
             warnings: Vec::new(),
-            now: start,
             instants: 0,
         })
     }
@@ -72,21 +68,19 @@ impl<'a> Coordinator<'a> {
 
     /// Gives up what still lives.
     pub(crate) fn end(&mut self) {
-        for group in self.groups() {
-            self.fabric.abandon(group, self.members[group].generation);
-        }
+        self.crew.end();
     }
 
     fn groups(&self) -> std::ops::Range<usize> {
-        0..self.members.len()
+        0..self.crew.members.len()
     }
 
     /// Begins a command to a group, with the values that it waits for.
     fn command(&mut self, group: usize, kind: Kind, flags: u8) -> Vec<u8> {
-        let member = &mut self.members[group];
+        let member = &mut self.crew.members[group];
         let opening = member.opening.take();
         let flags = if opening.is_some() { flags | OPENING } else { flags };
-        let mut message = member.command(kind, flags, self.now);
+        let mut message = member.command(kind, flags, self.crew.now);
         if let Some(values) = opening {
             put_values(&mut message, 0..values.len(), &values);
         }
@@ -97,9 +91,9 @@ impl<'a> Coordinator<'a> {
     fn tell_all(&mut self, kind: Kind) -> Result<()> {
         for group in self.groups() {
             let message = self.command(group, kind, 0);
-            self.tell(group, message)?;
+            self.crew.tell(group, message)?;
         }
-        for (group, answer) in self.answers()? {
+        for (group, answer) in self.crew.answers()? {
             let mut body = Body::after_header(&answer);
             let own = &self.layout.groups[group].own;
             read(&mut body, self.plan.outputs(own), &mut self.values)?;
@@ -114,8 +108,8 @@ impl<'a> Coordinator<'a> {
         message.extend((number as u32).to_le_bytes());
         let part = &self.layout.groups[group].stretches[number];
         put_values(&mut message, part.reads.iter().copied(), &self.values);
-        self.tell(group, message)?;
-        for (group, answer) in self.answers()? {
+        self.crew.tell(group, message)?;
+        for (group, answer) in self.crew.answers()? {
             let mut body = Body::after_header(&answer);
             let members = &self.layout.groups[group].stretches[number].members;
             read(&mut body, self.plan.outputs(members), &mut self.values)?;
@@ -147,14 +141,14 @@ impl<'a> Coordinator<'a> {
         for group in groups {
             let held = &self.layout.groups[group].held;
             let values = held.iter().map(|&slot| self.values[slot]).collect();
-            self.members[group].opening = Some(values);
+            self.crew.members[group].opening = Some(values);
         }
     }
 
     /// Computes one instant, level by level.
     fn instant(&mut self, now: Time, record: bool) -> Result<()> {
-        self.now = now;
-        let mut stepped = vec![false; self.members.len()];
+        self.crew.now = now;
+        let mut stepped = vec![false; self.crew.members.len()];
         for level in 0..self.layout.levels {
             for group in self.groups() {
                 if self.due(group, level).next().is_some() {
@@ -164,11 +158,11 @@ impl<'a> Coordinator<'a> {
                     self.tell_step(group, level, record && last)?;
                 }
             }
-            for (group, answer) in self.answers()? {
+            for (group, answer) in self.crew.answers()? {
                 let due: Vec<usize> = self.due(group, level).collect();
                 let mut body = Body::after_header(&answer);
                 read(&mut body, self.plan.outputs(&due), &mut self.values)?;
-                if self.members[group].recorded {
+                if self.crew.members[group].recorded {
                     self.read_recorded(group, &mut body)?;
                 }
                 body.end().map_err(misread)?;
@@ -181,7 +175,7 @@ impl<'a> Coordinator<'a> {
         }
         self.keep_held(self.groups().filter(|&group| stepped[group]));
         self.instants += 1;
-        if self.options.save_every.is_some_and(|every| self.instants.is_multiple_of(every)) {
+        if self.crew.options.save_every.is_some_and(|every| self.instants.is_multiple_of(every)) {
             self.save_groups()?;
         }
         Ok(())
@@ -190,7 +184,7 @@ impl<'a> Coordinator<'a> {
     /// The components of a part whose steps end now.
     fn due(&self, group: usize, level: usize) -> impl Iterator<Item = usize> {
         let members = self.layout.groups[group].parts[level].members.iter().copied();
-        members.filter(|&member| self.ends[member] == self.now)
+        members.filter(|&member| self.ends[member] == self.crew.now)
     }
 
     fn tell_step(&mut self, group: usize, level: usize, record: bool) -> Result<()> {
@@ -198,8 +192,8 @@ impl<'a> Coordinator<'a> {
         message.extend((level as u32).to_le_bytes());
         let part = &self.layout.groups[group].parts[level];
         put_values(&mut message, part.reads.iter().copied(), &self.values);
-        self.members[group].recorded = record;
-        self.tell(group, message)
+        self.crew.members[group].recorded = record;
+        self.crew.tell(group, message)
     }
 
     fn read_recorded(&mut self, group: usize, body: &mut Body<'_>) -> Result<()> {
@@ -216,14 +210,22 @@ impl<'a> Coordinator<'a> {
         Ok(())
     }
 
+    /// From now on new lives of a group begin from this state.
+    fn rebase(&mut self, group: usize, state: (EngineState, Tally)) -> Result<()> {
+        let setup = &self.crew.members[group].setup;
+        let body = super::setup::with_state(setup, self.crew.now, state)?;
+        self.crew.rebase(group, body);
+        Ok(())
+    }
+
     /// The states of some groups.
     fn states(&mut self, groups: &[usize]) -> Result<Vec<(usize, (EngineState, Tally))>> {
         for &group in groups {
             let message = self.command(group, Kind::Save, 0);
-            self.tell(group, message)?;
+            self.crew.tell(group, message)?;
         }
         let mut states = Vec::with_capacity(groups.len());
-        for (group, answer) in self.answers()? {
+        for (group, answer) in self.crew.answers()? {
             let mut body = Body::after_header(&answer);
             let blob = body.blob().map_err(misread)?;
             let state = postcard::from_bytes(blob).map_err(|why| unusable().why(why))?;
@@ -236,7 +238,7 @@ impl<'a> Coordinator<'a> {
 impl Drive for Coordinator<'_> {
     fn initialize(&mut self, stop: Time) -> Result<()> {
         let _ = stop;
-        self.launch_all()?;
+        self.crew.launch_all()?;
         self.tell_all(Kind::Enter)?;
         self.settle()?;
         self.tell_all(Kind::Exit)?;
@@ -246,7 +248,7 @@ impl Drive for Coordinator<'_> {
 
     fn run_until(&mut self, limit: Time) -> Result<()> {
         while let Some(now) = self.ends.iter().min().copied().filter(|&now| now <= limit) {
-            self.members.iter_mut().for_each(|member| member.recorded = false);
+            self.crew.members.iter_mut().for_each(|member| member.recorded = false);
             self.instant(now, now == limit)?;
         }
         Ok(())
@@ -255,12 +257,12 @@ impl Drive for Coordinator<'_> {
     fn sample(&mut self, _now: Time, row: &mut [f64]) -> Result<()> {
         for group in self.groups() {
             let recorded = self.plan.recorded(&self.layout.groups[group].own).next().is_some();
-            if recorded && !self.members[group].recorded {
+            if recorded && !self.crew.members[group].recorded {
                 let message = self.command(group, Kind::Sample, 0);
-                self.tell(group, message)?;
+                self.crew.tell(group, message)?;
             }
         }
-        for (group, answer) in self.answers()? {
+        for (group, answer) in self.crew.answers()? {
             let mut body = Body::after_header(&answer);
             self.read_recorded(group, &mut body)?;
             body.end().map_err(misread)?;
@@ -281,8 +283,8 @@ impl Drive for Coordinator<'_> {
         let mut message = self.command(group, Kind::Change, 0);
         let body = postcard::to_stdvec(&(position, change));
         message.extend(body.map_err(|why| unusable().why(why))?);
-        self.tell(group, message)?;
-        self.answers().map(drop)
+        self.crew.tell(group, message)?;
+        self.crew.answers().map(drop)
     }
 
     fn save(&mut self, _now: Time) -> Result<EngineState> {
@@ -312,7 +314,7 @@ impl Drive for Coordinator<'_> {
 
     fn resume(&mut self, state: &EngineState, time: Time, stop: Time) -> Result<()> {
         let _ = stop;
-        self.now = time;
+        self.crew.now = time;
         self.values.clone_from(&state.values);
         self.ends.clone_from(&state.ends);
         for group in self.groups() {
@@ -324,21 +326,21 @@ impl Drive for Coordinator<'_> {
             };
             self.rebase(group, (part, Tally::default()))?;
         }
-        self.launch_all()
+        self.crew.launch_all()
     }
 
     fn report(&mut self) -> Result<Report> {
         for group in self.groups() {
             let message = self.command(group, Kind::Finish, 0);
-            self.tell(group, message)?;
+            self.crew.tell(group, message)?;
         }
         let mut whole = Report {
             components: vec![Default::default(); self.plan.nodes.len()],
             efforts: vec![Default::default(); self.plan.loops.len()],
             warnings: self.warnings.clone(),
-            notes: self.notes.clone(),
+            notes: self.crew.notes.clone(),
         };
-        for (group, answer) in self.answers()? {
+        for (group, answer) in self.crew.answers()? {
             let report: Report = Body::after_header(&answer).structure().map_err(misread)?;
             let own = &self.layout.groups[group].own;
             let loops = self.plan.loops.iter().enumerate();

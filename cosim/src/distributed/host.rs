@@ -7,7 +7,8 @@
 use super::failure::Failure;
 use super::layout::{Group, Part};
 use super::setup::{FmuSource, Setup};
-use super::wire::{Body, Header, Kind, Malformed, OPENING, RECORD, put_blob, put_values};
+use super::single::{Single, SingleSetup};
+use super::wire::{APART, Body, Header, Kind, Malformed, OPENING, RECORD, put_blob, put_values};
 use crate::error::{Code, Error, Result};
 use crate::master::{Change, Engine};
 use crate::time::Time;
@@ -27,9 +28,15 @@ pub(crate) enum Handled {
 pub(crate) struct Host {
     generation: u32,
     fmus: Box<dyn FmuSource>,
-    running: Option<Running>,
+    work: Option<(Work, u64)>,
     sequence: u64,
     answer: Vec<u8>,
+}
+
+/// What it computes; with it stands the digest of what the coordinator must know of it, too.
+enum Work {
+    Group(Box<Running>),
+    Single(Box<Single>),
 }
 
 /// A group that is set up.
@@ -39,7 +46,6 @@ struct Running {
     /// How many each component has.
     variables: Vec<usize>,
     stop: Time,
-    tables: u64,
     /// What waits for the values that are held from the end of the last instant.
     open: Option<Open>,
 }
@@ -53,7 +59,7 @@ enum Open {
 impl Host {
     /// A host for one life of a group.
     pub(crate) fn new(generation: u32, fmus: Box<dyn FmuSource>) -> Self {
-        Self { generation, fmus, running: None, sequence: 0, answer: Vec::new() }
+        Self { generation, fmus, work: None, sequence: 0, answer: Vec::new() }
     }
 
     /// Does what a message says.
@@ -68,15 +74,17 @@ impl Host {
                 header.generation, self.generation
             ));
         }
-        if self.running.is_some() && header.sequence == self.sequence {
+        if self.work.is_some() && header.sequence == self.sequence {
             return Handled::Answer(self.answer.clone());
         }
         let outcome = self.obey(&header, body);
-        let done = Header { kind: Kind::Done, flags: 0, ..header };
+        let apart = matches!(header.kind, Kind::Calls);
+        let flags = if apart { APART } else { 0 };
+        let done = Header { kind: Kind::Done, flags, ..header };
         self.answer = match outcome {
             Ok(body) => [done.message(), body].concat(),
             Err(error) => {
-                let mut answer = Header { kind: Kind::Failed, ..done }.message();
+                let mut answer = Header { kind: Kind::Failed, flags: 0, ..done }.message();
                 // A structure of texts always becomes bytes.
                 answer.extend(postcard::to_stdvec(&Failure::from(&error)).unwrap_or_default());
                 answer
@@ -89,36 +97,46 @@ impl Host {
     }
 
     fn obey(&mut self, header: &Header, body: Body<'_>) -> Result<Vec<u8>> {
-        if header.kind == Kind::Setup {
+        if matches!(header.kind, Kind::Setup | Kind::Single) {
             return self.set_up(header, body);
         }
-        let Some(running) = &mut self.running else {
+        let Some((work, tables)) = &mut self.work else {
             return Err(refused("a command came before the set-up"));
         };
         if header.sequence != self.sequence + 1 {
             let (wanted, got) = (self.sequence + 1, header.sequence);
             return Err(refused(format!("command {got} came where {wanted} was due")));
         }
-        if header.tables != running.tables {
+        if header.tables != *tables {
             return Err(refused("the coordinator has another plan of this group"));
         }
         // Whatever comes of it, it is not done twice.
         self.sequence = header.sequence;
-        running.obey(header, body)
+        match (work, header.kind) {
+            (Work::Group(running), _) => running.obey(header, body),
+            (Work::Single(single), Kind::Calls) => single.obey(body),
+            (Work::Single(_), Kind::Finish) => Ok(Vec::new()),
+            (Work::Single(_), _) => Err(refused("that is no command for a single instance")),
+        }
     }
 
     fn set_up(&mut self, header: &Header, body: Body<'_>) -> Result<Vec<u8>> {
-        if self.running.is_some() {
+        if self.work.is_some() {
             return Err(refused("a second set-up came"));
         }
         // Before anything is made of it: its numbers are positions in tables.
         let setup = body.whole().map_err(malformed)?;
-        let setup: Setup = setup.structure().map_err(malformed)?;
-        let stop = setup.stop;
-        let (engine, group, variables) = setup.build(&mut *self.fmus)?;
+        let work = if header.kind == Kind::Single {
+            let setup: SingleSetup = setup.structure().map_err(malformed)?;
+            Work::Single(Box::new(setup.build(&mut *self.fmus)?))
+        } else {
+            let setup: Setup = setup.structure().map_err(malformed)?;
+            let stop = setup.stop;
+            let (engine, group, variables) = setup.build(&mut *self.fmus)?;
+            Work::Group(Box::new(Running { engine, group, variables, stop, open: None }))
+        };
         self.sequence = header.sequence;
-        let tables = header.tables;
-        self.running = Some(Running { engine, group, variables, stop, tables, open: None });
+        self.work = Some((work, header.tables));
         Ok(Vec::new())
     }
 }
@@ -170,7 +188,7 @@ impl Running {
                 body.end().map_err(malformed)?;
                 answer = bytes(&crate::master::Drive::report(&mut self.engine)?)?;
             }
-            Kind::Setup | Kind::Done | Kind::Failed => {
+            Kind::Setup | Kind::Single | Kind::Calls | Kind::Done | Kind::Failed => {
                 return Err(refused("that is no command for a group at work"));
             }
         }

@@ -6,11 +6,14 @@ use std::time::{Duration, Instant};
 use sha2::{Digest, Sha256};
 
 use super::options::Options;
-use super::wire::{HEADER, Header, Kind};
+use super::wire::{APART, Header, Kind};
+use crate::proxy::calls::Ask;
 use crate::time::Time;
 
 /// A group of the run.
 pub(super) struct Member {
+    /// What sets it up.
+    kind: Kind,
     pub generation: u32,
     /// Number of the last command.
     pub sequence: u64,
@@ -58,8 +61,10 @@ pub(super) struct Told {
 }
 
 impl Member {
-    pub(super) fn new(setup: Vec<u8>, tables: u64) -> Self {
+    /// One that is set up by a message of this kind.
+    pub(super) fn new(kind: Kind, setup: Vec<u8>, tables: u64) -> Self {
         Self {
+            kind,
             generation: 0,
             sequence: 0,
             tables,
@@ -86,7 +91,7 @@ impl Member {
 
     /// The set-up from which a life begins.
     pub(super) fn first(&self, time: Time) -> Vec<u8> {
-        let (generation, tables, kind) = (self.generation, self.tables, Kind::Setup);
+        let (generation, tables, kind) = (self.generation, self.tables, self.kind);
         let sequence = self.before_log();
         let header = Header { kind, flags: 0, generation, sequence, tables, time };
         let body = self.base.as_ref().map_or(&self.setup, |(body, _)| body);
@@ -117,6 +122,11 @@ impl Member {
         };
         match told.and_then(|told| Header::read(&told.message).ok()) {
             Some((Header { kind: Kind::Step, time, .. }, _)) => format!("the step to t = {time}"),
+            Some((Header { kind: Kind::Calls, time, .. }, body)) => {
+                let asks: Vec<Ask> = body.structure().unwrap_or_default();
+                let function = Ask::main(&asks).map_or("a call", Ask::function);
+                format!("{function} at t = {time}")
+            }
             Some((Header { kind, .. }, _)) => format!("the command {kind:?}"),
             None => "its last command".to_owned(),
         }
@@ -147,6 +157,12 @@ impl Member {
         let header = self.log.last().filter(|told| told.answer.is_some());
         let header = header.and_then(|told| Header::read(&told.message).ok());
         self.awaited.is_none() && header.is_some_and(|(header, _)| header.kind == Kind::Finish)
+    }
+
+    /// It begins anew: what it was told is forgotten, its former lives stay former ones.
+    pub(super) fn forget(&mut self) {
+        self.log.clear();
+        (self.awaited, self.opening, self.lost, self.recoveries) = (None, None, None, 0);
     }
 
     /// How long it has been waited for.
@@ -181,9 +197,13 @@ impl Told {
     }
 }
 
-/// A digest of an answer's body.
+/// A digest of what is the same in an answer whenever its command is repeated.
 pub(super) fn digest(answer: &[u8]) -> u64 {
     let mut hasher = DefaultHasher::new();
-    hasher.write(answer.get(HEADER..).unwrap_or_default());
+    hasher.write(match Header::read(answer) {
+        Ok((header, mut body)) if header.has(APART) => body.blob().unwrap_or_default(),
+        Ok((_, body)) => body.rest(),
+        Err(_) => answer,
+    });
     hasher.finish()
 }

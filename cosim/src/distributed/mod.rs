@@ -15,6 +15,7 @@
 //! * `fabric` is what carries messages; `net` does so over Zenoh, `present` knows who is there;
 //! * `door` opens sessions, and says who may come in and what they may do then;
 //! * `status` knows how a run stands, `telemetry` tells it and what is recorded, `watch` hears it;
+//! * `remote` drives one instance for somebody else's simulation, `single` is that instance on its worker;
 //! * `worker` lends a machine, `child` is the process in which FMUs run, `fate` how it ended;
 //! * `own` starts workers for one run.
 
@@ -41,8 +42,10 @@ mod placement;
 mod pool;
 mod present;
 mod recovery;
+mod remote;
 mod run;
 mod setup;
+mod single;
 mod status;
 mod telemetry;
 #[cfg(test)]
@@ -61,8 +64,9 @@ pub use door::confine::{close_inherited, unconfined};
 pub use door::credentials::Credentials;
 pub use door::members::Members;
 pub use door::session::{Access, DEFAULT_ENDPOINT};
-pub use options::{OnFatal, Options};
+pub use options::{OnFatal, Options, several};
 pub use pool::{Order, WorkerInfo, default_name};
+pub use remote::{Reached, Remote};
 pub use run::{Cluster, workers};
 pub use status::{GroupStatus, Status};
 pub use telemetry::Rate;

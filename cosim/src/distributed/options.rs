@@ -14,6 +14,11 @@ pub enum OnFatal {
     Resume,
 }
 
+/// Endpoints with commas between.
+pub fn several(text: &str) -> impl Iterator<Item = &str> {
+    text.split(',').map(str::trim).filter(|endpoint| !endpoint.is_empty())
+}
+
 /// How a distributed run behaves.
 #[derive(Debug, Clone)]
 pub struct Options {
@@ -25,6 +30,8 @@ pub struct Options {
     pub slowness: u32,
     /// How long it may take until a new life of a group can be spoken to and is set up.
     pub launch_deadline: Duration,
+    /// How long it may take until a lost group is where it was.
+    pub give_up: Duration,
     /// How many new lives a group may have.
     pub recoveries: u32,
     /// So many times in a row a group may be lost at the same command by a fault of its own.
@@ -47,6 +54,7 @@ impl Default for Options {
             deadline: Duration::from_secs(5),
             slowness: 100,
             launch_deadline: Duration::from_secs(30),
+            give_up: Duration::MAX,
             recoveries: 1000,
             attempts: 3,
             on_fatal: OnFatal::End,

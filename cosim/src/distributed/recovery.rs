@@ -2,17 +2,40 @@
 
 use std::time::{Duration, Instant};
 
-use super::coordinator::Coordinator;
-use super::fabric::Event;
+use super::fabric::{Event, Fabric};
 use super::failure::Failure;
-use super::member::{Awaited, Told, digest};
-use super::options::OnFatal;
+use super::member::{Awaited, Member, Told, digest};
+use super::options::{OnFatal, Options};
 use super::wire::{Header, Kind};
 use crate::error::{Code, Error, Result};
 use crate::fmi::status::FATAL;
-use crate::master::{EngineState, Tally};
+use crate::time::Time;
 
-impl Coordinator<'_> {
+/// The groups of a run, whatever they compute.
+pub(super) struct Crew<'a> {
+    pub members: Vec<Member>,
+    /// What is in each group, for people.
+    names: Vec<String>,
+    pub fabric: Box<dyn Fabric + 'a>,
+    pub options: Options,
+    /// What was lost and how it went on.
+    pub notes: Vec<String>,
+    /// The instant that is computed or was computed last.
+    pub now: Time,
+}
+
+impl<'a> Crew<'a> {
+    /// Groups by their names, with what each is set up from.
+    pub(super) fn new(
+        groups: Vec<(String, Member)>,
+        fabric: Box<dyn Fabric + 'a>,
+        options: Options,
+        now: Time,
+    ) -> Self {
+        let (names, members) = groups.into_iter().unzip();
+        Self { members, names, fabric, options, notes: Vec::new(), now }
+    }
+
     /// Begins the first life of every group.
     pub(super) fn launch_all(&mut self) -> Result<()> {
         for group in 0..self.members.len() {
@@ -152,7 +175,7 @@ impl Coordinator<'_> {
     fn relived(&mut self, group: usize) {
         if let Some((since, why)) = self.members[group].lost.take() {
             let took = since.elapsed().as_secs_f64() * 1e3;
-            let (names, place) = (self.names(group), self.fabric.place(group));
+            let (names, place) = (&self.names[group], self.fabric.place(group));
             self.notes.push(format!("{names}: {why}; went on at {place} after {took:.0} ms"));
         }
     }
@@ -177,7 +200,7 @@ impl Coordinator<'_> {
         let begun = Instant::now();
         let place = self.fabric.place(group);
         let known = format!("lost at {place}, t = {}: {why}", self.now);
-        (self.options.tell)(&format!("{}: {known}", self.names(group)));
+        (self.options.tell)(&format!("{}: {known}", self.names[group]));
         let fate = self.fabric.inquire(group, self.members[group].generation);
         let told = fate.as_ref().map_or_else(String::new, |fate| format!("; {fate}"));
         let why = format!("{known}{told}");
@@ -192,10 +215,21 @@ impl Coordinator<'_> {
             "--recoveries allows more new lives"
         } else if member.base.is_none() && self.options.require_resume {
             "without --require-resume it would be computed again from the start"
+        } else if since.elapsed() > self.options.give_up {
+            "nobody took it over in time"
         } else {
-            return self.begin_life(group);
+            let what = format!("{} is {why}", self.names[group]);
+            return self.begin_life(group).map_err(|error| match error.code() {
+                Code::Lost => {
+                    let found = error.reason().unwrap_or_default();
+                    let found = format!("{}: {found}", error.what());
+                    let help = error.remedy().map(str::to_owned);
+                    Error::new(Code::Lost, what).why(found).maybe_help(help)
+                }
+                _ => error,
+            });
         };
-        Err(Error::new(Code::Lost, format!("{} is {why}", self.names(group))).help(help))
+        Err(Error::new(Code::Lost, format!("{} is {why}", self.names[group])).help(help))
     }
 
     fn begin_life(&mut self, group: usize) -> Result<()> {
@@ -208,29 +242,26 @@ impl Coordinator<'_> {
         self.fabric.launch(group, member.generation)
     }
 
-    /// From now on new lives begin from this state.
-    pub(super) fn rebase(&mut self, group: usize, state: (EngineState, Tally)) -> Result<()> {
-        let now = self.now;
+    /// From now on new lives begin from this set-up, which has the effect of all commands so far.
+    pub(super) fn rebase(&mut self, group: usize, setup: Vec<u8>) {
         let member = &mut self.members[group];
-        let body = super::setup::with_state(&member.setup, now, state)?;
-        member.base = Some((body, member.sequence));
+        member.base = Some((setup, member.sequence));
         member.log.clear();
-        Ok(())
+    }
+
+    /// Gives up what still lives.
+    pub(super) fn end(&mut self) {
+        for (group, member) in self.members.iter().enumerate() {
+            self.fabric.abandon(group, member.generation);
+        }
     }
 
     fn differs(&self, group: usize, number: usize) -> Error {
         let time = Header::read(&self.members[group].log[number].message).map(|(h, _)| h.time);
         let time = time.map_or_else(|_| String::new(), |time| format!(" at t = {time}"));
-        let names = self.names(group);
+        let names = &self.names[group];
         Error::new(Code::Differs, format!("{names}: the repeated computation differs{time}"))
             .why("an FMU there is not deterministic, or the state that it serializes is incomplete")
             .help("--require-resume with --save-every 0 ends such a run instead of repeating it")
-    }
-
-    /// The components of a group.
-    pub(super) fn names(&self, group: usize) -> String {
-        let own = self.layout.groups[group].own.iter();
-        let names = own.map(|&component| self.system.components()[component].name.as_str());
-        names.collect::<Vec<_>>().join(", ")
     }
 }

@@ -131,7 +131,7 @@ const FAREWELL: Duration = Duration::from_millis(500);
 
 /// Closes a session. Everything is said: one that does not close in order, because somebody does
 /// not listen any more, ends with the process.
-fn close(session: Session) {
+pub(super) fn close(session: Session) {
     let (closed, inbox) = channel();
     std::thread::spawn(move || {
         let _ = session.close().wait();

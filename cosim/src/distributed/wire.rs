@@ -21,6 +21,8 @@ pub(crate) const HEADER: usize = 32;
 pub(crate) enum Kind {
     /// Make these components: the body is a `Setup`.
     Setup = 1,
+    /// Make this one instance, whose calls come one by one: the body is a `SingleSetup`.
+    Single = 2,
     /// Enter initialization mode.
     Enter = 3,
     /// Pass values on once, in initialization mode.
@@ -37,6 +39,8 @@ pub(crate) enum Kind {
     Change = 9,
     /// Give the messages of the components and end.
     Finish = 10,
+    /// Make these calls of the one instance.
+    Calls = 11,
     /// It is done: the answer to any of these.
     Done = 64,
     /// It could not be done: the body is a `Failure`.
@@ -47,13 +51,15 @@ pub(crate) enum Kind {
 pub(crate) const RECORD: u8 = 1;
 /// The values that are held from the end of the last instant come first in the body.
 pub(crate) const OPENING: u8 = 2;
+/// Only the blob that comes first in the body is the same whenever the command is repeated.
+pub(crate) const APART: u8 = 4;
 
 /// The head of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Header {
     /// What it is.
     pub kind: Kind,
-    /// Of [`RECORD`] and [`OPENING`].
+    /// Of [`RECORD`], [`OPENING`] and [`APART`].
     pub flags: u8,
     /// Which life of the group this is for; messages of former lives are ignored.
     pub generation: u32,
@@ -99,7 +105,8 @@ pub(crate) enum Malformed {
 impl Kind {
     fn from_octet(octet: u8) -> Option<Self> {
         use Kind::*;
-        let all = [Setup, Enter, Exchange, Exit, Step, Sample, Save, Change, Finish, Done, Failed];
+        let commands = [Setup, Single, Enter, Exchange, Exit, Step, Sample, Save, Change, Finish];
+        let all = commands.into_iter().chain([Calls, Done, Failed]);
         all.into_iter().find(|kind| *kind as u8 == octet)
     }
 }
@@ -201,6 +208,11 @@ impl<'a> Body<'a> {
             true => Ok(self),
             false => Err(Malformed::Damaged),
         }
+    }
+
+    /// Everything that is left.
+    pub(crate) fn rest(self) -> &'a [u8] {
+        self.0
     }
 
     /// Everything that is left, as one structure.

@@ -55,7 +55,9 @@ type Asked = (&'static str, fn(Query) -> Request);
 impl Worker {
     /// Serves until `ended` says so.
     pub fn serve(&self, ended: &dyn Fn() -> bool) -> Result<()> {
-        let session = self.access.dial()?;
+        let Some(session) = self.dialled(ended)? else {
+            return Ok(());
+        };
         self.may_work(&session)?;
         let (requests, inbox) = channel();
         let key = keys::worker(&self.name);
@@ -95,6 +97,17 @@ impl Worker {
         let mut children = Children { worker: self, lives: BTreeMap::new() };
         children.serve(&inbox, ended);
         Ok(())
+    }
+
+    /// A session with whoever listens; a worker waits until somebody does.
+    fn dialled(&self, ended: &dyn Fn() -> bool) -> Result<Option<Session>> {
+        while !ended() {
+            match self.access.dial() {
+                Err(_) if self.access.is_deserted() => {}
+                dialled => return dialled.map(Some),
+            }
+        }
+        Ok(None)
     }
 
     /// A worker speaks under the name in its certificate; another one is dropped in silence.

@@ -13,10 +13,10 @@ use crate::digest::sha256;
 use crate::error::{Code, Error, Result};
 
 /// Place in the archive, with `/` between the parts, and content.
-pub(super) type Entry = (String, Content);
+pub(crate) type Entry = (String, Content);
 
 /// What an entry holds.
-pub(super) struct Content {
+pub(crate) struct Content {
     what: What,
     digest: String,
 }
@@ -28,24 +28,24 @@ enum What {
 }
 
 impl Content {
-    pub(super) fn bytes(bytes: impl Into<Vec<u8>>) -> Self {
+    pub(crate) fn bytes(bytes: impl Into<Vec<u8>>) -> Self {
         let bytes = bytes.into();
         Self { digest: sha256(&bytes), what: What::Bytes(bytes) }
     }
 
-    pub(super) fn file(path: PathBuf) -> Result<Self> {
+    pub(crate) fn file(path: PathBuf) -> Result<Self> {
         let bytes = fs::read(&path)
             .map_err(|e| Error::new(Code::File, "the FMU cannot be read").at(&path).why(e))?;
         Ok(Self { digest: sha256(bytes), what: What::File(path) })
     }
 
-    pub(super) fn digest(&self) -> &str {
+    pub(crate) fn digest(&self) -> &str {
         &self.digest
     }
 }
 
 /// Writes the archive.
-pub(super) fn write(path: &Path, entries: &[Entry]) -> Result<()> {
+pub(crate) fn write(path: &Path, entries: &[Entry]) -> Result<()> {
     let unwritten = |e: &dyn std::fmt::Display| {
         Error::new(Code::Output, "the FMU cannot be written").at(path).why(e)
     };

@@ -88,7 +88,8 @@ pub(crate) enum Role {
 }
 
 impl Basic {
-    pub(crate) const ALL: [Self; 4] = [Self::Real, Self::Integer, Self::Boolean, Self::String];
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Real, Self::Integer, Self::Boolean, Self::String];
 
     pub(crate) fn of(kind: &Kind) -> Self {
         match kind {

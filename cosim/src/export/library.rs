@@ -1,21 +1,27 @@
-//! The library that serves an exported system, for one platform or for several.
+//! The library that serves an FMU that this program writes, for one platform or for several.
 
 use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::interface::MARK;
 use crate::error::{Code, Error, Result};
 use crate::fmi::elf;
 use crate::system::System;
 
-/// Names the library, or several with `:` between.
-const VARIABLE: &str = "COSIM_SYSTEM_LIBRARY";
-/// Its file as Cargo names it.
-const NAME: &str = "libcosim_system.so";
+/// A kind of FMU that this program writes, by the library that serves it.
+pub(crate) struct Kind {
+    /// The environment names the library, or several with `:` between, by this.
+    pub variable: &'static str,
+    /// Its file as Cargo names it.
+    pub file: &'static str,
+    /// What is among its bytes.
+    pub mark: &'static str,
+    /// What it is the library of.
+    pub of: &'static str,
+}
 
 /// The library for one platform.
-pub(super) struct Library {
+pub(crate) struct Library {
     /// Folder under binaries/.
     pub folder: &'static str,
     pub bytes: Vec<u8>,
@@ -23,14 +29,14 @@ pub(super) struct Library {
 }
 
 /// Reads the named libraries, or the one that is found.
-pub(super) fn find(named: &[PathBuf]) -> Result<Vec<Library>> {
+pub(crate) fn find(kind: &Kind, named: &[PathBuf]) -> Result<Vec<Library>> {
     let paths = match named {
-        [] => vec![search()?],
+        [] => vec![search(kind)?],
         named => named.to_vec(),
     };
     let mut libraries: Vec<Library> = Vec::new();
     for path in paths.iter().flat_map(|path| env::split_paths(path).collect::<Vec<_>>()) {
-        let library = read(&path)?;
+        let library = read(kind, &path)?;
         if let Some(first) = libraries.iter().find(|other| other.folder == library.folder) {
             let what = format!("two libraries are for {}", library.folder);
             return Err(Error::new(Code::Usage, what)
@@ -45,42 +51,44 @@ pub(super) fn find(named: &[PathBuf]) -> Result<Vec<Library>> {
 }
 
 /// Of the environment, beside this program, or where packages put it.
-fn search() -> Result<PathBuf> {
-    if let Some(named) = env::var_os(VARIABLE).filter(|named| !named.is_empty()) {
+fn search(kind: &Kind) -> Result<PathBuf> {
+    let Kind { variable, file, of, .. } = kind;
+    if let Some(named) = env::var_os(variable).filter(|named| !named.is_empty()) {
         return Ok(named.into());
     }
     let program = env::current_exe().and_then(|program| program.canonicalize()).ok();
     let folder = program.as_deref().and_then(Path::parent).unwrap_or(Path::new("."));
     let shared = folder.join("../lib/cosim");
-    let own = elf::here().map(|platform| shared.join(platform).join(NAME));
-    let places = [folder.join(NAME), shared.join(NAME)].into_iter().chain(own);
+    let own = elf::here().map(|platform| shared.join(platform).join(file));
+    let places = [folder.join(file), shared.join(file)].into_iter().chain(own);
     let places: Vec<PathBuf> = places.collect();
     if let Some(found) = places.iter().find(|place| place.is_file()) {
         return Ok(found.clone());
     }
     let places: Vec<String> = places.iter().map(|place| place.display().to_string()).collect();
-    Err(Error::new(Code::Library, "the library of exported systems is not here")
+    Err(Error::new(Code::Library, format!("the library of {of} is not here"))
         .why(format!("there is none of {}", places.join(", ")))
-        .help(format!("name it by --library or {VARIABLE}; cargo build --release makes it")))
+        .help(format!("name it by --library or {variable}; cargo build --release makes it")))
 }
 
-fn read(path: &Path) -> Result<Library> {
+fn read(kind: &Kind, path: &Path) -> Result<Library> {
+    let Kind { mark, of, .. } = kind;
     let wrong = |why: String| {
-        Error::new(Code::Library, "this is no library of exported systems").at(path).why(why)
+        Error::new(Code::Library, format!("this is no library of {of}")).at(path).why(why)
     };
     let bytes = fs::read(path).map_err(|e| {
-        Error::new(Code::File, "the library of exported systems cannot be read").at(path).why(e)
+        Error::new(Code::File, format!("the library of {of} cannot be read")).at(path).why(e)
     })?;
     let folder = elf::platform(&bytes).map_err(wrong)?;
-    if !bytes.windows(MARK.len()).any(|window| window == MARK.as_bytes()) {
-        return Err(wrong(format!("it does not say '{MARK}'"))
+    if !bytes.windows(mark.len()).any(|window| window == mark.as_bytes()) {
+        return Err(wrong(format!("it does not say '{mark}'"))
             .help("take the library that was built together with this program"));
     }
     Ok(Library { folder, bytes, path: path.to_owned() })
 }
 
 /// Every FMU inside must have a binary for that platform; on this machine's it is loaded.
-pub(super) fn check(library: &Library, system: &System) -> Result<()> {
+pub(crate) fn check(library: &Library, system: &System) -> Result<()> {
     let mut problems = Vec::new();
     for component in system.components() {
         let Some(fmu) = component.fmu() else { continue };

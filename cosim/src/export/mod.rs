@@ -13,13 +13,13 @@
 //! | `library` | the binaries, and whether the FMUs inside have theirs |
 //! | `archive` | the file |
 
-mod archive;
+pub(crate) mod archive;
 mod choice;
 mod definitions;
 mod description;
 mod feedthrough;
 pub(crate) mod interface;
-mod library;
+pub(crate) mod library;
 
 use std::path::{Path, PathBuf};
 
@@ -34,6 +34,14 @@ use description::Description;
 pub use description::LOG_CATEGORIES;
 pub use interface::MARK;
 use interface::{Interface, Running};
+
+/// The library of exported systems.
+const LIBRARY: library::Kind = library::Kind {
+    variable: "COSIM_SYSTEM_LIBRARY",
+    file: "libcosim_system.so",
+    mark: MARK,
+    of: "exported systems",
+};
 
 /// How a system becomes an FMU.
 ///
@@ -95,7 +103,7 @@ impl Export {
                 .at(path)
                 .help("give it a name that ends with .fmu"));
         }
-        let libraries = library::find(&self.libraries)?;
+        let libraries = library::find(&LIBRARY, &self.libraries)?;
         libraries.iter().try_for_each(|library| library::check(library, system))?;
         let chosen = choice::choose(system, &self.expose, &self.hide)?;
         let entries = self.entries(system, &chosen, libraries)?;
@@ -120,7 +128,10 @@ impl Export {
             .iter()
             .map(|(name, path)| Ok((format!("resources/{name}"), Content::file(path.clone())?)));
         let inside = inside.collect::<Result<Vec<Entry>>>()?;
-        let guid = guid(&description.text("")?, &packed.text, &interface.bytes()?, &inside);
+        let (told, listed) = (description.text("")?, interface.bytes()?);
+        let files = inside.iter().map(|(_, content)| content.digest().as_bytes());
+        let parts = [told.as_bytes(), packed.text.as_bytes(), &listed].into_iter();
+        let guid = guid(parts.chain(files));
         interface.guid.clone_from(&guid);
         let text = description.text(&guid)?;
         let mut entries = vec![("modelDescription.xml".to_owned(), Content::bytes(text))];
@@ -150,10 +161,8 @@ fn running(system: &System) -> Running {
 }
 
 /// SHA-256 of all that is inside in the customary form of a GUID.
-fn guid(description: &str, system: &str, interface: &[u8], inside: &[Entry]) -> String {
+pub(crate) fn guid<'p>(parts: impl Iterator<Item = &'p [u8]>) -> String {
     let mut hash = Sha256::new();
-    let files = inside.iter().map(|(_, content)| content.digest().as_bytes());
-    let parts = [description.as_bytes(), system.as_bytes(), interface].into_iter().chain(files);
     for part in parts {
         hash.update((part.len() as u64).to_le_bytes());
         hash.update(part);
@@ -165,7 +174,7 @@ fn guid(description: &str, system: &str, interface: &[u8], inside: &[Entry]) -> 
 }
 
 /// A name as an identifier of C, which names the library's file.
-fn identifier(name: &str) -> String {
+pub(crate) fn identifier(name: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
     let name: String = name.chars().map(plain).collect();
     match name.starts_with(|c: char| c.is_ascii_alphabetic()) {

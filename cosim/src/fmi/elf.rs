@@ -46,6 +46,11 @@ pub(crate) fn here() -> Option<&'static str> {
     own.filter(|_| cfg!(target_os = "linux"))
 }
 
+/// The names of the folder of each platform.
+pub(crate) fn all_folders() -> impl Iterator<Item = &'static [&'static str]> {
+    FOLDERS.iter().map(|(_, names)| *names)
+}
+
 /// All names of a platform's folder.
 pub(crate) fn folders(folder: &str) -> &'static [&'static str] {
     FOLDERS.iter().find(|(_, names)| names.contains(&folder)).map_or(&[], |(_, names)| names)

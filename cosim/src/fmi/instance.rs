@@ -21,6 +21,7 @@ mod derivatives;
 mod direct;
 mod exchange;
 mod followed;
+mod relayed;
 mod state;
 mod step;
 pub(crate) use direct::{Direct, DirectSteps, Unusual};

@@ -85,6 +85,7 @@ functions! {
         }
         optional {
             terminate = "fmi2Terminate": fn(Component);
+            reset = "fmi2Reset": fn(Component);
             set_debug_logging = "fmi2SetDebugLogging": fn(
                 Component, Bool, usize, *const *const c_char
             );

@@ -13,7 +13,7 @@ use super::status::RawStatus;
 const MOST: usize = 10_000;
 
 /// A message of an instance.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Message {
     /// Name of the instance.
     pub instance: String,

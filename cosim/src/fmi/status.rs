@@ -6,7 +6,7 @@ pub(crate) type RawStatus = i32;
 pub(super) const OK: RawStatus = 0;
 pub(super) const WARNING: RawStatus = 1;
 pub(super) const DISCARD: RawStatus = 2;
-pub(super) const ERROR: RawStatus = 3;
+pub(crate) const ERROR: RawStatus = 3;
 pub(crate) const FATAL: RawStatus = 4;
 pub(super) const PENDING: RawStatus = 5;
 /// Not of FMI: what stands in for a function that the library does not have returns this.

@@ -26,6 +26,7 @@ mod models;
 mod mutations;
 mod osp;
 mod rawzip;
+mod remote;
 mod results;
 mod scheduler;
 mod snapshots;

@@ -50,6 +50,12 @@ impl Category {
         }
     }
 
+    /// Whether one has that name.
+    #[must_use]
+    pub fn is_known(name: &str) -> bool {
+        Self::ALL.iter().any(|category| category.name() == name)
+    }
+
     const fn of(status: Status) -> Self {
         match status {
             Status::Ok => Self::Events,
@@ -127,8 +133,7 @@ impl Log {
     /// # Errors
     /// The unknown name and those there are.
     pub fn choose(&mut self, on: bool, categories: &[&str]) -> Result<(), String> {
-        let known = |name: &str| Category::ALL.iter().any(|category| category.name() == name);
-        if let Some(unknown) = categories.iter().find(|name| !known(name)) {
+        if let Some(unknown) = categories.iter().find(|name| !Category::is_known(name)) {
             let names: Vec<_> = Category::ALL.iter().map(|category| category.name()).collect();
             return Err(format!(
                 "unknown log category \"{unknown}\"; the categories are {}",

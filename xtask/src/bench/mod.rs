@@ -39,7 +39,7 @@ pub(crate) struct Options {
     /// Also libcosim, FMPy and the FMU Manipulation Toolbox on the same chains, and memory over 10,000 runs
     #[arg(long)]
     third_party: bool,
-    /// Only what distributed runs cost, beside raw TCP
+    /// Only what distributed runs cost, beside raw TCP, and remote FMUs, beside raw Zenoh
     #[arg(long)]
     distributed: bool,
 }
@@ -48,7 +48,8 @@ pub(crate) struct Options {
 pub(crate) fn run(options: &Options) -> Result<()> {
     let bench = |name| process::cargo(&["bench", "--quiet", "--workspace", "--bench", name]);
     if options.distributed {
-        return process::run(&mut bench("distributed"));
+        process::run(&mut bench("distributed"))?;
+        return process::run(&mut bench("remote"));
     }
     package::for_this_machine()?;
     let mut rows = vehicle::measure()?;

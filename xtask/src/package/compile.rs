@@ -1,4 +1,4 @@
-//! Compiling a shared library for a platform.
+//! Compiling shared libraries and the program for a platform.
 //!
 //! The linker of the machine binds to the newest symbols of its own glibc, and to libgcc. What is
 //! shipped is linked by Zig instead, which has the symbols of every glibc and an unwinder to link
@@ -7,9 +7,9 @@
 use super::platform::Platform;
 use crate::{paths, process, python::ZIG};
 use anyhow::{Context, Result};
-use std::{env, ffi::OsString, fs, path::PathBuf, process::Command};
+use std::{env, ffi::OsString, path::PathBuf, process::Command};
 
-/// Oldest glibc that shipped libraries start with: the oldest that Rust's own library supports.
+/// Oldest glibc that what is shipped starts with: the oldest that Rust's own library supports.
 pub(crate) const GLIBC: &str = "2.17";
 
 /// Who links.
@@ -28,26 +28,18 @@ impl Linker {
     }
 }
 
-/// Builds what `selection` (arguments of `cargo build`) names and reads the library `file`, whose
-/// path is relative to cargo's output folder.
-pub(crate) fn library(
-    linker: Linker,
-    platform: &Platform,
-    selection: &[&str],
-    file: &str,
-) -> Result<Vec<u8>> {
-    let output = match linker {
+/// Builds what `selection` (arguments of `cargo build`) names; gives the folder in which it lies.
+pub(crate) fn build(linker: Linker, platform: &Platform, selection: &[&str]) -> Result<PathBuf> {
+    match linker {
         Linker::Native => {
             process::run(process::cargo(&["build", "--release", "--quiet"]).args(selection))?;
-            paths::target().join("release")
+            Ok(paths::released(None))
         }
         Linker::Zig => {
             process::run(zig(platform)?.args(selection))?;
-            paths::target().join(platform.target()).join("release")
+            Ok(paths::released(Some(&platform.target())))
         }
-    };
-    let path = output.join(file);
-    fs::read(&path).with_context(|| path.display().to_string())
+    }
 }
 
 /// `cargo zigbuild` for a platform, with all that it keeps under target/.

@@ -1,10 +1,11 @@
-//! Packaging: one library, nine FMUs and the paper's system, the same bytes every time.
+//! Packaging: one library, nine FMUs and the paper's system, the same bytes every time; and the program
+//! `cosim` with the libraries of the FMUs that it writes.
 //!
 //! | file | what |
 //! |---|---|
 //! | `platform` | the platforms and their names |
-//! | `compile` | the library, linked for any machine or for this one |
-//! | `library` | what the library exports and needs, checked before it is packed |
+//! | `compile` | libraries and program, linked for any machine or for this one |
+//! | `library` | what a library exports and needs, checked before it is packed |
 //! | `contents`, `page`, `icon` | what lies in an FMU beside description and library |
 //! | `reference`, `stimulus` | the run whose result an FMU carries |
 //! | `archive`, `merge` | zip files; FMUs of several platforms in one |
@@ -61,15 +62,18 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         [] => vec![platform::host()?],
         names => names.iter().map(|name| platform::named(name)).collect::<Result<_>>()?,
     };
-    build(linker, &platforms, output)
+    build(linker, &platforms, output)?;
+    platforms.iter().try_for_each(|platform| program(linker, platform))
 }
 
 /// Packages as [`run`] does when nothing else is asked for.
 pub(crate) fn for_shipping() -> Result<()> {
-    build(Linker::Zig, &[platform::host()?], &paths::fmus())
+    let host = platform::host()?;
+    build(Linker::Zig, &[host], &paths::fmus())?;
+    program(Linker::Zig, host)
 }
 
-/// Packages for use on this machine, which needs no more than Rust and a C compiler.
+/// Packages the FMUs for use on this machine, which needs no more than Rust and a C compiler.
 pub(crate) fn for_this_machine() -> Result<()> {
     build(Linker::at_hand(), &[platform::host()?], &paths::fmus())
 }
@@ -78,18 +82,8 @@ pub(crate) fn for_this_machine() -> Result<()> {
 fn build(linker: Linker, platforms: &[&'static Platform], output: &Path) -> Result<()> {
     let mut libraries = Vec::new();
     for platform in platforms {
-        let bytes = compile::library(linker, platform, &["-p", "rexrov-fmu"], "librexrov_fmu.so")?;
-        let library = Library::read(&bytes)?;
-        library.check(platform).context("the library is not fit for an FMU")?;
-        if linker == Linker::Zig {
-            library.check_portable().context("the library is not fit for other machines")?;
-        }
-        let folder = platform.folder();
-        println!("{folder}: {} bytes, glibc {} or later", bytes.len(), library.glibc());
-        libraries.push((folder, bytes));
-    }
-    for platform in platforms {
-        serving(linker, platform)?;
+        let built = compile::build(linker, platform, &["-p", "rexrov-fmu"])?;
+        libraries.push((platform.folder(), library(linker, platform, &built, "librexrov_fmu.so")?));
     }
     fs::create_dir_all(output)?;
     let licenses = contents::licenses()?;
@@ -104,22 +98,39 @@ fn build(linker: Linker, platforms: &[&'static Platform], output: &Path) -> Resu
     system(&packaged, output)
 }
 
-/// Builds the library of exported systems where `cosim export` finds it: under lib/cosim/ beside the
-/// folder of the program.
-fn serving(linker: Linker, platform: &Platform) -> Result<()> {
-    let name = "libcosim_system.so";
-    let bytes = compile::library(linker, platform, &["-p", "cosim-system"], name)?;
-    let library = Library::read(&bytes)?;
-    library.check(platform).context("the library of exported systems is not fit for an FMU")?;
+/// Reads a library of those that were built, if it is fit for an FMU.
+fn library(linker: Linker, platform: &Platform, built: &Path, name: &str) -> Result<Vec<u8>> {
+    let (bytes, library) = checked(linker, platform, &built.join(name))?;
+    library.check(platform).with_context(|| format!("{name} is not fit for an FMU"))?;
+    Ok(bytes)
+}
+
+/// Reads something of what was built, if it starts on the machines it is for.
+fn checked(linker: Linker, platform: &Platform, path: &Path) -> Result<(Vec<u8>, Library)> {
+    let name = path.file_name().unwrap_or_default().display();
+    let bytes = fs::read(path).with_context(|| path.display().to_string())?;
+    let library = Library::read(&bytes).with_context(|| name.to_string())?;
     if linker == Linker::Zig {
-        let unfit = "the library of exported systems is not fit for other machines";
-        library.check_portable().context(unfit)?;
+        let unfit = || format!("{name} is not fit for other machines");
+        library.check_portable().with_context(unfit)?;
     }
-    let folder = paths::target().join("lib/cosim").join(platform.folder());
+    let (folder, glibc) = (platform.folder(), library.glibc());
+    println!("{folder}/{name}: {} bytes, glibc {glibc} or later", bytes.len());
+    Ok((bytes, library))
+}
+
+/// Builds the program `cosim`, and the libraries of the FMUs that it writes where it finds them: under
+/// lib/cosim/ beside the folder of the program. The libraries are without Zenoh, which takes longer
+/// to build than all the rest; it is built for the program, once.
+fn program(linker: Linker, platform: &Platform) -> Result<()> {
+    let folder = paths::libraries(&platform.folder());
     fs::create_dir_all(&folder)?;
-    fs::write(folder.join(name), &bytes)?;
-    println!("{}/{name}: {} bytes", folder.display(), bytes.len());
-    Ok(())
+    let built = compile::build(linker, platform, &["-p", "cosim-system", "-p", "cosim-proxy"])?;
+    for name in ["libcosim_system.so", "libcosim_proxy.so"] {
+        fs::write(folder.join(name), library(linker, platform, &built, name)?)?;
+    }
+    let built = compile::build(linker, platform, &["-p", "cosim"])?;
+    checked(linker, platform, &built.join("cosim")).map(drop)
 }
 
 /// Writes the paper's system: the description with its FMUs beside it under resources/, in the

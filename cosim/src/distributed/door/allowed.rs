@@ -1,7 +1,7 @@
 //! The FMUs that a worker loads. An FMU is native code: one that is sent by somebody else is run
 //! only when it was allowed here.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::digest::sha256;
@@ -13,8 +13,8 @@ use crate::error::{Code, Error, Result};
 pub struct Allowed {
     /// Every FMU that a run sends.
     pub all: bool,
-    /// Those with this SHA-256.
-    pub hashes: BTreeSet<String>,
+    /// Those with this SHA-256, and the file that has it if that lies here.
+    pub hashes: BTreeMap<String, Option<PathBuf>>,
 }
 
 /// Whether a text is a SHA-256 and no path.
@@ -23,25 +23,43 @@ pub(crate) fn is_hash(text: &str) -> bool {
 }
 
 impl Allowed {
-    /// From hashes, FMU files, and folders with FMU files.
+    /// From hashes, FMU files, and folders with FMU files; a hash may have its file behind `=`.
     pub fn new(all: bool, list: &[String]) -> Result<Self> {
-        let mut hashes = BTreeSet::new();
+        let mut hashes = BTreeMap::new();
         for item in list {
-            if is_hash(item) {
-                hashes.insert(item.to_ascii_lowercase());
+            let (hash, file) = match item.split_once('=') {
+                Some((hash, file)) => (hash, Some(PathBuf::from(file))),
+                None => (item.as_str(), None),
+            };
+            if is_hash(hash) {
+                hashes.insert(hash.to_ascii_lowercase(), file);
                 continue;
             }
             for file in files(Path::new(item))? {
                 let bytes = std::fs::read(&file).map_err(|why| unreadable(&file).why(why))?;
-                hashes.insert(sha256(bytes));
+                hashes.insert(sha256(bytes), std::path::absolute(&file).ok());
             }
         }
         Ok(Self { all, hashes })
     }
 
+    /// The same as a list for [`Allowed::new`] that reads no file.
+    pub fn list(&self) -> impl Iterator<Item = String> {
+        self.hashes.iter().map(|(hash, file)| match file.as_deref().and_then(Path::to_str) {
+            Some(file) => format!("{hash}={file}"),
+            None => hash.clone(),
+        })
+    }
+
+    /// The bytes of an FMU that lies here, if they are still the same.
+    pub(crate) fn held(&self, file: &FmuFile) -> Option<Vec<u8>> {
+        let bytes = std::fs::read(self.hashes.get(&file.sha256)?.as_deref()?).ok()?;
+        (sha256(&bytes) == file.sha256).then_some(bytes)
+    }
+
     /// Refuses an FMU that is not allowed, for a component.
     pub(crate) fn check(&self, component: &str, file: &FmuFile) -> Result<()> {
-        if self.all || self.hashes.contains(&file.sha256) {
+        if self.all || self.hashes.contains_key(&file.sha256) {
             return Ok(());
         }
         let FmuFile { name, sha256 } = file;

@@ -26,10 +26,10 @@ pub struct Configuration {
 }
 
 /// What a file says under `cosim`; paths are relative to its folder.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default)]
 pub struct Ours {
-    /// Where a run listens.
+    /// Where a run listens; a remote FMU at the first of several, with commas between, that is free.
     pub listen: Option<String>,
     /// Where a worker or an observer dials.
     pub connect: Option<String>,
@@ -45,11 +45,31 @@ pub struct Ours {
     pub allow_upload: bool,
     /// A worker's FMUs are not confined.
     pub no_confine: bool,
+    /// The worker that a remote FMU is computed by, if it is there.
+    pub worker: Option<String>,
+    /// How long a remote FMU waits for a worker, in seconds.
+    pub wait: Option<f64>,
+    /// How long its answer may take, in seconds.
+    pub deadline: Option<f64>,
+    /// After so many steps its state comes along, 0: never.
+    pub save_every: Option<u64>,
 }
 
 /// What is understood under `cosim`.
-const KEYS: [&str; 8] =
-    ["listen", "connect", "credentials", "insecure", "name", "allow", "allow_upload", "no_confine"];
+const KEYS: [&str; 12] = [
+    "listen",
+    "connect",
+    "credentials",
+    "insecure",
+    "name",
+    "allow",
+    "allow_upload",
+    "no_confine",
+    "worker",
+    "wait",
+    "deadline",
+    "save_every",
+];
 
 impl Configuration {
     /// Reads a file.

@@ -44,6 +44,16 @@ pub(crate) fn silence(endpoint: &str) -> Option<String> {
     }
 }
 
+/// Whether nobody listens there; of a Unix socket that is not known.
+pub(crate) fn is_deserted(endpoint: &str) -> bool {
+    match Endpoint::parse(endpoint) {
+        Ok(Endpoint::Tcp(host, port) | Endpoint::Tls(host, port)) => {
+            connect(host, port).is_err_and(|why| why.kind() == ErrorKind::ConnectionRefused)
+        }
+        _ => false,
+    }
+}
+
 fn connect(host: &str, port: u16) -> std::io::Result<TcpStream> {
     let mut last = std::io::Error::new(ErrorKind::NotFound, "the name means no address");
     for address in (host, port).to_socket_addrs()? {

@@ -52,6 +52,16 @@ impl Access {
         self.open("client", "connect/endpoints")
     }
 
+    /// Nobody listens at any of the endpoints.
+    pub(crate) fn is_deserted(&self) -> bool {
+        self.endpoints.iter().all(|endpoint| diagnose::is_deserted(endpoint))
+    }
+
+    /// Refuses what is refused when a session is opened, as far as it is known before.
+    pub fn check(&self) -> Result<()> {
+        self.checked().map(drop)
+    }
+
     /// Refuses endpoints that are open to others, and credentials that nobody will believe.
     fn checked(&self) -> Result<Option<Checked>> {
         let mut tls = false;

@@ -33,6 +33,10 @@ impl Instance {
     /// Saves the FMU's whole state for [`Instance::restore`], in place of one saved there before.
     pub fn save(&mut self, place: Place) -> Result<()> {
         self.require("fmi2GetFMUstate", RUNNING)?;
+        self.keep(place)
+    }
+
+    fn keep(&mut self, place: Place) -> Result<()> {
         self.declares("save its state", "canGetAndSetFMUstate", |i| i.get_and_set_state)?;
         let slot = place as usize;
         let mut saved = self.saved[slot].take().map_or(ptr::null_mut(), |(saved, _)| saved);
@@ -68,8 +72,14 @@ impl Instance {
 
     /// The FMU's whole state as bytes, for another instance of the same FMU in another process.
     pub fn serialize(&mut self) -> Result<Vec<u8>> {
+        self.require("fmi2GetFMUstate", RUNNING)?;
+        self.serialized()
+    }
+
+    /// The same, whatever the instance does at present.
+    pub(super) fn serialized(&mut self) -> Result<Vec<u8>> {
         self.serializable()?;
-        self.save(Place::Snapshot)?;
+        self.keep(Place::Snapshot)?;
         let Some((saved, _)) = self.saved[Place::Snapshot as usize] else {
             return Err(self.without("fmi2GetFMUstate"));
         };
@@ -126,7 +136,7 @@ impl Instance {
     }
 
     #[cold]
-    fn without(&self, function: &str) -> Error {
+    pub(super) fn without(&self, function: &str) -> Error {
         Error::new(Code::State, format!("{function} of '{}' gave no state", self.name))
             .at(self.fmu.path())
             .why("the pointer to the state is NULL")

@@ -81,7 +81,7 @@ impl Instance {
 
     /// Waits for a step that the FMU makes in the background.
     #[cold]
-    fn wait(&mut self) -> Result<RawStatus> {
+    pub(super) fn wait(&mut self) -> Result<RawStatus> {
         if !self.fmu.interface(self.kind)?.asynchronous {
             let error = self.failed("fmi2DoStep", status::PENDING);
             self.state = State::Fatal;
@@ -120,7 +120,7 @@ impl Instance {
 
     /// How far a discarded step came; an FMU that does not say so came nowhere.
     #[cold]
-    fn reached(&mut self, start: Time, step: Time) -> Result<Time> {
+    pub(super) fn reached(&mut self, start: Time, step: Time) -> Result<Time> {
         self.state = State::Failed;
         let said = self.real_status(LAST_SUCCESSFUL_TIME);
         let reached = said.and_then(|t| Time::from_seconds(t, "the last successful time").ok());

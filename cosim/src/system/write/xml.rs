@@ -3,7 +3,7 @@
 /// A document being written.
 pub(crate) struct Xml {
     text: String,
-    open: Vec<&'static str>,
+    open: Vec<String>,
 }
 
 impl Xml {
@@ -13,18 +13,18 @@ impl Xml {
     }
 
     /// `<name attributes>`, until [`Xml::end`].
-    pub(crate) fn start(&mut self, name: &'static str, attributes: &[(&str, &str)]) {
+    pub(crate) fn start(&mut self, name: &str, attributes: &[(&str, &str)]) {
         self.tag(name, attributes, ">\n");
-        self.open.push(name);
+        self.open.push(name.to_owned());
     }
 
     /// `<name attributes/>`.
-    pub(crate) fn empty(&mut self, name: &'static str, attributes: &[(&str, &str)]) {
+    pub(crate) fn empty(&mut self, name: &str, attributes: &[(&str, &str)]) {
         self.tag(name, attributes, "/>\n");
     }
 
     /// `<name>text</name>`.
-    pub(crate) fn text(&mut self, name: &'static str, text: &str) {
+    pub(crate) fn text(&mut self, name: &str, text: &str) {
         self.tag(name, &[], ">");
         self.escaped(text);
         self.text.push_str(&format!("</{name}>\n"));

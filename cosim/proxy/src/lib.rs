@@ -1,0 +1,40 @@
+//! The library of FMUs that `cosim proxy` writes: one for all of them.
+//!
+//! It holds back inputs until the step, asks for the values that the importer reads together with
+//! the step, and hands everything else on: to the program in the FMU's resources, which speaks to
+//! the workers (`cosim::proxy`). What any FMU of `cosim` does around that is `cosim-served`.
+
+mod instance;
+mod values;
+
+use cosim_served::Around;
+use fmu_kit::abi::{Library, Shelf};
+use fmu_kit::kernel::Request;
+
+pub use instance::Remote;
+
+/// Tells whoever makes such an FMU that this library serves it.
+#[used]
+static MARK: &str = cosim::proxy::MARK;
+
+/// Remote instances behind the C interface.
+#[doc(hidden)]
+pub struct Remotes;
+
+impl Library for Remotes {
+    type Instance = Around<Remote>;
+
+    fn instantiate(request: Request<'_>) -> Result<Around<Remote>, String> {
+        Around::new(request, |request, folder| {
+            Remote::make(folder, request.name, request.guid, request.logging_on)
+        })
+    }
+
+    #[inline]
+    fn shelf() -> &'static Shelf<Around<Remote>> {
+        static SHELF: Shelf<Around<Remote>> = Shelf::new();
+        &SHELF
+    }
+}
+
+fmu_kit::export_library!(Remotes);

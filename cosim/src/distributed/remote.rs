@@ -1,0 +1,234 @@
+//! One instance on a worker, driven by calls as somebody else's simulation makes them.
+//!
+//! It is a run of one group, and lost and found again as the groups of a system are: every so many
+//! steps the state comes along with a step's answer, and from then on a new life begins with that;
+//! what was asked since is asked again. A step is one message each way.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use zenoh::liveliness::LivelinessToken;
+use zenoh::{Session, Wait};
+
+use super::door::session::Access;
+use super::keys;
+use super::member::Member;
+use super::net::{Net, refused};
+use super::options::Options;
+use super::recovery::Crew;
+use super::setup::FmuFile;
+use super::single::{self, SingleSetup, bytes};
+use super::wire::Kind;
+use crate::error::{Code, Error, Result};
+use crate::fmi::Message;
+use crate::proxy::calls::{Ask, Given, Outcome};
+use crate::proxy::manifest::Manifest;
+use crate::time::Time;
+
+/// How a remote instance is reached and kept.
+#[derive(Debug, Clone)]
+pub struct Reached {
+    /// Where workers dial us: the first that is free.
+    pub accesses: Vec<Access>,
+    /// The worker that computes it, if it is there.
+    pub worker: Option<String>,
+    /// How long to wait for a worker.
+    pub wait: Duration,
+    /// How long an answer may take.
+    pub deadline: Duration,
+    /// The state comes along after so many steps; never without.
+    pub save_every: Option<u64>,
+}
+
+/// The instance.
+pub struct Remote {
+    crew: Crew<'static>,
+    /// As it is made; what was asked before the first step is added.
+    setup: SingleSetup,
+    save_every: Option<u64>,
+    stepping: bool,
+    steps: u64,
+    /// Where workers dial us.
+    endpoint: String,
+    /// Why it is of no use any more.
+    lost: Option<String>,
+    /// Workers end what they do for this run when it goes.
+    _running: LivelinessToken,
+    session: Session,
+}
+
+impl Remote {
+    /// Makes an instance called `name` of the FMU that the resources in `folder` tell of.
+    pub fn make(folder: &Path, name: &str, debug: bool, reached: &Reached) -> Result<Self> {
+        let manifest = Manifest::read(folder)?;
+        let (session, endpoint) = listen(&reached.accesses)?;
+        let run = session.zid().to_string();
+        let running = session.liveliness().declare_token(keys::running(&run)).wait();
+        let running = running.map_err(refused)?;
+        let held = manifest.held(folder);
+        let files = held.map(|file| (manifest.sha256.clone(), file)).into_iter().collect();
+        let mut net = Net::new(session.clone(), &run, files)?;
+        net.settle(reached.worker.iter().cloned().collect(), reached.wait);
+        let options = Options {
+            save_every: None,
+            deadline: reached.deadline,
+            launch_deadline: reached.wait.max(reached.deadline),
+            give_up: reached.wait,
+            ..Options::default()
+        };
+        let file = FmuFile { sha256: manifest.sha256.clone(), name: manifest.fmu.clone() };
+        let setup =
+            SingleSetup { name: name.to_owned(), file, debug, before: Vec::new(), state: None };
+        let (body, tables) = setup.encode()?;
+        let member = Member::new(Kind::Single, body, tables);
+        let crew = Crew::new(vec![(name.to_owned(), member)], Box::new(net), options, Time::ZERO);
+        let save_every = reached.save_every.filter(|_| manifest.can_save);
+        let mut remote = Self {
+            crew,
+            setup,
+            save_every,
+            stepping: false,
+            steps: 0,
+            endpoint,
+            lost: None,
+            _running: running,
+            session,
+        };
+        let begun = Instant::now();
+        remote.crew.launch_all().map_err(|error| remote.explained(error, begun))?;
+        Ok(remote)
+    }
+
+    /// Makes calls; gives what became of them, what was said, and what had to be gone around.
+    pub fn ask(&mut self, mut asks: Vec<Ask>) -> Result<(Outcome, Vec<Message>, Vec<String>)> {
+        if asks == [Ask::Reset] && self.lost.take().is_some() {
+            return self.begin_again();
+        }
+        if let Some(lost) = &self.lost {
+            return Err(Error::new(Code::Lost, lost.clone()));
+        }
+        let count = asks.len();
+        if self.is_saved_now(&asks) {
+            asks.push(Ask::Save);
+        }
+        let begun = Instant::now();
+        let answer = self.tell(&asks).map_err(|error| {
+            let error = self.explained(error, begun);
+            self.lost = Some(error.what().to_owned());
+            error
+        })?;
+        let (mut outcome, messages) = single::read(&answer)?;
+        self.note(&asks, outcome.given.len())?;
+        if let Some(Given::State(state)) = outcome.given.get(count) {
+            self.setup.state = Some(state.clone());
+            self.rebase()?;
+        }
+        outcome.given.truncate(count);
+        Ok((outcome, messages, std::mem::take(&mut self.crew.notes)))
+    }
+
+    /// Ends it, as long as somebody listens.
+    pub fn end(mut self) {
+        if self.lost.is_none() && self.crew.members[0].awaited.is_none() {
+            self.crew.options.give_up = Duration::ZERO;
+            self.crew.options.deadline = FAREWELL;
+            self.crew.options.slowness = 0;
+            let message = self.crew.members[0].command(Kind::Finish, 0, self.crew.now);
+            // Whatever comes of it, it is over.
+            let _ = self.crew.tell(0, message).and_then(|()| self.crew.answers().map(drop));
+        }
+        self.crew.end();
+        super::run::close(self.session);
+    }
+
+    fn tell(&mut self, asks: &[Ask]) -> Result<Vec<u8>> {
+        if let Some(Ask::Step(t, _)) = Ask::main(asks) {
+            self.crew.now = Time::from_seconds(*t, "t").unwrap_or(self.crew.now);
+        }
+        let mut message = self.crew.members[0].command(Kind::Calls, 0, self.crew.now);
+        message.extend(bytes(&asks)?);
+        self.crew.tell(0, message)?;
+        let answers = self.crew.answers()?;
+        answers
+            .into_iter()
+            .next()
+            .map(|(_, answer)| answer)
+            .ok_or_else(|| Error::new(Code::Protocol, "there is no answer"))
+    }
+
+    /// Whether the state is to come along.
+    fn is_saved_now(&mut self, asks: &[Ask]) -> bool {
+        let steps = asks.iter().any(|ask| matches!(ask, Ask::Step(..)));
+        self.steps += u64::from(steps);
+        steps && self.save_every.is_some_and(|every| self.steps.is_multiple_of(every))
+    }
+
+    /// Takes note of the first `done` calls.
+    fn note(&mut self, asks: &[Ask], done: usize) -> Result<()> {
+        for ask in asks.iter().take(done) {
+            if *ask == Ask::Reset {
+                self.setup.before.clear();
+                self.setup.state = None;
+                self.stepping = false;
+                self.rebase()?;
+            } else if !self.stepping && ask.changes() {
+                if matches!(ask, Ask::Restore(_)) {
+                    // What was done before has left no trace.
+                    self.setup.before.clear();
+                }
+                self.setup.before.push(ask.clone());
+            }
+            self.stepping |= matches!(ask, Ask::Exit | Ask::Restore(_));
+        }
+        Ok(())
+    }
+
+    fn rebase(&mut self) -> Result<()> {
+        let (body, _) = self.setup.encode()?;
+        self.crew.rebase(0, body);
+        Ok(())
+    }
+
+    /// Reset after it was lost: another instance from the beginning.
+    fn begin_again(&mut self) -> Result<(Outcome, Vec<Message>, Vec<String>)> {
+        self.note(&[Ask::Reset], 1)?;
+        self.crew.members[0].forget();
+        let begun = Instant::now();
+        self.crew.launch_all().map_err(|error| {
+            let error = self.explained(error, begun);
+            self.lost = Some(error.what().to_owned());
+            error
+        })?;
+        let outcome = Outcome { given: vec![Given::Done], trouble: None };
+        Ok((outcome, Vec::new(), std::mem::take(&mut self.crew.notes)))
+    }
+
+    /// The same error, with how long somebody waited for it and where workers should have come.
+    fn explained(&self, error: Error, begun: Instant) -> Error {
+        if error.code() != Code::Lost {
+            return error;
+        }
+        let waited = begun.elapsed().as_secs_f64();
+        let what = format!("{}; waited for {waited:.1} s at {}", error.what(), self.endpoint);
+        let help = format!("cosim worker --connect {} --allow FMU", self.endpoint);
+        match error.reason() {
+            Some(why) => Error::new(Code::Lost, what).why(why).help(help),
+            None => Error::new(Code::Lost, what).help(help),
+        }
+    }
+}
+
+/// How long a worker may take to say farewell.
+const FAREWELL: Duration = Duration::from_millis(300);
+
+/// Listens where it is free.
+fn listen(accesses: &[Access]) -> Result<(Session, String)> {
+    let mut problem = Error::new(Code::Session, "there is no endpoint to listen at");
+    for access in accesses {
+        match access.listen() {
+            Ok(session) => return Ok((session, access.endpoints.join(", "))),
+            Err(error) => problem = error,
+        }
+    }
+    Err(problem)
+}

@@ -1,0 +1,111 @@
+//! One instance whose calls come from elsewhere: what a remote FMU is on its worker.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::check::check_file;
+use super::setup::{FmuFile, FmuSource};
+use super::wire::{Body, put_blob};
+use crate::error::{Code, Error, Result};
+use crate::fmi::{Instance, Logging, Mailbox};
+use crate::proxy::calls::{Ask, Outcome, Trouble};
+
+/// An instance to be made, from its start or from a state.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct SingleSetup {
+    /// Name of the instance.
+    pub name: String,
+    /// Its FMU.
+    pub file: FmuFile,
+    /// It is asked for debug messages.
+    pub debug: bool,
+    /// What is done to it first.
+    pub before: Vec<Ask>,
+    /// Then it takes on this state.
+    pub state: Option<Vec<u8>>,
+}
+
+/// The instance.
+pub(super) struct Single {
+    instance: Instance,
+    mailbox: Arc<Mailbox>,
+}
+
+impl SingleSetup {
+    /// Makes it.
+    pub(super) fn build(self, fmus: &mut dyn FmuSource) -> Result<Single> {
+        check_file(&self.file)?;
+        fmus.permit(&self.name, &self.file)?;
+        let mailbox = Arc::new(Mailbox::default());
+        let logging = Logging {
+            debug: self.debug,
+            last: fmus.last_call(),
+            mailbox: Some(mailbox.clone()),
+            ..Logging::default()
+        };
+        let fmu = fmus.open(&self.file)?;
+        let mut instance = Instance::new(fmu, &self.name, &logging)?;
+        for ask in self.before.iter().chain(&self.state.map(Ask::Restore)) {
+            instance.relay(ask)?;
+        }
+        // Who is set up again has heard them.
+        if !self.before.is_empty() {
+            mailbox.take();
+        }
+        Ok(Single { instance, mailbox })
+    }
+
+    /// As the body of a message, and a digest of what both sides must agree on.
+    pub(super) fn encode(&self) -> Result<(Vec<u8>, u64)> {
+        let digest = Sha256::digest(&self.file.sha256);
+        let first = digest.first_chunk::<8>().copied().unwrap_or_default();
+        Ok((bytes(self)?, u64::from_le_bytes(first)))
+    }
+}
+
+impl Single {
+    /// Makes calls: first what became of them, which is the same each time, then what was said.
+    pub(super) fn obey(&mut self, body: Body<'_>) -> Result<Vec<u8>> {
+        let unread = |why| Error::new(Code::Protocol, "calls cannot be understood").why(why);
+        let asks: Vec<Ask> = body.structure().map_err(unread)?;
+        let mut outcome = Outcome::default();
+        for ask in &asks {
+            match self.instance.relay(ask) {
+                Ok(given) => outcome.given.push(given),
+                Err(error) => {
+                    outcome.trouble = Some(trouble(&error));
+                    break;
+                }
+            }
+        }
+        let mut answer = Vec::with_capacity(512);
+        put_blob(&mut answer, &bytes(&outcome)?);
+        answer.extend(bytes(&self.mailbox.take())?);
+        Ok(answer)
+    }
+}
+
+fn trouble(error: &Error) -> Trouble {
+    let why = error.reason().map(|why| format!(": {why}")).unwrap_or_default();
+    Trouble {
+        status: error.status().unwrap_or(crate::fmi::status::ERROR),
+        text: format!("{}{why}", error.what()),
+        ended: error.code() == Code::Ended,
+    }
+}
+
+/// What was answered, and what was said.
+pub(super) fn read(answer: &[u8]) -> Result<(Outcome, Vec<crate::fmi::Message>)> {
+    let unread = || Error::new(Code::Protocol, "what became of calls cannot be understood");
+    let mut body = Body::after_header(answer);
+    let outcome = body.blob().map_err(|why| unread().why(why))?;
+    let outcome = postcard::from_bytes(outcome).map_err(|why| unread().why(why))?;
+    Ok((outcome, body.structure().map_err(|why| unread().why(why))?))
+}
+
+pub(super) fn bytes<T: Serialize>(value: &T) -> Result<Vec<u8>> {
+    postcard::to_stdvec(value)
+        .map_err(|why| Error::new(Code::Protocol, "a message has no form in bytes").why(why))
+}

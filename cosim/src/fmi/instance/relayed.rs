@@ -1,0 +1,258 @@
+//! Calls that somebody elsewhere makes: as they come, with their very arguments. Which are legal
+//! now is for those to know who make them.
+
+use std::ffi::{CString, c_char};
+use std::ptr;
+
+use super::{Followed, Instance, State, followed, nothing};
+use crate::error::{Code, Error, Result};
+use crate::fmi::callbacks::text;
+use crate::fmi::library::{Component, FmuState, Functions};
+use crate::fmi::status::{self, RawStatus};
+use crate::fmi::{Kind, library::Bool};
+use crate::proxy::calls::{Ask, Basic, Given, Values};
+use crate::time::Time;
+
+impl Instance {
+    /// Makes a call.
+    pub(crate) fn relay(&mut self, ask: &Ask) -> Result<Given> {
+        if self.state == State::Fatal {
+            return Err(self.refused(ask.function()));
+        }
+        let given = match ask {
+            Ask::Debug(on, categories) => self.relay_debug(*on, categories),
+            Ask::SetUp(tolerance, start, stop) => self.relay_setup(*tolerance, *start, *stop),
+            // SAFETY: the component is alive, here and below.
+            Ask::Enter => self.plainly(ask, |f, c| unsafe { (f.enter_initialization)(c) }),
+            // SAFETY: as above.
+            Ask::Exit => self.plainly(ask, |f, c| unsafe { (f.exit_initialization)(c) }),
+            // SAFETY: as above.
+            Ask::Terminate => self.plainly(ask, |f, c| unsafe { (f.terminate)(c) }),
+            // SAFETY: as above.
+            Ask::Reset => self.plainly(ask, |f, c| unsafe { (f.reset)(c) }),
+            Ask::Set(references, values) => self.relay_set(references, values),
+            Ask::Get(basic, references) => self.relay_get(*basic, references),
+            Ask::Step(t, h) => self.relay_step(*t, *h),
+            Ask::Save => self.serialized().map(Given::State),
+            Ask::Restore(bytes) => self.relay_restore(bytes),
+            Ask::Derivative(unknowns, knowns, along) => self.relay_slope(unknowns, knowns, along),
+        }?;
+        self.state = match ask {
+            Ask::Enter => State::Initialization,
+            Ask::Exit | Ask::Restore(_) => State::Ready,
+            // It is not terminated again when it is freed.
+            Ask::Terminate | Ask::Reset => State::Instantiated,
+            _ => self.state,
+        };
+        Ok(given)
+    }
+
+    fn plainly(
+        &mut self,
+        ask: &Ask,
+        call: impl FnOnce(&Functions, Component) -> RawStatus,
+    ) -> Result<Given> {
+        self.call(ask.function(), nothing, call).map(|()| Given::Done)
+    }
+
+    fn relay_debug(&mut self, on: bool, categories: &[String]) -> Result<Given> {
+        let texts = self.texts(categories)?;
+        let pointers: Vec<*const c_char> = texts.iter().map(|text| text.as_ptr()).collect();
+        let shown = |_: &Followed| format!("{on}, {categories:?}");
+        self.call("fmi2SetDebugLogging", shown, |f, c| {
+            // SAFETY: `c` is alive; the strings live during the call.
+            unsafe { (f.set_debug_logging)(c, on.into(), pointers.len(), pointers.as_ptr()) }
+        })?;
+        Ok(Given::Done)
+    }
+
+    fn relay_setup(
+        &mut self,
+        tolerance: Option<f64>,
+        start: f64,
+        stop: Option<f64>,
+    ) -> Result<Given> {
+        self.time = near(start, self.time);
+        let shown = |_: &Followed| format!("{tolerance:?}, {start:?}, {stop:?}");
+        self.call("fmi2SetupExperiment", shown, |f, c| {
+            let flag = |value: Option<f64>| Bool::from(value.is_some());
+            let (tolerant, stops) = (flag(tolerance), flag(stop));
+            let (tolerance, stop) = (tolerance.unwrap_or_default(), stop.unwrap_or_default());
+            // SAFETY: `c` is alive.
+            unsafe { (f.setup_experiment)(c, tolerant, tolerance, start, stops, stop) }
+        })?;
+        Ok(Given::Done)
+    }
+
+    fn relay_set(&mut self, references: &[u32], values: &Values) -> Result<Given> {
+        if references.len() != values.len() {
+            let what = format!("{} references, {} values", references.len(), values.len());
+            return Err(Error::new(Code::Protocol, what));
+        }
+        let (n, r) = (references.len(), references.as_ptr());
+        // SAFETY (of all calls below): `c` is alive; both arrays have that length.
+        match values {
+            Values::Real(values) => {
+                let shown = |f: &Followed| f.pairs(&Kind::Real, references, values);
+                // SAFETY: as above.
+                self.call("fmi2SetReal", shown, |f, c| unsafe {
+                    (f.set_real)(c, r, n, values.as_ptr())
+                })
+            }
+            Values::Integer(values) => {
+                let shown = |f: &Followed| f.pairs(&Kind::Integer, references, values);
+                // SAFETY: as above.
+                self.call("fmi2SetInteger", shown, |f, c| unsafe {
+                    (f.set_integer)(c, r, n, values.as_ptr())
+                })
+            }
+            Values::Boolean(values) => {
+                let values: Vec<Bool> = values.iter().map(|&value| value.into()).collect();
+                let shown = |f: &Followed| f.pairs(&Kind::Boolean, references, &values);
+                // SAFETY: as above.
+                self.call("fmi2SetBoolean", shown, |f, c| unsafe {
+                    (f.set_boolean)(c, r, n, values.as_ptr())
+                })
+            }
+            Values::String(values) => {
+                let texts = self.texts(values)?;
+                let pointers: Vec<*const c_char> = texts.iter().map(|text| text.as_ptr()).collect();
+                let shown = |f: &Followed| f.pairs(&Kind::String, references, values);
+                // SAFETY: as above; the strings live during the call.
+                self.call("fmi2SetString", shown, |f, c| unsafe {
+                    (f.set_string)(c, r, n, pointers.as_ptr())
+                })
+            }
+        }?;
+        Ok(Given::Done)
+    }
+
+    fn relay_get(&mut self, basic: Basic, references: &[u32]) -> Result<Given> {
+        let (n, r) = (references.len(), references.as_ptr());
+        // SAFETY (of all calls below): `c` is alive; both arrays have that length.
+        let values = match basic {
+            Basic::Real => {
+                let mut values = vec![0.0; n];
+                let shown = |f: &Followed| f.names(&Kind::Real, references);
+                // SAFETY: as above.
+                self.get("fmi2GetReal", shown, |f, c| unsafe {
+                    (f.get_real)(c, r, n, values.as_mut_ptr())
+                })?;
+                self.show(|_| followed::values(&values));
+                Values::Real(values)
+            }
+            Basic::Integer => {
+                let mut values = vec![0; n];
+                let shown = |f: &Followed| f.names(&Kind::Integer, references);
+                // SAFETY: as above.
+                self.get("fmi2GetInteger", shown, |f, c| unsafe {
+                    (f.get_integer)(c, r, n, values.as_mut_ptr())
+                })?;
+                self.show(|_| followed::values(&values));
+                Values::Integer(values)
+            }
+            Basic::Boolean => {
+                let mut values: Vec<Bool> = vec![0; n];
+                let shown = |f: &Followed| f.names(&Kind::Boolean, references);
+                // SAFETY: as above.
+                self.get("fmi2GetBoolean", shown, |f, c| unsafe {
+                    (f.get_boolean)(c, r, n, values.as_mut_ptr())
+                })?;
+                self.show(|_| followed::values(&values));
+                Values::Boolean(values.iter().map(|&value| value != 0).collect())
+            }
+            Basic::String => {
+                let mut pointers: Vec<*const c_char> = vec![ptr::null(); n];
+                let shown = |f: &Followed| f.names(&Kind::String, references);
+                // SAFETY: as above.
+                self.get("fmi2GetString", shown, |f, c| unsafe {
+                    (f.get_string)(c, r, n, pointers.as_mut_ptr())
+                })?;
+                // SAFETY: the FMU gave NULL or C strings, which live until the next call.
+                let texts = pointers.iter().map(|&pointer| unsafe { text(pointer) });
+                let values = texts.collect::<Vec<String>>();
+                self.show(|_| followed::values(&values));
+                Values::String(values)
+            }
+        };
+        Ok(Given::Values(values))
+    }
+
+    fn relay_step(&mut self, t: f64, h: f64) -> Result<Given> {
+        let do_step = self.stepping("fmi2DoStep")?.do_step;
+        self.time = near(t, self.time);
+        let mut came = status::OK;
+        let shown = |_: &Followed| format!("{t:?}, {h:?}, false");
+        self.call("fmi2DoStep", shown, |_, c| {
+            // SAFETY: `c` is alive. A state of before may be set later: who asks may go back.
+            came = unsafe { do_step(c, t, h, 0) };
+            if matches!(came, status::PENDING | status::DISCARD) { status::OK } else { came }
+        })?;
+        if came == status::PENDING {
+            came = self.wait()?;
+        }
+        if came == status::DISCARD {
+            // It says so itself if it wants the run to end.
+            self.reached(self.time, near(h, Time::ZERO))?;
+            return Err(self.failed("fmi2DoStep", came));
+        }
+        if came != status::OK && came != status::WARNING {
+            return Err(self.failed("fmi2DoStep", came));
+        }
+        self.time = near(t + h, self.time);
+        Ok(Given::Done)
+    }
+
+    fn relay_restore(&mut self, bytes: &[u8]) -> Result<Given> {
+        let mut saved: FmuState = ptr::null_mut();
+        let shown = |_: &Followed| format!("{} bytes", bytes.len());
+        let mut result = self.call("fmi2DeSerializeFMUstate", shown, |f, c| {
+            // SAFETY: the array has that length; `saved` is NULL, a new state is put there.
+            unsafe { (f.deserialize)(c, bytes.as_ptr(), bytes.len(), &mut saved) }
+        });
+        if saved.is_null() {
+            return result.and(Err(self.without("fmi2DeSerializeFMUstate")));
+        }
+        if result.is_ok() {
+            // SAFETY: `saved` is a state of this living instance, here and below.
+            let set = |f: &Functions, c: Component| unsafe { (f.set_state)(c, saved) };
+            result = self.call("fmi2SetFMUstate", nothing, set);
+        }
+        if self.state != State::Fatal {
+            // SAFETY: as above.
+            unsafe { (self.functions.free_state)(self.component, &mut saved) };
+        }
+        result.map(|()| Given::Done)
+    }
+
+    fn relay_slope(&mut self, unknowns: &[u32], knowns: &[u32], along: &[f64]) -> Result<Given> {
+        if knowns.len() != along.len() {
+            let what = format!("{} knowns, {} values", knowns.len(), along.len());
+            return Err(Error::new(Code::Protocol, what));
+        }
+        let mut values = vec![0.0; unknowns.len()];
+        self.get("fmi2GetDirectionalDerivative", nothing, |f, c| {
+            let (unknown, n) = (unknowns.as_ptr(), unknowns.len());
+            let (known, m) = (knowns.as_ptr(), knowns.len());
+            let (along, into) = (along.as_ptr(), values.as_mut_ptr());
+            // SAFETY: `c` is alive; each pair of arrays has its length.
+            unsafe { (f.directional)(c, unknown, n, known, m, along, into) }
+        })?;
+        Ok(Given::Values(Values::Real(values)))
+    }
+
+    fn texts(&self, texts: &[String]) -> Result<Vec<CString>> {
+        let text = |text: &String| {
+            CString::new(text.as_str()).map_err(|e| {
+                Error::new(Code::Parameter, format!("a String of '{}' contains NUL", self.name))
+                    .why(e)
+            })
+        };
+        texts.iter().map(text).collect()
+    }
+}
+
+/// The instant for messages; one that is no time leaves the last one.
+fn near(seconds: f64, last: Time) -> Time {
+    Time::from_seconds(seconds, "t").unwrap_or(last)
+}

@@ -1,0 +1,141 @@
+//! Calls of FMI on their way to an instance elsewhere, and what comes back.
+//!
+//! Several go together: what was set, the step, and what is read after it are one message each
+//! way. Times and values keep their bits, so the instance sees what it would see here.
+
+use serde::{Deserialize, Serialize};
+
+/// A call of one function.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Ask {
+    /// `fmi2SetDebugLogging`: on or off, and the categories.
+    Debug(bool, Vec<String>),
+    /// `fmi2SetupExperiment`: tolerance, start and stop in seconds.
+    SetUp(Option<f64>, f64, Option<f64>),
+    /// `fmi2EnterInitializationMode`
+    Enter,
+    /// `fmi2ExitInitializationMode`
+    Exit,
+    /// `fmi2Terminate`
+    Terminate,
+    /// `fmi2Reset`
+    Reset,
+    /// `fmi2SetXXX`
+    Set(Vec<u32>, Values),
+    /// `fmi2GetXXX`
+    Get(Basic, Vec<u32>),
+    /// `fmi2DoStep`: from where, and how far, in seconds.
+    Step(f64, f64),
+    /// The state as bytes: `fmi2GetFMUstate` and `fmi2SerializeFMUstate`.
+    Save,
+    /// Back to a state of these bytes: `fmi2DeSerializeFMUstate` and `fmi2SetFMUstate`.
+    Restore(Vec<u8>),
+    /// `fmi2GetDirectionalDerivative`: unknowns, knowns, and the direction.
+    Derivative(Vec<u32>, Vec<u32>, Vec<f64>),
+}
+
+pub use crate::export::interface::Basic;
+
+/// Values of one type.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[allow(missing_docs, reason = "the names are FMI's")]
+pub enum Values {
+    Real(Vec<f64>),
+    Integer(Vec<i32>),
+    Boolean(Vec<bool>),
+    String(Vec<String>),
+}
+
+/// What a call gave.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Given {
+    /// Nothing but that it went well.
+    Done,
+    /// Values that were read.
+    Values(Values),
+    /// A state.
+    State(Vec<u8>),
+}
+
+/// What became of calls: they are made in their order up to the first that fails.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// Of those that went well.
+    pub given: Vec<Given>,
+    /// Of the one that did not.
+    pub trouble: Option<Trouble>,
+}
+
+/// A call that failed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Trouble {
+    /// What it returned.
+    pub status: i32,
+    /// What, where, why.
+    pub text: String,
+    /// The instance wants the run to end.
+    pub ended: bool,
+}
+
+impl Ask {
+    /// The name of the function.
+    pub fn function(&self) -> &'static str {
+        match self {
+            Self::Debug(..) => "fmi2SetDebugLogging",
+            Self::SetUp(..) => "fmi2SetupExperiment",
+            Self::Enter => "fmi2EnterInitializationMode",
+            Self::Exit => "fmi2ExitInitializationMode",
+            Self::Terminate => "fmi2Terminate",
+            Self::Reset => "fmi2Reset",
+            Self::Set(_, Values::Real(_)) => "fmi2SetReal",
+            Self::Set(_, Values::Integer(_)) => "fmi2SetInteger",
+            Self::Set(_, Values::Boolean(_)) => "fmi2SetBoolean",
+            Self::Set(_, Values::String(_)) => "fmi2SetString",
+            Self::Get(Basic::Real, _) => "fmi2GetReal",
+            Self::Get(Basic::Integer, _) => "fmi2GetInteger",
+            Self::Get(Basic::Boolean, _) => "fmi2GetBoolean",
+            Self::Get(Basic::String, _) => "fmi2GetString",
+            Self::Step(..) => "fmi2DoStep",
+            Self::Save => "fmi2SerializeFMUstate",
+            Self::Restore(_) => "fmi2SetFMUstate",
+            Self::Derivative(..) => "fmi2GetDirectionalDerivative",
+        }
+    }
+
+    /// Whether the instance is another one after it: this has to be done again in its place.
+    pub fn changes(&self) -> bool {
+        !matches!(self, Self::Get(..) | Self::Save | Self::Derivative(..))
+    }
+
+    /// Of several the one that somebody who waits thinks of: what moves time, or the last.
+    pub fn main(asks: &[Self]) -> Option<&Self> {
+        asks.iter().find(|ask| matches!(ask, Self::Step(..))).or(asks.last())
+    }
+}
+
+impl Values {
+    /// The type.
+    pub fn basic(&self) -> Basic {
+        match self {
+            Self::Real(_) => Basic::Real,
+            Self::Integer(_) => Basic::Integer,
+            Self::Boolean(_) => Basic::Boolean,
+            Self::String(_) => Basic::String,
+        }
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Real(values) => values.len(),
+            Self::Integer(values) => values.len(),
+            Self::Boolean(values) => values.len(),
+            Self::String(values) => values.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}

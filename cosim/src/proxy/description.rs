@@ -1,0 +1,97 @@
+//! The modelDescription.xml of a remote FMU: that of the FMU it stands for, but for what is said of
+//! the library.
+
+use crate::fmi::description::Interface;
+use crate::system::Xml;
+use crate::xml::{Attribute, Element};
+
+/// What log messages are sorted into, beside what the FMU itself has.
+const LOG_CATEGORIES: [(&str, &str); 5] = [
+    ("logEvents", "Debug messages, on request"),
+    ("logStatusWarning", "Warnings and losses that were made good, always logged"),
+    ("logStatusDiscard", "Values and steps that were discarded, always logged"),
+    ("logStatusError", "Errors, always logged"),
+    ("logStatusFatal", "Failures that end the instance, always logged"),
+];
+
+/// What comes before the categories of log messages (FMI 2.0.5, 2.2.1).
+const BEFORE: [&str; 3] = ["CoSimulation", "UnitDefinitions", "TypeDefinitions"];
+/// What is taken over after them.
+const AFTER: [&str; 3] = ["DefaultExperiment", "ModelVariables", "ModelStructure"];
+
+/// The text for the description `root` of an FMU.
+pub(super) fn text(root: &Element, interface: &Interface, identifier: &str, guid: &str) -> String {
+    let mut xml = Xml::new();
+    let tool = concat!("cosim ", env!("CARGO_PKG_VERSION"));
+    let mut attributes = own(root, &["guid", "generationTool", "generationDateAndTime"]);
+    attributes.extend([("guid", guid), ("generationTool", tool)]);
+    // What the namespaces of an importer's schema are called is its own affair.
+    attributes.retain(|(name, _)| !name.contains(':'));
+    xml.start(&root.name, &attributes);
+    for name in BEFORE {
+        match (name, root.child(name)) {
+            ("CoSimulation", _) => co_simulation(&mut xml, interface, identifier),
+            (_, Some(element)) => copy(&mut xml, element),
+            _ => {}
+        }
+    }
+    categories(&mut xml, root);
+    AFTER.iter().filter_map(|name| root.child(name)).for_each(|child| copy(&mut xml, child));
+    xml.finish()
+}
+
+/// What is true of a library that speaks to a worker: it is nothing without one, keeps no state of
+/// its own, and each instance is a process of its own elsewhere.
+fn co_simulation(xml: &mut Xml, interface: &Interface, identifier: &str) {
+    let flag = |set: bool| if set { "true" } else { "false" };
+    let state = flag(can_save(interface));
+    let attributes = [
+        ("modelIdentifier", identifier),
+        ("needsExecutionTool", "true"),
+        ("canHandleVariableCommunicationStepSize", flag(interface.variable_step)),
+        ("canInterpolateInputs", "false"),
+        ("maxOutputDerivativeOrder", "0"),
+        ("canRunAsynchronuously", "false"),
+        ("canBeInstantiatedOnlyOncePerProcess", "false"),
+        ("canNotUseMemoryManagementFunctions", "true"),
+        ("canGetAndSetFMUstate", state),
+        ("canSerializeFMUstate", state),
+        ("providesDirectionalDerivative", flag(interface.directional_derivative)),
+    ];
+    xml.empty("CoSimulation", &attributes);
+}
+
+/// A state travels as bytes or not at all.
+pub(super) fn can_save(interface: &Interface) -> bool {
+    interface.get_and_set_state && interface.serialize_state
+}
+
+fn categories(xml: &mut Xml, root: &Element) {
+    let theirs = root.grandchildren("LogCategories");
+    xml.start("LogCategories", &[]);
+    theirs.iter().for_each(|category| copy(xml, category));
+    for (name, description) in LOG_CATEGORIES {
+        if !theirs.iter().any(|category| category.get("name") == Some(name)) {
+            xml.empty("Category", &[("name", name), ("description", description)]);
+        }
+    }
+    xml.end();
+}
+
+/// An element as it is; what tools add of their own stays behind.
+fn copy(xml: &mut Xml, element: &Element) {
+    let attributes = own(element, &[]);
+    let children = || element.children.iter().filter(|child| child.name != "Annotations");
+    if children().next().is_none() {
+        return xml.empty(&element.name, &attributes);
+    }
+    xml.start(&element.name, &attributes);
+    children().for_each(|child| copy(xml, child));
+    xml.end();
+}
+
+fn own<'e>(element: &'e Element, without: &[&str]) -> Vec<(&'e str, &'e str)> {
+    let kept = |attribute: &&Attribute| !without.contains(&attribute.name.as_str());
+    let attributes = element.attributes.iter().filter(kept);
+    attributes.map(|attribute| (attribute.name.as_str(), attribute.value.as_str())).collect()
+}

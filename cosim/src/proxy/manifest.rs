@@ -1,0 +1,117 @@
+//! What the resources of a remote FMU say: which FMU it stands for, and how workers are reached.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::calls::Basic;
+use crate::error::{Code, Error, Result};
+use crate::fmi::description::Interface;
+use crate::fmi::{Causality, Description, elf};
+
+/// The file in the resources that says which FMU is meant.
+pub const FILE: &str = "remote.json";
+/// The file in the resources that says how workers are reached; it is there to be edited.
+pub const CONNECTION: &str = "connection.json5";
+/// The program in the resources, below the platform's folder.
+const PROGRAM: &str = "cosim";
+
+/// Of the form of the file. A library reads only its own.
+const VERSION: u32 = 1;
+
+/// Which FMU is meant.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Manifest {
+    version: u32,
+    /// The identity of the remote FMU itself.
+    pub guid: String,
+    /// Name of the file of the FMU that it stands for.
+    pub fmu: String,
+    /// SHA-256 of that file: workers know it by this.
+    pub sha256: String,
+    /// Whether it can give its state as bytes.
+    pub can_save: bool,
+    /// Whether it gives directional derivatives.
+    pub derivative: bool,
+    /// Value references of its Real outputs.
+    pub outputs: Vec<u32>,
+    /// Of its inputs, by type, in rising order.
+    pub inputs: [Vec<u32>; Basic::ALL.len()],
+}
+
+/// Where the program for a platform lies in the resources.
+pub(super) fn place(platform: &str) -> String {
+    format!("{platform}/{PROGRAM}")
+}
+
+/// The program for this machine.
+pub(super) fn program(resources: &Path) -> Result<PathBuf> {
+    let here = elf::here().unwrap_or("this machine");
+    let file = resources.join(place(here));
+    match file.is_file() {
+        true => Ok(file),
+        false => Err(Error::new(Code::File, format!("the FMU is not made for {here}"))
+            .why(format!("{} is missing", file.display()))
+            .help("unpack the FMU again, or make it here: cosim proxy")),
+    }
+}
+
+impl Manifest {
+    /// For an FMU by its description and its file; the identity comes later.
+    pub(super) fn new(
+        description: &Description,
+        interface: &Interface,
+        fmu: &str,
+        sha256: &str,
+    ) -> Self {
+        let of = |causality, basic| {
+            let variables = description.variables.iter();
+            let those = variables
+                .filter(|v| v.causality == causality && Basic::of(&v.kind) == basic)
+                .map(|v| v.value_reference);
+            let mut references: Vec<u32> = those.collect();
+            references.sort_unstable();
+            references.dedup();
+            references
+        };
+        Self {
+            version: VERSION,
+            guid: String::new(),
+            fmu: fmu.to_owned(),
+            sha256: sha256.to_owned(),
+            can_save: interface.get_and_set_state && interface.serialize_state,
+            derivative: interface.directional_derivative,
+            outputs: of(Causality::Output, Basic::Real),
+            inputs: Basic::ALL.map(|basic| of(Causality::Input, basic)),
+        }
+    }
+
+    /// Reads it.
+    pub fn read(resources: &Path) -> Result<Self> {
+        let file = resources.join(FILE);
+        let unread = |why: String| {
+            Error::new(Code::File, "the resources of the FMU cannot be read")
+                .at(&file)
+                .why(why)
+                .help("unpack the FMU again, or make it again: cosim proxy")
+        };
+        let bytes = fs::read(&file).map_err(|why| unread(why.to_string()))?;
+        let read: Self = serde_json::from_slice(&bytes).map_err(|why| unread(why.to_string()))?;
+        match read.version {
+            VERSION => Ok(read),
+            other => Err(unread(format!("it is of version {other}, not {VERSION}"))),
+        }
+    }
+
+    pub(super) fn text(&self) -> Result<String> {
+        serde_json::to_string_pretty(self)
+            .map(|text| text + "\n")
+            .map_err(|why| Error::new(Code::Output, "the FMU cannot be described").why(why))
+    }
+
+    /// The FMU itself, if it lies in the resources.
+    pub fn held(&self, resources: &Path) -> Option<PathBuf> {
+        Some(resources.join(&self.fmu)).filter(|file| file.is_file())
+    }
+}

@@ -1,0 +1,254 @@
+//! Making a remote FMU.
+
+use std::env;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::MARK;
+use super::description::{self, can_save};
+use super::manifest::{self, CONNECTION, FILE, Manifest};
+use super::settings::Settings;
+use crate::error::{Code, Error, Result};
+use crate::export::archive::{self, Content, Entry};
+use crate::export::library::{self, Kind, Library};
+use crate::export::{guid, identifier};
+use crate::fmi::{Fmu, InterfaceType, archive as packed, elf};
+use crate::xml;
+
+/// The library of remote FMUs.
+const LIBRARY: Kind = Kind {
+    variable: "COSIM_PROXY_LIBRARY",
+    file: "libcosim_proxy.so",
+    mark: MARK,
+    of: "remote FMUs",
+};
+
+/// How an FMU becomes one that is computed elsewhere.
+///
+/// ```no_run
+/// use cosim::proxy::Proxy;
+///
+/// Proxy::new().listen("tls/0.0.0.0:7447").credentials("keys/orchestrator").write("Ekf.fmu", "Ekf.remote.fmu")?;
+/// # Ok::<(), cosim::Error>(())
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct Proxy {
+    settings: Settings,
+    held: bool,
+    libraries: Vec<PathBuf>,
+    programs: Vec<PathBuf>,
+}
+
+impl Proxy {
+    /// For workers that dial this machine's loopback address.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Where workers dial: the first of several that is free.
+    #[must_use]
+    pub fn listen(mut self, endpoint: impl Into<String>) -> Self {
+        self.settings.listen.push(endpoint.into());
+        self
+    }
+
+    /// A folder with ca.pem, cert.pem and key.pem, for TLS.
+    #[must_use]
+    pub fn credentials(mut self, folder: impl Into<PathBuf>) -> Self {
+        self.settings.credentials = Some(folder.into());
+        self
+    }
+
+    /// An endpoint of another machine needs no TLS.
+    #[must_use]
+    pub fn insecure(mut self, insecure: bool) -> Self {
+        self.settings.insecure = insecure;
+        self
+    }
+
+    /// The worker that computes it, if it is there.
+    #[must_use]
+    pub fn worker(mut self, name: impl Into<String>) -> Self {
+        self.settings.worker = Some(name.into());
+        self
+    }
+
+    /// How long to wait for a worker, in seconds.
+    #[must_use]
+    pub fn wait(mut self, seconds: f64) -> Self {
+        self.settings.wait = Some(seconds);
+        self
+    }
+
+    /// How long an answer may take, in seconds.
+    #[must_use]
+    pub fn deadline(mut self, seconds: f64) -> Self {
+        self.settings.deadline = Some(seconds);
+        self
+    }
+
+    /// After so many steps the state comes along, 0: never.
+    #[must_use]
+    pub fn save_every(mut self, steps: u64) -> Self {
+        self.settings.save_every = Some(steps);
+        self
+    }
+
+    /// The FMU is not packed: workers hold it.
+    #[must_use]
+    pub fn held(mut self, held: bool) -> Self {
+        self.held = held;
+        self
+    }
+
+    /// The library, one for each platform.
+    #[must_use]
+    pub fn library(mut self, path: impl Into<PathBuf>) -> Self {
+        self.libraries.push(path.into());
+        self
+    }
+
+    /// The program `cosim`, one for each platform.
+    #[must_use]
+    pub fn program(mut self, path: impl Into<PathBuf>) -> Self {
+        self.programs.push(path.into());
+        self
+    }
+
+    /// Writes the FMU, which replaces one that is there as a whole; gives what is good to know.
+    pub fn write(&self, fmu: impl AsRef<Path>, path: impl AsRef<Path>) -> Result<Vec<String>> {
+        let (fmu, path) = (fmu.as_ref(), path.as_ref());
+        check_paths(fmu, path)?;
+        let connection = self.settings.text()?;
+        let opened = Fmu::open(fmu)?;
+        let binaries = check(&opened)?;
+        let libraries = library::find(&LIBRARY, &self.libraries)?;
+        let programs = self.programs(&libraries)?;
+        let entries = self.entries(&opened, connection, libraries, programs)?;
+        archive::write(path, &entries)?;
+        let state = match opened.interface(InterfaceType::CoSimulation).is_ok_and(can_save) {
+            true => "its state can be saved: a lost worker's part is taken over from there",
+            false => "its state cannot be saved: after a loss it is computed again from the start",
+        };
+        Ok(vec![format!("computed on workers with {}", binaries.join(", ")), state.to_owned()])
+    }
+
+    fn entries(
+        &self,
+        fmu: &Fmu,
+        connection: String,
+        libraries: Vec<Library>,
+        programs: Vec<(&'static str, Content)>,
+    ) -> Result<Vec<Entry>> {
+        let interface = fmu.interface(InterfaceType::CoSimulation)?;
+        let file = fmu.path();
+        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let own = Content::file(file.to_owned())?;
+        let for_people = packed::unpack_part(file, is_for_people)?;
+        let shown = file.join("modelDescription.xml");
+        let root = xml::read(&fmu.folder().join("modelDescription.xml"), &shown)?;
+        let identifier = identifier(&format!("{}_remote", interface.model_identifier));
+        let mut manifest = Manifest::new(fmu.description(), interface, &name, own.digest());
+        let told = description::text(&root, interface, &identifier, "");
+        manifest.guid = guid([told.as_bytes(), own.digest().as_bytes()].into_iter());
+        let text = description::text(&root, interface, &identifier, &manifest.guid);
+        let mut entries = vec![("modelDescription.xml".to_owned(), Content::bytes(text))];
+        entries.extend(files(for_people.path())?);
+        entries.extend(libraries.into_iter().map(|library| {
+            let name = format!("binaries/{}/{identifier}.so", library.folder);
+            (name, Content::bytes(library.bytes))
+        }));
+        entries.push((format!("resources/{FILE}"), Content::bytes(manifest.text()?)));
+        entries.push((format!("resources/{CONNECTION}"), Content::bytes(connection)));
+        entries.extend(programs.into_iter().map(|(platform, content)| {
+            (format!("resources/{}", manifest::place(platform)), content)
+        }));
+        if !self.held {
+            entries.push((format!("resources/{name}"), own));
+        }
+        Ok(entries)
+    }
+
+    /// The program for the platform of each library; of this machine it is the one that runs.
+    fn programs(&self, libraries: &[Library]) -> Result<Vec<(&'static str, Content)>> {
+        let unread = |file: &Path, why: String| {
+            Error::new(Code::File, "the program cosim cannot be read").at(file).why(why)
+        };
+        let own = env::current_exe().ok().filter(|_| self.programs.is_empty());
+        let mut found = Vec::new();
+        for file in self.programs.iter().chain(&own) {
+            let bytes = fs::read(file).map_err(|why| unread(file, why.to_string()))?;
+            let platform = elf::platform(&bytes).map_err(|why| unread(file, why))?;
+            found.push((platform, Content::bytes(bytes)));
+        }
+        let lacks = |library: &&Library| !found.iter().any(|(p, _)| *p == library.folder);
+        match libraries.iter().find(lacks) {
+            None => Ok(found),
+            Some(library) => {
+                let what = format!("there is no program cosim for {}", library.folder);
+                Err(Error::new(Code::Usage, what)
+                    .at(&library.path)
+                    .why("this library is for that platform")
+                    .help("name the program of each platform by --program"))
+            }
+        }
+    }
+}
+
+fn check_paths(fmu: &Path, path: &Path) -> Result<()> {
+    if !path.extension().is_some_and(|end| end.eq_ignore_ascii_case("fmu")) {
+        return Err(Error::new(Code::Usage, "what is to be written is no .fmu")
+            .at(path)
+            .help("give it a name that ends with .fmu"));
+    }
+    match (fmu.canonicalize(), path.canonicalize()) {
+        (Ok(one), Ok(other)) if one == other => {
+            Err(Error::new(Code::Usage, "the remote FMU would take the place of the FMU itself")
+                .at(path)
+                .help("another name: -o NAME.remote.fmu"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// What workers can compute it, by the folders of its binaries.
+fn check(fmu: &Fmu) -> Result<Vec<&'static str>> {
+    fmu.interface(InterfaceType::CoSimulation)
+        .map_err(|error| error.help("make an FMU for co-simulation of it first: cosim export"))?;
+    let here = elf::here();
+    let has = |folder: &&&str| fmu.has_binaries(folder);
+    let found: Vec<&str> =
+        elf::all_folders().filter_map(|names| names.iter().find(has)).copied().collect();
+    if found.is_empty() || here.is_some_and(|here| found.contains(&here)) {
+        // One for this machine is looked at more closely; without any the error says what there is.
+        fmu.digest(InterfaceType::CoSimulation)?;
+    }
+    Ok(found)
+}
+
+fn is_for_people(path: &Path) -> bool {
+    path.starts_with("documentation") || path == Path::new("model.png")
+}
+
+/// The files in a folder and in those below it, by their names there.
+fn files(folder: &Path) -> Result<Vec<Entry>> {
+    let unread =
+        |why| Error::new(Code::File, "an unpacked file cannot be read").at(folder).why(why);
+    let mut found = Vec::new();
+    let mut folders = vec![(String::new(), folder.to_owned())];
+    while let Some((above, folder)) = folders.pop() {
+        for entry in fs::read_dir(folder).map_err(unread)? {
+            let entry = entry.map_err(unread)?;
+            let name = format!("{above}{}", entry.file_name().to_string_lossy());
+            match entry.file_type().map_err(unread)?.is_dir() {
+                true => folders.push((name + "/", entry.path())),
+                false => {
+                    let bytes = fs::read(entry.path()).map_err(unread)?;
+                    found.push((name, Content::bytes(bytes)));
+                }
+            }
+        }
+    }
+    found.sort_by(|(a, _), (b, _)| a.cmp(b));
+    Ok(found)
+}
