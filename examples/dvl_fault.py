@@ -27,10 +27,11 @@ for name in ("EkfDynamic", "EkfKinematic"):
     page |= {f"{name}.error": errors[name], f"{name}.x": loop["ekf.pose.x"], f"{name}.y": loop["ekf.pose.y"]}
     page |= {f"{name}.true_x": loop["vehicle.pose.x"], f"{name}.true_y": loop["vehicle.pose.y"]}
 
-print("horizontal error, m (greatest)", *errors, sep="\t")
+print(f"{'horizontal error, m (RMS)':26}", *(f"{name:>12}" for name in errors))
 for phase, (begin, end) in PHASES.items():
     during = (time >= begin) & (time < end)
-    print(f"{phase:30}", *(f"{error[during].max():12.2f}" for error in errors.values()), sep="\t")
+    rms = {name: np.sqrt(np.mean(error[during] ** 2)) for name, error in errors.items()}
+    print(f"{phase:26}", *(f"{value:12.2f}" for value in rms.values()))
 
 table = np.rec.fromarrays(list(page.values()), names=list(page))
 paths = {f"Path with {name}": [(f"{name}.true_x", f"{name}.true_y"), (f"{name}.x", f"{name}.y")] for name in errors}

@@ -12,10 +12,11 @@ import sys
 
 from libcosimpy.CosimEnums import CosimVariableCausality
 from libcosimpy.CosimExecution import CosimExecution
+from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
 from libcosimpy.CosimObserver import CosimObserver
 
-SECONDS, STEP = 60, 0.02
-
+# Its FMI Library tells an error for each FMU: it misses a start value of `time`, which FMI 2.0 forbids.
+log_output_level(CosimLogLevel.FATAL)
 execution = CosimExecution.from_osp_config_file(sys.argv[1])
 observer = CosimObserver.create_last_value()
 execution.add_observer(observer)
@@ -36,9 +37,8 @@ def read(slave, *names):
 
 
 print("time\tnorth\teast\testimated north\testimated east")
-for second in range(0, SECONDS + 1, 5):
-    assert second == 0 or execution.simulate_until(round(second * 1e9)), execution.status()
-    if second:
-        place = [*read("vehicle", "pose.x", "pose.y"), *read("ekf", "pose.x", "pose.y")]
-        print(second, *(f"{value:.2f}" for value in place), sep="\t")
-assert place[0] > 10, "the vehicle follows the course"
+for second in range(5, 65, 5):
+    assert execution.simulate_until(second * 10**9), execution.status()
+    place = [*read("vehicle", "pose.x", "pose.y"), *read("ekf", "pose.x", "pose.y")]
+    print(second, *(f"{value:.2f}" for value in place), sep="\t")
+assert place[0] > 10 and abs(place[0] - place[2]) < 5, "the vehicle follows the course"

@@ -41,7 +41,7 @@ def test_a_component_gives_the_numbers_of_the_command_line(tmp_path):
 
 def test_results_have_the_form_of_fmpy():
     signals = np.array([(0, 0), (1, 0), (1, 100), (9, 100)], [("time", "f8"), ("thruster[4].force", "f8")])
-    common = {"stop_time": 3, "output_interval": 0.5, "output": ["velocity.u", "pose.x"], "input": signals}
+    common = {"stop_time": 3, "output_interval": 0.5, "output": ["pose.x", "velocity.u"], "input": signals}
     found = rexrov.simulate(fmu_path("RexROV"), **common)
     wanted = simulate_fmu(str(fmu_path("RexROV")), **common)
     assert found.dtype == wanted.dtype and len(found) == len(wanted) == 7
@@ -90,8 +90,8 @@ class Types(Fmi2Slave):
 
 def test_columns_have_the_types_of_the_variables(tmp_path):
     """And a component in Python runs with the Python that it is called from."""
-    (tmp_path / "types.py").write_text(TYPES)
-    fmu = FmuBuilder.build_FMU(tmp_path / "types.py", dest=tmp_path)
+    (tmp_path / "kinds.py").write_text(TYPES)
+    fmu = FmuBuilder.build_FMU(tmp_path / "kinds.py", dest=tmp_path)
     found = rexrov.simulate(fmu, stop_time=0.2, output_interval=0.1, options=["--execution-tool"])
     assert found.dtype == [("time", "f8"), ("real", "f8"), ("integer", "i4"), ("boolean", "?")]
     assert found["integer"].tolist() == [-7] * 3 and found["boolean"].tolist() == [True, False, True]

@@ -35,22 +35,23 @@ def environment() -> dict[str, str]:
     return found
 
 
-def call(*arguments: str) -> str:
-    """Runs the program and returns what it prints; its warnings become Python's."""
+def call(*arguments: str) -> subprocess.CompletedProcess[str]:
+    """Runs the program; its errors become exceptions."""
     command = [str(cosim_path()), *arguments]
     done = subprocess.run(
         command, stdin=subprocess.DEVNULL, capture_output=True, text=True, env=environment()
     )
     if done.returncode != 0:
         raise errors.of(done)
+    return done
+
+
+def call_json(verb: str, arguments: Sequence[str]) -> Any:
+    """Runs a verb that answers in JSON; warnings become Python's, messages of FMUs are passed on."""
+    done = call(verb, "--format=json", "--quiet", *arguments)
     for line in done.stderr.splitlines():
         if line.startswith("warning: "):
             warnings.warn(line.removeprefix("warning: "), errors.CosimWarning, stacklevel=4)
         else:
             print(line, file=sys.stderr)
-    return done.stdout
-
-
-def call_json(verb: str, arguments: Sequence[str]) -> Any:
-    """Runs a verb that can answer in JSON."""
-    return json.loads(call(verb, "--format=json", "--quiet", *arguments))
+    return json.loads(done.stdout)
