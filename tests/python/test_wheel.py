@@ -10,7 +10,7 @@ import rexrov
 from conftest import COSIM, NAMES, ROOT
 from fmpy import simulate_fmu
 from pythonfmu.builder import FmuBuilder
-from rexrov import CosimError, course_path, fmu_path, system_path
+from rexrov import CosimError, CosimWarning, course_path, fmu_path, system_path
 
 THRUST = {"thruster[4].force": 100.0, "thruster[5].force": 100}
 
@@ -112,12 +112,30 @@ def test_errors_are_those_of_the_command_line():
     assert (str(again), again.problems) == (str(error), error.problems)
 
 
+def edited(folder, old, new):
+    """The paper's system with a change."""
+    text = system_path().read_text()
+    assert old in text
+    text = text.replace("../fmus/", f"{fmu_path('Dvl').parent}/").replace(old, new)
+    file = folder / "system.ssd"
+    file.write_text(text)
+    return file
+
+
+def test_warnings_are_those_of_python(tmp_path):
+    file = edited(tmp_path, '<ssd:System name="loop"', '<ssd:System name="loop" colour="blue"')
+    with pytest.warns(CosimWarning, match="colour") as caught:
+        rexrov.run(file, stop_time=0.1)
+    assert caught[0].filename == __file__
+
+
 def test_an_error_tells_file_and_line(tmp_path):
-    file = tmp_path / "system.ssd"
-    file.write_text(system_path().read_text().replace("pursuit\" startConnector=\"command.u", "pursuit\" startConnector=\"command.U"))
+    file = edited(tmp_path, 'startConnector="command.u"', 'startConnector="comand.u"')
+    lines = file.read_text().splitlines()
     with pytest.raises(CosimError) as caught:
         rexrov.run(file)
-    assert caught.value.where.startswith(f"{file}:")
+    assert caught.value.where == f"{file}:{1 + lines.index(next(x for x in lines if 'comand.u' in x))}"
+    assert "command.u" in caught.value.help
     with pytest.raises(CosimError) as caught:
         rexrov.run(tmp_path / "nowhere.ssd")
     assert caught.value.code == "E101"

@@ -12,7 +12,8 @@ import pytest
 from conftest import NAMES, ROOT
 
 TARGET = ROOT / "target"
-(WHEEL,) = (TARGET / "wheels").glob("*.whl")
+WHEEL = next((TARGET / "wheels").glob("*.whl"), None)
+assert WHEEL, "no wheel in target/wheels: run `cargo xtask wheel`"
 
 
 @pytest.fixture(scope="module")

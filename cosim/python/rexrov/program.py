@@ -26,8 +26,9 @@ def cosim_path() -> Path:
 
 def environment() -> dict[str, str]:
     """What the program sees: FMUs that are written in Python get this one, with its packages."""
-    path = os.pathsep.join([os.path.dirname(sys.executable), os.environ.get("PATH", os.defpath)])
-    found = {**os.environ, "PATH": path}
+    found = dict(os.environ)
+    if sys.executable:
+        found["PATH"] = os.pathsep.join([os.path.dirname(sys.executable), found.get("PATH", os.defpath)])
     names = [sysconfig.get_config_var(name) for name in ("LIBDIR", "INSTSONAME")]
     library = os.path.join(*names) if all(names) else ""
     if os.path.isfile(library):
