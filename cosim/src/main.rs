@@ -2,17 +2,25 @@
 
 mod cli;
 
+use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Parser;
 
 fn main() -> ExitCode {
     let arguments = cli::Arguments::parse();
-    match cli::run(arguments) {
-        Ok(()) => ExitCode::SUCCESS,
+    let code = match cli::run(arguments) {
+        Ok(()) => 0,
         Err(error) => {
             cli::messages::error(&error);
-            ExitCode::from(error.code().exit_code())
+            error.code().exit_code()
         }
+    };
+    if cosim::fmi::has_mapped_python() {
+        // What cannot be written has nobody to be told to.
+        drop(std::io::stdout().flush());
+        // SAFETY: nothing of ours is left to be done at the end of the process.
+        unsafe { libc::_exit(code.into()) }
     }
+    ExitCode::from(code)
 }

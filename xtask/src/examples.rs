@@ -1,13 +1,17 @@
 //! The commands in the documents are run as a reader would type them, and the library's example.
 
-use crate::{paths, process};
+use crate::{paths, process, python};
 use anyhow::{Context, Result};
 use std::{fs, os::unix::fs::symlink, path::Path, process::Command};
 
-/// Documents whose `cosim` lines must work.
+/// Documents whose commands must work.
 const DOCUMENTS: [&str; 2] = ["README.md", "examples/README.md"];
 
-/// Runs every `cosim` command of the documents, in a folder under target/, and the example.
+/// The programs whose commands are run: ours, and those of the Python environment of the tests, in which
+/// the wheel is.
+const PROGRAMS: [&str; 4] = ["cosim", "python", "jupyter", "sh"];
+
+/// Runs the commands of the documents, in a folder under target/, and the example.
 pub(crate) fn run() -> Result<()> {
     process::run(&mut process::build_cosim())?;
     let folder = paths::target().join("examples");
@@ -17,13 +21,14 @@ pub(crate) fn run() -> Result<()> {
         symlink(paths::root().join(name), folder.join(name))?;
     }
     let path = std::env::var("PATH").unwrap_or_default();
-    let path = format!("{}:{path}", paths::target().join("release").display());
+    let python = python::TESTS.install()?;
+    let path = format!("{}:{}:{path}", paths::target().join("release").display(), python.display());
     for document in DOCUMENTS {
         let text = fs::read_to_string(paths::root().join(document))
             .with_context(|| document.to_owned())?;
         for line in commands(&text) {
             process::run(
-                Command::new("sh").args(["-c", &line]).current_dir(&folder).env("PATH", &path),
+                Command::new("sh").args(["-ec", &line]).current_dir(&folder).env("PATH", &path),
             )
             .with_context(|| Path::new(document).display().to_string())?;
         }
@@ -36,7 +41,7 @@ pub(crate) fn run() -> Result<()> {
     )
 }
 
-/// The `cosim` commands in the shell blocks of a document; lines that end in a backslash go on.
+/// The commands in the shell blocks of a document; lines that end in a backslash go on.
 fn commands(markdown: &str) -> Vec<String> {
     let mut commands = Vec::new();
     let mut in_shell = false;
@@ -44,11 +49,16 @@ fn commands(markdown: &str) -> Vec<String> {
     for line in joined.lines() {
         match line.strip_prefix("```") {
             Some(language) => in_shell = language == "sh",
-            None if in_shell && line.starts_with("cosim ") => commands.push(line.to_owned()),
+            None if in_shell && is_run(line) => commands.push(line.to_owned()),
             None => (),
         }
     }
     commands
+}
+
+/// Whether a line begins with one of the programs.
+fn is_run(line: &str) -> bool {
+    line.split_whitespace().next().is_some_and(|program| PROGRAMS.contains(&program))
 }
 
 #[cfg(test)]
@@ -57,7 +67,7 @@ mod tests {
 
     #[test]
     fn only_commands_in_shell_blocks_are_taken_and_lines_go_on() {
-        let text = "cosim no\n```sh\ncosim a \\\n  b # why\ncargo c\n```\n```text\ncosim no\n```\n";
-        assert_eq!(commands(text), ["cosim a    b # why"]);
+        let text = "cosim no\n```sh\ncosim a \\\n  b # why\ncargo c\n  python d\n```\n```text\ncosim no\n```\n";
+        assert_eq!(commands(text), ["cosim a    b # why", "  python d"]);
     }
 }

@@ -38,6 +38,8 @@ enum Task {
     Reproduce(reproduce::Options),
     /// Measure speed as ratios within one run.
     Bench(bench::Options),
+    /// Build the Python package into target/wheels.
+    Wheel,
     /// Ask FMPy, fmi-rs, fmutool and libcosim about the FMUs, and compare `cosim` with them.
     Judge,
     /// Fuzz the FMI functions, the reader of saved states and the readers of `cosim`, under
@@ -62,6 +64,7 @@ fn main() -> std::process::ExitCode {
             package::for_this_machine().and_then(|()| reproduce::run(&options))
         }
         Task::Bench(options) => bench::run(&options),
+        Task::Wheel => package::wheel::run(),
         Task::Judge => judge::run(),
         Task::Fuzz { seconds } => fuzz::run(seconds),
         Task::Soak(options) => soak::run(&options),

@@ -18,6 +18,8 @@ pub(crate) fn run() -> Result<()> {
     package::for_shipping()?;
     process::run(&mut process::cargo(&["run", "--release", "--quiet", "-p", "depth-hold"]))?;
     process::run(&mut process::cargo(&["test", "--release", "--workspace", "--no-fail-fast"]))?;
+    package::wheel::build()?;
+    package::wheel::install()?;
     examples::run()?;
     reproduce::run(&reproduce::Options { seeds: SMOKE_SEEDS, threads: None })?;
     process::run(

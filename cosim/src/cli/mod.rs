@@ -17,6 +17,7 @@ mod live;
 mod logging;
 pub(crate) mod messages;
 mod output;
+mod problems;
 mod proxy;
 mod report;
 mod run;

@@ -45,9 +45,9 @@ pub(crate) struct Output {
     /// Write the running digest of the results after each sample there, for `cosim verify`
     #[arg(long, value_name = "FILE")]
     digest_file: Option<PathBuf>,
-    /// How the summary is told: for people on stderr, or as JSON on stdout
+    /// How the summary is told: for people on stderr, or as JSON on stdout, errors as well
     #[arg(long, value_enum, default_value_t = Format::Text)]
-    format: Format,
+    pub(crate) format: Format,
     /// No progress and no summary
     #[arg(long, short)]
     pub(crate) quiet: bool,

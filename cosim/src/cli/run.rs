@@ -10,6 +10,7 @@ use super::distributed::Distributed;
 use super::interrupt;
 use super::logging::Logging;
 use super::output::Output;
+use super::problems;
 
 /// Run a system: SSP (.ssd, .ssp) or OSP (OspSystemStructure.xml or its folder)
 #[derive(Args)]
@@ -29,6 +30,10 @@ pub(crate) struct Run {
 impl Run {
     pub(crate) fn run(self) -> Result<()> {
         interrupt::listen();
+        problems::told(self.output.format, self.computed())
+    }
+
+    fn computed(&self) -> Result<()> {
         let overrides = self.logging.add_to(self.output.add_to(self.changes.overrides()))?;
         let system = System::load(&self.file, &overrides)?;
         let cluster = self.distributed.cluster(self.output.quiet)?;

@@ -9,6 +9,7 @@ use cosim::{Overrides, Recording, Result, System};
 use super::interrupt;
 use super::logging::Logging;
 use super::output::Output;
+use super::problems;
 use super::solver::Solver;
 use super::stepping::Stepping;
 use super::values;
@@ -52,6 +53,10 @@ pub(crate) struct Simulate {
 impl Simulate {
     pub(crate) fn run(self) -> Result<()> {
         interrupt::listen();
+        problems::told(self.output.format, self.computed())
+    }
+
+    fn computed(&self) -> Result<()> {
         let overrides = self.logging.add_to(self.overrides())?;
         let inputs = self.input_file.as_ref().map(Recording::read_csv).transpose()?;
         let system = System::single(&self.file, &overrides, inputs.as_ref())?;

@@ -83,6 +83,7 @@ fn table(summary: &Summary) -> Vec<String> {
 /// The same as JSON, in SI units.
 pub(crate) fn json(told: &Told) -> Value {
     let Told { system, summary, spent, target, overruns, digest } = told;
+    let warnings = [system.warnings(), &summary.warnings].concat();
     json!({
         "name": system.name(),
         "simulated": summary.simulated,
@@ -104,7 +105,11 @@ pub(crate) fn json(told: &Told) -> Value {
             "worst": o.worst,
             "when": o.when.seconds(),
         })),
-        "warnings": summary.warnings,
+        "columns": system.columns().iter().map(|c| json!({
+            "name": c.name,
+            "type": c.kind.name(),
+        })).collect::<Vec<_>>(),
+        "warnings": warnings,
         "notes": summary.notes,
         "messages": summary.messages,
     })

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use cosim::fmi::{Fmu, InterfaceType};
-use cosim::{Error, Overrides, Result, System};
+use cosim::{Overrides, Result, System};
 use serde_json::{Value, json};
 
 use super::output::print;
-use super::{Format, messages};
+use super::{Format, messages, problems};
 
 /// Check an FMU or a system without running it, and report all problems at once
 #[derive(Args)]
@@ -64,25 +64,13 @@ fn check(file: &Path) -> Result<Findings> {
 }
 
 fn json(file: &Path, result: &Result<Findings>) -> Value {
-    let (problems, empty) = (result.as_ref().err(), Findings::default());
+    let (error, empty) = (result.as_ref().err(), Findings::default());
     let findings = result.as_ref().unwrap_or(&empty);
     json!({
         "file": file.display().to_string(),
-        "valid": problems.is_none(),
-        "problems": problems.iter().flat_map(|e| e.problems()).map(problem).collect::<Vec<_>>(),
+        "valid": error.is_none(),
+        "problems": error.map(problems::list).unwrap_or_default(),
         "warnings": findings.warnings,
         "notes": findings.notes,
-    })
-}
-
-fn problem(error: &Error) -> Value {
-    let (file, line) = error.place().map_or((None, None), |(f, l)| (Some(f), l));
-    json!({
-        "code": error.code().as_str(),
-        "what": error.what(),
-        "file": file.map(|f| f.display().to_string()),
-        "line": line,
-        "why": error.reason(),
-        "help": error.remedy(),
     })
 }

@@ -7,6 +7,7 @@
 use std::error::Error as _;
 use std::ffi::OsString;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use libloading::os::unix;
 
@@ -15,6 +16,16 @@ const VARIABLE: &str = "COSIM_LIBPYTHON";
 /// Tried in this order without the variable: the one of the stable interface, then versions 3.x.
 const STABLE: &str = "libpython3.so";
 const VERSIONS: std::ops::RangeInclusive<u32> = 8..=15;
+
+/// Whether Python's library was mapped here.
+static PYTHON: AtomicBool = AtomicBool::new(false);
+
+/// Whether an FMU made of Python was loaded, for which Python's library was mapped. The handler that
+/// such an FMU (PythonFMU 0.7) has for the end of the process uses memory that it has freed: end the
+/// process without such handlers.
+pub fn has_mapped_python() -> bool {
+    PYTHON.load(Ordering::Relaxed)
+}
 
 /// Opens the library at `path`, or says why not.
 ///
@@ -60,6 +71,7 @@ fn provide_python() -> Result<(), String> {
         let opened = unsafe { unix::Library::open(Some(name), unix::RTLD_NOW | unix::RTLD_GLOBAL) };
         if let Ok(python) = opened {
             std::mem::forget(python);
+            PYTHON.store(true, Ordering::Relaxed);
             return Ok(());
         }
     }

@@ -284,6 +284,20 @@ fn validate_tells_all_problems_with_their_lines() {
 }
 
 #[test]
+fn programs_are_told_what_is_wrong_with_a_run_as_people_are() {
+    let folder = TempDir::new().unwrap();
+    let fmu = Model::Gain.fmu();
+    let wrong = ["--start-value", "gian=1", "--start-value", "k=much", "--format=json"];
+    let arguments = [&["simulate", path(&fmu)][..], &wrong].concat();
+    let output = cosim(folder.path(), &arguments);
+    assert_eq!(output.status.code(), Some(3));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let problems = json["problems"].as_array().unwrap();
+    assert!(problems.iter().any(|problem| problem["code"] == "E202"), "{json}");
+    assert_eq!(format!("error: {}\n", json["text"].as_str().unwrap()), text(&output.stderr));
+}
+
+#[test]
 fn completion_and_manual_know_every_verb() {
     let folder = TempDir::new().unwrap();
     for arguments in [&["completion", "bash"][..], &["completion", "zsh"], &["man"]] {

@@ -49,16 +49,23 @@ fn source(file: &str) -> Result<String> {
 /// The licences: an entry page, ours, and what is linked in with its terms.
 pub(crate) fn licenses() -> Result<Vec<Entry>> {
     let folder = "documentation/licenses";
-    let mut files = vec![(format!("{folder}/license.txt"), summary()?.into_bytes())];
+    let text = format!(
+        "This FMU is licensed under MIT or Apache-2.0, at your option:\n\
+         see LICENSE-MIT and LICENSE-APACHE in this folder.\n\n\
+         Its library contains {}",
+        linked("rexrov-fmu")?
+    );
+    let mut files = vec![(format!("{folder}/license.txt"), text.into_bytes())];
     for license in ["LICENSE-APACHE", "LICENSE-MIT"] {
         files.push((format!("{folder}/{license}"), fs::read(paths::root().join(license))?));
     }
     Ok(files)
 }
 
-/// The entry page: our terms, and the crates in the library with theirs, as cargo knows them.
-fn summary() -> Result<String> {
-    let tree = ["tree", "-p", "rexrov-fmu", "--edges", "normal,no-proc-macro", "--prefix", "none"];
+/// What is linked into a package's library or program: the crates with their terms, as cargo knows
+/// them.
+pub(crate) fn linked(package: &str) -> Result<String> {
+    let tree = ["tree", "-p", package, "--edges", "normal,no-proc-macro", "--prefix", "none"];
     let tree = process::output(process::cargo(&tree).args(["--format", "{p}\t{l}"]))?;
     let mut crates: Vec<String> = tree
         .lines()
@@ -69,10 +76,7 @@ fn summary() -> Result<String> {
     crates.sort();
     crates.dedup();
     Ok(format!(
-        "This FMU is licensed under MIT or Apache-2.0, at your option:\n\
-         see LICENSE-MIT and LICENSE-APACHE in this folder.\n\n\
-         Its library contains the Rust standard library (MIT OR Apache-2.0) and these crates:\n\n\
-         {}\n",
+        "the Rust standard library (MIT OR Apache-2.0) and these crates:\n\n{}\n",
         crates.join("\n")
     ))
 }

@@ -9,6 +9,7 @@
 //! | `contents`, `page`, `icon` | what lies in an FMU beside description and library |
 //! | `reference`, `stimulus` | the run whose result an FMU carries |
 //! | `archive`, `merge` | zip files; FMUs of several platforms in one |
+//! | `wheel` | FMUs, system and the program `cosim` as a Python package |
 
 mod archive;
 mod compile;
@@ -22,6 +23,7 @@ mod reference;
 #[cfg(test)]
 mod shipped;
 mod stimulus;
+pub(crate) mod wheel;
 
 use crate::paths;
 use anyhow::{Context, Result};
@@ -138,10 +140,7 @@ fn program(linker: Linker, platform: &Platform) -> Result<()> {
 fn system(fmus: &[PathBuf], output: &Path) -> Result<()> {
     let mut fmus = fmus.to_vec();
     fmus.sort();
-    let description = paths::root().join("examples/paper.ssd");
-    let text = fs::read_to_string(&description)
-        .with_context(|| description.display().to_string())?
-        .replace("\"../target/fmus/", "\"resources/");
+    let text = paper_with_fmus_in("resources")?;
     let mut files = vec![("SystemStructure.ssd".to_owned(), text.into_bytes())];
     for path in &fmus {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -150,4 +149,12 @@ fn system(fmus: &[PathBuf], output: &Path) -> Result<()> {
     archive::write(&output.join("paper.ssp"), &files)?;
     println!("{} FMUs and paper.ssp in {}", fmus.len(), output.display());
     Ok(())
+}
+
+/// The description of the paper's system, for FMUs in a folder relative to it.
+fn paper_with_fmus_in(folder: &str) -> Result<String> {
+    let description = paths::root().join("examples/paper.ssd");
+    let text =
+        fs::read_to_string(&description).with_context(|| description.display().to_string())?;
+    Ok(text.replace("\"../target/fmus/", &format!("\"{folder}/")))
 }

@@ -10,7 +10,7 @@ use std::env::consts::{ARCH, OS};
 #[derive(Debug, PartialEq)]
 pub(crate) struct Platform {
     /// The processor, as Rust calls it.
-    arch: &'static str,
+    pub(crate) arch: &'static str,
     /// `e_machine` of ELF.
     pub(crate) machine: Machine,
 }

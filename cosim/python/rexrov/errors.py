@@ -1,0 +1,81 @@
+"""What goes wrong, in the words of the program."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass
+from subprocess import CompletedProcess
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One problem: what is wrong, where, why, and what to do about it."""
+
+    #: Stable code; `cosim explain E202` tells more.
+    code: str
+    what: str
+    #: File, or file:line.
+    where: str | None = None
+    why: str | None = None
+    #: How to fix it.
+    help: str | None = None
+    #: What the FMU had logged.
+    log: tuple[str, ...] = ()
+
+
+class CosimError(RuntimeError):
+    """A call that failed; its text is what the command line prints. A check finds all problems at once."""
+
+    def __init__(self, text: str, problems: tuple[Problem, ...]) -> None:
+        super().__init__(text, problems)
+        self.problems = problems
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+    @property
+    def code(self) -> str:
+        """Code of the first problem."""
+        return self.problems[0].code
+
+    @property
+    def where(self) -> str | None:
+        """File, or file:line, of the first problem."""
+        return self.problems[0].where
+
+    @property
+    def help(self) -> str | None:
+        """How to fix the first problem."""
+        return self.problems[0].help
+
+
+class CosimWarning(UserWarning):
+    """What is odd but not wrong."""
+
+
+def of(done: CompletedProcess[str]) -> CosimError:
+    """The error of a program that failed."""
+    try:
+        told = json.loads(done.stdout)
+        return CosimError(told["text"], tuple(map(_problem, told["problems"])))
+    except (ValueError, LookupError, TypeError):
+        return _untold(done)
+
+
+def _problem(told: dict[str, Any]) -> Problem:
+    where = told["file"]
+    if where is not None and told["line"] is not None:
+        where = f"{where}:{told['line']}"
+    return Problem(told["code"], told["what"], where, told["why"], told["help"], tuple(told["log"]))
+
+
+def _untold(done: CompletedProcess[str]) -> CosimError:
+    """Of a verb without JSON, of an option that does not exist, or of a program that was killed."""
+    text = done.stderr.strip().removeprefix("error: ")
+    if done.returncode < 0:
+        text = f"cosim was killed by signal {-done.returncode}\n{text}".strip()
+    code = re.match(r"\[(E\d+)\] ", text)
+    what = text.removeprefix(code[0] if code else "").split("\n")[0]
+    return CosimError(text, (Problem(code[1] if code else "E001", what),))

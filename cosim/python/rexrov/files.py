@@ -1,0 +1,34 @@
+"""Where the FMUs, systems and courses of this package are."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from pathlib import Path
+
+_HERE = Path(__file__).parent
+
+
+def fmu_path(name: str) -> Path:
+    """The FMU of a component: RexROV, Imu, Dvl, Gps, PressureSensor, EkfDynamic, EkfKinematic,
+    PurePursuit, VelocityController."""
+    return _find("FMU", "fmus", name, ".fmu")
+
+
+def system_path(name: str = "paper") -> Path:
+    """A system, as an SSP description: `paper` is the closed loop of the paper."""
+    return _find("system", "systems", name, ".ssd")
+
+
+def course_path(name: str) -> Path:
+    """A course as a file of waypoints, to start one's own from: BE1, BE2, BE3, square."""
+    return _find("course", "courses", name, ".csv")
+
+
+def _find(kind: str, folder: str, name: str, ending: str) -> Path:
+    path = _HERE / folder / f"{name}{ending}"
+    names = sorted(file.stem for file in path.parent.glob(f"*{ending}"))
+    if name in names:
+        return path
+    likely = get_close_matches(name, names, 1, 0.5)
+    hint = f"did you mean '{likely[0]}'?" if likely else f"there are {', '.join(names)}"
+    raise ValueError(f"there is no {kind} '{name}'; {hint}")

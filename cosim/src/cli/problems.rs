@@ -1,0 +1,33 @@
+//! Errors for programs: what `--format json` prints when something is wrong.
+
+use cosim::{Error, Result};
+use serde_json::{Value, json};
+
+use super::Format;
+use super::output::print;
+
+/// Prints the error of a run that was to be told as JSON; the caller tells it to people.
+pub(crate) fn told(format: Format, outcome: Result<()>) -> Result<()> {
+    if let (Format::Json, Err(error)) = (format, &outcome) {
+        print(&json!({ "problems": list(error), "text": error.to_string() }).to_string())?;
+    }
+    outcome
+}
+
+/// An error and those reported with it.
+pub(crate) fn list(error: &Error) -> Vec<Value> {
+    error.problems().map(problem).collect()
+}
+
+fn problem(error: &Error) -> Value {
+    let (file, line) = error.place().map_or((None, None), |(f, l)| (Some(f), l));
+    json!({
+        "code": error.code().as_str(),
+        "what": error.what(),
+        "file": file.map(|f| f.display().to_string()),
+        "line": line,
+        "why": error.reason(),
+        "log": error.logged(),
+        "help": error.remedy(),
+    })
+}

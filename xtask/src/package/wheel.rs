@@ -1,0 +1,146 @@
+//! `cargo xtask wheel`: the Python package, with everything in it that runs without a compiler.
+//!
+//! | in the wheel | after `pip install` | from |
+//! |---|---|---|
+//! | `rexrov/*.py` | the package | `cosim/python/rexrov/` |
+//! | `rexrov/fmus/`, `systems/`, `courses/` | its data | `target/fmus`, `examples/`, `rexrov::guidance` |
+//! | program `cosim` | `bin/cosim` | `cosim/`, linked by Zig |
+//! | its libraries | `lib/cosim/`, where it looks for them | `target/lib/cosim` |
+//!
+//! All of it is laid out in `target/wheel` first, which the build backend packs as it stands: the same
+//! bytes every time.
+
+use super::{
+    compile::{self, GLIBC, Linker},
+    contents,
+    library::Library,
+    paper_with_fmus_in, platform,
+};
+use crate::{paths, process, python};
+use anyhow::{Context, Result};
+use rexrov::guidance::Course;
+use std::{
+    fs::{self, Permissions},
+    os::unix::fs::PermissionsExt,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+/// Files of the project that the wheel takes as they are.
+const COPIED: [(&str, &str); 4] = [
+    ("cosim/python/pyproject.toml", "pyproject.toml"),
+    ("cosim/python/hatch_build.py", "hatch_build.py"),
+    ("cosim/python/README.md", "README.md"),
+    ("examples/square.csv", "rexrov/courses/square.csv"),
+];
+
+/// The paper's courses, by their names in `pursuit.course`.
+const COURSES: [(&str, &str); 3] =
+    [("BE1", Course::BE1), ("BE2", Course::BE2), ("BE3", Course::BE3)];
+
+/// Packages the FMUs and builds the wheel.
+pub(crate) fn run() -> Result<()> {
+    super::for_shipping()?;
+    build()
+}
+
+/// Builds the wheel from packaged FMUs.
+pub(crate) fn build() -> Result<()> {
+    let stage = paths::target().join("wheel");
+    let _ = fs::remove_dir_all(&stage);
+    lay_out(&stage)?;
+    let wheels = paths::target().join("wheels");
+    let _ = fs::remove_dir_all(&wheels);
+    process::run(
+        Command::new(python::ZIG.install()?.join("hatchling"))
+            .args(["build", "-t", "wheel", "-d"])
+            .arg(&wheels)
+            .current_dir(&stage)
+            .env("REXROV_VERSION", env!("CARGO_PKG_VERSION"))
+            .env("REXROV_TAG", tag()?),
+    )
+}
+
+/// Puts the newest wheel, without what it depends on, into the environment of the tests.
+pub(crate) fn install() -> Result<()> {
+    let options = ["install", "--quiet", "--disable-pip-version-check", "--no-deps"];
+    process::run(
+        Command::new(python::TESTS.interpreter()?)
+            .args(["-m", "pip"])
+            .args(options)
+            .arg("--force-reinstall")
+            .arg(built()?),
+    )
+}
+
+/// The wheel in target/wheels.
+fn built() -> Result<PathBuf> {
+    let folder = paths::target().join("wheels");
+    let missing = || format!("no wheel in {}: run `cargo xtask wheel`", folder.display());
+    let mut entries = fs::read_dir(&folder).with_context(missing)?;
+    Ok(entries.next().with_context(missing)??.path())
+}
+
+fn lay_out(stage: &Path) -> Result<()> {
+    for (from, to) in COPIED {
+        write(&stage.join(to), &fs::read(paths::root().join(from)).context(from)?)?;
+    }
+    copy(&paths::root().join("cosim/python/rexrov"), &stage.join("rexrov"), &["py", "typed"])?;
+    for license in ["LICENSE-APACHE", "LICENSE-MIT"] {
+        write(&stage.join(license), &fs::read(paths::root().join(license))?)?;
+    }
+    let linked = format!("The program cosim contains {}", contents::linked("cosim")?);
+    write(&stage.join("LICENSE-LINKED"), linked.as_bytes())?;
+    for entry in rexrov_fmu::REGISTRY.entries() {
+        let name = format!("{}.fmu", entry.info().name);
+        let fmu = fs::read(paths::fmus().join(&name)).with_context(|| name.clone())?;
+        write(&stage.join("rexrov/fmus").join(&name), &fmu)?;
+    }
+    for (name, text) in COURSES {
+        write(&stage.join(format!("rexrov/courses/{name}.csv")), text.as_bytes())?;
+    }
+    let system = paper_with_fmus_in("../fmus")?;
+    write(&stage.join("rexrov/systems/paper.ssd"), system.as_bytes())?;
+    let libraries = Path::new("lib/cosim").join(platform::host()?.folder());
+    copy(&paths::target().join(&libraries), &stage.join(&libraries), &["so"])?;
+    let program_file = stage.join("bin/cosim");
+    write(&program_file, &program()?)?;
+    // pip keeps the mode that a wheel gives.
+    fs::set_permissions(&program_file, Permissions::from_mode(0o755))
+        .with_context(|| program_file.display().to_string())
+}
+
+/// The program `cosim` that starts on other machines.
+fn program() -> Result<Vec<u8>> {
+    let selection = ["-p", "cosim", "--bin", "cosim"];
+    let bytes = compile::library(Linker::Zig, platform::host()?, &selection, "cosim")?;
+    let program = Library::read(&bytes)?;
+    program.check_portable().context("the program is not fit for other machines")?;
+    println!("cosim: {} bytes, glibc {} or later", bytes.len(), program.glibc());
+    Ok(bytes)
+}
+
+/// For which Python and machine the wheel is: any Python 3, this platform with an old glibc.
+fn tag() -> Result<String> {
+    let machine = platform::host()?.arch;
+    Ok(format!("py3-none-manylinux_{}_{machine}", GLIBC.replace('.', "_")))
+}
+
+/// Copies the files of a folder whose names end so.
+fn copy(from: &Path, to: &Path, endings: &[&str]) -> Result<()> {
+    for entry in fs::read_dir(from).with_context(|| from.display().to_string())? {
+        let path = entry?.path();
+        let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
+        if path.is_file() && endings.contains(&ending) {
+            write(&to.join(path.file_name().unwrap_or_default()), &fs::read(&path)?)?;
+        }
+    }
+    Ok(())
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder)?;
+    }
+    fs::write(path, bytes).with_context(|| path.display().to_string())
+}
