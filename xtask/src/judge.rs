@@ -7,7 +7,7 @@ use std::process::Command;
 
 /// Packages, asks every judge, prints the table; fails when one judge does.
 pub(crate) fn run() -> Result<()> {
-    package::for_shipping()?;
+    package::without_program()?;
     process::run(&mut process::build_cosim())?;
     let fmi_rs = ["test", "--release", "--quiet", "--workspace", "--test", "fmi_rs"];
     process::run(&mut process::cargo(&fmi_rs))?;

@@ -23,12 +23,6 @@ pub(crate) fn released(target: Option<&str>) -> PathBuf {
     target().join(target.unwrap_or_default()).join("release")
 }
 
-/// The program `cosim` for a target of Rust, as [`package`](crate::package) builds it for shipping:
-/// linked by Zig, with Zenoh.
-pub(crate) fn program(target: &str) -> PathBuf {
-    released(Some(target)).join("cosim")
-}
-
 /// The libraries of the FMUs that `cosim` writes, for a platform by its folder in an FMU.
 pub(crate) fn libraries(platform: &str) -> PathBuf {
     target().join("lib/cosim").join(platform)

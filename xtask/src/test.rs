@@ -15,10 +15,10 @@ pub(crate) fn run() -> Result<()> {
     let doc = ["doc", "--release", "--workspace", "--no-deps", "--quiet"];
     process::run(process::cargo(&doc).env("RUSTDOCFLAGS", "-D warnings"))?;
     describe::check()?;
-    package::for_shipping()?;
+    package::without_program()?;
     process::run(&mut process::cargo(&["run", "--release", "--quiet", "-p", "depth-hold"]))?;
     process::run(&mut process::cargo(&["test", "--release", "--workspace", "--no-fail-fast"]))?;
-    package::wheel::build()?;
+    package::wheel::for_this_machine()?;
     package::wheel::install()?;
     examples::run()?;
     reproduce::run(&reproduce::Options { seeds: SMOKE_SEEDS, threads: None })?;

@@ -155,11 +155,12 @@ fn serve_all(workers: &[distributed::Worker], ended: &(dyn Fn() -> bool + Sync))
     std::thread::scope(|threads| {
         let serve = &serve;
         let all: Vec<_> = workers.iter().map(|w| threads.spawn(move || serve(w))).collect();
-        let ends = all.into_iter().map(|thread| match thread.join() {
-            Ok(served) => served,
-            Err(panic) => std::panic::resume_unwind(panic),
-        });
-        ends.fold(Ok(()), |before, served| before.and(served))
+        let mut ended = Ok(());
+        for thread in all {
+            let served = thread.join();
+            ended = ended.and(served.unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+        }
+        ended
     })
 }
 

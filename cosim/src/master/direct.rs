@@ -91,11 +91,11 @@ impl Steps {
         let (Some(DirectCalls { calls, inputs, outputs, recorded }), Some(places)) =
             (direct, places)
         else {
-            return self.direct.push(None, Places::default());
+            return self.direct.push(None, &[], &[], Places::default());
         };
         debug_assert_eq!((inputs.len(), outputs.len()), (node.inputs.len(), node.outputs.len()));
         self.partly[c] = recorded.len() < node.recorded.len();
-        self.direct.push(Some((calls, inputs, &[outputs, recorded])), places);
+        self.direct.push(Some(calls), inputs, &[outputs, recorded], places);
         self.routes.extend_from_slice(&node.fresh);
     }
 

@@ -25,7 +25,7 @@ mod shipped;
 mod stimulus;
 pub(crate) mod wheel;
 
-use crate::paths;
+use crate::{paths, process};
 use anyhow::{Context, Result};
 use compile::Linker;
 use library::Library;
@@ -65,14 +65,17 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         names => names.iter().map(|name| platform::named(name)).collect::<Result<_>>()?,
     };
     build(linker, &platforms, output)?;
-    platforms.iter().try_for_each(|platform| program(linker, platform))
+    platforms.iter().try_for_each(|platform| {
+        libraries(linker, platform)?;
+        program(linker, platform).map(drop)
+    })
 }
 
-/// Packages as [`run`] does when nothing else is asked for.
-pub(crate) fn for_shipping() -> Result<()> {
+/// Packages as [`run`] does when nothing else is asked for, but for the program.
+pub(crate) fn without_program() -> Result<()> {
     let host = platform::host()?;
     build(Linker::Zig, &[host], &paths::fmus())?;
-    program(Linker::Zig, host)
+    libraries(Linker::Zig, host)
 }
 
 /// Packages the FMUs for use on this machine, which needs no more than Rust and a C compiler.
@@ -121,18 +124,29 @@ fn checked(linker: Linker, platform: &Platform, path: &Path) -> Result<(Vec<u8>,
     Ok((bytes, library))
 }
 
-/// Builds the program `cosim`, and the libraries of the FMUs that it writes where it finds them: under
-/// lib/cosim/ beside the folder of the program. The libraries are without Zenoh, which takes longer
-/// to build than all the rest; it is built for the program, once.
-fn program(linker: Linker, platform: &Platform) -> Result<()> {
+/// Builds the libraries of the FMUs that `cosim` writes where it finds them: under lib/cosim/ beside
+/// the folder of the program. They are without Zenoh, which takes longer to build than all the rest.
+fn libraries(linker: Linker, platform: &Platform) -> Result<()> {
     let folder = paths::libraries(&platform.folder());
     fs::create_dir_all(&folder)?;
     let built = compile::build(linker, platform, &["-p", "cosim-system", "-p", "cosim-proxy"])?;
     for name in ["libcosim_system.so", "libcosim_proxy.so"] {
         fs::write(folder.join(name), library(linker, platform, &built, name)?)?;
     }
-    let built = compile::build(linker, platform, &["-p", "cosim"])?;
-    checked(linker, platform, &built.join("cosim")).map(drop)
+    Ok(())
+}
+
+/// Builds the program `cosim`. This machine's linker makes that of the tests, with the features of
+/// all of the workspace: what was built for them need not be built again.
+fn program(linker: Linker, platform: &Platform) -> Result<(Vec<u8>, Library)> {
+    let built = match linker {
+        Linker::Native => {
+            process::run(&mut process::build_cosim())?;
+            paths::released(None)
+        }
+        Linker::Zig => compile::build(linker, platform, &["-p", "cosim"])?,
+    };
+    checked(linker, platform, &built.join("cosim"))
 }
 
 /// Writes the paper's system: the description with its FMUs beside it under resources/, in the

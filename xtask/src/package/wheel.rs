@@ -4,17 +4,15 @@
 //! |---|---|---|
 //! | `rexrov/*.py` | the package | `cosim/python/rexrov/` |
 //! | `rexrov/fmus/`, `systems/`, `courses/` | its data | `target/fmus`, `examples/`, `rexrov::guidance` |
-//! | program `cosim` | `bin/cosim` | `cosim/`, linked by Zig |
+//! | program `cosim` | `bin/cosim` | `cosim/`, for shipping linked by Zig |
 //! | its libraries | `lib/cosim/`, where it looks for them | `target/lib/cosim` |
 //!
 //! All of it is laid out in `target/wheel` first, which the build backend packs as it stands: the same
 //! bytes every time.
 
 use super::{
-    compile::{self, GLIBC, Linker},
-    contents,
-    library::Library,
-    paper_with_fmus_in, platform,
+    compile::{GLIBC, Linker},
+    contents, paper_with_fmus_in, platform,
 };
 use crate::{paths, process, python};
 use anyhow::{Context, Result};
@@ -38,17 +36,26 @@ const COPIED: [(&str, &str); 4] = [
 const COURSES: [(&str, &str); 3] =
     [("BE1", Course::BE1), ("BE2", Course::BE2), ("BE3", Course::BE3)];
 
-/// Packages the FMUs and builds the wheel.
+/// Packages the FMUs and builds the wheel for any machine.
 pub(crate) fn run() -> Result<()> {
-    super::for_shipping()?;
-    build()
+    super::without_program()?;
+    build(Linker::Zig)
 }
 
-/// Builds the wheel from packaged FMUs.
-pub(crate) fn build() -> Result<()> {
+/// Builds the wheel from packaged FMUs for this machine and younger ones.
+pub(crate) fn for_this_machine() -> Result<()> {
+    build(Linker::Native)
+}
+
+fn build(linker: Linker) -> Result<()> {
     let stage = paths::target().join("wheel");
     let _ = fs::remove_dir_all(&stage);
-    lay_out(&stage)?;
+    let (program, library) = super::program(linker, platform::host()?)?;
+    let glibc = match linker {
+        Linker::Zig => GLIBC.to_owned(),
+        Linker::Native => library.glibc(),
+    };
+    lay_out(&stage, &program)?;
     let wheels = paths::target().join("wheels");
     let _ = fs::remove_dir_all(&wheels);
     process::run(
@@ -57,7 +64,7 @@ pub(crate) fn build() -> Result<()> {
             .arg(&wheels)
             .current_dir(&stage)
             .env("REXROV_VERSION", env!("CARGO_PKG_VERSION"))
-            .env("REXROV_TAG", tag()?),
+            .env("REXROV_TAG", tag(&glibc)?),
     )
 }
 
@@ -81,7 +88,7 @@ fn built() -> Result<PathBuf> {
     Ok(entries.next().with_context(missing)??.path())
 }
 
-fn lay_out(stage: &Path) -> Result<()> {
+fn lay_out(stage: &Path, program: &[u8]) -> Result<()> {
     for (from, to) in COPIED {
         write(&stage.join(to), &fs::read(paths::root().join(from)).context(from)?)?;
     }
@@ -104,26 +111,16 @@ fn lay_out(stage: &Path) -> Result<()> {
     let libraries = Path::new("lib/cosim").join(platform::host()?.folder());
     copy(&paths::target().join(&libraries), &stage.join(&libraries), &["so"])?;
     let program_file = stage.join("bin/cosim");
-    write(&program_file, &program()?)?;
+    write(&program_file, program)?;
     // pip keeps the mode that a wheel gives.
     fs::set_permissions(&program_file, Permissions::from_mode(0o755))
         .with_context(|| program_file.display().to_string())
 }
 
-/// The program `cosim` that starts on other machines.
-fn program() -> Result<Vec<u8>> {
-    let selection = ["-p", "cosim", "--bin", "cosim"];
-    let bytes = compile::library(Linker::Zig, platform::host()?, &selection, "cosim")?;
-    let program = Library::read(&bytes)?;
-    program.check_portable().context("the program is not fit for other machines")?;
-    println!("cosim: {} bytes, glibc {} or later", bytes.len(), program.glibc());
-    Ok(bytes)
-}
-
-/// For which Python and machine the wheel is: any Python 3, this platform with an old glibc.
-fn tag() -> Result<String> {
+/// For which Python and machine the wheel is: any Python 3, this platform with that glibc.
+fn tag(glibc: &str) -> Result<String> {
     let machine = platform::host()?.arch;
-    Ok(format!("py3-none-manylinux_{}_{machine}", GLIBC.replace('.', "_")))
+    Ok(format!("py3-none-manylinux_{}_{machine}", glibc.replace('.', "_")))
 }
 
 /// Copies the files of a folder whose names end so.

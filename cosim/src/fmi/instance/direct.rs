@@ -85,9 +85,9 @@ impl<T> Default for DirectSteps<T> {
 impl<T> DirectSteps<T> {
     /// Adds a step that sets Reals and then reads some, or one that is not made directly, which is
     /// also what becomes of one with more of them than can be counted.
-    pub(crate) fn push(&mut self, direct: Option<(Direct, &[u32], &[&[u32]])>, own: T) {
+    pub(crate) fn push(&mut self, direct: Option<Direct>, sets: &[u32], reads: &[&[u32]], own: T) {
         let mut line = Line { calls: None, references: 0, sets: 0, reads: 0, own };
-        if let Some((direct, sets, reads)) = direct {
+        if let Some(direct) = direct {
             let reads = reads.concat();
             let place = u32::try_from(self.references.len());
             let counts = (u16::try_from(sets.len()), u16::try_from(reads.len()));

@@ -33,7 +33,8 @@ fn library(name: &str) -> Vec<u8> {
 
 fn clumsy() -> Vec<u8> {
     let (linker, host) = (Linker::at_hand(), platform::host().unwrap());
-    compile::library(linker, host, &["-p", "clumsy"], "libclumsy.so").unwrap()
+    let built = compile::build(linker, host, &["-p", "clumsy"]).unwrap();
+    std::fs::read(built.join("libclumsy.so")).unwrap()
 }
 
 #[test]
