@@ -10,7 +10,13 @@ import numpy as np
 import rexrov
 
 SCENARIO = Path(__file__).with_suffix(".json")
-PHASES = {"before": (0, 60), "silent": (60, 90), "after it": (90, 150), "biased": (150, 180), "after": (180, 240)}
+PHASES = {
+    "before": (0, 60),
+    "silent": (60, 90),
+    "good again": (90, 150),
+    "biased": (150, 180),
+    "good at the end": (180, 240),
+}
 
 errors, page = {}, {}
 for name in ("EkfDynamic", "EkfKinematic"):
@@ -28,10 +34,12 @@ for name in ("EkfDynamic", "EkfKinematic"):
     page |= {f"{name}.true_x": loop["vehicle.pose.x"], f"{name}.true_y": loop["vehicle.pose.y"]}
 
 print(f"{'horizontal error, m (RMS)':26}", *(f"{name:>12}" for name in errors))
+rms = {}
 for phase, (begin, end) in PHASES.items():
     during = (time >= begin) & (time < end)
-    rms = {name: np.sqrt(np.mean(error[during] ** 2)) for name, error in errors.items()}
-    print(f"{phase:26}", *(f"{value:12.2f}" for value in rms.values()))
+    rms[phase] = [np.sqrt(np.mean(error[during] ** 2)) for error in errors.values()]
+    print(f"{phase:26}", *(f"{value:12.2f}" for value in rms[phase]))
+assert rms["silent"] > rms["before"] and rms["biased"][0] > rms["before"][0], "the faults show"
 
 table = np.rec.fromarrays(list(page.values()), names=list(page))
 paths = {f"Path with {name}": [(f"{name}.true_x", f"{name}.true_y"), (f"{name}.x", f"{name}.y")] for name in errors}

@@ -63,10 +63,12 @@ def test_the_same_files_give_the_same_bytes(tmp_path):
 
 
 def test_the_first_picture_takes_less_than_ten_seconds(clean, tmp_path):
-    begun = time.monotonic()
+    begun, before = time.monotonic(), os.times()
     said = call(clean, "python", "-m", "rexrov", "demo", cwd=tmp_path)
-    spent = time.monotonic() - begun
-    print(f"python -m rexrov demo: {spent:.1f} s")
+    after = os.times()
+    # Of the processor, so that what else the machine does is not counted.
+    spent = after.children_user - before.children_user + after.children_system - before.children_system
+    print(f"python -m rexrov demo: {time.monotonic() - begun:.1f} s, {spent:.1f} s of the processor")
     page = Path(said.strip().splitlines()[-1].removeprefix("the report is in "))
     assert page.parent == tmp_path and page.read_text().count("<svg") >= 4
     assert [file.name for file in tmp_path.iterdir()] == [page.name], "nothing else stays behind"
