@@ -215,8 +215,7 @@ impl Served for System {
     fn set_debug_logging(&mut self, on: bool, categories: &[&str]) -> Status {
         self.call(Call::SetDebugLogging, |me| {
             me.log.choose(on, categories).map_err(Trouble::error)?;
-            me.hosted.0.debug(on);
-            Ok(())
+            me.hosted.0.debug(on).map_err(|error| trouble(&error))
         })
     }
 

@@ -14,12 +14,17 @@ const VARIABLE: &str = "COSIM_SYSTEM_LIBRARY";
 /// Its file as Cargo names it.
 const NAME: &str = "libcosim_system.so";
 
+/// Beside it: what is linked into it, with the terms.
+const LINKED: &str = "licenses.txt";
+
 /// The library for one platform.
 pub(super) struct Library {
     /// Folder under binaries/.
     pub folder: &'static str,
     pub bytes: Vec<u8>,
     pub path: PathBuf,
+    /// What it is made of, with the terms, if a file beside it says so.
+    pub linked: Option<Vec<u8>>,
 }
 
 /// Reads the named libraries, or the one that is found.
@@ -76,7 +81,8 @@ fn read(path: &Path) -> Result<Library> {
         return Err(wrong(format!("it does not say '{MARK}'"))
             .help("take the library that was built together with this program"));
     }
-    Ok(Library { folder, bytes, path: path.to_owned() })
+    let linked = fs::read(path.with_file_name(LINKED)).ok();
+    Ok(Library { folder, bytes, path: path.to_owned(), linked })
 }
 
 /// Every FMU inside must have a binary for that platform; on this machine's it is loaded.

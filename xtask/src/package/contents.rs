@@ -32,7 +32,7 @@ pub(crate) fn of(component: &kernel::Entry, libraries: &[Entry]) -> Result<Vec<E
 
 /// What the author of a component gives: its text with equations, its drawing. A line `{{file}}`
 /// stands for that file, which several components share.
-fn source(file: &str) -> Result<String> {
+pub(crate) fn source(file: &str) -> Result<String> {
     let path = paths::root().join("fmu/components/documentation").join(file);
     let text = fs::read_to_string(&path).with_context(|| path.display().to_string())?;
     let mut whole = String::new();
@@ -49,16 +49,17 @@ fn source(file: &str) -> Result<String> {
 /// The licences: an entry page, ours, and what is linked in with its terms.
 pub(crate) fn licenses() -> Result<Vec<Entry>> {
     let folder = "documentation/licenses";
-    let mut files = vec![(format!("{folder}/license.txt"), summary()?.into_bytes())];
+    let mut files =
+        vec![(format!("{folder}/license.txt"), summary("This FMU", "rexrov-fmu")?.into_bytes())];
     for license in ["LICENSE-APACHE", "LICENSE-MIT"] {
         files.push((format!("{folder}/{license}"), fs::read(paths::root().join(license))?));
     }
     Ok(files)
 }
 
-/// The entry page: our terms, and the crates in the library with theirs, as cargo knows them.
-fn summary() -> Result<String> {
-    let tree = ["tree", "-p", "rexrov-fmu", "--edges", "normal,no-proc-macro", "--prefix", "none"];
+/// Our terms, and the crates in a package's library with theirs, as cargo knows them.
+pub(crate) fn summary(what: &str, package: &str) -> Result<String> {
+    let tree = ["tree", "-p", package, "--edges", "normal,no-proc-macro", "--prefix", "none"];
     let tree = process::output(process::cargo(&tree).args(["--format", "{p}\t{l}"]))?;
     let mut crates: Vec<String> = tree
         .lines()
@@ -69,7 +70,7 @@ fn summary() -> Result<String> {
     crates.sort();
     crates.dedup();
     Ok(format!(
-        "This FMU is licensed under MIT or Apache-2.0, at your option:\n\
+        "{what} is licensed under MIT or Apache-2.0, at your option:\n\
          see LICENSE-MIT and LICENSE-APACHE in this folder.\n\n\
          Its library contains the Rust standard library (MIT OR Apache-2.0) and these crates:\n\n\
          {}\n",

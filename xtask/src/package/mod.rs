@@ -11,13 +11,13 @@
 
 mod archive;
 mod compile;
-mod contents;
-mod icon;
+pub(crate) mod contents;
+pub(crate) mod icon;
 mod library;
 mod merge;
-mod page;
-mod platform;
-mod reference;
+pub(crate) mod page;
+pub(crate) mod platform;
+pub(crate) mod reference;
 #[cfg(test)]
 mod shipped;
 mod stimulus;
@@ -118,6 +118,8 @@ fn serving(linker: Linker, platform: &Platform) -> Result<()> {
     let folder = paths::target().join("lib/cosim").join(platform.folder());
     fs::create_dir_all(&folder)?;
     fs::write(folder.join(name), &bytes)?;
+    let licenses = contents::summary("This library", "cosim-system")?;
+    fs::write(folder.join("licenses.txt"), licenses)?;
     println!("{}/{name}: {} bytes", folder.display(), bytes.len());
     Ok(())
 }
