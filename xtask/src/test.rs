@@ -17,7 +17,6 @@ pub(crate) fn run() -> Result<()> {
     describe::check()?;
     package::for_shipping()?;
     judge::export_loop()?;
-    process::run(&mut process::cargo(&["run", "--release", "--quiet", "-p", "depth-hold"]))?;
     process::run(&mut process::cargo(&["test", "--release", "--workspace", "--no-fail-fast"]))?;
     book::run(true)?;
     reproduce::run(&reproduce::Options { seeds: SMOKE_SEEDS, threads: None })?;

@@ -33,6 +33,7 @@ use std::{
 /// Checks the blocks of all pages, and runs the library's example.
 pub(crate) fn run() -> Result<()> {
     process::run(&mut process::build_cosim())?;
+    process::run(&mut process::cargo(&["run", "--release", "--quiet", "-p", "depth-hold"]))?;
     let checker = Checker {
         python: python::TESTS.interpreter()?,
         sources: Sources::read()?,
