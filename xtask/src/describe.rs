@@ -1,11 +1,11 @@
-//! The committed descriptions, `modelDescription/*.xml` for tools and `variables.md` for people:
-//! generated from the components, never edited.
+//! What is committed and generated, never edited: of the components `modelDescription/*.xml` for tools
+//! and `variables.md` for people, and the icon of exported systems from its drawing.
 
-use crate::paths;
+use crate::{package::icon, paths};
 use anyhow::{Context, Error, Result, bail};
 use std::{fs, path::PathBuf};
 
-/// Writes the descriptions of all components.
+/// Writes all of them.
 pub(crate) fn write() -> Result<()> {
     for (path, text) in files()? {
         fs::write(&path, text).with_context(|| path.display().to_string())?;
@@ -14,17 +14,17 @@ pub(crate) fn write() -> Result<()> {
     Ok(())
 }
 
-/// Fails when a committed description is not what its component says.
+/// Fails when a committed file is not what it comes from says.
 pub(crate) fn check() -> Result<()> {
     let mut stale = Vec::new();
     for (path, text) in files()? {
-        if fs::read_to_string(&path).ok() != Some(text) {
+        if fs::read(&path).ok() != Some(text) {
             stale.push(path.display().to_string());
         }
     }
     if !stale.is_empty() {
         bail!(
-            "{} differ from the components: run `cargo xtask describe` and commit the result",
+            "{} differ from what they come from: run `cargo xtask describe` and commit the result",
             stale.join(", ")
         );
     }
@@ -32,17 +32,20 @@ pub(crate) fn check() -> Result<()> {
 }
 
 /// All files with their texts.
-fn files() -> Result<Vec<(PathBuf, String)>> {
+fn files() -> Result<Vec<(PathBuf, Vec<u8>)>> {
     let folder = paths::root().join("modelDescription");
     let mut files = Vec::new();
     let mut listing = LISTING.to_owned();
     for entry in rexrov_fmu::REGISTRY.entries() {
         let text = entry.describe().map_err(Error::msg)?;
-        files.push((folder.join(format!("{}.xml", entry.info().name)), text));
+        files.push((folder.join(format!("{}.xml", entry.info().name)), text.into_bytes()));
         listing.push('\n');
         listing.push_str(&entry.listing());
     }
-    files.push((folder.join("variables.md"), listing));
+    files.push((folder.join("variables.md"), listing.into_bytes()));
+    let drawing = paths::root().join("cosim/src/export/icon.svg");
+    let icon = icon::png(&fs::read_to_string(&drawing)?)?;
+    files.push((drawing.with_extension("png"), icon));
     Ok(files)
 }
 

@@ -1,13 +1,16 @@
 //! `cargo xtask judge`: what independent tools say of the packaged FMUs and of `cosim`, as one table of
 //! tool, check and FMU.
 
-use crate::{package, paths, process, python};
+use crate::package::{self, platform};
+use crate::{paths, process, python};
 use anyhow::Result;
-use std::process::Command;
+use cosim::{Overrides, System, export::Export};
+use std::{fs, process::Command};
 
 /// Packages, asks every judge, prints the table; fails when one judge does.
 pub(crate) fn run() -> Result<()> {
     package::without_program()?;
+    export_loop()?;
     process::run(&mut process::build_cosim())?;
     let fmi_rs = ["test", "--release", "--quiet", "--workspace", "--test", "fmi_rs"];
     process::run(&mut process::cargo(&fmi_rs))?;
@@ -16,4 +19,15 @@ pub(crate) fn run() -> Result<()> {
             .args(["-m", "pytest", "-q", "tests/python/judges"])
             .current_dir(paths::root()),
     )
+}
+
+/// Exports the paper's loop as one FMU, target/judges/Loop.fmu, to be judged with the packaged ones.
+pub(crate) fn export_loop() -> Result<()> {
+    let system = System::load(paths::root().join("examples/paper.ssd"), &Overrides::new())?;
+    let library = paths::target().join("lib/cosim").join(platform::host()?.folder());
+    let folder = paths::target().join("judges");
+    fs::create_dir_all(&folder)?;
+    let export = Export::new().name("Loop").library(library.join("libcosim_system.so"));
+    export.write(&system, folder.join("Loop.fmu"))?;
+    Ok(())
 }

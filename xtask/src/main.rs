@@ -3,6 +3,7 @@
 //! Everything that people and CI do with this project goes through here, so that both do the same.
 
 mod bench;
+mod book;
 mod describe;
 mod examples;
 mod fuzz;
@@ -36,6 +37,13 @@ enum Task {
     },
     /// Run the paper's experiment from packaged FMUs and write target/reproduce/report.html.
     Reproduce(reproduce::Options),
+    /// Run the documents' code and write target/book/index.html, the documents as a book.
+    Book {
+        /// Only compare the pictures: fail when a committed one differs from what its page's
+        /// commands make.
+        #[arg(long)]
+        check: bool,
+    },
     /// Measure speed as ratios within one run.
     Bench(bench::Options),
     /// Build the Python package into target/wheels.
@@ -63,6 +71,7 @@ fn main() -> std::process::ExitCode {
         Task::Reproduce(options) => {
             package::for_this_machine().and_then(|()| reproduce::run(&options))
         }
+        Task::Book { check } => package::without_program().and_then(|()| book::run(check)),
         Task::Bench(options) => bench::run(&options),
         Task::Wheel => package::wheel::run(),
         Task::Judge => judge::run(),

@@ -14,6 +14,16 @@ pub(crate) fn run(command: &mut Command) -> Result<()> {
     Ok(())
 }
 
+/// Runs `command` and shows what it prints only when it fails.
+pub(crate) fn quietly(command: &mut Command) -> Result<()> {
+    let output = command.output().with_context(|| format!("cannot start `{}`", shown(command)))?;
+    if !output.status.success() {
+        let [out, err] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
+        bail!("ended with {}\n{out}{err}", output.status);
+    }
+    Ok(())
+}
+
 /// Runs `command` and returns what it prints.
 pub(crate) fn output(command: &mut Command) -> Result<String> {
     let shown = shown(command);

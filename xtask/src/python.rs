@@ -28,6 +28,10 @@ pub(crate) const ZIG: Environment = Environment {
     purpose: "libraries that start on other machines (`cargo xtask package --native` does without)",
 };
 
+/// Sphinx, which makes the book.
+pub(crate) const BOOK: Environment =
+    Environment { folder: "sphinx", requirements: "docs/requirements.txt", purpose: "the book" };
+
 impl Environment {
     /// Makes or refreshes it and returns the folder of its programs.
     pub(crate) fn install(&self) -> Result<PathBuf> {

@@ -1,6 +1,6 @@
 //! `cargo xtask test`: every check and every test, in the order of what fails fastest.
 
-use crate::{describe, examples, package, paths, process, python, reproduce};
+use crate::{book, describe, judge, package, paths, process, python, reproduce};
 use anyhow::Result;
 use std::process::Command;
 
@@ -16,11 +16,9 @@ pub(crate) fn run() -> Result<()> {
     process::run(process::cargo(&doc).env("RUSTDOCFLAGS", "-D warnings"))?;
     describe::check()?;
     package::without_program()?;
-    process::run(&mut process::cargo(&["run", "--release", "--quiet", "-p", "depth-hold"]))?;
+    judge::export_loop()?;
     process::run(&mut process::cargo(&["test", "--release", "--workspace", "--no-fail-fast"]))?;
-    package::wheel::for_this_machine()?;
-    package::wheel::install()?;
-    examples::run()?;
+    book::run(true)?;
     reproduce::run(&reproduce::Options { seeds: SMOKE_SEEDS, threads: None })?;
     process::run(
         Command::new(python::TESTS.interpreter()?)

@@ -51,8 +51,7 @@ impl Inside for System {
             let all = known.join(", ");
             return Err(Error::new(Code::UnknownName, what).why(format!("there are {all}")));
         }
-        self.0.debug(on);
-        Ok(())
+        self.0.debug(on)
     }
 
     fn reset(&mut self) -> Result<()> {

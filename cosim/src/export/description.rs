@@ -66,7 +66,7 @@ impl Description<'_> {
     }
 
     /// The descriptions of the FMUs, by their files.
-    fn roots(&self) -> Result<BTreeMap<&Path, Element>> {
+    pub(super) fn roots(&self) -> Result<BTreeMap<&Path, Element>> {
         let mut roots = BTreeMap::new();
         for fmu in self.fmus().map(|(fmu, _)| fmu) {
             if !roots.contains_key(fmu.path()) {

@@ -20,12 +20,17 @@ pub(crate) struct Kind {
     pub of: &'static str,
 }
 
+/// Beside it: what is linked into it, with the terms.
+const LINKED: &str = "licenses.txt";
+
 /// The library for one platform.
 pub(crate) struct Library {
     /// Folder under binaries/.
     pub folder: &'static str,
     pub bytes: Vec<u8>,
     pub path: PathBuf,
+    /// What it is made of, with the terms, if a file beside it says so.
+    pub linked: Option<Vec<u8>>,
 }
 
 /// Reads the named libraries, or the one that is found.
@@ -84,7 +89,8 @@ fn read(kind: &Kind, path: &Path) -> Result<Library> {
         return Err(wrong(format!("it does not say '{mark}'"))
             .help("take the library that was built together with this program"));
     }
-    Ok(Library { folder, bytes, path: path.to_owned() })
+    let linked = fs::read(path.with_file_name(LINKED)).ok();
+    Ok(Library { folder, bytes, path: path.to_owned(), linked })
 }
 
 /// Every FMU inside must have a binary for that platform; on this machine's it is loaded.

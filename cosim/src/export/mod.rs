@@ -10,6 +10,7 @@
 //! | `choice` | which variables are shown |
 //! | `interface` | them as a list, for the library |
 //! | `description`, `definitions`, `feedthrough` | modelDescription.xml: variables, units and types, dependencies |
+//! | `documentation` | what it tells people, licences, icon |
 //! | `library` | the binaries, and whether the FMUs inside have theirs |
 //! | `archive` | the file |
 
@@ -17,6 +18,7 @@ pub(crate) mod archive;
 mod choice;
 mod definitions;
 mod description;
+mod documentation;
 mod feedthrough;
 pub(crate) mod interface;
 pub(crate) mod library;
@@ -135,6 +137,7 @@ impl Export {
         interface.guid.clone_from(&guid);
         let text = description.text(&guid)?;
         let mut entries = vec![("modelDescription.xml".to_owned(), Content::bytes(text))];
+        entries.extend(documentation::entries(&description, &guid, &packed.fmus, &libraries)?);
         entries.extend(libraries.into_iter().map(|library| {
             let name = format!("binaries/{}/{identifier}.so", library.folder);
             (name, Content::bytes(library.bytes))

@@ -109,9 +109,11 @@ impl Hosted {
         self.mailbox.take()
     }
 
-    /// Asks the FMUs for debug messages, or not, from the next initialization on.
-    pub fn debug(&mut self, on: bool) {
+    /// Asks the FMUs for debug messages, or not: those that are there and those to come.
+    pub fn debug(&mut self, on: bool) -> Result<()> {
         self.system.debug(on);
+        let slaves = self.engine.iter_mut().flat_map(|engine| &mut engine.slaves);
+        slaves.map(|slave| slave.debug(on)).collect()
     }
 
     /// Back to the beginning: nothing is given.

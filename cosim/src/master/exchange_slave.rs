@@ -178,6 +178,10 @@ impl Slave for ExchangeSlave {
         look(&mut self.instance, variable)
     }
 
+    fn debug(&mut self, on: bool) -> Result<()> {
+        self.instance.debug(on)
+    }
+
     fn messages(&mut self) -> Vec<String> {
         self.instance.messages()
     }

@@ -211,6 +211,10 @@ impl Slave for FmuSlave {
         look(&mut self.instance, variable)
     }
 
+    fn debug(&mut self, on: bool) -> Result<()> {
+        self.instance.debug(on)
+    }
+
     fn messages(&mut self) -> Vec<String> {
         self.instance.messages()
     }

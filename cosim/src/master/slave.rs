@@ -89,6 +89,11 @@ pub trait Slave {
     /// that of the instant `time`. The slave has left its initialization.
     fn deserialize(&mut self, state: &[u8], time: Time) -> Result<()>;
 
+    /// Asks for debug messages from now on, or not.
+    fn debug(&mut self, _on: bool) -> Result<()> {
+        Ok(())
+    }
+
     /// How many steps were discarded and made again by smaller ones.
     fn rejected(&self) -> u64 {
         0
@@ -167,6 +172,10 @@ macro_rules! passes_on {
 
         fn deserialize(&mut self, state: &[u8], time: Time) -> Result<()> {
             self.$inner.deserialize(state, time)
+        }
+
+        fn debug(&mut self, on: bool) -> Result<()> {
+            self.$inner.debug(on)
         }
 
         fn rejected(&self) -> u64 {

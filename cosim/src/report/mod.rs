@@ -29,7 +29,7 @@ mod ticks;
 pub use figure::{Axis, Figure, LegendPlace, Panel, Series, Shape};
 pub use layout::{Layout, Rect};
 pub use page::{Block, Page, Section};
-pub use results::{Options, html};
+pub use results::{Options, html, svg};
 pub use select::{Plot, XyPlot};
 pub use statistics::{mean, quantile, root_mean_square};
 pub use style::Role;

@@ -4,7 +4,7 @@
 use super::figure::{Figure, LegendPlace, Panel, Series};
 use super::grouping::{Component, Group, components};
 use super::{Block, Page, Plot, Role, Section, Table, XyPlot, mean};
-use crate::{Error, Recording, Result};
+use crate::{Code, Error, Recording, Result};
 
 const PANEL_HEIGHT: f64 = 130.0;
 
@@ -39,6 +39,16 @@ pub fn html(recording: &Recording, options: &Options) -> Result<String> {
         ..Page::default()
     };
     page.html()
+}
+
+/// The one figure that was asked for, as an SVG file.
+pub fn svg(recording: &Recording, options: &Options) -> Result<String> {
+    match (options.paths.as_slice(), options.plots.as_slice()) {
+        ([path], []) => path_figure(recording, path)?.svg(),
+        ([], [plot]) => time_figure(recording, plot)?.svg(),
+        _ => Err(Error::new(Code::Usage, "an SVG file holds one figure")
+            .help("choose one --plot or one --xy, or write a page: a name that ends in .html")),
+    }
 }
 
 fn component_section(recording: &Recording, component: &Component) -> Result<Section> {
@@ -181,6 +191,15 @@ mod tests {
         let plots = vec!["Heading: a.pose.yow".parse().unwrap()];
         let error = html(&sample(), &Options { plots, ..Options::default() }).unwrap_err();
         assert!(error.to_string().contains("a.pose.yaw"));
+    }
+
+    #[test]
+    fn a_picture_is_one_figure() {
+        let paths = vec!["Path: a.pose.x, a.pose.y".parse().unwrap()];
+        let one = Options { paths, ..Options::default() };
+        assert!(svg(&sample(), &one).unwrap().starts_with("<svg"));
+        let error = svg(&sample(), &Options::default()).unwrap_err().to_string();
+        assert!(error.contains("one --plot or one --xy"), "{error}");
     }
 
     #[test]

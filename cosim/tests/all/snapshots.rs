@@ -7,37 +7,12 @@ use cosim::{Algorithm, Code, Input, Observer, Overrides, Recording, Run, Snapsho
 use tempfile::TempDir;
 
 use crate::formats::Folder;
-use crate::models::Model::{
-    Affine, Ball, Clock, Counter, Gain, Integrator, Lag, Mass, Oscillator, Sawtooth, Ticker,
-};
-use crate::ssd::Ssd;
+use crate::models::Model::{Affine, Gain, Integrator, Lag};
+use crate::ssd::{Ssd, zoo};
 use crate::{converted, osp};
 
 fn seconds(seconds: f64) -> Time {
     Time::from_seconds(seconds, "t").unwrap()
-}
-
-/// Co-simulation and model exchange, events of all kinds, steps that differ, an algebraic loop.
-fn zoo() -> Ssd {
-    Ssd::new()
-        .add("clock", Clock)
-        .add_with("slow", Integrator, &[("second", 0.3)], Some(0.3))
-        .add("count", Counter)
-        .add("lag", Lag)
-        .add("ball", Ball)
-        .add_with("ticks", Ticker, &[("k", 0.07)], None)
-        .add("saw", Sawtooth)
-        .add("swing", Oscillator)
-        .add_with("p", Affine, &[("k", 0.3)], None)
-        .add_with("q", Affine, &[("k", -0.4)], None)
-        .add_with("mass", Mass, &[("k", 5.0), ("second", 1.0), ("m", 1.0)], None)
-        .connect("clock.y", "slow.u")
-        .connect("slow.y", "lag.u")
-        .connect("count.n", "ticks.m")
-        .connect("swing.y", "mass.u")
-        .connect("p.y", "q.u")
-        .connect("q.y", "p.u")
-        .stop(1.5)
 }
 
 fn csv(run: impl FnOnce(&mut dyn Observer, &Path)) -> Vec<u8> {

@@ -17,6 +17,32 @@ pub(crate) struct Ssd {
     stop: f64,
 }
 
+/// Co-simulation and model exchange, events of all kinds, steps that differ, an algebraic loop.
+pub(crate) fn zoo() -> Ssd {
+    use Model::{
+        Affine, Ball, Clock, Counter, Integrator, Lag, Mass, Oscillator, Sawtooth, Ticker,
+    };
+    Ssd::new()
+        .add("clock", Clock)
+        .add_with("slow", Integrator, &[("second", 0.3)], Some(0.3))
+        .add("count", Counter)
+        .add("lag", Lag)
+        .add("ball", Ball)
+        .add_with("ticks", Ticker, &[("k", 0.07)], None)
+        .add("saw", Sawtooth)
+        .add("swing", Oscillator)
+        .add_with("p", Affine, &[("k", 0.3)], None)
+        .add_with("q", Affine, &[("k", -0.4)], None)
+        .add_with("mass", Mass, &[("k", 5.0), ("second", 1.0), ("m", 1.0)], None)
+        .connect("clock.y", "slow.u")
+        .connect("slow.y", "lag.u")
+        .connect("count.n", "ticks.m")
+        .connect("swing.y", "mass.u")
+        .connect("p.y", "q.u")
+        .connect("q.y", "p.u")
+        .stop(1.5)
+}
+
 impl Ssd {
     pub(crate) fn new() -> Self {
         Self {

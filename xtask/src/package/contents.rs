@@ -32,7 +32,7 @@ pub(crate) fn of(component: &kernel::Entry, libraries: &[Entry]) -> Result<Vec<E
 
 /// What the author of a component gives: its text with equations, its drawing. A line `{{file}}`
 /// stands for that file, which several components share.
-fn source(file: &str) -> Result<String> {
+pub(crate) fn source(file: &str) -> Result<String> {
     let path = paths::root().join("fmu/components/documentation").join(file);
     let text = fs::read_to_string(&path).with_context(|| path.display().to_string())?;
     let mut whole = String::new();
@@ -49,17 +49,22 @@ fn source(file: &str) -> Result<String> {
 /// The licences: an entry page, ours, and what is linked in with its terms.
 pub(crate) fn licenses() -> Result<Vec<Entry>> {
     let folder = "documentation/licenses";
-    let text = format!(
-        "This FMU is licensed under MIT or Apache-2.0, at your option:\n\
-         see LICENSE-MIT and LICENSE-APACHE in this folder.\n\n\
-         Its library contains {}",
-        linked("rexrov-fmu")?
-    );
-    let mut files = vec![(format!("{folder}/license.txt"), text.into_bytes())];
+    let mut files =
+        vec![(format!("{folder}/license.txt"), summary("This FMU", "rexrov-fmu")?.into_bytes())];
     for license in ["LICENSE-APACHE", "LICENSE-MIT"] {
         files.push((format!("{folder}/{license}"), fs::read(paths::root().join(license))?));
     }
     Ok(files)
+}
+
+/// Our terms, and what is linked into a package's library.
+pub(crate) fn summary(what: &str, package: &str) -> Result<String> {
+    Ok(format!(
+        "{what} is licensed under MIT or Apache-2.0, at your option:\n\
+         see LICENSE-MIT and LICENSE-APACHE in this folder.\n\n\
+         Its library contains {}",
+        linked(package)?
+    ))
 }
 
 /// What is linked into a package's library or program: the crates with their terms, as cargo knows

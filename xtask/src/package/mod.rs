@@ -13,13 +13,13 @@
 
 mod archive;
 mod compile;
-mod contents;
-mod icon;
+pub(crate) mod contents;
+pub(crate) mod icon;
 mod library;
 mod merge;
-mod page;
-mod platform;
-mod reference;
+pub(crate) mod page;
+pub(crate) mod platform;
+pub(crate) mod reference;
 #[cfg(test)]
 mod shipped;
 mod stimulus;
@@ -133,6 +133,8 @@ fn libraries(linker: Linker, platform: &Platform) -> Result<()> {
     for name in ["libcosim_system.so", "libcosim_proxy.so"] {
         fs::write(folder.join(name), library(linker, platform, &built, name)?)?;
     }
+    let licenses = contents::summary("This library", "cosim-system")?;
+    fs::write(folder.join("licenses.txt"), licenses)?;
     Ok(())
 }
 

@@ -54,7 +54,7 @@ fn markdown(text: &str) -> Result<String> {
     failure.map_or(Ok(page), Err)
 }
 
-fn mathml(latex: &str, display_mode: DisplayMode) -> Result<String> {
+pub(crate) fn mathml(latex: &str, display_mode: DisplayMode) -> Result<String> {
     let storage = Storage::new();
     let events = pulldown_latex::Parser::new(latex, &storage).collect::<Result<Vec<_>, _>>();
     let events = events.map_err(|error| anyhow!("equation `{latex}`: {error}"))?;
@@ -66,7 +66,7 @@ fn mathml(latex: &str, display_mode: DisplayMode) -> Result<String> {
 }
 
 /// The outputs over time, one panel for each quantity of one unit.
-fn plot(component: &Entry, run: &Run) -> Result<String> {
+pub(crate) fn plot(component: &Entry, run: &Run) -> Result<String> {
     let mut groups: Vec<((String, &str), Vec<&str>)> = Vec::new();
     for (_, output) in component.table().group(Group::Output) {
         let (Some(unit), Some((quantity, _))) =

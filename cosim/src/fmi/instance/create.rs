@@ -104,6 +104,15 @@ impl Instance {
         error.help(format!("the FMU needs its tool: is '{}' here?", description.generation_tool))
     }
 
+    /// Asks for debug messages of all categories, or for none.
+    pub fn debug(&mut self, on: bool) -> Result<()> {
+        let set = |f: &Functions, c: Component| {
+            // SAFETY: `c` is alive; of an empty list nothing is read.
+            unsafe { (f.set_debug_logging)(c, i32::from(on), 0, std::ptr::null()) }
+        };
+        self.call("fmi2SetDebugLogging", |_| format!("{on}, []"), set)
+    }
+
     fn choose_categories(&mut self, logging: &Logging) -> Result<()> {
         let declared = &self.fmu.description().log_categories;
         let wanted = |name: &&String| declared.is_empty() || declared.contains(name);

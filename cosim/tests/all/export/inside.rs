@@ -5,11 +5,10 @@ use std::path::Path;
 use cosim::fmi::{Fmu, Instance, Logging, Mailbox};
 use cosim::{Overrides, System};
 
-use super::bits::zoo;
 use super::{assert_same, export, get, seconds, set, step};
 use crate::formats::{Folder, component, connection, ssd};
 use crate::models::Model::{self, Clock, Failing, Gain, Integrator};
-use crate::ssd::{Ssd, run};
+use crate::ssd::{Ssd, run, zoo};
 
 /// The chain clock -> gain -> integrator with its middle as an FMU of its own.
 fn around(inner: &Path) -> String {
@@ -125,6 +124,25 @@ fn debug_messages_come_when_they_are_asked_for() {
         assert!(told.iter().any(|text| text.starts_with(line)), "{line} in {told:?}");
     }
     assert_eq!(texts(false), Vec::<String>::new());
+}
+
+#[test]
+fn debug_messages_can_be_asked_for_between_steps() {
+    let exported = export(&Ssd::new().add("a", Gain).write(), &[]);
+    let mailbox = std::sync::Arc::new(Mailbox::default());
+    let logging = Logging { mailbox: Some(mailbox.clone()), ..Logging::default() };
+    let mut instance = Instance::new(Fmu::open(&exported.fmu).unwrap(), "x", &logging).unwrap();
+    instance.enter_initialization(seconds(0.0), seconds(1.0)).unwrap();
+    instance.exit_initialization().unwrap();
+    for (number, debug) in [false, true, false].into_iter().enumerate() {
+        instance.debug(debug).unwrap();
+        mailbox.take();
+        let (begin, end) = (0.1 * number as f64, 0.1 * (number + 1) as f64);
+        step(&mut instance, begin, end);
+        let told = mailbox.take();
+        let inner = told.iter().any(|message| message.text.starts_with("a (logAll): step to"));
+        assert_eq!(inner, debug, "{told:?}");
+    }
 }
 
 #[test]

@@ -54,6 +54,24 @@ fn outputs_parameters_and_free_inputs_are_shown() {
 }
 
 #[test]
+fn it_tells_people_what_is_inside_and_on_which_terms() {
+    let exported = export(&two().write(), &[]);
+    let folder = cosim::fmi::archive::unpack(&exported.fmu).unwrap();
+    let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let page = text("documentation/index.html");
+    for part in ["<td>GAIN</td>", "clock.y</th><td>g.u</td>", "g.k</th><td>parameter</td>"] {
+        assert!(page.contains(part), "{part} in {page}");
+    }
+    let licenses = text("documentation/licenses/license.txt");
+    for part in ["MIT or Apache-2.0", "The FMUs inside", ": does not say"] {
+        assert!(licenses.contains(part), "{part} in {licenses}");
+    }
+    assert!(text("documentation/licenses/LICENSE-MIT").contains("Permission is hereby granted"));
+    let icon = std::fs::read(folder.path().join("model.png")).unwrap();
+    assert!(icon.starts_with(b"\x89PNG"));
+}
+
+#[test]
 fn patterns_choose() {
     let names = |arguments: &[&str]| {
         let exported = export(&two().write(), arguments);

@@ -3,10 +3,9 @@
 use cosim::Time;
 use cosim::fmi::{Instance, Place};
 
-use super::bits::zoo;
 use super::{Exported, export, get, seconds, set, step};
 use crate::models::Model::{Counter, Gain, Picky};
-use crate::ssd::Ssd;
+use crate::ssd::{Ssd, zoo};
 
 const NAMES: [&str; 7] = ["mass.y", "slow.y", "p.y", "swing.y", "ball.y", "lag.y", "saw.y"];
 

@@ -1,4 +1,5 @@
-//! The packaged FMUs before an independent judge in Rust: the validator and the importer of `fmi-rs`.
+//! The packaged FMUs, and the paper's loop exported as one, before an independent judge in Rust: the
+//! validator and the importer of `fmi-rs`.
 //!
 //! Verdicts go to `target/judges/fmi-rs-*.csv`, from where `cargo xtask judge` takes them into its table.
 
@@ -27,12 +28,25 @@ fn target() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target")
 }
 
+/// The packaged components.
+fn components() -> Vec<PathBuf> {
+    let file = |name| target().join(format!("fmus/{name}.fmu"));
+    rexrov_fmu::REGISTRY.entries().map(|entry| file(entry.info().name)).collect()
+}
+
+/// Those that are for co-simulation: the components and the loop that the task runner exports.
+fn all() -> Vec<PathBuf> {
+    let exported = target().join("judges/Loop.fmu");
+    components().into_iter().chain([exported]).collect()
+}
+
 /// Examines every FMU, writes the verdicts and fails with all complaints.
-fn judge(check: &str, examine: impl Fn(&Fmu) -> Outcome) {
+fn judge(check: &str, files: &[PathBuf], examine: impl Fn(&Fmu) -> Outcome) {
     let mut rows = String::new();
     let mut complaints = Vec::new();
-    for name in rexrov_fmu::REGISTRY.entries().map(|entry| entry.info().name) {
-        let outcome = Fmu::open(name).and_then(|fmu| examine(&fmu));
+    for file in files {
+        let name = file.file_stem().unwrap_or_default().display();
+        let outcome = Fmu::open(file).and_then(|fmu| examine(&fmu));
         let verdict = if outcome.is_ok() { "passed" } else { "failed" };
         rows += &format!("fmi-rs,{check},{name},{verdict}\n");
         complaints.extend(outcome.err().map(|why| format!("{name}: {why}")));
@@ -49,9 +63,8 @@ struct Fmu {
 }
 
 impl Fmu {
-    fn open(name: &str) -> Result<Self, String> {
-        let file = target().join(format!("fmus/{name}.fmu"));
-        assert!(file.exists(), "{} is missing: run `cargo xtask package`", file.display());
+    fn open(file: &Path) -> Result<Self, String> {
+        assert!(file.exists(), "{} is missing: run `cargo xtask judge`", file.display());
         let builder = FMU2Builder::new(&file).map_err(|e| e.to_string())?;
         let text = builder.unzipdir.path().join("modelDescription.xml");
         let description = ModelDescription::from_path(&text).map_err(|e| e.to_string())?;
@@ -121,7 +134,7 @@ impl Fmu {
 
 #[test]
 fn its_validator_finds_no_fault() {
-    judge("validation", |fmu| {
+    judge("validation", &all(), |fmu| {
         let problems = fmu.description.validate();
         if problems.is_empty() {
             return Ok(());
@@ -132,7 +145,7 @@ fn its_validator_finds_no_fault() {
 
 #[test]
 fn its_co_simulation_reads_every_variable_at_every_step() {
-    judge("co-simulation", |fmu| {
+    judge("co-simulation", &all(), |fmu| {
         let recorded = fmu.co_simulation(&fmu.settings(0.0, STOP))?;
         let rows = (STOP / STEP) as usize + 1;
         if recorded.step_count() == rows && recorded.time.last() == Some(&STOP) {
@@ -144,7 +157,7 @@ fn its_co_simulation_reads_every_variable_at_every_step() {
 
 #[test]
 fn its_model_exchange_ends_where_its_co_simulation_does() {
-    judge("model exchange", |fmu| {
+    judge("model exchange", &components(), |fmu| {
         let settings = fmu.settings(0.0, STOP);
         let (cs, me) = (fmu.co_simulation(&settings)?, fmu.model_exchange(&settings)?);
         let (cs, me) = (cs.rows.last().unwrap(), me.rows.last().unwrap());
@@ -165,7 +178,7 @@ fn its_model_exchange_ends_where_its_co_simulation_does() {
 
 #[test]
 fn a_run_goes_on_from_a_file_of_its_state() {
-    judge("state in a file", |fmu| {
+    judge("state in a file", &all(), |fmu| {
         let middle = STOP / 2.0;
         let file = fmu.builder.unzipdir.path().join("state");
         let whole = fmu.co_simulation(&fmu.settings(0.0, STOP))?;

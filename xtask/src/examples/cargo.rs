@@ -1,0 +1,83 @@
+//! The `cargo` commands of the documents: running them would build everything again, so tasks are
+//! parsed by the task runner itself, and packages, benches and examples looked up.
+
+use crate::{Arguments, process};
+use anyhow::{Context, Result, bail};
+use clap::Parser;
+use serde_json::Value;
+use std::collections::BTreeSet;
+
+/// What `cargo` can be told to do here.
+pub(super) struct Commands {
+    packages: BTreeSet<String>,
+    /// Kind and name of each target: `bench distributed`.
+    targets: BTreeSet<String>,
+}
+
+impl Commands {
+    /// Asks cargo for the packages of the workspace and their targets.
+    pub(super) fn known() -> Result<Self> {
+        let arguments = ["metadata", "--no-deps", "--format-version", "1"];
+        let metadata: Value =
+            serde_json::from_str(&process::output(&mut process::cargo(&arguments))?)
+                .context("cargo metadata")?;
+        let (mut packages, mut targets) = (BTreeSet::new(), BTreeSet::new());
+        for package in metadata["packages"].as_array().into_iter().flatten() {
+            packages.insert(package["name"].as_str().unwrap_or_default().to_owned());
+            for target in package["targets"].as_array().into_iter().flatten() {
+                let name = target["name"].as_str().unwrap_or_default();
+                for kind in target["kind"].as_array().into_iter().flatten() {
+                    targets.insert(format!("{} {name}", kind.as_str().unwrap_or_default()));
+                }
+            }
+        }
+        Ok(Self { packages, targets })
+    }
+
+    /// Fails when a line of the script begins with a `cargo` command that cannot work.
+    pub(super) fn check(&self, script: &str) -> Result<()> {
+        for line in script.replace("\\\n", " ").lines().filter(|line| line.starts_with("cargo ")) {
+            let end = |word: &&str| !["&&", ";", "|"].contains(word) && !word.starts_with('#');
+            let words: Vec<&str> = line.split_whitespace().take_while(end).collect();
+            self.command(&words).with_context(|| format!("`{}`", words.join(" ")))?;
+        }
+        Ok(())
+    }
+
+    fn command(&self, words: &[&str]) -> Result<()> {
+        if let [_, "xtask", ..] = words {
+            return Arguments::try_parse_from(&words[1..]).map(|_| ()).map_err(Into::into);
+        }
+        for pair in words.windows(2) {
+            let known = match pair[0] {
+                "-p" => self.packages.contains(pair[1]),
+                "--bench" | "--example" => {
+                    self.targets.contains(&format!("{} {}", &pair[0][2..], pair[1]))
+                }
+                _ => true,
+            };
+            if !known {
+                bail!("`{} {}` does not exist in this workspace", pair[0], pair[1]);
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tasks_are_parsed_and_targets_looked_up() {
+        let known = Commands::known().unwrap();
+        let check = |script: &str| known.check(script);
+        check("cargo xtask reproduce --seeds 20 # quick\necho cargo no\n").unwrap();
+        check("cargo build --release -p cosim && cargo\ncargo bench -p cosim --bench chain")
+            .unwrap();
+        assert!(check("cargo xtask reproduse").is_err());
+        assert!(check("cargo xtask reproduce \\\n --sedes 20").is_err());
+        assert!(check("cargo build -p cosmi").is_err());
+        assert!(check("cargo bench -p cosim --bench chian").is_err());
+    }
+}
