@@ -19,8 +19,8 @@ pub(crate) fn fmus() -> PathBuf {
 }
 
 /// Cargo's output folder for a target of Rust, or for this machine.
-pub(crate) fn released(target: Option<&str>) -> PathBuf {
-    target().join(target.unwrap_or_default()).join("release")
+pub(crate) fn released(triple: Option<&str>) -> PathBuf {
+    target().join(triple.unwrap_or_default()).join("release")
 }
 
 /// The libraries of the FMUs that `cosim` writes, for a platform by its folder in an FMU.
