@@ -5,6 +5,7 @@
 //! medians are shown: what disturbs one disturbs both.
 
 #[path = "../tests/element/mod.rs"]
+#[allow(dead_code, reason = "a chain is not needed here")]
 mod element;
 
 use std::net::TcpListener;

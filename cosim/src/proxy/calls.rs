@@ -16,8 +16,6 @@ pub enum Ask {
     Enter,
     /// `fmi2ExitInitializationMode`
     Exit,
-    /// `fmi2Terminate`
-    Terminate,
     /// `fmi2Reset`
     Reset,
     /// `fmi2SetXXX`
@@ -85,7 +83,6 @@ impl Ask {
             Self::SetUp(..) => "fmi2SetupExperiment",
             Self::Enter => "fmi2EnterInitializationMode",
             Self::Exit => "fmi2ExitInitializationMode",
-            Self::Terminate => "fmi2Terminate",
             Self::Reset => "fmi2Reset",
             Self::Set(_, Values::Real(_)) => "fmi2SetReal",
             Self::Set(_, Values::Integer(_)) => "fmi2SetInteger",

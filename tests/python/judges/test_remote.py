@@ -89,7 +89,9 @@ def test_libcosim_gets_the_bits_of_the_loop_here(tmp_path):
     remote = proxy("EkfDynamic", tmp_path, endpoint)
     text = PAPER.read_text().replace('"../target/fmus/', f'"{FMUS}/')
     (tmp_path / "here.ssd").write_text(text)
-    (tmp_path / "there.ssd").write_text(text.replace(f'"{FMUS}/EkfDynamic.fmu"', f'"{remote}"'))
+    replaced = text.replace(f'"{FMUS}/EkfDynamic.fmu"', f'"{remote}"')
+    assert str(remote) in replaced
+    (tmp_path / "there.ssd").write_text(replaced)
     steps = round(STOP / 0.02)
     found = {}
     with Worker(endpoint):

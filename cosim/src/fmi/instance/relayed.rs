@@ -27,8 +27,6 @@ impl Instance {
             // SAFETY: as above.
             Ask::Exit => self.plainly(ask, |f, c| unsafe { (f.exit_initialization)(c) }),
             // SAFETY: as above.
-            Ask::Terminate => self.plainly(ask, |f, c| unsafe { (f.terminate)(c) }),
-            // SAFETY: as above.
             Ask::Reset => self.plainly(ask, |f, c| unsafe { (f.reset)(c) }),
             Ask::Set(references, values) => self.relay_set(references, values),
             Ask::Get(basic, references) => self.relay_get(*basic, references),
@@ -40,8 +38,7 @@ impl Instance {
         self.state = match ask {
             Ask::Enter => State::Initialization,
             Ask::Exit | Ask::Restore(_) => State::Ready,
-            // It is not terminated again when it is freed.
-            Ask::Terminate | Ask::Reset => State::Instantiated,
+            Ask::Reset => State::Instantiated,
             _ => self.state,
         };
         Ok(given)
