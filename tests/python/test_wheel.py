@@ -150,6 +150,19 @@ def test_an_error_tells_file_and_line(tmp_path):
     assert caught.value.code == "E101"
 
 
+FAILING = TYPES.replace("self.boolean = not self.boolean", "assert current_time < 0.25")
+
+
+def test_a_run_that_fails_on_its_way_keeps_its_results(tmp_path):
+    (tmp_path / "failing.py").write_text(FAILING)
+    fmu = FmuBuilder.build_FMU(tmp_path / "failing.py", dest=tmp_path)
+    with pytest.raises(CosimError, match="the results until then are in `results`") as caught:
+        rexrov.simulate(fmu, stop_time=1, step_size=0.1, options=["--execution-tool"])
+    assert caught.value.code == "E301" and "results" in caught.value.help
+    np.testing.assert_allclose(caught.value.results["time"], [0, 0.1, 0.2, 0.3])
+    assert pickle.loads(pickle.dumps(caught.value)).results.dtype == caught.value.results.dtype
+
+
 def test_an_option_that_does_not_exist_is_an_error():
     with pytest.raises(CosimError, match="--outptu-dir") as caught:
         rexrov.run(system_path(), options=["--outptu-dir=x"])

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from subprocess import CompletedProcess
 from typing import Any
+
+from .tables import Table
 
 
 @dataclass(frozen=True)
@@ -26,11 +28,13 @@ class Problem:
 
 
 class CosimError(RuntimeError):
-    """A call that failed; its text is what the command line prints. A check finds all problems at once."""
+    """A call that failed; its text is what the command line prints. A check finds all problems at once,
+    a run that failed on its way has `results` until then."""
 
-    def __init__(self, text: str, problems: tuple[Problem, ...]) -> None:
-        super().__init__(text, problems)
+    def __init__(self, text: str, problems: tuple[Problem, ...], results: Table | None = None) -> None:
+        super().__init__(text, problems, results)
         self.problems = problems
+        self.results = results
 
     def __str__(self) -> str:
         return str(self.args[0])
@@ -49,6 +53,13 @@ class CosimError(RuntimeError):
     def help(self) -> str | None:
         """How to fix the first problem."""
         return self.problems[0].help
+
+
+    def keeping(self, results: Table, file: str) -> CosimError:
+        """With results of which it says that they are in a file that will not be kept."""
+        kept = "`results` of this error"
+        problems = tuple(replace(p, help=p.help and p.help.replace(file, kept)) for p in self.problems)
+        return CosimError(str(self).replace(file, kept), problems, results)
 
 
 class CosimWarning(UserWarning):

@@ -12,6 +12,7 @@ from typing import Any, Literal
 import numpy as np
 
 from . import program, tables
+from .errors import CosimError
 from .tables import Table
 
 PathLike = str | os.PathLike[str]
@@ -110,7 +111,13 @@ def _common(
 
 def _results(verb: str, what: PathLike, folder: str, arguments: list[str]) -> Table:
     file = Path(folder, "results.csv")
-    told = program.call_json(verb, [*arguments, "--output-file", str(file), "--", os.fspath(what)])
+    command = [*arguments, "--output-file", str(file), "--", os.fspath(what)]
+    try:
+        told = program.call_json(verb, command)
+    except CosimError as error:
+        if str(file) in str(error):
+            raise error.keeping(tables.read(file), str(file)) from None
+        raise
     return tables.read(file, told["columns"])
 
 

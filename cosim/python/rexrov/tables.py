@@ -15,8 +15,11 @@ Table = npt.NDArray[np.void]
 _TYPES = {"Real": "f8", "Integer": "i4", "Enumeration": "i4", "Boolean": "?"}
 
 
-def read(file: Path, columns: Iterable[Mapping[str, str]]) -> Table:
-    """Results as they were recorded, every bit of them."""
+def read(file: Path, columns: Iterable[Mapping[str, str]] | None = None) -> Table:
+    """Results as they were recorded, every bit of them; as Reals if nobody tells the columns' types."""
+    if columns is None:
+        with file.open(newline="") as source:
+            columns = [{"name": name, "type": "Real"} for name in next(csv.reader(source))[1:]]
     kinds = [(column["name"], _TYPES[column["type"]]) for column in columns]
     dtype = np.dtype([("time", "f8"), *kinds])
     return np.loadtxt(file, dtype, comments=None, delimiter=",", skiprows=1, ndmin=1)
