@@ -21,7 +21,7 @@ pub(crate) const TESTS: Environment = Environment {
     purpose: "the FMPy tests",
 };
 
-/// Zig's linker with the symbols of every glibc, and cargo's way to it.
+/// Zig's linker with the symbols of every glibc, cargo's way to it, and what packs the wheel.
 pub(crate) const ZIG: Environment = Environment {
     folder: "zig",
     requirements: "xtask/requirements.txt",
