@@ -112,8 +112,8 @@ impl Hosted {
     /// Asks the FMUs for debug messages, or not: those that are there and those to come.
     pub fn debug(&mut self, on: bool) -> Result<()> {
         self.system.debug(on);
-        let slaves = self.engine.iter_mut().flat_map(|engine| &mut engine.slaves);
-        slaves.map(|slave| slave.debug(on)).collect()
+        let mut slaves = self.engine.iter_mut().flat_map(|engine| &mut engine.slaves);
+        slaves.try_for_each(|slave| slave.debug(on))
     }
 
     /// Back to the beginning: nothing is given.
