@@ -108,7 +108,7 @@ fn page(described: &Description<'_>, guid: &str, roots: &BTreeMap<&Path, Element
 }
 
 fn components(described: &Description<'_>, roots: &BTreeMap<&Path, Element>) -> Section {
-    let header = ["component", "model", "version", "author", "licence", "GUID", "step (s)"];
+    let header = ["component", "model", "version", "step (s)", "licence", "author", "GUID"];
     let mut table = Table::new("What is inside", &header);
     for component in described.system.components() {
         let root = component.fmu().and_then(|fmu| roots.get(fmu.path()));
@@ -122,7 +122,7 @@ fn components(described: &Description<'_>, roots: &BTreeMap<&Path, Element>) -> 
         let (version, author) = (says("version"), says("author"));
         let (license, guid) = (says("license"), says("guid"));
         let step = step.seconds().to_string();
-        table.push([name.clone(), model, version, author, license, guid, step]);
+        table.push([name.clone(), model, version, step, license, author, guid]);
     }
     section("Components", table)
 }
