@@ -159,7 +159,8 @@ fn serve_all(workers: &[distributed::Worker], ended: &(dyn Fn() -> bool + Sync))
             Ok(served) => served,
             Err(panic) => std::panic::resume_unwind(panic),
         });
-        ends.fold(Ok(()), |before, served| before.and(served))
+        // All of them, before the first failure is told.
+        ends.collect::<Vec<_>>().into_iter().collect()
     })
 }
 
