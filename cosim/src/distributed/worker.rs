@@ -99,8 +99,9 @@ impl Worker {
         Ok(())
     }
 
-    /// A session with whoever listens; a worker waits until somebody does.
+    /// A session with whoever listens; a worker that may open one waits until somebody does.
     fn dialled(&self, ended: &dyn Fn() -> bool) -> Result<Option<Session>> {
+        self.access.check()?;
         while !ended() {
             match self.access.dial() {
                 Err(_) if self.access.is_deserted() => {}

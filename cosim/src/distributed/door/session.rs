@@ -59,7 +59,8 @@ impl Access {
 
     /// Refuses what is refused when a session is opened, as far as it is known before.
     pub fn check(&self) -> Result<()> {
-        self.checked().map(drop)
+        self.checked()?;
+        self.config("client", "connect/endpoints", None).map(drop)
     }
 
     /// Refuses endpoints that are open to others, and credentials that nobody will believe.
