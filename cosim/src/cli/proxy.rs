@@ -13,8 +13,11 @@ use super::{messages, values};
 /// Write an FMU that looks like another one and is computed by a worker, here or on another machine
 #[derive(Args)]
 pub(crate) struct Proxy {
-    /// The FMU that workers compute
+    /// The FMU that workers compute; with --from the name of its file there, or its SHA-256
     fmu: PathBuf,
+    /// The worker NAME holds the FMU (--allow) and tells its description; the FMU stays there
+    #[arg(long, value_name = "NAME", conflicts_with = "held")]
+    from: Option<String>,
     /// The FMU that is written; one that is there is replaced
     #[arg(long, short, value_name = "FILE.fmu")]
     output: PathBuf,
@@ -66,7 +69,12 @@ impl Proxy {
         let writer = self.save_every.into_iter().fold(writer, Writer::save_every);
         let writer = self.library.into_iter().fold(writer, Writer::library);
         let writer = self.program.into_iter().fold(writer, Writer::program);
-        let notes = writer.write(&self.fmu, &self.output)?;
+        let notes = match &self.from {
+            Some(worker) => {
+                writer.write_offered(worker, &self.fmu.to_string_lossy(), &self.output)?
+            }
+            None => writer.write(&self.fmu, &self.output)?,
+        };
         if !self.quiet {
             notes.iter().for_each(|text| messages::note(text));
             messages::tell(&format!("written: {}", self.output.display()));

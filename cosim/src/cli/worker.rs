@@ -53,12 +53,11 @@ impl Lent {
     }
 
     /// For the processes of groups: the files are read once.
-    fn arguments(&self) -> Result<Vec<String>> {
-        let allowed = Allowed::new(self.allow_upload, &self.allow)?;
+    fn arguments(&self, allowed: &Allowed) -> Vec<String> {
         let hashes = allowed.list().flat_map(|item| ["--allow".to_owned(), item]);
         let flags = [(allowed.all, "--allow-upload"), (self.no_confine, "--no-confine")];
         let flags = flags.into_iter().filter(|(is, _)| *is).map(|(_, flag)| flag.to_owned());
-        Ok(flags.chain(hashes).collect())
+        flags.chain(hashes).collect()
     }
 }
 
@@ -121,7 +120,8 @@ impl Worker {
         let connect = connect.unwrap_or(DEFAULT_ENDPOINT.to_owned());
         let lent = self.lent.and(&ours);
         let mut arguments = self.reach.arguments();
-        arguments.extend(lent.arguments()?);
+        let allowed = Allowed::new(lent.allow_upload, &lent.allow)?;
+        arguments.extend(lent.arguments(&allowed));
         let name = self.name.or_else(|| ours.name.clone());
         let name = name.unwrap_or_else(distributed::default_name);
         let interrupt = Interrupt::new();
@@ -137,6 +137,7 @@ impl Worker {
                 access: self.reach.access(endpoint.to_owned(), &ours),
                 program: own.into_iter().chain(arguments.iter().cloned()).collect(),
                 confined,
+                allowed: allowed.clone(),
             }
         });
         serve_all(&workers.collect::<Vec<_>>(), &|| interrupt.came())

@@ -16,6 +16,7 @@
 //! * `door` opens sessions, and says who may come in and what they may do then;
 //! * `status` knows how a run stands, `telemetry` tells it and what is recorded, `watch` hears it;
 //! * `remote` drives one instance for somebody else's simulation, `single` is that instance on its worker;
+//! * `offer` is what a worker tells of an FMU that it holds;
 //! * `worker` lends a machine, `child` is the process in which FMUs run, `fate` how it ended;
 //! * `own` starts workers for one run.
 
@@ -36,6 +37,7 @@ mod library;
 mod local;
 mod member;
 mod net;
+mod offer;
 mod options;
 mod own;
 mod placement;
@@ -64,6 +66,7 @@ pub use door::confine::{close_inherited, unconfined};
 pub use door::credentials::Credentials;
 pub use door::members::Members;
 pub use door::session::{Access, DEFAULT_ENDPOINT};
+pub(crate) use offer::Offer;
 pub use options::{OnFatal, Options, several};
 pub use pool::{Order, WorkerInfo, default_name};
 pub use remote::{Reached, Remote};

@@ -222,7 +222,7 @@ impl Remote {
 const FAREWELL: Duration = Duration::from_millis(300);
 
 /// Listens where it is free.
-fn listen(accesses: &[Access]) -> Result<(Session, String)> {
+pub(super) fn listen(accesses: &[Access]) -> Result<(Session, String)> {
     let mut problem = Error::new(Code::Session, "there is no endpoint to listen at");
     for access in accesses {
         match access.listen() {

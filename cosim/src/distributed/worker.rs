@@ -12,11 +12,13 @@ use zenoh::sample::SampleKind;
 use zenoh::{Session, Wait};
 
 use super::child::LAST_CALL;
+use super::door::allowed::Allowed;
 use super::door::members::Role;
 use super::door::rights;
 use super::door::session::Access;
 use super::fate::{Call, Fate, Process};
 use super::keys;
+use super::offer::Offer;
 use super::pool::{Order, WorkerInfo};
 use crate::error::{Code, Error, Result};
 use crate::fmi::LastCall;
@@ -32,6 +34,8 @@ pub struct Worker {
     pub program: Vec<String>,
     /// FMUs are confined where the kernel can.
     pub confined: bool,
+    /// What it loads, and tells of where it holds the file.
+    pub allowed: Allowed,
 }
 
 /// How long one of our name may stay.
@@ -45,6 +49,7 @@ enum Request {
     Start(Query),
     Stop(Query),
     Fate(Query),
+    Offer(Query),
     /// This run is gone.
     Gone(String),
 }
@@ -63,11 +68,12 @@ impl Worker {
         let key = keys::worker(&self.name);
         let mut queryables = Vec::new();
         self.have_name(&session, &key)?;
-        let kinds: [Asked; 4] = [
+        let kinds: [Asked; 5] = [
             ("info", Request::Info),
             ("start", Request::Start),
             ("stop", Request::Stop),
             ("fate", Request::Fate),
+            ("offer", Request::Offer),
         ];
         for (name, request) in kinds {
             let requests: Sender<Request> = requests.clone();
@@ -171,6 +177,7 @@ impl Children<'_> {
                 Ok(Request::Start(query)) => self.with_order(&query, Self::start),
                 Ok(Request::Stop(query)) => self.with_order(&query, Self::stop),
                 Ok(Request::Fate(query)) => self.with_order(&query, Self::fate),
+                Ok(Request::Offer(query)) => answer(&query, &self.offer(&query)),
                 Ok(Request::Gone(run)) => {
                     self.end_run(&run);
                     Ok(())
@@ -197,6 +204,12 @@ impl Children<'_> {
             _ => Err("the order cannot be read".to_owned()),
         };
         answer(query, &outcome)
+    }
+
+    fn offer(&self, query: &Query) -> Result<Offer, String> {
+        let payload = query.payload().map(|payload| payload.to_bytes().into_owned());
+        let wanted = String::from_utf8(payload.unwrap_or_default());
+        Offer::of(&self.worker.allowed, &wanted.map_err(|why| why.to_string())?)
     }
 
     fn start(&mut self, order: &Order) -> std::io::Result<()> {

@@ -11,6 +11,7 @@
 //! | `frames`, `link`, `serve` | what the library and the program beside it say to each other |
 //! | `manifest`, `settings` | what lies in the FMU's resources |
 //! | `write`, `description` | making such an FMU |
+//! | `shell` | what an FMU tells without what computes in it |
 
 pub mod calls;
 #[cfg(feature = "distributed")]
@@ -22,6 +23,8 @@ pub mod manifest;
 pub mod serve;
 #[cfg(feature = "distributed")]
 mod settings;
+#[cfg(feature = "distributed")]
+pub(crate) mod shell;
 #[cfg(feature = "distributed")]
 mod write;
 

@@ -37,23 +37,40 @@ pub(super) struct Settings {
 }
 
 impl Settings {
-    /// The file, if what it says would be of use here.
-    pub(super) fn text(&self) -> Result<String> {
-        let listen = match &self.listen[..] {
+    /// Where workers dial, as the file says it.
+    fn listen(&self) -> String {
+        match &self.listen[..] {
             [] => DEFAULT_ENDPOINT.to_owned(),
             named => named.join(", "),
-        };
-        // Relative to the file it would be in the FMU.
-        let folder = self
-            .credentials
-            .as_ref()
-            .map(|folder| std::path::absolute(folder).unwrap_or_else(|_| folder.clone()));
-        for endpoint in several(&listen) {
-            let credentials = folder.as_deref().map(Credentials::in_folder);
-            let endpoints = vec![endpoint.to_owned()];
-            Access { endpoints, credentials, insecure: self.insecure, ..Access::default() }
-                .check()?;
         }
+    }
+
+    /// The folder of certificates, from the root: relative to the file it would be in the FMU.
+    fn folder(&self) -> Option<PathBuf> {
+        let folder = self.credentials.as_ref()?;
+        Some(std::path::absolute(folder).unwrap_or_else(|_| folder.clone()))
+    }
+
+    /// The same endpoints for us.
+    pub(super) fn accesses(&self) -> Vec<Access> {
+        let access = |endpoint: &str| Access {
+            endpoints: vec![endpoint.to_owned()],
+            credentials: self.folder().as_deref().map(Credentials::in_folder),
+            insecure: self.insecure,
+            ..Access::default()
+        };
+        several(&self.listen()).map(access).collect()
+    }
+
+    /// How long to wait for a worker.
+    pub(super) fn patience(&self) -> Result<Duration> {
+        duration(WAIT, self.wait.unwrap_or(WAIT_S))
+    }
+
+    /// The file, if what it says would be of use here.
+    pub(super) fn text(&self) -> Result<String> {
+        self.accesses().iter().try_for_each(Access::check)?;
+        let (listen, folder) = (self.listen(), self.folder());
         let quoted = |text: &str| format!("\"{}\"", text.escape_default());
         let line = |name: &str, value: Option<String>, default: &str, what: &str| {
             let begin = if value.is_some() { "" } else { "// " };
@@ -111,11 +128,7 @@ impl Reached {
         };
         let save_every = number(SAVE_EVERY)?.or(save_every).unwrap_or(SAVED_EVERY);
         let seconds = |name, filed: Option<f64>, default| -> Result<Duration> {
-            let (named, said) = (name, number(name)?);
-            let seconds = said.or(filed).unwrap_or(default);
-            Duration::try_from_secs_f64(seconds).map_err(|why| {
-                Error::new(Code::Configuration, format!("{named} is {seconds} s")).why(why)
-            })
+            duration(name, number(name)?.or(filed).unwrap_or(default))
         };
         Ok(Self {
             accesses: several(&listen).map(access).collect(),
@@ -125,6 +138,11 @@ impl Reached {
             save_every: Some(save_every).filter(|every| *every > 0),
         })
     }
+}
+
+fn duration(name: &str, seconds: f64) -> Result<Duration> {
+    Duration::try_from_secs_f64(seconds)
+        .map_err(|why| Error::new(Code::Configuration, format!("{name} is {seconds} s")).why(why))
 }
 
 /// A variable that is set to something.

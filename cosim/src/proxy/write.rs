@@ -8,6 +8,8 @@ use super::MARK;
 use super::description::{self, can_save};
 use super::manifest::{self, CONNECTION, FILE, Manifest};
 use super::settings::Settings;
+use super::shell;
+use crate::distributed::Offer;
 use crate::error::{Code, Error, Result};
 use crate::export::archive::{self, Content, Entry};
 use crate::export::library::{self, Kind, Library};
@@ -115,42 +117,67 @@ impl Proxy {
         self
     }
 
-    /// Writes the FMU, which replaces one that is there as a whole; gives what is good to know.
+    /// Writes the remote FMU of a file, which replaces one that is there as a whole; gives what is
+    /// good to know.
     pub fn write(&self, fmu: impl AsRef<Path>, path: impl AsRef<Path>) -> Result<Vec<String>> {
         let (fmu, path) = (fmu.as_ref(), path.as_ref());
         check_paths(fmu, path)?;
-        let connection = self.settings.text()?;
+        let parts = self.parts()?;
         let opened = Fmu::open(fmu)?;
-        let binaries = check(&opened)?;
-        let libraries = library::find(&LIBRARY, &self.libraries)?;
-        let programs = self.programs(&libraries)?;
-        let entries = self.entries(&opened, connection, libraries, programs)?;
-        archive::write(path, &entries)?;
-        let state = match opened.interface(InterfaceType::CoSimulation).is_ok_and(can_save) {
-            true => "its state can be saved: a lost worker's part is taken over from there",
-            false => "its state cannot be saved: after a loss it is computed again from the start",
-        };
-        Ok(vec![format!("computed on workers with {}", binaries.join(", ")), state.to_owned()])
+        let binaries = binaries(&opened)?;
+        let own = Content::file(opened.path().to_owned())?;
+        let name = fmu.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let sha256 = own.digest().to_owned();
+        let own = (!self.held).then_some(own);
+        self.write_of(&Told { fmu: &opened, name, sha256 }, own, parts, path)?;
+        Ok(notes(&opened, &binaries))
     }
 
-    fn entries(
+    /// Writes the remote FMU of what a worker holds, by the name of the file or its SHA-256: the
+    /// worker is asked for the description, and the FMU itself stays where it is.
+    pub fn write_offered(
         &self,
-        fmu: &Fmu,
-        connection: String,
-        libraries: Vec<Library>,
-        programs: Vec<(&'static str, Content)>,
-    ) -> Result<Vec<Entry>> {
+        worker: &str,
+        fmu: &str,
+        path: impl AsRef<Path>,
+    ) -> Result<Vec<String>> {
+        let path = path.as_ref();
+        check_ending(path)?;
+        let parts = self.parts()?;
+        let offer = Offer::ask(&self.settings.accesses(), worker, fmu, self.settings.patience()?)?;
+        let (opened, _folder) = shell::open(&offer.shell, &offer.name)?;
+        let told = Told { fmu: &opened, name: offer.name, sha256: offer.sha256 };
+        self.write_of(&told, None, parts, path)?;
+        let platforms: Vec<&str> = offer.platforms.iter().map(String::as_str).collect();
+        Ok(notes(&opened, &platforms))
+    }
+
+    /// What does not depend on the FMU, if all of it is there.
+    fn parts(&self) -> Result<Parts> {
+        let connection = self.settings.text()?;
+        let libraries = library::find(&LIBRARY, &self.libraries)?;
+        let programs = self.programs(&libraries)?;
+        Ok(Parts { connection, libraries, programs })
+    }
+
+    fn write_of(
+        &self,
+        told: &Told<'_>,
+        own: Option<Content>,
+        parts: Parts,
+        path: &Path,
+    ) -> Result<()> {
+        let Told { fmu, name, sha256 } = told;
+        let Parts { connection, libraries, programs } = parts;
         let interface = fmu.interface(InterfaceType::CoSimulation)?;
         let file = fmu.path();
-        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let own = Content::file(file.to_owned())?;
-        let for_people = packed::unpack_part(file, is_for_people)?;
+        let for_people = packed::unpack_part(file, shell::is_for_people)?;
         let shown = file.join("modelDescription.xml");
         let root = xml::read(&fmu.folder().join("modelDescription.xml"), &shown)?;
         let identifier = identifier(&format!("{}_remote", interface.model_identifier));
-        let mut manifest = Manifest::new(fmu.description(), interface, &name, own.digest());
+        let mut manifest = Manifest::new(fmu.description(), interface, name, sha256);
         let told = description::text(&root, interface, &identifier, "");
-        manifest.guid = guid([told.as_bytes(), own.digest().as_bytes()].into_iter());
+        manifest.guid = guid([told.as_bytes(), sha256.as_bytes()].into_iter());
         let text = description::text(&root, interface, &identifier, &manifest.guid);
         let mut entries = vec![("modelDescription.xml".to_owned(), Content::bytes(text))];
         entries.extend(files(for_people.path())?);
@@ -163,10 +190,8 @@ impl Proxy {
         entries.extend(programs.into_iter().map(|(platform, content)| {
             (format!("resources/{}", manifest::place(platform)), content)
         }));
-        if !self.held {
-            entries.push((format!("resources/{name}"), own));
-        }
-        Ok(entries)
+        entries.extend(own.map(|own| (format!("resources/{name}"), own)));
+        archive::write(path, &entries)
     }
 
     /// The program for the platform of each library; of this machine it is the one that runs.
@@ -195,12 +220,40 @@ impl Proxy {
     }
 }
 
-fn check_paths(fmu: &Path, path: &Path) -> Result<()> {
-    if !path.extension().is_some_and(|end| end.eq_ignore_ascii_case("fmu")) {
-        return Err(Error::new(Code::Usage, "what is to be written is no .fmu")
-            .at(path)
-            .help("give it a name that ends with .fmu"));
+/// The FMU that is stood for.
+struct Told<'a> {
+    fmu: &'a Fmu,
+    /// Its file's.
+    name: String,
+    sha256: String,
+}
+
+/// What goes into every remote FMU.
+struct Parts {
+    connection: String,
+    libraries: Vec<Library>,
+    programs: Vec<(&'static str, Content)>,
+}
+
+fn notes(fmu: &Fmu, platforms: &[&str]) -> Vec<String> {
+    let state = match fmu.interface(InterfaceType::CoSimulation).is_ok_and(can_save) {
+        true => "its state can be saved: a lost worker's part is taken over from there",
+        false => "its state cannot be saved: after a loss it is computed again from the start",
+    };
+    vec![format!("computed on workers with {}", platforms.join(", ")), state.to_owned()]
+}
+
+fn check_ending(path: &Path) -> Result<()> {
+    if path.extension().is_some_and(|end| end.eq_ignore_ascii_case("fmu")) {
+        return Ok(());
     }
+    Err(Error::new(Code::Usage, "what is to be written is no .fmu")
+        .at(path)
+        .help("give it a name that ends with .fmu"))
+}
+
+fn check_paths(fmu: &Path, path: &Path) -> Result<()> {
+    check_ending(path)?;
     match (fmu.canonicalize(), path.canonicalize()) {
         (Ok(one), Ok(other)) if one == other => {
             Err(Error::new(Code::Usage, "the remote FMU would take the place of the FMU itself")
@@ -212,7 +265,7 @@ fn check_paths(fmu: &Path, path: &Path) -> Result<()> {
 }
 
 /// What workers can compute it, by the folders of its binaries.
-fn check(fmu: &Fmu) -> Result<Vec<&'static str>> {
+pub(super) fn binaries(fmu: &Fmu) -> Result<Vec<&'static str>> {
     fmu.interface(InterfaceType::CoSimulation)
         .map_err(|error| error.help("make an FMU for co-simulation of it first: cosim export"))?;
     let here = elf::here();
@@ -226,12 +279,8 @@ fn check(fmu: &Fmu) -> Result<Vec<&'static str>> {
     Ok(found)
 }
 
-fn is_for_people(path: &Path) -> bool {
-    path.starts_with("documentation") || path == Path::new("model.png")
-}
-
 /// The files in a folder and in those below it, by their names there.
-fn files(folder: &Path) -> Result<Vec<Entry>> {
+pub(super) fn files(folder: &Path) -> Result<Vec<Entry>> {
     let unread =
         |why| Error::new(Code::File, "an unpacked file cannot be read").at(folder).why(why);
     let mut found = Vec::new();

@@ -57,6 +57,11 @@ impl Allowed {
         (sha256(&bytes) == file.sha256).then_some(bytes)
     }
 
+    /// The files that lie here, by their hashes.
+    pub(crate) fn files(&self) -> impl Iterator<Item = (&str, &Path)> {
+        self.hashes.iter().filter_map(|(hash, file)| Some((hash.as_str(), file.as_deref()?)))
+    }
+
     /// Refuses an FMU that is not allowed, for a component.
     pub(crate) fn check(&self, component: &str, file: &FmuFile) -> Result<()> {
         if self.all || self.hashes.contains_key(&file.sha256) {

@@ -3,6 +3,7 @@
 mod bits;
 mod locked;
 mod losses;
+mod offered;
 mod refused;
 
 use std::path::{Path, PathBuf};

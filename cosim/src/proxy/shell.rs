@@ -1,0 +1,43 @@
+//! What an FMU tells without what computes in it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::write::{binaries, files};
+use crate::error::{Code, Error, Result};
+use crate::export::archive;
+use crate::fmi::temporary::Unpacked;
+use crate::fmi::{Fmu, archive as packed};
+
+/// For which platforms an FMU has a library, and its archive with description and documents alone.
+pub(crate) fn of(file: &Path) -> Result<(Vec<String>, Vec<u8>)> {
+    let platforms = binaries(&*Fmu::open(file)?)?;
+    let told = packed::unpack_part(file, is_told)?;
+    let folder = Unpacked::new()?;
+    let shell = folder.path().join("shell.fmu");
+    archive::write(&shell, &files(told.path())?)?;
+    let bytes = fs::read(&shell).map_err(|why| unkept(&shell).why(why))?;
+    Ok((platforms.into_iter().map(str::to_owned).collect(), bytes))
+}
+
+/// The FMU of a shell that came from elsewhere, as long as the folder is there.
+pub(super) fn open(shell: &[u8], name: &str) -> Result<(Arc<Fmu>, Unpacked)> {
+    let folder = Unpacked::new()?;
+    let file: PathBuf = folder.path().join(Path::new(name).file_name().unwrap_or("it".as_ref()));
+    fs::write(&file, shell).map_err(|why| unkept(&file).why(why))?;
+    Ok((Fmu::open(&file)?, folder))
+}
+
+fn unkept(file: &Path) -> Error {
+    Error::new(Code::File, "a temporary file cannot be written or read").at(file)
+}
+
+/// Whether a file of the FMU is for people.
+pub(super) fn is_for_people(path: &Path) -> bool {
+    path.starts_with("documentation") || path == Path::new("model.png")
+}
+
+fn is_told(path: &Path) -> bool {
+    is_for_people(path) || path == Path::new("modelDescription.xml")
+}
