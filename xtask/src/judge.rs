@@ -9,7 +9,7 @@ use std::{fs, process::Command};
 
 /// Packages, asks every judge, prints the table; fails when one judge does.
 pub(crate) fn run() -> Result<()> {
-    package::without_program()?;
+    package::for_shipping()?;
     export_loop()?;
     process::run(&mut process::build_cosim())?;
     let fmi_rs = ["test", "--release", "--quiet", "--workspace", "--test", "fmi_rs"];

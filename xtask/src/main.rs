@@ -71,7 +71,7 @@ fn main() -> std::process::ExitCode {
         Task::Reproduce(options) => {
             package::for_this_machine().and_then(|()| reproduce::run(&options))
         }
-        Task::Book { check } => package::without_program().and_then(|()| book::run(check)),
+        Task::Book { check } => package::for_shipping().and_then(|()| book::run(check)),
         Task::Bench(options) => bench::run(&options),
         Task::Wheel => package::wheel::run(),
         Task::Judge => judge::run(),

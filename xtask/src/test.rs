@@ -15,7 +15,7 @@ pub(crate) fn run() -> Result<()> {
     let doc = ["doc", "--release", "--workspace", "--no-deps", "--quiet"];
     process::run(process::cargo(&doc).env("RUSTDOCFLAGS", "-D warnings"))?;
     describe::check()?;
-    package::without_program()?;
+    package::for_shipping()?;
     judge::export_loop()?;
     process::run(&mut process::cargo(&["test", "--release", "--workspace", "--no-fail-fast"]))?;
     book::run(true)?;

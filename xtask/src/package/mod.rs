@@ -1,5 +1,5 @@
-//! Packaging: one library, nine FMUs and the paper's system, the same bytes every time; and the program
-//! `cosim` with the libraries of the FMUs that it writes.
+//! Packaging: one library, nine FMUs and the paper's system, the same bytes every time; the libraries of
+//! the FMUs that `cosim` writes; and for the wheel `cosim` itself.
 //!
 //! | file | what |
 //! |---|---|
@@ -65,14 +65,11 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         names => names.iter().map(|name| platform::named(name)).collect::<Result<_>>()?,
     };
     build(linker, &platforms, output)?;
-    platforms.iter().try_for_each(|platform| {
-        libraries(linker, platform)?;
-        program(linker, platform).map(drop)
-    })
+    platforms.iter().try_for_each(|platform| libraries(linker, platform))
 }
 
-/// Packages as [`run`] does when nothing else is asked for, but for the program.
-pub(crate) fn without_program() -> Result<()> {
+/// Packages as [`run`] does when nothing else is asked for.
+pub(crate) fn for_shipping() -> Result<()> {
     let host = platform::host()?;
     build(Linker::Zig, &[host], &paths::fmus())?;
     libraries(Linker::Zig, host)

@@ -38,7 +38,7 @@ const COURSES: [(&str, &str); 3] =
 
 /// Packages the FMUs and builds the wheel for any machine.
 pub(crate) fn run() -> Result<()> {
-    super::without_program()?;
+    super::for_shipping()?;
     build(Linker::Zig)
 }
 
