@@ -59,15 +59,18 @@ def pytest_terminal_summary(terminalreporter, config):
     for file in sorted(VERDICTS.glob("*.csv")) if rows else []:
         for tool, check, fmu, verdict in csv.reader(file.open()):
             # A verdict older than the FMU was on another one.
-            if file.stat().st_mtime > (FMUS / f"{fmu}.fmu").stat().st_mtime:
+            places = [folder / f"{fmu}.fmu" for folder in (FMUS, VERDICTS)]
+            if any(f.exists() and file.stat().st_mtime > f.stat().st_mtime for f in places):
                 rows.setdefault((tool, check), {})[fmu] = verdict
     if not rows:
         return
     terminalreporter.section("judges")
     head = max(len(f"{tool}  {check}") for tool, check in rows)
-    widths = [max(len(name), len("passed")) for name in NAMES]
-    heading = [name.center(width) for name, width in zip(NAMES, widths)]
+    others = {name for verdicts in rows.values() for name in verdicts} - set(NAMES)
+    names = [*NAMES, *sorted(others)]
+    widths = [max(len(name), len("passed")) for name in names]
+    heading = [name.center(width) for name, width in zip(names, widths)]
     terminalreporter.write_line(" ".join([" " * head, *heading]))
     for (tool, check), verdicts in sorted(rows.items(), key=lambda row: row[0][0].lower()):
-        cells = [verdicts.get(name, "-").center(width) for name, width in zip(NAMES, widths)]
+        cells = [verdicts.get(name, "-").center(width) for name, width in zip(names, widths)]
         terminalreporter.write_line(" ".join([f"{tool}  {check}".ljust(head), *cells]))

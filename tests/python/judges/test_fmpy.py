@@ -4,39 +4,13 @@ import numpy as np
 import pytest
 from conftest import NAMES
 from driven import inputs, staircase
-from fmpy import calloc, extract, free, read_model_description, simulate_fmu
-from fmpy.fmi2 import (
-    FMU2Model,
-    FMU2Slave,
-    fmi2CallbackAllocateMemoryTYPE,
-    fmi2CallbackFreeMemoryTYPE,
-    fmi2CallbackFunctions,
-    fmi2CallbackLoggerTYPE,
-)
+from fmpy import extract, read_model_description, simulate_fmu
+from fmpy.fmi2 import FMU2Model, FMU2Slave
 from fmpy.validation import validate_fmu
+from logged import Log, callbacks
 
 every_fmu = pytest.mark.parametrize("name", NAMES)
 STEP = 0.01
-
-
-class Log:
-    """Collects what an FMU logs; anything but fmi2OK is a complaint."""
-
-    def __init__(self):
-        self.complaints = []
-
-    def __call__(self, environment, instance, status, category, message):
-        if status != 0:
-            self.complaints.append(message.decode())
-
-
-def callbacks(log):
-    """For an instance driven by hand. FMPy's default ones share a logger with its last simulation."""
-    functions = fmi2CallbackFunctions()
-    functions.logger = fmi2CallbackLoggerTYPE(log)
-    functions.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
-    functions.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
-    return functions
 
 
 def simulate(path, stop_time, **options):

@@ -16,6 +16,7 @@ from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 from libcosim import system
+from logged import Log, callbacks
 
 PAPER = ROOT / "examples" / "paper.ssd"
 STOP = 20.0
@@ -119,7 +120,8 @@ class Driven:
             modelIdentifier=description.coSimulation.modelIdentifier,
             instanceName="ekf",
         )
-        self.instance.instantiate()
+        self.log = Log()
+        self.instance.instantiate(callbacks=callbacks(self.log))
         self.instance.setupExperiment(startTime=0.0)
         self.instance.enterInitializationMode()
         self.instance.exitInitializationMode()
@@ -147,6 +149,8 @@ def test_a_killed_worker_changes_no_bit(tmp_path):
             there.instance.terminate()
             there.instance.freeInstance()
     assert found == here
+    # The warning is a format and its arguments, which only a logger in C puts together.
+    assert len(there.log.complaints) == 1
 
 
 def test_an_importer_survives_that_nobody_comes(tmp_path):

@@ -1,0 +1,29 @@
+"""What an FMU in FMPy logs."""
+
+from fmpy import calloc, free
+from fmpy.fmi2 import (
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+)
+
+
+class Log:
+    """Collects what an FMU logs; anything but fmi2OK is a complaint."""
+
+    def __init__(self):
+        self.complaints = []
+
+    def __call__(self, environment, instance, status, category, message):
+        if status != 0:
+            self.complaints.append(message.decode())
+
+
+def callbacks(log):
+    """For an instance driven by hand. FMPy's default ones share a logger with its last simulation."""
+    functions = fmi2CallbackFunctions()
+    functions.logger = fmi2CallbackLoggerTYPE(log)
+    functions.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+    functions.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+    return functions
