@@ -21,7 +21,7 @@ use zip::write::SimpleFileOptions;
 const REPETITIONS: usize = 5;
 const STEP: f64 = 1e-3;
 /// Steps of the short and of the long run.
-const STEPS: [u32; 2] = [1_000, 9_000];
+const STEPS: [u32; 2] = [1_000, 25_000];
 /// Octets of a ping, about those of a step.
 const PING: usize = 64;
 const PINGS: u32 = 4_000;

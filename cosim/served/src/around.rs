@@ -7,7 +7,7 @@ use cosim::proxy::calls::{Basic, Values};
 use cosim::{Code, Error};
 use fmu_kit::kernel::{
     Call, Category, Interface, Log, Phase, Request, Served, Status, Trouble, check_experiment,
-    check_step, seal, unseal,
+    check_step, hand_out, seal, unseal,
 };
 use serde::{Deserialize, Serialize};
 
@@ -338,18 +338,7 @@ impl<I: Inside> Served for Around<I> {
     }
 
     fn serialize_state(&mut self, state: &State<I::Kept>, into: &mut [u8]) -> Status {
-        self.call(Call::SerializeFmuState, |me| {
-            let bytes = me.bytes(state)?;
-            if bytes.len() != into.len() {
-                return Err(Trouble::error(format_args!(
-                    "size = {}, but fmi2SerializedFMUstateSize said {}",
-                    into.len(),
-                    bytes.len()
-                )));
-            }
-            into.copy_from_slice(&bytes);
-            Ok(())
-        })
+        self.call(Call::SerializeFmuState, |me| hand_out(&me.bytes(state)?, into))
     }
 
     fn deserialize_state(

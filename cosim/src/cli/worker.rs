@@ -101,6 +101,8 @@ pub(crate) struct Group {
     #[arg(long)]
     run: String,
     #[arg(long)]
+    worker: String,
+    #[arg(long)]
     group: usize,
     #[arg(long)]
     generation: u32,
@@ -172,7 +174,7 @@ impl Group {
         let order = Order { run: self.run, group: self.group, generation: self.generation };
         let access = self.reach.access(self.connect, &self.reach.ours()?);
         let allowed = Allowed::new(self.lent.allow_upload, &self.lent.allow)?;
-        serve_group(&access, &order, allowed, !self.lent.no_confine)
+        serve_group(&access, &self.worker, &order, allowed, !self.lent.no_confine)
     }
 }
 

@@ -12,6 +12,7 @@ use super::door::allowed::Allowed;
 use super::door::confine;
 use super::door::session::Access;
 use super::host::{Handled, Host};
+use super::inbox::Inbox;
 use super::keys;
 use super::pool::Order;
 use super::setup::{FmuFile, FmuSource};
@@ -22,19 +23,26 @@ use crate::fmi::{Fmu, LastCall};
 /// How long the coordinator may take to be heard of.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// Computes a life of a group until it is told to end.
-pub fn serve(access: &Access, order: &Order, allowed: Allowed, confined: bool) -> Result<()> {
+/// Computes a life of a group, for the worker of that name, until it is told to end.
+pub fn serve(
+    access: &Access,
+    worker: &str,
+    order: &Order,
+    allowed: Allowed,
+    confined: bool,
+) -> Result<()> {
     if confined {
         confine::process(&access.endpoints, &std::env::temp_dir())?;
     }
     let session = access.dial_known()?;
-    let life = keys::life(&order.run, order.group, order.generation);
-    let (commands, inbox) = channel();
+    let life = keys::life(&order.run, worker, order.group, order.generation);
+    let inbox = Inbox::new();
+    let commands = inbox.slot();
     // Nothing is computed in the callback: it is the thread that receives.
     let _commands = session
         .declare_subscriber(format!("{life}/cmd"))
         .callback(move |sample| {
-            let _ = commands.send(sample.payload().to_bytes().into_owned());
+            commands.put(sample.payload().to_bytes().into_owned());
         })
         .wait()
         .map_err(refused)?;
@@ -60,7 +68,7 @@ pub fn serve(access: &Access, order: &Order, allowed: Allowed, confined: bool) -
         confine::this_thread()?;
     }
     let mut host = Host::new(order.generation, Box::new(fmus));
-    while let Ok(message) = inbox.recv() {
+    while let Some(message) = inbox.next(1, Duration::MAX) {
         let (answer, last) = match host.handle(&message) {
             Handled::Answer(answer) => (answer, false),
             Handled::Last(answer) => (answer, true),

@@ -1,6 +1,6 @@
 //! How the coordinator reaches hosts: over Zenoh, or within this process.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::fate::Fate;
 use crate::error::Result;
@@ -14,8 +14,9 @@ pub(crate) trait Fabric {
     /// Sends a command.
     fn send(&mut self, group: usize, generation: u32, message: &[u8]) -> Result<()>;
 
-    /// What happens next; nothing if nothing happens for so long.
-    fn next(&mut self, patience: Duration) -> Option<Event>;
+    /// What happens next; nothing if nothing happens for so long. So many answers are `awaited`:
+    /// there is little use in the first without the others.
+    fn next(&mut self, awaited: usize, patience: Duration) -> Option<Event>;
 
     /// What is known of a life that is lost or silent, if that can be found out soon.
     fn inquire(&mut self, group: usize, generation: u32) -> Option<Fate>;
@@ -43,6 +44,8 @@ pub(crate) enum Event {
         group: usize,
         /// The message.
         bytes: Vec<u8>,
+        /// When it came.
+        at: Instant,
     },
     /// A life ended by itself.
     Lost {

@@ -32,14 +32,15 @@ pub(crate) fn parse_running(key: &str) -> Option<&str> {
     key.split('/').nth(3)
 }
 
-/// A life of a group: `cmd`, `rep` and the liveliness token `alive` are below.
-pub(crate) fn life(run: &str, group: usize, generation: u32) -> String {
-    format!("{}/run/{run}/{group}.{generation}", root())
+/// A life of a group on a worker: `cmd`, `rep` and the liveliness token `alive` are below. With the
+/// worker in the key, none can speak for what is on another.
+pub(crate) fn life(run: &str, worker: &str, group: usize, generation: u32) -> String {
+    format!("{}/run/{run}/{worker}/{group}.{generation}", root())
 }
 
-/// Something of every life of a run.
-pub(crate) fn lives(run: &str, what: &str) -> String {
-    format!("{}/run/{run}/*/{what}", root())
+/// Something of every life on a worker.
+pub(crate) fn lives(worker: &str, what: &str) -> String {
+    format!("{}/run/*/{worker}/*/{what}", root())
 }
 
 /// An FMU's bytes, asked for by a worker.
@@ -62,13 +63,6 @@ pub(crate) fn open(what: &str) -> String {
     format!("cosim/{VERSION}/{what}")
 }
 
-/// Group and generation of a key that [`life`] gave.
-pub(crate) fn parse_life(key: &str) -> Option<(usize, u32)> {
-    let life = key.split('/').nth(4)?;
-    let (group, generation) = life.split_once('.')?;
-    Some((group.parse().ok()?, generation.parse().ok()?))
-}
-
 /// Version and name of the worker of a key that [`worker`] gave.
 pub(crate) fn parse_worker(key: &str) -> Option<(&str, &str)> {
     let mut chunks = key.split('/').skip(2);
@@ -81,9 +75,7 @@ mod tests {
 
     #[test]
     fn what_a_key_says_is_read_again() {
-        assert_eq!(parse_life(&format!("{}/rep", life("r", 12, 3))), Some((12, 3)));
         assert_eq!(parse_worker(&worker("left")), Some(("1", "left")));
         assert_eq!(parse_running(&running("r")), Some("r"));
-        assert_eq!(parse_life("cosim/@1/run/r/fmu/00"), None);
     }
 }

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
 use std::rc::Rc;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::fabric::{Event, Fabric};
 use super::fate::Fate;
@@ -151,7 +151,7 @@ impl Fabric for Local {
                 let mut bytes = message.to_vec();
                 bytes[2] = super::wire::Kind::Done as u8;
                 bytes[4..8].copy_from_slice(&generation.wrapping_sub(1).to_le_bytes());
-                self.queue.push_back(Event::Answer { group, bytes });
+                self.queue.push_back(Event::Answer { group, bytes, at: Instant::now() });
                 self.queue.push_back(Event::Lost {
                     group,
                     generation: generation.wrapping_sub(1),
@@ -160,7 +160,7 @@ impl Fabric for Local {
             }
             Some(Fault::HearsTwice) => {
                 if let Some(bytes) = self.deliver(group, message) {
-                    self.queue.push_back(Event::Answer { group, bytes });
+                    self.queue.push_back(Event::Answer { group, bytes, at: Instant::now() });
                 }
             }
             Some(Fault::Torn) => drop(self.deliver(group, &message[..HEADER / 2])),
@@ -177,21 +177,25 @@ impl Fabric for Local {
             return Ok(());
         }
         if fault == Some(Fault::AnswersTwice) {
-            self.queue.push_front(Event::Answer { group, bytes: bytes.clone() });
+            self.queue.push_front(Event::Answer {
+                group,
+                bytes: bytes.clone(),
+                at: Instant::now(),
+            });
         }
         if fault == Some(Fault::CutAnswer) {
             bytes.pop();
         }
         // The last to answer is heard first.
-        self.queue.push_front(Event::Answer { group, bytes: bytes.clone() });
+        self.queue.push_front(Event::Answer { group, bytes: bytes.clone(), at: Instant::now() });
         for (group, bytes) in self.strays(fault, group, message, &bytes) {
-            self.queue.push_front(Event::Answer { group, bytes });
+            self.queue.push_front(Event::Answer { group, bytes, at: Instant::now() });
         }
         self.last.insert(group, bytes);
         Ok(())
     }
 
-    fn next(&mut self, _patience: Duration) -> Option<Event> {
+    fn next(&mut self, _awaited: usize, _patience: Duration) -> Option<Event> {
         self.queue.pop_front()
     }
 

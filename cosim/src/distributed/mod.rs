@@ -30,6 +30,7 @@ mod fabric;
 mod failure;
 mod fate;
 mod host;
+mod inbox;
 mod keys;
 mod layout;
 mod library;

@@ -1,17 +1,20 @@
 //! The fabric over Zenoh: groups live on workers that dialled us.
 
+use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
-use std::path::PathBuf;
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::channel;
 use std::time::{Duration, Instant};
 
 use zenoh::pubsub::Publisher;
 use zenoh::qos::CongestionControl;
+use zenoh::query::Query;
 use zenoh::sample::SampleKind;
 use zenoh::{Session, Wait};
 
 use super::fabric::{Event, Fabric};
 use super::fate::Fate;
+use super::inbox::Inbox;
 use super::keys;
 use super::pool::{Order, WorkerInfo};
 use super::present::Present;
@@ -24,8 +27,7 @@ const INQUIRY: Duration = Duration::from_millis(200);
 pub(crate) struct Net {
     session: Session,
     run: String,
-    news: Receiver<News>,
-    sender: Sender<News>,
+    news: Inbox<News>,
     /// What is to be told next.
     due: VecDeque<Event>,
     present: Present,
@@ -37,13 +39,15 @@ pub(crate) struct Net {
     patience: Duration,
     lives: BTreeMap<usize, Life>,
     /// Subscribers and queryables end with this.
-    _declared: Vec<Box<dyn std::any::Any>>,
+    _declared: Vec<Box<dyn Any>>,
 }
 
 struct Life {
     generation: u32,
     worker: String,
     commands: Publisher<'static>,
+    /// It is heard as long as these are there.
+    _heard: [Box<dyn Any>; 2],
     /// It can be spoken to.
     ready: bool,
 }
@@ -64,54 +68,16 @@ impl Net {
         run: &str,
         files: BTreeMap<String, PathBuf>,
     ) -> Result<Self> {
-        let (sender, news) = channel();
-        let mut declared: Vec<Box<dyn std::any::Any>> = Vec::new();
-
-        let answers = sender.clone();
-        let subscriber = session
-            .declare_subscriber(keys::lives(run, "rep"))
-            .callback(move |sample| {
-                if let Some((group, _)) = keys::parse_life(sample.key_expr().as_str()) {
-                    let bytes = sample.payload().to_bytes().into_owned();
-                    let _ = answers.send(News::Event(Event::Answer { group, bytes }));
-                }
-            })
-            .wait();
-        declared.push(Box::new(subscriber.map_err(refused)?));
-
-        let lives = sender.clone();
-        let subscriber = session
-            .liveliness()
-            .declare_subscriber(keys::lives(run, "alive"))
-            .history(true)
-            .callback(move |sample| {
-                let Some((group, generation)) = keys::parse_life(sample.key_expr().as_str()) else {
-                    return;
-                };
-                let _ = lives.send(News::Event(match sample.kind() {
-                    SampleKind::Put => Event::Ready { group, generation },
-                    SampleKind::Delete => {
-                        let why = "it is cut off".to_owned();
-                        Event::Lost { group, generation, why }
-                    }
-                }));
-            })
-            .wait();
-        declared.push(Box::new(subscriber.map_err(refused)?));
-
-        let (present, subscriber) = Present::follow(&session, sender.clone())?;
-        declared.push(subscriber);
-
+        let news = Inbox::new();
+        let (present, subscriber) = Present::follow(&session, news.slot())?;
+        let mut declared = vec![subscriber];
         for (hash, file) in files {
             let queryable = session
                 .declare_queryable(keys::fmu(run, &hash))
                 .callback(move |query| {
-                    let sent = match std::fs::read(&file) {
-                        Ok(bytes) => query.reply(query.key_expr().clone(), bytes).wait(),
-                        Err(why) => query.reply_err(why.to_string()).wait(),
-                    };
-                    // One that is gone asks again in its next life.
-                    drop(sent);
+                    let file = file.clone();
+                    // Not here: whatever comes meanwhile would wait.
+                    std::thread::spawn(move || deliver(&query, &file));
                 })
                 .wait();
             declared.push(Box::new(queryable.map_err(refused)?));
@@ -120,7 +86,6 @@ impl Net {
             session,
             run: run.to_owned(),
             news,
-            sender,
             due: VecDeque::new(),
             present,
             silent: BTreeSet::new(),
@@ -210,11 +175,43 @@ impl Net {
         Order { run: self.run.clone(), group, generation }
     }
 
+    /// Hears the life of a group under its own key, which nobody else may use.
+    fn hear(&self, key: &str, group: usize, generation: u32) -> Result<[Box<dyn Any>; 2]> {
+        let answers = self.news.slot();
+        let subscriber = self
+            .session
+            .declare_subscriber(format!("{key}/rep"))
+            .callback(move |sample| {
+                let bytes = sample.payload().to_bytes().into_owned();
+                answers.put(News::Event(Event::Answer { group, bytes, at: Instant::now() }));
+            })
+            .wait()
+            .map_err(refused)?;
+        let lives = self.news.slot();
+        let token = self
+            .session
+            .liveliness()
+            .declare_subscriber(format!("{key}/alive"))
+            .history(true)
+            .callback(move |sample| {
+                lives.urge(News::Event(match sample.kind() {
+                    SampleKind::Put => Event::Ready { group, generation },
+                    SampleKind::Delete => {
+                        let why = "it is cut off".to_owned();
+                        Event::Lost { group, generation, why }
+                    }
+                }));
+            })
+            .wait()
+            .map_err(refused)?;
+        Ok([Box::new(subscriber), Box::new(token)])
+    }
+
     /// Asks a worker to do something; a refusal is the loss of the life.
     fn ask(&self, worker: &str, what: &str, order: &Order) -> Result<()> {
         let bytes = postcard::to_stdvec(order)
             .map_err(|why| Error::new(Code::Protocol, "an order has no bytes").why(why))?;
-        let (events, group, generation) = (self.sender.clone(), order.group, order.generation);
+        let (events, group, generation) = (self.news.slot(), order.group, order.generation);
         let name = worker.to_owned();
         self.session
             .get(format!("{}/{what}", keys::worker(worker)))
@@ -228,7 +225,7 @@ impl Net {
                 };
                 if let Err::<(), String>(why) = outcome {
                     let why = format!("worker {name}: {why}");
-                    let _ = events.send(News::Event(Event::Lost { group, generation, why }));
+                    events.urge(News::Event(Event::Lost { group, generation, why }));
                 }
             })
             .wait()
@@ -243,14 +240,17 @@ impl Fabric for Net {
                 .why(format!("none came within {:.0} s", self.patience.as_secs_f64()))
                 .help("start some: cosim worker")
         })?;
+        let key = keys::life(&self.run, &worker, group, generation);
+        let heard = self.hear(&key, group, generation)?;
         let commands = self
             .session
-            .declare_publisher(format!("{}/cmd", keys::life(&self.run, group, generation)))
+            .declare_publisher(format!("{key}/cmd"))
             .congestion_control(CongestionControl::Block)
             .express(true)
             .wait()
             .map_err(refused)?;
-        let life = Life { generation, worker: worker.clone(), commands, ready: false };
+        let life =
+            Life { generation, worker: worker.clone(), commands, _heard: heard, ready: false };
         self.lives.insert(group, life);
         self.ask(&worker, "start", &self.order(group, generation))
     }
@@ -264,13 +264,13 @@ impl Fabric for Net {
         }
     }
 
-    fn next(&mut self, patience: Duration) -> Option<Event> {
+    fn next(&mut self, awaited: usize, patience: Duration) -> Option<Event> {
         let begun = Instant::now();
         loop {
             if let Some(event) = self.due.pop_front() {
                 return Some(event);
             }
-            match self.news.recv_timeout(patience.saturating_sub(begun.elapsed())).ok()? {
+            match self.news.next(awaited, patience.saturating_sub(begun.elapsed()))? {
                 News::Event(event) => {
                     if let Event::Ready { group, generation } = event
                         && let Some(life) = self.lives.get_mut(&group)
@@ -326,6 +326,15 @@ impl Fabric for Net {
             None => "no worker".to_owned(),
         }
     }
+}
+
+/// Sends an FMU to a worker that asks for it; one that is gone asks again in its next life.
+fn deliver(query: &Query, file: &Path) {
+    let sent = match std::fs::read(file) {
+        Ok(bytes) => query.reply(query.key_expr().clone(), bytes).wait(),
+        Err(why) => query.reply_err(why.to_string()).wait(),
+    };
+    drop(sent);
 }
 
 pub(super) fn refused(why: zenoh::Error) -> Error {

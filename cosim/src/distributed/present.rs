@@ -2,13 +2,13 @@
 
 use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use zenoh::sample::SampleKind;
 use zenoh::{Session, Wait};
 
+use super::inbox::Slot;
 use super::keys;
 use super::net::{News, refused};
 use super::wire::VERSION;
@@ -28,7 +28,7 @@ struct Workers {
 
 impl Present {
     /// Follows who comes and leaves, as long as the second value lives; `news` is told too.
-    pub(super) fn follow(session: &Session, news: Sender<News>) -> Result<(Self, Box<dyn Any>)> {
+    pub(super) fn follow(session: &Session, news: Slot<News>) -> Result<(Self, Box<dyn Any>)> {
         let present = Self::default();
         let followed = present.clone();
         let subscriber = session
@@ -42,7 +42,7 @@ impl Present {
                 let here = sample.kind() == SampleKind::Put;
                 if followed.note(version, name, here) {
                     let name = name.to_owned();
-                    let _ = news.send(if here { News::Came(name) } else { News::Left(name) });
+                    news.urge(if here { News::Came(name) } else { News::Left(name) });
                 }
             })
             .wait();

@@ -57,9 +57,9 @@ impl<'a> Crew<'a> {
     pub(super) fn answers(&mut self) -> Result<Vec<(usize, Vec<u8>)>> {
         let mut answers: Vec<(usize, Vec<u8>)> = Vec::new();
         while let Some((group, patience)) = self.most_overdue() {
-            match self.fabric.next(patience) {
+            match self.fabric.next(self.awaited(), patience) {
                 Some(Event::Ready { group, generation }) => self.ready(group, generation)?,
-                Some(Event::Answer { group, bytes }) if self.is_awaited(group, &bytes) => {
+                Some(Event::Answer { group, bytes, .. }) if self.is_awaited(group, &bytes) => {
                     if self.take_answer(group, &bytes)? {
                         answers.push((group, bytes));
                     }
@@ -88,6 +88,15 @@ impl<'a> Crew<'a> {
         let waiting = self.members.iter().enumerate().filter(|(_, m)| m.awaited.is_some());
         let left = waiting.map(|(group, m)| (m.patience(&self.options), group));
         left.min().map(|(left, group)| (group, left))
+    }
+
+    /// How many answers must come before there is something to do.
+    fn awaited(&self) -> usize {
+        let awaited = self.members.iter().filter_map(|member| member.awaited);
+        match awaited.clone().all(|awaited| awaited == Awaited::Last) {
+            true => awaited.count(),
+            false => 1,
+        }
     }
 
     fn is_living(&self, group: usize, generation: u32) -> bool {

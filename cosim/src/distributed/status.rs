@@ -132,7 +132,7 @@ impl Board {
         }
     }
 
-    fn answered(&self, group: usize, bytes: &[u8]) {
+    fn answered(&self, group: usize, bytes: &[u8], at: Instant) {
         let Ok((header, _)) = Header::read(bytes) else {
             return;
         };
@@ -142,7 +142,7 @@ impl Board {
             return;
         };
         if let Some((since, _)) = count.asked.take_if(|(_, asked)| *asked == header.sequence) {
-            let took = since.elapsed();
+            let took = at.saturating_duration_since(since);
             count.answers += 1;
             count.total += took;
             count.longest = count.longest.max(took);
@@ -175,10 +175,10 @@ impl<F: Fabric> Fabric for Watched<'_, F> {
         self.fabric.send(group, generation, message)
     }
 
-    fn next(&mut self, patience: Duration) -> Option<Event> {
-        let event = self.fabric.next(patience);
-        if let Some(Event::Answer { group, bytes }) = &event {
-            self.board.answered(*group, bytes);
+    fn next(&mut self, awaited: usize, patience: Duration) -> Option<Event> {
+        let event = self.fabric.next(awaited, patience);
+        if let Some(Event::Answer { group, bytes, at }) = &event {
+            self.board.answered(*group, bytes, *at);
         }
         event
     }

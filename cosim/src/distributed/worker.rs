@@ -219,6 +219,7 @@ impl Children<'_> {
         let child = Command::new(name)
             .args(arguments)
             .args(["--run", &order.run])
+            .args(["--worker", &self.worker.name])
             .args(["--group", &order.group.to_string()])
             .args(["--generation", &order.generation.to_string()])
             .env("TMPDIR", folder.path())

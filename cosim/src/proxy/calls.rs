@@ -18,9 +18,9 @@ pub enum Ask {
     Exit,
     /// `fmi2Reset`
     Reset,
-    /// `fmi2SetXXX`
+    /// `fmi2SetReal` and its like for the other types
     Set(Vec<u32>, Values),
-    /// `fmi2GetXXX`
+    /// `fmi2GetReal` and its like for the other types
     Get(Basic, Vec<u32>),
     /// `fmi2DoStep`: from where, and how far, in seconds.
     Step(f64, f64),

@@ -2,6 +2,8 @@
 
 use sha2::{Digest, Sha256};
 
+use super::status::Trouble;
+
 /// What serialized states begin with; the digit is the version of the format.
 const MAGIC: &[u8; 8] = b"fmu-kit2";
 /// Length of the magic and of the number of bytes that follow it.
@@ -16,6 +18,22 @@ pub fn seal(mut body: Vec<u8>) -> Vec<u8> {
     bytes.append(&mut body);
     bytes.extend(Sha256::digest(&bytes));
     bytes
+}
+
+/// Copies a serialized state into a caller's memory.
+///
+/// # Errors
+/// It is not of the size that was told.
+pub fn hand_out(bytes: &[u8], into: &mut [u8]) -> Result<(), Trouble> {
+    if bytes.len() != into.len() {
+        return Err(Trouble::error(format_args!(
+            "size = {}, but fmi2SerializedFMUstateSize said {}",
+            into.len(),
+            bytes.len()
+        )));
+    }
+    into.copy_from_slice(bytes);
+    Ok(())
 }
 
 /// What [`seal`] was given, if nothing was altered.

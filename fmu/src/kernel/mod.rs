@@ -43,7 +43,7 @@ mod xml;
 
 pub use call::{Call, Phase};
 pub use clock::{check_experiment, check_step};
-pub use envelope::{seal, unseal};
+pub use envelope::{hand_out, seal, unseal};
 pub use instance::{Instance, Interface};
 pub use integrator::{Integrator, IntegratorMethod};
 pub use log::{Category, Log, Sink};

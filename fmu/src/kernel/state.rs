@@ -6,15 +6,16 @@
 //! own (its edition), so in the usual case saving and restoring are a few copies without
 //! allocation.
 //!
-//! As bytes it is in Postcard's format within an envelope (`envelope.rs`). The state names the GUID of its component, so that other components' states are refused, and the
-//! shape of its memory (`shape.rs`), so that those of other versions are.
+//! As bytes it is in Postcard's format within an envelope (`envelope.rs`). The state names the GUID
+//! of its component, so that other components' states are refused, and the shape of its memory
+//! (`shape.rs`), so that those of other versions are.
 
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use super::call::{Call, Phase};
-use super::envelope::{seal, unseal};
+use super::envelope::{hand_out, seal, unseal};
 use super::instance::{Instance, Interface, Run, new_edition};
 use super::model::Memory;
 use super::signal::Slopes;
@@ -170,18 +171,7 @@ impl Instance {
 
     /// `fmi2SerializeFMUstate`
     pub fn serialize_state(&mut self, state: &State, into: &mut [u8]) -> Status {
-        self.call(Call::SerializeFmuState, |me| {
-            let bytes = me.bytes(state)?;
-            if bytes.len() != into.len() {
-                return Err(Trouble::error(format_args!(
-                    "size = {}, but fmi2SerializedFMUstateSize said {}",
-                    into.len(),
-                    bytes.len()
-                )));
-            }
-            into.copy_from_slice(&bytes);
-            Ok(())
-        })
+        self.call(Call::SerializeFmuState, |me| hand_out(&me.bytes(state)?, into))
     }
 
     fn bytes(&self, state: &State) -> Result<Vec<u8>, Trouble> {

@@ -140,12 +140,12 @@ impl Lists {
         self.policies.push(json!({ "subjects": [subject], "rules": rules }));
     }
 
-    /// A worker announces and serves itself, and speaks for lives of groups.
+    /// A worker announces and serves itself, and speaks for the lives of groups that it has.
     fn worker(&mut self, name: &str) {
         let (own, root) = (keys::worker(name), keys::root());
-        let gives = [own.clone(), keys::lives("*", "rep"), keys::lives("*", "alive")];
+        let gives = [own.clone(), keys::lives(name, "rep"), keys::lives(name, "alive")];
         let serves = [format!("{own}/*")];
-        let takes = [keys::lives("*", "cmd")];
+        let takes = [keys::lives(name, "cmd")];
         let asks = [keys::fmu("*", "*")];
         let follows = [own, format!("{root}/running/*")];
         let listen = ["declare_liveliness_subscriber", "liveliness_query"];
@@ -215,7 +215,7 @@ mod tests {
     #[test]
     fn everybody_has_the_rights_of_his_role_and_no_more() {
         let list = members().access_control();
-        let life = keys::life("r", 1, 2);
+        let life = keys::life("r", "left", 1, 2);
         let (command, answer) = (format!("{life}/cmd"), format!("{life}/rep"));
         let (left, signals) = (keys::worker("left"), keys::open("r/signals"));
         for (subject, message, key, wanted) in [
@@ -223,6 +223,9 @@ mod tests {
             ("orchestrators", "query", &format!("{left}/start"), true),
             ("left", "put", &answer, true),
             ("left", "put", &command, false),
+            ("right", "put", &answer, false),
+            ("right", "liveliness_token", &format!("{life}/alive"), false),
+            ("right", "declare_subscriber", &command, false),
             ("left", "declare_subscriber", &command, true),
             ("left", "declare_subscriber", &answer, false),
             ("left", "liveliness_token", &left, true),
