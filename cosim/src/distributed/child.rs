@@ -5,7 +5,6 @@ use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::{Duration, Instant};
 
-use zenoh::qos::CongestionControl;
 use zenoh::{Session, Wait};
 
 use super::door::allowed::Allowed;
@@ -14,6 +13,7 @@ use super::door::session::Access;
 use super::host::{Handled, Host};
 use super::inbox::Inbox;
 use super::keys;
+use super::lanes::Lanes;
 use super::pool::Order;
 use super::setup::{FmuFile, FmuSource};
 use crate::digest::sha256;
@@ -34,33 +34,23 @@ pub fn serve(
     if confined {
         confine::process(&access.endpoints, &std::env::temp_dir())?;
     }
-    let session = access.dial_known()?;
+    let (session, quick) = (access.dial_known()?, access.dial_quick()?);
+    let lanes = Lanes { quick: &quick, bulk: &session };
     let life = keys::life(&order.run, worker, order.group, order.generation);
     let inbox = Inbox::new();
     let commands = inbox.slot();
     // Nothing is computed in the callback: it is the thread that receives.
-    let _commands = session
-        .declare_subscriber(format!("{life}/cmd"))
-        .callback(move |sample| {
-            commands.put(sample.payload().to_bytes().into_owned());
-        })
-        .wait()
-        .map_err(refused)?;
-    let answers = session
-        .declare_publisher(format!("{life}/rep"))
-        .congestion_control(CongestionControl::Block)
-        .express(true)
-        .wait()
-        .map_err(refused)?;
+    let _commands = lanes.hear(&format!("{life}/cmd"), move |bytes| commands.put(bytes))?;
+    let answers = lanes.sender(&format!("{life}/rep"))?;
     let begun = Instant::now();
-    while !answers.matching_status().wait().map_err(refused)?.matching() {
+    while !answers.is_heard()? {
         if begun.elapsed() > PATIENCE {
             return Err(Error::new(Code::Lost, "the coordinator does not listen")
                 .why(format!("nobody took {life}/rep for {} s", PATIENCE.as_secs())));
         }
         std::thread::sleep(Duration::from_millis(2));
     }
-    // Whoever sees the token can speak to us.
+    // Whoever sees the token can speak to us: the other side has heard of what was declared before.
     let _token = session.liveliness().declare_token(format!("{life}/alive")).wait();
     let _token = _token.map_err(refused)?;
     let fmus = Delivered::new(&session, &order.run, allowed)?;
@@ -77,7 +67,7 @@ pub fn serve(
                 continue;
             }
         };
-        answers.put(answer).wait().map_err(refused)?;
+        answers.put(answer)?;
         if last {
             break;
         }

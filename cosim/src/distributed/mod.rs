@@ -12,7 +12,7 @@
 //! * `wire` is the form of the messages, `setup` what a host is told first;
 //! * `host` computes a group with the engine of an ordinary run, `check` says what a set-up must be;
 //! * `coordinator` drives the groups, `recovery` and `member` what happens when one is lost;
-//! * `fabric` is what carries messages; `net` does so over Zenoh, `present` knows who is there;
+//! * `fabric` is what carries messages; `net` does so over Zenoh, on two `lanes`, `present` knows who is there;
 //! * `door` opens sessions, and says who may come in and what they may do then;
 //! * `status` knows how a run stands, `telemetry` tells it and what is recorded, `watch` hears it;
 //! * `remote` drives one instance for somebody else's simulation, `single` is that instance on its worker;
@@ -32,6 +32,7 @@ mod fate;
 mod host;
 mod inbox;
 mod keys;
+mod lanes;
 mod layout;
 mod library;
 #[cfg(test)]

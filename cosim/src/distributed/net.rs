@@ -6,8 +6,6 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::channel;
 use std::time::{Duration, Instant};
 
-use zenoh::pubsub::Publisher;
-use zenoh::qos::CongestionControl;
 use zenoh::query::Query;
 use zenoh::sample::SampleKind;
 use zenoh::{Session, Wait};
@@ -16,6 +14,7 @@ use super::fabric::{Event, Fabric};
 use super::fate::Fate;
 use super::inbox::Inbox;
 use super::keys;
+use super::lanes::{Lanes, Sender};
 use super::pool::{Order, WorkerInfo};
 use super::present::Present;
 use crate::error::{Code, Error, Result};
@@ -45,7 +44,7 @@ pub(crate) struct Net {
 struct Life {
     generation: u32,
     worker: String,
-    commands: Publisher<'static>,
+    commands: Sender,
     /// It is heard as long as these are there.
     _heard: [Box<dyn Any>; 2],
     /// It can be spoken to.
@@ -175,18 +174,16 @@ impl Net {
         Order { run: self.run.clone(), group, generation }
     }
 
+    fn lanes(&self) -> Lanes<'_> {
+        Lanes { quick: &self.session, bulk: &self.session }
+    }
+
     /// Hears the life of a group under its own key, which nobody else may use.
     fn hear(&self, key: &str, group: usize, generation: u32) -> Result<[Box<dyn Any>; 2]> {
         let answers = self.news.slot();
-        let subscriber = self
-            .session
-            .declare_subscriber(format!("{key}/rep"))
-            .callback(move |sample| {
-                let bytes = sample.payload().to_bytes().into_owned();
-                answers.put(News::Event(Event::Answer { group, bytes, at: Instant::now() }));
-            })
-            .wait()
-            .map_err(refused)?;
+        let answered = self.lanes().hear(&format!("{key}/rep"), move |bytes| {
+            answers.put(News::Event(Event::Answer { group, bytes, at: Instant::now() }));
+        })?;
         let lives = self.news.slot();
         let token = self
             .session
@@ -204,7 +201,7 @@ impl Net {
             })
             .wait()
             .map_err(refused)?;
-        Ok([Box::new(subscriber), Box::new(token)])
+        Ok([answered, Box::new(token)])
     }
 
     /// Asks a worker to do something; a refusal is the loss of the life.
@@ -242,13 +239,7 @@ impl Fabric for Net {
         })?;
         let key = keys::life(&self.run, &worker, group, generation);
         let heard = self.hear(&key, group, generation)?;
-        let commands = self
-            .session
-            .declare_publisher(format!("{key}/cmd"))
-            .congestion_control(CongestionControl::Block)
-            .express(true)
-            .wait()
-            .map_err(refused)?;
+        let commands = self.lanes().sender(&format!("{key}/cmd"))?;
         let life =
             Life { generation, worker: worker.clone(), commands, _heard: heard, ready: false };
         self.lives.insert(group, life);
@@ -257,9 +248,7 @@ impl Fabric for Net {
 
     fn send(&mut self, group: usize, generation: u32, message: &[u8]) -> Result<()> {
         match self.lives.get(&group) {
-            Some(life) if life.generation == generation => {
-                life.commands.put(message).wait().map_err(refused)
-            }
+            Some(life) if life.generation == generation => life.commands.put(message),
             _ => Ok(()),
         }
     }

@@ -216,7 +216,7 @@ fn an_observer_can_neither_read_nor_write_what_steers_a_run() {
     assert_eq!(runs.iter().filter(|reply| reply.result().is_ok()).count(), 0);
     let mut ended = None;
     while ended.is_none() {
-        for key in ["cosim/@1/run/x/left/0.1/cmd", "cosim/@1/run/x/left/0.1/rep"] {
+        for key in ["cosim/@1/run/x/left/0.1/cmd/quick", "cosim/@1/run/x/left/0.1/rep/quick"] {
             second.put(key, vec![0xC5, 1, 10]).wait().unwrap();
         }
         std::thread::sleep(Duration::from_millis(20));
@@ -234,7 +234,7 @@ fn a_worker_does_not_hear_what_another_is_told() {
     let (mut run, _left, _right, endpoint) =
         locked_run(at, file.to_str().unwrap(), &["--real-time=4"]);
     let thief = observe(&endpoint, &at.join("keys/right"));
-    let hear = |worker: &str| thief.declare_subscriber(format!("cosim/@1/run/*/{worker}/*/cmd"));
+    let hear = |worker: &str| thief.declare_subscriber(format!("cosim/@1/run/*/{worker}/*/cmd/*"));
     let (others, own) = (hear("left").wait().unwrap(), hear("right").wait().unwrap());
     assert_eq!(run.0.wait().unwrap().code(), Some(0));
     assert!(own.try_recv().unwrap().is_some());

@@ -143,9 +143,9 @@ impl Lists {
     /// A worker announces and serves itself, and speaks for the lives of groups that it has.
     fn worker(&mut self, name: &str) {
         let (own, root) = (keys::worker(name), keys::root());
-        let gives = [own.clone(), keys::lives(name, "rep"), keys::lives(name, "alive")];
+        let gives = [own.clone(), keys::lives(name, "rep/*"), keys::lives(name, "alive")];
         let serves = [format!("{own}/*")];
-        let takes = [keys::lives(name, "cmd")];
+        let takes = [keys::lives(name, "cmd/*")];
         let asks = [keys::fmu("*", "*")];
         let follows = [own, format!("{root}/running/*")];
         let listen = ["declare_liveliness_subscriber", "liveliness_query"];
@@ -216,7 +216,7 @@ mod tests {
     fn everybody_has_the_rights_of_his_role_and_no_more() {
         let list = members().access_control();
         let life = keys::life("r", "left", 1, 2);
-        let (command, answer) = (format!("{life}/cmd"), format!("{life}/rep"));
+        let (command, answer) = (format!("{life}/cmd/bulk"), format!("{life}/rep/quick"));
         let (left, signals) = (keys::worker("left"), keys::open("r/signals"));
         for (subject, message, key, wanted) in [
             ("orchestrators", "put", &command, true),

@@ -34,7 +34,7 @@ pub const DEFAULT_ENDPOINT: &str = "tcp/127.0.0.1:7447";
 impl Access {
     /// A session that others dial.
     pub fn listen(&self) -> Result<Session> {
-        self.open("router", "listen/endpoints")
+        self.open(&LISTENING)
     }
 
     /// A session that dials a listening one, and does so again when it is cut off.
@@ -49,7 +49,12 @@ impl Access {
 
     /// The same, to one that has taken us in before: it is not asked by hand first.
     pub(crate) fn dial_known(&self) -> Result<Session> {
-        self.open("client", "connect/endpoints")
+        self.open(&DIALLING)
+    }
+
+    /// The same, by the transport for small messages: see `lanes`.
+    pub(crate) fn dial_quick(&self) -> Result<Session> {
+        self.open(&QUICK)
     }
 
     /// Nobody listens at any of the endpoints.
@@ -60,7 +65,7 @@ impl Access {
     /// Refuses what is refused when a session is opened, as far as it is known before.
     pub fn check(&self) -> Result<()> {
         self.checked()?;
-        self.config("client", "connect/endpoints", None).map(drop)
+        self.config(&DIALLING, None).map(drop)
     }
 
     /// Refuses endpoints that are open to others, and credentials that nobody will believe.
@@ -78,28 +83,32 @@ impl Access {
         }
     }
 
-    fn open(&self, mode: &str, endpoints: &str) -> Result<Session> {
+    fn open(&self, side: &Side) -> Result<Session> {
         let tls = self.checked()?.is_some();
         let members = match &self.credentials {
-            Some(credentials) if tls && mode == "router" => Members::read(&credentials.members)?,
+            Some(credentials) if tls && side.listens => Members::read(&credentials.members)?,
             _ => None,
         };
-        let config = self.config(mode, endpoints, members.as_ref())?;
-        let session = zenoh::open(config).wait().map_err(|why| self.unopened(mode, &why))?;
+        let config = self.config(side, members.as_ref())?;
+        let session = zenoh::open(config).wait().map_err(|why| self.unopened(side, &why))?;
         if let Some(members) = members {
             rights::answer(&session, members)?;
         }
         Ok(session)
     }
 
-    fn config(&self, mode: &str, endpoints: &str, members: Option<&Members>) -> Result<Config> {
+    fn config(&self, side: &Side, members: Option<&Members>) -> Result<Config> {
         let mut config = match &self.configuration {
             Some(file) => Configuration::read(file)?.zenoh(file)?,
             None => Config::default(),
         };
         let list = serde_json::to_string(&self.endpoints).map_err(|why| unopened().why(why))?;
+        let (mode, endpoints) = match side.listens {
+            true => ("\"router\"", "listen/endpoints"),
+            false => ("\"client\"", "connect/endpoints"),
+        };
         let mut entries = vec![
-            ("mode", format!("\"{mode}\"")),
+            ("mode", mode.to_owned()),
             ("scouting/multicast/enabled", "false".to_owned()),
             ("scouting/gossip/enabled", "false".to_owned()),
             ("adminspace/enabled", "false".to_owned()),
@@ -110,6 +119,9 @@ impl Access {
             ("connect/exit_on_failure", "true".to_owned()),
             ("connect/retry", RETRY.to_owned()),
             ("transport/link/tx/lease", "1000".to_owned()),
+            // Both sides must offer it; one that does has no priorities of messages.
+            ("transport/unicast/lowlatency", side.quick.to_string()),
+            ("transport/unicast/qos/enabled", (!side.quick).to_string()),
             ("transport/shared_memory/enabled", "false".to_owned()),
             // Nothing here goes by the time of the clock, and every message would be stamped twice.
             ("timestamping/enabled", "false".to_owned()),
@@ -133,9 +145,9 @@ impl Access {
         self.checked().ok().flatten().map(|checked| checked.name)
     }
 
-    fn unopened(&self, mode: &str, why: &zenoh::Error) -> Error {
+    fn unopened(&self, side: &Side, why: &zenoh::Error) -> Error {
         let error = unopened();
-        let seen = self.endpoints.iter().filter(|_| mode == "client").find_map(|e| silence(e));
+        let seen = self.endpoints.iter().filter(|_| !side.listens).find_map(|e| silence(e));
         match seen {
             Some(seen) => error.why(seen).help("cosim run --distributed listens there"),
             None => error
@@ -144,6 +156,17 @@ impl Access {
         }
     }
 }
+
+/// What a session is for.
+struct Side {
+    listens: bool,
+    /// It offers the transport for low latency.
+    quick: bool,
+}
+
+const LISTENING: Side = Side { listens: true, quick: true };
+const DIALLING: Side = Side { listens: false, quick: false };
+const QUICK: Side = Side { listens: false, quick: true };
 
 /// First soon, then less often: a worker may wait long for its coordinator.
 const RETRY: &str = "{period_init_ms:50,period_max_ms:1000,period_increase_factor:1.5}";
