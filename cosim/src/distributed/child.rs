@@ -50,9 +50,7 @@ pub fn serve(
         }
         std::thread::sleep(Duration::from_millis(2));
     }
-    // Whoever sees the token can speak to us: the other side has heard of what was declared before.
-    let _token = session.liveliness().declare_token(format!("{life}/alive")).wait();
-    let _token = _token.map_err(refused)?;
+    let _tokens = lanes.live(&format!("{life}/alive"))?;
     let fmus = Delivered::new(&session, &order.run, allowed)?;
     if confined {
         confine::this_thread()?;
@@ -71,6 +69,12 @@ pub fn serve(
         if last {
             break;
         }
+    }
+    drop(host);
+    // To lose a token is to be lost: they stay until the answer has come, after which nobody listens.
+    let ended = Instant::now();
+    while answers.is_heard()? && ended.elapsed() < PATIENCE {
+        std::thread::sleep(Duration::from_millis(2));
     }
     Ok(())
 }

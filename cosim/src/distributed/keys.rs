@@ -32,7 +32,7 @@ pub(crate) fn parse_running(key: &str) -> Option<&str> {
     key.split('/').nth(3)
 }
 
-/// A life of a group on a worker: the lanes of `cmd` and `rep` and the liveliness token `alive` are
+/// A life of a group on a worker: the lanes of `cmd` and `rep` and the liveliness tokens `alive` are
 /// below. With the worker in the key, none can speak for what is on another.
 pub(crate) fn life(run: &str, worker: &str, group: usize, generation: u32) -> String {
     format!("{}/run/{run}/{worker}/{group}.{generation}", root())

@@ -11,6 +11,7 @@
 use std::any::Any;
 
 use zenoh::bytes::ZBytes;
+use zenoh::liveliness::LivelinessToken;
 use zenoh::pubsub::Publisher;
 use zenoh::qos::CongestionControl;
 use zenoh::{Session, Wait};
@@ -34,10 +35,28 @@ pub(super) struct Sender {
     bulk: Publisher<'static>,
 }
 
+/// Whether a token is the last of the two that [`Lanes::live`] declares.
+pub(super) fn is_last(token: &str) -> bool {
+    token.ends_with(QUICK)
+}
+
+const QUICK: &str = "/quick";
+const BULK: &str = "/bulk";
+
 impl Lanes<'_> {
-    /// Each lane with its session and the key that messages have on it.
+    /// Each lane with its session and its key below `key`.
     fn each(&self, key: &str) -> [(&Session, String); 2] {
-        [(self.quick, format!("{key}/quick")), (self.bulk, format!("{key}/bulk"))]
+        [(self.quick, format!("{key}{QUICK}")), (self.bulk, format!("{key}{BULK}"))]
+    }
+
+    /// A token on each lane, the quick one last: whoever sees that one can speak to us by both, as
+    /// the other side has heard of what was declared before.
+    pub(super) fn live(&self, key: &str) -> Result<[LivelinessToken; 2]> {
+        let [quick, bulk] = self.each(key);
+        let token = |(session, key): (&Session, String)| {
+            session.liveliness().declare_token(key).wait().map_err(refused)
+        };
+        Ok([token(bulk)?, token(quick)?])
     }
 
     /// Sends under `key`.
@@ -90,4 +109,43 @@ impl Sender {
 
 fn refused(why: zenoh::Error) -> Error {
     Error::new(Code::Session, "the session failed").why(why)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::channel;
+    use std::time::{Duration, Instant};
+
+    use super::*;
+    use crate::distributed::Access;
+
+    const LONG: Duration = Duration::from_secs(30);
+
+    /// Over each kind of session that the other side may have, here to there and back.
+    #[test]
+    fn messages_of_every_size_arrive_on_both_sides_in_order() {
+        let folder = tempfile::TempDir::new().unwrap();
+        let endpoints = vec![format!("unixsock-stream/{}/socket", folder.path().display())];
+        let access = Access { endpoints, ..Access::default() };
+        let listening = access.listen().unwrap();
+        let (bulk, quick) = (access.dial_known().unwrap(), access.dial_quick().unwrap());
+        let here = Lanes { quick: &listening, bulk: &listening };
+        let there = Lanes { quick: &quick, bulk: &bulk };
+        for (number, (from, to)) in [(&here, &there), (&there, &here)].into_iter().enumerate() {
+            let key = format!("lanes/{number}");
+            let (heard, inbox) = channel();
+            let _hearing = to.hear(&key, move |bytes| drop(heard.send(bytes))).unwrap();
+            let sender = from.sender(&key).unwrap();
+            let begun = Instant::now();
+            while !sender.is_heard().unwrap() {
+                assert!(begun.elapsed() < LONG);
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            for size in [1, SMALL - 1, SMALL, SMALL + 1, 65_535, 65_536, 3_000_000, 64] {
+                let message: Vec<u8> = (0..size).map(|octet| (octet % 251) as u8).collect();
+                sender.put(&message[..]).unwrap();
+                assert!(inbox.recv_timeout(LONG).unwrap() == message, "{size}");
+            }
+        }
+    }
 }

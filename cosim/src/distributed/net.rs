@@ -14,7 +14,7 @@ use super::fabric::{Event, Fabric};
 use super::fate::Fate;
 use super::inbox::Inbox;
 use super::keys;
-use super::lanes::{Lanes, Sender};
+use super::lanes::{self, Lanes, Sender};
 use super::pool::{Order, WorkerInfo};
 use super::present::Present;
 use crate::error::{Code, Error, Result};
@@ -188,16 +188,18 @@ impl Net {
         let token = self
             .session
             .liveliness()
-            .declare_subscriber(format!("{key}/alive"))
+            .declare_subscriber(format!("{key}/alive/*"))
             .history(true)
             .callback(move |sample| {
-                lives.urge(News::Event(match sample.kind() {
+                let event = match sample.kind() {
+                    SampleKind::Put if !lanes::is_last(sample.key_expr()) => return,
                     SampleKind::Put => Event::Ready { group, generation },
                     SampleKind::Delete => {
                         let why = "it is cut off".to_owned();
                         Event::Lost { group, generation, why }
                     }
-                }));
+                };
+                lives.urge(News::Event(event));
             })
             .wait()
             .map_err(refused)?;

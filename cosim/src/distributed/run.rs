@@ -1,6 +1,7 @@
 //! Running a system on workers.
 
-use std::sync::mpsc::channel;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
 use zenoh::{Session, Wait};
@@ -84,16 +85,17 @@ impl Cluster {
         let groups = layout.groups.iter();
         let groups = groups.map(|group| group.own.iter().map(name).collect()).collect();
         let board = Board::new(&id, system.name(), system.stop_time().seconds(), groups);
+        let board = Arc::new(board);
         let names = system.columns().iter().map(|column| column.name.clone()).collect();
-        let (feed, sender) = telemetry::open(&session, &id, &board, names, self.options.telemetry)?;
-        let fabric = Box::new(Watched::new(net, &board));
+        let (feed, sender) =
+            telemetry::open(&session, &id, board.clone(), names, self.options.telemetry)?;
+        let fabric = Box::new(Watched::new(net, board));
         let mut driven = Coordinator::new(system, plan, layout, &setups, fabric, options)?;
         driven.warn(differences);
-        let outcome = std::thread::scope(|threads| {
-            threads.spawn(|| sender.serve());
-            // When the feed is dropped the sender tells the end, and ends.
-            run.drive_all(&mut Fed { driven: &mut driven, feed })
-        });
+        let told = apart(move || sender.serve());
+        let outcome = run.drive_all(&mut Fed { driven: &mut driven, feed });
+        // Its feed is gone: the sender tells the end.
+        let _ = told.recv_timeout(FAREWELL);
         driven.end();
         drop(driven);
         drop(own);
@@ -126,18 +128,24 @@ fn own_names(count: usize, system: &System) -> Vec<String> {
     names
 }
 
-/// So long a session may take to close.
+/// So long it may take to say the last.
 const FAREWELL: Duration = Duration::from_millis(500);
 
 /// Closes a session. Everything is said: one that does not close in order, because somebody does
 /// not listen any more, ends with the process.
 pub(super) fn close(session: Session) {
-    let (closed, inbox) = channel();
+    let closed = apart(move || drop(session.close().wait()));
+    let _ = closed.recv_timeout(FAREWELL);
+}
+
+/// Does something in a thread of its own; what this gives is cut off at its end.
+fn apart(what: impl FnOnce() + Send + 'static) -> Receiver<()> {
+    let (end, inbox) = channel();
     std::thread::spawn(move || {
-        let _ = session.close().wait();
-        let _ = closed.send(());
+        what();
+        drop(end);
     });
-    let _ = inbox.recv_timeout(FAREWELL);
+    inbox
 }
 
 /// Lists the workers that dial `access` within `patience`.

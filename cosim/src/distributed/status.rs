@@ -1,6 +1,6 @@
 //! How a run stands, for those who watch it: kept beside the messages, never in their way.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
@@ -151,19 +151,19 @@ impl Board {
 }
 
 /// A fabric that is looked at.
-pub(super) struct Watched<'a, F> {
+pub(super) struct Watched<F> {
     fabric: F,
-    board: &'a Board,
+    board: Arc<Board>,
 }
 
-impl<'a, F: Fabric> Watched<'a, F> {
+impl<F: Fabric> Watched<F> {
     /// What `fabric` carries is noted on `board`.
-    pub(super) fn new(fabric: F, board: &'a Board) -> Self {
+    pub(super) fn new(fabric: F, board: Arc<Board>) -> Self {
         Self { fabric, board }
     }
 }
 
-impl<F: Fabric> Fabric for Watched<'_, F> {
+impl<F: Fabric> Fabric for Watched<F> {
     fn launch(&mut self, group: usize, generation: u32) -> Result<()> {
         self.fabric.launch(group, generation)?;
         self.board.launched(group, generation, self.fabric.place(group));

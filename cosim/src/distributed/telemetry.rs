@@ -8,6 +8,7 @@
 //! * `cosim/1/<run>/signals`, on demand: `{"time": s, "values": {"component.variable": ..}}`, what
 //!   is recorded, at every instant at which it is recorded.
 
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::{Duration, Instant};
 
@@ -103,8 +104,8 @@ impl<D: Drive> Drive for Fed<'_, D> {
 }
 
 /// What sends.
-pub(super) struct Sender<'a> {
-    board: &'a Board,
+pub(super) struct Sender {
+    board: Arc<Board>,
     names: Vec<String>,
     rows: Receiver<Row>,
     status: Publisher<'static>,
@@ -112,13 +113,13 @@ pub(super) struct Sender<'a> {
 }
 
 /// The two ends of the telemetry of a run that records `names`.
-pub(super) fn open<'a>(
+pub(super) fn open(
     session: &Session,
     run: &str,
-    board: &'a Board,
+    board: Arc<Board>,
     names: Vec<String>,
     rate: Option<Rate>,
-) -> Result<(Feed, Sender<'a>)> {
+) -> Result<(Feed, Sender)> {
     let publisher = |what: &str| {
         session
             .declare_publisher(keys::open(&format!("{run}/{what}")))
@@ -133,7 +134,7 @@ pub(super) fn open<'a>(
     Ok((feed, Sender { board, names, rows, status, signals }))
 }
 
-impl Sender<'_> {
+impl Sender {
     /// Sends until the feed is gone.
     pub(super) fn serve(self) {
         let mut next = Instant::now();

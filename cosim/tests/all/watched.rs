@@ -28,12 +28,19 @@ fn wide(stop: f64) -> Ssd {
 
 /// A session of an observer, as soon as the run listens.
 fn observer(endpoint: &str) -> zenoh::Session {
+    observer_by(endpoint, false)
+}
+
+/// The same, maybe by Zenoh's transport for low latency, which asks for no priorities.
+fn observer_by(endpoint: &str, quick: bool) -> zenoh::Session {
     let mut config = zenoh::Config::default();
     for (key, value) in [
         ("mode", "\"client\"".to_owned()),
         ("connect/endpoints", format!("[{endpoint:?}]")),
         ("connect/timeout_ms", "20000".to_owned()),
         ("scouting/multicast/enabled", "false".to_owned()),
+        ("transport/unicast/lowlatency", quick.to_string()),
+        ("transport/unicast/qos/enabled", (!quick).to_string()),
     ] {
         config.insert_json5(key, &value).unwrap();
     }
@@ -41,16 +48,32 @@ fn observer(endpoint: &str) -> zenoh::Session {
 }
 
 const ENDPOINT: &str = "COSIM_TEST_OBSERVED";
+const QUICK: &str = "COSIM_TEST_OBSERVED_QUICKLY";
 
-/// Not a test of its own: the process that [`a_stopped_observer_delays_no_step`] stops.
+/// Not a test of its own: the process that [`stalled`] stops.
 #[test]
 fn an_observer_of_everything() {
     let Ok(endpoint) = std::env::var(ENDPOINT) else {
         return;
     };
-    let session = observer(&endpoint);
+    let session = observer_by(&endpoint, std::env::var_os(QUICK).is_some());
     let all = session.declare_subscriber("**").wait().unwrap();
     while all.recv().is_ok() {}
+}
+
+/// A process that listens to everything and then does not read any more.
+fn stalled(endpoint: &str, quick: bool) -> Running {
+    let mut command = Command::new(std::env::current_exe().unwrap());
+    command.args(["--exact", "watched::an_observer_of_everything"]).env(ENDPOINT, endpoint);
+    command.stdout(Stdio::null());
+    if quick {
+        command.env(QUICK, "1");
+    }
+    let observer = Running(command.spawn().unwrap());
+    // It listens by then, or soon and is stopped while it does.
+    std::thread::sleep(Duration::from_millis(500));
+    signal(observer.0.id(), "-STOP");
+    observer
 }
 
 #[test]
@@ -72,16 +95,7 @@ fn a_stopped_observer_delays_no_step() {
         counted.fetch_add(1, Ordering::Relaxed);
     };
     let _signals = signals.callback(count).wait().unwrap();
-    let stopped = Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "watched::an_observer_of_everything"])
-        .env(ENDPOINT, &endpoint)
-        .stdout(Stdio::null())
-        .spawn()
-        .unwrap();
-    let stopped = Running(stopped);
-    // It listens by then, or soon and is stopped while it does.
-    std::thread::sleep(Duration::from_millis(500));
-    signal(stopped.0.id(), "-STOP");
+    let stopped = stalled(&endpoint, false);
     let mut status = serde_json::Value::Null;
     while status["ended"] != true {
         let message = told.recv_timeout(Duration::from_secs(30)).unwrap().expect("the run tells");
@@ -102,6 +116,25 @@ fn a_stopped_observer_delays_no_step() {
         assert!(longest < 0.7, "{status}");
         assert_eq!(group["generation"], 1, "{status}");
     }
+}
+
+/// Zenoh waits without end for somebody who asked for low latency and does not read.
+#[test]
+fn an_observer_that_blocks_its_line_holds_up_neither_steps_nor_the_end() {
+    let (folder, system) = (TempDir::new().unwrap(), wide(400.0));
+    let file = system.write();
+    let (at, path) = (folder.path(), file.to_str().unwrap());
+    let (code, stderr) = outcome(at, &["run", path, "-q", "-o", "here.csv"]);
+    assert_eq!(code, 0, "{stderr}");
+    let endpoint = format!("tcp/127.0.0.1:{}", free_port());
+    let run = ["run", path, "-q", "-o", "there.csv", "--workers", "2", "--telemetry"];
+    let begun = Instant::now();
+    let mut run = start(at, &[&run[..], &["--listen", &endpoint]].concat());
+    let stopped = stalled(&endpoint, true);
+    assert_eq!(run.0.wait().unwrap().code(), Some(0));
+    assert!(begun.elapsed() < Duration::from_secs(60), "{:?}", begun.elapsed());
+    signal(stopped.0.id(), "-KILL");
+    assert_eq!(results(at, "here.csv"), results(at, "there.csv"));
 }
 
 #[test]

@@ -143,7 +143,7 @@ impl Lists {
     /// A worker announces and serves itself, and speaks for the lives of groups that it has.
     fn worker(&mut self, name: &str) {
         let (own, root) = (keys::worker(name), keys::root());
-        let gives = [own.clone(), keys::lives(name, "rep/*"), keys::lives(name, "alive")];
+        let gives = [own.clone(), keys::lives(name, "rep/*"), keys::lives(name, "alive/*")];
         let serves = [format!("{own}/*")];
         let takes = [keys::lives(name, "cmd/*")];
         let asks = [keys::fmu("*", "*")];
@@ -224,7 +224,7 @@ mod tests {
             ("left", "put", &answer, true),
             ("left", "put", &command, false),
             ("right", "put", &answer, false),
-            ("right", "liveliness_token", &format!("{life}/alive"), false),
+            ("right", "liveliness_token", &format!("{life}/alive/quick"), false),
             ("right", "declare_subscriber", &command, false),
             ("left", "declare_subscriber", &command, true),
             ("left", "declare_subscriber", &answer, false),

@@ -176,3 +176,12 @@ fn one_that_cannot_be_saved_is_computed_again_unless_that_is_refused() {
         }
     }
 }
+
+#[test]
+fn one_that_logs_much_is_heard_to_the_end_and_not_taken_for_lost() {
+    for _ in 0..5 {
+        let (code, stderr) = run(&["PRINTF"], &[]);
+        assert_eq!(code, 0, "{stderr}");
+        assert!(stderr.len() > 16_000 && !stderr.contains("lost"), "{stderr}");
+    }
+}
