@@ -1,5 +1,6 @@
 //! Observers of a distributed run: what they read, and that they can harm nothing.
 
+use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -49,6 +50,7 @@ fn observer_by(endpoint: &str, quick: bool) -> zenoh::Session {
 
 const ENDPOINT: &str = "COSIM_TEST_OBSERVED";
 const QUICK: &str = "COSIM_TEST_OBSERVED_QUICKLY";
+const LISTENS: &str = "it listens";
 
 /// Not a test of its own: the process that [`stalled`] stops.
 #[test]
@@ -58,20 +60,23 @@ fn an_observer_of_everything() {
     };
     let session = observer_by(&endpoint, std::env::var_os(QUICK).is_some());
     let all = session.declare_subscriber("**").wait().unwrap();
+    println!("\n{LISTENS}");
     while all.recv().is_ok() {}
 }
 
-/// A process that listens to everything and then does not read any more.
+/// A process that listens to everything, and then does not read any more.
 fn stalled(endpoint: &str, quick: bool) -> Running {
     let mut command = Command::new(std::env::current_exe().unwrap());
-    command.args(["--exact", "watched::an_observer_of_everything"]).env(ENDPOINT, endpoint);
-    command.stdout(Stdio::null());
+    command.args(["--exact", "watched::an_observer_of_everything", "--nocapture"]);
+    command.env(ENDPOINT, endpoint).stdout(Stdio::piped());
     if quick {
         command.env(QUICK, "1");
     }
-    let observer = Running(command.spawn().unwrap());
-    // It listens by then, or soon and is stopped while it does.
-    std::thread::sleep(Duration::from_millis(500));
+    let mut observer = Running(command.spawn().unwrap());
+    let mut said = BufReader::new(observer.0.stdout.take().unwrap()).lines();
+    assert!(said.any(|line| line.unwrap() == LISTENS));
+    // The subscription is on its way.
+    std::thread::sleep(Duration::from_millis(100));
     signal(observer.0.id(), "-STOP");
     observer
 }
