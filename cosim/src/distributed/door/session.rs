@@ -111,6 +111,8 @@ impl Access {
             ("mode", mode.to_owned()),
             ("scouting/multicast/enabled", "false".to_owned()),
             ("scouting/gossip/enabled", "false".to_owned()),
+            // There is nobody to be found: a session that listens would wait half a second.
+            ("scouting/delay", "0".to_owned()),
             ("adminspace/enabled", "false".to_owned()),
             ("listen/endpoints", "[]".to_owned()),
             ("connect/endpoints", "[]".to_owned()),
