@@ -108,9 +108,20 @@ Status fmi2FreeFMUstate(Component c, void **state) {
   *state = NULL;
   return OK;
 }
-Status fmi2SerializedFMUstateSize(Component c, void *state, size_t *size) { return ERROR; }
-Status fmi2SerializeFMUstate(Component c, void *state, char *bytes, size_t size) { return ERROR; }
-Status fmi2DeSerializeFMUstate(Component c, const char *bytes, size_t size, void **state) { return ERROR; }
+Status fmi2SerializedFMUstateSize(Component c, void *state, size_t *size) {
+  *size = sizeof(Element);
+  return OK;
+}
+Status fmi2SerializeFMUstate(Component c, void *state, char *bytes, size_t size) {
+  if (size != sizeof(Element)) return ERROR;
+  memcpy(bytes, state, size);
+  return OK;
+}
+Status fmi2DeSerializeFMUstate(Component c, const char *bytes, size_t size, void **state) {
+  if (size != sizeof(Element) || !(*state = malloc(size))) return ERROR;
+  memcpy(*state, bytes, size);
+  return OK;
+}
 Status fmi2GetDirectionalDerivative(Component c, const Ref *unknowns, size_t u, const Ref *knowns, size_t k,
                                     const double *seed, double *result) { return ERROR; }
 Status fmi2SetRealInputDerivatives(Component c, const Ref *refs, size_t n, const int *orders,
