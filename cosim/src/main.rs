@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 fn main() -> ExitCode {
-    receive_by_one_thread();
+    use_one_thread_for_zenoh();
     let arguments = cli::Arguments::parse();
     let code = match cli::run(arguments) {
         Ok(()) => 0,
@@ -26,13 +26,11 @@ fn main() -> ExitCode {
     ExitCode::from(code)
 }
 
-/// Lets one thread wait for what comes over Zenoh and hand it on. By default one waits and wakes
-/// another, which costs a distributed step a quarter more. Whoever sets the variable decides.
-fn receive_by_one_thread() {
-    const RUNTIME: &str = "ZENOH_RUNTIME";
-    if std::env::var_os(RUNTIME).is_none() {
-        let one = "(rx:(handover:app),acc:(handover:app),net:(handover:app))";
+/// Lets Zenoh work on one thread. Whoever sets the variable decides, where there is no TLS.
+fn use_one_thread_for_zenoh() {
+    let (name, one) = cosim::distributed::ONE_THREAD;
+    if std::env::var_os(name).is_none() {
         // SAFETY: there is no other thread yet that could read the environment meanwhile.
-        unsafe { std::env::set_var(RUNTIME, one) }
+        unsafe { std::env::set_var(name, one) }
     }
 }

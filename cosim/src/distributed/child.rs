@@ -34,7 +34,7 @@ pub fn serve(
     if confined {
         confine::process(&access.endpoints, &std::env::temp_dir())?;
     }
-    let (session, quick) = (access.dial_known()?, access.dial_quick()?);
+    let [quick, session] = access.dial_lanes()?;
     let lanes = Lanes { quick: &quick, bulk: &session };
     let life = keys::life(&order.run, worker, order.group, order.generation);
     let inbox = Inbox::new();

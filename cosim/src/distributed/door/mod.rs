@@ -4,6 +4,7 @@
 //! * `endpoint` says which addresses are on this machine, `credentials` reads certificates, `members`
 //!   who has which role, `rights` what a role may do;
 //! * `diagnose` says why somebody is refused, `authority` makes certificates;
+//! * `runtime` says on which threads Zenoh works;
 //! * `allowed` says which FMUs a worker loads, `confine` what these may do there.
 
 pub(super) mod allowed;
@@ -15,4 +16,5 @@ mod diagnose;
 mod endpoint;
 pub(super) mod members;
 pub(super) mod rights;
+pub(super) mod runtime;
 pub(super) mod session;

@@ -12,7 +12,7 @@ use super::credentials::{Checked, Credentials};
 use super::diagnose::{self, silence};
 use super::endpoint::Endpoint;
 use super::members::Members;
-use super::rights;
+use super::{rights, runtime};
 use crate::error::{Code, Error, Result};
 
 /// Where and how to open a session.
@@ -52,9 +52,11 @@ impl Access {
         self.open(&DIALLING)
     }
 
-    /// The same, by the transport for small messages: see `lanes`.
-    pub(crate) fn dial_quick(&self) -> Result<Session> {
-        self.open(&QUICK)
+    /// The same twice, for small messages and for large ones: see `lanes`.
+    pub(crate) fn dial_lanes(&self) -> Result<[Session; 2]> {
+        let bulk = self.dial_known()?;
+        let quick = if self.is_tls()? { bulk.clone() } else { self.open(&QUICK)? };
+        Ok([quick, bulk])
     }
 
     /// Nobody listens at any of the endpoints.
@@ -68,11 +70,20 @@ impl Access {
         self.config(&DIALLING, None).map(drop)
     }
 
-    /// Refuses endpoints that are open to others, and credentials that nobody will believe.
-    fn checked(&self) -> Result<Option<Checked>> {
+    /// Whether an endpoint has TLS. Refuses those that are open to others.
+    fn is_tls(&self) -> Result<bool> {
         let mut tls = false;
         for endpoint in &self.endpoints {
             tls |= matches!(Endpoint::permit(endpoint, self.insecure)?, Endpoint::Tls(..));
+        }
+        Ok(tls)
+    }
+
+    /// Refuses endpoints that are open to others, and credentials that nobody will believe.
+    fn checked(&self) -> Result<Option<Checked>> {
+        let tls = self.is_tls()?;
+        if tls {
+            runtime::is_one_thread()?;
         }
         match &self.credentials {
             Some(credentials) if tls => credentials.check().map(Some),
@@ -107,6 +118,8 @@ impl Access {
             true => ("\"router\"", "listen/endpoints"),
             false => ("\"client\"", "connect/endpoints"),
         };
+        // It sends in any thread, and TLS can do so in one only: see `runtime`.
+        let quick = side.quick && !self.is_tls()?;
         let mut entries = vec![
             ("mode", mode.to_owned()),
             ("scouting/multicast/enabled", "false".to_owned()),
@@ -122,8 +135,10 @@ impl Access {
             ("connect/retry", RETRY.to_owned()),
             ("transport/link/tx/lease", "1000".to_owned()),
             // Both sides must offer it; one that does has no priorities of messages.
-            ("transport/unicast/lowlatency", side.quick.to_string()),
-            ("transport/unicast/qos/enabled", (!side.quick).to_string()),
+            ("transport/unicast/lowlatency", quick.to_string()),
+            ("transport/unicast/qos/enabled", (!quick).to_string()),
+            // So large the buffers for what comes by it are: see `lanes`.
+            ("transport/link/tx/batch_size", u16::MAX.to_string()),
             ("transport/shared_memory/enabled", "false".to_owned()),
             // Nothing here goes by the time of the clock, and every message would be stamped twice.
             ("timestamping/enabled", "false".to_owned()),
