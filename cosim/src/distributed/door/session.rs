@@ -82,9 +82,6 @@ impl Access {
     /// Refuses endpoints that are open to others, and credentials that nobody will believe.
     fn checked(&self) -> Result<Option<Checked>> {
         let tls = self.is_tls()?;
-        if tls {
-            runtime::is_one_thread()?;
-        }
         match &self.credentials {
             Some(credentials) if tls => credentials.check().map(Some),
             None if tls => Err(Error::new(Code::Session, "TLS needs certificates")
@@ -96,6 +93,9 @@ impl Access {
 
     fn open(&self, side: &Side) -> Result<Session> {
         let tls = self.checked()?.is_some();
+        if tls {
+            runtime::is_one_thread()?;
+        }
         let members = match &self.credentials {
             Some(credentials) if tls && side.listens => Members::read(&credentials.members)?,
             _ => None,
