@@ -8,8 +8,11 @@ use std::process::ExitCode;
 use clap::Parser;
 
 fn main() -> ExitCode {
-    use_one_thread_for_zenoh();
     let arguments = cli::Arguments::parse();
+    if let Some((name, value)) = arguments.threads().setting() {
+        // SAFETY: there is no other thread yet that could read the environment meanwhile.
+        unsafe { std::env::set_var(name, value) }
+    }
     let code = match cli::run(arguments) {
         Ok(()) => 0,
         Err(error) => {
@@ -24,13 +27,4 @@ fn main() -> ExitCode {
         unsafe { libc::_exit(code.into()) }
     }
     ExitCode::from(code)
-}
-
-/// Lets Zenoh work on one thread. Whoever sets the variable decides, where there is no TLS.
-fn use_one_thread_for_zenoh() {
-    let (name, one) = cosim::distributed::ONE_THREAD;
-    if std::env::var_os(name).is_none() {
-        // SAFETY: there is no other thread yet that could read the environment meanwhile.
-        unsafe { std::env::set_var(name, one) }
-    }
 }

@@ -33,6 +33,12 @@ impl Reach {
         Ok(read.map(|read| read.ours).unwrap_or_default())
     }
 
+    /// Whether there are certificates, without which there is no TLS.
+    fn has_credentials(&self) -> bool {
+        let filed = || self.ours().is_ok_and(|ours| ours.credentials.is_some());
+        self.credentials.is_some() || filed()
+    }
+
     /// What is said here goes before what the file says.
     pub(crate) fn access(&self, endpoint: String, ours: &Ours) -> Access {
         let credentials = self.credentials.as_ref().or(ours.credentials.as_ref());
@@ -118,6 +124,11 @@ pub(crate) struct Distributed {
 }
 
 impl Distributed {
+    /// Whether others may dial by TLS.
+    pub(crate) fn may_use_tls(&self) -> bool {
+        self.reach.has_credentials()
+    }
+
     /// Where the run is computed; nothing when in this process.
     pub(crate) fn cluster(&self, quiet: bool) -> Result<Option<Cluster>> {
         if !self.distributed && self.workers.is_none() {

@@ -34,6 +34,7 @@ mod worker;
 
 use clap::{Parser, Subcommand, ValueEnum};
 use cosim::Result;
+use cosim::distributed::Threads;
 
 /// Co-simulation of FMI 2.0 components
 #[derive(Parser)]
@@ -73,6 +74,16 @@ pub(crate) enum Format {
     Text,
     /// For programs
     Json,
+}
+
+impl Arguments {
+    /// The threads that Zenoh gets, should it be used.
+    pub(crate) fn threads(&self) -> Threads {
+        match &self.verb {
+            Verb::Run(verb) if !verb.may_use_tls() => Threads::SenderApart,
+            _ => Threads::One,
+        }
+    }
 }
 
 /// Does what was asked.

@@ -28,6 +28,11 @@ pub(crate) struct Run {
 }
 
 impl Run {
+    /// Whether others may dial by TLS.
+    pub(crate) fn may_use_tls(&self) -> bool {
+        self.distributed.may_use_tls()
+    }
+
     pub(crate) fn run(self) -> Result<()> {
         interrupt::listen();
         problems::told(self.output.format, self.computed())

@@ -67,7 +67,7 @@ pub use door::configuration::{Configuration, Ours};
 pub use door::confine::{close_inherited, unconfined};
 pub use door::credentials::Credentials;
 pub use door::members::Members;
-pub use door::runtime::ONE_THREAD;
+pub use door::runtime::Threads;
 pub use door::session::{Access, DEFAULT_ENDPOINT};
 pub(crate) use offer::Offer;
 pub use options::{OnFatal, Options, several};

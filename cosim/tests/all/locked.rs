@@ -108,6 +108,23 @@ fn keys_are_for_their_owner_and_never_overwritten() {
     }
 }
 
+/// A connection by TLS is damaged when one thread of Zenoh sends while another receives.
+#[test]
+fn tls_is_refused_where_somebody_wants_more_threads() {
+    let (folder, endpoint) = (keys(), format!("tls/127.0.0.1:{}", free_port()));
+    let workers = ["workers", "--wait", "0.1", "--listen", &endpoint];
+    let arguments = [&workers[..], &["--credentials", "keys/orchestrator"]].concat();
+    for threads in ["(app:(worker_threads:2))", "(rx:(handover:app))"] {
+        let mut command = cosim(folder.path(), &arguments);
+        let output = command.env("ZENOH_RUNTIME", threads).output().unwrap();
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{stderr}");
+        assert!(stderr.contains("TLS needs one thread") && stderr.contains(threads), "{stderr}");
+    }
+    let (code, stderr) = outcome(folder.path(), &arguments);
+    assert_eq!(code, 0, "{stderr}");
+}
+
 #[test]
 fn a_refusal_says_which_it_is() {
     let folder = keys();
