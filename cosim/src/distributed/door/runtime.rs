@@ -4,7 +4,8 @@
 //! here one does both. If it is the one that sends, too, a callback that sends more than the queues
 //! hold waits for itself. But TLS needs that: the state of a connection is used for sending and for
 //! receiving without a lock (zenoh-link-tls 1.10, <https://github.com/eclipse-zenoh/zenoh/issues/2557>);
-//! by two threads it is damaged sooner or later, by one it is not.
+//! by two threads it is damaged sooner or later, by one it is not. Connections are closed by another
+//! one in any case, when nobody uses them any more: that takes seconds where a cable is cut.
 
 use crate::error::{Code, Error, Result};
 
@@ -23,10 +24,8 @@ const VARIABLE: &str = "ZENOH_RUNTIME";
 impl Threads {
     fn value(self) -> &'static str {
         match self {
-            Self::One => {
-                "(tx:(handover:app),rx:(handover:app),acc:(handover:app),net:(handover:app))"
-            }
-            Self::SenderApart => "(rx:(handover:app),acc:(handover:app),net:(handover:app))",
+            Self::One => "(tx:(handover:app),rx:(handover:app),acc:(handover:app))",
+            Self::SenderApart => "(rx:(handover:app),acc:(handover:app))",
         }
     }
 
