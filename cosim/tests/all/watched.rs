@@ -39,6 +39,10 @@ fn observer_by(endpoint: &str, quick: bool) -> zenoh::Session {
         ("mode", "\"client\"".to_owned()),
         ("connect/endpoints", format!("[{endpoint:?}]")),
         ("connect/timeout_ms", "20000".to_owned()),
+        (
+            "connect/retry",
+            "{ period_init_ms: 20, period_max_ms: 100, period_increase_factor: 2 }".to_owned(),
+        ),
         ("scouting/multicast/enabled", "false".to_owned()),
         ("transport/unicast/lowlatency", quick.to_string()),
         ("transport/unicast/qos/enabled", (!quick).to_string()),
@@ -81,18 +85,25 @@ fn stalled(endpoint: &str, quick: bool) -> Running {
     observer
 }
 
-#[test]
-fn a_stopped_observer_delays_no_step() {
-    let (folder, system) = (TempDir::new().unwrap(), wide(400.0));
+/// A run that tells everything at an endpoint, and in its folder the results of the same one here.
+fn told() -> (TempDir, String, Running) {
+    let (folder, system) = (TempDir::new().unwrap(), wide(1000.0));
     let file = system.write();
     let (at, path) = (folder.path(), file.to_str().unwrap());
     let (code, stderr) = outcome(at, &["run", path, "-q", "-o", "here.csv"]);
     assert_eq!(code, 0, "{stderr}");
     let endpoint = format!("tcp/127.0.0.1:{}", free_port());
     let run = ["run", path, "-q", "-o", "there.csv", "--workers", "2", "--telemetry"];
-    let mut run = start(at, &[&run[..], &["--listen", &endpoint]].concat());
+    let run = start(at, &[&run[..], &["--listen", &endpoint]].concat());
+    (folder, endpoint, run)
+}
+
+#[test]
+fn a_stopped_observer_delays_no_step() {
+    let (folder, endpoint, mut run) = told();
+    let at = folder.path();
     let good = observer(&endpoint);
-    let told = good.declare_subscriber("cosim/1/*/status").wait().unwrap();
+    let status_told = good.declare_subscriber("cosim/1/*/status").wait().unwrap();
     let seen = Arc::new(AtomicUsize::new(0));
     let counted = seen.clone();
     let signals = good.declare_subscriber("cosim/1/*/signals");
@@ -103,7 +114,8 @@ fn a_stopped_observer_delays_no_step() {
     let stopped = stalled(&endpoint, false);
     let mut status = serde_json::Value::Null;
     while status["ended"] != true {
-        let message = told.recv_timeout(Duration::from_secs(30)).unwrap().expect("the run tells");
+        let message =
+            status_told.recv_timeout(Duration::from_secs(30)).unwrap().expect("the run tells");
         status = serde_json::from_slice(&message.payload().to_bytes()).unwrap();
     }
     let ended = Instant::now();
@@ -126,15 +138,9 @@ fn a_stopped_observer_delays_no_step() {
 /// Zenoh waits without end for somebody who asked for low latency and does not read.
 #[test]
 fn an_observer_that_blocks_its_line_holds_up_neither_steps_nor_the_end() {
-    let (folder, system) = (TempDir::new().unwrap(), wide(400.0));
-    let file = system.write();
-    let (at, path) = (folder.path(), file.to_str().unwrap());
-    let (code, stderr) = outcome(at, &["run", path, "-q", "-o", "here.csv"]);
-    assert_eq!(code, 0, "{stderr}");
-    let endpoint = format!("tcp/127.0.0.1:{}", free_port());
-    let run = ["run", path, "-q", "-o", "there.csv", "--workers", "2", "--telemetry"];
     let begun = Instant::now();
-    let mut run = start(at, &[&run[..], &["--listen", &endpoint]].concat());
+    let (folder, endpoint, mut run) = told();
+    let at = folder.path();
     let stopped = stalled(&endpoint, true);
     assert_eq!(run.0.wait().unwrap().code(), Some(0));
     assert!(begun.elapsed() < Duration::from_secs(60), "{:?}", begun.elapsed());
