@@ -87,13 +87,13 @@ fn stalled(endpoint: &str, quick: bool) -> Running {
 
 /// A run that tells everything at an endpoint, and in its folder the results of the same one here.
 fn told() -> (TempDir, String, Running) {
-    let (folder, system) = (TempDir::new().unwrap(), wide(1000.0));
-    let file = system.write();
-    let (at, path) = (folder.path(), file.to_str().unwrap());
-    let (code, stderr) = outcome(at, &["run", path, "-q", "-o", "here.csv"]);
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    std::fs::write(at.join("wide.ssd"), wide(1000.0).text()).unwrap();
+    let (code, stderr) = outcome(at, &["run", "wide.ssd", "-q", "-o", "here.csv"]);
     assert_eq!(code, 0, "{stderr}");
     let endpoint = format!("tcp/127.0.0.1:{}", free_port());
-    let run = ["run", path, "-q", "-o", "there.csv", "--workers", "2", "--telemetry"];
+    let run = ["run", "wide.ssd", "-q", "-o", "there.csv", "--workers", "2", "--telemetry"];
     let run = start(at, &[&run[..], &["--listen", &endpoint]].concat());
     (folder, endpoint, run)
 }
