@@ -1,86 +1,151 @@
-//! What a filter is given each cycle, and what it refuses.
+//! What a filter is given each cycle, and what is fit to be looked at.
 
-use crate::sensors::{DvlSample, GpsSample, ImuSample};
+use serde::{Deserialize, Serialize};
 
 /// The latest value of an instrument, with the time it was measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reading<T> {
+pub struct Reading<const K: usize> {
     /// The value.
-    pub value: T,
+    pub value: [f64; K],
     /// Time of measurement (s); negative: unknown, so the value counts as new in every cycle.
     pub stamp: f64,
-    /// False while the instrument has not measured yet.
+    /// False while the instrument has not measured yet, or is not there at all.
     pub valid: bool,
 }
 
-impl<T: Default> Default for Reading<T> {
+impl<const K: usize> Default for Reading<K> {
+    /// Nothing measured.
     fn default() -> Self {
-        Self { value: T::default(), stamp: -1.0, valid: true }
+        Self { value: [0.0; K], stamp: -1.0, valid: false }
     }
 }
 
-impl<T> Reading<T> {
-    /// Whether this is a measurement later than the one at `seen`, which it then replaces.
-    pub(super) fn take_new(&self, seen: &mut f64) -> bool {
-        let new = self.valid && (self.stamp < 0.0 || self.stamp > *seen);
-        if new {
-            *seen = self.stamp;
-        }
-        new
+impl<const K: usize> Reading<K> {
+    /// A value measured at a time (s).
+    #[must_use]
+    pub fn at(stamp: f64, value: [f64; K]) -> Self {
+        Self { value, stamp, valid: true }
     }
 }
 
-/// Everything that a filter can use in a cycle.
+/// Everything that a filter can use in a cycle; what is absent is never fused.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measurements {
-    /// Specific force, turn rate and orientation.
-    pub imu: Reading<ImuSample>,
-    /// Velocity at the DVL.
-    pub dvl: Reading<DvlSample>,
-    /// Position fix.
-    pub fix: Reading<GpsSample>,
+    /// Specific force (m/s2) and angular rate (rad/s) at the inertial unit, body axes.
+    pub imu: Reading<6>,
+    /// Roll, pitch, heading (rad).
+    pub ahrs: Reading<3>,
+    /// Velocity over ground at the velocity log, body axes (m/s).
+    pub dvl: Reading<3>,
+    /// North and east of the fix, and its standard deviation, 0 if not reported (m).
+    pub fix: Reading<3>,
     /// Depth of the pressure sensor (m).
-    pub pressure: Reading<f64>,
-    /// Thrusts (N), measured or from rotor speeds; the kinematic filter ignores them.
-    pub thrust: [f64; 8],
+    pub depth: Reading<1>,
+    /// Thrusts, from measured rotor speeds (N).
+    pub thrust: Reading<8>,
 }
 
-/// A cycle that cannot be computed; the filter's memory is left as it was.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{quantity} = {value}: {reason}")]
-pub struct EstimationError {
-    /// Which measurement or state it is.
-    pub quantity: String,
-    /// Its value.
-    pub value: f64,
-    /// What that means and what to do.
-    pub reason: &'static str,
+/// Kinds of samples, in the order in which those of one instant are taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Kind {
+    /// Inertial unit.
+    Imu,
+    /// Thrusts.
+    Thrust,
+    /// Attitude and heading.
+    Ahrs,
+    /// Depth.
+    Depth,
+    /// Velocity log.
+    Dvl,
+    /// Position fix.
+    Fix,
+}
+
+/// How many kinds there are.
+pub const KINDS: usize = 6;
+
+/// A sample at an instant; of `value` only the kind's own components count.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Event {
+    pub(super) time: f64,
+    pub(super) kind: Kind,
+    pub(super) value: [f64; 8],
+}
+
+impl Event {
+    /// Where the event stands in the order of all events.
+    pub(super) fn key(&self) -> Key {
+        (self.time, self.kind)
+    }
+
+    /// The first `K` components.
+    pub(super) fn cut<const K: usize>(&self) -> [f64; K] {
+        core::array::from_fn(|i| self.value[i])
+    }
+}
+
+/// Time and kind; total, so that the order of arrival does not matter.
+pub(super) type Key = (f64, Kind);
+
+impl Kind {
+    /// How many components a sample has.
+    pub(super) fn size(self) -> usize {
+        match self {
+            Self::Imu => 6,
+            Self::Thrust => 8,
+            Self::Ahrs | Self::Dvl | Self::Fix => 3,
+            Self::Depth => 1,
+        }
+    }
+
+    /// Largest magnitude that a component may have to be believed at all.
+    fn bound(self) -> f64 {
+        match self {
+            // Over a hundred g; rates are far below.
+            Self::Imu => 1e3,
+            Self::Thrust => 1e6,
+            Self::Ahrs => 1e3,
+            Self::Dvl => 50.0,
+            Self::Fix => 1e9,
+            Self::Depth => 2e4,
+        }
+    }
+
+    /// Whether values can have come from a working instrument: numbers within reason, and not all
+    /// zero where noise makes that impossible.
+    pub(super) fn is_plausible(self, value: &[f64; 8]) -> bool {
+        let own = &value[..self.size()];
+        let all_zero = match self {
+            Self::Imu => own[..3].iter().all(|&x| x == 0.0),
+            Self::Dvl | Self::Ahrs => own.iter().all(|&x| x == 0.0),
+            Self::Fix => own[..2].iter().all(|&x| x == 0.0),
+            Self::Thrust | Self::Depth => false,
+        };
+        !all_zero && own.iter().all(|x| x.abs() <= self.bound())
+    }
+
+    /// Whether a value that repeats the one before bit for bit shows an instrument that is stuck.
+    /// A rotor can stand still, and a depth has a coarse resolution.
+    pub(super) fn never_repeats(self) -> bool {
+        !matches!(self, Self::Thrust | Self::Depth)
+    }
 }
 
 impl Measurements {
-    /// Refuses measurements that are not numbers; those marked invalid are not looked at.
-    pub(super) fn check(&self, with_thrust: bool) -> Result<(), EstimationError> {
-        let imu = &self.imu.value;
-        check("imu.specific_force", self.imu.valid, &imu.specific_force)?;
-        check("imu.rate", self.imu.valid, &imu.rate)?;
-        check("imu.attitude", self.imu.valid, &imu.euler)?;
-        check("dvl.velocity", self.dvl.valid, &self.dvl.value.velocity)?;
-        check("fix.position", self.fix.valid, &self.fix.value.position)?;
-        check("pressure.depth", self.pressure.valid, &[self.pressure.value])?;
-        let stamps = [self.imu.stamp, self.dvl.stamp, self.fix.stamp, self.pressure.stamp];
-        check("stamp of imu, dvl, fix, pressure", true, &stamps)?;
-        check("thrust", with_thrust, &self.thrust)
-    }
-}
-
-fn check(name: &str, used: bool, values: &[f64]) -> Result<(), EstimationError> {
-    let bad = values.iter().enumerate().find(|(_, v)| used && !v.is_finite());
-    match bad {
-        None => Ok(()),
-        Some((i, &value)) => Err(EstimationError {
-            quantity: format!("{name}[{i}]"),
-            value,
-            reason: "a measurement must be a finite number; mark it invalid while it is not",
-        }),
+    /// The readings by kind, padded to eight components.
+    pub(super) fn readings(&self) -> [(Kind, f64, bool, [f64; 8]); KINDS] {
+        fn pad<const K: usize>(kind: Kind, r: &Reading<K>) -> (Kind, f64, bool, [f64; 8]) {
+            let value = core::array::from_fn(|i| if i < K { r.value[i] } else { 0.0 });
+            (kind, r.stamp, r.valid, value)
+        }
+        [
+            pad(Kind::Imu, &self.imu),
+            pad(Kind::Thrust, &self.thrust),
+            pad(Kind::Ahrs, &self.ahrs),
+            pad(Kind::Depth, &self.depth),
+            pad(Kind::Dvl, &self.dvl),
+            pad(Kind::Fix, &self.fix),
+        ]
     }
 }

@@ -1,15 +1,33 @@
-//! State estimation: the paper's extended Kalman filters, driven by a dynamic or a kinematic model.
+//! State estimation.
 //!
-//! State `[x, y, z, psi]` (NED), one cycle every 0.1 s. Both filters share everything but where the
-//! acceleration of the prediction comes from: the reduced model's equations of motion under the
-//! measured thrusts (dynamic), or the accelerometers (kinematic). Eqs (35)-(53), Algorithm 2.
+//! A [`Filter`] is a [`process`] (how a state moves) and the [`sensor`]s (what measurements say of
+//! it), and the order of time: it predicts to each measurement's own instant, and puts late ones in
+//! their place (`history`). Its [`Belief`] is a mean and a covariance; a measurement changes it
+//! through [`kalman`], with bounded influence. Sensors are written once, for the [`kinematics`] that
+//! every process offers with its derivatives. The paper's two filters are in [`paper`].
 
-mod ekf;
+pub mod belief;
+pub mod filter;
+mod history;
+mod intake;
+pub mod interval;
+pub mod kalman;
+pub mod kinematics;
 mod measurement;
+pub mod paper;
 mod parameters;
-mod prediction;
+pub mod process;
+mod recovery;
+pub mod sensor;
+mod track;
+pub mod transition;
 
-pub use ekf::{Ekf, EkfMemory, Estimate};
-pub use measurement::{EstimationError, Measurements, Reading};
-pub use parameters::{EkfParameters, ProcessNoise, Transition};
-pub use prediction::Acceleration;
+pub use belief::Belief;
+pub use filter::{ChannelReport, Estimate, Filter, Health, Memory};
+pub use measurement::{KINDS, Kind, Measurements, Reading};
+pub use parameters::{Disturbances, Mounting, NavigationParameters, SensorErrors, Start};
+pub use process::constant_acceleration::ConstantAcceleration;
+pub use process::inertial::InertialProcess;
+pub use process::model_aid::ModelAid;
+pub use process::planar_dynamic::PlanarDynamic;
+pub use track::{CHANNELS, Channel};

@@ -116,7 +116,7 @@ pub struct BiasNoise {
 }
 
 impl BiasNoise {
-    pub(super) fn check(&self, name: &str) -> Result<(), ParameterError> {
+    pub(crate) fn check(&self, name: &str) -> Result<(), ParameterError> {
         non_negative(&format!("{name}.noise_density"), self.noise_density)?;
         non_negative(&format!("{name}.random_walk"), self.random_walk)?;
         positive(&format!("{name}.correlation_time"), self.correlation_time)?;

@@ -1,0 +1,204 @@
+//! A belief: the mean of a state and the covariance of its error.
+//!
+//! States are numbered; a process says what each number means. Its attitude, if it estimates all of
+//! it, is a quaternion beside the numbers, and three of the numbers are the error of that attitude
+//! (multiplicative: `q = q^ Exp(dtheta)`, dtheta along body axes; Solà 2017, ch. 5), zero in the mean.
+//!
+//! `N` is what a belief has room for; only the first `order` states exist, because some are optional.
+
+use nalgebra::{SMatrix, SVector};
+use serde::{Deserialize, Serialize};
+
+use super::transition::Transition;
+
+/// A column of numbers, one for each state: a mean, a gain, a row of a Jacobian.
+pub type Column<const N: usize> = SVector<f64, N>;
+
+/// Variances stop growing here: the state is unknown anyway, and all arithmetic stays finite.
+const VARIANCE_LIMIT: f64 = 1e12;
+/// Below this ratio of measurement noise to predicted variance, cancellation would eat the digits of
+/// the short update, and Joseph's form is used.
+const ILL_CONDITIONED: f64 = 1e-6;
+
+/// Mean and covariance.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Belief<const N: usize> {
+    /// Mean of each state, in the units of the process.
+    pub mean: Column<N>,
+    /// Attitude from body to NED, `[w, x, y, z]`; used by processes that estimate all of it.
+    pub attitude: [f64; 4],
+    /// Covariance of the error, symmetric.
+    pub covariance: SMatrix<f64, N, N>,
+    order: usize,
+}
+
+/// A scalar measurement as the Kalman update has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scalar<'a, const N: usize> {
+    /// Measured less predicted.
+    pub innovation: f64,
+    /// Derivative of the prediction by the states.
+    pub row: &'a Column<N>,
+    /// Variance of the measurement's noise, positive.
+    pub variance: f64,
+}
+
+impl<const N: usize> Belief<N> {
+    /// Independent states with the given means and standard deviations.
+    #[must_use]
+    pub fn new(order: usize, mean: Column<N>, sigma: &Column<N>, attitude: [f64; 4]) -> Self {
+        let covariance = SMatrix::from_diagonal(&sigma.component_mul(sigma));
+        Self { mean, attitude, covariance, order: order.min(N) }
+    }
+
+    /// How many states exist.
+    #[must_use]
+    pub fn order(&self) -> usize {
+        self.order
+    }
+
+    /// `P <- F P F^T`, then the process noise is added by the caller.
+    pub fn propagate(&mut self, f: &Transition<N>) {
+        f.propagate(&mut self.covariance, self.order);
+    }
+
+    /// Adds independent noise to a state.
+    pub fn add_noise(&mut self, state: usize, variance: f64) {
+        self.covariance[(state, state)] += variance;
+    }
+
+    /// `P h` of a row of derivatives, most of which are zero.
+    #[must_use]
+    pub fn correlate(&self, row: &Column<N>) -> Column<N> {
+        let mut sum: Column<N> = Column::zeros();
+        for (j, &h) in row.iter().enumerate().take(self.order) {
+            if h != 0.0 {
+                let column = &self.covariance.as_slice()[j * N..j * N + self.order];
+                for (s, p) in sum.iter_mut().zip(column) {
+                    *s += h * p;
+                }
+            }
+        }
+        sum
+    }
+
+    /// The gain `K = P h / S` and the variance `S` of the innovation of a scalar measurement.
+    #[must_use]
+    pub fn gain(&self, measured: &Scalar<'_, N>) -> (Column<N>, f64) {
+        let correlation = self.correlate(measured.row);
+        let s = dot(measured.row, &correlation, self.order) + measured.variance;
+        (correlation / s, s)
+    }
+
+    /// The covariance after an update with the gain of [`Belief::gain`].
+    ///
+    /// `P - K S K^T`, or where that would cancel, Joseph's `(I - K h^T) P (I - K h^T)^T + K R K^T`.
+    pub fn condense(&mut self, measured: &Scalar<'_, N>, gain: &Column<N>, s: f64) {
+        if measured.variance < ILL_CONDITIONED * s {
+            return self.condense_by_joseph(measured, gain, s);
+        }
+        let n = self.order;
+        for j in 0..n {
+            let scaled = gain[j] * s;
+            let column = &mut self.covariance.as_mut_slice()[j * N..j * N + n];
+            for (p, k) in column.iter_mut().zip(gain.iter()) {
+                *p -= k * scaled;
+            }
+        }
+    }
+
+    fn condense_by_joseph(&mut self, measured: &Scalar<'_, N>, gain: &Column<N>, s: f64) {
+        let correlation = gain * s;
+        let reduced = self.covariance - gain * correlation.transpose();
+        let rest = reduced * measured.row;
+        let joseph =
+            reduced - rest * gain.transpose() + gain * gain.transpose() * measured.variance;
+        self.covariance = (joseph + joseph.transpose()) * 0.5;
+    }
+
+    /// Variance of a linear combination of states.
+    #[must_use]
+    pub fn variance(&self, row: &Column<N>) -> f64 {
+        dot(row, &self.correlate(row), self.order)
+    }
+
+    /// Forgets what a state has to do with the others and gives it a variance.
+    pub fn decouple(&mut self, state: usize, variance: f64) {
+        for j in 0..self.order {
+            self.covariance[(state, j)] = 0.0;
+            self.covariance[(j, state)] = 0.0;
+        }
+        self.covariance[(state, state)] = variance;
+    }
+
+    /// Keeps the covariance within what arithmetic can bear: variances neither negative nor beyond
+    /// all use, and a matrix that rounding made indefinite is brought back by widening it.
+    pub fn confine(&mut self) {
+        for i in 0..self.order {
+            let variance = self.covariance[(i, i)];
+            if variance > VARIANCE_LIMIT {
+                let scale = (VARIANCE_LIMIT / variance).sqrt();
+                for j in 0..self.order {
+                    self.covariance[(i, j)] *= scale;
+                    self.covariance[(j, i)] *= scale;
+                }
+            }
+        }
+    }
+
+    /// Widens a covariance that rounding made indefinite until it is not.
+    pub fn restore_positive(&mut self) {
+        let mut share = 1e-9;
+        while share < 1.0 && !self.is_positive() {
+            for i in 0..self.order {
+                let variance = self.covariance[(i, i)].max(1e-12);
+                self.covariance[(i, i)] = variance * (1.0 + share);
+            }
+            share *= 10.0;
+        }
+    }
+
+    /// Whether the covariance is positive definite, up to states that are known exactly.
+    ///
+    /// Cholesky's pivots of the correlation matrix may not be negative by more than rounding.
+    #[must_use]
+    pub fn is_positive(&self) -> bool {
+        let n = self.order;
+        let scale: Column<N> = Column::from_fn(|i, _| {
+            let variance = if i < n { self.covariance[(i, i)] } else { 0.0 };
+            if variance > 0.0 { 1.0 / variance.sqrt() } else { 0.0 }
+        });
+        let mut l = SMatrix::<f64, N, N>::zeros();
+        for j in 0..n {
+            for i in j..n {
+                let mut sum = self.covariance[(i, j)] * scale[i] * scale[j];
+                for k in 0..j {
+                    sum -= l[(i, k)] * l[(j, k)];
+                }
+                if i == j {
+                    if sum.is_nan() || sum < -1e-9 {
+                        return false;
+                    }
+                    l[(j, j)] = sum.max(0.0).sqrt();
+                } else if l[(j, j)] > 1e-7 {
+                    l[(i, j)] = sum / l[(j, j)];
+                }
+            }
+        }
+        (0..n).all(|i| self.covariance[(i, i)] >= 0.0)
+    }
+
+    /// Whether mean and covariance are numbers.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        let sum = self.mean.iter().chain(self.covariance.iter()).fold(0.0, |sum, x| sum + x * 0.0)
+            + self.attitude.iter().fold(0.0, |sum, x| sum + x * 0.0);
+        sum == 0.0
+    }
+}
+
+/// Sum of products of the first `order` elements.
+#[inline]
+pub(super) fn dot<const N: usize>(a: &Column<N>, b: &Column<N>, order: usize) -> f64 {
+    a.iter().zip(b.iter()).take(order).map(|(a, b)| a * b).sum()
+}

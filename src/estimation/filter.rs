@@ -1,0 +1,232 @@
+//! A navigation filter: a process, the sensors, and the order of time.
+
+use serde::{Deserialize, Serialize};
+
+use super::belief::{Column, dot};
+use super::history::{Arrival, History};
+use super::intake::{Sources, take_new};
+use super::measurement::{KINDS, Kind, Measurements};
+use super::parameters::NavigationParameters;
+use super::process::Process;
+use super::sensor::euler;
+use super::track::{CHANNELS, Record, Setup, Track};
+use crate::ParameterError;
+
+/// Driving signals that are silent for longer than this (s) are not waited for.
+const SILENT: f64 = 0.25;
+
+/// A filter of at most `N` states.
+#[derive(Clone, Debug)]
+pub struct Filter<P, const N: usize> {
+    setup: Setup<P>,
+}
+
+/// What a filter remembers between cycles.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Memory<const N: usize> {
+    history: Option<History<N>>,
+    sources: Sources,
+    late: [u32; KINDS],
+    lost: [u32; KINDS],
+    /// When the belief was last begun anew (s).
+    reset: f64,
+    now: f64,
+}
+
+/// How well a filter is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Health {
+    /// All is as the filter expects.
+    #[default]
+    Good,
+    /// The position is not bounded: no velocity, or no fix, for longer than a few samples.
+    Starved,
+    /// Measurements contradict the estimate more often than chance allows.
+    Inconsistent,
+    /// The estimate was lost and begun again from the start values with wide uncertainty.
+    Diverged,
+}
+
+/// What is known of a channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ChannelReport {
+    /// Innovation of the newest measurement.
+    pub innovation: [f64; 3],
+    /// Its predicted standard deviation.
+    pub sigma: [f64; 3],
+    /// Its normalised innovation squared.
+    pub nis: f64,
+    /// Measurements fused.
+    pub used: u32,
+    /// Measurements limited as outliers, or refused as not fit.
+    pub rejected: u32,
+    /// Measurements that came late and were put in their place.
+    pub late: u32,
+}
+
+/// The estimate at an instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Estimate {
+    /// Position, NED (m).
+    pub position: [f64; 3],
+    /// Roll, pitch, yaw (rad).
+    pub euler: [f64; 3],
+    /// Velocity over ground, body (m/s).
+    pub velocity: [f64; 3],
+    /// Angular rate, body (rad/s).
+    pub rate: [f64; 3],
+    /// Time derivative of `velocity` (m/s2).
+    pub acceleration: [f64; 3],
+    /// Current north and east (m/s); zero where the filter has none.
+    pub current: [f64; 2],
+    /// Covariance of x, y, z, roll, pitch, yaw (m, rad).
+    pub covariance: [[f64; 6]; 6],
+    /// Standard deviations of the velocity (m/s).
+    pub velocity_sigma: [f64; 3],
+    /// Tilt, heading, depth, velocity log, fix.
+    pub channels: [ChannelReport; CHANNELS],
+    /// State of health.
+    pub health: Health,
+    /// Share of the thrust that each thruster is taken to have lost.
+    pub loss: [f64; 8],
+}
+
+impl<P: Process<N>, const N: usize> Filter<P, N> {
+    /// # Errors
+    /// Names the parameter that is out of range.
+    pub fn new(process: P, parameters: &NavigationParameters) -> Result<Self, ParameterError> {
+        parameters.check()?;
+        Ok(Self { setup: Setup::new(process, parameters) })
+    }
+
+    /// The memory at the start.
+    #[must_use]
+    pub fn memory(&self) -> Memory<N> {
+        Memory {
+            history: Some(History::new(Track::new(&self.setup, 0.0))),
+            reset: f64::NEG_INFINITY,
+            now: f64::NAN,
+            ..Memory::default()
+        }
+    }
+
+    /// A cycle at time `now` (s): takes what is new, and estimates.
+    ///
+    /// Time that does not advance, or goes back, changes nothing but what is new.
+    pub fn update(&self, memory: &mut Memory<N>, now: f64, measured: &Measurements) -> Estimate {
+        let Memory { history, sources, late, lost, reset, now: last } = memory;
+        let begun = !last.is_nan();
+        let history = history.get_or_insert_with(|| History::new(Track::new(&self.setup, now)));
+        if !begun && now.is_finite() {
+            *history = History::new(Track::new(&self.setup, now));
+        }
+        let now = if now.is_finite() { now.max(if begun { *last } else { now }) } else { *last };
+        if now.is_nan() {
+            return Estimate::default();
+        }
+        *last = now;
+        let latency = self.setup.parameters.latency;
+        take_new(sources, now, measured, latency, |event| {
+            let kind = event.kind as usize;
+            match history.insert(event) {
+                Arrival::InTime => {}
+                Arrival::Late => late[kind] = late[kind].saturating_add(1),
+                Arrival::Lost => lost[kind] = lost[kind].saturating_add(1),
+            }
+        });
+        history.run(&self.setup, self.horizon(sources, now), &mut ());
+        if !history.track.belief.is_finite() {
+            *reset = now;
+            history.reset(Track::new(&self.setup, now));
+        }
+        self.estimate(memory)
+    }
+
+    /// Up to where the driving signals are known.
+    fn horizon(&self, sources: &Sources, now: f64) -> f64 {
+        let mut horizon = now;
+        let thrust = self.setup.process.uses_thrust();
+        for (kind, used) in [(Kind::Imu, true), (Kind::Thrust, thrust)] {
+            let source = &sources[kind as usize];
+            if used && source.is_alive(now, SILENT) {
+                horizon = horizon.min(source.newest);
+            }
+        }
+        horizon
+    }
+
+    /// What the filter knows, without a cycle.
+    #[must_use]
+    pub fn estimate(&self, memory: &Memory<N>) -> Estimate {
+        let Some(history) = &memory.history else { return Estimate::default() };
+        let track = &history.track;
+        let motion = track.motion_at(&self.setup, memory.now);
+        let belief = &track.belief;
+        let (angles, rates) = euler(&motion.rotation);
+        let rows: [Column<N>; 6] = core::array::from_fn(|i| match i {
+            0..3 => motion.position.rows[i],
+            _ => motion.through_rotation(&rates, i - 3),
+        });
+        let mut covariance = [[0.0; 6]; 6];
+        for i in 0..6 {
+            let correlation = belief.correlate(&rows[i]);
+            for j in 0..=i {
+                let value = dot(&rows[j], &correlation, belief.order());
+                covariance[i][j] = value;
+                covariance[j][i] = value;
+            }
+        }
+        if motion.tilt_is_input {
+            let sigma = self.setup.parameters.sensors.tilt_sigma;
+            (3..5).for_each(|i| covariance[i][i] = sigma * sigma);
+        }
+        let states = self.setup.process.current();
+        Estimate {
+            position: motion.position.value.into(),
+            euler: angles,
+            velocity: motion.velocity.value.into(),
+            rate: motion.rate.value.into(),
+            acceleration: motion.acceleration.into(),
+            current: states.map_or([0.0; 2], |c| c.map(|i| belief.mean[i])),
+            covariance,
+            velocity_sigma: core::array::from_fn(|i| {
+                belief.variance(&motion.velocity.rows[i]).max(0.0).sqrt()
+            }),
+            channels: self.channels(memory, &track.records),
+            health: self.health(memory, track),
+            loss: track.effectiveness.map(|share| 1.0 - share),
+        }
+    }
+
+    fn channels(&self, memory: &Memory<N>, records: &[Record; CHANNELS]) -> [ChannelReport; CHANNELS] {
+        let kinds = [Kind::Ahrs, Kind::Ahrs, Kind::Depth, Kind::Dvl, Kind::Fix];
+        core::array::from_fn(|i| {
+            let (record, kind) = (&records[i], kinds[i] as usize);
+            ChannelReport {
+                innovation: record.innovation,
+                sigma: record.sigma,
+                nis: record.nis,
+                used: record.used,
+                rejected: record.rejected.saturating_add(memory.sources[kind].invalid)
+                    .saturating_add(memory.lost[kind]),
+                late: memory.late[kind],
+            }
+        })
+    }
+
+    fn health(&self, memory: &Memory<N>, track: &Track<N>) -> Health {
+        let silent = |kind: Kind, seconds: f64| {
+            !memory.sources[kind as usize].is_alive(memory.now, seconds)
+        };
+        if memory.now - memory.reset < 30.0 {
+            return Health::Diverged;
+        }
+        if track.records.iter().any(|r| r.limited_share > 0.5) {
+            return Health::Inconsistent;
+        }
+        if silent(Kind::Dvl, 5.0) && silent(Kind::Fix, 10.0) {
+            return Health::Starved;
+        }
+        Health::Good
+    }
+}

@@ -1,0 +1,184 @@
+//! The past of a filter, as far back as measurements may come late: events and copies of the track.
+//!
+//! A late event is put in its place, the newest copy from before it is taken up again, and the
+//! events after it are repeated. The result is what it would be had the event come in time.
+//! Everything has a fixed capacity: a cycle does not allocate.
+
+use serde::{Deserialize, Serialize};
+
+use super::kalman::Witness;
+use super::measurement::{Event, Key, Kind};
+use super::process::Process;
+use super::track::{Ahead, Setup, Track};
+
+/// Events that are kept; at the usual rates some seconds.
+const EVENTS: usize = 1024;
+/// Copies of the track.
+const COPIES: usize = 8;
+
+/// A track with its past.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct History<const N: usize> {
+    pub(super) track: Track<N>,
+    copies: Vec<Track<N>>,
+    /// In the order of their keys; the first `taken` are in the track.
+    events: Vec<Event>,
+    taken: usize,
+}
+
+/// What became of an event on arrival.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Arrival {
+    InTime,
+    Late,
+    /// Older than all that is remembered, or there already.
+    Lost,
+}
+
+impl<const N: usize> Clone for History<N> {
+    fn clone(&self) -> Self {
+        let mut copy = Self::new(self.track);
+        copy.clone_from(self);
+        copy
+    }
+
+    /// Keeps the capacity.
+    fn clone_from(&mut self, from: &Self) {
+        self.track = from.track;
+        self.taken = from.taken;
+        self.copies.clear();
+        self.copies.reserve(COPIES);
+        self.copies.extend_from_slice(&from.copies);
+        self.events.clear();
+        self.events.reserve(EVENTS);
+        self.events.extend_from_slice(&from.events);
+    }
+}
+
+impl<const N: usize> History<N> {
+    pub(super) fn new(track: Track<N>) -> Self {
+        let mut copies = Vec::with_capacity(COPIES);
+        copies.push(track);
+        Self { track, copies, events: Vec::with_capacity(EVENTS), taken: 0 }
+    }
+
+    /// Begins anew; what is pending stays.
+    pub(super) fn reset(&mut self, track: Track<N>) {
+        self.track = track;
+        self.copies.clear();
+        self.copies.push(track);
+        self.events.drain(..self.taken);
+        self.taken = 0;
+    }
+
+    /// Puts an event in its place; a late one takes the track back to before it.
+    pub(super) fn insert(&mut self, event: Event) -> Arrival {
+        let place = self.events.partition_point(|e| earlier(e.key(), event.key()));
+        let there = self.events.get(place).is_some_and(|e| e.key() == event.key());
+        let oldest = self.copies.first().map_or(self.track.key, |copy| copy.key);
+        if there || !earlier(oldest, event.key()) || event.time < self.copies_begin() {
+            return Arrival::Lost;
+        }
+        self.make_room();
+        let place = self.events.partition_point(|e| earlier(e.key(), event.key()));
+        self.events.insert(place, event);
+        if place >= self.taken && event.time >= self.track.time - 1e-9 {
+            return Arrival::InTime;
+        }
+        self.go_back(event.key(), event.time);
+        Arrival::Late
+    }
+
+    fn copies_begin(&self) -> f64 {
+        self.copies.first().map_or(self.track.time, |copy| copy.time)
+    }
+
+    fn go_back(&mut self, key: Key, time: f64) {
+        while let Some(copy) = self.copies.last() {
+            let before = earlier(copy.key, key) && copy.time <= time + 1e-9;
+            if before || self.copies.len() == 1 {
+                self.track = *copy;
+                break;
+            }
+            self.copies.pop();
+        }
+        let key = self.track.key;
+        self.taken = self.events.partition_point(|e| !earlier(key, e.key()));
+    }
+
+    /// Takes all events up to an instant, and predicts to the grid before it.
+    pub(super) fn run<P: Process<N>>(
+        &mut self,
+        setup: &Setup<P>,
+        until: f64,
+        witness: &mut impl Witness<N>,
+    ) {
+        let spacing = setup.parameters.latency / (COPIES - 2) as f64;
+        while let Some(&event) = self.events.get(self.taken).filter(|e| e.time <= until) {
+            if self.track.time >= self.copies.last().map_or(f64::NEG_INFINITY, |c| c.time) + spacing {
+                self.keep_copy(setup.parameters.latency);
+            }
+            let ahead = self.ahead();
+            self.track.take(setup, &event, &ahead, witness);
+            self.taken += 1;
+        }
+        let ahead = self.ahead();
+        self.track.advance(setup, until + 2e-9, &ahead, witness);
+    }
+
+    fn keep_copy(&mut self, latency: f64) {
+        self.track.belief.restore_positive();
+        while self.copies.len() >= COPIES
+            || self.copies.get(1).is_some_and(|next| next.time <= self.track.time - latency)
+        {
+            self.drop_oldest();
+        }
+        self.copies.push(self.track);
+    }
+
+    fn drop_oldest(&mut self) {
+        self.copies.remove(0);
+        if let Some(oldest) = self.copies.first() {
+            let key = oldest.key;
+            let gone = self.events.partition_point(|e| !earlier(key, e.key())).min(self.taken);
+            self.events.drain(..gone);
+            self.taken -= gone;
+        }
+    }
+
+    fn make_room(&mut self) {
+        while self.events.len() >= EVENTS && self.copies.len() > 1 {
+            self.drop_oldest();
+        }
+        if self.events.len() >= EVENTS {
+            // More events than there is room for between two copies: the past ends here.
+            self.copies.clear();
+            self.copies.push(self.track);
+            self.events.drain(..self.taken);
+            self.taken = 0;
+            self.events.truncate(EVENTS - 1);
+        }
+    }
+
+    /// The samples of the driving signals that come next.
+    fn ahead(&self) -> Ahead {
+        let mut ahead = Ahead::default();
+        for event in &self.events[self.taken.min(self.events.len())..] {
+            match event.kind {
+                Kind::Imu if ahead.imu.is_none() => ahead.imu = Some((event.time, event.cut())),
+                Kind::Thrust if ahead.thrust.is_none() => {
+                    ahead.thrust = Some((event.time, event.cut()));
+                }
+                _ => {}
+            }
+            if ahead.imu.is_some() && ahead.thrust.is_some() {
+                break;
+            }
+        }
+        ahead
+    }
+}
+
+fn earlier(a: Key, b: Key) -> bool {
+    a.0 < b.0 || (a.0 == b.0 && a.1 < b.1)
+}

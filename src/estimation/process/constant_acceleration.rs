@@ -1,0 +1,178 @@
+//! Constant acceleration, in the manner of robot_localization with its default process noise.
+//!
+//! Position, attitude, velocity, angular rate and acceleration along body axes, the last two constant
+//! but for noise; gyros and accelerometers are measurements of them. The baseline of users who tune
+//! nothing: no model of the vehicle, no biases. Moore & Stouch (2014).
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::Process;
+use super::rotation::{exp, matrix, right_jacobian, turned};
+use crate::ParameterError;
+use crate::attitude;
+use crate::estimation::belief::{Belief, Column};
+use crate::estimation::interval::Interval;
+use crate::estimation::kalman::{Witness, fuse};
+use crate::estimation::kinematics::{Kinematics, Linearized, SensorStates, skew};
+use crate::estimation::parameters::NavigationParameters;
+use crate::estimation::sensor::Observation;
+use crate::estimation::transition::Transition;
+
+const P: usize = 0;
+const THETA: usize = 3;
+const V: usize = 6;
+const OMEGA: usize = 9;
+const A: usize = 12;
+const BASE: usize = 15;
+
+/// Default process noise of robot_localization: variance per second of position, attitude, velocity,
+/// angular rate and acceleration.
+const NOISE: [f64; BASE] = [
+    0.05, 0.05, 0.06, 0.03, 0.03, 0.06, 0.025, 0.025, 0.04, 0.01, 0.01, 0.02, 0.01, 0.01, 0.015,
+];
+
+/// The constant-acceleration process.
+#[derive(Clone, Debug)]
+pub struct ConstantAcceleration {
+    parameters: NavigationParameters,
+    sensors: SensorStates,
+    sensor_sigmas: [(usize, f64); 4],
+    order: usize,
+}
+
+impl ConstantAcceleration {
+    /// # Errors
+    /// Names the parameter that is out of range.
+    pub fn new(p: &NavigationParameters) -> Result<Self, ParameterError> {
+        p.check()?;
+        let (sensors, sensor_sigmas, order) = p.sensors.states(BASE);
+        Ok(Self { parameters: *p, sensors, sensor_sigmas, order })
+    }
+}
+
+fn block<const N: usize>(belief: &Belief<N>, state: usize) -> Vector3<f64> {
+    belief.mean.fixed_rows::<3>(state).into_owned()
+}
+
+impl<const N: usize> Process<N> for ConstantAcceleration {
+    fn initial(&self) -> Belief<N> {
+        let p = &self.parameters;
+        let mut mean: Column<N> = Column::zeros();
+        mean.fixed_rows_mut::<3>(P).copy_from_slice(&p.start.position);
+        mean.fixed_rows_mut::<3>(V).copy_from_slice(&p.start.velocity);
+        let mut sigma: Column<N> = Column::zeros();
+        for i in 0..3 {
+            sigma[P + i] = p.start.position_sigma[i];
+            sigma[THETA + i] = if i < 2 { p.start.tilt_sigma } else { p.start.heading_sigma };
+            sigma[V + i] = p.start.velocity_sigma;
+            sigma[OMEGA + i] = 0.1;
+            sigma[A + i] = 0.1;
+        }
+        for (state, value) in self.sensor_sigmas.into_iter().filter(|(_, s)| *s > 0.0) {
+            sigma[state] = value;
+        }
+        Belief::new(self.order, mean, &sigma, attitude::from_euler(p.start.attitude))
+    }
+
+    fn predict(&self, belief: &mut Belief<N>, interval: &Interval, witness: &mut impl Witness<N>) {
+        let dt = interval.dt;
+        let r = matrix(belief.attitude);
+        let (velocity, omega, acceleration) =
+            (block(belief, V), block(belief, OMEGA), block(belief, A));
+        let displacement = velocity * dt + acceleration * (0.5 * dt * dt);
+        let by_attitude = -r * skew(&displacement);
+        let turn = omega * dt;
+        let (back, by_rate) = (exp(&turn).transpose(), right_jacobian(&turn) * dt);
+        let mut f = Transition::identity();
+        let part = |m: &Matrix3<f64>, i: usize, state: usize, scale: f64| {
+            [0, 1, 2].map(|j| (state + j, m[(i, j)] * scale))
+        };
+        for i in 0..3 {
+            let row = [(P + i, 1.0)].into_iter().chain(part(&by_attitude, i, THETA, 1.0));
+            let row = row.chain(part(&r, i, V, dt)).chain(part(&r, i, A, 0.5 * dt * dt));
+            f.set_row(P + i, row);
+        }
+        for i in 0..3 {
+            f.set_row(
+                THETA + i,
+                part(&back, i, THETA, 1.0).into_iter().chain(part(&by_rate, i, OMEGA, 1.0)),
+            );
+        }
+        (0..3).for_each(|i| f.set_row(V + i, [(V + i, 1.0), (A + i, dt)]));
+        let mut p = belief.mean.fixed_rows_mut::<3>(P);
+        p += r * displacement;
+        let mut v = belief.mean.fixed_rows_mut::<3>(V);
+        v += acceleration * dt;
+        belief.attitude = turned(belief.attitude, &turn);
+        belief.propagate(&f);
+        NOISE.iter().enumerate().for_each(|(i, q)| belief.add_noise(i, q * dt));
+        witness.predicted(&f);
+    }
+
+    fn aid(
+        &self,
+        belief: &mut Belief<N>,
+        _: &Interval,
+        interval: &Interval,
+        witness: &mut impl Witness<N>,
+    ) {
+        let Some(imu) = &interval.inertial else { return };
+        let down = matrix(belief.attitude).transpose() * Vector3::z() * self.parameters.gravity;
+        let acceleration = Vector3::from(imu.specific_force) + down;
+        let sensors = &self.parameters.sensors;
+        let measured = [
+            (OMEGA, Vector3::from(imu.rate_end), sensors.gyro.noise_density),
+            (A, acceleration, sensors.accelerometer.noise_density),
+        ];
+        for (state, value, density) in measured {
+            let innovation = value - block(belief, state);
+            let mut rows = [Column::zeros(); 3];
+            (0..3).for_each(|i| rows[i][state + i] = 1.0);
+            let variance = (density * density / interval.dt).max(1e-12);
+            let observation = Observation::new(3, innovation.into(), rows, [variance; 3]);
+            let fused = fuse(belief, &observation, f64::INFINITY, witness);
+            self.correct(belief, &fused.correction);
+        }
+    }
+
+    fn kinematics(&self, belief: &Belief<N>, _: &Interval) -> Kinematics<N> {
+        let mut position = Linearized::constant(block(belief, P));
+        position.set_block(P, &Matrix3::identity());
+        let mut velocity = Linearized::constant(block(belief, V));
+        velocity.set_block(V, &Matrix3::identity());
+        let mut rate = Linearized::constant(block(belief, OMEGA));
+        rate.set_block(OMEGA, &Matrix3::identity());
+        let mut rotation_rows = [Column::zeros(); 3];
+        (0..3).for_each(|i| rotation_rows[i][THETA + i] = 1.0);
+        Kinematics {
+            position,
+            rotation: matrix(belief.attitude),
+            tilt_is_input: false,
+            rotation_rows,
+            velocity,
+            rate,
+            rate_variance: 0.0,
+            acceleration: block(belief, A),
+            sensors: self.sensors,
+            mean: belief.mean,
+        }
+    }
+
+    fn align(&self, belief: &mut Belief<N>, euler: [f64; 3]) {
+        belief.attitude = attitude::from_euler(euler);
+    }
+
+    fn velocity(&self) -> usize {
+        V
+    }
+
+    fn correct(&self, belief: &mut Belief<N>, correction: &Column<N>) {
+        let turn: Vector3<f64> = correction.fixed_rows::<3>(THETA).into_owned();
+        belief.mean += correction;
+        belief.mean.fixed_rows_mut::<3>(THETA).fill(0.0);
+        belief.attitude = turned(belief.attitude, &turn);
+        if let Some(state) = self.sensors.heading_bias {
+            belief.mean[state] = attitude::wrap(belief.mean[state]);
+        }
+    }
+}

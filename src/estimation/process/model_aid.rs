@@ -1,0 +1,399 @@
+//! Aiding by the equations of motion: balances of force and moment as measurements.
+//!
+//! The inertial unit drives the filter; the rigid-body model says which specific force and which
+//! change of the yaw rate thrust, damping, added mass and buoyancy should give. Hegrenæs &
+//! Hallingstad (2011) aid by a velocity; the forces themselves keep the noise of the inertial unit
+//! apart from that of the model. The mean of the accelerometer that drives an interval also stands
+//! in its force balance, so its noise is a state for as long as the interval lasts (likewise the
+//! gyro's about z, for two intervals): correlated noise, fused exactly.
+//!
+//! The moment balance observes sway through the Munk moment, which nothing else does while the
+//! velocity log is silent.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::inertial::{B_A, B_G, Strapdown, THETA, V};
+use super::rotation::{exp, matrix, right_jacobian};
+use crate::ParameterError;
+use crate::estimation::belief::{Belief, Column};
+use crate::estimation::interval::{Inertial, Interval, Thrusts};
+use crate::estimation::kalman::{Witness, fuse};
+use crate::estimation::kinematics::skew;
+use crate::estimation::parameters::{Disturbances, NavigationParameters};
+use crate::estimation::sensor::Observation;
+use crate::estimation::transition::Transition;
+use crate::vehicle::Parameters;
+
+/// NIS at which the influence of a balance is limited: three standard deviations.
+const BALANCE_GATE: f64 = 9.0;
+
+/// Where the states of the aid are.
+#[derive(Clone, Copy, Debug)]
+pub struct AidStates {
+    /// Current north and east (m/s).
+    pub current: usize,
+    /// Force that varies quickly, body (N).
+    pub force: usize,
+    /// Force that varies slowly, body (N).
+    pub slow_force: usize,
+    /// Yaw moment that varies quickly (N.m).
+    pub moment: usize,
+    /// Noise of the accelerometers' mean in this interval (m/s2).
+    pub force_noise: usize,
+    /// Noise of the yaw gyro's mean in this interval (rad/s).
+    pub rate_noise: usize,
+    /// The same of the interval before.
+    pub rate_noise_before: usize,
+}
+
+impl AidStates {
+    /// How many states there are.
+    pub const COUNT: usize = 14;
+
+    /// Numbered from `base` on.
+    #[must_use]
+    pub const fn at(base: usize) -> Self {
+        Self {
+            current: base,
+            force: base + 2,
+            slow_force: base + 5,
+            moment: base + 8,
+            force_noise: base + 9,
+            rate_noise: base + 12,
+            rate_noise_before: base + 13,
+        }
+    }
+}
+
+/// The rigid-body model and what it is trusted for.
+#[derive(Clone, Debug)]
+pub struct ModelAid {
+    disturbances: Disturbances,
+    /// Mass with added mass along x, y, z (kg).
+    mass: Vector3<f64>,
+    /// Inertia with added inertia about z (kg.m2).
+    inertia: f64,
+    /// Rows 1 to 3 of M: momentum of velocity and of angular rate.
+    momentum: [Matrix3<f64>; 2],
+    linear: [f64; 4],
+    quadratic: [f64; 4],
+    excess_weight: f64,
+    gravity: f64,
+    /// Force and yaw moment of a newton of each thruster.
+    thrusters: [[f64; 4]; 8],
+}
+
+impl ModelAid {
+    /// # Errors
+    /// Names the parameter that is out of range.
+    pub fn new(p: &Parameters, disturbances: &Disturbances) -> Result<Self, ParameterError> {
+        p.check()?;
+        disturbances.check()?;
+        let m = p.mass_matrix();
+        let pick = |d: &[f64; 6]| [d[0], d[1], d[2], d[5]];
+        Ok(Self {
+            disturbances: *disturbances,
+            mass: Vector3::new(m[0][0], m[1][1], m[2][2]),
+            inertia: m[5][5],
+            momentum: [0, 3].map(|from| Matrix3::from_fn(|i, j| m[i][from + j])),
+            linear: pick(&p.linear_damping),
+            quadratic: pick(&p.quadratic_damping),
+            excess_weight: p.weight() - p.buoyancy_force(),
+            gravity: p.gravity,
+            thrusters: p.propulsion.thrusters.map(|t| pick(&t.unit_wrench())),
+        })
+    }
+
+    pub(super) fn start<const N: usize>(&self, sigma: &mut Column<N>, at: AidStates) {
+        let d = &self.disturbances;
+        for i in 0..2 {
+            sigma[at.current + i] = d.current_sigma;
+        }
+        for i in 0..3 {
+            sigma[at.force + i] = d.force_sigma;
+            sigma[at.slow_force + i] = d.slow_force_sigma;
+        }
+        sigma[at.moment] = d.moment_sigma;
+    }
+
+    /// The noise states of a new interval: the yaw gyro's is kept as that of the interval before.
+    pub(super) fn renew_noise<const N: usize>(
+        &self,
+        belief: &mut Belief<N>,
+        at: AidStates,
+        dt: f64,
+        p: &NavigationParameters,
+        witness: &mut impl Witness<N>,
+    ) {
+        let mut f = Transition::identity();
+        f.set_row(at.rate_noise_before, [(at.rate_noise, 1.0)]);
+        f.scale(at.rate_noise, 0.0);
+        (0..3).for_each(|i| f.scale(at.force_noise + i, 0.0));
+        belief.propagate(&f);
+        belief.mean = f.apply(&belief.mean);
+        witness.predicted(&f);
+        let variance = |density: f64| density * density / dt;
+        for i in 0..3 {
+            belief.add_noise(at.force_noise + i, variance(p.sensors.accelerometer.noise_density));
+        }
+        belief.add_noise(at.rate_noise, variance(p.sensors.gyro.noise_density));
+    }
+
+    fn quick(&self, dt: f64) -> f64 {
+        libm::exp(-dt / self.disturbances.correlation_time)
+    }
+
+    fn slow(&self, dt: f64) -> f64 {
+        libm::exp(-dt / self.disturbances.slow_force_time)
+    }
+
+    pub(super) fn decay<const N: usize>(&self, f: &mut Transition<N>, at: AidStates, dt: f64) {
+        let (quick, slow) = (self.quick(dt), self.slow(dt));
+        for i in 0..3 {
+            f.scale(at.force + i, quick);
+            f.scale(at.slow_force + i, slow);
+        }
+        f.scale(at.moment, quick);
+    }
+
+    pub(super) fn decay_mean<const N: usize>(&self, x: &mut Column<N>, at: AidStates, dt: f64) {
+        let (quick, slow) = (self.quick(dt), self.slow(dt));
+        for i in 0..3 {
+            x[at.force + i] *= quick;
+            x[at.slow_force + i] *= slow;
+        }
+        x[at.moment] *= quick;
+    }
+
+    pub(super) fn add_noise<const N: usize>(
+        &self,
+        belief: &mut Belief<N>,
+        at: AidStates,
+        dt: f64,
+    ) {
+        let d = &self.disturbances;
+        let stationary = |sigma: f64, decay: f64| sigma * sigma * (1.0 - decay * decay);
+        let (quick, slow) = (self.quick(dt), self.slow(dt));
+        for i in 0..3 {
+            belief.add_noise(at.force + i, stationary(d.force_sigma, quick));
+            belief.add_noise(at.slow_force + i, stationary(d.slow_force_sigma, slow));
+        }
+        belief.add_noise(at.moment, stationary(d.moment_sigma, quick));
+        for i in 0..2 {
+            belief.add_noise(at.current + i, d.current_walk * d.current_walk * dt);
+        }
+    }
+
+    /// Fuses the balances of an interval.
+    pub(super) fn balance<const N: usize>(
+        &self,
+        belief: &mut Belief<N>,
+        at: AidStates,
+        before: &Interval,
+        interval: &Interval,
+        correct: impl Fn(&mut Belief<N>, &Column<N>),
+        witness: &mut impl Witness<N>,
+    ) {
+        let (Some(imu), Some(thrusts)) = (&interval.inertial, &interval.thrust) else { return };
+        let force = self.force_balance(belief, at, imu, thrusts, interval.dt);
+        let fused = fuse(belief, &force, BALANCE_GATE, witness);
+        correct(belief, &fused.correction);
+        let (Some(imu_before), Some(thrusts_before)) = (&before.inertial, &before.thrust) else {
+            return;
+        };
+        let pair = [(imu_before, thrusts_before, before.dt), (imu, thrusts, interval.dt)];
+        let moment = self.moment_balance(belief, at, pair);
+        let fused = fuse(belief, &moment, BALANCE_GATE, witness);
+        correct(belief, &fused.correction);
+    }
+
+    /// Component `axis` (0 to 2: force, 3: yaw moment) of thrusts (N).
+    fn thrust(&self, forces: &[f64; 8], axis: usize) -> f64 {
+        self.thrusters.iter().zip(forces).map(|(unit, force)| unit[axis] * force).sum()
+    }
+
+    /// Specific force that the model gives at the middle of the interval, against the measured.
+    pub fn force_balance<const N: usize>(
+        &self,
+        belief: &Belief<N>,
+        at: AidStates,
+        imu: &Inertial,
+        thrusts: &Thrusts,
+        dt: f64,
+    ) -> Observation<N> {
+        let x = &belief.mean;
+        let s = Strapdown::new(belief, imu, dt);
+        let noise: Vector3<f64> = x.fixed_rows::<3>(at.force_noise).into_owned();
+        let water = Water::new(belief, at, &s, &noise, self.gravity, [dt, 0.5]);
+        let (w, nu) = (&s.rate, &water.velocity);
+        let momentum = self.momentum[0] * nu + self.momentum[1] * w;
+        let damping = Vector3::from_fn(|i, _| (self.linear[i] + self.quadratic[i] * nu[i].abs()) * nu[i]);
+        let thrust = Vector3::from_fn(|i, _| self.thrust(&thrusts.mean, i));
+        let disturbance = x.fixed_rows::<3>(at.force) + x.fixed_rows::<3>(at.slow_force);
+        let force =
+            -w.cross(&momentum) - damping + water.down * self.excess_weight + thrust + disturbance;
+        let per_mass = self.mass.map(|m| 1.0 / m);
+        let bias: Vector3<f64> = x.fixed_rows::<3>(B_A).into_owned();
+        let predicted = force.component_mul(&per_mass) + w.cross(nu) - water.down * self.gravity
+            + bias + noise;
+
+        let per_mass = Matrix3::from_diagonal(&per_mass);
+        let slope = Matrix3::from_diagonal(&Vector3::from_fn(|i, _| {
+            self.linear[i] + 2.0 * self.quadratic[i] * nu[i].abs()
+        }));
+        let by_velocity = per_mass * (-skew(w) * self.momentum[0] - slope) + skew(w);
+        let by_rate = per_mass * (skew(&momentum) - skew(w) * self.momentum[1]) - skew(nu);
+        let by_down = per_mass * self.excess_weight - Matrix3::identity() * self.gravity;
+        let mut rows = water.rows(at, &by_velocity, &by_down, &by_rate);
+        for (i, row) in rows.iter_mut().enumerate() {
+            row[B_A + i] += 1.0;
+            row[at.force_noise + i] += 1.0;
+            row[at.force + i] = per_mass[(i, i)];
+            row[at.slow_force + i] = per_mass[(i, i)];
+        }
+        let d = &self.disturbances;
+        let square = |x: f64| x * x;
+        Observation::new(
+            3,
+            core::array::from_fn(|i| imu.specific_force[i] - predicted[i]),
+            rows,
+            core::array::from_fn(|i| {
+                let white = square(d.force_density * per_mass[(i, i)]) / dt;
+                white + square(d.thrust_error * thrust[i] * per_mass[(i, i)])
+            }),
+        )
+    }
+
+    /// Change of the yaw rate between two intervals that the model gives, against the measured.
+    pub fn moment_balance<const N: usize>(
+        &self,
+        belief: &Belief<N>,
+        at: AidStates,
+        [(imu_before, thrusts_before, dt_before), (imu, thrusts, dt)]: [(&Inertial, &Thrusts, f64);
+            2],
+    ) -> Observation<N> {
+        let x = &belief.mean;
+        let spacing = 0.5 * (dt_before + dt);
+        let weights = [dt / (dt + dt_before), dt_before / (dt + dt_before)];
+        let raw = Vector3::from(imu_before.rate) * weights[0] + Vector3::from(imu.rate) * weights[1];
+        let w = raw - x.fixed_rows::<3>(B_G);
+        let s = Strapdown::new(belief, imu, dt);
+        let noise: Vector3<f64> = x.fixed_rows::<3>(at.force_noise).into_owned();
+        let water = Water::new(belief, at, &s, &noise, self.gravity, [dt, 1.0]);
+        let nu = &water.velocity;
+        let momentum = self.momentum[0] * nu + self.momentum[1] * w;
+        // The difference of two means is the mean with a triangular weight.
+        let late = self.thrust(&thrusts_before.rising, 3) * dt_before;
+        let early = (self.thrust(&thrusts.mean, 3) - self.thrust(&thrusts.rising, 3)) * dt;
+        let thrust = (late + early) / spacing;
+        let damping = (self.linear[3] + self.quadratic[3] * w.z.abs()) * w.z;
+        let munk = momentum.x * nu.y - momentum.y * nu.x;
+        let per_inertia = 1.0 / self.inertia;
+        let predicted = (munk - damping + thrust + x[at.moment]) * per_inertia
+            + (x[at.rate_noise] - x[at.rate_noise_before]) / spacing;
+
+        let by_momentum = nalgebra::RowVector3::new(nu.y, -nu.x, 0.0);
+        let direct = nalgebra::RowVector3::new(-momentum.y, momentum.x, 0.0);
+        let mut by_velocity = Matrix3::zeros();
+        by_velocity.set_row(0, &((by_momentum * self.momentum[0] + direct) * per_inertia));
+        let mut by_rate = Matrix3::zeros();
+        let slope = self.linear[3] + 2.0 * self.quadratic[3] * w.z.abs();
+        by_rate.set_row(0, &(by_momentum * self.momentum[1] * per_inertia));
+        by_rate[(0, 2)] -= slope * per_inertia;
+        let mut rows = water.rows(at, &by_velocity, &Matrix3::zeros(), &by_rate);
+        rows[0][at.moment] = per_inertia;
+        rows[0][at.rate_noise] += 1.0 / spacing;
+        rows[0][at.rate_noise_before] -= 1.0 / spacing;
+        let measured = (imu.rate[2] - imu_before.rate[2]) / spacing;
+        let d = &self.disturbances;
+        let square = |x: f64| x * x;
+        let variance = square(d.moment_density * per_inertia) / spacing
+            + square(d.thrust_error * thrust * per_inertia);
+        Observation::new(1, [measured - predicted, 0.0, 0.0], rows, [variance, 1.0, 1.0])
+    }
+}
+
+/// Velocity through the water some time before the end of the interval, and its derivatives.
+struct Water {
+    velocity: Vector3<f64>,
+    /// Down along body axes.
+    down: Vector3<f64>,
+    /// Derivatives of the velocity: by the velocity over ground (NED), by a turn of the body there.
+    inverse: Matrix3<f64>,
+    by_turn: Matrix3<f64>,
+    /// The turn there by the turn at the end, and by the gyro bias.
+    turn: Matrix3<f64>,
+    turn_by_bias: Matrix3<f64>,
+    /// Derivatives by the force biases, and directly by the gyro bias.
+    by_force: Matrix3<f64>,
+    by_bias: Matrix3<f64>,
+}
+
+impl Water {
+    /// `share` of the interval before its end.
+    ///
+    /// `nu = R_b^T (v - c - g e_z t) - Exp(w (dt/2 - (dt - t))) f t` with `R_b = R Exp(-w t)`,
+    /// `t = share dt`; f is the force less its bias and noise.
+    fn new<const N: usize>(
+        belief: &Belief<N>,
+        at: AidStates,
+        s: &Strapdown,
+        noise: &Vector3<f64>,
+        gravity: f64,
+        [dt, share]: [f64; 2],
+    ) -> Self {
+        let t = share * dt;
+        let back = -s.rate * t;
+        let turn_back = exp(&back);
+        let inverse = (matrix(belief.attitude) * turn_back).transpose();
+        let mut ground: Vector3<f64> = belief.mean.fixed_rows::<3>(V).into_owned();
+        ground.x -= belief.mean[at.current];
+        ground.y -= belief.mean[at.current + 1];
+        // Gravity and force act in the frame of the middle of the interval.
+        let force = s.force - noise;
+        let ahead = s.rate * (t - 0.5 * dt);
+        let to_middle = exp(&ahead);
+        let down = inverse * Vector3::z();
+        let along = inverse * ground - down * (gravity * t);
+        let velocity = along - to_middle * force * t;
+        Self {
+            velocity,
+            down,
+            inverse,
+            by_turn: skew(&along),
+            turn: turn_back.transpose(),
+            turn_by_bias: right_jacobian(&back) * t,
+            by_force: to_middle * t,
+            by_bias: to_middle * skew(&force) * right_jacobian(&ahead) * (-(t - 0.5 * dt) * t),
+        }
+    }
+
+    /// Rows of `A nu + D down + C w`, A `by_velocity`, D `by_down`, C `by_rate`.
+    fn rows<const N: usize>(
+        &self,
+        at: AidStates,
+        by_velocity: &Matrix3<f64>,
+        by_down: &Matrix3<f64>,
+        by_rate: &Matrix3<f64>,
+    ) -> [Column<N>; 3] {
+        let ground = by_velocity * self.inverse;
+        let turn = by_velocity * self.by_turn + by_down * skew(&self.down);
+        let attitude = turn * self.turn;
+        let bias = turn * self.turn_by_bias + by_velocity * self.by_bias - by_rate;
+        let force = by_velocity * self.by_force;
+        let mut rows = [Column::zeros(); 3];
+        for (i, row) in rows.iter_mut().enumerate() {
+            for j in 0..3 {
+                row[V + j] = ground[(i, j)];
+                row[THETA + j] = attitude[(i, j)];
+                row[B_G + j] = bias[(i, j)];
+                row[B_A + j] = force[(i, j)];
+                row[at.force_noise + j] = force[(i, j)];
+            }
+            for j in 0..2 {
+                row[at.current + j] = -ground[(i, j)];
+            }
+        }
+        rows
+    }
+}

@@ -1,0 +1,103 @@
+//! Coming back after the vehicle, or the world, has moved: when measurements contradict the filter
+//! but agree with each other.
+
+use serde::{Deserialize, Serialize};
+
+use super::belief::Belief;
+use super::kinematics::Kinematics;
+use super::sensor::Observation;
+use super::track::Channel;
+
+/// Limited measurements in a row whose innovations agree.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Agreement {
+    count: u32,
+    first: [f64; 3],
+}
+
+/// How many have to agree: position and depth are slow and outliers of them frequent, a compass in a
+/// disturbed field stays so for long.
+fn needed(channel: Channel) -> u32 {
+    match channel {
+        Channel::Fix => 5,
+        Channel::Dvl | Channel::Depth => 10,
+        Channel::Heading | Channel::Tilt => 25,
+    }
+}
+
+/// Widest difference of two innovations that agree, in standard deviations of the noise.
+const WIDTH: f64 = 3.0 * core::f64::consts::SQRT_2;
+
+impl Agreement {
+    /// Hears of the next measurement; tells whether enough have agreed.
+    pub(super) fn hear<const N: usize>(
+        &mut self,
+        channel: Channel,
+        observation: &Observation<N>,
+        limited: bool,
+    ) -> bool {
+        if !limited {
+            *self = Self::default();
+            return false;
+        }
+        let agrees = (0..observation.size).all(|i| {
+            let difference = observation.innovation[i] - self.first[i];
+            difference.abs() <= WIDTH * observation.variance[i].sqrt()
+        });
+        if self.count > 0 && agrees {
+            self.count += 1;
+        } else {
+            *self = Self { count: 1, first: observation.innovation };
+        }
+        self.count >= needed(channel)
+    }
+}
+
+/// Forgets what the filter believed of the measured states.
+pub(super) fn reacquire<const N: usize>(
+    belief: &mut Belief<N>,
+    channel: Channel,
+    velocity: usize,
+    observation: &Observation<N>,
+) {
+    let square = |x: f64| x * x;
+    let far = |least: f64| {
+        observation.innovation.iter().take(observation.size).fold(square(least), |m, y| m.max(y * y))
+    };
+    match channel {
+        Channel::Fix => (0..2).for_each(|i| belief.decouple(i, far(20.0))),
+        Channel::Depth => belief.decouple(2, far(5.0)),
+        Channel::Dvl => (0..3).for_each(|i| belief.decouple(velocity + i, far(1.0))),
+        // The attitude: widened along what the measurement sees.
+        Channel::Heading | Channel::Tilt => {
+            for row in observation.rows.iter().take(observation.size) {
+                for (state, h) in row.iter().enumerate() {
+                    if h.abs() > 0.1 {
+                        belief.decouple(state, far(0.2));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A magnetic step: the heading is as it was, the bias of the compass is new, and known as well as
+/// heading and compass are.
+pub(super) fn hand_to_bias<const N: usize>(
+    belief: &mut Belief<N>,
+    motion: &Kinematics<N>,
+    observation: &Observation<N>,
+) {
+    let Some(bias) = motion.sensors.heading_bias else { return };
+    let mut row = observation.rows[0];
+    row[bias] = 0.0;
+    belief.decouple(bias, 0.0);
+    let correlation = belief.correlate(&row);
+    let variance = row.dot(&correlation) + observation.variance[0];
+    for j in 0..belief.order() {
+        belief.covariance[(bias, j)] = -correlation[j];
+        belief.covariance[(j, bias)] = -correlation[j];
+    }
+    belief.covariance[(bias, bias)] = variance;
+    belief.mean[bias] += observation.innovation[0];
+}

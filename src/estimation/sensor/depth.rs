@@ -1,0 +1,32 @@
+//! Depth of the pressure sensor: `(p + R l)_z`.
+
+use nalgebra::Vector3;
+
+use super::{Observation, Sensor};
+use crate::estimation::belief::Column;
+use crate::estimation::kinematics::Kinematics;
+
+/// Depth at the sensor (m).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Depth {
+    /// Place, body (m).
+    pub lever: Vector3<f64>,
+    /// Standard deviation (m).
+    pub sigma: f64,
+}
+
+impl Sensor<1> for Depth {
+    fn observe<const N: usize>(
+        &self,
+        &[depth]: &[f64; 1],
+        motion: &Kinematics<N>,
+    ) -> Observation<N> {
+        let point = motion.point(&self.lever);
+        Observation::new(
+            1,
+            [depth - point.value.z, 0.0, 0.0],
+            [point.rows[2], Column::zeros(), Column::zeros()],
+            [self.sigma * self.sigma, 1.0, 1.0],
+        )
+    }
+}

@@ -1,0 +1,63 @@
+//! Doppler velocity log: velocity over ground at its place, along its axes.
+//!
+//! `y = (1 + s) Rz(m)^T (v + omega x l - tau v')`: scale error s, misalignment m in yaw, and delay
+//! tau of its clock against that of the attitude, where they are states. Hegrenæs & Berglund (2009)
+//! for the error model.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::{Observation, Sensor};
+use crate::estimation::kinematics::{Kinematics, skew};
+
+/// Velocity at the instrument (m/s).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dvl {
+    /// Place, body (m).
+    pub lever: Vector3<f64>,
+    /// Standard deviation of each axis (m/s).
+    pub sigma: f64,
+}
+
+impl Sensor<3> for Dvl {
+    fn observe<const N: usize>(
+        &self,
+        value: &[f64; 3],
+        motion: &Kinematics<N>,
+    ) -> Observation<N> {
+        let states = &motion.sensors;
+        let scale = 1.0 + motion.optional(states.dvl_scale);
+        let delay = motion.optional(states.dvl_delay);
+        let (sin, cos) = libm::sincos(motion.optional(states.dvl_misalignment));
+        let turn = Matrix3::new(cos, sin, 0.0, -sin, cos, 0.0, 0.0, 0.0, 1.0);
+
+        let lever = motion.rate.value.cross(&self.lever);
+        let at_instrument = motion.velocity.value + lever - motion.acceleration * delay;
+        let aligned = turn * at_instrument;
+        let through_velocity = turn * scale;
+        let through_rate = -through_velocity * skew(&self.lever);
+        let mut rows = core::array::from_fn(|i| {
+            motion.velocity.image(&through_velocity, i) + motion.rate.image(&through_rate, i)
+        });
+        let by_misalignment = Vector3::new(aligned.y, -aligned.x, 0.0) * scale;
+        let by_delay = -(through_velocity * motion.acceleration);
+        for (i, row) in rows.iter_mut().enumerate() {
+            for (state, derivative) in [
+                (states.dvl_scale, aligned[i]),
+                (states.dvl_misalignment, by_misalignment[i]),
+                (states.dvl_delay, by_delay[i]),
+            ] {
+                if let Some(state) = state {
+                    row[state] = derivative;
+                }
+            }
+        }
+        // The rate's own noise acts through the lever arm, alike on the axes across it.
+        let predicted = aligned * scale;
+        let innovation = core::array::from_fn(|i| value[i] - predicted[i]);
+        let variance = core::array::from_fn(|i| {
+            let arm = through_rate.row(i).norm_squared();
+            self.sigma * self.sigma + arm * motion.rate_variance
+        });
+        Observation::new(3, innovation, rows, variance)
+    }
+}

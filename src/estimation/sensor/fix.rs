@@ -1,0 +1,34 @@
+//! Horizontal position fix (GPS at the surface, USBL or LBL below): `(p + R l)_{x,y}`.
+
+use nalgebra::Vector3;
+
+use super::{Observation, Sensor};
+use crate::estimation::belief::Column;
+use crate::estimation::kinematics::Kinematics;
+
+/// North and east of the antenna or transponder, and the standard deviation reported with them (m);
+/// 0: not reported.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fix {
+    /// Place, body (m).
+    pub lever: Vector3<f64>,
+    /// Standard deviation of each axis where none is reported (m).
+    pub sigma: f64,
+}
+
+impl Sensor<3> for Fix {
+    fn observe<const N: usize>(
+        &self,
+        &[north, east, reported]: &[f64; 3],
+        motion: &Kinematics<N>,
+    ) -> Observation<N> {
+        let point = motion.point(&self.lever);
+        let sigma = if reported > 0.0 { reported } else { self.sigma };
+        Observation::new(
+            2,
+            [north - point.value.x, east - point.value.y, 0.0],
+            [point.rows[0], point.rows[1], Column::zeros()],
+            [sigma * sigma, sigma * sigma, 1.0],
+        )
+    }
+}

@@ -1,0 +1,50 @@
+//! Sensors as a filter sees them: innovation, Jacobian and noise of a measurement.
+
+mod ahrs;
+mod depth;
+mod dvl;
+mod fix;
+
+use super::belief::Column;
+use super::kinematics::Kinematics;
+
+pub use ahrs::{Heading, Tilt, euler};
+pub use depth::Depth;
+pub use dvl::Dvl;
+pub use fix::Fix;
+
+/// A measurement compared with its prediction: up to three components with independent noise.
+#[derive(Clone, Copy, Debug)]
+pub struct Observation<const N: usize> {
+    /// How many components.
+    pub size: usize,
+    /// Measured less predicted.
+    pub innovation: [f64; 3],
+    /// Derivatives of the prediction by the states.
+    pub rows: [Column<N>; 3],
+    /// Variances of the noise.
+    pub variance: [f64; 3],
+}
+
+impl<const N: usize> Observation<N> {
+    /// Of the first `size` components.
+    #[must_use]
+    pub fn new(
+        size: usize,
+        innovation: [f64; 3],
+        rows: [Column<N>; 3],
+        variance: [f64; 3],
+    ) -> Self {
+        Self { size, innovation, rows, variance }
+    }
+}
+
+/// A sensor: compares what it measured, `value`, with what the motion predicts.
+pub trait Sensor<const K: usize> {
+    /// The comparison.
+    fn observe<const N: usize>(
+        &self,
+        value: &[f64; K],
+        motion: &Kinematics<N>,
+    ) -> Observation<N>;
+}

@@ -1,0 +1,354 @@
+//! A filter at an instant: its belief, the signals that drive it, and the record of each sensor.
+//!
+//! All of it changes only by events in the order of their times, so that going back to an earlier
+//! copy and repeating the events gives what would have been, had all of them come in time.
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::belief::Belief;
+use super::interval::{Inertial, Interval, Stream, Thrusts};
+use super::kalman::{Fused, GATE, Witness, fuse};
+use super::kinematics::{Kinematics, skew};
+use super::measurement::{Event, Key, Kind};
+use super::parameters::NavigationParameters;
+use super::process::Process;
+use super::process::rotation::{exp, log};
+use super::recovery::{Agreement, hand_to_bias, reacquire};
+use super::sensor::{Depth, Dvl, Fix, Heading, Observation, Sensor, Tilt};
+use crate::attitude;
+
+/// Sensors whose innovations are watched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channel {
+    /// Roll and pitch.
+    Tilt,
+    /// Compass.
+    Heading,
+    /// Pressure.
+    Depth,
+    /// Velocity log.
+    Dvl,
+    /// Position fix.
+    Fix,
+}
+
+/// How many channels there are.
+pub const CHANNELS: usize = 5;
+
+/// The record of a channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// Innovation of the newest measurement.
+    pub innovation: [f64; 3],
+    /// Its standard deviation as predicted.
+    pub sigma: [f64; 3],
+    /// Its normalised innovation squared.
+    pub nis: f64,
+    /// Measurements fused, those limited among them.
+    pub used: u32,
+    /// Measurements whose influence was limited.
+    pub rejected: u32,
+    /// Share of late that was limited, over some twenty measurements.
+    pub(super) limited_share: f64,
+    /// Time of the newest measurement (s).
+    pub(super) newest: f64,
+    pub(super) agreement: Agreement,
+}
+
+/// Seconds between attitudes beyond which they say nothing of the rate.
+const ATTITUDE_GAP: f64 = 1.5;
+/// Tolerance in which instants are the same (s).
+const SAME: f64 = 1e-9;
+
+/// A filter at an instant.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Track<const N: usize> {
+    /// The instant (s).
+    pub(super) time: f64,
+    /// The last event that is in it.
+    pub(super) key: Key,
+    pub(super) belief: Belief<N>,
+    imu: Stream<6>,
+    thrust: Stream<8>,
+    /// Time and rotation of the newest attitude.
+    attitude: Option<(f64, [f64; 3])>,
+    attitude_rate: Option<[f64; 3]>,
+    tilt: [f64; 2],
+    before: Interval,
+    pub(super) interval: Interval,
+    pub(super) records: [Record; CHANNELS],
+    /// Share of its thrust that each thruster gives.
+    pub(super) effectiveness: [f64; 8],
+    aligned: bool,
+}
+
+/// Samples that come next, which a boundary between two samples needs.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Ahead {
+    pub(super) imu: Option<(f64, [f64; 6])>,
+    pub(super) thrust: Option<(f64, [f64; 8])>,
+}
+
+/// What does not change: the process and how the sensors are seen.
+#[derive(Clone, Debug)]
+pub(super) struct Setup<P> {
+    pub(super) process: P,
+    pub(super) parameters: NavigationParameters,
+    tilt: Tilt,
+    heading: Heading,
+    depth: Depth,
+    dvl: Dvl,
+    fix: Fix,
+}
+
+impl<P> Setup<P> {
+    pub(super) fn new(process: P, parameters: &NavigationParameters) -> Self {
+        let (s, m) = (&parameters.sensors, &parameters.mounting);
+        Self {
+            process,
+            parameters: *parameters,
+            tilt: Tilt { sigma: s.tilt_sigma },
+            heading: Heading { sigma: s.heading_sigma },
+            depth: Depth { lever: m.pressure.into(), sigma: s.depth_sigma },
+            dvl: Dvl { lever: m.dvl.into(), sigma: s.dvl_sigma },
+            fix: Fix { lever: m.fix.into(), sigma: s.fix_sigma },
+        }
+    }
+}
+
+impl<const N: usize> Track<N> {
+    pub(super) fn new<P: Process<N>>(setup: &Setup<P>, start: f64) -> Self {
+        let [roll, pitch, _] = setup.parameters.start.attitude;
+        Self {
+            time: start,
+            key: (f64::NEG_INFINITY, Kind::Imu),
+            belief: setup.process.initial(),
+            imu: Stream::new(start),
+            thrust: Stream::new(start),
+            attitude: None,
+            attitude_rate: None,
+            tilt: [roll, pitch],
+            before: Interval::default(),
+            interval: Interval { end: start, tilt: [roll, pitch], ..Interval::default() },
+            records: [Record { newest: f64::NEG_INFINITY, ..Record::default() }; CHANNELS],
+            effectiveness: [1.0; 8],
+            aligned: setup.parameters.start.heading_sigma < 0.5,
+        }
+    }
+
+    /// Takes an event that is not earlier than any before.
+    pub(super) fn take<P: Process<N>>(
+        &mut self,
+        setup: &Setup<P>,
+        event: &Event,
+        ahead: &Ahead,
+        witness: &mut impl Witness<N>,
+    ) {
+        self.advance(setup, event.time, ahead, witness);
+        self.key = event.key();
+        match event.kind {
+            Kind::Imu => self.imu.push(event.time, event.cut()),
+            Kind::Thrust => self.thrust.push(event.time, event.cut()),
+            Kind::Ahrs => {
+                let euler: [f64; 3] = event.cut();
+                self.follow_attitude(event.time, euler);
+                self.predict_to(setup, event.time, ahead, witness);
+                self.fuse_attitude(setup, euler, witness);
+            }
+            Kind::Depth => {
+                self.predict_to(setup, event.time, ahead, witness);
+                let observe = |m: &Kinematics<N>| setup.depth.observe(&event.cut(), m);
+                self.fuse(setup, Channel::Depth, observe, witness);
+            }
+            Kind::Dvl => {
+                self.predict_to(setup, event.time, ahead, witness);
+                let observe = |m: &Kinematics<N>| setup.dvl.observe(&event.cut(), m);
+                self.fuse(setup, Channel::Dvl, observe, witness);
+            }
+            Kind::Fix => {
+                self.predict_to(setup, event.time, ahead, witness);
+                let observe = |m: &Kinematics<N>| setup.fix.observe(&event.cut(), m);
+                self.fuse(setup, Channel::Fix, observe, witness);
+            }
+        }
+    }
+
+    /// Predicts to every multiple of the longest interval before `time`.
+    pub(super) fn advance<P: Process<N>>(
+        &mut self,
+        setup: &Setup<P>,
+        time: f64,
+        ahead: &Ahead,
+        witness: &mut impl Witness<N>,
+    ) {
+        let grid = setup.parameters.interval;
+        loop {
+            let next = (libm::floor(self.time / grid + 1e-6) + 1.0) * grid;
+            if next >= time - SAME {
+                return;
+            }
+            self.predict_to(setup, next, ahead, witness);
+        }
+    }
+
+    /// Predicts to an instant.
+    pub(super) fn predict_to<P: Process<N>>(
+        &mut self,
+        setup: &Setup<P>,
+        time: f64,
+        ahead: &Ahead,
+        witness: &mut impl Witness<N>,
+    ) {
+        let dt = time - self.time;
+        if dt < SAME {
+            return;
+        }
+        let imu = self.imu.close(time, ahead.imu);
+        let thrust = self.thrust.close(time, ahead.thrust);
+        self.before = self.interval;
+        self.interval = Interval {
+            end: time,
+            dt,
+            inertial: imu.map(|mean| {
+                let [a, b, c, p, q, r] = mean.value;
+                let rate = [p, q, r];
+                let force = self.to_centre(setup, [a, b, c], rate, dt);
+                Inertial { specific_force: force, rate, rate_end: [mean.end[3], mean.end[4], mean.end[5]] }
+            }),
+            thrust: thrust.map(|mean| {
+                let effective = |f: [f64; 8]| core::array::from_fn(|i| f[i] * self.effectiveness[i]);
+                Thrusts { mean: effective(mean.value), rising: effective(mean.rising) }
+            }),
+            attitude_rate: self.attitude_rate.filter(|_| {
+                self.attitude.is_some_and(|(seen, _)| time - seen <= ATTITUDE_GAP)
+            }),
+            tilt: self.tilt,
+        };
+        let process = &setup.process;
+        process.predict(&mut self.belief, &self.interval, witness);
+        process.aid(&mut self.belief, &self.before, &self.interval, witness);
+        self.belief.confine();
+        self.time = time;
+    }
+
+    /// The specific force at the centre of gravity, less what the rotation adds at the inertial unit.
+    fn to_centre<P>(&self, setup: &Setup<P>, force: [f64; 3], rate: [f64; 3], dt: f64) -> [f64; 3] {
+        let lever = Vector3::from(setup.parameters.mounting.imu);
+        if lever == Vector3::zeros() {
+            return force;
+        }
+        let omega = Vector3::from(rate);
+        let angular = match &self.interval.inertial {
+            Some(last) => (omega - Vector3::from(last.rate)) * (2.0 / (dt + self.interval.dt)),
+            None => Vector3::zeros(),
+        };
+        let spin = skew(&omega);
+        (Vector3::from(force) - angular.cross(&lever) - spin * spin * lever).into()
+    }
+
+    fn follow_attitude(&mut self, time: f64, euler: [f64; 3]) {
+        let rotation = |e: [f64; 3]| {
+            let r = attitude::rotation_euler(e);
+            nalgebra::Matrix3::from_fn(|i, j| r[i][j])
+        };
+        if let Some((before, from)) = self.attitude
+            && time - before > SAME
+            && time - before <= ATTITUDE_GAP
+        {
+            let turn = log(&(rotation(from).transpose() * rotation(euler)));
+            self.attitude_rate = Some((turn / (time - before)).into());
+        }
+        self.attitude = Some((time, euler));
+        self.tilt = [euler[0], euler[1]];
+    }
+
+    fn fuse_attitude<P: Process<N>>(
+        &mut self,
+        setup: &Setup<P>,
+        euler: [f64; 3],
+        witness: &mut impl Witness<N>,
+    ) {
+        self.interval.tilt = self.tilt;
+        if !self.aligned {
+            setup.process.align(&mut self.belief, euler);
+            self.aligned = true;
+        }
+        let motion = setup.process.kinematics(&self.belief, &self.interval);
+        if !motion.tilt_is_input {
+            self.fuse(setup, Channel::Tilt, |m| setup.tilt.observe(&euler, m), witness);
+        }
+        self.fuse(setup, Channel::Heading, |m| setup.heading.observe(&euler, m), witness);
+    }
+
+    fn fuse<P: Process<N>>(
+        &mut self,
+        setup: &Setup<P>,
+        channel: Channel,
+        observe: impl Fn(&Kinematics<N>) -> Observation<N>,
+        witness: &mut impl Witness<N>,
+    ) {
+        let process = &setup.process;
+        let motion = process.kinematics(&self.belief, &self.interval);
+        let observation = observe(&motion);
+        let gate = if setup.parameters.gated { GATE[observation.size - 1] } else { f64::INFINITY };
+        let before = self.belief;
+        let fused = fuse(&mut self.belief, &observation, gate, witness);
+        process.correct(&mut self.belief, &fused.correction);
+        let record = &mut self.records[channel as usize];
+        record.note(&observation, &fused, self.time);
+        let agreed = record.agreement.hear(channel, &observation, fused.limited);
+        if agreed {
+            record.agreement = Agreement::default();
+            self.belief = before;
+            if channel == Channel::Heading && motion.sensors.heading_bias.is_some() {
+                hand_to_bias(&mut self.belief, &motion, &observation);
+            } else {
+                reacquire(&mut self.belief, channel, process.velocity(), &observation);
+            }
+            let motion = process.kinematics(&self.belief, &self.interval);
+            let fused = fuse(&mut self.belief, &observe(&motion), f64::INFINITY, witness);
+            process.correct(&mut self.belief, &fused.correction);
+        }
+    }
+
+    /// The motion `lag` seconds after the track's instant, by the newest samples.
+    pub(super) fn motion_at<P: Process<N>>(&self, setup: &Setup<P>, now: f64) -> Kinematics<N> {
+        let mut interval = self.interval;
+        if let Some(mean) = self.imu.so_far() {
+            let [a, b, c, p, q, r] = mean.value;
+            let rate = [p, q, r];
+            let force = self.to_centre(setup, [a, b, c], rate, self.interval.dt);
+            let rate_end = [mean.end[3], mean.end[4], mean.end[5]];
+            interval.inertial = Some(Inertial { specific_force: force, rate, rate_end });
+        }
+        let mut motion = setup.process.kinematics(&self.belief, &interval);
+        let lag = now - self.time;
+        if lag > SAME {
+            let omega = motion.rate.value;
+            let along = motion.velocity.value * lag
+                + (motion.acceleration + omega.cross(&motion.velocity.value)) * (0.5 * lag * lag);
+            motion.position.value += motion.rotation * along;
+            for i in 0..3 {
+                let row = motion.velocity.image(&motion.rotation, i);
+                motion.position.rows[i] += row * lag;
+            }
+            motion.velocity.value += motion.acceleration * lag;
+            motion.rotation *= exp(&(omega * lag));
+        }
+        motion
+    }
+}
+
+impl Record {
+    fn note<const N: usize>(&mut self, o: &Observation<N>, fused: &Fused<N>, time: f64) {
+        self.innovation = [0.0; 3];
+        self.innovation[..o.size].copy_from_slice(&o.innovation[..o.size]);
+        self.nis = fused.nis;
+        self.used = self.used.saturating_add(1);
+        self.rejected = self.rejected.saturating_add(u32::from(fused.limited));
+        self.limited_share += (f64::from(u8::from(fused.limited)) - self.limited_share) / 20.0;
+        self.newest = time;
+        self.sigma = fused.sigma;
+    }
+}
