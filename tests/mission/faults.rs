@@ -79,6 +79,9 @@ pub fn outliers(events: &mut [Event], kind: Kind, share: f64, low: f64, high: f6
         if hit {
             values.iter_mut().zip(direction).for_each(|(v, d)| **v += length * d / norm);
         }
+        if let Data::Ahrs([roll, _, yaw]) = &mut event.data {
+            (*roll, *yaw) = (wrap(*roll), wrap(*yaw));
+        }
     }
 }
 
