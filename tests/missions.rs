@@ -28,7 +28,7 @@ fn of(events: &[Event], kind: Kind) -> Vec<Event> {
 /// Errors of a sensor, channel by channel: its samples less those of the mission without noise.
 fn errors(noisy: &Mission, ideal: &Mission, kind: Kind) -> Vec<Vec<f64>> {
     let pairs = of(&noisy.events, kind).into_iter().zip(of(&ideal.events, kind));
-    let mut channels = vec![Vec::new(); ideal_channels(kind)];
+    let mut channels = vec![Vec::new(); channel_count(kind)];
     for (a, b) in pairs {
         assert_eq!(a.stamp, b.stamp);
         let difference = a.data.values().into_iter().zip(b.data.values()).map(|(x, y)| x - y);
@@ -37,7 +37,7 @@ fn errors(noisy: &Mission, ideal: &Mission, kind: Kind) -> Vec<Vec<f64>> {
     channels
 }
 
-fn ideal_channels(kind: Kind) -> usize {
+fn channel_count(kind: Kind) -> usize {
     match kind {
         Kind::Imu => 6,
         Kind::Thrust => 8,
@@ -174,7 +174,6 @@ fn integrating_a_perfect_imu_gives_the_path() {
     }
     let end = mission.truth_at(imu[imu.len() - 1].stamp);
     let error: Vec<f64> = (0..3).map(|i| p[i] - end.position[i]).collect();
-    println!("{error:?}");
     assert!(rms(&error) < 0.1, "{error:?}");
 }
 
@@ -249,7 +248,6 @@ fn the_disturbance_is_an_ornstein_uhlenbeck_process() {
         let products: Vec<f64> = products.collect();
         products.iter().sum::<f64>() / products.len() as f64
     };
-    println!("{sigma} {}", covariance(50) / covariance(0));
     assert_relative_eq!(sigma, 20.0, max_relative = 0.1);
     assert_relative_eq!(covariance(50) / covariance(0), (-1.0_f64).exp(), epsilon = 0.1);
 }
@@ -379,14 +377,4 @@ fn faults_act_on_their_sensor_in_their_time() {
 #[test]
 fn parallel_results_come_in_the_order_of_the_seeds() {
     assert_eq!(parallel([5, 3, 5, 9], |seed| seed + 1), [6, 4, 6, 10]);
-}
-
-#[test]
-fn timing() {
-    let t = std::time::Instant::now();
-    let _ = fly(&Options::nominal(Course::BE3, 1));
-    println!("BE3 {:?}", t.elapsed());
-    let t = std::time::Instant::now();
-    let _ = parallel(0..20, |s| fly(&Options::nominal(Course::BE3, s)).truth.len());
-    println!("20 {:?}", t.elapsed());
 }
