@@ -373,8 +373,6 @@ fn speed_depth_current_and_position_change_as_chosen() {
     let mission = fly(&options);
     assert_abs_diff_eq!(mission.truth_at(15.0).nu[0], 0.3, epsilon = 0.01);
     assert_abs_diff_eq!(mission.truth_at(35.0).nu[0], 0.1, epsilon = 0.01);
-    // Circles of 6 m at any speed.
-    assert_abs_diff_eq!(mission.truth_at(35.0).nu[5], 0.1 / 6.0, epsilon = 0.005);
     assert_abs_diff_eq!(mission.truth_at(25.0).position[2], 20.0, epsilon = 0.05);
     assert_abs_diff_eq!(mission.truth_at(80.0).position[2], 25.0, epsilon = 0.1);
     assert_abs_diff_eq!(mission.truth_at(150.0).position[2], 30.0, epsilon = 0.05);
@@ -447,6 +445,12 @@ fn faults_act_on_their_sensor_in_their_time() {
 
 #[test]
 fn parallel_results_come_in_the_order_of_the_seeds() {
-    let seeds: Vec<u64> = (0..10_000).rev().collect();
-    assert_eq!(parallel(seeds.clone(), |seed| seed), seeds);
+    // The first takes longest.
+    let work = |seed| match seed {
+        9 => fly(&Options::nominal(Course::BE1, seed)).truth.len() as u64 + seed,
+        _ => seed,
+    };
+    let results = parallel([9, 3, 5, 3], work);
+    assert!(results[0] > 1000);
+    assert_eq!(results[1..], [3, 5, 3]);
 }
