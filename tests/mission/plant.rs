@@ -64,7 +64,7 @@ impl<'a> Plant<'a> {
         self.state.p_ned[1] += scale * b;
     }
 
-    /// The disturbance of the next tick; the first one is there from the start.
+    /// Draws the disturbance of the next tick.
     pub(super) fn disturb(&mut self) {
         let decay = libm::exp(-seconds(TICK) / DISTURBANCE_TIME);
         let sigma = disturbance_sigma(self.options).map(|s| s * (1.0 - decay * decay).sqrt());
@@ -105,7 +105,7 @@ impl<'a> Plant<'a> {
         self.state.rotor_speed.map(|speed| self.propulsion.thrust(speed))
     }
 
-    /// The rotors' way is known in advance: Simpson's rule gives the mean surplus of a step.
+    /// One step. Rotor speeds are known in advance, so that Simpson's rule gives the mean surplus.
     pub(super) fn advance(&mut self, h: f64) {
         let p = &self.propulsion;
         let target = self.inputs.thruster_force.map(|force| p.speed(force));
