@@ -1,0 +1,50 @@
+//! Exploration.
+#[path = "mission/mod.rs"]
+mod mission;
+#[path = "scoring/mod.rs"]
+mod scoring;
+use mission::*;
+use rexrov::guidance::Course;
+use scoring::*;
+
+const ALL: [Which; 4] = [Which::ConstantAcceleration, Which::Dynamic, Which::Inertial, Which::ModelAided];
+
+fn seeds() -> u64 { std::env::var("SEEDS").ok().map_or(8, |s| s.parse().unwrap()) }
+
+#[test]
+fn nominal() {
+    for which in ALL {
+        let t = std::time::Instant::now();
+        let runs = parallel(1..=seeds(), |seed| {
+            let o = Options::nominal(Course::BE3, seed);
+            run(which, &o, &fly(&o), |_| {})
+        });
+        let whole: Vec<f64> = runs.iter().map(|r| r.rmse(0.0, 1e9)).collect();
+        let late: Vec<f64> = runs.iter().map(|r| r.rmse(30.0, 1e9)).collect();
+        let z: Vec<f64> = runs.iter().map(|r| r.rms(30.0, |s| s.error[2])).collect();
+        let h: Vec<f64> = runs.iter().map(|r| r.rms(30.0, |s| s.heading.to_degrees())).collect();
+        let m = |f: fn(&Sample) -> f64| runs.iter().map(|r| r.mean(30.0, 1e9, f)).sum::<f64>() / runs.len() as f64;
+        let nis: Vec<String> = (0..5).map(|c| format!("{:.2}", runs.iter().map(|r| r.nis[c].0).sum::<f64>() / runs.iter().map(|r| r.nis[c].1).sum::<u32>() as f64)).collect();
+        println!("{which:?}: rmse {:.3}/{:.3} after30 {:.3}/{:.3} z {:.3} head {:.3} nees2 {:.2} nees4 {:.2} sig {:.3} nis {nis:?} rej {:?} {:?}",
+            quantile(&whole, 0.5), quantile(&whole, 0.95), quantile(&late, 0.5), quantile(&late, 0.95), quantile(&z, 0.5), quantile(&h, 0.5),
+            m(|s| s.nees2), m(|s| s.nees4), m(|s| s.sigma2).sqrt(), runs[0].last.channels.map(|c| c.rejected), t.elapsed());
+    }
+}
+
+#[test]
+fn outage() {
+    for grade in [Grade::Adis, Grade::Industrial, Grade::Tactical] {
+        for which in ALL {
+            let runs = parallel(1..=seeds(), |seed| {
+                let o = Options { duration_s: 262.0, ..Options::nominal(Course::BE3, seed) }.with_imu(grade);
+                let mut m = fly(&o);
+                drop(&mut m.events, Kind::Fix, 200.0, 260.0);
+                drop(&mut m.events, Kind::Dvl, 200.0, 260.0);
+                run(which, &o, &m, |_| {})
+            });
+            let e: Vec<f64> = runs.iter().map(|r| r.final_error(259.9)).collect();
+            let n = runs.iter().map(|r| r.at(259.9).nees2).sum::<f64>() / runs.len() as f64;
+            println!("{grade:?} {which:?}: {:.2}/{:.2} nees2 {n:.2}", quantile(&e, 0.5), quantile(&e, 0.95));
+        }
+    }
+}
