@@ -48,3 +48,24 @@ fn outage() {
         }
     }
 }
+
+#[test]
+fn variants() {
+    let n = seeds();
+    let show = |name: &str, which: Which, change: &(dyn Fn(&mut Options) + Sync), tune: &(dyn Fn(&mut rexrov::estimation::NavigationParameters) + Sync)| {
+        let runs = parallel(1..=n, |seed| {
+            let mut o = Options::nominal(Course::BE3, seed);
+            change(&mut o);
+            run(which, &o, &fly(&o), tune)
+        });
+        let late: Vec<f64> = runs.iter().map(|r| r.rmse(30.0, 1e9)).collect();
+        let m = |f: fn(&Sample) -> f64| runs.iter().map(|r| r.mean(30.0, 1e9, f)).sum::<f64>() / runs.len() as f64;
+        println!("{name} {which:?}: after30 {:.3}/{:.3} nees2 {:.2} nees4 {:.2} sig {:.3}", quantile(&late, 0.5), quantile(&late, 0.95), m(|s| s.nees2), m(|s| s.nees4), m(|s| s.sigma2).sqrt());
+    };
+    for w in [Which::Dynamic, Which::Inertial] {
+        show("base", w, &|_| {}, &|_| {});
+        show("no heading bias", w, &|_| {}, &|p| p.sensors.heading_bias_sigma = 0.0);
+        show("heading bias .5 deg", w, &|_| {}, &|p| p.sensors.heading_bias_sigma = 0.0087);
+        show("ahrs 50", w, &|o| { o.ahrs_hz = 50.0; o.heading_sigma = 0.0224 }, &|_| {});
+    }
+}

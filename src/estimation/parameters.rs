@@ -41,7 +41,7 @@ impl Default for SensorErrors {
             gyro: imu.gyro,
             tilt_sigma: 0.01,
             heading_sigma: 0.01,
-            heading_bias_sigma: 0.035,
+            heading_bias_sigma: 0.0087,
             dvl_sigma: 0.01,
             dvl_scale_sigma: 0.0,
             dvl_misalignment_sigma: 0.0,
