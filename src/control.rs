@@ -1,11 +1,11 @@
 //! Velocity control, as in UUV Simulator: velocity error to thrust.
 //!
 //! PID on the linear and the angular velocity error gives an acceleration, limited axis by axis;
-//! times rigid mass and inertia a wrench; allocated by the pseudo-inverse and clipped thruster by
-//! thruster. Roll and pitch rate are commanded to zero. Fossen (2011) ch. 12.
+//! times rigid mass and inertia a wrench; allocated to the thrusters by what each is able to give,
+//! and clipped thruster by thruster. Roll and pitch rate are commanded to zero. Fossen (2011) ch. 12.
 
 use crate::ParameterError;
-use crate::allocation::Allocation;
+use crate::allocation::{Allocation, Degraded};
 use crate::error::{non_negative, positive};
 use crate::sampling::Rate;
 use crate::vector::{Vec3, mul};
@@ -68,17 +68,18 @@ impl Pid {
     }
 }
 
-/// Integrals of the velocity error, and the velocity at the cycle before.
+/// Integrals of the velocity error, the velocity at the cycle before, and the allocation in use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ControllerMemory {
     integral: [f64; 6],
     previous: Option<[f64; 6]>,
+    degraded: Option<Degraded>,
 }
 
 /// What the controller demands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Demand {
-    /// Thruster forces, limited (N).
+    /// Thruster forces to command, limited (N).
     pub force: [f64; 8],
     /// The wrench `[X, Y, Z, K, M, N]` asked for, before the limits of the thrusters (N, N.m).
     pub wrench: [f64; 6],
@@ -118,12 +119,14 @@ impl VelocityController {
         })
     }
 
-    /// One cycle: commanded `[u, v, w, r]` and the velocity `nu`, both in the body frame.
+    /// One cycle: commanded `[u, v, w, r]` and the velocity `nu`, both in the body frame, and the
+    /// fraction of its thrust that each thruster has lost, 0 to 1.
     pub fn update(
         &self,
         memory: &mut ControllerMemory,
         [u, v, w, r]: [f64; 4],
         nu: [f64; 6],
+        loss: &[f64; 8],
     ) -> Demand {
         let period = self.rate.period();
         let target = [u, v, w, 0.0, 0.0, r];
@@ -141,7 +144,7 @@ impl VelocityController {
             limited
         });
         let wrench = self.wrench(&acceleration);
-        let wanted = self.allocation.forces(&wrench);
+        let wanted = self.allocation.forces_with_loss(loss, &mut memory.degraded, &wrench);
         let force = wanted.map(|f| f.clamp(-self.thrust_limit, self.thrust_limit));
         // Anti-windup: an error that the thrusters cannot work off any faster is not summed up.
         if force == wanted {

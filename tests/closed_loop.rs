@@ -173,7 +173,8 @@ impl Run {
                 count += 1.0;
             }
             if self.controller.2.fires(now).is_some() {
-                let demand = self.controller.0.update(&mut self.controller.1, command, truth.nu);
+                let demand =
+                    self.controller.0.update(&mut self.controller.1, command, truth.nu, &[0.0; 8]);
                 self.inputs.thruster_force = demand.force;
             }
             self.plant.step(&mut self.state, &self.inputs, TICK_NS as f64 * 1e-9);

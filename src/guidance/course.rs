@@ -2,58 +2,13 @@
 //!
 //! A corner of turning angle phi and radius R takes `R tan(|phi|/2)` of both legs; radius 0 leaves
 //! it sharp. Arc length s runs from 0 at the first point to the length of the course at the last.
+//!
+//! All of that is horizontal. Depth, if the points have one, is linear in s from waypoint to
+//! waypoint; a rounded corner has the depth of its waypoint in the middle of its arc.
 
 use super::segment::{Segment, Vec2};
+use super::waypoint::{CourseError, Place, TOLERANCE, Waypoint, check, distance};
 use core::f64::consts::FRAC_PI_2;
-use core::fmt;
-
-/// A corner of a course.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Waypoint {
-    /// North (m).
-    pub x: f64,
-    /// East (m).
-    pub y: f64,
-    /// Radius of the corner (m); 0: sharp. Without meaning at the first and the last point.
-    pub radius: f64,
-}
-
-/// Where a course is wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
-    /// The course as a whole.
-    Course,
-    /// Point of this index, from zero.
-    Point(usize),
-    /// Line of this number, from one.
-    Line(usize),
-}
-
-impl fmt::Display for Place {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Course => write!(f, "course"),
-            Self::Point(index) => write!(f, "point {index}"),
-            Self::Line(number) => write!(f, "line {number}"),
-        }
-    }
-}
-
-/// A course that cannot be.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{place}: {reason}")]
-pub struct CourseError {
-    /// Where.
-    pub place: Place,
-    /// Why, and what to do.
-    pub reason: String,
-}
-
-impl CourseError {
-    pub(super) fn new(place: Place, reason: impl Into<String>) -> Self {
-        Self { place, reason: reason.into() }
-    }
-}
 
 /// A path of straights and arcs.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,43 +16,41 @@ pub struct Course {
     segments: Vec<Segment>,
     /// Arc length at the start of each segment, and the whole length at last.
     starts: Vec<f64>,
+    /// Arc length and depth `[s, z]` at each waypoint; empty if the course has no depths.
+    depths: Vec<[f64; 2]>,
 }
-
-/// Farthest coordinate and largest radius (m): beyond, metres have no decimals worth having.
-const FARTHEST: f64 = 1e9;
-/// Rounding that legs completely used up by their corners are allowed, relative.
-const TOLERANCE: f64 = 1e-9;
 
 impl Course {
     /// Joins corner points.
     ///
     /// # Errors
     /// Fewer than two points, coincident neighbours, values that are not finite, a negative radius,
-    /// or one too large for the legs beside it.
+    /// or one too large for the legs beside it, depths at some points only.
     pub fn new(points: &[Waypoint]) -> Result<Self, CourseError> {
-        check_points(points)?;
+        check(points)?;
         let legs: Vec<Leg> = points.windows(2).map(|w| Leg::new(w[0], w[1])).collect();
         let cuts = corner_cuts(points, &legs)?;
-        let mut segments = Vec::with_capacity(2 * legs.len());
+        let mut course = Self { segments: Vec::new(), starts: vec![0.0], depths: Vec::new() };
         for (i, leg) in legs.iter().enumerate() {
+            let mut waypoint = course.length();
             if i > 0 && cuts[i] > 0.0 {
-                segments.push(leg.arc_from(&legs[i - 1], cuts[i], points[i].radius));
+                course.push(leg.arc_from(&legs[i - 1], cuts[i], points[i].radius));
+                waypoint = 0.5 * (waypoint + course.length());
             }
+            course.depths.extend(points[i].z.map(|z| [waypoint, z]));
             let straight = leg.length - cuts[i] - cuts[i + 1];
             if straight > TOLERANCE * leg.length {
-                let start = leg.point(cuts[i]);
-                segments.push(Segment::Straight {
-                    start,
-                    direction: leg.direction,
-                    length: straight,
-                });
+                let (start, direction) = (leg.point(cuts[i]), leg.direction);
+                course.push(Segment::Straight { start, direction, length: straight });
             }
         }
-        let mut starts = vec![0.0];
-        for segment in &segments {
-            starts.push(starts[starts.len() - 1] + segment.length());
-        }
-        Ok(Self { segments, starts })
+        course.depths.extend(points[legs.len()].z.map(|z| [course.length(), z]));
+        Ok(course)
+    }
+
+    fn push(&mut self, segment: Segment) {
+        self.starts.push(self.length() + segment.length());
+        self.segments.push(segment);
     }
 
     /// Length (m).
@@ -119,6 +72,26 @@ impl Course {
     #[must_use]
     pub fn heading(&self, s: f64) -> f64 {
         self.at(s.clamp(0.0, self.length())).1
+    }
+
+    /// The depth (m) at arc length `s`, if the course has depths; beyond the ends that of the end.
+    #[must_use]
+    pub fn depth(&self, s: f64) -> Option<f64> {
+        let next = self.depths.partition_point(|&[start, _]| start <= s);
+        let before = next.checked_sub(1).and_then(|last| self.depths.get(last));
+        match (before, self.depths.get(next)) {
+            (Some([a, z]), Some([b, end])) => Some(z + (s - a) / (b - a) * (end - z)),
+            (Some([_, z]), None) | (None, Some([_, z])) => Some(*z),
+            (None, None) => None,
+        }
+    }
+
+    /// Mean slope of the depth over the stretch of length `span` (m) around arc length `s`.
+    ///
+    /// It is continuous, also where the depth has a kink: there it changes over one `span`.
+    #[must_use]
+    pub fn slope(&self, s: f64, span: f64) -> Option<f64> {
+        Some((self.depth(s + 0.5 * span)? - self.depth(s - 0.5 * span)?) / span)
     }
 
     /// Arc length of the point nearest to `p` among those between arc lengths `from` and `to`.
@@ -194,37 +167,6 @@ impl Leg {
             turn,
         }
     }
-}
-
-fn distance(a: Vec2, b: Vec2) -> f64 {
-    libm::hypot(a[0] - b[0], a[1] - b[1])
-}
-
-fn check_points(points: &[Waypoint]) -> Result<(), CourseError> {
-    if points.len() < 2 {
-        let reason = format!("needs at least two points, has {}", points.len());
-        return Err(CourseError::new(Place::Course, reason));
-    }
-    for (i, p) in points.iter().enumerate() {
-        let place = Place::Point(i);
-        if !(p.x.is_finite() && p.y.is_finite() && p.radius.is_finite()) {
-            let reason = format!("({}, {}, {}) must be finite numbers", p.x, p.y, p.radius);
-            return Err(CourseError::new(place, reason));
-        }
-        if [p.x, p.y, p.radius].into_iter().any(|value| value.abs() > FARTHEST) {
-            let reason = format!("({}, {}, {}) is beyond {FARTHEST:e} m", p.x, p.y, p.radius);
-            return Err(CourseError::new(place, reason));
-        }
-        if p.radius < 0.0 {
-            let reason = format!("radius {} must not be negative", p.radius);
-            return Err(CourseError::new(place, reason));
-        }
-        if i > 0 && distance([p.x, p.y], [points[i - 1].x, points[i - 1].y]) < TOLERANCE {
-            let reason = format!("({}, {}) repeats the point before; remove it", p.x, p.y);
-            return Err(CourseError::new(place, reason));
-        }
-    }
-    Ok(())
 }
 
 /// What each corner takes of the legs beside it; zero at the ends and where legs are in line.

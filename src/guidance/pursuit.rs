@@ -2,8 +2,11 @@
 //!
 //! `kappa = 2 sin(alpha) / L_d`, `r = gain atan(kappa L)`: eqs (54) and (55). alpha is the bearing
 //! of the target less the heading. As printed, alpha is the course of the segment less the heading,
-//! which does not see a distance from the course; that is kept as an option. Speed is constant, and
-//! depth is held by a proportional heave command.
+//! which does not see a distance from the course; that is kept as an option. Speed is constant.
+//!
+//! Depth: `w = speed dz/ds + depth_gain (z_course - z)`, z_course the depth at the nearest point and
+//! dz/ds the mean slope over one look-ahead distance around it, so that a kink in the depth changes
+//! the heave velocity gradually. A course without depths is level, and w is the second term alone.
 
 use super::course::Course;
 use crate::ParameterError;
@@ -34,14 +37,16 @@ pub struct PursuitParameters {
     pub vehicle_length: f64,
     /// Turn rate per steering angle (1/s).
     pub gain: f64,
-    /// Speed (m/s).
+    /// Speed along the course, horizontal (m/s).
     pub speed: f64,
-    /// Depth to hold (m).
+    /// Depth to hold on a course without depths (m).
     pub depth: f64,
     /// Heave velocity per depth error (1/s).
     pub depth_gain: f64,
-    /// Limit of the heave velocity (m/s).
+    /// Limit of the heave velocity that corrects a depth error (m/s).
     pub heave_limit: f64,
+    /// Limit of the whole heave velocity on a course with depths (m/s).
+    pub total_heave_limit: f64,
     /// The course is finished this close to its end, measured along it (m).
     pub finish_tolerance: f64,
     /// How far back along the course the nearest point may move in a cycle (m).
@@ -63,6 +68,7 @@ impl Default for PursuitParameters {
             depth: 20.0,
             depth_gain: 0.2,
             heave_limit: 0.1,
+            total_heave_limit: 0.3,
             finish_tolerance: 0.05,
             search_back: 1.0,
             search_ahead: 1.0,
@@ -83,10 +89,12 @@ pub struct PursuitMemory {
 pub struct Guidance {
     /// Velocity command `[u, v, w, r]`, body (m/s, rad/s); at the end only the depth is held.
     pub command: [f64; 4],
-    /// The point steered to, `[x, y]` (m).
-    pub target: [f64; 2],
-    /// Distance from the course, positive to starboard (m).
+    /// The point steered to, `[x, y, z]` (m).
+    pub target: [f64; 3],
+    /// Horizontal distance from the course, positive to starboard (m).
     pub cross_track: f64,
+    /// Depth below the course (m).
+    pub vertical_track: f64,
     /// Arc length of the nearest point (m).
     pub distance: f64,
     /// The end has been reached; stays true.
@@ -116,6 +124,7 @@ impl PurePursuit {
         finite("depth", p.depth)?;
         non_negative("depth_gain", p.depth_gain)?;
         non_negative("heave_limit", p.heave_limit)?;
+        non_negative("total_heave_limit", p.total_heave_limit)?;
         non_negative("finish_tolerance", p.finish_tolerance)?;
         non_negative("search_back", p.search_back)?;
         positive("search_ahead", p.search_ahead)?;
@@ -139,23 +148,36 @@ impl PurePursuit {
         memory.finished |= memory.distance >= self.course.length() - p.finish_tolerance;
 
         let ahead = memory.distance + p.lookahead;
-        let target = self.course.point(ahead);
+        let [north, east] = self.course.point(ahead);
         let reference = match p.heading_reference {
-            HeadingReference::Target => libm::atan2(target[1] - y, target[0] - x),
+            HeadingReference::Target => libm::atan2(east - y, north - x),
             HeadingReference::Segment => self.course.heading(ahead),
         };
         let (speed, turn_rate) = match memory.finished {
             true => (0.0, 0.0),
             false => (p.speed, self.turn_rate(wrap(reference - yaw))),
         };
-        let heave = (p.depth_gain * (p.depth - z)).clamp(-p.heave_limit, p.heave_limit);
         Guidance {
-            command: [speed, 0.0, heave, turn_rate],
-            target,
+            command: [speed, 0.0, self.heave(memory.distance, speed, z), turn_rate],
+            target: [north, east, self.depth(ahead)],
             cross_track: self.course.cross_track([x, y], memory.distance),
+            vertical_track: z - self.depth(memory.distance),
             distance: memory.distance,
             finished: memory.finished,
         }
+    }
+
+    fn depth(&self, s: f64) -> f64 {
+        self.course.depth(s).unwrap_or(self.parameters.depth)
+    }
+
+    fn heave(&self, s: f64, speed: f64, z: f64) -> f64 {
+        let p = &self.parameters;
+        let correction = p.depth_gain * (self.depth(s) - z);
+        let correction = correction.clamp(-p.heave_limit, p.heave_limit);
+        self.course.slope(s, p.lookahead).map_or(correction, |slope| {
+            (speed * slope + correction).clamp(-p.total_heave_limit, p.total_heave_limit)
+        })
     }
 
     fn turn_rate(&self, alpha: f64) -> f64 {

@@ -4,10 +4,6 @@ use fmu_kit::{ParameterError, Resources, read_text};
 use rexrov::guidance::Course;
 use std::path::PathBuf;
 
-/// Built-in courses.
-const BUILT_IN: [(&str, &str); 3] =
-    [("BE1", Course::BE1), ("BE2", Course::BE2), ("BE3", Course::BE3)];
-
 /// The course that the parameter `course` names.
 ///
 /// A file is looked for in the FMU's resources and then, like an absolute path, in the file system
@@ -17,7 +13,7 @@ const BUILT_IN: [(&str, &str); 3] =
 /// There is no such file, or it is no course: with its line and the reason.
 pub fn load(name: &str, resources: &Resources) -> Result<Course, ParameterError> {
     let error = |reason: String| ParameterError::new("course", reason);
-    if let Some((_, text)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
+    if let Some((_, text)) = Course::BUILT_IN.iter().find(|(known, _)| *known == name) {
         return Course::parse(text).map_err(|e| error(format!("{name}: {e}")));
     }
     let path = find(name, resources).map_err(error)?;
@@ -32,7 +28,7 @@ fn find(name: &str, resources: &Resources) -> Result<PathBuf, String> {
     if let Some(path) = places.iter().find(|path| path.try_exists().unwrap_or(true)) {
         return Ok(path.clone());
     }
-    let known = BUILT_IN.map(|(name, _)| name).join(", ");
+    let known = Course::BUILT_IN.map(|(name, _)| name).join(", ");
     let places: Vec<_> = places.iter().map(|path| format!("{path:?}")).collect();
     Err(format!(
         "{name:?} is neither a built-in course ({known}) nor a waypoint file: there is no {}",

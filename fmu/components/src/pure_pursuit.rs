@@ -1,7 +1,7 @@
 //! Guidance: `rexrov::guidance::PurePursuit` with FMI variables.
 
 use crate::course;
-use crate::groups::{Horizontal, Pose4, Velocity4, parameter_error};
+use crate::groups::{Pose4, Position, Velocity4, parameter_error};
 use fmu_kit::{Enumeration, Fault, Info, ParameterError, Resources, Sample, Time, Variables};
 use rexrov::guidance::{self, PursuitMemory, PursuitParameters};
 use serde::{Deserialize, Serialize};
@@ -19,7 +19,8 @@ pub enum HeadingReference {
 /// Parameters of the path follower.
 #[derive(Clone, Debug, Variables)]
 pub struct Parameters {
-    /// Course: BE1, BE2, BE3, or a file of lines x,y,radius (north, east, fillet radius in m)
+    /// Course: BE1, BE2, BE3, DIVE, HELIX, or a file of lines x,y[,radius[,z]] (north, east, fillet
+    /// radius, depth in m)
     pub course: String,
     /// Cycles a second
     #[var(unit = "Hz", min = 0.001, max = 1e6)]
@@ -33,18 +34,21 @@ pub struct Parameters {
     /// Turn rate over steering angle
     #[var(unit = "1/s", min = 0.0)]
     pub gain: f64,
-    /// Speed along the course
+    /// Speed along the course, horizontal
     #[var(unit = "m/s")]
     pub speed: f64,
-    /// Depth to hold
+    /// Depth to hold on a course without depths
     #[var(unit = "m")]
     pub depth: f64,
     /// Heave velocity over depth error
     #[var(unit = "1/s", min = 0.0)]
     pub depth_gain: f64,
-    /// Limit of the heave velocity
+    /// Limit of the heave velocity that corrects a depth error
     #[var(unit = "m/s", min = 0.0)]
     pub heave_limit: f64,
+    /// Limit of the whole heave velocity on a course with depths
+    #[var(unit = "m/s", min = 0.0)]
+    pub total_heave_limit: f64,
     /// How close to its end the course counts as finished
     #[var(unit = "m", min = 0.0)]
     pub finish_tolerance: f64,
@@ -71,6 +75,7 @@ impl Default for Parameters {
             depth: p.depth,
             depth_gain: p.depth_gain,
             heave_limit: p.heave_limit,
+            total_heave_limit: p.total_heave_limit,
             finish_tolerance: p.finish_tolerance,
             search_back: p.search_back,
             search_ahead: p.search_ahead,
@@ -90,6 +95,7 @@ impl From<&Parameters> for PursuitParameters {
             depth: p.depth,
             depth_gain: p.depth_gain,
             heave_limit: p.heave_limit,
+            total_heave_limit: p.total_heave_limit,
             finish_tolerance: p.finish_tolerance,
             search_back: p.search_back,
             search_ahead: p.search_ahead,
@@ -114,10 +120,13 @@ pub struct Outputs {
     /// Velocity demanded, body frame
     pub command: Velocity4,
     /// Point steered to
-    pub target: Horizontal,
-    /// Distance from the course, positive to starboard
+    pub target: Position,
+    /// Horizontal distance from the course, positive to starboard
     #[var(unit = "m")]
     pub cross_track: f64,
+    /// Depth below the course
+    #[var(unit = "m")]
+    pub vertical_track: f64,
     /// Distance along the course
     #[var(unit = "m")]
     pub distance: f64,
@@ -130,7 +139,10 @@ pub struct Outputs {
 pub struct PurePursuit(guidance::PurePursuit);
 
 impl Sample for PurePursuit {
-    const INFO: Info = crate::info("PurePursuit", "Follows a course at constant speed and depth");
+    const INFO: Info = crate::info(
+        "PurePursuit",
+        "Follows a course at constant speed, at constant depth or along its depths",
+    );
     type Parameters = Parameters;
     type Inputs = Inputs;
     type Outputs = Outputs;
@@ -161,6 +173,7 @@ impl Sample for PurePursuit {
             command: guidance.command.into(),
             target: guidance.target.into(),
             cross_track: guidance.cross_track,
+            vertical_track: guidance.vertical_track,
             distance: guidance.distance,
             finished: f64::from(u8::from(guidance.finished)),
         };

@@ -96,6 +96,14 @@ impl From<&Parameters> for ControllerParameters {
     }
 }
 
+/// What a thruster is known to have lost.
+#[derive(Clone, Copy, Debug, Default, Variables)]
+pub struct Loss {
+    /// fraction of its thrust that is lost (0 healthy, 1 gone)
+    #[var(min = 0.0, max = 1.0)]
+    pub loss: f64,
+}
+
 /// Inputs.
 #[derive(Clone, Copy, Debug, Default, Variables)]
 pub struct Inputs {
@@ -103,6 +111,8 @@ pub struct Inputs {
     pub command: Velocity4,
     /// Velocity, body frame
     pub velocity: Velocity,
+    /// Thruster
+    pub thruster: [Loss; 8],
 }
 
 /// Outputs.
@@ -118,8 +128,10 @@ pub struct Outputs {
 pub struct VelocityController(control::VelocityController);
 
 impl Sample for VelocityController {
-    const INFO: Info =
-        crate::info("VelocityController", "PID velocity control and allocation to eight thrusters");
+    const INFO: Info = crate::info(
+        "VelocityController",
+        "PID velocity control and allocation to up to eight thrusters",
+    );
     type Parameters = Parameters;
     type Inputs = Inputs;
     type Outputs = Outputs;
@@ -144,7 +156,8 @@ impl Sample for VelocityController {
         u: &Inputs,
         y: &mut Outputs,
     ) -> Result<(), Fault> {
-        let demand = self.0.update(memory, u.command.into(), u.velocity.into());
+        let loss = u.thruster.map(|thruster| thruster.loss);
+        let demand = self.0.update(memory, u.command.into(), u.velocity.into(), &loss);
         *y = Outputs {
             thruster: demand.force.map(|force| Force { force }),
             wrench: demand.wrench.into(),

@@ -86,13 +86,22 @@ fn a_bad_file_is_told_with_its_line_and_the_reason() {
         (b"0,0\n1e200,0\n", "0, 0) is beyond 1e9 m"),
         (b"0,0\n9,0,-1\n9,9\n", ", line 2: radius -1 must not be negative"),
         (b"0,0\r\n9,0,20\r\n9,9\r\n", ", line 2: radius 20 is too large"),
-        (b"0,0\n1,2,3,4\n", ", line 2: expected `x,y` or `x,y,radius`, found `1,2,3,4`"),
-        (b"0;0\n1;1\n", ", line 1: expected `x,y` or `x,y,radius`, found `0;0`"),
+        (
+            b"0,0\n1,2,3,4,5\n",
+            ", line 2: expected `x,y`, `x,y,radius` or `x,y,radius,z`, found `1,2,3,4,5`",
+        ),
+        (b"0;0\n1;1\n", ", line 1: expected `x,y`, `x,y,radius` or `x,y,radius,z`, found `0;0`"),
         (b"north,east\n0,0\n", ", line 1: x = `north` is not a number"),
-        (b"0,0\r9,0\r9,9", ", line 1: expected `x,y` or `x,y,radius`, found `0,0\\r9,0\\r9,9`"),
+        (
+            b"0,0\r9,0\r9,9",
+            ", line 1: expected `x,y`, `x,y,radius` or `x,y,radius,z`, found `0,0\\r9,0\\r9,9`",
+        ),
         (b"0,0\n\x00\x01\x1b[2J,\n", ", line 2: x = `\\0\\u{1}\\u{1b}[2J` is not a number"),
         (b"0,0\n1,1\n\xff\xfe\x00garbage\n", ", line 3: not text in UTF-8"),
-        (&lone, ", line 3: expected `x,y` or `x,y,radius`, found `9999999999999999999999999999999"),
+        (
+            &lone,
+            ", line 3: expected `x,y`, `x,y,radius` or `x,y,radius,z`, found `9999999999999999999999999999999",
+        ),
     ];
     for (number, (bytes, expected)) in cases.into_iter().enumerate() {
         let path = folder.file(&format!("{number}.csv"), bytes);
@@ -131,7 +140,7 @@ fn missing_files_and_resources_are_told_with_the_places_that_were_searched() {
     let none = Path::new("no such.csv");
     let line = refusal(none, Some(&folder.uri()));
     assert!(
-        line.contains("\"no such.csv\" is neither a built-in course (BE1, BE2, BE3)"),
+        line.contains("\"no such.csv\" is neither a built-in course (BE1, BE2, BE3, DIVE, HELIX)"),
         "{line}"
     );
     assert!(line.contains(&format!("there is no {:?} and no ", folder.0.join(none))), "{line}");
