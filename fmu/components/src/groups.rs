@@ -104,6 +104,17 @@ group! {
 }
 
 group! {
+    /// Depth and the angles that turn a place in the body up or down.
+    DepthAndTilt = [
+        /// down
+        #[var(unit = "m")] z,
+        /// roll
+        #[var(unit = "rad")] roll,
+        /// pitch
+        #[var(unit = "rad")] pitch; 3]
+}
+
+group! {
     /// Position and heading, the pose of the four-degree-of-freedom models.
     Pose4 = [
         /// north

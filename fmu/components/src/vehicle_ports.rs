@@ -3,11 +3,10 @@
 //! The structs of variables here only declare; the component works on those of the mathematics.
 
 use crate::direct::{Numbers, numbers};
-use crate::groups::{
-    Acceleration, Ned, Pose, Position, Quaternion, Thrust, Vector, Velocity, Wrench,
-};
+use crate::groups::{Acceleration, Ned, Pose, Position, Quaternion, Vector, Velocity, Wrench};
 use fmu_kit::{Reader, Variables};
 use rexrov::vehicle::{self, State};
+use serde::{Deserialize, Serialize};
 
 /// Demand on one thruster.
 #[derive(Clone, Copy, Debug, Default, Variables)]
@@ -18,6 +17,10 @@ pub struct Demand {
     /// rotor speed demanded (thruster_mode RotorSpeed)
     #[var(unit = "rad/s", nominal = 1000.0)]
     pub speed: f64,
+    /// fraction of the thrust lost: 0 sound, 1 propeller lost, 2 turning the wrong way; the rotor
+    /// turns as demanded
+    #[var(unit = "1")]
+    pub loss: f64,
 }
 
 /// Inputs.
@@ -34,9 +37,9 @@ pub struct Inputs {
 impl From<vehicle::Inputs> for Inputs {
     fn from(u: vehicle::Inputs) -> Self {
         let mut thruster = [Demand::default(); 8];
-        let demands = u.thruster_force.into_iter().zip(u.thruster_speed);
-        for (place, (force, speed)) in thruster.iter_mut().zip(demands) {
-            *place = Demand { force, speed };
+        let demands = u.thruster_force.into_iter().zip(u.thruster_speed).zip(u.thruster_loss);
+        for (place, ((force, speed), loss)) in thruster.iter_mut().zip(demands) {
+            *place = Demand { force, speed, loss };
         }
         Self { thruster, wrench: u.wrench.into(), current: u.current_ned.into() }
     }
@@ -47,10 +50,11 @@ impl Numbers for vehicle::Inputs {
 
     #[inline(always)]
     fn load(from: &mut Reader<'_>) -> Self {
-        let thruster: [[f64; 2]; 8] = Variables::load(from);
+        let thruster: [[f64; 3]; 8] = Variables::load(from);
         Self {
-            thruster_force: thruster.map(|[force, _]| force),
-            thruster_speed: thruster.map(|[_, speed]| speed),
+            thruster_force: thruster.map(|[force, ..]| force),
+            thruster_speed: thruster.map(|[_, speed, _]| speed),
+            thruster_loss: thruster.map(|[.., loss]| loss),
             wrench: Variables::load(from),
             current_ned: Variables::load(from),
         }
@@ -60,9 +64,13 @@ impl Numbers for vehicle::Inputs {
     fn zip(&mut self, other: &Self, f: &mut impl FnMut(&mut f64, f64)) {
         let own = self.thruster_force.iter_mut().zip(&mut self.thruster_speed);
         let theirs = other.thruster_force.iter().zip(&other.thruster_speed);
-        for ((force, speed), (other_force, other_speed)) in own.zip(theirs) {
+        let losses = self.thruster_loss.iter_mut().zip(&other.thruster_loss);
+        for (((force, speed), (other_force, other_speed)), (loss, other_loss)) in
+            own.zip(theirs).zip(losses)
+        {
             f(force, *other_force);
             f(speed, *other_speed);
+            f(loss, *other_loss);
         }
         self.wrench.zip_reals(&other.wrench, f);
         self.current_ned.zip_reals(&other.current_ned, f);
@@ -86,7 +94,29 @@ pub struct Outputs {
     #[var(unit = "m/s2", nominal = 10.0)]
     pub specific_force: Vector,
     /// Thruster
-    pub thruster: [Thrust; 8],
+    pub thruster: [Thruster; 8],
+}
+
+/// What one thruster does.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, Variables)]
+pub struct Thruster {
+    /// thrust
+    #[var(unit = "N", nominal = 1000.0)]
+    pub thrust: f64,
+    /// rotor speed
+    #[var(unit = "rad/s", nominal = 100.0)]
+    pub speed: f64,
+}
+
+impl Thruster {
+    /// All of them.
+    pub fn all(thrust: &[f64; 8], speed: &[f64; 8]) -> [Self; 8] {
+        let mut all = [Self::default(); 8];
+        for (place, (&thrust, &speed)) in all.iter_mut().zip(thrust.iter().zip(speed)) {
+            *place = Self { thrust, speed };
+        }
+        all
+    }
 }
 
 impl From<vehicle::Outputs> for Outputs {
@@ -99,13 +129,49 @@ impl From<vehicle::Outputs> for Outputs {
             velocity_ned: y.v_ned.into(),
             acceleration: y.nu_dot.into(),
             specific_force: y.specific_force.into(),
-            thruster: y.thrust.map(|thrust| Thrust { thrust }),
+            thruster: Thruster::all(&y.thrust, &y.rotor_speed),
         }
     }
 }
 
-numbers!(vehicle::Outputs, named by Outputs:
-    p_ned, euler, quaternion, nu, v_ned, nu_dot, specific_force, thrust);
+impl Numbers for vehicle::Outputs {
+    type Names = Outputs;
+
+    #[inline(always)]
+    fn load(from: &mut Reader<'_>) -> Self {
+        let mut outputs = Self {
+            p_ned: Variables::load(from),
+            euler: Variables::load(from),
+            quaternion: Variables::load(from),
+            nu: Variables::load(from),
+            v_ned: Variables::load(from),
+            nu_dot: Variables::load(from),
+            specific_force: Variables::load(from),
+            ..Self::default()
+        };
+        let thruster: [[f64; 2]; 8] = Variables::load(from);
+        outputs.thrust = thruster.map(|[thrust, _]| thrust);
+        outputs.rotor_speed = thruster.map(|[_, speed]| speed);
+        outputs
+    }
+
+    #[inline(always)]
+    fn zip(&mut self, other: &Self, f: &mut impl FnMut(&mut f64, f64)) {
+        self.p_ned.zip_reals(&other.p_ned, f);
+        self.euler.zip_reals(&other.euler, f);
+        self.quaternion.zip_reals(&other.quaternion, f);
+        self.nu.zip_reals(&other.nu, f);
+        self.v_ned.zip_reals(&other.v_ned, f);
+        self.nu_dot.zip_reals(&other.nu_dot, f);
+        self.specific_force.zip_reals(&other.specific_force, f);
+        let own = self.thrust.iter_mut().zip(&mut self.rotor_speed);
+        let theirs = other.thrust.iter().zip(&other.rotor_speed);
+        for ((thrust, speed), (other_thrust, other_speed)) in own.zip(theirs) {
+            f(thrust, *other_thrust);
+            f(speed, *other_speed);
+        }
+    }
+}
 
 /// Rotor of one thruster.
 #[derive(Clone, Copy, Debug, Default, Variables)]

@@ -1,0 +1,93 @@
+//! Rotor speed sensors: `rexrov::sensors::Tachometer` with FMI variables.
+
+use crate::instrument::{Instrument, Sensor, Stamp, Switch};
+use crate::vehicle_ports::{Rotor, Thruster};
+use fmu_kit::{Info, Variables};
+use rexrov::ParameterError;
+use rexrov::sampling::Rate;
+use rexrov::sensors::{self, TachometerMemory, TachometerParameters};
+
+/// Parameters of the tachometers.
+#[derive(Clone, Debug, Variables)]
+pub struct Parameters {
+    /// What all sensors have.
+    #[var(flatten)]
+    pub instrument: Instrument,
+    /// Standard deviation
+    #[var(unit = "rad/s", min = 0.0)]
+    pub sigma: f64,
+    /// Thrust over rotor speed squared
+    #[var(unit = "N.s2/rad2", min = 1e-12, nominal = 1e-3)]
+    pub thrust_gain: f64,
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        let p = TachometerParameters::default();
+        Self {
+            instrument: Instrument::new(p.rate_hz, p.seed),
+            sigma: p.sigma,
+            thrust_gain: p.thrust_gain,
+        }
+    }
+}
+
+/// Inputs.
+#[derive(Clone, Copy, Debug, Default, Variables)]
+pub struct Inputs {
+    /// Thruster
+    pub thruster: [Rotor; 8],
+    /// Switch.
+    #[var(flatten)]
+    pub switch: Switch,
+}
+
+/// Outputs.
+#[derive(Clone, Copy, Debug, Default, serde::Serialize, serde::Deserialize, Variables)]
+pub struct Outputs {
+    /// Thruster
+    pub thruster: [Thruster; 8],
+    /// Newest sample.
+    #[var(flatten)]
+    pub stamp: Stamp,
+}
+
+/// The tachometers of all thrusters.
+pub struct Tachometer(sensors::Tachometer);
+
+impl Sensor for Tachometer {
+    const INFO: Info =
+        crate::info("Tachometer", "Rotor speeds of the thrusters and the thrusts they stand for");
+    type Parameters = Parameters;
+    type Inputs = Inputs;
+    type Outputs = Outputs;
+    type Memory = TachometerMemory;
+
+    fn new(p: &Parameters) -> Result<Self, ParameterError> {
+        let parameters = TachometerParameters {
+            rate_hz: p.instrument.rate_hz,
+            seed: p.instrument.seed(),
+            sigma: p.sigma,
+            thrust_gain: p.thrust_gain,
+        };
+        sensors::Tachometer::new(&parameters).map(Self)
+    }
+
+    fn instrument(p: &Parameters) -> &Instrument {
+        &p.instrument
+    }
+
+    fn rate(&self) -> Rate {
+        self.0.rate
+    }
+
+    fn memory(&self) -> TachometerMemory {
+        self.0.memory()
+    }
+
+    fn sample(&self, stamp: Stamp, memory: &mut TachometerMemory, u: &Inputs) -> Option<Outputs> {
+        let sample = self.0.sample(memory, &u.thruster.map(|rotor| rotor.speed));
+        let thruster = Thruster::all(&sample.thrust, &sample.speed);
+        u.switch.is_on().then_some(Outputs { thruster, stamp })
+    }
+}
