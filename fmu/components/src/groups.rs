@@ -257,7 +257,7 @@ pub struct Force {
 }
 
 /// The thrust of one thruster.
-#[derive(Clone, Copy, Debug, Default, Variables)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, Variables)]
 pub struct Thrust {
     /// thrust
     #[var(unit = "N", nominal = 1000.0)]

@@ -1,11 +1,13 @@
 //! Rotor speed sensors: `rexrov::sensors::Tachometer` with FMI variables.
 
+use crate::groups::Thrust;
 use crate::instrument::{Instrument, Sensor, Stamp, Switch};
-use crate::vehicle_ports::{Rotor, Thruster};
+use crate::vehicle_ports::Rotor;
 use fmu_kit::{Info, Variables};
 use rexrov::ParameterError;
 use rexrov::sampling::Rate;
 use rexrov::sensors::{self, TachometerMemory, TachometerParameters};
+use serde::{Deserialize, Serialize};
 
 /// Parameters of the tachometers.
 #[derive(Clone, Debug, Variables)]
@@ -32,21 +34,30 @@ impl Default for Parameters {
     }
 }
 
+/// True motion.
+#[derive(Clone, Copy, Debug, Default, Variables)]
+pub struct Vehicle {
+    /// Rotor
+    pub rotor: [Rotor; 8],
+}
+
 /// Inputs.
 #[derive(Clone, Copy, Debug, Default, Variables)]
 pub struct Inputs {
-    /// Thruster
-    pub thruster: [Rotor; 8],
+    /// True motion
+    pub vehicle: Vehicle,
     /// Switch.
     #[var(flatten)]
     pub switch: Switch,
 }
 
 /// Outputs.
-#[derive(Clone, Copy, Debug, Default, serde::Serialize, serde::Deserialize, Variables)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, Variables)]
 pub struct Outputs {
-    /// Thruster
-    pub thruster: [Thruster; 8],
+    /// Rotor
+    pub rotor: [Rotor; 8],
+    /// Thruster, if its propeller is sound
+    pub thruster: [Thrust; 8],
     /// Newest sample.
     #[var(flatten)]
     pub stamp: Stamp,
@@ -86,8 +97,11 @@ impl Sensor for Tachometer {
     }
 
     fn sample(&self, stamp: Stamp, memory: &mut TachometerMemory, u: &Inputs) -> Option<Outputs> {
-        let sample = self.0.sample(memory, &u.thruster.map(|rotor| rotor.speed));
-        let thruster = Thruster::all(&sample.thrust, &sample.speed);
-        u.switch.is_on().then_some(Outputs { thruster, stamp })
+        let sample = self.0.sample(memory, &u.vehicle.rotor.map(|rotor| rotor.speed));
+        u.switch.is_on().then(|| Outputs {
+            rotor: sample.speed.map(|speed| Rotor { speed }),
+            thruster: sample.thrust.map(|thrust| Thrust { thrust }),
+            stamp,
+        })
     }
 }

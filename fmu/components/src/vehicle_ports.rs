@@ -3,7 +3,9 @@
 //! The structs of variables here only declare; the component works on those of the mathematics.
 
 use crate::direct::{Numbers, numbers};
-use crate::groups::{Acceleration, Ned, Pose, Position, Quaternion, Vector, Velocity, Wrench};
+use crate::groups::{
+    Acceleration, Ned, Pose, Position, Quaternion, Thrust, Vector, Velocity, Wrench,
+};
 use fmu_kit::{Reader, Variables};
 use rexrov::vehicle::{self, State};
 use serde::{Deserialize, Serialize};
@@ -94,29 +96,9 @@ pub struct Outputs {
     #[var(unit = "m/s2", nominal = 10.0)]
     pub specific_force: Vector,
     /// Thruster
-    pub thruster: [Thruster; 8],
-}
-
-/// What one thruster does.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, Variables)]
-pub struct Thruster {
-    /// thrust
-    #[var(unit = "N", nominal = 1000.0)]
-    pub thrust: f64,
-    /// rotor speed
-    #[var(unit = "rad/s", nominal = 100.0)]
-    pub speed: f64,
-}
-
-impl Thruster {
-    /// All of them.
-    pub fn all(thrust: &[f64; 8], speed: &[f64; 8]) -> [Self; 8] {
-        let mut all = [Self::default(); 8];
-        for (place, (&thrust, &speed)) in all.iter_mut().zip(thrust.iter().zip(speed)) {
-            *place = Self { thrust, speed };
-        }
-        all
-    }
+    pub thruster: [Thrust; 8],
+    /// Rotor; where a force acts at once, with the speed of a sound propeller for it
+    pub rotor: [Rotor; 8],
 }
 
 impl From<vehicle::Outputs> for Outputs {
@@ -129,52 +111,17 @@ impl From<vehicle::Outputs> for Outputs {
             velocity_ned: y.v_ned.into(),
             acceleration: y.nu_dot.into(),
             specific_force: y.specific_force.into(),
-            thruster: Thruster::all(&y.thrust, &y.rotor_speed),
+            thruster: y.thrust.map(|thrust| Thrust { thrust }),
+            rotor: y.rotor_speed.map(|speed| Rotor { speed }),
         }
     }
 }
 
-impl Numbers for vehicle::Outputs {
-    type Names = Outputs;
-
-    #[inline(always)]
-    fn load(from: &mut Reader<'_>) -> Self {
-        let mut outputs = Self {
-            p_ned: Variables::load(from),
-            euler: Variables::load(from),
-            quaternion: Variables::load(from),
-            nu: Variables::load(from),
-            v_ned: Variables::load(from),
-            nu_dot: Variables::load(from),
-            specific_force: Variables::load(from),
-            ..Self::default()
-        };
-        let thruster: [[f64; 2]; 8] = Variables::load(from);
-        outputs.thrust = thruster.map(|[thrust, _]| thrust);
-        outputs.rotor_speed = thruster.map(|[_, speed]| speed);
-        outputs
-    }
-
-    #[inline(always)]
-    fn zip(&mut self, other: &Self, f: &mut impl FnMut(&mut f64, f64)) {
-        self.p_ned.zip_reals(&other.p_ned, f);
-        self.euler.zip_reals(&other.euler, f);
-        self.quaternion.zip_reals(&other.quaternion, f);
-        self.nu.zip_reals(&other.nu, f);
-        self.v_ned.zip_reals(&other.v_ned, f);
-        self.nu_dot.zip_reals(&other.nu_dot, f);
-        self.specific_force.zip_reals(&other.specific_force, f);
-        let own = self.thrust.iter_mut().zip(&mut self.rotor_speed);
-        let theirs = other.thrust.iter().zip(&other.rotor_speed);
-        for ((thrust, speed), (other_thrust, other_speed)) in own.zip(theirs) {
-            f(thrust, *other_thrust);
-            f(speed, *other_speed);
-        }
-    }
-}
+numbers!(vehicle::Outputs, named by Outputs:
+    p_ned, euler, quaternion, nu, v_ned, nu_dot, specific_force, thrust, rotor_speed);
 
 /// Rotor of one thruster.
-#[derive(Clone, Copy, Debug, Default, Variables)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, Variables)]
 pub struct Rotor {
     /// speed
     #[var(unit = "rad/s", nominal = 100.0)]
