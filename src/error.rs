@@ -46,6 +46,17 @@ pub(crate) fn non_negative(name: &str, value: f64) -> Result<(), ParameterError>
     Err(ParameterError::new(name, value, "must be zero or positive, and finite"))
 }
 
+pub(crate) fn probability(name: &str, value: f64) -> Result<(), ParameterError> {
+    within(name, value, 0.0, 1.0)
+}
+
+pub(crate) fn within(name: &str, value: f64, min: f64, max: f64) -> Result<(), ParameterError> {
+    if (min..=max).contains(&value) {
+        return Ok(());
+    }
+    Err(ParameterError::new(name, value, &format!("must lie between {min} and {max}")))
+}
+
 /// Applies `check` to each element, naming it by its index: `position[2]`.
 pub(crate) fn each(
     name: &str,

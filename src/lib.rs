@@ -11,6 +11,7 @@
 pub mod allocation;
 pub mod attitude;
 pub mod control;
+pub mod environment;
 pub mod estimation;
 pub mod guidance;
 pub mod sampling;

@@ -18,7 +18,7 @@ const MODES: [ThrusterMode; 3] =
 
 /// Random numbers enough for parameters, a point and a direction.
 fn numbers() -> impl Strategy<Value = Vec<f64>> {
-    prop::collection::vec(-1.0..1.0, 400)
+    prop::collection::vec(-1.0..1.0, 420)
 }
 
 /// A vehicle, a point and a direction.
@@ -348,7 +348,7 @@ fn a_rotor_moves_its_own_lag_its_own_thrust_and_the_accelerations() {
     for mode in [ThrusterMode::ForceWithLag, ThrusterMode::RotorSpeed] {
         let mut expected = ACCELERATIONS.to_vec();
         expected.insert(6, "rotor[2]'");
-        expected.push("thrust[2]");
+        expected.extend(["thrust[2]", "rotor_speed[2]"]);
         assert_eq!(moved_by(mode, |x, _| x.rotor_speed[2] = 1.0), expected);
     }
     assert!(moved_by(ThrusterMode::Force, |x, _| x.rotor_speed[2] = 1.0).is_empty());
@@ -361,11 +361,20 @@ fn a_command_acts_only_in_its_mode_and_through_the_lag_if_there_is_one() {
     assert_eq!(moved_by(ThrusterMode::ForceWithLag, force), ["rotor[2]'"]);
     assert_eq!(moved_by(ThrusterMode::RotorSpeed, speed), ["rotor[2]'"]);
     let mut expected = ACCELERATIONS.to_vec();
-    expected.push("thrust[2]");
+    expected.extend(["thrust[2]", "rotor_speed[2]"]);
     assert_eq!(moved_by(ThrusterMode::Force, force), expected);
     assert!(moved_by(ThrusterMode::ForceWithLag, speed).is_empty());
     assert!(moved_by(ThrusterMode::Force, speed).is_empty());
     assert!(moved_by(ThrusterMode::RotorSpeed, force).is_empty());
+}
+
+#[test]
+fn a_loss_moves_its_own_thrust_and_the_accelerations() {
+    for mode in MODES {
+        let mut expected = ACCELERATIONS.to_vec();
+        expected.push("thrust[2]");
+        assert_eq!(moved_by(mode, |_, u| u.thruster_loss[2] = 1.0), expected);
+    }
 }
 
 #[test]

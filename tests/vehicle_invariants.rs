@@ -252,6 +252,7 @@ fn a_step_is_to_the_bit_a_general_runge_kutta_over_the_derivative() {
             thruster_speed: [50.0, -20.0, 30.0, 1e5, 100.0, 80.0, -90.0, -60.0],
             wrench: [1.0, 2.0, 3.0, 4.0, 5.0, 6.0],
             current_ned: [0.1, -0.2, 0.03],
+            thruster_loss: [0.0, 1.0, 0.3, -0.05, 2.0, 0.0, 0.5, 0.0],
         };
         let mut stepped = state([0.3, 0.2, -0.1, 0.05, -0.04, 0.1], [0.2, -0.1, 2.0]);
         let mut general = stepped;

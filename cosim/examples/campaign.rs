@@ -14,8 +14,8 @@ impl Manipulator for Outage {
         self.0.first().map(|(time, _)| *time)
     }
     fn act(&mut self, _: Time, controls: &mut Controls<'_>) -> Result<()> {
-        let (_, enabled) = self.0.remove(0);
-        controls.set("dvl.enabled", enabled)
+        let (_, off) = self.0.remove(0);
+        controls.set("dvl.off", off)
     }
 }
 
@@ -27,7 +27,7 @@ fn main() -> Result<()> {
     let system = System::load(&file, &Overrides::new())?;
     for seed in 1..=runs {
         let overrides = Overrides::new().start_value("dvl.seed", seed).stop_time(200.0);
-        let mut outage = Outage(vec![(second(100), 0.0), (second(130), 1.0)]);
+        let mut outage = Outage(vec![(second(100), 1.0), (second(130), 0.0)]);
         let (system, mut results) = (system.with(&overrides)?, Recording::new());
         Run::new(&system).observe(&mut results).manipulate(&mut outage).go()?;
         let (truth, estimate) = (results.column("vehicle.pose.x")?, results.column("ekf.pose.x")?);

@@ -38,7 +38,7 @@
 //!     }
 //!     fn act(&mut self, _: Time, controls: &mut Controls<'_>) -> Result<()> {
 //!         self.0 = None;
-//!         controls.set("gps.enabled", 0.0)
+//!         controls.set("gps.off", 1.0)
 //!     }
 //! }
 //!

@@ -6,8 +6,8 @@
 //! { "description": "the DVL fails for half a minute",
 //!   "defaults": { "model": "dvl", "action": "override" },
 //!   "events": [
-//!     { "time": 100, "variable": "enabled", "value": 0 },
-//!     { "time": 130, "variable": "enabled", "action": "reset" } ],
+//!     { "time": 100, "variable": "off", "value": 1 },
+//!     { "time": 130, "variable": "off", "action": "reset" } ],
 //!   "end": 200 }
 //! ```
 //!

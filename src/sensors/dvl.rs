@@ -1,30 +1,118 @@
-//! Doppler velocity log: velocity over ground at its own place, along body axes.
+//! Doppler velocity log: velocity over ground at its own place, from four beams.
 //!
-//! `v_dvl = v + omega x r + noise`; the nominal place astern adds -1.4 r to the sway velocity.
+//! The beams of a Janus array lean by the beam angle theta from straight down, towards 45, 135, 225
+//! and 315 degrees from forward: `e_i = (sin theta cos a_i, sin theta sin a_i, cos theta)`. Each
+//! measures `b_i = e_i . v_h + n_i`, where v_h is the velocity `v + omega x r` along the axes of the
+//! housing with its scale and correlated errors. Least squares over the beams are
+//!
+//! ```text
+//! u = sum cos(a_i) b_i / (2 sin theta),  v = sum sin(a_i) b_i / (2 sin theta),
+//! w = sum b_i / (4 cos theta),           e = (b_0 - b_1 + b_2 - b_3) / (2 sqrt(2) sin theta)
+//! ```
+//! with the error velocity e, zero but for noise and scaled to have the noise of u and v (Teledyne RD
+//! Instruments, ADCP Coordinate Transformation, 2010). Three beams give the one solution for which e
+//! is zero. Noise of `sigma` in u, v and e is `sqrt(2) sin(theta) sigma` along each beam, and so
+//! `tan(theta) / sqrt(2) sigma` in w.
 
-use super::noise::Gaussian;
+use super::errors::{Correlated, GaussMarkov, Outliers};
+use super::noise::{Gaussian, Stream};
 use crate::ParameterError;
-use crate::error::{each, finite, non_negative};
+use crate::attitude;
+use crate::error::{each, finite, non_negative, positive, probability, within};
 use crate::sampling::Rate;
-use crate::vector::{Vec3, add, angular, cross, linear};
+use crate::vector::{Vec3, add, angular, cross, linear, mul, scale};
+use core::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 use serde::{Deserialize, Serialize};
+
+/// Cosine and sine of the azimuths of the beams, over `1 / sqrt(2)`.
+const AZIMUTHS: [[f64; 2]; 4] = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]];
 
 /// Parameters of a DVL.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DvlParameters {
     /// Samples a second (Hz).
     pub rate_hz: f64,
-    /// Seed of its noise.
+    /// Seed of all its noise.
     pub seed: u64,
     /// Place, body (m).
     pub position: [f64; 3],
-    /// Standard deviation of each axis (m/s).
+    /// Standard deviation of surge and sway with four beams (m/s).
     pub sigma: f64,
+    /// Angle between the beams and the axis of the housing (deg).
+    pub beam_angle_deg: f64,
+    /// Relative error of the speed, as from a wrong speed of sound.
+    pub scale_error: f64,
+    /// Yaw of the housing in the body frame that its user does not know of (deg).
+    pub misalignment_deg: f64,
+    /// Correlated error of each axis (m/s).
+    pub correlated_error: GaussMarkov,
+    /// Samples whose beams are all far off, each on its own; sigma is that of surge and sway (m/s).
+    pub outlier: Outliers,
+    /// Probability that a sample is lost.
+    pub dropout_probability: f64,
+    /// Probability that a beam is lost, each on its own.
+    pub beam_dropout_probability: f64,
+    /// Depth of the flat seabed (m); 0: none is modelled, every beam reaches it.
+    pub seabed_depth: f64,
+    /// Least altitude for bottom lock (m). What counts for each beam is its range times the cosine
+    /// of the beam angle, which is the altitude where there is no tilt.
+    pub min_altitude: f64,
+    /// Greatest altitude for bottom lock (m), likewise.
+    pub max_altitude: f64,
+    /// Greatest tilt from the vertical for bottom lock (deg).
+    pub max_tilt_deg: f64,
 }
 
 impl Default for DvlParameters {
     fn default() -> Self {
-        Self { rate_hz: 7.0, seed: 2, position: [-1.4, 0.0, 0.312], sigma: 0.001 }
+        DvlModel::default().parameters()
+    }
+}
+
+/// Instruments with the values of their data sheets.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DvlModel {
+    /// The log of UUV Simulator.
+    #[default]
+    UuvSimulator,
+    /// Teledyne RD Instruments Workhorse Navigator, 300 kHz.
+    WorkhorseNavigator300,
+    /// Teledyne RD Instruments Workhorse Navigator, 600 kHz.
+    WorkhorseNavigator600,
+    /// Teledyne RD Instruments Workhorse Navigator, 1200 kHz.
+    WorkhorseNavigator1200,
+    /// Nortek DVL1000.
+    NortekDvl1000,
+}
+
+impl DvlModel {
+    /// Rate, noise of a single ping, beam angle and altitudes of its data sheet; no other errors.
+    #[must_use]
+    pub fn parameters(self) -> DvlParameters {
+        let (rate_hz, sigma, beam_angle_deg, min_altitude, max_altitude) = match self {
+            Self::UuvSimulator => (7.0, 0.001, 30.0, 0.7, 90.0),
+            Self::WorkhorseNavigator300 => (7.0, 0.003, 30.0, 1.0, 200.0),
+            Self::WorkhorseNavigator600 => (7.0, 0.003, 30.0, 0.7, 90.0),
+            Self::WorkhorseNavigator1200 => (7.0, 0.003, 30.0, 0.5, 30.0),
+            Self::NortekDvl1000 => (8.0, 0.005, 25.0, 0.2, 75.0),
+        };
+        DvlParameters {
+            rate_hz,
+            seed: 2,
+            position: [-1.4, 0.0, 0.312],
+            sigma,
+            beam_angle_deg,
+            scale_error: 0.0,
+            misalignment_deg: 0.0,
+            correlated_error: GaussMarkov::NONE,
+            outlier: Outliers::default(),
+            dropout_probability: 0.0,
+            beam_dropout_probability: 0.0,
+            seabed_depth: 0.0,
+            min_altitude,
+            max_altitude,
+            max_tilt_deg: 90.0,
+        }
     }
 }
 
@@ -33,19 +121,40 @@ impl Default for DvlParameters {
 pub struct DvlTruth {
     /// Velocity over ground `[u, v, w, p, q, r]`, body (m/s, rad/s).
     pub nu: [f64; 6],
+    /// Depth of the centre of gravity, NED z (m).
+    pub z: f64,
+    /// Roll, pitch, yaw (rad).
+    pub euler: [f64; 3],
 }
 
-/// What the DVL shows.
+/// The velocity that a DVL shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DvlSample {
     /// Velocity over ground at the DVL, body axes (m/s).
     pub velocity: [f64; 3],
 }
 
-/// Noise generator.
+/// All that a DVL shows with bottom lock.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DvlPing {
+    /// The velocity.
+    pub sample: DvlSample,
+    /// Disagreement of the beams (m/s); zero with three of them.
+    pub error_velocity: f64,
+    /// Height of the DVL over the seabed (m); zero if none is modelled.
+    pub altitude: f64,
+    /// Velocity along each beam, positive towards the seabed (m/s); `None` where it lost the bottom.
+    pub beams: [Option<f64>; 4],
+}
+
+/// Noise generators and the correlated error.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DvlMemory {
-    noise: Gaussian,
+    white: Gaussian,
+    correlated: Gaussian,
+    outliers: Gaussian,
+    dropouts: Gaussian,
+    error: [f64; 3],
 }
 
 /// A DVL, its parameters checked.
@@ -53,9 +162,12 @@ pub struct DvlMemory {
 pub struct Dvl {
     /// How often it samples.
     pub rate: Rate,
-    seed: u64,
-    position: Vec3,
-    sigma: f64,
+    p: DvlParameters,
+    /// Sine and cosine of the beam angle and of the misalignment.
+    lean: [f64; 2],
+    turn: [f64; 2],
+    min_cos_tilt: f64,
+    correlated: Correlated,
 }
 
 impl Dvl {
@@ -67,19 +179,114 @@ impl Dvl {
         let rate = Rate::new(p.rate_hz)?;
         each("position", &p.position, finite)?;
         non_negative("sigma", p.sigma)?;
-        Ok(Self { rate, seed: p.seed, position: p.position, sigma: p.sigma })
+        within("beam_angle_deg", p.beam_angle_deg, 1.0, 80.0)?;
+        within("scale_error", p.scale_error, -0.5, 0.5)?;
+        finite("misalignment_deg", p.misalignment_deg)?;
+        p.correlated_error.check("correlated_error")?;
+        p.outlier.check("outlier")?;
+        probability("dropout_probability", p.dropout_probability)?;
+        probability("beam_dropout_probability", p.beam_dropout_probability)?;
+        non_negative("seabed_depth", p.seabed_depth)?;
+        non_negative("min_altitude", p.min_altitude)?;
+        positive("max_altitude", p.max_altitude)?;
+        if p.max_altitude <= p.min_altitude {
+            let reason = "must be greater than min_altitude";
+            return Err(ParameterError::new("max_altitude", p.max_altitude, reason));
+        }
+        within("max_tilt_deg", p.max_tilt_deg, 0.0, 180.0)?;
+        let sin_cos = |degrees: f64| <[f64; 2]>::from(libm::sincos(degrees.to_radians()));
+        Ok(Self {
+            rate,
+            p: *p,
+            lean: sin_cos(p.beam_angle_deg),
+            turn: sin_cos(p.misalignment_deg),
+            min_cos_tilt: libm::cos(p.max_tilt_deg.to_radians()),
+            correlated: Correlated::new(&p.correlated_error, p.rate_hz),
+        })
     }
 
     /// The memory at switch-on.
     #[must_use]
     pub fn memory(&self) -> DvlMemory {
-        DvlMemory { noise: Gaussian::new(self.seed, 0) }
+        let stream = |stream| Gaussian::new(self.p.seed, stream);
+        let mut correlated = stream(Stream::DvlCorrelated);
+        DvlMemory {
+            white: stream(Stream::DvlBeams),
+            error: [(); 3].map(|()| self.correlated.first(&mut correlated)),
+            correlated,
+            outliers: stream(Stream::DvlOutliers),
+            dropouts: stream(Stream::DvlDropouts),
+        }
     }
 
-    /// The next sample.
-    pub fn sample(&self, memory: &mut DvlMemory, truth: &DvlTruth) -> DvlSample {
-        let lever = cross(angular(&truth.nu), self.position);
-        let noise = memory.noise.draw_vector(self.sigma);
-        DvlSample { velocity: add(add(linear(&truth.nu), lever), noise) }
+    /// The next sample; `None` without bottom lock of at least three beams.
+    pub fn sample(&self, memory: &mut DvlMemory, truth: &DvlTruth) -> Option<DvlPing> {
+        let lever = cross(angular(&truth.nu), self.p.position);
+        let [sin, cos] = self.turn;
+        let [x, y, z] = scale(add(linear(&truth.nu), lever), 1.0 + self.p.scale_error);
+        let housing = add([cos * x + sin * y, cos * y - sin * x, z], memory.error);
+        memory.error = memory.error.map(|e| self.correlated.next(e, &mut memory.correlated));
+        let noise: [f64; 4] = memory.white.draw_vector(self.p.sigma);
+        let outlier: [f64; 4] = self.p.outlier.draw(&mut memory.outliers);
+        let lost = memory.dropouts.happens(self.p.dropout_probability);
+        let (altitude, reached) = self.bottom(truth);
+        let along = SQRT_2 * self.lean[0];
+        let beams = core::array::from_fn(|i| {
+            let dropped = memory.dropouts.happens(self.p.beam_dropout_probability);
+            let e = self.beam(i);
+            let radial = e[0] * housing[0] + e[1] * housing[1] + e[2] * housing[2];
+            (reached[i] && !dropped).then_some(radial + along * (noise[i] + outlier[i]))
+        });
+        if lost {
+            return None;
+        }
+        let ([u, v, w], error_velocity) = self.solve(beams)?;
+        Some(DvlPing { sample: DvlSample { velocity: [u, v, w] }, error_velocity, altitude, beams })
+    }
+
+    /// Direction of a beam, axes of the housing.
+    fn beam(&self, i: usize) -> Vec3 {
+        let [sin, cos] = self.lean;
+        let [ahead, starboard] = AZIMUTHS[i].map(|a| a * FRAC_1_SQRT_2 * sin);
+        [ahead, starboard, cos]
+    }
+
+    /// Altitude (m), and which beams see the seabed.
+    fn bottom(&self, truth: &DvlTruth) -> (f64, [bool; 4]) {
+        let r_nb = attitude::rotation_euler(truth.euler);
+        let upright = r_nb[2][2] >= self.min_cos_tilt;
+        if self.p.seabed_depth == 0.0 {
+            return (0.0, [upright; 4]);
+        }
+        let altitude = self.p.seabed_depth - truth.z - mul(&r_nb, self.p.position)[2];
+        let reached = core::array::from_fn(|i| {
+            let ([x, y, z], [sin, cos]) = (self.beam(i), self.turn);
+            let down = mul(&r_nb, [cos * x - sin * y, sin * x + cos * y, z])[2];
+            let level = altitude * self.lean[1] / down;
+            upright && down > 0.0 && (self.p.min_altitude..=self.p.max_altitude).contains(&level)
+        });
+        (altitude, reached)
+    }
+
+    /// Velocity along the axes of the housing, and error velocity.
+    fn solve(&self, beams: [Option<f64>; 4]) -> Option<(Vec3, f64)> {
+        let mut b = beams.map(|beam| beam.unwrap_or_default());
+        let mut missing = (0..4).filter(|&i| beams[i].is_none());
+        if let Some(i) = missing.next() {
+            // Opposite pairs of beams have the same sum.
+            b[i] = b[(i + 1) % 4] + b[(i + 3) % 4] - b[(i + 2) % 4];
+        }
+        if missing.next().is_some() {
+            return None;
+        }
+        let [sin, cos] = self.lean;
+        let sum = |axis: usize| (0..4).map(|i| AZIMUTHS[i][axis] * b[i]).sum::<f64>();
+        let velocity = [
+            sum(0) * FRAC_1_SQRT_2 / (2.0 * sin),
+            sum(1) * FRAC_1_SQRT_2 / (2.0 * sin),
+            (b[0] + b[1] + b[2] + b[3]) / (4.0 * cos),
+        ];
+        let error = if beams.contains(&None) { 0.0 } else { b[0] - b[1] + b[2] - b[3] };
+        Some((velocity, error * FRAC_1_SQRT_2 / (2.0 * sin)))
     }
 }

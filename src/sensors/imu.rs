@@ -1,14 +1,22 @@
 //! Inertial measurement unit: specific force and turn rate with biases, and orientation.
 //!
 //! At its place r the specific force is `f + omega' x r + omega x (omega x r)`, f the one at the
-//! centre of gravity (Fossen 2011 ch. 11); at rest -9.81 m/s2 on body z. Nominal: ADIS16448.
+//! centre of gravity (Fossen 2011 ch. 11); at rest -9.81 m/s2 on body z. With it the instruments
+//! measure (Groves 2013 ch. 4.4)
+//!
+//! ```text
+//! accelerometers  (I + M_a) f_b + b + n        gyros  (I + M_g) omega + g f_b + b + n
+//! M = [s_x  m_xy m_xz; m_yx s_y  m_yz; m_zx m_zy s_z]      scale errors s, misalignments m
+//! ```
 
-use super::noise::{BiasMemory, BiasNoise, BiasProcess, Gaussian};
+use super::errors::{BiasMemory, BiasNoise, BiasProcess};
+use super::grade::ImuGrade;
+use super::noise::{Gaussian, Stream};
 use crate::ParameterError;
 use crate::attitude;
-use crate::error::{each, finite, non_negative};
+use crate::error::{each, finite, non_negative, within};
 use crate::sampling::Rate;
-use crate::vector::{Vec3, add, cross, mul_transposed};
+use crate::vector::{Vec3, add, cross, mul, mul_transposed, scale};
 use serde::{Deserialize, Serialize};
 
 /// Parameters of an IMU.
@@ -27,30 +35,62 @@ pub struct ImuParameters {
     pub accelerometer: BiasNoise,
     /// Errors of the gyros (rad/s).
     pub gyro: BiasNoise,
+    /// Errors of the axes of the accelerometers, range in m/s2.
+    pub accelerometer_axes: AxisErrors,
+    /// Errors of the axes of the gyros, range in rad/s.
+    pub gyro_axes: AxisErrors,
+    /// Turn rate that a gyro shows for specific force along its axis (rad/s per m/s2).
+    pub g_sensitivity: f64,
     /// Standard deviation of roll, pitch and compass (rad).
     pub attitude_sigma: f64,
 }
 
+/// Constant errors of the three axes of an instrument.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AxisErrors {
+    /// Relative error of each axis.
+    pub scale_error: [f64; 3],
+    /// Angles by which one axis leans towards another, small (rad): x towards y, x towards z,
+    /// y towards x, y towards z, z towards x, z towards y.
+    pub misalignment: [f64; 6],
+    /// Largest value shown, of either sign; 0: no limit.
+    pub range: f64,
+}
+
+impl AxisErrors {
+    fn check(&self, name: &str) -> Result<(), ParameterError> {
+        let small = |name: &str, value| within(name, value, -0.5, 0.5);
+        each(&format!("{name}.scale_error"), &self.scale_error, small)?;
+        each(&format!("{name}.misalignment"), &self.misalignment, small)?;
+        non_negative(&format!("{name}.range"), self.range)
+    }
+
+    /// What the true values along the axes of the housing become.
+    fn matrix(&self) -> [Vec3; 3] {
+        let ([x, y, z], [xy, xz, yx, yz, zx, zy]) = (self.scale_error, self.misalignment);
+        [[1.0 + x, xy, xz], [yx, 1.0 + y, yz], [zx, zy, 1.0 + z]]
+    }
+
+    fn limited(&self, values: Vec3) -> Vec3 {
+        let range = if self.range > 0.0 { self.range } else { f64::INFINITY };
+        values.map(|value| value.clamp(-range, range))
+    }
+}
+
 impl Default for ImuParameters {
     fn default() -> Self {
+        let noise = ImuGrade::default().noise();
         Self {
             rate_hz: 50.0,
             seed: 1,
             position: [0.0; 3],
             orientation_deg: [0.0; 3],
-            accelerometer: BiasNoise {
-                noise_density: 0.004,
-                random_walk: 0.006,
-                correlation_time: 300.0,
-                turn_on_sigma: 0.196,
-            },
-            gyro: BiasNoise {
-                noise_density: 3.394e-4,
-                random_walk: 3.88e-5,
-                correlation_time: 1000.0,
-                turn_on_sigma: 0.0087,
-            },
-            attitude_sigma: 0.01,
+            accelerometer: noise.accelerometer,
+            gyro: noise.gyro,
+            accelerometer_axes: AxisErrors::default(),
+            gyro_axes: AxisErrors::default(),
+            g_sensitivity: 0.0,
+            attitude_sigma: noise.attitude_sigma,
         }
     }
 }
@@ -92,12 +132,10 @@ pub struct ImuMemory {
 pub struct Imu {
     /// How often it samples.
     pub rate: Rate,
-    seed: u64,
-    position: Vec3,
+    p: ImuParameters,
     mounting: [Vec3; 3],
     accelerometer: BiasProcess,
     gyro: BiasProcess,
-    attitude_sigma: f64,
 }
 
 impl Imu {
@@ -111,15 +149,16 @@ impl Imu {
         each("orientation_deg", &p.orientation_deg, finite)?;
         p.accelerometer.check("accelerometer")?;
         p.gyro.check("gyro")?;
+        p.accelerometer_axes.check("accelerometer")?;
+        p.gyro_axes.check("gyro")?;
+        finite("gyro.g_sensitivity", p.g_sensitivity)?;
         non_negative("attitude_sigma", p.attitude_sigma)?;
         Ok(Self {
             rate,
-            seed: p.seed,
-            position: p.position,
+            p: *p,
             mounting: attitude::rotation_euler(p.orientation_deg.map(f64::to_radians)),
             accelerometer: BiasProcess::new(&p.accelerometer, p.rate_hz),
             gyro: BiasProcess::new(&p.gyro, p.rate_hz),
-            attitude_sigma: p.attitude_sigma,
         })
     }
 
@@ -127,24 +166,32 @@ impl Imu {
     #[must_use]
     pub fn memory(&self) -> ImuMemory {
         ImuMemory {
-            accelerometer: self.accelerometer.memory(self.seed, 0),
-            gyro: self.gyro.memory(self.seed, 1),
-            attitude: Gaussian::new(self.seed, 2),
+            accelerometer: self.accelerometer.memory(self.p.seed, Stream::ImuAccelerometer),
+            gyro: self.gyro.memory(self.p.seed, Stream::ImuGyro),
+            attitude: Gaussian::new(self.p.seed, Stream::ImuAttitude),
         }
     }
 
     /// The next sample.
     pub fn sample(&self, memory: &mut ImuMemory, truth: &ImuTruth) -> ImuSample {
-        let omega = truth.rate;
-        let lever =
-            add(cross(truth.rate_dot, self.position), cross(omega, cross(omega, self.position)));
+        let (omega, r) = (truth.rate, self.p.position);
+        let lever = add(cross(truth.rate_dot, r), cross(omega, cross(omega, r)));
         let force = mul_transposed(&self.mounting, add(truth.specific_force, lever));
         let rate = mul_transposed(&self.mounting, omega);
-        let tilt = memory.attitude.draw_vector(self.attitude_sigma);
+        let (force_axes, rate_axes) = (&self.p.accelerometer_axes, &self.p.gyro_axes);
+        let shown_force = add(
+            mul(&force_axes.matrix(), force),
+            self.accelerometer.sample(&mut memory.accelerometer),
+        );
+        let shown_rate = add(
+            add(mul(&rate_axes.matrix(), rate), scale(force, self.p.g_sensitivity)),
+            self.gyro.sample(&mut memory.gyro),
+        );
+        let tilt = memory.attitude.draw_vector(self.p.attitude_sigma);
         let [roll, pitch, yaw] = add(truth.euler, tilt);
         ImuSample {
-            specific_force: add(force, self.accelerometer.sample(&mut memory.accelerometer)),
-            rate: add(rate, self.gyro.sample(&mut memory.gyro)),
+            specific_force: force_axes.limited(shown_force),
+            rate: rate_axes.limited(shown_rate),
             euler: [attitude::wrap(roll), pitch, attitude::wrap(yaw)],
         }
     }

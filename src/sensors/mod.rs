@@ -5,16 +5,25 @@
 //! stream of its own, and a sensor is sampled at every instant even while it is switched off (the
 //! result is dropped), so that neither an outage nor another channel shifts later noise.
 
+mod ahrs;
 mod dvl;
+mod errors;
 mod gps;
+mod grade;
 mod imu;
 mod noise;
 mod pressure;
+mod tachometer;
 
-pub use dvl::{Dvl, DvlMemory, DvlParameters, DvlSample, DvlTruth};
-pub use gps::{Gps, GpsMemory, GpsParameters, GpsSample, GpsTruth};
-pub use imu::{Imu, ImuMemory, ImuParameters, ImuSample, ImuTruth};
-pub use noise::{BiasNoise, Gaussian};
+pub use ahrs::{Ahrs, AhrsMemory, AhrsParameters, AhrsTruth};
+pub use dvl::{Dvl, DvlMemory, DvlModel, DvlParameters, DvlPing, DvlSample, DvlTruth};
+pub(crate) use errors::Correlated;
+pub use errors::{BiasNoise, GaussMarkov, Outliers};
+pub use gps::{Gps, GpsFix, GpsMemory, GpsParameters, GpsSample, GpsTruth};
+pub use grade::{ImuGrade, ImuNoise};
+pub use imu::{AxisErrors, Imu, ImuMemory, ImuParameters, ImuSample, ImuTruth};
+pub use noise::{Gaussian, Stream};
 pub use pressure::{
     PressureMemory, PressureParameters, PressureSample, PressureSensor, PressureTruth,
 };
+pub use tachometer::{Tachometer, TachometerMemory, TachometerParameters, TachometerSample};

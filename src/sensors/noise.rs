@@ -1,12 +1,5 @@
-//! Noise: Gaussian numbers by Box and Muller from ChaCha8, and inertial sensor bias.
-//!
-//! White noise of density N gives samples of standard deviation `N sqrt(rate)`. The slow bias is a
-//! first-order Gauss-Markov process driven by white noise of density b (the "random walk"), exact
-//! at the sample instants: `b_k+1 = exp(-T/tau) b_k + b sqrt(tau/2 (1 - exp(-2T/tau))) n`. A
-//! constant turn-on bias is drawn once.
+//! Gaussian numbers by Box and Muller from ChaCha8.
 
-use crate::ParameterError;
-use crate::error::{non_negative, positive};
 use core::f64::consts::TAU;
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
@@ -14,6 +7,39 @@ use serde::{Deserialize, Serialize};
 
 /// ChaCha makes four blocks at a time: this many numbers of 64 bits.
 const AHEAD: usize = 32;
+
+/// Every channel of every instrument draws from a stream of its own: equal seeds give independent
+/// noise. The compiler refuses a number that is there twice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs, reason = "each is named by instrument and channel")]
+pub enum Stream {
+    ImuAccelerometer = 0,
+    ImuGyro = 1,
+    ImuAttitude = 2,
+    DvlBeams = 16,
+    DvlCorrelated = 17,
+    DvlOutliers = 18,
+    DvlDropouts = 19,
+    GpsPosition = 32,
+    GpsOutliers = 33,
+    GpsDropouts = 34,
+    Pressure = 48,
+    PressureBias = 49,
+    PressureOutliers = 50,
+    AhrsAttitude = 64,
+    AhrsCorrelated = 65,
+    AhrsBias = 66,
+    Tachometer = 80,
+    DisturbanceWrench = 96,
+    DisturbanceCurrent = 97,
+    DisturbanceThrust = 98,
+}
+
+impl From<Stream> for u64 {
+    fn from(stream: Stream) -> Self {
+        stream as Self
+    }
+}
 
 /// Independent standard normal numbers; the same for the same seed and stream on any machine.
 ///
@@ -62,10 +88,11 @@ impl Position {
 }
 
 impl Gaussian {
-    /// Streams of one seed are independent of each other.
+    /// Streams of one seed are independent of each other; those of the instruments are [`Stream`]s,
+    /// numbers from 1000 on are free for other uses.
     #[must_use]
-    pub fn new(seed: u64, stream: u64) -> Self {
-        Position { seed, stream, drawn: 0, spare: None }.into()
+    pub fn new(seed: u64, stream: impl Into<u64>) -> Self {
+        Position { seed, stream: stream.into(), drawn: 0, spare: None }.into()
     }
 
     /// The next number.
@@ -79,8 +106,13 @@ impl Gaussian {
         radius * cos
     }
 
+    /// Whether an event of this probability happens.
+    pub(crate) fn happens(&mut self, probability: f64) -> bool {
+        self.uniform() < probability
+    }
+
     /// The next `N` numbers, each times `sigma`.
-    pub(super) fn draw_vector<const N: usize>(&mut self, sigma: f64) -> [f64; N] {
+    pub(crate) fn draw_vector<const N: usize>(&mut self, sigma: f64) -> [f64; N] {
         core::array::from_fn(|_| sigma * self.draw())
     }
 
@@ -98,73 +130,6 @@ impl Gaussian {
 
 impl Default for Gaussian {
     fn default() -> Self {
-        Self::new(0, 0)
-    }
-}
-
-/// Noise of an inertial instrument, alike for its three axes. U: the unit measured.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BiasNoise {
-    /// Density of the white noise (U/sqrt(Hz)).
-    pub noise_density: f64,
-    /// Density of the white noise that drives the slow bias (U/s/sqrt(Hz)).
-    pub random_walk: f64,
-    /// Correlation time of the slow bias (s).
-    pub correlation_time: f64,
-    /// Standard deviation of the constant bias after switching on (U).
-    pub turn_on_sigma: f64,
-}
-
-impl BiasNoise {
-    pub(crate) fn check(&self, name: &str) -> Result<(), ParameterError> {
-        non_negative(&format!("{name}.noise_density"), self.noise_density)?;
-        non_negative(&format!("{name}.random_walk"), self.random_walk)?;
-        positive(&format!("{name}.correlation_time"), self.correlation_time)?;
-        non_negative(&format!("{name}.turn_on_sigma"), self.turn_on_sigma)
-    }
-}
-
-/// A [`BiasNoise`] discretised for a sample period.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct BiasProcess {
-    white_sigma: f64,
-    decay: f64,
-    drive_sigma: f64,
-    turn_on_sigma: f64,
-}
-
-/// The state of a three-axis [`BiasProcess`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct BiasMemory {
-    noise: Gaussian,
-    turn_on: [f64; 3],
-    slow: [f64; 3],
-}
-
-impl BiasProcess {
-    pub(super) fn new(p: &BiasNoise, rate_hz: f64) -> Self {
-        let (period, tau) = (1.0 / rate_hz, p.correlation_time);
-        let variance = -libm::expm1(-2.0 * period / tau) * 0.5 * tau;
-        Self {
-            white_sigma: p.noise_density * rate_hz.sqrt(),
-            decay: libm::exp(-period / tau),
-            drive_sigma: p.random_walk * variance.sqrt(),
-            turn_on_sigma: p.turn_on_sigma,
-        }
-    }
-
-    pub(super) fn memory(&self, seed: u64, stream: u64) -> BiasMemory {
-        let mut noise = Gaussian::new(seed, stream);
-        let turn_on = noise.draw_vector(self.turn_on_sigma);
-        BiasMemory { noise, turn_on, slow: [0.0; 3] }
-    }
-
-    /// The error of the next sample.
-    pub(super) fn sample(&self, memory: &mut BiasMemory) -> [f64; 3] {
-        core::array::from_fn(|i| {
-            let error = memory.turn_on[i] + memory.slow[i] + self.white_sigma * memory.noise.draw();
-            memory.slow[i] = self.decay * memory.slow[i] + self.drive_sigma * memory.noise.draw();
-            error
-        })
+        Self::new(0, 0_u64)
     }
 }

@@ -1,14 +1,15 @@
 //! Pressure sensor: absolute pressure at its own place, and the depth it stands for.
 //!
-//! `p = p_0 + gradient (z + (R r)_z) + noise`, `depth = (p - p_0) / gradient`; depth is that of
+//! `p = p_0 + gradient (z + (R r)_z) + bias + noise`, `depth = (p - p_0) / gradient`; depth is that of
 //! the sensor, not of the centre of gravity.
 
-use super::noise::Gaussian;
+use super::errors::Outliers;
+use super::noise::{Gaussian, Stream};
 use crate::ParameterError;
 use crate::attitude;
 use crate::error::{each, finite, non_negative, positive};
 use crate::sampling::Rate;
-use crate::vector::{Vec3, mul};
+use crate::vector::mul;
 use serde::{Deserialize, Serialize};
 
 /// Parameters of a pressure sensor.
@@ -22,6 +23,10 @@ pub struct PressureParameters {
     pub position: [f64; 3],
     /// Standard deviation (Pa).
     pub sigma_pa: f64,
+    /// Standard deviation of a constant error, drawn once (Pa).
+    pub bias_sigma_pa: f64,
+    /// Samples that are far off (Pa).
+    pub outlier: Outliers,
     /// Pressure at the surface (Pa).
     pub surface_pressure_pa: f64,
     /// Increase with depth (Pa/m).
@@ -35,6 +40,8 @@ impl Default for PressureParameters {
             seed: 4,
             position: [-1.32, -0.5, -0.85],
             sigma_pa: 3000.0,
+            bias_sigma_pa: 0.0,
+            outlier: Outliers::default(),
             surface_pressure_pa: 101_325.0,
             gradient_pa_per_m: 9806.38,
         }
@@ -59,10 +66,13 @@ pub struct PressureSample {
     pub depth: f64,
 }
 
-/// Noise generator.
+/// Noise generators and bias.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PressureMemory {
-    noise: Gaussian,
+    white: Gaussian,
+    outliers: Gaussian,
+    /// Of the pressure (Pa).
+    bias: f64,
 }
 
 /// A pressure sensor, its parameters checked.
@@ -70,11 +80,7 @@ pub struct PressureMemory {
 pub struct PressureSensor {
     /// How often it samples.
     pub rate: Rate,
-    seed: u64,
-    position: Vec3,
-    sigma_pa: f64,
-    surface_pressure_pa: f64,
-    gradient_pa_per_m: f64,
+    p: PressureParameters,
 }
 
 impl PressureSensor {
@@ -86,32 +92,33 @@ impl PressureSensor {
         let rate = Rate::new(p.rate_hz)?;
         each("position", &p.position, finite)?;
         non_negative("sigma_pa", p.sigma_pa)?;
+        non_negative("bias_sigma_pa", p.bias_sigma_pa)?;
+        p.outlier.check("outlier")?;
         non_negative("surface_pressure_pa", p.surface_pressure_pa)?;
         positive("gradient_pa_per_m", p.gradient_pa_per_m)?;
-        Ok(Self {
-            rate,
-            seed: p.seed,
-            position: p.position,
-            sigma_pa: p.sigma_pa,
-            surface_pressure_pa: p.surface_pressure_pa,
-            gradient_pa_per_m: p.gradient_pa_per_m,
-        })
+        Ok(Self { rate, p: *p })
     }
 
     /// The memory at switch-on.
     #[must_use]
     pub fn memory(&self) -> PressureMemory {
-        PressureMemory { noise: Gaussian::new(self.seed, 0) }
+        let stream = |stream| Gaussian::new(self.p.seed, stream);
+        PressureMemory {
+            white: stream(Stream::Pressure),
+            outliers: stream(Stream::PressureOutliers),
+            bias: self.p.bias_sigma_pa * stream(Stream::PressureBias).draw(),
+        }
     }
 
     /// The next sample.
     pub fn sample(&self, memory: &mut PressureMemory, truth: &PressureTruth) -> PressureSample {
         let r_nb = attitude::rotation_euler(truth.euler);
-        let gauge = self.gradient_pa_per_m * (truth.z + mul(&r_nb, self.position)[2])
-            + self.sigma_pa * memory.noise.draw();
+        let [outlier] = self.p.outlier.draw(&mut memory.outliers);
+        let noise = self.p.sigma_pa * memory.white.draw() + memory.bias + outlier;
+        let gauge = self.p.gradient_pa_per_m * (truth.z + mul(&r_nb, self.p.position)[2]) + noise;
         PressureSample {
-            pressure_pa: self.surface_pressure_pa + gauge,
-            depth: gauge / self.gradient_pa_per_m,
+            pressure_pa: self.p.surface_pressure_pa + gauge,
+            depth: gauge / self.p.gradient_pa_per_m,
         }
     }
 }

@@ -53,8 +53,8 @@ pub struct Drive {
     /// Speeds that the rotors tend to, and the rate (1/s) at which they do.
     pub(super) rotor_target: [f64; 8],
     rotor_rate: f64,
-    /// Thrust over rotor speed squared; 0 where rotor speeds make no thrust.
-    thrust_gain: f64,
+    /// Thrusts over rotor speed squared; 0 where rotor speeds make no thrust.
+    thrust_gain: [f64; 8],
     /// Thrust that does not come from the rotors (N).
     direct_thrust: [f64; 8],
     wrench: [f64; 6],
@@ -115,14 +115,25 @@ impl Vehicle {
             v_ned: mul(&r_nb, v),
             specific_force: sub(add(linear(&nu_dot), cross(omega, v)), gravity_body),
             thrust,
+            rotor_speed: self.rotor_speed(state, inputs),
         }
     }
 
     pub(super) fn thrust(&self, state: &State, inputs: &Inputs) -> [f64; 8] {
         let p = &self.propulsion;
+        if p.mode == ThrusterMode::Force {
+            return p.direct_thrust(inputs);
+        }
+        let (gain, s) = (p.thrust_gains(inputs), &state.rotor_speed);
+        core::array::from_fn(|i| gain[i] * s[i] * s[i].abs())
+    }
+
+    #[inline(always)]
+    fn rotor_speed(&self, state: &State, inputs: &Inputs) -> [f64; 8] {
+        let p = &self.propulsion;
         match p.mode {
-            ThrusterMode::Force => p.clipped(&inputs.thruster_force),
-            _ => state.rotor_speed.map(|s| p.thrust(s)),
+            ThrusterMode::Force => p.speeds(&inputs.thruster_force),
+            _ => state.rotor_speed,
         }
     }
 
@@ -148,22 +159,21 @@ impl Vehicle {
         let mut drive = Drive {
             rotor_target: [0.0; 8],
             rotor_rate: self.rotor_rate(),
-            thrust_gain: p.thrust_gain,
+            thrust_gain: p.thrust_gains(inputs),
             direct_thrust: [0.0; 8],
             wrench: inputs.wrench,
             current_ned: inputs.current_ned,
         };
         match p.mode {
-            ThrusterMode::ForceWithLag => {
-                drive.rotor_target = p.clipped(&inputs.thruster_force).map(|f| p.speed(f));
-            }
+            ThrusterMode::ForceWithLag => drive.rotor_target = p.speeds(&inputs.thruster_force),
             ThrusterMode::RotorSpeed => {
                 let fastest = p.speed(p.thrust_limit);
                 drive.rotor_target = inputs.thruster_speed.map(|s| s.clamp(-fastest, fastest));
             }
             ThrusterMode::Force => {
-                drive.thrust_gain = 0.0;
-                drive.direct_thrust = p.clipped(&inputs.thruster_force);
+                drive.rotor_target = p.speeds(&inputs.thruster_force);
+                drive.thrust_gain = [0.0; 8];
+                drive.direct_thrust = p.direct_thrust(inputs);
             }
         }
         drive
@@ -179,7 +189,7 @@ impl Vehicle {
         let r_nb = attitude::rotation(state.quaternion);
         let s = &state.rotor_speed;
         let thrust = core::array::from_fn(|i| {
-            drive.direct_thrust[i] + drive.thrust_gain * s[i] * s[i].abs()
+            drive.direct_thrust[i] + drive.thrust_gain[i] * s[i] * s[i].abs()
         });
         State {
             p_ned: mul(&r_nb, linear(&state.nu)),

@@ -1,7 +1,7 @@
 //! Thrusters: geometry, rotor lag and the thrust curve.
 //!
 //! `w' = (w_cmd - w) / tau`, `T = gain w |w|` (the paper's look-up table from rpm to thrust, here
-//! in rad/s). Axis of a thruster `e = (cos th cos ps, cos th sin ps, -sin th)`, moment `r x e T`:
+//! in rad/s), of which a damaged propeller loses a fraction. Axis of a thruster `e = (cos th cos ps, cos th sin ps, -sin th)`, moment `r x e T`:
 //! eqs (31)-(34) of the paper, (33) and (34) mended.
 
 use super::Inputs;
@@ -107,13 +107,32 @@ impl Propulsion {
         (command.map(|c| (limit - c.abs()) + margin), command.map(|c| c + margin))
     }
 
+    /// Thrusts (N) over the square of the rotor speeds, with what the propellers lose.
+    #[inline(always)]
+    pub(super) fn thrust_gains(&self, inputs: &Inputs) -> [f64; 8] {
+        inputs.thruster_loss.map(|loss| self.thrust_gain * (1.0 - loss))
+    }
+
+    /// Thrusts (N) commanded in the mode `Force`, less what the propellers lose.
+    #[inline(always)]
+    pub(super) fn direct_thrust(&self, inputs: &Inputs) -> [f64; 8] {
+        let clipped = self.clipped(&inputs.thruster_force);
+        core::array::from_fn(|i| clipped[i] * (1.0 - inputs.thruster_loss[i]))
+    }
+
     /// Commanded thrusts (N) within the limit.
     #[inline(always)]
     pub(super) fn clipped(&self, thrust: &[f64; 8]) -> [f64; 8] {
         thrust.map(|f| f.clamp(-self.thrust_limit, self.thrust_limit))
     }
 
-    /// Thrust at a rotor speed (rad/s), in N.
+    /// Rotor speeds (rad/s) for commanded thrusts (N).
+    #[inline(always)]
+    pub(super) fn speeds(&self, thrust: &[f64; 8]) -> [f64; 8] {
+        self.clipped(thrust).map(|f| self.speed(f))
+    }
+
+    /// Thrust at a rotor speed (rad/s), in N, of a sound propeller.
     #[must_use]
     #[inline(always)]
     pub fn thrust(&self, speed: f64) -> f64 {

@@ -8,7 +8,7 @@
 //! M dnu_r' = dtau - dM nu_r'                   from M nu_r' = tau, so d(M^-1 b) = M^-1 (db - dM M^-1 b)
 //! dtau     = dB T + B dT - dg - (dD_l + dD_q |nu_r|) nu_r - [omega x dp; omega x dh + v_r x dp]
 //! [dp; dh] = dM nu_r
-//! dT       = dgain w |w|,    dw' = d(1/tau) (w_cmd - w) + dw_cmd / tau
+//! dT       = (1 - loss) dgain w |w|,    dw' = d(1/tau) (w_cmd - w) + dw_cmd / tau
 //! ```
 //! The conventions at limits are those of [`super::tangent`]. A buoyancy that is computed (`None`)
 //! moves with density, gravity and volume, one that is given with itself.
@@ -73,10 +73,11 @@ impl Sensitivity {
 
     /// Change of the thrusts.
     fn thrust(&self, p: &Propulsion, state: &State, inputs: &Inputs) -> [f64; 8] {
-        match p.mode {
+        let sound = match p.mode {
             ThrusterMode::Force => p.command(inputs).map(|f| self.clipped(p, f)),
             _ => state.rotor_speed.map(|s| self.thrust_gain * s * s.abs()),
-        }
+        };
+        core::array::from_fn(|i| (1.0 - inputs.thruster_loss[i]) * sound[i])
     }
 
     /// Change of a force (N) clipped to the limit.
@@ -89,10 +90,10 @@ impl Sensitivity {
         let gain = self.thrust_gain / p.thrust_gain;
         let limit = self.thrust_limit / p.thrust_limit;
         let relative = match p.mode {
-            ThrusterMode::Force => 0.0,
-            // The square root of force over gain, the force at its limit or as commanded.
-            ThrusterMode::ForceWithLag if command.abs() <= p.thrust_limit => -gain,
             ThrusterMode::RotorSpeed if command.abs() <= p.speed(p.thrust_limit) => 0.0,
+            ThrusterMode::RotorSpeed => limit - gain,
+            // The square root of force over gain, the force at its limit or as commanded.
+            _ if command.abs() <= p.thrust_limit => -gain,
             _ => limit - gain,
         };
         0.5 * target * relative
@@ -110,13 +111,14 @@ impl Tangent<'_> {
         let thrust = d.thrust(p, state, inputs);
         let nu_dot = self.d_acceleration(d, &rate.nu, &thrust);
         let (command, target) = (p.command(inputs), vehicle.drive(inputs).rotor_target);
+        let d_target: [f64; 8] = core::array::from_fn(|i| d.rotor_target(p, command[i], target[i]));
         let d_rate = State {
             p_ned: [0.0; 3],
             quaternion: [0.0; 4],
             nu: nu_dot,
             rotor_speed: core::array::from_fn(|i| {
                 (target[i] - state.rotor_speed[i]) * d.rotor_rate
-                    + d.rotor_target(p, command[i], target[i]) * vehicle.rotor_rate()
+                    + d_target[i] * vehicle.rotor_rate()
             }),
         };
         let d_outputs = Outputs {
@@ -128,6 +130,7 @@ impl Tangent<'_> {
             v_ned: [0.0; 3],
             specific_force: sub(linear(&nu_dot), scale(down, d.gravity)),
             thrust,
+            rotor_speed: if p.mode == ThrusterMode::Force { d_target } else { [0.0; 8] },
         };
         (d_rate, d_outputs)
     }

@@ -46,6 +46,8 @@ pub struct Inputs {
     pub thruster_force: [f64; 8],
     /// Commanded rotor speeds (rad/s), used by `RotorSpeed`.
     pub thruster_speed: [f64; 8],
+    /// Fraction of the thrust that each propeller loses: 0 sound, 1 lost, 2 turning the wrong way.
+    pub thruster_loss: [f64; 8],
     /// External wrench `[X, Y, Z, K, M, N]` about the centre of gravity, body (N, N.m).
     pub wrench: [f64; 6],
     /// Steady, irrotational current, NED (m/s).
@@ -71,4 +73,7 @@ pub struct Outputs {
     pub specific_force: [f64; 3],
     /// Thrust of each thruster (N).
     pub thrust: [f64; 8],
+    /// Speed of each rotor (rad/s); where a force acts at once, the one that goes with the force
+    /// of a sound propeller.
+    pub rotor_speed: [f64; 8],
 }

@@ -12,7 +12,7 @@
 //! dnu'      = dnu_r' - [domega x c + omega x dc; 0]
 //! dp'       = R (dv + dtheta x v)
 //! dq'       = 1/2 dq (0, omega) + 1/2 q (0, domega) + s dq + ds q,    s = NORM_RATE (1 - |q|^2) / 2
-//! dT        = 2 gain |w| dw,    dw' = (dw_cmd - dw) / tau
+//! dT        = (1 - loss) 2 gain |w| dw - dloss gain w |w|,    dw' = (dw_cmd - dw) / tau
 //! ```
 //! The Euler angles follow dtheta as they follow omega: Fossen (2011) eq (2.41), eq (4) of the paper.
 //!
@@ -81,7 +81,7 @@ impl Tangent<'_> {
     /// Change of [`Vehicle::outputs`] along a direction.
     #[must_use]
     pub fn outputs(&self, d_state: &State, d_inputs: &Inputs) -> Outputs {
-        self.d_outputs(d_state, self.motion(d_state, d_inputs))
+        self.d_outputs(d_state, d_inputs, self.motion(d_state, d_inputs))
     }
 
     /// Both at once, their common part worked out once: a column of the Jacobian where the
@@ -90,7 +90,7 @@ impl Tangent<'_> {
     #[must_use]
     pub fn along(&self, d_state: &State, d_inputs: &Inputs) -> (State, Outputs) {
         let motion = self.motion(d_state, d_inputs);
-        (self.d_derivative(d_state, d_inputs, &motion), self.d_outputs(d_state, motion))
+        (self.d_derivative(d_state, d_inputs, &motion), self.d_outputs(d_state, d_inputs, motion))
     }
 
     /// An axis moves few of these: what does not move is not worked out.
@@ -109,7 +109,7 @@ impl Tangent<'_> {
         if moves(&d_inputs.current_ned) {
             d_current = add(d_current, mul_transposed(&self.r_nb, d_inputs.current_ned));
         }
-        if moves(self.pushing(d_state, d_inputs)) {
+        if moves(self.pushing(d_state, d_inputs)) || moves(&d_inputs.thruster_loss) {
             motion.thrust = self.thrust(d_state, d_inputs);
             add_wrench(&mut tau, &self.vehicle.thruster_wrench, &motion.thrust);
         }
@@ -200,10 +200,17 @@ impl Tangent<'_> {
     fn thrust(&self, d_state: &State, d_inputs: &Inputs) -> [f64; 8] {
         let p = &self.vehicle.propulsion;
         let (at, d) = (self.pushing(self.state, self.inputs), self.pushing(d_state, d_inputs));
-        match p.mode {
-            ThrusterMode::Force => core::array::from_fn(|i| within(at[i], p.thrust_limit) * d[i]),
-            _ => core::array::from_fn(|i| 2.0 * p.thrust_gain * at[i].abs() * d[i]),
-        }
+        let (loss, d_loss) = (&self.inputs.thruster_loss, &d_inputs.thruster_loss);
+        core::array::from_fn(|i| {
+            let (sound, d_sound) = match p.mode {
+                ThrusterMode::Force => (
+                    at[i].clamp(-p.thrust_limit, p.thrust_limit),
+                    within(at[i], p.thrust_limit) * d[i],
+                ),
+                _ => (p.thrust(at[i]), 2.0 * p.thrust_gain * at[i].abs() * d[i]),
+            };
+            (1.0 - loss[i]) * d_sound - d_loss[i] * sound
+        })
     }
 
     /// Change of the speeds that the rotors tend to.
@@ -218,14 +225,32 @@ impl Tangent<'_> {
             let fastest = p.speed(p.thrust_limit);
             return core::array::from_fn(|i| within(command[i], fastest) * d_command[i]);
         }
-        let mut d_target = [0.0; 8];
+        self.speeds(command, d_command)
+    }
+
+    /// Change of the rotor speeds that commanded forces stand for.
+    #[inline(always)]
+    fn speeds(&self, force: &[f64; 8], d_force: &[f64; 8]) -> [f64; 8] {
+        let p = &self.vehicle.propulsion;
+        let mut d_speed = [0.0; 8];
         for i in 0..8 {
-            if d_command[i] != 0.0 {
-                let slope = inverse(2.0 * (p.thrust_gain * command[i].abs()).sqrt());
-                d_target[i] = within(command[i], p.thrust_limit) * slope * d_command[i];
+            if d_force[i] != 0.0 {
+                let slope = inverse(2.0 * (p.thrust_gain * force[i].abs()).sqrt());
+                d_speed[i] = within(force[i], p.thrust_limit) * slope * d_force[i];
             }
         }
-        d_target
+        d_speed
+    }
+
+    /// Change of the rotor speeds among the outputs.
+    #[inline(always)]
+    fn rotor_speed(&self, d_state: &State, d_inputs: &Inputs) -> [f64; 8] {
+        match self.vehicle.propulsion.mode {
+            ThrusterMode::Force => {
+                self.speeds(&self.inputs.thruster_force, &d_inputs.thruster_force)
+            }
+            _ => d_state.rotor_speed,
+        }
     }
 
     /// Change of the accelerations of the rotors.
@@ -264,7 +289,7 @@ impl Tangent<'_> {
     }
 
     #[inline(always)]
-    fn d_outputs(&self, d_state: &State, motion: Motion) -> Outputs {
+    fn d_outputs(&self, d_state: &State, d_inputs: &Inputs, motion: Motion) -> Outputs {
         let (v, omega) = (linear(&self.state.nu), angular(&self.state.nu));
         let down = self.r_nb[2];
         let d_gravity_body = scale(cross(down, motion.turn), self.vehicle.gravity);
@@ -279,6 +304,7 @@ impl Tangent<'_> {
             v_ned: motion.v_ned,
             specific_force: sub(add(linear(&motion.nu_dot), centripetal), d_gravity_body),
             thrust: motion.thrust,
+            rotor_speed: self.rotor_speed(d_state, d_inputs),
         }
     }
 }

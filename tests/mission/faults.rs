@@ -70,7 +70,7 @@ pub fn jitter(events: &mut [Event], kind: Kind, max: f64, seed: u64) {
 /// A `share` of the samples is off by a vector of length `low` to `high` in any direction.
 pub fn outliers(events: &mut [Event], kind: Kind, share: f64, low: f64, high: f64, seed: u64) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut normal = Gaussian::new(seed, 1);
+    let mut normal = Gaussian::new(seed, 2000_u64);
     for event in of(events, kind, f64::MIN, f64::MAX) {
         let (hit, length) = (uniform(&mut rng) < share, low + (high - low) * uniform(&mut rng));
         let mut values = event.data.values_mut();

@@ -14,10 +14,10 @@ pub(super) const TICK: i64 = 20_000_000;
 const CYCLE: i64 = 100_000_000;
 const INITIAL_SIGMA: f64 = 0.5;
 
-/// Streams of the seed. The IMU uses the first ones.
+/// Streams of the seed. Below 1000 are those of the instruments.
 #[derive(Clone, Copy)]
 pub(super) enum Stream {
-    Gain = 16,
+    Gain = 1000,
     Disturbance,
     Ahrs,
     Dvl,

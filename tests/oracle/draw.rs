@@ -105,6 +105,7 @@ impl<'a> Draw<'a> {
             thruster_speed: speed,
             wrench: self.array(500.0),
             current_ned: self.array(1.0),
+            thruster_loss: self.array(2.0),
         })
     }
 }

@@ -3,13 +3,14 @@
 use rexrov::vehicle::{Inertia, Inputs, Outputs, Parameters, Propulsion, State, Thruster};
 
 pub(crate) const STATE: usize = 21;
-pub(crate) const IN: usize = 25;
-pub(crate) const OUT: usize = 36;
+pub(crate) const IN: usize = 33;
+pub(crate) const OUT: usize = 44;
 pub(crate) const COEFFICIENTS: usize = 105;
 /// Position, quaternion, linear and angular velocity, rotors.
 pub(crate) const STATE_GROUPS: [usize; 5] = [3, 4, 3, 3, 8];
-/// Position, angles, quaternion, nu, nu_dot (linear and angular), v_ned, specific force, thrust.
-pub(crate) const OUT_GROUPS: [usize; 10] = [3, 3, 4, 3, 3, 3, 3, 3, 3, 8];
+/// Position, angles, quaternion, nu, nu_dot (linear and angular), v_ned, specific force, thrust,
+/// rotor speed.
+pub(crate) const OUT_GROUPS: [usize; 11] = [3, 3, 4, 3, 3, 3, 3, 3, 3, 8, 8];
 
 /// Derivatives of the states, then outputs.
 pub(crate) const NAMES: [&str; STATE + OUT] = [
@@ -70,6 +71,14 @@ pub(crate) const NAMES: [&str; STATE + OUT] = [
     "thrust[5]",
     "thrust[6]",
     "thrust[7]",
+    "rotor_speed[0]",
+    "rotor_speed[1]",
+    "rotor_speed[2]",
+    "rotor_speed[3]",
+    "rotor_speed[4]",
+    "rotor_speed[5]",
+    "rotor_speed[6]",
+    "rotor_speed[7]",
 ];
 
 pub(crate) fn flat_state(x: &State) -> [f64; STATE] {
@@ -82,8 +91,9 @@ pub(crate) fn state_of(x: &[f64; STATE]) -> State {
 }
 
 pub(crate) fn flat_inputs(u: &Inputs) -> [f64; IN] {
-    let flat = [&u.thruster_force[..], &u.thruster_speed, &u.wrench, &u.current_ned].concat();
-    flat.try_into().unwrap()
+    let thrusters = [u.thruster_force, u.thruster_speed].concat();
+    let around = [&u.wrench[..], &u.current_ned, &u.thruster_loss].concat();
+    [thrusters, around].concat().try_into().unwrap()
 }
 
 pub(crate) fn inputs_of(u: &[f64; IN]) -> Inputs {
@@ -92,13 +102,14 @@ pub(crate) fn inputs_of(u: &[f64; IN]) -> Inputs {
         thruster_speed: cut(u, 8),
         wrench: cut(u, 16),
         current_ned: cut(u, 22),
+        thruster_loss: cut(u, 25),
     }
 }
 
 pub(crate) fn flat_outputs(y: &Outputs) -> [f64; OUT] {
     let pose = [&y.p_ned[..], &y.euler, &y.quaternion].concat();
-    let rest = [&y.nu[..], &y.nu_dot, &y.v_ned, &y.specific_force, &y.thrust].concat();
-    [pose, rest].concat().try_into().unwrap()
+    let rest = [&y.nu[..], &y.nu_dot, &y.v_ned, &y.specific_force].concat();
+    [pose, rest, [y.thrust, y.rotor_speed].concat()].concat().try_into().unwrap()
 }
 
 /// The numbers among the coefficients; no buoyancy is zero.

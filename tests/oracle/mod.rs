@@ -169,16 +169,20 @@ pub(crate) fn model<D: DualNum<Primitive = f64> + Copy>(
     let p = &Coefficients::new(c, like);
     let (gain, limit) = (p.thrust_gain, p.thrust_limit);
     let lagged = |target: D, i: usize| (target - rotor[i]) / p.rotor_time_constant;
-    let (thrust, rotor_dot): ([D; 8], [D; 8]) = match p.mode {
-        ThrusterMode::Force => (core::array::from_fn(|i| clip(u[i], limit)), [D::zero(); 8]),
-        mode => (
-            rotor.map(|w| w * w.abs() * gain),
-            core::array::from_fn(|i| match mode {
-                ThrusterMode::RotorSpeed => lagged(clip(u[8 + i], (limit / gain).sqrt()), i),
-                _ => lagged(speed_of(clip(u[i], limit), gain), i),
-            }),
-        ),
+    let demanded: [D; 8] = core::array::from_fn(|i| match p.mode {
+        ThrusterMode::RotorSpeed => clip(u[8 + i], (limit / gain).sqrt()),
+        _ => speed_of(clip(u[i], limit), gain),
+    });
+    let (speed, rotor_dot): ([D; 8], [D; 8]) = match p.mode {
+        ThrusterMode::Force => (demanded, [D::zero(); 8]),
+        _ => (rotor, core::array::from_fn(|i| lagged(demanded[i], i))),
     };
+    let thrust: [D; 8] = core::array::from_fn(|i| {
+        let w = speed[i];
+        let sound =
+            if p.mode == ThrusterMode::Force { clip(u[i], limit) } else { w * w.abs() * gain };
+        sound - sound * u[25 + i]
+    });
     let r = rotation(q);
     let nu_dot = acceleration(p, nu, &r, thrust, u);
     let v_ned: [D; 3] = core::array::from_fn(|i| (0..3).map(|j| r[i][j] * v[j]).sum());
@@ -196,6 +200,6 @@ pub(crate) fn model<D: DualNum<Primitive = f64> + Copy>(
         core::array::from_fn(|i| nu_dot[i] + cross(omega, v)[i] - r[2][i] * p.gravity);
     let unit = q.map(|c| c / norm2.sqrt());
     let rate = [&v_ned[..], &q_dot, &nu_dot, &rotor_dot].concat();
-    let outputs = [&x[..3], &euler, &unit, &nu, &nu_dot, &v_ned, &felt, &thrust].concat();
+    let outputs = [&x[..3], &euler, &unit, &nu, &nu_dot, &v_ned, &felt, &thrust, &speed].concat();
     (cut(&rate, 0), cut(&outputs, 0))
 }

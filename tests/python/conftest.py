@@ -17,9 +17,12 @@ VERDICTS = ROOT / "target" / "judges"
 NAMES = [
     "RexROV",
     "Imu",
+    "Ahrs",
     "Dvl",
     "Gps",
     "PressureSensor",
+    "Tachometer",
+    "Disturbance",
     "EkfDynamic",
     "EkfKinematic",
     "PurePursuit",

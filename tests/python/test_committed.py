@@ -76,7 +76,7 @@ def test_what_changes_has_a_nominal_value_and_what_is_bounded_says_so(descriptio
         elif real is not None and causality in ("input", "output", "local"):
             assert float(real.get("nominal")) > 0, variable.get("name")
         last = variable.get("name").rpartition(".")[2]
-        if last in ("valid", "enabled", "finished"):
+        if last in ("valid", "off", "finished"):
             assert (float(real.get("min")), float(real.get("max"))) == (0, 1)
         if last in ("mass", "rate_hz", "volume", "density", "lookahead", "seed", "rate"):
             if causality == "parameter":

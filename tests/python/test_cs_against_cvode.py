@@ -166,7 +166,7 @@ def driven(fmu, name):
     which is what an importer leaves that connects nothing to them."""
     signals = {}
     for variable in read_model_description(fmu(name)).modelVariables:
-        flag = variable.name.endswith(("stamp", "valid", "enabled"))
+        flag = variable.name.endswith(("stamp", "valid", "off"))
         if variable.causality != "input" or flag:
             continue
         number = len(signals)

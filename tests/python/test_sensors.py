@@ -61,15 +61,15 @@ def test_noise_is_repeated_by_its_seed_only(fmu, name):
 
 @pytest.mark.parametrize("name", ["Imu", "Dvl", "Gps", "PressureSensor"])
 def test_a_sensor_switched_off_gives_no_sample(fmu, name):
-    result = run(fmu, name, {"enabled": 0.0}, stop_time=2.0)
+    result = run(fmu, name, {"off": 1.0}, stop_time=2.0)
     assert not result["valid"].any()
 
 
 def test_an_outage_does_not_change_the_noise_after_it(fmu):
     times = np.arange(0.0, 10.0, 0.1)
     signal = np.array(
-        [(t, 0.0 if 2.0 <= t < 4.0 else 1.0) for t in times],
-        dtype=[("time", float), ("enabled", float)],
+        [(t, 1.0 if 2.0 <= t < 4.0 else 0.0) for t in times],
+        dtype=[("time", float), ("off", float)],
     )
 
     def run_with(input):

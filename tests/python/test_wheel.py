@@ -52,7 +52,7 @@ def test_results_have_the_form_of_fmpy():
 
 
 def test_a_system_gives_the_numbers_of_the_command_line(tmp_path):
-    event = {"time": 2, "model": "dvl", "variable": "enabled", "action": "override", "value": False}
+    event = {"time": 2, "model": "dvl", "variable": "off", "action": "override", "value": True}
     scenario = {"events": [event]}
     found = rexrov.run(
         system_path("paper"),

@@ -9,8 +9,8 @@ _HERE = Path(__file__).parent
 
 
 def fmu_path(name: str) -> Path:
-    """The FMU of a component: RexROV, Imu, Dvl, Gps, PressureSensor, EkfDynamic, EkfKinematic,
-    PurePursuit, VelocityController."""
+    """The FMU of a component: RexROV, Imu, Ahrs, Dvl, Gps, PressureSensor, Tachometer, Disturbance,
+    EkfDynamic, EkfKinematic, PurePursuit, VelocityController."""
     return _find("FMU", "fmus", name, ".fmu")
 
 

@@ -1,8 +1,11 @@
 //! Horizontal position fix (the paper's GPS): `rexrov::sensors::Gps` with FMI variables.
 
-use crate::groups::{Horizontal, Pose, parameter_error};
-use crate::instrument::{Instrument, Stamp, Switch};
-use fmu_kit::{Fault, Info, ParameterError, Resources, Sample, Time, Variables};
+use crate::errors::Outliers;
+use crate::groups::{Pose, Position, Vector};
+use crate::instrument::{Instrument, Sensor, Stamp, Switch};
+use fmu_kit::{Info, Variables};
+use rexrov::ParameterError;
+use rexrov::sampling::Rate;
 use rexrov::sensors::{self, GpsMemory, GpsParameters, GpsTruth};
 use serde::{Deserialize, Serialize};
 
@@ -12,15 +15,37 @@ pub struct Parameters {
     /// What all sensors have.
     #[var(flatten)]
     pub instrument: Instrument,
-    /// Standard deviation north and east
+    /// Place in the body frame
+    #[var(unit = "m")]
+    pub mounting: Vector,
+    /// Standard deviation north and east at range zero
     #[var(unit = "m", min = 0.0)]
     pub sigma: f64,
+    /// What adds to it, as a fraction of the slant range to the beacon
+    #[var(unit = "1", min = 0.0, nominal = 0.01)]
+    pub range_sigma: f64,
+    /// Place of the transceiver in NED
+    pub beacon: Position,
+    /// Fixes that are far off, as by a reflected path
+    #[var(unit = "m")]
+    pub outlier: Outliers,
+    /// Probability that a fix is lost
+    #[var(unit = "1", min = 0.0, max = 1.0)]
+    pub dropout_probability: f64,
 }
 
 impl Default for Parameters {
     fn default() -> Self {
         let p = GpsParameters::default();
-        Self { instrument: Instrument::new(p.rate_hz, p.seed, p.position), sigma: p.sigma }
+        Self {
+            instrument: Instrument::new(p.rate_hz, p.seed),
+            mounting: p.position.into(),
+            sigma: p.sigma,
+            range_sigma: p.range_sigma,
+            beacon: p.beacon.into(),
+            outlier: p.outlier.into(),
+            dropout_probability: p.dropout_probability,
+        }
     }
 }
 
@@ -41,11 +66,25 @@ pub struct Inputs {
     pub switch: Switch,
 }
 
+/// A fix.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, Variables)]
+pub struct Fix {
+    /// north
+    #[var(unit = "m")]
+    pub x: f64,
+    /// east
+    #[var(unit = "m")]
+    pub y: f64,
+    /// standard deviation north and east that the instrument reports
+    #[var(unit = "m")]
+    pub sigma: f64,
+}
+
 /// Outputs.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, Variables)]
 pub struct Outputs {
     /// Place of the antenna or transponder
-    pub position: Horizontal,
+    pub position: Fix,
     /// Newest sample.
     #[var(flatten)]
     pub stamp: Stamp,
@@ -54,7 +93,7 @@ pub struct Outputs {
 /// The position fix.
 pub struct Gps(sensors::Gps);
 
-impl Sample for Gps {
+impl Sensor for Gps {
     const INFO: Info =
         crate::info("Gps", "Horizontal position fix (GPS, USBL, LBL) with noise and lever arm");
     type Parameters = Parameters;
@@ -62,37 +101,37 @@ impl Sample for Gps {
     type Outputs = Outputs;
     type Memory = GpsMemory;
 
-    fn new(p: &Parameters, _: &Resources) -> Result<Self, ParameterError> {
+    fn new(p: &Parameters) -> Result<Self, ParameterError> {
         let parameters = GpsParameters {
             rate_hz: p.instrument.rate_hz,
             seed: p.instrument.seed(),
-            position: p.instrument.mounting.into(),
+            position: p.mounting.into(),
             sigma: p.sigma,
+            range_sigma: p.range_sigma,
+            beacon: p.beacon.into(),
+            outlier: p.outlier.into(),
+            dropout_probability: p.dropout_probability,
         };
-        sensors::Gps::new(&parameters).map(Self).map_err(parameter_error)
+        sensors::Gps::new(&parameters).map(Self)
     }
 
-    fn period_s(&self) -> f64 {
-        self.0.rate.period()
+    fn instrument(p: &Parameters) -> &Instrument {
+        &p.instrument
+    }
+
+    fn rate(&self) -> Rate {
+        self.0.rate
     }
 
     fn memory(&self) -> GpsMemory {
         self.0.memory()
     }
 
-    fn sample(
-        &self,
-        now: Time,
-        memory: &mut GpsMemory,
-        u: &Inputs,
-        y: &mut Outputs,
-    ) -> Result<(), Fault> {
+    fn sample(&self, stamp: Stamp, memory: &mut GpsMemory, u: &Inputs) -> Option<Outputs> {
         let [north, east, down, roll, pitch, yaw] = u.vehicle.pose.into();
         let truth = GpsTruth { p_ned: [north, east, down], euler: [roll, pitch, yaw] };
-        let sample = self.0.sample(memory, &truth);
-        if u.switch.is_on() {
-            *y = Outputs { position: sample.position.into(), stamp: Stamp::at(now) };
-        }
-        Ok(())
+        let fix = self.0.sample(memory, &truth).filter(|_| u.switch.is_on())?;
+        let [x, y] = fix.sample.position;
+        Some(Outputs { position: Fix { x, y, sigma: fix.sigma }, stamp })
     }
 }

@@ -104,6 +104,17 @@ group! {
 }
 
 group! {
+    /// Depth and the angles that turn a place in the body up or down.
+    DepthAndTilt = [
+        /// down
+        #[var(unit = "m")] z,
+        /// roll
+        #[var(unit = "rad")] roll,
+        /// pitch
+        #[var(unit = "rad")] pitch; 3]
+}
+
+group! {
     /// Position and heading, the pose of the four-degree-of-freedom models.
     Pose4 = [
         /// north
@@ -246,7 +257,7 @@ pub struct Force {
 }
 
 /// The thrust of one thruster.
-#[derive(Clone, Copy, Debug, Default, Variables)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, Variables)]
 pub struct Thrust {
     /// thrust
     #[var(unit = "N", nominal = 1000.0)]

@@ -1,10 +1,51 @@
 //! Inertial measurement unit: `rexrov::sensors::Imu` with FMI variables.
 
-use crate::groups::{AngularAcceleration, AngularVelocity, Attitude, Vector, parameter_error};
-use crate::instrument::{Instrument, Stamp, Switch};
-use fmu_kit::{Fault, Info, ParameterError, Resources, Sample, Time, Variables};
-use rexrov::sensors::{self, BiasNoise, ImuMemory, ImuParameters, ImuTruth};
+use crate::groups::{AngularAcceleration, AngularVelocity, Attitude, Vector};
+use crate::instrument::{Instrument, Sensor, Stamp, Switch};
+use fmu_kit::{Enumeration, Info, Variables};
+use rexrov::ParameterError;
+use rexrov::sampling::Rate;
+use rexrov::sensors::{self, AxisErrors, BiasNoise, ImuMemory, ImuNoise, ImuParameters, ImuTruth};
 use serde::{Deserialize, Serialize};
+
+/// Grades of inertial measurement units.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Enumeration)]
+pub enum ImuGrade {
+    /// Analog Devices ADIS16448 (MEMS), with the values of UUV Simulator
+    #[default]
+    Adis16448,
+    /// a good MEMS unit, calibrated over temperature
+    Industrial,
+    /// fibre-optic or ring-laser gyros, quartz accelerometers
+    Tactical,
+}
+
+impl From<ImuGrade> for sensors::ImuGrade {
+    fn from(grade: ImuGrade) -> Self {
+        match grade {
+            ImuGrade::Adis16448 => Self::Adis16448,
+            ImuGrade::Industrial => Self::Industrial,
+            ImuGrade::Tactical => Self::Tactical,
+        }
+    }
+}
+
+crate::groups::group! {
+    /// Angles by which the axes of an instrument lean towards each other.
+    Misalignment = [
+        /// x towards y
+        xy,
+        /// x towards z
+        xz,
+        /// y towards x
+        yx,
+        /// y towards z
+        yz,
+        /// z towards x
+        zx,
+        /// z towards y
+        zy; 6]
+}
 
 /// Errors of the accelerometers.
 #[derive(Clone, Debug, Variables)]
@@ -16,11 +57,20 @@ pub struct Accelerometer {
     #[var(unit = "m/(s3.Hz0.5)", min = 0.0)]
     pub random_walk: f64,
     /// correlation time of the slow bias
-    #[var(unit = "s", min = 0.0)]
+    #[var(unit = "s", min = 1e-6)]
     pub correlation_time: f64,
     /// standard deviation of the bias after switching on
     #[var(unit = "m/s2", min = 0.0)]
     pub turn_on_sigma: f64,
+    /// relative error of an axis
+    #[var(unit = "1", min = -0.5, max = 0.5)]
+    pub scale_error: Vector,
+    /// angle by which one axis leans towards another
+    #[var(unit = "rad", min = -0.5, max = 0.5)]
+    pub misalignment: Misalignment,
+    /// largest value shown, of either sign; 0: no limit
+    #[var(unit = "m/s2", min = 0.0)]
+    pub range: f64,
 }
 
 /// Errors of the gyros.
@@ -33,16 +83,28 @@ pub struct Gyro {
     #[var(unit = "rad/(s2.Hz0.5)", min = 0.0)]
     pub random_walk: f64,
     /// correlation time of the slow bias
-    #[var(unit = "s", min = 0.0)]
+    #[var(unit = "s", min = 1e-6)]
     pub correlation_time: f64,
     /// standard deviation of the bias after switching on
     #[var(unit = "rad/s", min = 0.0)]
     pub turn_on_sigma: f64,
+    /// relative error of an axis
+    #[var(unit = "1", min = -0.5, max = 0.5)]
+    pub scale_error: Vector,
+    /// angle by which one axis leans towards another
+    #[var(unit = "rad", min = -0.5, max = 0.5)]
+    pub misalignment: Misalignment,
+    /// largest value shown, of either sign; 0: no limit
+    #[var(unit = "rad/s", min = 0.0)]
+    pub range: f64,
+    /// angular rate shown for specific force along the same axis
+    #[var(unit = "rad.s/m", nominal = 1e-5)]
+    pub g_sensitivity: f64,
 }
 
 /// Both instruments have the same kinds of error, in other units.
-macro_rules! bias_noise {
-    ($($instrument:ident),+) => {$(
+macro_rules! errors {
+    ($($instrument:ident { $($own:ident)? }),+) => {$(
         impl From<BiasNoise> for $instrument {
             fn from(b: BiasNoise) -> Self {
                 Self {
@@ -50,6 +112,10 @@ macro_rules! bias_noise {
                     random_walk: b.random_walk,
                     correlation_time: b.correlation_time,
                     turn_on_sigma: b.turn_on_sigma,
+                    scale_error: Vector::default(),
+                    misalignment: Misalignment::default(),
+                    range: 0.0,
+                    $($own: 0.0,)?
                 }
             }
         }
@@ -64,10 +130,20 @@ macro_rules! bias_noise {
                 }
             }
         }
+
+        impl From<&$instrument> for AxisErrors {
+            fn from(i: &$instrument) -> Self {
+                Self {
+                    scale_error: i.scale_error.into(),
+                    misalignment: i.misalignment.into(),
+                    range: i.range,
+                }
+            }
+        }
     )+};
 }
 
-bias_noise!(Accelerometer, Gyro);
+errors!(Accelerometer {}, Gyro { g_sensitivity });
 
 /// Roll, pitch and yaw of the housing.
 #[derive(Clone, Copy, Debug, Default, Variables)]
@@ -86,9 +162,14 @@ pub struct Orientation {
 /// Parameters of the inertial measurement unit.
 #[derive(Clone, Debug, Variables)]
 pub struct Parameters {
+    /// Grade that gives every figure of noise not set otherwise
+    pub grade: ImuGrade,
     /// What all sensors have.
     #[var(flatten)]
     pub instrument: Instrument,
+    /// Place in the body frame
+    #[var(unit = "m")]
+    pub mounting: Vector,
     /// Orientation of the housing in the body frame
     pub orientation_deg: Orientation,
     /// Accelerometers
@@ -100,17 +181,28 @@ pub struct Parameters {
     pub attitude_sigma: f64,
 }
 
-impl Default for Parameters {
-    fn default() -> Self {
+impl Parameters {
+    /// The noise of a grade, and no other errors.
+    fn of(grade: ImuGrade) -> Self {
         let p = ImuParameters::default();
+        let ImuNoise { accelerometer, gyro, attitude_sigma } =
+            sensors::ImuGrade::from(grade).noise();
         let [roll, pitch, yaw] = p.orientation_deg;
         Self {
-            instrument: Instrument::new(p.rate_hz, p.seed, p.position),
+            grade,
+            instrument: Instrument::new(p.rate_hz, p.seed),
+            mounting: p.position.into(),
             orientation_deg: Orientation { roll, pitch, yaw },
-            accelerometer: p.accelerometer.into(),
-            gyro: p.gyro.into(),
-            attitude_sigma: p.attitude_sigma,
+            accelerometer: accelerometer.into(),
+            gyro: gyro.into(),
+            attitude_sigma,
         }
+    }
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Self::of(ImuGrade::default())
     }
 }
 
@@ -156,7 +248,7 @@ pub struct Outputs {
 /// The inertial measurement unit.
 pub struct Imu(sensors::Imu);
 
-impl Sample for Imu {
+impl Sensor for Imu {
     const INFO: Info =
         crate::info("Imu", "Specific force, angular rate and attitude with noise and bias");
     type Parameters = Parameters;
@@ -164,35 +256,40 @@ impl Sample for Imu {
     type Outputs = Outputs;
     type Memory = ImuMemory;
 
-    fn new(p: &Parameters, _: &Resources) -> Result<Self, ParameterError> {
+    fn preset(selected: &Parameters) -> Parameters {
+        Parameters::of(selected.grade)
+    }
+
+    fn new(p: &Parameters) -> Result<Self, ParameterError> {
         let Orientation { roll, pitch, yaw } = p.orientation_deg;
         let parameters = ImuParameters {
             rate_hz: p.instrument.rate_hz,
             seed: p.instrument.seed(),
-            position: p.instrument.mounting.into(),
+            position: p.mounting.into(),
             orientation_deg: [roll, pitch, yaw],
             accelerometer: (&p.accelerometer).into(),
             gyro: (&p.gyro).into(),
+            accelerometer_axes: (&p.accelerometer).into(),
+            gyro_axes: (&p.gyro).into(),
+            g_sensitivity: p.gyro.g_sensitivity,
             attitude_sigma: p.attitude_sigma,
         };
-        sensors::Imu::new(&parameters).map(Self).map_err(parameter_error)
+        sensors::Imu::new(&parameters).map(Self)
     }
 
-    fn period_s(&self) -> f64 {
-        self.0.rate.period()
+    fn instrument(p: &Parameters) -> &Instrument {
+        &p.instrument
+    }
+
+    fn rate(&self) -> Rate {
+        self.0.rate
     }
 
     fn memory(&self) -> ImuMemory {
         self.0.memory()
     }
 
-    fn sample(
-        &self,
-        now: Time,
-        memory: &mut ImuMemory,
-        u: &Inputs,
-        y: &mut Outputs,
-    ) -> Result<(), Fault> {
+    fn sample(&self, stamp: Stamp, memory: &mut ImuMemory, u: &Inputs) -> Option<Outputs> {
         let truth = ImuTruth {
             specific_force: u.vehicle.specific_force.into(),
             rate: u.vehicle.velocity.into(),
@@ -200,14 +297,11 @@ impl Sample for Imu {
             euler: u.vehicle.pose.into(),
         };
         let sample = self.0.sample(memory, &truth);
-        if u.switch.is_on() {
-            *y = Outputs {
-                specific_force: sample.specific_force.into(),
-                rate: sample.rate.into(),
-                attitude: sample.euler.into(),
-                stamp: Stamp::at(now),
-            };
-        }
-        Ok(())
+        u.switch.is_on().then(|| Outputs {
+            specific_force: sample.specific_force.into(),
+            rate: sample.rate.into(),
+            attitude: sample.euler.into(),
+            stamp,
+        })
     }
 }

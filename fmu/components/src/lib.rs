@@ -10,14 +10,17 @@
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
 pub mod added_mass;
+pub mod ahrs;
 pub mod coefficients;
 pub mod course;
 pub mod direct;
+pub mod disturbance;
 pub mod dvl;
 pub mod ekf_dynamic;
 pub mod ekf_kinematic;
 pub mod ekf_parameters;
 pub mod ekf_ports;
+pub mod errors;
 pub mod gps;
 pub mod groups;
 pub mod imu;
@@ -25,10 +28,12 @@ pub mod instrument;
 pub mod pressure;
 pub mod pure_pursuit;
 pub mod rexrov;
+pub mod tachometer;
 pub mod vehicle_ports;
 pub mod velocity_controller;
 
 use fmu_kit::{Info, Sampled};
+use instrument::Sensing;
 
 /// What all components say alike.
 const fn info(name: &'static str, description: &'static str) -> Info {
@@ -43,10 +48,13 @@ const fn info(name: &'static str, description: &'static str) -> Info {
 
 fmu_kit::export!(
     rexrov::RexRov,
-    Sampled<imu::Imu>,
-    Sampled<dvl::Dvl>,
-    Sampled<gps::Gps>,
-    Sampled<pressure::PressureSensor>,
+    Sampled<disturbance::Disturbance>,
+    Sensing<imu::Imu>,
+    Sensing<ahrs::Ahrs>,
+    Sensing<dvl::Dvl>,
+    Sensing<gps::Gps>,
+    Sensing<pressure::PressureSensor>,
+    Sensing<tachometer::Tachometer>,
     Sampled<ekf_dynamic::EkfDynamic>,
     Sampled<ekf_kinematic::EkfKinematic>,
     Sampled<pure_pursuit::PurePursuit>,

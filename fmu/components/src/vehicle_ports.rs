@@ -8,6 +8,7 @@ use crate::groups::{
 };
 use fmu_kit::{Reader, Variables};
 use rexrov::vehicle::{self, State};
+use serde::{Deserialize, Serialize};
 
 /// Demand on one thruster.
 #[derive(Clone, Copy, Debug, Default, Variables)]
@@ -18,6 +19,10 @@ pub struct Demand {
     /// rotor speed demanded (thruster_mode RotorSpeed)
     #[var(unit = "rad/s", nominal = 1000.0)]
     pub speed: f64,
+    /// fraction of the thrust lost: 0 sound, 1 propeller lost, 2 turning the wrong way; the rotor
+    /// turns as demanded
+    #[var(unit = "1")]
+    pub loss: f64,
 }
 
 /// Inputs.
@@ -34,9 +39,9 @@ pub struct Inputs {
 impl From<vehicle::Inputs> for Inputs {
     fn from(u: vehicle::Inputs) -> Self {
         let mut thruster = [Demand::default(); 8];
-        let demands = u.thruster_force.into_iter().zip(u.thruster_speed);
-        for (place, (force, speed)) in thruster.iter_mut().zip(demands) {
-            *place = Demand { force, speed };
+        let demands = u.thruster_force.into_iter().zip(u.thruster_speed).zip(u.thruster_loss);
+        for (place, ((force, speed), loss)) in thruster.iter_mut().zip(demands) {
+            *place = Demand { force, speed, loss };
         }
         Self { thruster, wrench: u.wrench.into(), current: u.current_ned.into() }
     }
@@ -47,10 +52,11 @@ impl Numbers for vehicle::Inputs {
 
     #[inline(always)]
     fn load(from: &mut Reader<'_>) -> Self {
-        let thruster: [[f64; 2]; 8] = Variables::load(from);
+        let thruster: [[f64; 3]; 8] = Variables::load(from);
         Self {
-            thruster_force: thruster.map(|[force, _]| force),
-            thruster_speed: thruster.map(|[_, speed]| speed),
+            thruster_force: thruster.map(|[force, ..]| force),
+            thruster_speed: thruster.map(|[_, speed, _]| speed),
+            thruster_loss: thruster.map(|[.., loss]| loss),
             wrench: Variables::load(from),
             current_ned: Variables::load(from),
         }
@@ -60,9 +66,13 @@ impl Numbers for vehicle::Inputs {
     fn zip(&mut self, other: &Self, f: &mut impl FnMut(&mut f64, f64)) {
         let own = self.thruster_force.iter_mut().zip(&mut self.thruster_speed);
         let theirs = other.thruster_force.iter().zip(&other.thruster_speed);
-        for ((force, speed), (other_force, other_speed)) in own.zip(theirs) {
+        let losses = self.thruster_loss.iter_mut().zip(&other.thruster_loss);
+        for (((force, speed), (other_force, other_speed)), (loss, other_loss)) in
+            own.zip(theirs).zip(losses)
+        {
             f(force, *other_force);
             f(speed, *other_speed);
+            f(loss, *other_loss);
         }
         self.wrench.zip_reals(&other.wrench, f);
         self.current_ned.zip_reals(&other.current_ned, f);
@@ -87,6 +97,8 @@ pub struct Outputs {
     pub specific_force: Vector,
     /// Thruster
     pub thruster: [Thrust; 8],
+    /// Rotor; where a force acts at once, with the speed of a sound propeller for it
+    pub rotor: [Rotor; 8],
 }
 
 impl From<vehicle::Outputs> for Outputs {
@@ -100,15 +112,16 @@ impl From<vehicle::Outputs> for Outputs {
             acceleration: y.nu_dot.into(),
             specific_force: y.specific_force.into(),
             thruster: y.thrust.map(|thrust| Thrust { thrust }),
+            rotor: y.rotor_speed.map(|speed| Rotor { speed }),
         }
     }
 }
 
 numbers!(vehicle::Outputs, named by Outputs:
-    p_ned, euler, quaternion, nu, v_ned, nu_dot, specific_force, thrust);
+    p_ned, euler, quaternion, nu, v_ned, nu_dot, specific_force, thrust, rotor_speed);
 
 /// Rotor of one thruster.
-#[derive(Clone, Copy, Debug, Default, Variables)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, Variables)]
 pub struct Rotor {
     /// speed
     #[var(unit = "rad/s", nominal = 100.0)]

@@ -6,7 +6,7 @@ import numpy as np
 from fmpy import read_model_description
 
 # Samples of time and flags: what an importer leaves alone when nothing is connected.
-HELD = ("stamp", "valid", "enabled")
+HELD = ("stamp", "valid", "off")
 
 
 def inputs(fmu, times):

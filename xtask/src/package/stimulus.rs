@@ -13,6 +13,8 @@ const HEAVE: f64 = 0.05;
 const TURN: f64 = 0.1;
 /// Gravity, m/s2.
 const GRAVITY: f64 = 9.81;
+/// Thrust over rotor speed squared, N.s2/rad2.
+const THRUST_GAIN: f64 = 0.00031;
 
 /// The value of an input at time `t` in seconds; `None` if it keeps its start value.
 pub(crate) fn value(input: &str, t: f64) -> Option<f64> {
@@ -38,17 +40,20 @@ pub(crate) fn value(input: &str, t: f64) -> Option<f64> {
     })
 }
 
-/// Forces of the thrusters: 0 to 3 push up, 4 and 5 ahead, 6 and 7 astern.
+/// Forces of the thrusters, and the speeds of their rotors: 0 to 3 push up, 4 and 5 ahead.
 fn thruster(quantity: &str, t: f64) -> Option<f64> {
-    let (index, quantity) = quantity.strip_prefix("thruster[")?.split_once("].")?;
-    if !matches!(quantity, "force" | "thrust") {
-        return None;
-    }
+    let (part, quantity) = quantity.split_once("].")?;
+    let (part, index) = part.split_once('[')?;
     let slow = libm::sin(TURN * t);
-    Some(match index.parse::<u8>().ok()? {
+    let force: f64 = match index.parse::<u8>().ok()? {
         0..=3 => -20.0 - 30.0 * slow,
         4 => 100.0 + 10.0 * slow,
         5 => 100.0 - 10.0 * slow,
         _ => 0.0,
-    })
+    };
+    match (part, quantity) {
+        ("thruster", "force" | "thrust") => Some(force),
+        ("rotor", "speed") => Some((force.abs() / THRUST_GAIN).sqrt().copysign(force)),
+        _ => None,
+    }
 }
