@@ -91,6 +91,30 @@ pub struct Estimate {
     pub loss: [f64; 8],
 }
 
+/// What every filter of the family offers, whatever is inside.
+pub trait Navigation {
+    /// What it remembers between cycles.
+    type Memory;
+
+    /// The memory at the start.
+    fn memory(&self) -> Self::Memory;
+
+    /// A cycle at time `now` (s): takes what is new, and estimates.
+    fn update(&self, memory: &mut Self::Memory, now: f64, measured: &Measurements) -> Estimate;
+}
+
+impl<P: Process<N>, const N: usize> Navigation for Filter<P, N> {
+    type Memory = Memory<N>;
+
+    fn memory(&self) -> Memory<N> {
+        Self::memory(self)
+    }
+
+    fn update(&self, memory: &mut Memory<N>, now: f64, measured: &Measurements) -> Estimate {
+        Self::update(self, memory, now, measured)
+    }
+}
+
 impl<P: Process<N>, const N: usize> Filter<P, N> {
     /// # Errors
     /// Names the parameter that is out of range.

@@ -23,7 +23,7 @@ mod track;
 pub mod transition;
 
 pub use belief::Belief;
-pub use filter::{ChannelReport, Estimate, Filter, Health, Memory};
+pub use filter::{ChannelReport, Estimate, Filter, Health, Memory, Navigation};
 pub use measurement::{KINDS, Kind, Measurements, Reading};
 pub use parameters::{Disturbances, Mounting, NavigationParameters, SensorErrors, Start};
 pub use process::constant_acceleration::ConstantAcceleration;

@@ -38,17 +38,17 @@ pub const CHANNELS: usize = 5;
 
 /// The record of a channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Record {
+pub(super) struct Record {
     /// Innovation of the newest measurement.
-    pub innovation: [f64; 3],
+    pub(super) innovation: [f64; 3],
     /// Its standard deviation as predicted.
-    pub sigma: [f64; 3],
+    pub(super) sigma: [f64; 3],
     /// Its normalised innovation squared.
-    pub nis: f64,
+    pub(super) nis: f64,
     /// Measurements fused, those limited among them.
-    pub used: u32,
+    pub(super) used: u32,
     /// Measurements whose influence was limited.
-    pub rejected: u32,
+    pub(super) rejected: u32,
     /// Share of late that was limited, over some twenty measurements.
     pub(super) limited_share: f64,
     /// Time of the newest measurement (s).
