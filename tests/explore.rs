@@ -69,3 +69,24 @@ fn variants() {
         show("ahrs 50", w, &|o| { o.ahrs_hz = 50.0; o.heading_sigma = 0.0224 }, &|_| {});
     }
 }
+
+#[test]
+fn losses() {
+    for (i, fraction) in [(4usize, 1.0), (6, 1.0), (0, 1.0), (4, 0.5)] {
+        for w in [Which::Dynamic, Which::ModelAided] {
+            let runs = parallel(1..=seeds(), |seed| {
+                let o = Options { duration_s: 262.0, lost_thruster: Some((i, 100.0)), lost_fraction: fraction, ..Options::nominal(Course::BE3, seed) };
+                let mut m = fly(&o);
+                drop(&mut m.events, Kind::Fix, 200.0, 260.0);
+                drop(&mut m.events, Kind::Dvl, 200.0, 260.0);
+                run(w, &o, &m, |p| p.sensors.heading_bias_sigma = 0.0)
+            });
+            let e: Vec<f64> = runs.iter().map(|r| r.final_error(259.9)).collect();
+            let first = |r: &Run| r.path.iter().zip(&r.samples).find(|(p, _)| p.loss.iter().any(|l| *l > 0.0)).map(|(p, s)| (s.time - 100.0, p.loss.iter().position(|l| *l > 0.0).unwrap()));
+            let firsts: Vec<_> = runs.iter().map(first).collect();
+            let right = firsts.iter().filter(|f| f.is_some_and(|f| f.1 == i && f.0 > 0.0)).count();
+            let t: Vec<f64> = firsts.iter().map(|f| f.map_or(999.0, |f| f.0)).collect();
+            println!("{i} {fraction} {w:?}: error {:.2}/{:.2} detected {:.2}/{:.2} right {right}/{} early {}", quantile(&e, 0.5), quantile(&e, 0.95), quantile(&t, 0.5), quantile(&t, 0.95), runs.len(), t.iter().filter(|t| **t < 0.0).count());
+        }
+    }
+}

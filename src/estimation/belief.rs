@@ -116,6 +116,11 @@ impl<const N: usize> Belief<N> {
         self.covariance = (joseph + joseph.transpose()) * 0.5;
     }
 
+    /// Adds the product of a column with itself to the covariance.
+    pub fn widen(&mut self, direction: &Column<N>) {
+        self.covariance += direction * direction.transpose();
+    }
+
     /// Variance of a linear combination of states.
     #[must_use]
     pub fn variance(&self, row: &Column<N>) -> f64 {

@@ -1,11 +1,14 @@
 //! A navigation filter: a process, the sensors, and the order of time.
 
+use core::marker::PhantomData;
+
 use serde::{Deserialize, Serialize};
 
 use super::belief::{Column, dot};
 use super::history::{Arrival, History};
 use super::intake::{Sources, take_new};
-use super::measurement::{KINDS, Kind, Measurements};
+use super::measurement::{Event, KINDS, Kind, Measurements};
+use super::monitor::Monitor;
 use super::parameters::NavigationParameters;
 use super::process::Process;
 use super::sensor::euler;
@@ -17,20 +20,47 @@ const SILENT: f64 = 0.25;
 
 /// A filter of at most `N` states.
 #[derive(Clone, Debug)]
-pub struct Filter<P, const N: usize> {
+pub struct Filter<P, const N: usize, M = ()> {
     setup: Setup<P>,
+    monitor: PhantomData<M>,
 }
 
 /// What a filter remembers between cycles.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Memory<const N: usize> {
-    history: Option<History<N>>,
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+pub struct Memory<const N: usize, M = ()> {
+    history: Option<History<N, M>>,
     sources: Sources,
     late: [u32; KINDS],
     lost: [u32; KINDS],
     /// When the belief was last begun anew (s).
     reset: f64,
     now: f64,
+}
+
+impl<const N: usize, M> Default for Memory<N, M> {
+    fn default() -> Self {
+        Self {
+            history: None,
+            sources: Sources::default(),
+            late: [0; KINDS],
+            lost: [0; KINDS],
+            reset: f64::NEG_INFINITY,
+            now: f64::NAN,
+        }
+    }
+}
+
+impl<const N: usize, M: Copy> Clone for Memory<N, M> {
+    fn clone(&self) -> Self {
+        Self { history: self.history.clone(), ..*self }
+    }
+
+    /// Keeps the room that the history has.
+    fn clone_from(&mut self, from: &Self) {
+        self.history.clone_from(&from.history);
+        (self.sources, self.late, self.lost) = (from.sources, from.late, from.lost);
+        (self.reset, self.now) = (from.reset, from.now);
+    }
 }
 
 /// How well a filter is.
@@ -103,41 +133,37 @@ pub trait Navigation {
     fn update(&self, memory: &mut Self::Memory, now: f64, measured: &Measurements) -> Estimate;
 }
 
-impl<P: Process<N>, const N: usize> Navigation for Filter<P, N> {
-    type Memory = Memory<N>;
+impl<P: Process<N>, const N: usize, M: Monitor<N>> Navigation for Filter<P, N, M> {
+    type Memory = Memory<N, M>;
 
-    fn memory(&self) -> Memory<N> {
+    fn memory(&self) -> Memory<N, M> {
         Self::memory(self)
     }
 
-    fn update(&self, memory: &mut Memory<N>, now: f64, measured: &Measurements) -> Estimate {
+    fn update(&self, memory: &mut Memory<N, M>, now: f64, measured: &Measurements) -> Estimate {
         Self::update(self, memory, now, measured)
     }
 }
 
-impl<P: Process<N>, const N: usize> Filter<P, N> {
+impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
     /// # Errors
     /// Names the parameter that is out of range.
     pub fn new(process: P, parameters: &NavigationParameters) -> Result<Self, ParameterError> {
         parameters.check()?;
-        Ok(Self { setup: Setup::new(process, parameters) })
+        Ok(Self { setup: Setup::new(process, parameters), monitor: PhantomData })
     }
 
     /// The memory at the start.
     #[must_use]
-    pub fn memory(&self) -> Memory<N> {
-        Memory {
-            history: Some(History::new(Track::new(&self.setup, 0.0))),
-            reset: f64::NEG_INFINITY,
-            now: f64::NAN,
-            ..Memory::default()
-        }
+    pub fn memory(&self) -> Memory<N, M> {
+        let history = Some(History::new(Track::new(&self.setup, 0.0)));
+        Memory { history, ..Memory::default() }
     }
 
     /// A cycle at time `now` (s): takes what is new, and estimates.
     ///
     /// Time that does not advance, or goes back, changes nothing but what is new.
-    pub fn update(&self, memory: &mut Memory<N>, now: f64, measured: &Measurements) -> Estimate {
+    pub fn update(&self, memory: &mut Memory<N, M>, now: f64, measured: &Measurements) -> Estimate {
         let Memory { history, sources, late, lost, reset, now: last } = memory;
         let begun = !last.is_nan();
         let history = history.get_or_insert_with(|| History::new(Track::new(&self.setup, now)));
@@ -166,6 +192,14 @@ impl<P: Process<N>, const N: usize> Filter<P, N> {
         self.estimate(memory)
     }
 
+    /// From now on the thrusters are taken to give these shares of their thrust.
+    pub(super) fn assume(&self, memory: &mut Memory<N, M>, effectiveness: [f64; 8]) {
+        if let Some(history) = &mut memory.history {
+            let time = history.track.time;
+            history.insert(Event { time, kind: Kind::Effectiveness, value: effectiveness });
+        }
+    }
+
     /// Up to where the driving signals are known.
     fn horizon(&self, sources: &Sources, now: f64) -> f64 {
         let mut horizon = now;
@@ -181,7 +215,7 @@ impl<P: Process<N>, const N: usize> Filter<P, N> {
 
     /// What the filter knows, without a cycle.
     #[must_use]
-    pub fn estimate(&self, memory: &Memory<N>) -> Estimate {
+    pub fn estimate(&self, memory: &Memory<N, M>) -> Estimate {
         let Some(history) = &memory.history else { return Estimate::default() };
         let track = &history.track;
         let motion = track.motion_at(&self.setup, memory.now);
@@ -222,7 +256,7 @@ impl<P: Process<N>, const N: usize> Filter<P, N> {
         }
     }
 
-    fn channels(&self, memory: &Memory<N>, records: &[Record; CHANNELS]) -> [ChannelReport; CHANNELS] {
+    fn channels(&self, memory: &Memory<N, M>, records: &[Record; CHANNELS]) -> [ChannelReport; CHANNELS] {
         let kinds = [Kind::Ahrs, Kind::Ahrs, Kind::Depth, Kind::Dvl, Kind::Fix];
         core::array::from_fn(|i| {
             let (record, kind) = (&records[i], kinds[i] as usize);
@@ -238,7 +272,7 @@ impl<P: Process<N>, const N: usize> Filter<P, N> {
         })
     }
 
-    fn health(&self, memory: &Memory<N>, track: &Track<N>) -> Health {
+    fn health(&self, memory: &Memory<N, M>, track: &Track<N, M>) -> Health {
         let silent = |kind: Kind, seconds: f64| {
             !memory.sources[kind as usize].is_alive(memory.now, seconds)
         };

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::kalman::Witness;
 use super::measurement::{Event, Key, Kind};
+use super::monitor::Monitor;
 use super::process::Process;
 use super::track::{Ahead, Setup, Track};
 
@@ -18,9 +19,9 @@ const COPIES: usize = 8;
 
 /// A track with its past.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct History<const N: usize> {
-    pub(super) track: Track<N>,
-    copies: Vec<Track<N>>,
+pub(super) struct History<const N: usize, M> {
+    pub(super) track: Track<N, M>,
+    copies: Vec<Track<N, M>>,
     /// In the order of their keys; the first `taken` are in the track.
     events: Vec<Event>,
     taken: usize,
@@ -35,9 +36,10 @@ pub(super) enum Arrival {
     Lost,
 }
 
-impl<const N: usize> Clone for History<N> {
+impl<const N: usize, M: Copy> Clone for History<N, M> {
     fn clone(&self) -> Self {
-        let mut copy = Self::new(self.track);
+        let (copies, events) = (Vec::with_capacity(COPIES), Vec::with_capacity(EVENTS));
+        let mut copy = Self { track: self.track, copies, events, taken: 0 };
         copy.clone_from(self);
         copy
     }
@@ -55,15 +57,15 @@ impl<const N: usize> Clone for History<N> {
     }
 }
 
-impl<const N: usize> History<N> {
-    pub(super) fn new(track: Track<N>) -> Self {
+impl<const N: usize, M: Monitor<N>> History<N, M> {
+    pub(super) fn new(track: Track<N, M>) -> Self {
         let mut copies = Vec::with_capacity(COPIES);
         copies.push(track);
         Self { track, copies, events: Vec::with_capacity(EVENTS), taken: 0 }
     }
 
     /// Begins anew; what is pending stays.
-    pub(super) fn reset(&mut self, track: Track<N>) {
+    pub(super) fn reset(&mut self, track: Track<N, M>) {
         self.track = track;
         self.copies.clear();
         self.copies.push(track);

@@ -8,6 +8,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::belief::{Belief, Column, Scalar, dot};
+use super::interval::Interval;
 use super::sensor::Observation;
 use super::transition::Transition;
 
@@ -18,6 +19,16 @@ pub trait Witness<const N: usize> {
         let _ = f;
     }
 
+    /// The prediction was driven by what an interval says.
+    fn driven(&mut self, interval: &Interval) {
+        let _ = interval;
+    }
+
+    /// The next measurement fused changes by this, directly, with the thrust that each thruster loses.
+    fn direct(&mut self, effect: [f64; 8]) {
+        let _ = effect;
+    }
+
     /// A scalar measurement was fused.
     fn updated(&mut self, row: &Column<N>, gain: &Column<N>, innovation: f64, s: f64) {
         let _ = (row, gain, innovation, s);
@@ -25,6 +36,31 @@ pub trait Witness<const N: usize> {
 }
 
 impl<const N: usize> Witness<N> for () {}
+
+/// Two look on.
+pub struct Both<'a, A, B>(pub &'a mut A, pub &'a mut B);
+
+impl<const N: usize, A: Witness<N>, B: Witness<N>> Witness<N> for Both<'_, A, B> {
+    fn predicted(&mut self, f: &Transition<N>) {
+        self.0.predicted(f);
+        self.1.predicted(f);
+    }
+
+    fn driven(&mut self, interval: &Interval) {
+        self.0.driven(interval);
+        self.1.driven(interval);
+    }
+
+    fn direct(&mut self, effect: [f64; 8]) {
+        self.0.direct(effect);
+        self.1.direct(effect);
+    }
+
+    fn updated(&mut self, row: &Column<N>, gain: &Column<N>, innovation: f64, s: f64) {
+        self.0.updated(row, gain, innovation, s);
+        self.1.updated(row, gain, innovation, s);
+    }
+}
 
 /// What became of a measurement.
 #[derive(Clone, Copy, Debug)]

@@ -8,9 +8,10 @@ use serde::{Deserialize, Serialize};
 
 use super::belief::Belief;
 use super::interval::{Inertial, Interval, Stream, Thrusts};
-use super::kalman::{Fused, GATE, Witness, fuse};
+use super::kalman::{Both, Fused, GATE, Witness, fuse};
 use super::kinematics::{Kinematics, skew};
 use super::measurement::{Event, Key, Kind};
+use super::monitor::Monitor;
 use super::parameters::NavigationParameters;
 use super::process::Process;
 use super::process::rotation::{exp, log};
@@ -63,7 +64,7 @@ const SAME: f64 = 1e-9;
 
 /// A filter at an instant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Track<const N: usize> {
+pub(super) struct Track<const N: usize, M> {
     /// The instant (s).
     pub(super) time: f64,
     /// The last event that is in it.
@@ -81,6 +82,7 @@ pub(super) struct Track<const N: usize> {
     /// Share of its thrust that each thruster gives.
     pub(super) effectiveness: [f64; 8],
     aligned: bool,
+    monitor: M,
 }
 
 /// Samples that come next, which a boundary between two samples needs.
@@ -117,8 +119,10 @@ impl<P> Setup<P> {
     }
 }
 
-impl<const N: usize> Track<N> {
+impl<const N: usize, M: Monitor<N>> Track<N, M> {
     pub(super) fn new<P: Process<N>>(setup: &Setup<P>, start: f64) -> Self {
+        let mut monitor = M::default();
+        monitor.prepare(&core::array::from_fn(|i| setup.process.thrust_effect(i)));
         let [roll, pitch, _] = setup.parameters.start.attitude;
         Self {
             time: start,
@@ -134,6 +138,7 @@ impl<const N: usize> Track<N> {
             records: [Record { newest: f64::NEG_INFINITY, ..Record::default() }; CHANNELS],
             effectiveness: [1.0; 8],
             aligned: setup.parameters.start.heading_sigma < 0.5,
+            monitor,
         }
     }
 
@@ -171,6 +176,7 @@ impl<const N: usize> Track<N> {
                 let observe = |m: &Kinematics<N>| setup.fix.observe(&event.cut(), m);
                 self.fuse(setup, Channel::Fix, observe, witness);
             }
+            Kind::Effectiveness => self.effectiveness = event.value,
         }
     }
 
@@ -226,10 +232,16 @@ impl<const N: usize> Track<N> {
             tilt: self.tilt,
         };
         let process = &setup.process;
-        process.predict(&mut self.belief, &self.interval, witness);
-        process.aid(&mut self.belief, &self.before, &self.interval, witness);
+        let mut witness = Both(&mut self.monitor, witness);
+        process.predict(&mut self.belief, &self.interval, &mut witness);
+        process.aid(&mut self.belief, &self.before, &self.interval, &mut witness);
         self.belief.confine();
         self.time = time;
+        if let Some(alarm) = self.monitor.judge(time) {
+            process.correct(&mut self.belief, &alarm.correction);
+            self.belief.widen(&alarm.widening);
+            self.effectiveness[alarm.thruster] *= 1.0 - alarm.share;
+        }
     }
 
     /// The specific force at the centre of gravity, less what the rotation adds at the inertial unit.
@@ -293,7 +305,8 @@ impl<const N: usize> Track<N> {
         let observation = observe(&motion);
         let gate = if setup.parameters.gated { GATE[observation.size - 1] } else { f64::INFINITY };
         let before = self.belief;
-        let fused = fuse(&mut self.belief, &observation, gate, witness);
+        let mut witness = Both(&mut self.monitor, witness);
+        let fused = fuse(&mut self.belief, &observation, gate, &mut witness);
         process.correct(&mut self.belief, &fused.correction);
         let record = &mut self.records[channel as usize];
         record.note(&observation, &fused, self.time);
@@ -307,7 +320,8 @@ impl<const N: usize> Track<N> {
                 reacquire(&mut self.belief, channel, process.velocity(), &observation);
             }
             let motion = process.kinematics(&self.belief, &self.interval);
-            let fused = fuse(&mut self.belief, &observe(&motion), f64::INFINITY, witness);
+            let all = f64::INFINITY;
+            let fused = fuse(&mut self.belief, &observe(&motion), all, &mut witness);
             process.correct(&mut self.belief, &fused.correction);
         }
     }

@@ -98,6 +98,32 @@ impl<const N: usize> Transition<N> {
         result
     }
 
+    /// `v <- F v` of many vectors at once; column i of `v` holds their components i.
+    pub(super) fn apply_to_columns<const K: usize>(&self, v: &mut SMatrix<f64, K, N>) {
+        let mut changed = [[0.0; K]; ROWS];
+        let mut is_row = [false; N];
+        for ((i, elements), sum) in self.rows().zip(&mut changed) {
+            is_row[i] = true;
+            let v = v.as_slice();
+            let own = self.diagonal[i];
+            for (s, value) in sum.iter_mut().zip(&v[i * K..(i + 1) * K]) {
+                *s = own * value;
+            }
+            for &(k, factor) in elements {
+                let k = k as usize;
+                for (s, value) in sum.iter_mut().zip(&v[k * K..(k + 1) * K]) {
+                    *s += factor * value;
+                }
+            }
+        }
+        for ((i, _), sum) in self.rows().zip(&changed) {
+            v.as_mut_slice()[i * K..(i + 1) * K].copy_from_slice(sum);
+        }
+        for i in (0..N).filter(|&i| self.scaled && !is_row[i] && self.diagonal[i] != 1.0) {
+            v.as_mut_slice()[i * K..(i + 1) * K].iter_mut().for_each(|x| *x *= self.diagonal[i]);
+        }
+    }
+
     /// `P <- F P F^T` of a symmetric P whose first `order` states exist.
     pub(super) fn propagate(&self, p: &mut SMatrix<f64, N, N>, order: usize) {
         let mut changed = [[0.0; N]; ROWS];

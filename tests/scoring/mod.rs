@@ -102,18 +102,22 @@ pub fn run(which: Which, options: &Options, mission: &Mission, change: impl Fn(&
     let d = disturbances(which, options);
     match which {
         Which::ConstantAcceleration => follow::<_, SMALL>(&p, ConstantAcceleration::new(&p).unwrap(), mission),
-        Which::Dynamic => follow::<_, SMALL>(&p, PlanarDynamic::new(&p, &vehicle, &d).unwrap(), mission),
-        Which::Inertial => follow::<_, SMALL>(&p, InertialProcess::new(&p, None).unwrap(), mission),
-        Which::ModelAided => {
-            let aid = ModelAid::new(&vehicle, &d).unwrap();
-            follow::<_, LARGE>(&p, InertialProcess::new(&p, Some(aid)).unwrap(), mission)
+        Which::Dynamic => {
+            let process = PlanarDynamic::new(&p, &vehicle, &d).unwrap();
+            follow_navigation(&DynamicFilter::new(process, &p).unwrap(), mission)
         }
+        Which::Inertial => follow::<_, SMALL>(&p, InertialProcess::new(&p, None).unwrap(), mission),
+        Which::ModelAided => follow_navigation(&AidedFilter::new(&p, &vehicle, &d).unwrap(), mission),
     }
 }
 
 /// Feeds the events as they arrive, and scores at every tenth of a second.
 pub fn follow<P: Process<N>, const N: usize>(p: &NavigationParameters, process: P, mission: &Mission) -> Run {
-    let filter = Filter::<P, N>::new(process, p).unwrap();
+    follow_navigation(&Filter::<P, N>::new(process, p).unwrap(), mission)
+}
+
+/// The same for a filter of any kind.
+pub fn follow_navigation(filter: &impl Navigation, mission: &Mission) -> Run {
     let mut memory = filter.memory();
     let mut measured = Measurements::default();
     let mut run = Run { samples: Vec::new(), nis: [(0.0, 0); CHANNELS], last: Estimate::default(), path: Vec::new() };

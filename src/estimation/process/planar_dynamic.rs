@@ -289,6 +289,7 @@ impl<const N: usize> Process<N> for PlanarDynamic {
         belief.propagate(&f);
         self.add_half_noise(belief, &forces, interval.dt);
         witness.predicted(&f);
+        witness.driven(interval);
     }
 
     fn aid(
@@ -302,6 +303,11 @@ impl<const N: usize> Process<N> for PlanarDynamic {
             (Some(imu), _) => imu.rate[2],
             _ => return,
         };
+        if let Some(thrusts) = &interval.thrust {
+            let half = 0.5 * interval.dt / self.mass[3];
+            let effect = |i: usize| half * self.thrusters[i][3] * thrusts.mean[i];
+            witness.direct(core::array::from_fn(effect));
+        }
         let fused = fuse(belief, &self.gyro(belief, interval, rate), GYRO_GATE, witness);
         self.correct(belief, &fused.correction);
     }
