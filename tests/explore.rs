@@ -90,3 +90,22 @@ fn losses() {
         }
     }
 }
+#[test]
+fn speed() {
+    let o = Options::nominal(Course::BE3, 1);
+    let m = fly(&o);
+    let cpu = || { let s = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap(); s.split(' ').next().unwrap().parse::<f64>().unwrap() };
+    for w in ALL {
+        let t = cpu();
+        for _ in 0..3 { run(w, &o, &m, |_| {}); }
+        println!("{w:?} {:.1} ms a mission, {:.2} us per 0.1 s", (cpu() - t) / 3e6, (cpu() - t) / 3e3 / m.truth.len() as f64);
+    }
+    println!("events {} truth {}", m.events.len(), m.truth.len());
+}
+#[test]
+fn one() {
+    let o = Options { duration_s: 60.0, ..Options::nominal(Course::BE3, 1) };
+    let m = fly(&o);
+    let w = match std::env::var("WHICH").as_deref() { Ok("dyn") => Which::Dynamic, Ok("ma") => Which::ModelAided, _ => Which::Inertial };
+    run(w, &o, &m, |_| {});
+}

@@ -59,7 +59,7 @@ impl<const N: usize> Belief<N> {
 
     /// `P <- F P F^T`, then the process noise is added by the caller.
     pub fn propagate(&mut self, f: &Transition<N>) {
-        f.propagate(&mut self.covariance, self.order);
+        f.propagate(&mut self.covariance);
     }
 
     /// Adds independent noise to a state.
@@ -71,12 +71,9 @@ impl<const N: usize> Belief<N> {
     #[must_use]
     pub fn correlate(&self, row: &Column<N>) -> Column<N> {
         let mut sum: Column<N> = Column::zeros();
-        for (j, &h) in row.iter().enumerate().take(self.order) {
+        for (column, &h) in self.covariance.as_slice().chunks_exact(N).zip(row.as_slice()) {
             if h != 0.0 {
-                let column = &self.covariance.as_slice()[j * N..j * N + self.order];
-                for (s, p) in sum.iter_mut().zip(column) {
-                    *s += h * p;
-                }
+                add_scaled(sum.as_mut_slice(), h, column);
             }
         }
         sum
@@ -86,8 +83,8 @@ impl<const N: usize> Belief<N> {
     #[must_use]
     pub fn gain(&self, measured: &Scalar<'_, N>) -> (Column<N>, f64) {
         let correlation = self.correlate(measured.row);
-        let s = dot(measured.row, &correlation, self.order) + measured.variance;
-        (correlation / s, s)
+        let s = dot(measured.row, &correlation) + measured.variance;
+        (correlation * (1.0 / s), s)
     }
 
     /// The covariance after an update with the gain of [`Belief::gain`].
@@ -97,12 +94,13 @@ impl<const N: usize> Belief<N> {
         if measured.variance < ILL_CONDITIONED * s {
             return self.condense_by_joseph(measured, gain, s);
         }
-        let n = self.order;
-        for j in 0..n {
-            let scaled = gain[j] * s;
-            let column = &mut self.covariance.as_mut_slice()[j * N..j * N + n];
-            for (p, k) in column.iter_mut().zip(gain.iter()) {
-                *p -= k * scaled;
+        // (k_i k_j) s is the same for (i, j) and (j, i): symmetry is exact.
+        let gain = gain.as_slice();
+        for (column, &own) in self.covariance.as_mut_slice().chunks_exact_mut(N).zip(gain) {
+            if own != 0.0 {
+                for (p, k) in column.iter_mut().zip(gain) {
+                    *p -= (k * own) * s;
+                }
             }
         }
     }
@@ -124,7 +122,7 @@ impl<const N: usize> Belief<N> {
     /// Variance of a linear combination of states.
     #[must_use]
     pub fn variance(&self, row: &Column<N>) -> f64 {
-        dot(row, &self.correlate(row), self.order)
+        dot(row, &self.correlate(row))
     }
 
     /// Forgets what a state has to do with the others and gives it a variance.
@@ -193,17 +191,25 @@ impl<const N: usize> Belief<N> {
         (0..n).all(|i| self.covariance[(i, i)] >= 0.0)
     }
 
-    /// Whether mean and covariance are numbers.
+    /// Whether means and variances are numbers; what is not spreads to these with any measurement.
     #[must_use]
     pub fn is_finite(&self) -> bool {
-        let sum = self.mean.iter().chain(self.covariance.iter()).fold(0.0, |sum, x| sum + x * 0.0)
-            + self.attitude.iter().fold(0.0, |sum, x| sum + x * 0.0);
-        sum == 0.0
+        (0..self.order).all(|i| self.mean[i].is_finite() && self.covariance[(i, i)].is_finite())
+            && self.attitude.iter().all(|x| x.is_finite())
     }
 }
 
-/// Sum of products of the first `order` elements.
+/// Sum of products; most of the elements of `row` are zero.
 #[inline]
-pub(super) fn dot<const N: usize>(a: &Column<N>, b: &Column<N>, order: usize) -> f64 {
-    a.iter().zip(b.iter()).take(order).map(|(a, b)| a * b).sum()
+pub(super) fn dot<const N: usize>(row: &Column<N>, b: &Column<N>) -> f64 {
+    let pairs = row.as_slice().iter().zip(b.as_slice());
+    pairs.filter(|(h, _)| **h != 0.0).map(|(h, b)| h * b).sum()
+}
+
+/// `sum += factor * column`.
+#[inline]
+pub(super) fn add_scaled(sum: &mut [f64], factor: f64, column: &[f64]) {
+    for (s, value) in sum.iter_mut().zip(column) {
+        *s += factor * value;
+    }
 }

@@ -229,7 +229,7 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
         for i in 0..6 {
             let correlation = belief.correlate(&rows[i]);
             for j in 0..=i {
-                let value = dot(&rows[j], &correlation, belief.order());
+                let value = dot(&rows[j], &correlation);
                 covariance[i][j] = value;
                 covariance[j][i] = value;
             }

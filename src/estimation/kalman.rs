@@ -62,50 +62,67 @@ impl<const N: usize, A: Witness<N>, B: Witness<N>> Witness<N> for Both<'_, A, B>
     }
 }
 
-/// What became of a measurement.
-#[derive(Clone, Copy, Debug)]
-pub struct Fused<const N: usize> {
-    /// Correction of the states; the process applies it to its mean.
-    pub correction: Column<N>,
+/// How a measurement fits what was predicted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Verdict {
     /// Standard deviations of the innovation as predicted, before any limit.
     pub sigma: [f64; 3],
     /// Normalised innovation squared, before any limit.
     pub nis: f64,
-    /// Whether its influence was limited.
-    pub limited: bool,
+    /// Factor on the variance of the noise that brings the NIS down to the gate; 1 within it.
+    pub inflation: f64,
+}
+
+impl Verdict {
+    /// Whether the influence of the measurement is limited.
+    #[must_use]
+    pub fn is_limited(&self) -> bool {
+        self.inflation > 1.0
+    }
 }
 
 /// Quantiles of the chi-square distribution at 99.9 % for one, two and three degrees of freedom.
 pub const GATE: [f64; 3] = [10.83, 13.82, 16.27];
 
-/// Fuses an observation; `gate` bounds its NIS, infinity lets everything in.
+/// Judges and fuses an observation; gives the correction of the states, which the process applies to
+/// its mean.
 pub fn fuse<const N: usize>(
     belief: &mut Belief<N>,
     observation: &Observation<N>,
     gate: f64,
     witness: &mut impl Witness<N>,
-) -> Fused<N> {
-    let (nis, inflation, sigma) = judge(belief, observation, gate);
+) -> Column<N> {
+    let verdict = judge(belief, observation, gate);
+    absorb(belief, observation, &verdict, witness)
+}
+
+/// Fuses an observation that has been judged.
+pub fn absorb<const N: usize>(
+    belief: &mut Belief<N>,
+    observation: &Observation<N>,
+    verdict: &Verdict,
+    witness: &mut impl Witness<N>,
+) -> Column<N> {
     let mut correction = Column::zeros();
     for i in 0..observation.size {
         let row = &observation.rows[i];
-        let innovation = observation.innovation[i] - dot(row, &correction, belief.order());
-        let variance = observation.variance[i] * inflation;
+        let innovation = observation.innovation[i] - dot(row, &correction);
+        let variance = observation.variance[i] * verdict.inflation;
         let scalar = Scalar { innovation, row, variance };
         let (gain, s) = belief.gain(&scalar);
         belief.condense(&scalar, &gain, s);
         correction += gain * innovation;
         witness.updated(row, &gain, innovation, s);
     }
-    Fused { correction, sigma, nis, limited: inflation > 1.0 }
+    correction
 }
 
-/// The NIS, and the factor on the noise that brings it down to the gate.
-fn judge<const N: usize>(
+/// Compares an observation with its prediction; `gate` bounds its NIS, infinity lets everything in.
+pub fn judge<const N: usize>(
     belief: &Belief<N>,
     observation: &Observation<N>,
     gate: f64,
-) -> (f64, f64, [f64; 3]) {
+) -> Verdict {
     let n = observation.size;
     // Components that do not exist: unit variance, no innovation.
     let mut predicted = Matrix3::zeros();
@@ -114,12 +131,15 @@ fn judge<const N: usize>(
     for i in 0..n {
         let correlation = belief.correlate(&observation.rows[i]);
         for j in i..n {
-            let covariance = dot(&observation.rows[j], &correlation, belief.order());
+            let covariance = dot(&observation.rows[j], &correlation);
             predicted[(i, j)] = covariance;
             predicted[(j, i)] = covariance;
         }
         noise[i] = observation.variance[i];
         innovation[i] = observation.innovation[i];
+    }
+    if n == 1 {
+        return judge_scalar(predicted[(0, 0)], noise.x, innovation.x, gate);
     }
     let nis = |factor: f64| quadratic(&(predicted + Matrix3::from_diagonal(&(noise * factor))), &innovation);
     let sigma = core::array::from_fn(|i| {
@@ -127,7 +147,7 @@ fn judge<const N: usize>(
     });
     let plain = nis(1.0);
     if plain <= gate {
-        return (plain, 1.0, sigma);
+        return Verdict { sigma, nis: plain, inflation: 1.0 };
     }
     // The NIS falls with the factor; without predicted variance it would be plain / factor.
     let (mut low, mut high) = (1.0, plain / gate);
@@ -138,7 +158,16 @@ fn judge<const N: usize>(
         let middle = (low * high).sqrt();
         if nis(middle) > gate { low = middle } else { high = middle }
     }
-    (plain, high, sigma)
+    Verdict { sigma, nis: plain, inflation: high }
+}
+
+fn judge_scalar(predicted: f64, noise: f64, innovation: f64, gate: f64) -> Verdict {
+    let s = predicted + noise;
+    let nis = innovation * innovation / s;
+    // S at which the NIS is at the gate, less what is predicted.
+    let limited = (innovation * innovation / gate - predicted) / noise;
+    let inflation = if nis > gate { limited.max(1.0) } else { 1.0 };
+    Verdict { sigma: [s.sqrt(), 0.0, 0.0], nis, inflation }
 }
 
 /// `y^T S^-1 y`; infinite if S is not positive definite.

@@ -15,7 +15,7 @@
 use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
-use super::belief::Column;
+use super::belief::{Column, add_scaled};
 use super::interval::Interval;
 use super::kalman::Witness;
 use super::transition::Transition;
@@ -127,6 +127,11 @@ impl<const N: usize> Monitor<N> for ThrusterMonitor<N> {
 }
 
 impl<const N: usize> ThrusterMonitor<N> {
+    /// Errors of a state under all hypotheses.
+    fn column(&self, state: usize) -> &[f64] {
+        &self.errors.as_slice()[state * HYPOTHESES..(state + 1) * HYPOTHESES]
+    }
+
     fn ratio(&self, k: usize) -> f64 {
         self.c[k] * self.c[k] / self.j[k]
     }
@@ -144,9 +149,10 @@ impl<const N: usize> Witness<N> for ThrusterMonitor<N> {
                 self.effect[i][state] * thrusts.mean[i] * interval.dt
             });
             if change.iter().any(|&c| c != 0.0) {
-                let column = self.errors.column_mut(state);
-                for (k, error) in column.into_iter().enumerate() {
-                    *error -= change[k % THRUSTERS];
+                let from = state * HYPOTHESES;
+                let column = &mut self.errors.as_mut_slice()[from..from + HYPOTHESES];
+                for restart in column.chunks_exact_mut(THRUSTERS) {
+                    add_scaled(restart, -1.0, &change);
                 }
             }
         }
@@ -164,16 +170,19 @@ impl<const N: usize> Witness<N> for ThrusterMonitor<N> {
         self.direct = [0.0; THRUSTERS];
         for (state, &h) in row.iter().enumerate() {
             if h != 0.0 {
-                response.axpy(h, &self.errors.column(state), 1.0);
+                add_scaled(response.as_mut_slice(), h, self.column(state));
             }
         }
-        self.c.axpy(innovation / s, &response, 1.0);
-        for (j, r) in self.j.iter_mut().zip(response.iter()) {
-            *j += r * r / s;
+        let response = response.as_slice();
+        add_scaled(self.c.as_mut_slice(), innovation / s, response);
+        let per_s = 1.0 / s;
+        for (j, r) in self.j.as_mut_slice().iter_mut().zip(response) {
+            *j += r * r * per_s;
         }
-        for (state, &k) in gain.iter().enumerate() {
+        let columns = self.errors.as_mut_slice().chunks_exact_mut(HYPOTHESES);
+        for (column, &k) in columns.zip(gain.as_slice()) {
             if k != 0.0 {
-                self.errors.column_mut(state).axpy(-k, &response, 1.0);
+                add_scaled(column, -k, response);
             }
         }
     }

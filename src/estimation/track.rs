@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::belief::Belief;
 use super::interval::{Inertial, Interval, Stream, Thrusts};
-use super::kalman::{Both, Fused, GATE, Witness, fuse};
+use super::kalman::{Both, GATE, Verdict, Witness, absorb, fuse, judge};
 use super::kinematics::{Kinematics, skew};
 use super::measurement::{Event, Key, Kind};
 use super::monitor::Monitor;
@@ -304,26 +304,24 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         let motion = process.kinematics(&self.belief, &self.interval);
         let observation = observe(&motion);
         let gate = if setup.parameters.gated { GATE[observation.size - 1] } else { f64::INFINITY };
-        let before = self.belief;
-        let mut witness = Both(&mut self.monitor, witness);
-        let fused = fuse(&mut self.belief, &observation, gate, &mut witness);
-        process.correct(&mut self.belief, &fused.correction);
+        let verdict = judge(&self.belief, &observation, gate);
         let record = &mut self.records[channel as usize];
-        record.note(&observation, &fused, self.time);
-        let agreed = record.agreement.hear(channel, &observation, fused.limited);
-        if agreed {
+        record.note(&observation, &verdict, self.time);
+        let mut witness = Both(&mut self.monitor, witness);
+        if record.agreement.hear(channel, &observation, verdict.is_limited()) {
             record.agreement = Agreement::default();
-            self.belief = before;
             if channel == Channel::Heading && motion.sensors.heading_bias.is_some() {
                 hand_to_bias(&mut self.belief, &motion, &observation);
             } else {
                 reacquire(&mut self.belief, channel, process.velocity(), &observation);
             }
-            let motion = process.kinematics(&self.belief, &self.interval);
-            let all = f64::INFINITY;
-            let fused = fuse(&mut self.belief, &observe(&motion), all, &mut witness);
-            process.correct(&mut self.belief, &fused.correction);
+            let observation = observe(&process.kinematics(&self.belief, &self.interval));
+            let correction = fuse(&mut self.belief, &observation, f64::INFINITY, &mut witness);
+            process.correct(&mut self.belief, &correction);
+            return;
         }
+        let correction = absorb(&mut self.belief, &observation, &verdict, &mut witness);
+        process.correct(&mut self.belief, &correction);
     }
 
     /// The motion `lag` seconds after the track's instant, by the newest samples.
@@ -355,14 +353,14 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
 }
 
 impl Record {
-    fn note<const N: usize>(&mut self, o: &Observation<N>, fused: &Fused<N>, time: f64) {
+    fn note<const N: usize>(&mut self, o: &Observation<N>, verdict: &Verdict, time: f64) {
         self.innovation = [0.0; 3];
         self.innovation[..o.size].copy_from_slice(&o.innovation[..o.size]);
-        self.nis = fused.nis;
+        self.nis = verdict.nis;
         self.used = self.used.saturating_add(1);
-        self.rejected = self.rejected.saturating_add(u32::from(fused.limited));
-        self.limited_share += (f64::from(u8::from(fused.limited)) - self.limited_share) / 20.0;
+        self.rejected = self.rejected.saturating_add(u32::from(verdict.is_limited()));
+        self.limited_share += (f64::from(u8::from(verdict.is_limited())) - self.limited_share) / 20.0;
         self.newest = time;
-        self.sigma = fused.sigma;
+        self.sigma = verdict.sigma;
     }
 }

@@ -130,8 +130,8 @@ impl<const N: usize> Process<N> for ConstantAcceleration {
             (0..3).for_each(|i| rows[i][state + i] = 1.0);
             let variance = (density * density / interval.dt).max(1e-12);
             let observation = Observation::new(3, innovation.into(), rows, [variance; 3]);
-            let fused = fuse(belief, &observation, f64::INFINITY, witness);
-            self.correct(belief, &fused.correction);
+            let correction = fuse(belief, &observation, f64::INFINITY, witness);
+            self.correct(belief, &correction);
         }
     }
 

@@ -196,15 +196,15 @@ impl ModelAid {
     ) {
         let (Some(imu), Some(thrusts)) = (&interval.inertial, &interval.thrust) else { return };
         let force = self.force_balance(belief, at, imu, thrusts, interval.dt);
-        let fused = fuse(belief, &force, BALANCE_GATE, witness);
-        correct(belief, &fused.correction);
+        let correction = fuse(belief, &force, BALANCE_GATE, witness);
+        correct(belief, &correction);
         let (Some(imu_before), Some(thrusts_before)) = (&before.inertial, &before.thrust) else {
             return;
         };
         let pair = [(imu_before, thrusts_before, before.dt), (imu, thrusts, interval.dt)];
         let moment = self.moment_balance(belief, at, pair);
-        let fused = fuse(belief, &moment, BALANCE_GATE, witness);
-        correct(belief, &fused.correction);
+        let correction = fuse(belief, &moment, BALANCE_GATE, witness);
+        correct(belief, &correction);
     }
 
     /// Component `axis` (0 to 2: force, 3: yaw moment) of thrusts (N).

@@ -308,8 +308,8 @@ impl<const N: usize> Process<N> for PlanarDynamic {
             let effect = |i: usize| half * self.thrusters[i][3] * thrusts.mean[i];
             witness.direct(core::array::from_fn(effect));
         }
-        let fused = fuse(belief, &self.gyro(belief, interval, rate), GYRO_GATE, witness);
-        self.correct(belief, &fused.correction);
+        let correction = fuse(belief, &self.gyro(belief, interval, rate), GYRO_GATE, witness);
+        self.correct(belief, &correction);
     }
 
     fn kinematics(&self, belief: &Belief<N>, interval: &Interval) -> Kinematics<N> {
