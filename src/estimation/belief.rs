@@ -32,17 +32,6 @@ pub struct Belief<const N: usize> {
     order: usize,
 }
 
-/// A scalar measurement as the Kalman update has it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scalar<'a, const N: usize> {
-    /// Measured less predicted.
-    pub innovation: f64,
-    /// Derivative of the prediction by the states.
-    pub row: &'a Column<N>,
-    /// Variance of the measurement's noise, positive.
-    pub variance: f64,
-}
-
 impl<const N: usize> Belief<N> {
     /// Independent states with the given means and standard deviations.
     #[must_use]
@@ -79,20 +68,13 @@ impl<const N: usize> Belief<N> {
         sum
     }
 
-    /// The gain `K = P h / S` and the variance `S` of the innovation of a scalar measurement.
-    #[must_use]
-    pub fn gain(&self, measured: &Scalar<'_, N>) -> (Column<N>, f64) {
-        let correlation = self.correlate(measured.row);
-        let s = dot(measured.row, &correlation) + measured.variance;
-        (correlation * (1.0 / s), s)
-    }
-
-    /// The covariance after an update with the gain of [`Belief::gain`].
+    /// The covariance after an update with a scalar measurement: its row h of derivatives, the variance
+    /// R of its noise, the gain `K = P h / S` and the variance S of its innovation.
     ///
     /// `P - K S K^T`, or where that would cancel, Joseph's `(I - K h^T) P (I - K h^T)^T + K R K^T`.
-    pub fn condense(&mut self, measured: &Scalar<'_, N>, gain: &Column<N>, s: f64) {
-        if measured.variance < ILL_CONDITIONED * s {
-            return self.condense_by_joseph(measured, gain, s);
+    pub fn condense(&mut self, row: &Column<N>, noise: f64, gain: &Column<N>, s: f64) {
+        if noise < ILL_CONDITIONED * s {
+            return self.condense_by_joseph(row, noise, gain, s);
         }
         // (k_i k_j) s is the same for (i, j) and (j, i): symmetry is exact.
         let gain = gain.as_slice();
@@ -105,12 +87,12 @@ impl<const N: usize> Belief<N> {
         }
     }
 
-    fn condense_by_joseph(&mut self, measured: &Scalar<'_, N>, gain: &Column<N>, s: f64) {
+    fn condense_by_joseph(&mut self, row: &Column<N>, noise: f64, gain: &Column<N>, s: f64) {
         let correlation = gain * s;
         let reduced = self.covariance - gain * correlation.transpose();
-        let rest = reduced * measured.row;
+        let rest = reduced * row;
         let joseph =
-            reduced - rest * gain.transpose() + gain * gain.transpose() * measured.variance;
+            reduced - rest * gain.transpose() + gain * gain.transpose() * noise;
         self.covariance = (joseph + joseph.transpose()) * 0.5;
     }
 

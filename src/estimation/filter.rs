@@ -35,6 +35,8 @@ pub struct Memory<const N: usize, M = ()> {
     /// When the belief was last begun anew (s).
     reset: f64,
     now: f64,
+    /// The part of the estimate that changes with the belief alone.
+    spread: Estimate,
 }
 
 impl<const N: usize, M> Default for Memory<N, M> {
@@ -46,6 +48,7 @@ impl<const N: usize, M> Default for Memory<N, M> {
             lost: [0; KINDS],
             reset: f64::NEG_INFINITY,
             now: f64::NAN,
+            spread: Estimate::default(),
         }
     }
 }
@@ -59,12 +62,12 @@ impl<const N: usize, M: Copy> Clone for Memory<N, M> {
     fn clone_from(&mut self, from: &Self) {
         self.history.clone_from(&from.history);
         (self.sources, self.late, self.lost) = (from.sources, from.late, from.lost);
-        (self.reset, self.now) = (from.reset, from.now);
+        (self.reset, self.now, self.spread) = (from.reset, from.now, from.spread);
     }
 }
 
 /// How well a filter is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Health {
     /// All is as the filter expects.
     #[default]
@@ -78,7 +81,7 @@ pub enum Health {
 }
 
 /// What is known of a channel.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ChannelReport {
     /// Innovation of the newest measurement.
     pub innovation: [f64; 3],
@@ -95,7 +98,7 @@ pub struct ChannelReport {
 }
 
 /// The estimate at an instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// Position, NED (m).
     pub position: [f64; 3],
@@ -164,7 +167,7 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
     ///
     /// Time that does not advance, or goes back, changes nothing but what is new.
     pub fn update(&self, memory: &mut Memory<N, M>, now: f64, measured: &Measurements) -> Estimate {
-        let Memory { history, sources, late, lost, reset, now: last } = memory;
+        let Memory { history, sources, late, lost, reset, now: last, .. } = memory;
         let begun = !last.is_nan();
         let history = history.get_or_insert_with(|| History::new(Track::new(&self.setup, now)));
         if !begun && now.is_finite() {
@@ -188,6 +191,11 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
         if !history.track.belief.is_finite() {
             *reset = now;
             history.reset(Track::new(&self.setup, now));
+        }
+        if history.take_changed()
+            && let Some(history) = &memory.history
+        {
+            memory.spread = self.spread(memory, &history.track);
         }
         self.estimate(memory)
     }
@@ -213,15 +221,34 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
         horizon
     }
 
-    /// What the filter knows, without a cycle.
+    /// What the filter knows at its newest cycle.
     #[must_use]
     pub fn estimate(&self, memory: &Memory<N, M>) -> Estimate {
         let Some(history) = &memory.history else { return Estimate::default() };
         let track = &history.track;
         let motion = track.motion_at(&self.setup, memory.now);
+        Estimate {
+            position: motion.position.into(),
+            euler: euler(&motion.rotation).0,
+            velocity: motion.velocity.into(),
+            rate: motion.rate.into(),
+            acceleration: motion.acceleration.into(),
+            health: self.health(memory, track),
+            ..memory.spread
+        }
+    }
+
+    /// What of an estimate changes with the belief alone: covariances, sensors, thrusters.
+    fn spread(&self, memory: &Memory<N, M>, track: &Track<N, M>) -> Estimate {
         let belief = &track.belief;
-        let (angles, rates) = euler(&motion.rotation);
+        let motion = self.setup.process.kinematics(belief, &track.interval);
+        let lag = (memory.now - track.time).max(0.0);
+        let (_, rates) = euler(&motion.rotation);
         let rows: [Column<N>; 6] = core::array::from_fn(|i| match i {
+            // The position moves on with the velocity until now.
+            0..3 if lag > self.setup.parameters.interval => {
+                motion.position.rows[i] + motion.velocity.image(&motion.rotation, i) * lag
+            }
             0..3 => motion.position.rows[i],
             _ => motion.through_rotation(&rates, i - 3),
         });
@@ -240,19 +267,14 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
         }
         let states = self.setup.process.current();
         Estimate {
-            position: motion.position.value.into(),
-            euler: angles,
-            velocity: motion.velocity.value.into(),
-            rate: motion.rate.value.into(),
-            acceleration: motion.acceleration.into(),
             current: states.map_or([0.0; 2], |c| c.map(|i| belief.mean[i])),
             covariance,
             velocity_sigma: core::array::from_fn(|i| {
                 belief.variance(&motion.velocity.rows[i]).max(0.0).sqrt()
             }),
             channels: self.channels(memory, &track.records),
-            health: self.health(memory, track),
             loss: track.effectiveness.map(|share| 1.0 - share),
+            ..Estimate::default()
         }
     }
 

@@ -7,7 +7,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::belief::{Belief, Column, Scalar, dot};
+use super::belief::{Belief, Column, add_scaled, dot};
 use super::interval::Interval;
 use super::sensor::Observation;
 use super::transition::Transition;
@@ -64,7 +64,9 @@ impl<const N: usize, A: Witness<N>, B: Witness<N>> Witness<N> for Both<'_, A, B>
 
 /// How a measurement fits what was predicted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Verdict {
+pub struct Verdict<const N: usize> {
+    /// `P h` of each component.
+    correlations: [Column<N>; 3],
     /// Standard deviations of the innovation as predicted, before any limit.
     pub sigma: [f64; 3],
     /// Normalised innovation squared, before any limit.
@@ -73,7 +75,7 @@ pub struct Verdict {
     pub inflation: f64,
 }
 
-impl Verdict {
+impl<const N: usize> Verdict<N> {
     /// Whether the influence of the measurement is limited.
     #[must_use]
     pub fn is_limited(&self) -> bool {
@@ -100,19 +102,26 @@ pub fn fuse<const N: usize>(
 pub fn absorb<const N: usize>(
     belief: &mut Belief<N>,
     observation: &Observation<N>,
-    verdict: &Verdict,
+    verdict: &Verdict<N>,
     witness: &mut impl Witness<N>,
 ) -> Column<N> {
     let mut correction = Column::zeros();
+    let mut gains = [(Column::zeros(), 0.0); 3];
     for i in 0..observation.size {
         let row = &observation.rows[i];
-        let innovation = observation.innovation[i] - dot(row, &correction);
         let variance = observation.variance[i] * verdict.inflation;
-        let scalar = Scalar { innovation, row, variance };
-        let (gain, s) = belief.gain(&scalar);
-        belief.condense(&scalar, &gain, s);
-        correction += gain * innovation;
+        // The covariance has lost K S K^T with each component before.
+        let mut gain = verdict.correlations[i];
+        for (earlier, s) in &gains[..i] {
+            add_scaled(gain.as_mut_slice(), -dot(row, earlier) * s, earlier.as_slice());
+        }
+        let innovation = observation.innovation[i] - dot(row, &correction);
+        let s = dot(row, &gain) + variance;
+        gain *= 1.0 / s;
+        belief.condense(row, variance, &gain, s);
+        add_scaled(correction.as_mut_slice(), innovation, gain.as_slice());
         witness.updated(row, &gain, innovation, s);
+        gains[i] = (gain, s);
     }
     correction
 }
@@ -122,16 +131,17 @@ pub fn judge<const N: usize>(
     belief: &Belief<N>,
     observation: &Observation<N>,
     gate: f64,
-) -> Verdict {
+) -> Verdict<N> {
     let n = observation.size;
     // Components that do not exist: unit variance, no innovation.
     let mut predicted = Matrix3::zeros();
     let mut noise = Vector3::repeat(1.0);
     let mut innovation = Vector3::zeros();
+    let mut correlations = [Column::zeros(); 3];
     for i in 0..n {
-        let correlation = belief.correlate(&observation.rows[i]);
+        correlations[i] = belief.correlate(&observation.rows[i]);
         for j in i..n {
-            let covariance = dot(&observation.rows[j], &correlation);
+            let covariance = dot(&observation.rows[j], &correlations[i]);
             predicted[(i, j)] = covariance;
             predicted[(j, i)] = covariance;
         }
@@ -139,7 +149,9 @@ pub fn judge<const N: usize>(
         innovation[i] = observation.innovation[i];
     }
     if n == 1 {
-        return judge_scalar(predicted[(0, 0)], noise.x, innovation.x, gate);
+        let (sigma, nis, inflation) =
+            judge_scalar(predicted[(0, 0)], noise.x, innovation.x, gate);
+        return Verdict { correlations, sigma: [sigma, 0.0, 0.0], nis, inflation };
     }
     let nis = |factor: f64| quadratic(&(predicted + Matrix3::from_diagonal(&(noise * factor))), &innovation);
     let sigma = core::array::from_fn(|i| {
@@ -147,7 +159,7 @@ pub fn judge<const N: usize>(
     });
     let plain = nis(1.0);
     if plain <= gate {
-        return Verdict { sigma, nis: plain, inflation: 1.0 };
+        return Verdict { correlations, sigma, nis: plain, inflation: 1.0 };
     }
     // The NIS falls with the factor; without predicted variance it would be plain / factor.
     let (mut low, mut high) = (1.0, plain / gate);
@@ -158,16 +170,16 @@ pub fn judge<const N: usize>(
         let middle = (low * high).sqrt();
         if nis(middle) > gate { low = middle } else { high = middle }
     }
-    Verdict { sigma, nis: plain, inflation: high }
+    Verdict { correlations, sigma, nis: plain, inflation: high }
 }
 
-fn judge_scalar(predicted: f64, noise: f64, innovation: f64, gate: f64) -> Verdict {
+fn judge_scalar(predicted: f64, noise: f64, innovation: f64, gate: f64) -> (f64, f64, f64) {
     let s = predicted + noise;
     let nis = innovation * innovation / s;
     // S at which the NIS is at the gate, less what is predicted.
     let limited = (innovation * innovation / gate - predicted) / noise;
     let inflation = if nis > gate { limited.max(1.0) } else { 1.0 };
-    Verdict { sigma: [s.sqrt(), 0.0, 0.0], nis, inflation }
+    (s.sqrt(), nis, inflation)
 }
 
 /// `y^T S^-1 y`; infinite if S is not positive definite.

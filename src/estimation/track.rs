@@ -9,12 +9,12 @@ use serde::{Deserialize, Serialize};
 use super::belief::Belief;
 use super::interval::{Inertial, Interval, Stream, Thrusts};
 use super::kalman::{Both, GATE, Verdict, Witness, absorb, fuse, judge};
-use super::kinematics::{Kinematics, skew};
+use super::kinematics::{Kinematics, Motion, skew};
 use super::measurement::{Event, Key, Kind};
 use super::monitor::Monitor;
 use super::parameters::NavigationParameters;
 use super::process::Process;
-use super::process::rotation::{exp, log};
+use super::process::rotation::log;
 use super::recovery::{Agreement, hand_to_bias, reacquire};
 use super::sensor::{Depth, Dvl, Fix, Heading, Observation, Sensor, Tilt};
 use crate::attitude;
@@ -324,8 +324,15 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         process.correct(&mut self.belief, &correction);
     }
 
-    /// The motion `lag` seconds after the track's instant, by the newest samples.
-    pub(super) fn motion_at<P: Process<N>>(&self, setup: &Setup<P>, now: f64) -> Kinematics<N> {
+    /// The motion at an instant after the track's, by the newest samples.
+    pub(super) fn motion_at<P: Process<N>>(&self, setup: &Setup<P>, now: f64) -> Motion {
+        let motion = setup.process.motion(&self.belief, &self.newest_interval(setup));
+        let lag = now - self.time;
+        if lag > SAME { motion.after(lag) } else { motion }
+    }
+
+    /// The interval since the last prediction, as far as samples have come.
+    fn newest_interval<P>(&self, setup: &Setup<P>) -> Interval {
         let mut interval = self.interval;
         if let Some(mean) = self.imu.so_far() {
             let [a, b, c, p, q, r] = mean.value;
@@ -334,26 +341,12 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
             let rate_end = [mean.end[3], mean.end[4], mean.end[5]];
             interval.inertial = Some(Inertial { specific_force: force, rate, rate_end });
         }
-        let mut motion = setup.process.kinematics(&self.belief, &interval);
-        let lag = now - self.time;
-        if lag > SAME {
-            let omega = motion.rate.value;
-            let along = motion.velocity.value * lag
-                + (motion.acceleration + omega.cross(&motion.velocity.value)) * (0.5 * lag * lag);
-            motion.position.value += motion.rotation * along;
-            for i in 0..3 {
-                let row = motion.velocity.image(&motion.rotation, i);
-                motion.position.rows[i] += row * lag;
-            }
-            motion.velocity.value += motion.acceleration * lag;
-            motion.rotation *= exp(&(omega * lag));
-        }
-        motion
+        interval
     }
 }
 
 impl Record {
-    fn note<const N: usize>(&mut self, o: &Observation<N>, verdict: &Verdict, time: f64) {
+    fn note<const N: usize>(&mut self, o: &Observation<N>, verdict: &Verdict<N>, time: f64) {
         self.innovation = [0.0; 3];
         self.innovation[..o.size].copy_from_slice(&o.innovation[..o.size]);
         self.nis = verdict.nis;

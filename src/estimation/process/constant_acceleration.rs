@@ -13,7 +13,7 @@ use crate::attitude;
 use crate::estimation::belief::{Belief, Column};
 use crate::estimation::interval::Interval;
 use crate::estimation::kalman::{Witness, fuse};
-use crate::estimation::kinematics::{Kinematics, Linearized, SensorStates, skew};
+use crate::estimation::kinematics::{Kinematics, Linearized, Motion, SensorStates, skew};
 use crate::estimation::parameters::NavigationParameters;
 use crate::estimation::sensor::Observation;
 use crate::estimation::transition::Transition;
@@ -135,24 +135,35 @@ impl<const N: usize> Process<N> for ConstantAcceleration {
         }
     }
 
-    fn kinematics(&self, belief: &Belief<N>, _: &Interval) -> Kinematics<N> {
-        let mut position = Linearized::constant(block(belief, P));
+    fn motion(&self, belief: &Belief<N>, _: &Interval) -> Motion {
+        Motion {
+            position: block(belief, P),
+            rotation: matrix(belief.attitude),
+            velocity: block(belief, V),
+            rate: block(belief, OMEGA),
+            acceleration: block(belief, A),
+        }
+    }
+
+    fn kinematics(&self, belief: &Belief<N>, interval: &Interval) -> Kinematics<N> {
+        let motion = <Self as Process<N>>::motion(self, belief, interval);
+        let mut position = Linearized::constant(motion.position);
         position.set_block(P, &Matrix3::identity());
-        let mut velocity = Linearized::constant(block(belief, V));
+        let mut velocity = Linearized::constant(motion.velocity);
         velocity.set_block(V, &Matrix3::identity());
-        let mut rate = Linearized::constant(block(belief, OMEGA));
+        let mut rate = Linearized::constant(motion.rate);
         rate.set_block(OMEGA, &Matrix3::identity());
         let mut rotation_rows = [Column::zeros(); 3];
         (0..3).for_each(|i| rotation_rows[i][THETA + i] = 1.0);
         Kinematics {
             position,
-            rotation: matrix(belief.attitude),
+            rotation: motion.rotation,
             tilt_is_input: false,
             rotation_rows,
             velocity,
             rate,
             rate_variance: 0.0,
-            acceleration: block(belief, A),
+            acceleration: motion.acceleration,
             sensors: self.sensors,
             mean: belief.mean,
         }

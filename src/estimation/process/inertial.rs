@@ -19,7 +19,7 @@ use crate::attitude;
 use crate::estimation::belief::{Belief, Column};
 use crate::estimation::interval::{Inertial, Interval};
 use crate::estimation::kalman::Witness;
-use crate::estimation::kinematics::{Kinematics, Linearized, SensorStates, skew};
+use crate::estimation::kinematics::{Kinematics, Linearized, Motion, SensorStates, skew};
 use crate::estimation::parameters::NavigationParameters;
 use crate::estimation::transition::Transition;
 
@@ -234,42 +234,47 @@ impl<const N: usize> Process<N> for InertialProcess {
         }
     }
 
-    fn kinematics(&self, belief: &Belief<N>, interval: &Interval) -> Kinematics<N> {
+    fn motion(&self, belief: &Belief<N>, interval: &Interval) -> Motion {
+        let block = |state: usize| belief.mean.fixed_rows::<3>(state).into_owned();
         let rotation = matrix(belief.attitude);
         let inverse = rotation.transpose();
-        let (imu, measured) = self.inertial(belief, interval);
-        let mut position = Linearized::constant(belief.mean.fixed_rows::<3>(P).into_owned());
+        let (imu, _) = self.inertial(belief, interval);
+        let velocity = inverse * block(V);
+        let rate = Vector3::from(imu.rate_end) - block(B_G);
+        let force = Vector3::from(imu.specific_force) - block(B_A);
+        let gravity = inverse * Vector3::z() * self.parameters.gravity;
+        let acceleration = force + gravity - rate.cross(&velocity);
+        Motion { position: block(P), rotation, velocity, rate, acceleration }
+    }
+
+    fn kinematics(&self, belief: &Belief<N>, interval: &Interval) -> Kinematics<N> {
+        let motion = <Self as Process<N>>::motion(self, belief, interval);
+        let mut position = Linearized::constant(motion.position);
         position.set_block(P, &Matrix3::identity());
-        let v: Vector3<f64> = belief.mean.fixed_rows::<3>(V).into_owned();
-        let mut velocity = Linearized::constant(inverse * v);
-        velocity.set_block(V, &inverse);
-        velocity.set_block(THETA, &skew(&velocity.value));
-        let bias: Vector3<f64> = belief.mean.fixed_rows::<3>(B_G).into_owned();
-        let mut rate = Linearized::constant(Vector3::from(imu.rate_end) - bias);
-        let gyro = self.parameters.sensors.gyro.noise_density;
-        let rate_variance = if measured {
+        let mut velocity = Linearized::constant(motion.velocity);
+        velocity.set_block(V, &motion.rotation.transpose());
+        velocity.set_block(THETA, &skew(&motion.velocity));
+        let mut rate = Linearized::constant(motion.rate);
+        let square = |x: f64| x * x;
+        let rate_variance = if interval.inertial.is_some() {
             rate.set_block(B_G, &-Matrix3::identity());
-            gyro * gyro * GYRO_SAMPLES_HZ
+            square(self.parameters.sensors.gyro.noise_density) * GYRO_SAMPLES_HZ
         } else {
-            let wander = self.parameters.maneuver_rate;
-            wander * wander
+            square(self.parameters.maneuver_rate)
         };
         let mut rotation_rows = [Column::zeros(); 3];
         for (i, row) in rotation_rows.iter_mut().enumerate() {
             row[THETA + i] = 1.0;
         }
-        let force = Vector3::from(imu.specific_force) - belief.mean.fixed_rows::<3>(B_A);
-        let gravity = inverse * Vector3::z() * self.parameters.gravity;
-        let acceleration = force + gravity - rate.value.cross(&velocity.value);
         Kinematics {
             position,
-            rotation,
+            rotation: motion.rotation,
             tilt_is_input: false,
             rotation_rows,
             velocity,
             rate,
             rate_variance,
-            acceleration,
+            acceleration: motion.acceleration,
             sensors: self.sensors,
             mean: belief.mean,
         }

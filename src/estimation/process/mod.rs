@@ -10,7 +10,7 @@ pub mod planar_dynamic;
 use super::belief::{Belief, Column};
 use super::interval::Interval;
 use super::kalman::Witness;
-use super::kinematics::Kinematics;
+use super::kinematics::{Kinematics, Motion};
 
 /// A model of motion with at most `N` states.
 pub trait Process<const N: usize> {
@@ -38,6 +38,9 @@ pub trait Process<const N: usize> {
     }
 
     /// The motion at the end of an interval.
+    fn motion(&self, belief: &Belief<N>, interval: &Interval) -> Motion;
+
+    /// The same with its derivatives.
     fn kinematics(&self, belief: &Belief<N>, interval: &Interval) -> Kinematics<N>;
 
     /// Adds a correction to the mean.

@@ -18,7 +18,7 @@ use crate::attitude;
 use crate::estimation::belief::{Belief, Column};
 use crate::estimation::interval::Interval;
 use crate::estimation::kalman::{Witness, fuse};
-use crate::estimation::kinematics::{Kinematics, Linearized, SensorStates};
+use crate::estimation::kinematics::{Kinematics, Linearized, Motion, SensorStates};
 use crate::estimation::parameters::{Disturbances, NavigationParameters};
 use crate::estimation::sensor::Observation;
 use crate::estimation::transition::Transition;
@@ -312,16 +312,29 @@ impl<const N: usize> Process<N> for PlanarDynamic {
         self.correct(belief, &correction);
     }
 
-    fn kinematics(&self, belief: &Belief<N>, interval: &Interval) -> Kinematics<N> {
-        let rotation = Self::rotation(belief, interval);
-        let inverse = rotation.transpose();
+    fn motion(&self, belief: &Belief<N>, interval: &Interval) -> Motion {
         let x = &belief.mean;
-        let mut position = Linearized::constant(x.fixed_rows::<3>(0).into_owned());
-        position.set_block(0, &Matrix3::identity());
+        let rotation = Self::rotation(belief, interval);
         let current = Vector3::new(x[C], x[C + 1], 0.0);
-        let mut velocity =
-            Linearized::constant(x.fixed_rows::<3>(U).into_owned() + inverse * current);
+        let movers: [f64; MOVERS] = core::array::from_fn(|i| x[i]);
+        let (rates, _) = self.rates(&movers, &self.forces(interval), interval.tilt);
+        Motion {
+            position: x.fixed_rows::<3>(0).into_owned(),
+            rotation,
+            velocity: x.fixed_rows::<3>(U) + rotation.transpose() * current,
+            rate: Vector3::new(0.0, 0.0, x[R]),
+            acceleration: Vector3::new(rates[U], rates[U + 1], rates[U + 2]),
+        }
+    }
+
+    fn kinematics(&self, belief: &Belief<N>, interval: &Interval) -> Kinematics<N> {
+        let motion = <Self as Process<N>>::motion(self, belief, interval);
+        let inverse = motion.rotation.transpose();
+        let mut position = Linearized::constant(motion.position);
+        position.set_block(0, &Matrix3::identity());
+        let mut velocity = Linearized::constant(motion.velocity);
         velocity.set_block(U, &Matrix3::identity());
+        let current = Vector3::new(belief.mean[C], belief.mean[C + 1], 0.0);
         let by_heading = -(inverse * Vector3::z().cross(&current));
         let mut rotation_rows = [Column::zeros(); 3];
         for i in 0..3 {
@@ -330,20 +343,17 @@ impl<const N: usize> Process<N> for PlanarDynamic {
             velocity.rows[i][PSI] = by_heading[i];
             rotation_rows[i][PSI] = inverse[(i, 2)];
         }
-        let mut rate = Linearized::constant(Vector3::new(0.0, 0.0, x[R]));
+        let mut rate = Linearized::constant(motion.rate);
         rate.rows[2][R] = 1.0;
-        let movers: [f64; MOVERS] = core::array::from_fn(|i| x[i]);
-        let (rates, _) = self.rates(&movers, &self.forces(interval), interval.tilt);
-        let acceleration = Vector3::new(rates[U], rates[U + 1], rates[U + 2]);
         Kinematics {
             position,
-            rotation,
+            rotation: motion.rotation,
             tilt_is_input: true,
             rotation_rows,
             velocity,
             rate,
             rate_variance: 0.0,
-            acceleration,
+            acceleration: motion.acceleration,
             sensors: self.sensors,
             mean: belief.mean,
         }
