@@ -34,12 +34,8 @@ fn a_loss_takes_its_fraction_of_the_thrust_and_nothing_of_the_rotor() {
         let (vehicle, x) = (vehicle(mode), state());
         let damaged = Inputs { thruster_loss: loss, ..commanded() };
         let (sound, hit) = (vehicle.outputs(&x, &commanded()), vehicle.outputs(&x, &damaged));
-        for i in 0..8 {
-            assert_relative_eq!(
-                hit.thrust[i],
-                (1.0 - loss[i]) * sound.thrust[i],
-                max_relative = 1e-14
-            );
+        for ((hit, sound), loss) in hit.thrust.iter().zip(sound.thrust).zip(loss) {
+            assert_relative_eq!(*hit, (1.0 - loss) * sound, max_relative = 1e-14);
         }
         assert_eq!(hit.rotor_speed, sound.rotor_speed);
         let (a, b) = (vehicle.derivative(&x, &commanded()), vehicle.derivative(&x, &damaged));
