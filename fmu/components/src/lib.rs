@@ -24,16 +24,18 @@ pub mod errors;
 pub mod gps;
 pub mod groups;
 pub mod imu;
+pub mod imu_errors;
 pub mod instrument;
 pub mod pressure;
 pub mod pure_pursuit;
 pub mod rexrov;
+pub mod sensing;
 pub mod tachometer;
 pub mod vehicle_ports;
 pub mod velocity_controller;
 
 use fmu_kit::{Info, Sampled};
-use instrument::Sensing;
+use sensing::Sensing;
 
 /// What all components say alike.
 const fn info(name: &'static str, description: &'static str) -> Info {
