@@ -119,15 +119,23 @@ impl<const N: usize> Belief<N> {
     /// Keeps the covariance within what arithmetic can bear: variances neither negative nor beyond
     /// all use, and a matrix that rounding made indefinite is brought back by widening it.
     pub fn confine(&mut self) {
+        let mut limited = false;
         for i in 0..self.order {
             let variance = self.covariance[(i, i)];
+            if variance < 0.0 {
+                self.decouple(i, 0.0);
+            }
             if variance > VARIANCE_LIMIT {
+                limited = true;
                 let scale = (VARIANCE_LIMIT / variance).sqrt();
                 for j in 0..self.order {
                     self.covariance[(i, j)] *= scale;
                     self.covariance[(j, i)] *= scale;
                 }
             }
+        }
+        if limited {
+            self.restore_positive();
         }
     }
 

@@ -290,6 +290,14 @@ impl<const N: usize> Process<N> for InertialProcess {
         } else {
             square(self.parameters.maneuver_rate)
         };
+        let mut acceleration = Linearized::constant(motion.acceleration);
+        if interval.inertial.is_some() {
+            let gravity = motion.rotation.transpose() * Vector3::z() * self.parameters.gravity;
+            acceleration.set_block(U, &-skew(&motion.rate));
+            acceleration.set_block(THETA, &skew(&gravity));
+            acceleration.set_block(B_A, &-Matrix3::identity());
+            acceleration.set_block(B_G, &-skew(&motion.velocity));
+        }
         let mut rotation_rows = [Column::zeros(); 3];
         for (i, row) in rotation_rows.iter_mut().enumerate() {
             row[THETA + i] = 1.0;
@@ -302,7 +310,7 @@ impl<const N: usize> Process<N> for InertialProcess {
             velocity,
             rate,
             rate_variance,
-            acceleration: motion.acceleration,
+            acceleration,
             sensors: self.sensors,
             mean: belief.mean,
         }
