@@ -109,3 +109,40 @@ fn one() {
     let w = match std::env::var("WHICH").as_deref() { Ok("dyn") => Which::Dynamic, Ok("ma") => Which::ModelAided, _ => Which::Inertial };
     run(w, &o, &m, |_| {});
 }
+#[test]
+fn river() {
+    use rexrov::estimation::*;
+    let text = std::fs::read_to_string("/tmp/river.csv").unwrap();
+    let rows: Vec<Vec<f64>> = text.lines().map(|l| l.split(',').map(|x| x.parse().unwrap()).collect()).collect();
+    for (name, fixes, bias) in [("dr", false, 0.1), ("fix", true, 0.2), ("dr nobias", false, 0.0)] {
+        let mut p = NavigationParameters::default();
+        p.mounting.dvl = [0.0; 3];
+        p.mounting.pressure = [0.0; 3];
+        p.sensors.heading_bias_sigma = bias;
+        p.sensors.dvl_sigma = std::env::var("DS").map_or(0.03, |s| s.parse().unwrap());
+        p.sensors.dvl_scale_sigma = 0.01;
+        p.sensors.fix_sigma = 2.0;
+        p.start.position = [0.0; 3];
+        let v = rexrov::vehicle::Parameters::default();
+        let d = Disturbances::default();
+        fn go(name: &str, f: &impl Navigation, rows: &[Vec<f64>], fixes: bool) {
+            let mut m = f.memory();
+            let mut u = Measurements::default();
+            let mut last = Estimate::default();
+            for r in rows {
+                u.ahrs = Reading::at(r[0], [r[1], r[2], r[3]]);
+                if r[4] > 0.5 { u.dvl = Reading::at(r[0], [r[5], r[6], r[7]]); }
+                if fixes { u.fix = Reading::at(r[0], [r[8], r[9], 0.0]); }
+                let e = f.update(&mut m, r[0], &u);
+                if name == "dr ins" && e.channels[1].innovation[0].abs() > 1e-3 { println!("t {} innov {:.4} sigma {:.4} rate {:.3?} rej {} inv {:?}", r[0], e.channels[1].innovation[0], e.channels[1].sigma[0], e.rate, e.channels[1].rejected, last.health); }
+                last = e;
+            }
+            let r = rows.last().unwrap();
+            println!("{name}: pos {:.2?} gps {:.2} {:.2} sigma {:.2} {:.2} vel {:.2?} health {:?} used {:?} rejected {:?} nis {:.1?}", last.position, r[8], r[9], last.covariance[0][0].sqrt(), last.covariance[1][1].sqrt(), last.velocity, last.health, last.channels.map(|c| c.used), last.channels.map(|c| c.rejected), last.channels.map(|c| c.nis));
+        }
+        go(&format!("{name} ca"), &Filter::<_, 19>::new(ConstantAcceleration::new(&p).unwrap(), &p).unwrap(), &rows, fixes);
+        go(&format!("{name} dyn"), &DynamicFilter::new(PlanarDynamic::new(&p, &v, &d).unwrap(), &p).unwrap(), &rows, fixes);
+        go(&format!("{name} ins"), &Filter::<_, 19>::new(InertialProcess::new(&p, None).unwrap(), &p).unwrap(), &rows, fixes);
+        go(&format!("{name} ma"), &AidedFilter::new(&p, &v, &d).unwrap(), &rows, fixes);
+    }
+}

@@ -53,6 +53,14 @@ pub struct SensorStates {
     pub dvl_delay: Option<usize>,
 }
 
+impl SensorStates {
+    /// States that a velocity log cannot tell from a change of the velocity.
+    #[must_use]
+    pub fn of_dvl(&self) -> [Option<usize>; 3] {
+        [self.dvl_scale, self.dvl_misalignment, self.dvl_delay]
+    }
+}
+
 /// Motion at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {

@@ -15,7 +15,7 @@ use super::monitor::Monitor;
 use super::parameters::NavigationParameters;
 use super::process::Process;
 use super::process::rotation::log;
-use super::recovery::{Agreement, hand_to_bias, reacquire};
+use super::recovery::{Agreement, follow_unobservable, hand_to_bias, reacquire};
 use super::sensor::{Depth, Dvl, Fix, Heading, Observation, Sensor, Tilt};
 use crate::attitude;
 
@@ -150,16 +150,18 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         ahead: &Ahead,
         witness: &mut impl Witness<N>,
     ) {
+        if event.kind == Kind::Ahrs {
+            // The rate between two attitudes holds for the time between them.
+            self.follow_attitude(event.time, event.cut());
+        }
         self.advance(setup, event.time, ahead, witness);
         self.key = event.key();
         match event.kind {
             Kind::Imu => self.imu.push(event.time, event.cut()),
             Kind::Thrust => self.thrust.push(event.time, event.cut()),
             Kind::Ahrs => {
-                let euler: [f64; 3] = event.cut();
-                self.follow_attitude(event.time, euler);
                 self.predict_to(setup, event.time, ahead, witness);
-                self.fuse_attitude(setup, euler, witness);
+                self.fuse_attitude(setup, event.cut(), witness);
             }
             Kind::Depth => {
                 self.predict_to(setup, event.time, ahead, witness);
@@ -322,6 +324,14 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         }
         let correction = absorb(&mut self.belief, &observation, &verdict, &mut witness);
         process.correct(&mut self.belief, &correction);
+        if channel == Channel::Dvl && process.coasts(&self.interval) {
+            let states = motion.sensors.of_dvl();
+            let after = observe(&process.kinematics(&self.belief, &self.interval));
+            let rows = [&observation.rows, &after.rows];
+            let f = follow_unobservable(process.velocity(), rows, &states);
+            self.belief.propagate(&f);
+            witness.predicted(&f);
+        }
     }
 
     /// The motion at an instant after the track's, by the newest samples.

@@ -42,6 +42,9 @@ pub trait Component: Sized + Send + 'static {
     /// side, so that there is nothing to do at a crossing but to start the integration anew there.
     /// Co-simulation then looks at them in those steps only in which inputs move.
     const KINKS_OF_INPUTS: bool = false;
+    /// Whether inputs may be anything, infinities and what is not a number among them: for components
+    /// that judge what they are given. Otherwise the kernel refuses such values.
+    const ANY_INPUT: bool = false;
     /// Whether [`tangent`](Component::tangent) is there.
     const TANGENT: bool = false;
     /// Parameters: of any variable type, fixed once initialization is over.
@@ -180,6 +183,15 @@ pub trait Component: Sized + Send + 'static {
     ) -> Result<bool, Fault> {
         let _ = (t, memory, states, inputs);
         Ok(false)
+    }
+
+    /// A line for the log, taken out of the memory so that it is written once.
+    ///
+    /// The kernel asks after initialization and after events;
+    /// while there is nothing new to say this must not allocate.
+    fn notice(memory: &mut Self::Memory) -> Option<String> {
+        let _ = memory;
+        None
     }
 
     /// The tangent-linear model: how derivatives and outputs change, to first order, when the

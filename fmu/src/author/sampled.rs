@@ -59,6 +59,8 @@ use super::{
 pub trait Sample: Sized + Send + 'static {
     /// Name, description, default experiment; [`Info::sampled`] is set by [`Sampled`].
     const INFO: Info;
+    /// See [`Component::ANY_INPUT`].
+    const ANY_INPUT: bool = false;
     /// Parameters.
     type Parameters: Variables + Default;
     /// Inputs.
@@ -99,6 +101,12 @@ pub trait Sample: Sized + Send + 'static {
         inputs: &Self::Inputs,
         outputs: &mut Self::Outputs,
     ) -> Result<(), Fault>;
+
+    /// See [`Component::notice`].
+    fn notice(memory: &mut Self::Memory) -> Option<String> {
+        let _ = memory;
+        None
+    }
 }
 
 /// A component made of a [`Sample`].
@@ -129,6 +137,7 @@ impl<M: Clone, Y: Copy> Clone for Held<M, Y> {
 
 impl<S: Sample> Component for Sampled<S> {
     const INFO: Info = Info { sampled: true, ..S::INFO };
+    const ANY_INPUT: bool = S::ANY_INPUT;
     type Parameters = S::Parameters;
     type Inputs = S::Inputs;
     type Outputs = S::Outputs;
@@ -168,5 +177,9 @@ impl<S: Sample> Component for Sampled<S> {
     ) -> Result<(), Fault> {
         held.sampler.advance();
         self.0.sample(now, &mut held.memory, inputs, &mut held.outputs)
+    }
+
+    fn notice(held: &mut Self::Memory) -> Option<String> {
+        S::notice(&mut held.memory)
     }
 }

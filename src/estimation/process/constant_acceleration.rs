@@ -7,7 +7,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::Process;
-use super::rotation::{exp, matrix, right_jacobian, turned};
+use super::rotation::{exp, matrix, right_jacobian, turn_attitude, turned};
 use crate::ParameterError;
 use crate::attitude;
 use crate::estimation::belief::{Belief, Column};
@@ -178,10 +178,8 @@ impl<const N: usize> Process<N> for ConstantAcceleration {
     }
 
     fn correct(&self, belief: &mut Belief<N>, correction: &Column<N>) {
-        let turn: Vector3<f64> = correction.fixed_rows::<3>(THETA).into_owned();
         belief.mean += correction;
-        belief.mean.fixed_rows_mut::<3>(THETA).fill(0.0);
-        belief.attitude = turned(belief.attitude, &turn);
+        turn_attitude(belief, THETA);
         if let Some(state) = self.sensors.heading_bias {
             belief.mean[state] = attitude::wrap(belief.mean[state]);
         }

@@ -63,6 +63,11 @@ pub trait Process<const N: usize> {
         Column::zeros()
     }
 
+    /// Whether nothing but the velocity log says how the velocity changes during an interval.
+    fn coasts(&self, interval: &Interval) -> bool {
+        interval.inertial.is_none() && !(self.uses_thrust() && interval.thrust.is_some())
+    }
+
     /// Whether the process makes use of thrusts.
     fn uses_thrust(&self) -> bool {
         false

@@ -12,7 +12,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::inertial::{B_A, B_G, Strapdown, THETA, V};
+use super::inertial::{B_A, B_G, Strapdown, THETA, U};
 use super::rotation::{exp, matrix, right_jacobian};
 use crate::ParameterError;
 use crate::estimation::belief::{Belief, Column};
@@ -318,7 +318,8 @@ struct Water {
     velocity: Vector3<f64>,
     /// Down along body axes.
     down: Vector3<f64>,
-    /// Derivatives of the velocity: by the velocity over ground (NED), by a turn of the body there.
+    /// Derivatives of the velocity: by that over ground, by the current (NED), by a turn there.
+    by_ground: Matrix3<f64>,
     inverse: Matrix3<f64>,
     by_turn: Matrix3<f64>,
     /// The turn there by the turn at the end, and by the gyro bias.
@@ -332,7 +333,7 @@ struct Water {
 impl Water {
     /// `share` of the interval before its end.
     ///
-    /// `nu = R_b^T (v - c - g e_z t) - Exp(w (dt/2 - (dt - t))) f t` with `R_b = R Exp(-w t)`,
+    /// `nu = Exp(w t) u - R_b^T (c + g e_z t) - Exp(w (t - dt/2)) f t` with `R_b = R Exp(-w t)` and
     /// `t = share dt`; f is the force less its bias and noise.
     fn new<const N: usize>(
         belief: &Belief<N>,
@@ -343,28 +344,28 @@ impl Water {
         [dt, share]: [f64; 2],
     ) -> Self {
         let t = share * dt;
-        let back = -s.rate * t;
-        let turn_back = exp(&back);
-        let inverse = (matrix(belief.attitude) * turn_back).transpose();
-        let mut ground: Vector3<f64> = belief.mean.fixed_rows::<3>(V).into_owned();
-        ground.x -= belief.mean[at.current];
-        ground.y -= belief.mean[at.current + 1];
+        let forth = s.rate * t;
+        let by_ground = exp(&forth);
+        let inverse = by_ground * matrix(belief.attitude).transpose();
+        let current = Vector3::new(belief.mean[at.current], belief.mean[at.current + 1], 0.0);
+        let ground: Vector3<f64> = belief.mean.fixed_rows::<3>(U).into_owned();
         // Gravity and force act in the frame of the middle of the interval.
         let force = s.force - noise;
         let ahead = s.rate * (t - 0.5 * dt);
         let to_middle = exp(&ahead);
         let down = inverse * Vector3::z();
-        let along = inverse * ground - down * (gravity * t);
-        let velocity = along - to_middle * force * t;
+        let fixed = -inverse * current - down * (gravity * t);
+        let by_bias = to_middle * skew(&force) * right_jacobian(&ahead) * (-(t - 0.5 * dt) * t);
         Self {
-            velocity,
+            velocity: by_ground * ground + fixed - to_middle * force * t,
             down,
+            by_ground,
             inverse,
-            by_turn: skew(&along),
-            turn: turn_back.transpose(),
-            turn_by_bias: right_jacobian(&back) * t,
+            by_turn: skew(&fixed),
+            turn: by_ground,
+            turn_by_bias: right_jacobian(&-forth) * t,
             by_force: to_middle * t,
-            by_bias: to_middle * skew(&force) * right_jacobian(&ahead) * (-(t - 0.5 * dt) * t),
+            by_bias: by_bias + by_ground * skew(&ground) * right_jacobian(&forth) * t,
         }
     }
 
@@ -376,7 +377,8 @@ impl Water {
         by_down: &Matrix3<f64>,
         by_rate: &Matrix3<f64>,
     ) -> [Column<N>; 3] {
-        let ground = by_velocity * self.inverse;
+        let ground = by_velocity * self.by_ground;
+        let current = -by_velocity * self.inverse;
         let turn = by_velocity * self.by_turn + by_down * skew(&self.down);
         let attitude = turn * self.turn;
         let bias = turn * self.turn_by_bias + by_velocity * self.by_bias - by_rate;
@@ -384,14 +386,14 @@ impl Water {
         let mut rows = [Column::zeros(); 3];
         for (i, row) in rows.iter_mut().enumerate() {
             for j in 0..3 {
-                row[V + j] = ground[(i, j)];
+                row[U + j] = ground[(i, j)];
                 row[THETA + j] = attitude[(i, j)];
                 row[B_G + j] = bias[(i, j)];
                 row[B_A + j] = force[(i, j)];
                 row[at.force_noise + j] = force[(i, j)];
             }
             for j in 0..2 {
-                row[at.current + j] = -ground[(i, j)];
+                row[at.current + j] = current[(i, j)];
             }
         }
         rows

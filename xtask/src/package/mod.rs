@@ -1,4 +1,4 @@
-//! Packaging: one library, nine FMUs and the paper's system, the same bytes every time; the libraries of
+//! Packaging: one library, its FMUs and the paper's system, the same bytes every time; the libraries of
 //! the FMUs that `cosim` writes; and for the wheel `cosim` itself.
 //!
 //! | file | what |
