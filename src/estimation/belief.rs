@@ -133,7 +133,10 @@ impl<const N: usize> Belief<N> {
 
     /// Keeps the covariance within what arithmetic can bear: variances neither negative nor beyond
     /// all use, and a matrix that rounding made indefinite is brought back by widening it.
-    pub fn confine(&mut self) {
+    ///
+    /// Where variances were beyond all use, gives the factors on the errors.
+    pub fn confine(&mut self) -> Option<Transition<N>> {
+        let mut factors = None;
         for i in 0..self.order {
             let variance = self.covariance[(i, i)];
             if variance > VARIANCE_LIMIT {
@@ -142,8 +145,10 @@ impl<const N: usize> Belief<N> {
                     self.covariance[(i, j)] *= scale;
                     self.covariance[(j, i)] *= scale;
                 }
+                factors.get_or_insert_with(Transition::identity).scale(i, scale);
             }
         }
+        factors
     }
 
     /// Widens a covariance that rounding made indefinite until it is not.

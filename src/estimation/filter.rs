@@ -2,9 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::belief::{Column, dot};
+use super::belief::{Belief, Column, dot};
 use super::history::{Arrival, History};
 use super::intake::{Sources, take_new};
+use super::kinematics::Kinematics;
 use super::measurement::{KINDS, Kind, Measurements};
 use super::parameters::NavigationParameters;
 use super::process::Process;
@@ -18,7 +19,7 @@ const SILENT: f64 = 0.25;
 /// A filter of at most `N` states.
 #[derive(Clone, Debug)]
 pub struct Filter<P, const N: usize> {
-    setup: Setup<P>,
+    pub(super) setup: Setup<P>,
 }
 
 /// What a filter remembers between cycles.
@@ -185,40 +186,11 @@ impl<P: Process<N>, const N: usize> Filter<P, N> {
         let Some(history) = &memory.history else { return Estimate::default() };
         let track = &history.track;
         let motion = track.motion_at(&self.setup, memory.now);
-        let belief = &track.belief;
-        let (angles, rates) = euler(&motion.rotation);
-        let rows: [Column<N>; 6] = core::array::from_fn(|i| match i {
-            0..3 => motion.position.rows[i],
-            _ => motion.through_rotation(&rates, i - 3),
-        });
-        let mut covariance = [[0.0; 6]; 6];
-        for i in 0..6 {
-            let correlation = belief.correlate(&rows[i]);
-            for j in 0..=i {
-                let value = dot(&rows[j], &correlation, belief.order());
-                covariance[i][j] = value;
-                covariance[j][i] = value;
-            }
-        }
-        if motion.tilt_is_input {
-            let sigma = self.setup.parameters.sensors.tilt_sigma;
-            (3..5).for_each(|i| covariance[i][i] = sigma * sigma);
-        }
-        let states = self.setup.process.current();
         Estimate {
-            position: motion.position.value.into(),
-            euler: angles,
-            velocity: motion.velocity.value.into(),
-            rate: motion.rate.value.into(),
-            acceleration: motion.acceleration.into(),
-            current: states.map_or([0.0; 2], |c| c.map(|i| belief.mean[i])),
-            covariance,
-            velocity_sigma: core::array::from_fn(|i| {
-                belief.variance(&motion.velocity.rows[i]).max(0.0).sqrt()
-            }),
             channels: self.channels(memory, &track.records),
             health: self.health(memory, track),
             loss: track.effectiveness.map(|share| 1.0 - share),
+            ..describe(&self.setup, &track.belief, &motion)
         }
     }
 
@@ -252,5 +224,43 @@ impl<P: Process<N>, const N: usize> Filter<P, N> {
             return Health::Starved;
         }
         Health::Good
+    }
+}
+
+/// What a belief says of the motion.
+pub(super) fn describe<P: Process<N>, const N: usize>(
+    setup: &Setup<P>,
+    belief: &Belief<N>,
+    motion: &Kinematics<N>,
+) -> Estimate {
+    let (angles, rates) = euler(&motion.rotation);
+    let rows: [Column<N>; 6] = core::array::from_fn(|i| match i {
+        0..3 => motion.position.rows[i],
+        _ => motion.through_rotation(&rates, i - 3),
+    });
+    let mut covariance = [[0.0; 6]; 6];
+    for i in 0..6 {
+        let correlation = belief.correlate(&rows[i]);
+        for j in 0..=i {
+            let value = dot(&rows[j], &correlation, belief.order());
+            covariance[i][j] = value;
+            covariance[j][i] = value;
+        }
+    }
+    if motion.tilt_is_input {
+        let sigma = setup.parameters.sensors.tilt_sigma;
+        (3..5).for_each(|i| covariance[i][i] = sigma * sigma);
+    }
+    let sigma = |row: &Column<N>| belief.variance(row).max(0.0).sqrt();
+    Estimate {
+        position: motion.position.value.into(),
+        euler: angles,
+        velocity: motion.velocity.value.into(),
+        rate: motion.rate.value.into(),
+        acceleration: motion.acceleration.into(),
+        current: setup.process.current().map_or([0.0; 2], |c| c.map(|i| belief.mean[i])),
+        covariance,
+        velocity_sigma: core::array::from_fn(|i| sigma(&motion.velocity.rows[i])),
+        ..Estimate::default()
     }
 }

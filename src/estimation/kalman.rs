@@ -22,6 +22,17 @@ pub trait Witness<const N: usize> {
     fn updated(&mut self, row: &Column<N>, gain: &Column<N>, innovation: f64, s: f64) {
         let _ = (row, gain, innovation, s);
     }
+
+    /// The newest scalar measurements were taken back.
+    fn taken_back(&mut self, count: usize) {
+        let _ = count;
+    }
+
+    /// At one instant the errors of the states became F times what they were, plus noise: some
+    /// states were given up.
+    fn given_up(&mut self, f: &Transition<N>) {
+        let _ = f;
+    }
 }
 
 impl<const N: usize> Witness<N> for () {}

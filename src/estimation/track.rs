@@ -59,7 +59,7 @@ pub(super) struct Record {
 /// Seconds between attitudes beyond which they say nothing of the rate.
 const ATTITUDE_GAP: f64 = 1.5;
 /// Tolerance in which instants are the same (s).
-const SAME: f64 = 1e-9;
+pub(super) const SAME: f64 = 1e-9;
 
 /// A filter at an instant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -228,7 +228,9 @@ impl<const N: usize> Track<N> {
         let process = &setup.process;
         process.predict(&mut self.belief, &self.interval, witness);
         process.aid(&mut self.belief, &self.before, &self.interval, witness);
-        self.belief.confine();
+        if let Some(f) = self.belief.confine() {
+            witness.given_up(&f);
+        }
         self.time = time;
     }
 
@@ -263,6 +265,14 @@ impl<const N: usize> Track<N> {
         self.tilt = [euler[0], euler[1]];
     }
 
+    /// Takes the first attitude for the start, if the start says nothing of the heading.
+    pub(super) fn align<P: Process<N>>(&mut self, setup: &Setup<P>, euler: [f64; 3]) {
+        if !self.aligned {
+            setup.process.align(&mut self.belief, euler);
+            self.aligned = true;
+        }
+    }
+
     fn fuse_attitude<P: Process<N>>(
         &mut self,
         setup: &Setup<P>,
@@ -270,10 +280,7 @@ impl<const N: usize> Track<N> {
         witness: &mut impl Witness<N>,
     ) {
         self.interval.tilt = self.tilt;
-        if !self.aligned {
-            setup.process.align(&mut self.belief, euler);
-            self.aligned = true;
-        }
+        self.align(setup, euler);
         let motion = setup.process.kinematics(&self.belief, &self.interval);
         if !motion.tilt_is_input {
             self.fuse(setup, Channel::Tilt, |m| setup.tilt.observe(&euler, m), witness);
@@ -301,11 +308,13 @@ impl<const N: usize> Track<N> {
         if agreed {
             record.agreement = Agreement::default();
             self.belief = before;
-            if channel == Channel::Heading && motion.sensors.heading_bias.is_some() {
-                hand_to_bias(&mut self.belief, &motion, &observation);
+            witness.taken_back(observation.size);
+            let f = if channel == Channel::Heading && motion.sensors.heading_bias.is_some() {
+                hand_to_bias(&mut self.belief, &motion, &observation)
             } else {
-                reacquire(&mut self.belief, channel, process.velocity(), &observation);
-            }
+                reacquire(&mut self.belief, channel, process.velocity(), &observation)
+            };
+            witness.given_up(&f);
             let motion = process.kinematics(&self.belief, &self.interval);
             let fused = fuse(&mut self.belief, &observe(&motion), f64::INFINITY, witness);
             process.correct(&mut self.belief, &fused.correction);

@@ -98,6 +98,18 @@ impl<const N: usize> Transition<N> {
         result
     }
 
+    /// `F^T v`.
+    #[must_use]
+    pub fn apply_transposed(&self, v: &Column<N>) -> Column<N> {
+        let mut result = self.diagonal.component_mul(v);
+        for (i, elements) in self.rows() {
+            for &(j, value) in elements {
+                result[j as usize] += value * v[i];
+            }
+        }
+        result
+    }
+
     /// `P <- F P F^T` of a symmetric P whose first `order` states exist.
     pub(super) fn propagate(&self, p: &mut SMatrix<f64, N, N>, order: usize) {
         let mut changed = [[0.0; N]; ROWS];
