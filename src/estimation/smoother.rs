@@ -301,13 +301,16 @@ impl<const N: usize> Adjoint<N> {
 
     fn before_transition(&mut self, f: &Transition<N>) {
         self.lambda = f.apply_transposed(&self.lambda);
+        let mut transposed = self.covariance;
         for _ in 0..2 {
-            for mut column in self.covariance.column_iter_mut() {
+            for mut column in transposed.column_iter_mut() {
                 let image = f.apply_transposed(&column.clone_owned());
                 column.copy_from(&image);
             }
-            self.covariance = self.covariance.transpose();
+            transposed = transposed.transpose();
         }
+        // What rounding makes antisymmetric no measurement would ever make smaller again.
+        self.covariance = (transposed + transposed.transpose()) * 0.5;
     }
 
     fn before_measurement(&mut self, m: &Measured<N>) {

@@ -128,6 +128,6 @@ impl<'a> Pilot<'a> {
     }
 
     fn control(&mut self, truth: &Outputs) -> [f64; 8] {
-        self.controller.update(&mut self.controller_memory, self.command, truth.nu).force
+        self.controller.update(&mut self.controller_memory, self.command, truth.nu, &[0.0; 8]).force
     }
 }

@@ -71,6 +71,9 @@ pub struct Run {
 }
 
 impl Run {
+    fn empty() -> Self {
+        Self { samples: Vec::new(), nis: [(0.0, 0); CHANNELS], last: Estimate::default(), path: Vec::new() }
+    }
     pub fn rmse(&self, from: f64, to: f64) -> f64 {
         let s: Vec<f64> = self.within(from, to).map(|s| s.error[0].powi(2) + s.error[1].powi(2)).collect();
         (s.iter().sum::<f64>() / s.len() as f64).sqrt()
@@ -96,17 +99,71 @@ impl Run {
 }
 
 pub fn run(which: Which, options: &Options, mission: &Mission, change: impl Fn(&mut NavigationParameters)) -> Run {
+    with_process(which, options, mission, change, Follow)
+}
+
+/// The smoothed estimate at every tenth of a second.
+pub fn smooth(which: Which, options: &Options, mission: &Mission, change: impl Fn(&mut NavigationParameters)) -> Run {
+    with_process(which, options, mission, change, Smooth)
+}
+
+/// What is done with a filter.
+trait Use {
+    fn with<P: Process<N>, const N: usize>(self, p: &NavigationParameters, process: P, mission: &Mission) -> Run;
+}
+
+struct Follow;
+struct Smooth;
+
+impl Use for Follow {
+    fn with<P: Process<N>, const N: usize>(self, p: &NavigationParameters, process: P, mission: &Mission) -> Run {
+        follow::<P, N>(p, process, mission)
+    }
+}
+
+impl Use for Smooth {
+    fn with<P: Process<N>, const N: usize>(self, p: &NavigationParameters, process: P, mission: &Mission) -> Run {
+        let filter = Filter::<P, N>::new(process, p).unwrap();
+        let path = filter.smooth(&record(p, mission));
+        let mut run = Run::empty();
+        for s in path {
+            let e = Estimate { position: s.position, euler: s.euler, velocity: s.velocity, covariance: s.covariance, ..Estimate::default() };
+            run.samples.push(score(&e, mission.truth_at(s.time)));
+            run.path.push(e);
+        }
+        run
+    }
+}
+
+/// The samples of a mission as they arrive.
+pub fn record(p: &NavigationParameters, mission: &Mission) -> Recording {
+    let mut recording = Recording::new(p);
+    let mut measured = Measurements::default();
+    for at_once in mission.events.chunk_by(|a, b| a.arrival == b.arrival) {
+        at_once.iter().for_each(|event| set(&mut measured, event));
+        recording.add(at_once[0].arrival, &measured);
+    }
+    recording
+}
+
+fn with_process(
+    which: Which,
+    options: &Options,
+    mission: &Mission,
+    change: impl Fn(&mut NavigationParameters),
+    what: impl Use,
+) -> Run {
     let mut p = parameters(options, mission.initial_error);
     change(&mut p);
     let vehicle = Parameters::default();
     let d = disturbances(which, options);
     match which {
-        Which::ConstantAcceleration => follow::<_, SMALL>(&p, ConstantAcceleration::new(&p).unwrap(), mission),
-        Which::Dynamic => follow::<_, SMALL>(&p, PlanarDynamic::new(&p, &vehicle, &d).unwrap(), mission),
-        Which::Inertial => follow::<_, SMALL>(&p, InertialProcess::new(&p, None).unwrap(), mission),
+        Which::ConstantAcceleration => what.with::<_, SMALL>(&p, ConstantAcceleration::new(&p).unwrap(), mission),
+        Which::Dynamic => what.with::<_, SMALL>(&p, PlanarDynamic::new(&p, &vehicle, &d).unwrap(), mission),
+        Which::Inertial => what.with::<_, SMALL>(&p, InertialProcess::new(&p, None).unwrap(), mission),
         Which::ModelAided => {
             let aid = ModelAid::new(&vehicle, &d).unwrap();
-            follow::<_, LARGE>(&p, InertialProcess::new(&p, Some(aid)).unwrap(), mission)
+            what.with::<_, LARGE>(&p, InertialProcess::new(&p, Some(aid)).unwrap(), mission)
         }
     }
 }
@@ -116,7 +173,7 @@ pub fn follow<P: Process<N>, const N: usize>(p: &NavigationParameters, process: 
     let filter = Filter::<P, N>::new(process, p).unwrap();
     let mut memory = filter.memory();
     let mut measured = Measurements::default();
-    let mut run = Run { samples: Vec::new(), nis: [(0.0, 0); CHANNELS], last: Estimate::default(), path: Vec::new() };
+    let mut run = Run::empty();
     let mut used = [0; CHANNELS];
     let mut i = 0;
     for truth in &mission.truth {
