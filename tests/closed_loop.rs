@@ -4,7 +4,8 @@
 //! cannot be in a loop closed on the estimate.
 
 use rexrov::control::{ControllerMemory, ControllerParameters, VelocityController};
-use rexrov::estimation::{Acceleration, Ekf, EkfMemory, EkfParameters, Measurements};
+use rexrov::estimation::paper::{Acceleration, Ekf, EkfMemory, EkfParameters};
+use rexrov::estimation::{Measurements, Navigation, Reading};
 use rexrov::guidance::{Course, PurePursuit, PursuitMemory, PursuitParameters};
 use rexrov::sampling::Rate;
 use rexrov::sensors::*;
@@ -74,25 +75,25 @@ impl Sensors {
                 rate_dot: angular(truth.nu_dot),
                 euler: truth.euler,
             };
-            measured.imu.value = self.imu.0.sample(&mut self.imu.1, &truth);
-            measured.imu.stamp = stamp;
+            let ImuSample { specific_force: [x, y, z], rate: [p, q, r], euler } =
+                self.imu.0.sample(&mut self.imu.1, &truth);
+            measured.imu = Reading::at(stamp, [x, y, z, p, q, r]);
+            measured.ahrs = Reading::at(stamp, euler);
         }
         if let Some(stamp) = self.dvl.2.fires(now) {
             let truth = DvlTruth { nu: truth.nu, ..Default::default() };
             let ping = self.dvl.0.sample(&mut self.dvl.1, &truth).unwrap();
-            measured.dvl.value = ping.sample;
-            measured.dvl.stamp = stamp;
+            measured.dvl = Reading::at(stamp, ping.sample.velocity);
         }
         if let Some(stamp) = self.gps.2.fires(now) {
             let truth = GpsTruth { p_ned: truth.p_ned, euler: truth.euler };
-            measured.fix.value = self.gps.0.sample(&mut self.gps.1, &truth).unwrap().sample;
-            measured.fix.stamp = stamp;
+            let [x, y] = self.gps.0.sample(&mut self.gps.1, &truth).unwrap().sample.position;
+            measured.fix = Reading::at(stamp, [x, y, 0.0]);
         }
         if let Some(stamp) = self.pressure.2.fires(now) {
             let truth = PressureTruth { z: truth.p_ned[2], euler: truth.euler };
             let sample = self.pressure.0.sample(&mut self.pressure.1, &truth);
-            measured.pressure.value = sample.depth;
-            measured.pressure.stamp = stamp;
+            measured.depth = Reading::at(stamp, [sample.depth]);
         }
     }
 }
@@ -156,10 +157,13 @@ impl Run {
         loop {
             let truth = self.plant.outputs(&self.state, &self.inputs);
             self.sensors.sample(now, &truth, &mut measured);
-            measured.thrust = truth.thrust;
+            measured.thrust = Reading::at(-1.0, truth.thrust);
             if self.filter.2.fires(now).is_some() {
-                let estimate = self.filter.0.update(&mut self.filter.1, &measured).unwrap();
-                let guidance = self.pursuit.0.update(&mut self.pursuit.1, estimate.pose);
+                let seconds = now as f64 * 1e-9;
+                let estimate = self.filter.0.update(&mut self.filter.1, seconds, &measured);
+                let [x, y, z] = estimate.position;
+                let pose = [x, y, z, estimate.euler[2]];
+                let guidance = self.pursuit.0.update(&mut self.pursuit.1, pose);
                 if guidance.finished {
                     break;
                 }
@@ -169,8 +173,8 @@ impl Run {
                 let course = self.pursuit.0.course();
                 let s = course.nearest(place, guidance.distance - 5.0, guidance.distance + 5.0);
                 sums.total += course.cross_track(place, s).abs();
-                sums.x += (estimate.pose[0] - place[0]).powi(2);
-                sums.y += (estimate.pose[1] - place[1]).powi(2);
+                sums.x += (estimate.position[0] - place[0]).powi(2);
+                sums.y += (estimate.position[1] - place[1]).powi(2);
                 count += 1.0;
             }
             if self.controller.2.fires(now).is_some() {

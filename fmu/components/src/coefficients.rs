@@ -1,11 +1,11 @@
 //! The coefficients of the vehicle as FMI parameters: named sets, each value open to change.
 //!
-//! Shared by the vehicle and by the model inside the dynamic filter.
+//! Shared by the vehicle and by the models inside filters.
 
 use crate::added_mass::AddedMass;
 use crate::groups::{Inertia, Mounting, Vector};
 use fmu_kit::{Enumeration, Variables};
-use rexrov::vehicle;
+use rexrov::vehicle::{self, ReducedModel};
 
 /// Named sets of coefficients.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Enumeration)]
@@ -109,6 +109,17 @@ impl Coefficients {
     /// The values of a named set.
     pub fn preset(set: ParameterSet) -> Self {
         vehicle::Parameters::preset(set.into()).into()
+    }
+
+    /// The model inside a filter. It is given the thrusts themselves: what the thruster inputs mean
+    /// does not matter.
+    ///
+    /// # Errors
+    /// Names the parameter that is out of range.
+    pub fn checked(&self) -> Result<vehicle::Parameters, ::rexrov::ParameterError> {
+        let parameters = self.with_mode(vehicle::ThrusterMode::Force);
+        ReducedModel::new(&parameters).map_err(|error| error.within("model"))?;
+        Ok(parameters)
     }
 
     /// As the mathematics wants them, with the meaning of the thruster inputs.

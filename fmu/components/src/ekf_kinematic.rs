@@ -1,40 +1,27 @@
 //! The kinematic filter of the paper: acceleration from the accelerometers.
 
 use crate::ekf_parameters::FilterParameters;
-use crate::ekf_ports::{Inputs, Outputs};
-use crate::groups::parameter_error;
-use fmu_kit::{Fault, Info, ParameterError, Resources, Sample, Time};
-use rexrov::estimation::{Acceleration, Ekf, EkfMemory, EkfParameters};
+use crate::navigator::Navigator;
+use fmu_kit::Info;
+use rexrov::ParameterError;
+use rexrov::estimation::paper::{Acceleration, Ekf, EkfParameters};
 
-/// The kinematic filter. It has the thrust inputs of the dynamic one and ignores them, so that one
-/// can stand in for the other.
-pub struct EkfKinematic(Ekf);
+/// The kinematic filter.
+pub struct EkfKinematic;
 
-impl Sample for EkfKinematic {
+impl Navigator for EkfKinematic {
     const INFO: Info = crate::info(
         "EkfKinematic",
         "Extended Kalman filter of x, y, z, yaw driven by measured acceleration",
     );
     type Parameters = FilterParameters;
-    type Inputs = Inputs;
-    type Outputs = Outputs;
-    type Memory = EkfMemory;
+    type Filter = Ekf;
 
-    fn new(p: &FilterParameters, _: &Resources) -> Result<Self, ParameterError> {
-        let ekf = Ekf::new(&EkfParameters::from(p), Acceleration::Kinematic);
-        ekf.map(Self).map_err(parameter_error)
+    fn filter(p: &FilterParameters) -> Result<Ekf, ParameterError> {
+        Ekf::new(&EkfParameters::from(p), Acceleration::Kinematic)
     }
 
-    fn period_s(&self) -> f64 {
-        self.0.rate.period()
-    }
-
-    fn memory(&self) -> EkfMemory {
-        self.0.memory()
-    }
-
-    fn sample(&self, _: Time, m: &mut EkfMemory, u: &Inputs, y: &mut Outputs) -> Result<(), Fault> {
-        *y = self.0.update(m, &u.into()).map_err(Fault::new)?.into();
-        Ok(())
+    fn rate_hz(p: &FilterParameters) -> f64 {
+        p.rate_hz
     }
 }

@@ -1,9 +1,10 @@
-//! Parameters that both filters of the paper share: `rexrov::estimation::EkfParameters` as FMI
-//! variables.
+//! Parameters that both filters of the paper share: `rexrov::estimation::paper::EkfParameters` as
+//! FMI variables.
 
-use crate::groups::{Pose4, Vector};
+use crate::groups::Pose4;
+use crate::navigation_parameters::Mounting;
 use fmu_kit::{Enumeration, Variables};
-use rexrov::estimation::{self, EkfParameters};
+use rexrov::estimation::paper::{self, EkfParameters, Misprinted};
 
 /// Transition matrix F of the covariance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Enumeration)]
@@ -25,23 +26,6 @@ pub enum ProcessNoise {
     Constant,
     /// the random walk of position that noise of the velocity log makes
     Dvl,
-}
-
-/// Where the sensors are, body frame.
-#[derive(Clone, Debug, Variables)]
-pub struct Mounting {
-    /// inertial unit
-    #[var(unit = "m")]
-    pub imu: Vector,
-    /// velocity log
-    #[var(unit = "m")]
-    pub dvl: Vector,
-    /// antenna or transponder of the fix
-    #[var(unit = "m")]
-    pub fix: Vector,
-    /// pressure sensor
-    #[var(unit = "m")]
-    pub pressure: Vector,
 }
 
 /// A variance for each state.
@@ -95,13 +79,13 @@ pub struct FilterParameters {
     #[var(unit = "Hz", min = 0.001, max = 1e6)]
     pub dvl_rate_hz: f64,
     /// Standard deviation of the position fix
-    #[var(unit = "m", min = 0.0)]
+    #[var(unit = "m", min = 1e-9)]
     pub fix_sigma: f64,
     /// Standard deviation of the depth
-    #[var(unit = "m", min = 0.0)]
+    #[var(unit = "m", min = 1e-9)]
     pub depth_sigma: f64,
     /// Standard deviation of the compass
-    #[var(unit = "rad", min = 0.0)]
+    #[var(unit = "rad", min = 1e-9)]
     pub heading_sigma: f64,
     /// Start
     pub initial: Start,
@@ -119,7 +103,7 @@ impl Default for FilterParameters {
         Self {
             rate_hz: p.rate_hz,
             transition: Transition::default(),
-            guard_speed: p.guard_speed,
+            guard_speed: Misprinted::default().guard_speed,
             rotate_to_ned: p.rotate_to_ned,
             process_noise: ProcessNoise::default(),
             process_variance: Variance { x, y, z, yaw },
@@ -143,18 +127,19 @@ impl Default for FilterParameters {
 impl From<&FilterParameters> for EkfParameters {
     fn from(p: &FilterParameters) -> Self {
         let Variance { x, y, z, yaw } = p.process_variance;
+        let misprinted =
+            |guard_speed| paper::Transition::Misprinted(Misprinted { guard_speed });
         Self {
             rate_hz: p.rate_hz,
             transition: match p.transition {
-                Transition::Paper => estimation::Transition::Paper,
-                Transition::PaperUnguarded => estimation::Transition::PaperUnguarded,
-                Transition::Repaired => estimation::Transition::Repaired,
+                Transition::Paper => misprinted(p.guard_speed),
+                Transition::PaperUnguarded => misprinted(0.0),
+                Transition::Repaired => paper::Transition::Jacobian,
             },
-            guard_speed: p.guard_speed,
             rotate_to_ned: p.rotate_to_ned,
             process_noise: match p.process_noise {
-                ProcessNoise::Constant => estimation::ProcessNoise::Constant,
-                ProcessNoise::Dvl => estimation::ProcessNoise::Dvl,
+                ProcessNoise::Constant => paper::ProcessNoise::Constant,
+                ProcessNoise::Dvl => paper::ProcessNoise::Dvl,
             },
             process_variance: [x, y, z, yaw],
             dvl_sigma: p.dvl_sigma,

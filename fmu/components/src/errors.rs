@@ -1,7 +1,7 @@
-//! Kinds of error that several sensors have, as groups of parameters.
+//! Kinds of error that several sensors have, and filters allow for, as groups of parameters.
 
 use fmu_kit::Variables;
-use rexrov::sensors;
+use rexrov::sensors::{self, BiasNoise};
 
 /// Errors far beyond the usual noise that come now and then.
 #[derive(Clone, Copy, Debug, Variables)]
@@ -48,3 +48,58 @@ impl From<GaussMarkov> for sensors::GaussMarkov {
         Self { sigma: g.sigma, correlation_time: g.correlation_time }
     }
 }
+
+/// White noise and slow bias of the accelerometers.
+#[derive(Clone, Copy, Debug, Variables)]
+pub struct AccelerometerNoise {
+    /// density of the white noise
+    #[var(unit = "m/(s2.Hz0.5)", min = 0.0)]
+    pub noise_density: f64,
+    /// density of the noise that drives the slow bias
+    #[var(unit = "m/(s3.Hz0.5)", min = 0.0)]
+    pub random_walk: f64,
+    /// correlation time of the slow bias
+    #[var(unit = "s", min = 1e-6)]
+    pub correlation_time: f64,
+    /// standard deviation of the bias after switching on
+    #[var(unit = "m/s2", min = 0.0)]
+    pub turn_on_sigma: f64,
+}
+
+/// White noise and slow bias of the gyros.
+#[derive(Clone, Copy, Debug, Variables)]
+pub struct GyroNoise {
+    /// density of the white noise
+    #[var(unit = "rad/(s.Hz0.5)", min = 0.0)]
+    pub noise_density: f64,
+    /// density of the noise that drives the slow bias
+    #[var(unit = "rad/(s2.Hz0.5)", min = 0.0)]
+    pub random_walk: f64,
+    /// correlation time of the slow bias
+    #[var(unit = "s", min = 1e-6)]
+    pub correlation_time: f64,
+    /// standard deviation of the bias after switching on
+    #[var(unit = "rad/s", min = 0.0)]
+    pub turn_on_sigma: f64,
+}
+
+/// Both instruments have the same kinds of error, in other units.
+macro_rules! noise {
+    ($($instrument:ident),+) => {$(
+        impl From<BiasNoise> for $instrument {
+            fn from(b: BiasNoise) -> Self {
+                let BiasNoise { noise_density, random_walk, correlation_time, turn_on_sigma } = b;
+                Self { noise_density, random_walk, correlation_time, turn_on_sigma }
+            }
+        }
+
+        impl From<$instrument> for BiasNoise {
+            fn from(i: $instrument) -> Self {
+                let $instrument { noise_density, random_walk, correlation_time, turn_on_sigma } = i;
+                Self { noise_density, random_walk, correlation_time, turn_on_sigma }
+            }
+        }
+    )+};
+}
+
+noise!(AccelerometerNoise, GyroNoise);

@@ -208,16 +208,14 @@ group! {
 }
 
 group! {
-    /// Time derivative of the body-frame velocity, four degrees of freedom.
-    Acceleration4 = [
+    /// Time derivative of the linear velocity in the body frame.
+    LinearAcceleration = [
         /// surge
         #[var(unit = "m/s2")] u,
         /// sway
         #[var(unit = "m/s2")] v,
         /// heave
-        #[var(unit = "m/s2")] w,
-        /// yaw
-        #[var(unit = "rad/s2")] r; 4]
+        #[var(unit = "m/s2")] w; 3]
 }
 
 group! {

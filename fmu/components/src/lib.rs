@@ -19,12 +19,20 @@ pub mod dvl;
 pub mod ekf_dynamic;
 pub mod ekf_kinematic;
 pub mod ekf_parameters;
-pub mod ekf_ports;
 pub mod errors;
+pub mod filter_disturbances;
 pub mod gps;
 pub mod groups;
 pub mod imu;
 pub mod instrument;
+pub mod nav_constant_acceleration;
+pub mod nav_dynamic;
+pub mod nav_inertial;
+pub mod nav_model_aided;
+pub mod navigation_estimate;
+pub mod navigation_parameters;
+pub mod navigation_ports;
+pub mod navigator;
 pub mod pressure;
 pub mod pure_pursuit;
 pub mod rexrov;
@@ -34,6 +42,7 @@ pub mod velocity_controller;
 
 use fmu_kit::{Info, Sampled};
 use instrument::Sensing;
+use navigator::Navigating;
 
 /// What all components say alike.
 const fn info(name: &'static str, description: &'static str) -> Info {
@@ -55,8 +64,12 @@ fmu_kit::export!(
     Sensing<gps::Gps>,
     Sensing<pressure::PressureSensor>,
     Sensing<tachometer::Tachometer>,
-    Sampled<ekf_dynamic::EkfDynamic>,
-    Sampled<ekf_kinematic::EkfKinematic>,
+    Sampled<Navigating<ekf_dynamic::EkfDynamic>>,
+    Sampled<Navigating<ekf_kinematic::EkfKinematic>>,
+    Sampled<Navigating<nav_constant_acceleration::NavConstantAcceleration>>,
+    Sampled<Navigating<nav_dynamic::NavDynamic>>,
+    Sampled<Navigating<nav_inertial::NavInertial>>,
+    Sampled<Navigating<nav_model_aided::NavModelAided>>,
     Sampled<pure_pursuit::PurePursuit>,
     Sampled<velocity_controller::VelocityController>,
 );

@@ -182,6 +182,15 @@ pub trait Component: Sized + Send + 'static {
         Ok(false)
     }
 
+    /// A line for the log, taken out of the memory so that it is written once.
+    ///
+    /// The kernel asks after initialization and after events;
+    /// while there is nothing new to say this must not allocate.
+    fn notice(memory: &mut Self::Memory) -> Option<String> {
+        let _ = memory;
+        None
+    }
+
     /// The tangent-linear model: how derivatives and outputs change, to first order, when the
     /// states change by `dx` and the inputs by `du`. Set [`TANGENT`](Component::TANGENT) if you
     /// write it, and let neither derivatives nor outputs depend on time other than through states

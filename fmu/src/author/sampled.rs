@@ -99,6 +99,12 @@ pub trait Sample: Sized + Send + 'static {
         inputs: &Self::Inputs,
         outputs: &mut Self::Outputs,
     ) -> Result<(), Fault>;
+
+    /// See [`Component::notice`].
+    fn notice(memory: &mut Self::Memory) -> Option<String> {
+        let _ = memory;
+        None
+    }
 }
 
 /// A component made of a [`Sample`].
@@ -168,5 +174,9 @@ impl<S: Sample> Component for Sampled<S> {
     ) -> Result<(), Fault> {
         held.sampler.advance();
         self.0.sample(now, &mut held.memory, inputs, &mut held.outputs)
+    }
+
+    fn notice(held: &mut Self::Memory) -> Option<String> {
+        S::notice(&mut held.memory)
     }
 }

@@ -311,6 +311,10 @@ impl<C: Component> Model for ComponentModel<C> {
         }
     }
 
+    fn notice(&mut self) -> Option<String> {
+        C::notice(&mut self.progress.memory)
+    }
+
     fn save(&self, into: &mut Option<Memory>) {
         match into.as_mut().and_then(|memory| memory.downcast_mut::<Progress<C::Memory>>()) {
             Some(place) => place.clone_from(&self.progress),

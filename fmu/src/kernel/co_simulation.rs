@@ -32,6 +32,7 @@ impl Instance {
         self.run.stale.derivatives = !self.table.layout().states.is_empty();
         if events > 0 {
             self.log.event(|| format!("{events} events until {} s", self.run.time_s));
+            self.log_notice();
         }
         Ok(())
     }

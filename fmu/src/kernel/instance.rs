@@ -183,6 +183,7 @@ impl Instance {
                 Interface::CoSimulation => Phase::Step,
             };
             me.log.event(|| format!("initialized at {} s", me.run.time_s));
+            me.log_notice();
             Ok(())
         })
     }
@@ -235,6 +236,14 @@ impl Instance {
         self.run.time_s = time_s;
         if let Some(time) = self.values.reals.last_mut() {
             *time = time_s;
+        }
+    }
+
+    /// Passes on what the component has to say.
+    #[inline]
+    pub(super) fn log_notice(&mut self) {
+        if let Some(text) = self.model.notice() {
+            self.log.pass_on(Status::Warning, &format!("at {} s: {text}", self.run.time_s));
         }
     }
 

@@ -123,6 +123,9 @@ pub trait Model: Send {
         values: &mut Values,
     ) -> Result<usize, Halt>;
 
+    /// What there is to write into the log since the last time.
+    fn notice(&mut self) -> Option<String>;
+
     /// Copies the memory, into the place of an earlier copy if there is one.
     fn save(&self, into: &mut Option<Memory>);
 

@@ -53,6 +53,7 @@ impl Instance {
                     let state = if events.changed { " and a state event" } else { "" };
                     format!("{n} time events{state} at {t} s")
                 });
+                me.log_notice();
             }
             *outcome = EventOutcome {
                 again: events.changed,

@@ -1,44 +1,90 @@
 //! One cycle of the filter: predict, then update with what has been measured since.
 //!
-//! H = I, so each measurement is one component of the state; with a diagonal R they are fused one
-//! after the other, which equals eqs (50)-(53) in one go. The update has Joseph's form, equal to
-//! eq (53) and symmetric and positive whatever the rounding.
+//! H = I, so each measurement is a component of the state; with a diagonal R they are fused one
+//! after the other, which equals eqs (50)-(53) in one go.
 
-use super::prediction::{Motion, inertial_acceleration, predict_covariance, predict_pose};
-use super::{Acceleration, EkfParameters, EstimationError, Measurements};
-use crate::ParameterError;
-use crate::attitude;
-use crate::sampling::Rate;
-use crate::vector::{cross, mul, sub};
+use nalgebra::Vector4;
 use serde::{Deserialize, Serialize};
 
+use super::intake::{Record, Source};
+use super::prediction::{Motion, inertial_acceleration, predict};
+use super::{Acceleration, EkfParameters};
+use crate::ParameterError;
+use crate::attitude;
+use crate::estimation::belief::{Belief, Column};
+use crate::estimation::kalman::fuse;
+use crate::estimation::sensor::Observation;
+use crate::estimation::{CHANNELS, Channel, Estimate, Health, Measurements, Navigation};
+use crate::sampling::Rate;
+use crate::vector::{Vec3, cross, mul, sub};
+
+/// Standard deviations after the estimate was lost: x, y, z (m) and psi (rad).
+const LOST: [f64; 4] = [1e4, 1e4, 1e3, core::f64::consts::PI];
+/// Index of x, y, z and psi among x, y, z, roll, pitch, yaw.
+const POSE: [usize; 4] = [0, 1, 2, 5];
+
 /// What the filter remembers between cycles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EkfMemory {
-    pose: [f64; 4],
-    covariance: [[f64; 4]; 4],
+    belief: Belief<4>,
     motion: Motion,
     /// Roll and pitch last measured (rad).
     tilt: [f64; 2],
-    /// Times of the newest readings of IMU, DVL, fix and pressure (s).
-    seen: [f64; 4],
+    /// Angular rate last measured (rad/s).
+    rate: Vec3,
+    /// Thrusts last measured (N).
+    thrust: Option<[f64; 8]>,
+    sources: Option<Sources>,
+    records: [Record; CHANNELS],
     /// False until the first cycle, which does not predict.
     running: bool,
+    now: f64,
+    /// When the estimate was last lost (s).
+    lost: f64,
 }
 
-/// What the filter knows after a cycle.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Estimate {
-    /// `[x, y, z, yaw]`, NED (m, rad).
-    pub pose: [f64; 4],
-    /// `[u, v, w, r]` at the centre of gravity, body, as measured (m/s, rad/s).
-    pub velocity: [f64; 4],
-    /// Their time derivatives as used in the prediction.
-    pub acceleration: [f64; 4],
-    /// Standard deviations of `pose`.
-    pub sigma: [f64; 4],
-    /// Covariance of x and y (m2).
-    pub covariance_xy: f64,
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Sources {
+    imu: Source,
+    ahrs: Source,
+    depth: Source,
+    dvl: Source,
+    fix: Source,
+    thrust: Source,
+}
+
+impl Sources {
+    fn new(now: f64) -> Self {
+        let source = Source::new(now);
+        Self { imu: source, ahrs: source, depth: source, dvl: source, fix: source, thrust: source }
+    }
+}
+
+/// What is new in a cycle.
+struct News {
+    imu: Option<[f64; 6]>,
+    ahrs: Option<[f64; 3]>,
+    depth: Option<[f64; 1]>,
+    dvl: Option<[f64; 3]>,
+    fix: Option<[f64; 3]>,
+}
+
+impl Default for EkfMemory {
+    fn default() -> Self {
+        let zero = Column::zeros();
+        Self {
+            belief: Belief::new(4, zero, &zero, [1.0, 0.0, 0.0, 0.0]),
+            motion: Motion::default(),
+            tilt: [0.0; 2],
+            rate: [0.0; 3],
+            thrust: None,
+            sources: None,
+            records: [Record::default(); CHANNELS],
+            running: false,
+            now: 0.0,
+            lost: f64::NEG_INFINITY,
+        }
+    }
 }
 
 /// A filter, its parameters checked.
@@ -48,6 +94,68 @@ pub struct Ekf {
     pub rate: Rate,
     parameters: EkfParameters,
     source: Acceleration,
+}
+
+impl Navigation for Ekf {
+    type Memory = EkfMemory;
+
+    fn memory(&self) -> EkfMemory {
+        let sigma = self.parameters.initial_sigma;
+        EkfMemory { belief: self.start(sigma), ..EkfMemory::default() }
+    }
+
+    /// One cycle; the first only updates.
+    fn update(&self, memory: &mut EkfMemory, now: f64, measured: &Measurements) -> Estimate {
+        if now.is_finite() {
+            memory.now = now;
+        }
+        let news = memory.take_new(measured);
+        let before = memory.motion;
+        self.observe_motion(memory, &news);
+        if memory.running {
+            predict(&self.parameters, &mut memory.belief, &memory.motion, &before);
+        }
+        memory.running = true;
+        self.fuse_new(memory, &news);
+        if !memory.is_finite() {
+            self.begin_anew(memory);
+        }
+        self.estimate(memory)
+    }
+}
+
+impl EkfMemory {
+    fn take_new(&mut self, measured: &Measurements) -> News {
+        let now = self.now;
+        let sources = self.sources.get_or_insert_with(|| Sources::new(now));
+        if let Some(thrust) = sources.thrust.take(now, &measured.thrust) {
+            self.thrust = Some(thrust);
+        }
+        News {
+            imu: sources.imu.take(now, &measured.imu),
+            ahrs: sources.ahrs.take(now, &measured.ahrs),
+            depth: sources.depth.take(now, &measured.depth),
+            dvl: sources.dvl.take(now, &measured.dvl),
+            fix: sources.fix.take(now, &measured.fix),
+        }
+    }
+
+    fn is_finite(&self) -> bool {
+        self.belief.is_finite()
+            && self.motion.is_finite()
+            && self.records.iter().all(Record::is_finite)
+    }
+
+    fn fuse(&mut self, channel: Channel, observation: &Observation<4>) {
+        let fused = fuse(&mut self.belief, observation, f64::INFINITY, &mut ());
+        self.belief.mean += fused.correction;
+        self.belief.mean[3] = attitude::wrap(self.belief.mean[3]);
+        self.records[channel as usize].note(observation, &fused);
+    }
+
+    fn count(&mut self, channel: Channel) {
+        self.records[channel as usize].count();
+    }
 }
 
 impl Ekf {
@@ -61,139 +169,132 @@ impl Ekf {
         Ok(Self { rate, parameters: *parameters, source })
     }
 
-    /// The memory at the start.
-    #[must_use]
-    pub fn memory(&self) -> EkfMemory {
-        let p = &self.parameters;
-        let variance = p.initial_sigma.map(|s| s * s);
-        let [x, y, z, yaw] = p.initial_pose;
-        EkfMemory {
-            pose: [x, y, z, attitude::wrap(yaw)],
-            covariance: core::array::from_fn(|i| {
-                core::array::from_fn(|j| if i == j { variance[i] } else { 0.0 })
-            }),
-            seen: [-1.0; 4],
-            ..EkfMemory::default()
-        }
+    /// The pose of the start.
+    fn start(&self, sigma: [f64; 4]) -> Belief<4> {
+        let [x, y, z, yaw] = self.parameters.initial_pose;
+        let mean = Vector4::new(x, y, z, attitude::wrap(yaw));
+        Belief::new(4, mean, &Vector4::from(sigma), [1.0, 0.0, 0.0, 0.0])
     }
 
-    /// One cycle; the first only updates.
-    ///
-    /// # Errors
-    /// A measurement in use is not a finite number, or the state overflowed; the memory is then
-    /// unchanged and the next cycle may be tried.
-    pub fn update(
-        &self,
-        memory: &mut EkfMemory,
-        measured: &Measurements,
-    ) -> Result<Estimate, EstimationError> {
-        measured.check(matches!(self.source, Acceleration::Dynamic(_)))?;
-        let mut next = *memory;
-        let imu_new = measured.imu.take_new(&mut next.seen[0]);
-        let before = next.motion;
-        self.observe_motion(&mut next, measured, imu_new);
-        if next.running {
-            let (p, yaw) = (&self.parameters, next.pose[3]);
-            let motion = &next.motion;
-            next.covariance = predict_covariance(p, &next.covariance, yaw, motion, &before);
-            next.pose = predict_pose(p, next.pose, motion);
-        }
-        self.fuse_new(&mut next, measured, imu_new);
-        next.running = true;
-        if let Some(i) = next.pose.iter().position(|x| !x.is_finite()) {
-            return Err(EstimationError {
-                quantity: format!("estimated pose[{i}] (x, y, z, yaw)"),
-                value: next.pose[i],
-                reason: "the estimate overflowed; the measurements are far out of any range",
-            });
-        }
-        *memory = next;
-        Ok(self.estimate(memory))
+    /// After an overflow: the start values, with an uncertainty that says they mean nothing.
+    fn begin_anew(&self, memory: &mut EkfMemory) {
+        *memory = EkfMemory {
+            belief: self.start(LOST),
+            lost: memory.now,
+            now: memory.now,
+            sources: memory.sources,
+            records: memory.records.map(|record| record.emptied()),
+            ..EkfMemory::default()
+        };
     }
 
     /// What the filter knows, without a cycle.
     #[must_use]
     pub fn estimate(&self, memory: &EkfMemory) -> Estimate {
+        let EkfMemory { belief, motion, tilt: [roll, pitch], .. } = memory;
+        let [x, y, z, yaw] = belief.mean.into();
+        let mut covariance = [[0.0; 6]; 6];
+        for (i, &row) in POSE.iter().enumerate() {
+            for (j, &column) in POSE.iter().enumerate() {
+                covariance[row][column] = belief.covariance[(i, j)];
+            }
+        }
+        let body = |v: [f64; 4]| [v[0], v[1], v[2]];
+        let sources = memory.sources.unwrap_or_else(|| Sources::new(memory.now));
+        let Sources { ahrs, depth, dvl, fix, .. } = sources;
+        let sources = [ahrs, ahrs, depth, dvl, fix];
         Estimate {
-            pose: memory.pose,
-            velocity: memory.motion.velocity,
-            acceleration: memory.motion.acceleration,
-            sigma: core::array::from_fn(|i| memory.covariance[i][i].sqrt()),
-            covariance_xy: memory.covariance[0][1],
+            position: [x, y, z],
+            euler: [*roll, *pitch, yaw],
+            velocity: body(motion.velocity),
+            rate: memory.rate,
+            acceleration: body(motion.acceleration),
+            covariance,
+            velocity_sigma: [self.parameters.dvl_sigma; 3],
+            channels: core::array::from_fn(|i| memory.records[i].report(&sources[i])),
+            health: health(memory, &dvl, &fix),
+            ..Estimate::default()
         }
     }
 
     /// Velocity from DVL (moved to the centre of gravity) and gyro, acceleration from the source.
-    /// Readings that are not valid leave the last values standing.
-    fn observe_motion(&self, memory: &mut EkfMemory, measured: &Measurements, imu_new: bool) {
+    /// Where nothing is new the last values stand.
+    fn observe_motion(&self, memory: &mut EkfMemory, news: &News) {
         let p = &self.parameters;
-        let imu = &measured.imu.value;
         let before = memory.motion;
-        if imu_new {
-            memory.tilt = [imu.euler[0], imu.euler[1]];
-            memory.motion.velocity[3] = imu.rate[2];
+        if let Some([roll, pitch, _]) = news.ahrs {
+            memory.tilt = [roll, pitch];
+            memory.count(Channel::Tilt);
         }
-        if measured.dvl.take_new(&mut memory.seen[1]) {
+        if let Some([.., p, q, r]) = news.imu {
+            memory.rate = [p, q, r];
+            memory.motion.velocity[3] = r;
+        }
+        if let Some(velocity) = news.dvl {
             // Four degrees of freedom: p and q are zero in the model, and a gyro's bias in them is
             // worth more than what it would correct.
-            let yaw_rate = if measured.imu.valid { imu.rate[2] } else { 0.0 };
-            let lever = cross([0.0, 0.0, yaw_rate], p.dvl_position);
-            let v = sub(measured.dvl.value.velocity, lever);
-            memory.motion.velocity[..3].copy_from_slice(&v);
+            let lever = cross([0.0, 0.0, memory.motion.velocity[3]], p.dvl_position);
+            memory.motion.velocity[..3].copy_from_slice(&sub(velocity, lever));
+            memory.count(Channel::Dvl);
         }
         let velocity = memory.motion.velocity;
-        match &self.source {
-            Acceleration::Dynamic(model) => {
-                memory.motion.acceleration = model.acceleration(velocity, &measured.thrust);
+        match (&self.source, news.imu) {
+            (Acceleration::Dynamic(model), _) => {
+                if let Some(thrust) = &memory.thrust {
+                    memory.motion.acceleration = model.acceleration(velocity, thrust);
+                }
             }
-            Acceleration::Kinematic if imu_new => {
+            (Acceleration::Kinematic, Some([x, y, z, ..])) => {
                 let v = [velocity[0], velocity[1], velocity[2]];
-                let a = inertial_acceleration(p, imu.specific_force, imu.rate, imu.euler, v);
+                let a = inertial_acceleration(p, [x, y, z], memory.rate, memory.tilt, v);
                 memory.motion.acceleration[..3].copy_from_slice(&a);
                 let turned = if memory.running { velocity[3] - before.velocity[3] } else { 0.0 };
                 memory.motion.acceleration[3] = turned * p.rate_hz;
             }
-            Acceleration::Kinematic => {}
+            (Acceleration::Kinematic, None) => {}
         }
     }
 
-    fn fuse_new(&self, memory: &mut EkfMemory, measured: &Measurements, imu_new: bool) {
+    fn fuse_new(&self, memory: &mut EkfMemory, news: &News) {
         let p = &self.parameters;
-        let r_nb = attitude::rotation_euler([memory.tilt[0], memory.tilt[1], memory.pose[3]]);
-        if measured.fix.take_new(&mut memory.seen[2]) {
+        let [roll, pitch] = memory.tilt;
+        let r_nb = attitude::rotation_euler([roll, pitch, memory.belief.mean[3]]);
+        if let Some([north, east, reported]) = news.fix {
             let lever = mul(&r_nb, p.fix_position);
-            for i in 0..2 {
-                let position = measured.fix.value.position[i] - lever[i];
-                fuse(memory, i, position - memory.pose[i], p.fix_sigma);
-            }
+            let pose = &memory.belief.mean;
+            let innovation = [north - lever[0] - pose[0], east - lever[1] - pose[1]];
+            let sigma = if reported > 0.0 { reported } else { p.fix_sigma };
+            memory.fuse(Channel::Fix, &direct(0, innovation, sigma));
         }
-        if measured.pressure.take_new(&mut memory.seen[3]) {
-            let depth = measured.pressure.value - mul(&r_nb, p.pressure_position)[2];
-            fuse(memory, 2, depth - memory.pose[2], p.depth_sigma);
+        if let Some([depth]) = news.depth {
+            let innovation = depth - mul(&r_nb, p.pressure_position)[2] - memory.belief.mean[2];
+            memory.fuse(Channel::Depth, &direct(2, [innovation], p.depth_sigma));
         }
-        if imu_new {
-            let innovation = attitude::wrap(measured.imu.value.euler[2] - memory.pose[3]);
-            fuse(memory, 3, innovation, p.heading_sigma);
-            memory.pose[3] = attitude::wrap(memory.pose[3]);
+        if let Some([.., heading]) = news.ahrs {
+            let innovation = attitude::wrap(heading - memory.belief.mean[3]);
+            memory.fuse(Channel::Heading, &direct(3, [innovation], p.heading_sigma));
         }
     }
 }
 
-/// Updates with a direct measurement of state component `i`.
-fn fuse(memory: &mut EkfMemory, i: usize, innovation: f64, sigma: f64) {
-    let p = memory.covariance;
-    let variance = sigma * sigma;
-    let gain: [f64; 4] = core::array::from_fn(|j| p[j][i] / (p[i][i] + variance));
-    for (x, k) in memory.pose.iter_mut().zip(gain) {
-        *x += k * innovation;
+/// A measurement of the state's components from `first` on themselves.
+fn direct<const K: usize>(first: usize, innovation: [f64; K], sigma: f64) -> Observation<4> {
+    let component = |i: usize| if i < K { innovation[i] } else { 0.0 };
+    let row = |i: usize| if i < K { Column::ith(first + i, 1.0) } else { Column::zeros() };
+    let variance = [sigma * sigma; 3];
+    Observation::new(K, core::array::from_fn(component), core::array::from_fn(row), variance)
+}
+
+fn health(memory: &EkfMemory, dvl: &Source, fix: &Source) -> Health {
+    let now = memory.now;
+    if now - memory.lost < 30.0 {
+        return Health::Diverged;
     }
-    // Joseph: (I - K H) P (I - K H)^T + K R K^T, with H the i-th row of I.
-    for a in 0..4 {
-        for b in 0..=a {
-            let cross_terms = gain[a] * p[i][b] + gain[b] * p[a][i];
-            let joseph = p[a][b] - cross_terms + gain[a] * gain[b] * (p[i][i] + variance);
-            memory.covariance[a][b] = joseph;
-            memory.covariance[b][a] = joseph;
-        }
+    if memory.records.iter().any(|record| record.surprises > 0.5) {
+        return Health::Inconsistent;
     }
+    if now - dvl.arrived > 5.0 && now - fix.arrived > 10.0 {
+        return Health::Starved;
+    }
+    Health::Good
 }

@@ -1,19 +1,22 @@
 //! Parameters of the filters and their validation.
 
+use super::Misprinted;
 use crate::ParameterError;
 use crate::error::{each, finite, non_negative, positive};
 
 /// Transition matrix F of the covariance.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Transition {
-    /// Eqs (44)-(47), `F_ii = 1 + (a + da/2) dt / v` with `a = v' + r z x v`; but 1 below
-    /// `guard_speed`, where the quotient loses all meaning.
-    #[default]
-    Paper,
-    /// Eqs (44)-(47) as printed; only kept finite.
-    PaperUnguarded,
+    /// As the paper prints it.
+    Misprinted(Misprinted),
     /// The Jacobian of eq (36) with rotation: identity and the column of psi.
-    Repaired,
+    Jacobian,
+}
+
+impl Default for Transition {
+    fn default() -> Self {
+        Self::Misprinted(Misprinted::default())
+    }
 }
 
 /// Process noise covariance Q, each cycle.
@@ -33,9 +36,6 @@ pub struct EkfParameters {
     pub rate_hz: f64,
     /// Transition matrix of the covariance.
     pub transition: Transition,
-    /// Speed (m/s, rad/s) below which F_ii of `Transition::Paper` is 1. The paper has none; the
-    /// default is chosen, with the sensors' noise, for the levels of its Tables 7 to 9.
-    pub guard_speed: f64,
     /// Whether body displacements are turned into NED by psi; eq (36) as printed does not.
     pub rotate_to_ned: bool,
     /// Process noise covariance.
@@ -72,8 +72,7 @@ impl Default for EkfParameters {
     fn default() -> Self {
         Self {
             rate_hz: 10.0,
-            transition: Transition::Paper,
-            guard_speed: 0.0029,
+            transition: Transition::default(),
             rotate_to_ned: true,
             process_noise: ProcessNoise::Constant,
             process_variance: [1e-4; 4],
@@ -95,7 +94,9 @@ impl Default for EkfParameters {
 
 impl EkfParameters {
     pub(super) fn check(&self) -> Result<(), ParameterError> {
-        non_negative("guard_speed", self.guard_speed)?;
+        if let Transition::Misprinted(f) = &self.transition {
+            f.check()?;
+        }
         each("process_variance", &self.process_variance, non_negative)?;
         non_negative("dvl_sigma", self.dvl_sigma)?;
         positive("dvl_rate_hz", self.dvl_rate_hz)?;

@@ -1,0 +1,33 @@
+//! Constant acceleration in the manner of robot_localization: `rexrov::estimation::ConstantAcceleration`
+//! with FMI variables.
+
+use crate::navigation_parameters::Parameters;
+use crate::navigator::Navigator;
+use fmu_kit::Info;
+use rexrov::ParameterError;
+use rexrov::estimation::{ConstantAcceleration, Filter};
+
+/// The constant-acceleration filter: no model of the vehicle, no biases of the inertial unit.
+pub struct NavConstantAcceleration;
+
+impl Navigator for NavConstantAcceleration {
+    const INFO: Info = crate::info(
+        "NavConstantAcceleration",
+        "Navigation filter of a vehicle whose acceleration and angular rate wander",
+    );
+    type Parameters = Parameters;
+    type Filter = Filter<ConstantAcceleration, 19>;
+
+    fn preset(selected: &Parameters) -> Parameters {
+        Parameters::of(selected.imu_grade)
+    }
+
+    fn filter(p: &Parameters) -> Result<Self::Filter, ParameterError> {
+        let p = p.into();
+        Filter::new(ConstantAcceleration::new(&p)?, &p)
+    }
+
+    fn rate_hz(p: &Parameters) -> f64 {
+        p.rate_hz
+    }
+}

@@ -1,0 +1,70 @@
+//! Navigation by the equations of motion: `rexrov::estimation::PlanarDynamic` with FMI variables.
+
+use crate::coefficients::{Coefficients, ParameterSet};
+use crate::filter_disturbances::Disturbances;
+use crate::imu::ImuGrade;
+use crate::navigation_parameters;
+use crate::navigator::Navigator;
+use fmu_kit::{Info, Variables};
+use rexrov::ParameterError;
+use rexrov::estimation::{self, Filter, PlanarDynamic};
+
+/// Parameters of the filter.
+#[derive(Clone, Debug, Variables)]
+pub struct Parameters {
+    /// What all filters have.
+    #[var(flatten)]
+    pub navigation: navigation_parameters::Parameters,
+    /// Named set that gives every coefficient of the model not set otherwise
+    pub parameter_set: ParameterSet,
+    /// Model
+    pub model: Coefficients,
+    /// Disturbance
+    pub disturbance: Disturbances,
+}
+
+impl Parameters {
+    fn of(imu_grade: ImuGrade, parameter_set: ParameterSet) -> Self {
+        // A better gyro shows more of what the model leaves out.
+        let moment_density = if imu_grade == ImuGrade::Adis16448 { 2.0 } else { 5.0 };
+        let usual = estimation::Disturbances::default().into();
+        Self {
+            navigation: navigation_parameters::Parameters::of(imu_grade),
+            parameter_set,
+            model: Coefficients::preset(parameter_set),
+            disturbance: Disturbances { moment_density, ..usual },
+        }
+    }
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Self::of(ImuGrade::default(), ParameterSet::default())
+    }
+}
+
+/// The dynamic filter: surge, sway, heave and yaw by the model, with current and disturbances.
+pub struct NavDynamic;
+
+impl Navigator for NavDynamic {
+    const INFO: Info = crate::info(
+        "NavDynamic",
+        "Navigation filter driven by the equations of motion in four degrees of freedom",
+    );
+    type Parameters = Parameters;
+    type Filter = Filter<PlanarDynamic, 19>;
+
+    fn preset(selected: &Parameters) -> Parameters {
+        Parameters::of(selected.navigation.imu_grade, selected.parameter_set)
+    }
+
+    fn filter(p: &Parameters) -> Result<Self::Filter, ParameterError> {
+        let navigation = (&p.navigation).into();
+        let process = PlanarDynamic::new(&navigation, &p.model.checked()?, &p.disturbance.into())?;
+        Filter::new(process, &navigation)
+    }
+
+    fn rate_hz(p: &Parameters) -> f64 {
+        p.navigation.rate_hz
+    }
+}

@@ -1,0 +1,32 @@
+//! Inertial navigation: `rexrov::estimation::InertialProcess` with FMI variables.
+
+use crate::navigation_parameters::Parameters;
+use crate::navigator::Navigator;
+use fmu_kit::Info;
+use rexrov::ParameterError;
+use rexrov::estimation::{Filter, InertialProcess};
+
+/// The inertial filter: position, velocity, attitude and the biases of the inertial unit.
+pub struct NavInertial;
+
+impl Navigator for NavInertial {
+    const INFO: Info = crate::info(
+        "NavInertial",
+        "Inertial navigation in three dimensions, aided by the other sensors",
+    );
+    type Parameters = Parameters;
+    type Filter = Filter<InertialProcess, 19>;
+
+    fn preset(selected: &Parameters) -> Parameters {
+        Parameters::of(selected.imu_grade)
+    }
+
+    fn filter(p: &Parameters) -> Result<Self::Filter, ParameterError> {
+        let p = p.into();
+        Filter::new(InertialProcess::new(&p, None)?, &p)
+    }
+
+    fn rate_hz(p: &Parameters) -> f64 {
+        p.rate_hz
+    }
+}

@@ -1,0 +1,120 @@
+//! Inputs of the navigation filters: what the sensors say. All filters have the same inputs and
+//! outputs, so that one can stand in for another; what a filter has no use for it ignores.
+
+use crate::groups::{AngularVelocity, Attitude, Horizontal, LinearVelocity, Thrust, Vector};
+use fmu_kit::Variables;
+use rexrov::estimation::{Measurements, Reading};
+
+/// Whether and when a measurement was taken. What is not connected is absent.
+#[derive(Clone, Copy, Debug, Variables)]
+pub struct Stamp {
+    /// time of the measurement; -1 if unknown, then it counts as new in every cycle
+    #[var(unit = "s", min = -1.0)]
+    pub stamp: f64,
+    /// 1 once there is a measurement; at 0 it is never used
+    #[var(min = 0.0, max = 1.0)]
+    pub valid: f64,
+}
+
+impl Default for Stamp {
+    fn default() -> Self {
+        Self { stamp: -1.0, valid: 0.0 }
+    }
+}
+
+impl Stamp {
+    fn on<const K: usize>(self, value: [f64; K]) -> Reading<K> {
+        Reading { value, stamp: self.stamp, valid: self.valid >= 0.5 }
+    }
+}
+
+/// What the inertial unit measured.
+#[derive(Clone, Copy, Debug, Default, Variables)]
+pub struct Imu {
+    /// specific force
+    #[var(unit = "m/s2")]
+    pub specific_force: Vector,
+    /// angular velocity
+    pub rate: AngularVelocity,
+    /// When.
+    #[var(flatten)]
+    pub stamp: Stamp,
+}
+
+/// What the attitude and heading reference measured.
+#[derive(Clone, Copy, Debug, Default, Variables)]
+pub struct Ahrs {
+    /// attitude
+    pub attitude: Attitude,
+    /// When.
+    #[var(flatten)]
+    pub stamp: Stamp,
+}
+
+/// What the velocity log measured.
+#[derive(Clone, Copy, Debug, Default, Variables)]
+pub struct Dvl {
+    /// velocity over ground at the instrument
+    pub velocity: LinearVelocity,
+    /// When.
+    #[var(flatten)]
+    pub stamp: Stamp,
+}
+
+/// What the position fix measured.
+#[derive(Clone, Copy, Debug, Default, Variables)]
+pub struct Fix {
+    /// place
+    pub position: Horizontal,
+    /// standard deviation of each axis as the instrument reports it; 0: fix_sigma holds
+    #[var(unit = "m", min = 0.0)]
+    pub sigma: f64,
+    /// When.
+    #[var(flatten)]
+    pub stamp: Stamp,
+}
+
+/// What the pressure sensor measured.
+#[derive(Clone, Copy, Debug, Default, Variables)]
+pub struct Pressure {
+    /// depth of the sensor
+    #[var(unit = "m")]
+    pub depth: f64,
+    /// When.
+    #[var(flatten)]
+    pub stamp: Stamp,
+}
+
+/// Inputs of a filter.
+#[derive(Clone, Copy, Debug, Default, Variables)]
+pub struct Inputs {
+    /// Inertial unit
+    pub imu: Imu,
+    /// Attitude and heading reference
+    pub ahrs: Ahrs,
+    /// Velocity log
+    pub dvl: Dvl,
+    /// Position fix
+    pub fix: Fix,
+    /// Pressure sensor
+    pub pressure: Pressure,
+    /// Thruster, from its measured speed
+    pub thruster: [Thrust; 8],
+    /// Thrusts of all thrusters
+    pub propulsion: Stamp,
+}
+
+impl From<&Inputs> for Measurements {
+    fn from(u: &Inputs) -> Self {
+        let ([x, y, z], [p, q, r]) = (u.imu.specific_force.into(), u.imu.rate.into());
+        let [north, east] = u.fix.position.into();
+        Self {
+            imu: u.imu.stamp.on([x, y, z, p, q, r]),
+            ahrs: u.ahrs.stamp.on(u.ahrs.attitude.into()),
+            dvl: u.dvl.stamp.on(u.dvl.velocity.into()),
+            fix: u.fix.stamp.on([north, east, u.fix.sigma]),
+            depth: u.pressure.stamp.on([u.pressure.depth]),
+            thrust: u.propulsion.on(u.thruster.map(|thruster| thruster.thrust)),
+        }
+    }
+}

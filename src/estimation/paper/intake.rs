@@ -1,0 +1,79 @@
+//! Which readings are new, and what became of them.
+
+use serde::{Deserialize, Serialize};
+
+use crate::estimation::kalman::{Fused, GATE};
+use crate::estimation::sensor::Observation;
+use crate::estimation::{ChannelReport, Reading};
+
+/// What is remembered of an instrument.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Source {
+    /// Stamp of its newest reading (s).
+    stamp: f64,
+    /// When a reading last came that was fit (s).
+    pub(super) arrived: f64,
+    /// Readings that were not numbers.
+    pub(super) refused: u32,
+}
+
+impl Source {
+    pub(super) fn new(now: f64) -> Self {
+        Self { stamp: -1.0, arrived: now, refused: 0 }
+    }
+
+    /// The value of a reading that is new and made of numbers.
+    pub(super) fn take<const K: usize>(&mut self, now: f64, reading: &Reading<K>) -> Option<[f64; K]> {
+        if !reading.valid || (reading.stamp >= 0.0 && reading.stamp == self.stamp) {
+            return None;
+        }
+        self.stamp = reading.stamp;
+        if !reading.value.iter().chain([&reading.stamp]).all(|x| x.is_finite()) {
+            self.refused = self.refused.saturating_add(1);
+            return None;
+        }
+        self.arrived = now;
+        Some(reading.value)
+    }
+}
+
+/// The record of a channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Record {
+    innovation: [f64; 3],
+    sigma: [f64; 3],
+    nis: f64,
+    used: u32,
+    /// Share of late that was beyond the 99.9 % quantile, over some twenty measurements.
+    pub(super) surprises: f64,
+}
+
+impl Record {
+    /// A measurement that is taken as it is, without a prediction to compare it with.
+    pub(super) fn count(&mut self) {
+        self.used = self.used.saturating_add(1);
+    }
+
+    pub(super) fn note(&mut self, observation: &Observation<4>, fused: &Fused<4>) {
+        self.count();
+        self.innovation = observation.innovation;
+        self.sigma = fused.sigma;
+        self.nis = fused.nis.min(f64::MAX);
+        let surprise = f64::from(u8::from(fused.nis > GATE[observation.size - 1]));
+        self.surprises += (surprise - self.surprises) / 20.0;
+    }
+
+    /// The counts alone.
+    pub(super) fn emptied(&self) -> Self {
+        Self { used: self.used, ..Self::default() }
+    }
+
+    pub(super) fn is_finite(&self) -> bool {
+        self.innovation.iter().chain(&self.sigma).all(|x| x.is_finite())
+    }
+
+    pub(super) fn report(&self, source: &Source) -> ChannelReport {
+        let Self { innovation, sigma, nis, used, .. } = *self;
+        ChannelReport { innovation, sigma, nis, used, rejected: source.refused, late: 0 }
+    }
+}

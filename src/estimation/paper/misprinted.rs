@@ -1,0 +1,50 @@
+//! The transition matrix of the covariance as the paper prints it, eqs (44)-(47).
+//!
+//! `F_ii = 1 + (a + da/2) dt / v` with `a = v' + r z x v` and `da` its change since the cycle before:
+//! a quotient of displacements where the derivative of the prediction belongs. It is singular at
+//! rest, and heading and position are independent in it.
+
+use nalgebra::{Matrix4, Vector4};
+
+use super::prediction::Motion;
+use crate::ParameterError;
+use crate::error::non_negative;
+
+/// Bound of the quotients.
+const LIMIT: f64 = 1e3;
+
+/// Eqs (44)-(47), kept finite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Misprinted {
+    /// Speed (m/s, rad/s) below which a quotient is 1, because it loses all meaning; the paper has
+    /// none, which is 0. The default is chosen, with the sensors' noise, for the levels of its
+    /// Tables 7 to 9.
+    pub guard_speed: f64,
+}
+
+impl Default for Misprinted {
+    fn default() -> Self {
+        Self { guard_speed: 0.0029 }
+    }
+}
+
+impl Misprinted {
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
+        non_negative("guard_speed", self.guard_speed)
+    }
+
+    /// F of a cycle of `dt` seconds; `before` is the motion of the previous cycle.
+    pub(super) fn matrix(&self, motion: &Motion, before: &Motion, dt: f64) -> Matrix4<f64> {
+        let (now, before) = (motion.total_acceleration(), before.total_acceleration());
+        Matrix4::from_diagonal(&Vector4::from_fn(|i, _| {
+            let v = motion.velocity[i];
+            let quotient = 1.0 + (now[i] + 0.5 * (now[i] - before[i])) / v * dt;
+            // At v = 0 with no acceleration the quotient 0/0 says nothing.
+            if v.abs() < self.guard_speed || quotient.is_nan() {
+                1.0
+            } else {
+                quotient.clamp(-LIMIT, LIMIT)
+            }
+        }))
+    }
+}
