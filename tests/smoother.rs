@@ -14,7 +14,8 @@ use rexrov::estimation::kinematics::{Kinematics, Linearized, SensorStates};
 use rexrov::estimation::process::Process;
 use rexrov::estimation::transition::Transition;
 use rexrov::estimation::{
-    Filter, Measurements, Mounting, NavigationParameters, Reading, Recording, Smoothed,
+    Filter, Measurements, Mounting, NavigationParameters, Reading, Recording, SensorErrors, Smoothed,
+    Smoothing,
 };
 use rexrov::guidance::Course;
 use rexrov::sensors::Gaussian;
@@ -81,15 +82,14 @@ struct Point {
 }
 
 /// Samples that arrive up to 2 s late, in no order.
-fn measure(p: &NavigationParameters) -> (Recording, Vec<Point>) {
-    let (s, mut noise) = (&p.sensors, Gaussian::new(7, 1_u64));
+fn measure(s: &SensorErrors, recording: &mut Recording) -> Vec<Point> {
+    let (mut points, mut noise) = (Vec::new(), Gaussian::new(7, 1_u64));
     let mut arrivals = Vec::new();
     for i in 0..12 {
         let time = f64::from(i) * 0.37;
         arrivals.push((time + (1.3 * f64::from(i * i)) % 2.0, time, i % 3));
     }
     arrivals.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (mut recording, mut points) = (Recording::new(p), Vec::new());
     let mut measured = Measurements::default();
     for (now, time, kind) in arrivals {
         let value: [f64; 3] = core::array::from_fn(|_| 3.0 * noise.draw());
@@ -112,7 +112,7 @@ fn measure(p: &NavigationParameters) -> (Recording, Vec<Point>) {
         }
         recording.add(now, &measured);
     }
-    (recording, points)
+    points
 }
 
 /// Mean and covariance of all states at `times`, given all points: one linear system for everything.
@@ -148,18 +148,20 @@ fn smoothing_is_the_batch_solution_of_a_linear_problem() {
     let mut p = NavigationParameters { gated: false, ..NavigationParameters::default() };
     let zero = [0.0; 3];
     p.mounting = Mounting { imu: zero, dvl: zero, fix: zero, pressure: zero };
-    let (recording, points) = measure(&p);
-    let path = Filter::<_, 6>::new(Linear, &p).unwrap().smooth(&recording);
+    let filter = Filter::<_, 6>::new(Linear, &p).unwrap();
+    let mut recording = filter.recording();
+    let points = measure(&p.sensors, &mut recording);
+    let path = filter.smooth(&recording);
     let mut times: Vec<f64> = path.iter().map(|s| s.time).collect();
     times.extend(points.iter().map(|p| p.time).filter(|t| !path.iter().any(|s| near(s, *t))));
     times.sort_by(f64::total_cmp);
     times.dedup();
     let (mean, covariance) = batch(&times, &points);
     assert_eq!(path.len(), 41);
-    for s in &path {
-        let k = 6 * times.iter().position(|t| *t == s.time).unwrap();
+    for Smoothed { time, estimate: s } in &path {
+        let k = 6 * times.iter().position(|t| *t == *time).unwrap();
         for i in 0..3 {
-            let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{} s: {a} {b}", s.time);
+            let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{time} s: {a} {b}");
             close(s.position[i], mean[k + i]);
             close(s.velocity[i], mean[k + 3 + i]);
             close(s.velocity_sigma[i].powi(2), covariance[(k + 3 + i, k + 3 + i)]);

@@ -31,5 +31,5 @@ pub use process::constant_acceleration::ConstantAcceleration;
 pub use process::inertial::InertialProcess;
 pub use process::model_aid::ModelAid;
 pub use process::planar_dynamic::PlanarDynamic;
-pub use smoother::{Recording, Smoothed};
+pub use smoother::{Recording, Smoothed, Smoothing};
 pub use track::{CHANNELS, Channel};

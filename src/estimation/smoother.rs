@@ -23,7 +23,6 @@ use super::intake::{Sources, take_new};
 use super::interval::Interval;
 use super::kalman::Witness;
 use super::measurement::{Event, Kind, Measurements};
-use super::parameters::NavigationParameters;
 use super::process::Process;
 use super::track::{Ahead, SAME, Setup, Track};
 use super::transition::Transition;
@@ -34,22 +33,24 @@ const SEGMENT: usize = 2048;
 const AHEAD: f64 = 1.0;
 
 /// The smoothed estimate at an instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smoothed {
     /// The instant (s): a multiple of the filter's interval.
     pub time: f64,
-    /// Position, NED (m).
-    pub position: [f64; 3],
-    /// Roll, pitch, yaw (rad).
-    pub euler: [f64; 3],
-    /// Velocity over ground, body (m/s).
-    pub velocity: [f64; 3],
-    /// Standard deviations of the velocity (m/s).
-    pub velocity_sigma: [f64; 3],
-    /// Current north and east (m/s); zero where the filter has none.
-    pub current: [f64; 2],
-    /// Covariance of x, y, z, roll, pitch, yaw (m, rad).
-    pub covariance: [[f64; 6]; 6],
+    /// The estimate; of channels, health and thrusters it says nothing.
+    pub estimate: Estimate,
+}
+
+/// What a smoother offers, whatever filter is inside.
+pub trait Smoothing {
+    /// An empty recording for the filter's latency.
+    fn recording(&self) -> Recording;
+
+    /// Smooths a mission; gives the estimate at every multiple of the interval within it.
+    ///
+    /// Late measurements do not exist here: all are taken in the order of their stamps. If the start
+    /// says nothing of the heading, the first attitude is taken for that of the start.
+    fn smooth(&self, recording: &Recording) -> Vec<Smoothed>;
 }
 
 /// The samples of a mission, recognised as new and fit as a filter does.
@@ -61,13 +62,6 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Empty.
-    #[must_use]
-    pub fn new(parameters: &NavigationParameters) -> Self {
-        let latency = parameters.latency;
-        Self { events: Vec::new(), sources: Sources::default(), latency }
-    }
-
     /// Adds what the instruments show at time `now` (s), which does not go back.
     pub fn add(&mut self, now: f64, measured: &Measurements) {
         let Self { events, sources, latency } = self;
@@ -90,13 +84,13 @@ impl Recording {
     }
 }
 
-impl<P: Process<N>, const N: usize> Filter<P, N> {
-    /// Smooths a mission; gives the estimate at every multiple of the interval within it.
-    ///
-    /// Late measurements do not exist here: all are taken in the order of their stamps. If the start
-    /// says nothing of the heading, the first attitude is taken for that of the start.
-    #[must_use]
-    pub fn smooth(&self, recording: &Recording) -> Vec<Smoothed> {
+impl<P: Process<N>, const N: usize> Smoothing for Filter<P, N> {
+    fn recording(&self) -> Recording {
+        let latency = self.setup.parameters.latency;
+        Recording { events: Vec::new(), sources: Sources::default(), latency }
+    }
+
+    fn smooth(&self, recording: &Recording) -> Vec<Smoothed> {
         let events = recording.in_order();
         let Some(first) = events.first() else { return Vec::new() };
         let setup = &self.setup;
@@ -115,25 +109,11 @@ impl<P: Process<N>, const N: usize> Filter<P, N> {
                 setup.process.correct(belief, correction);
                 belief.restore_positive();
                 let motion = setup.process.kinematics(belief, interval);
-                path.push(Smoothed::new(time, &describe(setup, belief, &motion)));
+                path.push(Smoothed { time, estimate: describe(setup, belief, &motion) });
             });
         }
         path.reverse();
         path
-    }
-}
-
-impl Smoothed {
-    fn new(time: f64, e: &Estimate) -> Self {
-        Self {
-            time,
-            position: e.position,
-            euler: e.euler,
-            velocity: e.velocity,
-            velocity_sigma: e.velocity_sigma,
-            current: e.current,
-            covariance: e.covariance,
-        }
     }
 }
 

@@ -124,26 +124,19 @@ impl Use for Follow {
 impl Use for Smooth {
     fn with<P: Process<N>, const N: usize>(self, p: &NavigationParameters, process: P, mission: &Mission) -> Run {
         let filter = Filter::<P, N>::new(process, p).unwrap();
-        let path = filter.smooth(&record(p, mission));
+        let mut recording = filter.recording();
+        let mut measured = Measurements::default();
+        for at_once in mission.events.chunk_by(|a, b| a.arrival == b.arrival) {
+            at_once.iter().for_each(|event| set(&mut measured, event));
+            recording.add(at_once[0].arrival, &measured);
+        }
         let mut run = Run::empty();
-        for s in path {
-            let e = Estimate { position: s.position, euler: s.euler, velocity: s.velocity, covariance: s.covariance, ..Estimate::default() };
-            run.samples.push(score(&e, mission.truth_at(s.time)));
-            run.path.push(e);
+        for Smoothed { time, estimate } in filter.smooth(&recording) {
+            run.samples.push(score(&estimate, mission.truth_at(time)));
+            run.path.push(estimate);
         }
         run
     }
-}
-
-/// The samples of a mission as they arrive.
-pub fn record(p: &NavigationParameters, mission: &Mission) -> Recording {
-    let mut recording = Recording::new(p);
-    let mut measured = Measurements::default();
-    for at_once in mission.events.chunk_by(|a, b| a.arrival == b.arrival) {
-        at_once.iter().for_each(|event| set(&mut measured, event));
-        recording.add(at_once[0].arrival, &measured);
-    }
-    recording
 }
 
 fn with_process(
