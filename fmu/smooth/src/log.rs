@@ -58,7 +58,7 @@ impl Layout {
         let columns: Vec<Option<&str>> = header.iter().map(|column| column.trim().strip_prefix(&*prefix)).collect();
         for column in columns.iter().flatten().filter(|c| **c != "time" && !known.contains(c)) {
             let own = known.iter().any(|name| sensor_of(name) == sensor_of(column));
-            let meant = names::nearest(column, &known);
+            let meant = names::nearest(column, &known, 4);
             // In a recorded system the component's outputs are there as well.
             if component.is_none() && (own || meant.is_some()) {
                 bail!("column '{column}' is not an input; {}", names::hint(column, &known));
