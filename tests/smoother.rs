@@ -14,8 +14,8 @@ use rexrov::estimation::kinematics::{Kinematics, Linearized, SensorStates};
 use rexrov::estimation::process::Process;
 use rexrov::estimation::transition::Transition;
 use rexrov::estimation::{
-    Filter, Measurements, Mounting, NavigationParameters, Reading, Recording, SensorErrors, Smoothed,
-    Smoothing,
+    Filter, Measurements, Mounting, NavigationParameters, Reading, Recording, SensorErrors,
+    Smoothed, Smoothing,
 };
 use rexrov::guidance::Course;
 use rexrov::sensors::Gaussian;
@@ -135,7 +135,8 @@ fn batch(times: &[f64], points: &[Point]) -> (DVector<f64>, DMatrix<f64>) {
         joint.view_mut((6 * k, 6 * k), (6, 6)).copy_from(&own);
     }
     let place = |p: &Point| 6 * times.iter().position(|t| *t == p.time).unwrap() + p.state;
-    let h = DMatrix::from_fn(points.len(), 6 * n, |i, j| f64::from(u8::from(place(&points[i]) == j)));
+    let h =
+        DMatrix::from_fn(points.len(), 6 * n, |i, j| f64::from(u8::from(place(&points[i]) == j)));
     let r = DVector::from_iterator(points.len(), points.iter().map(|p| p.variance));
     let y = DVector::from_iterator(points.len(), points.iter().map(|p| p.value));
     let s = &h * &joint * h.transpose() + DMatrix::from_diagonal(&r);

@@ -55,7 +55,8 @@ impl Layout {
         inputs.declare(&Field::default(), &mut declared);
         let known: Vec<&str> = declared.iter().map(|input| input.field.name.as_str()).collect();
         let prefix = component.map_or(String::new(), |name| format!("{name}."));
-        let columns: Vec<Option<&str>> = header.iter().map(|column| column.trim().strip_prefix(&*prefix)).collect();
+        let columns: Vec<Option<&str>> =
+            header.iter().map(|column| column.trim().strip_prefix(&*prefix)).collect();
         for column in columns.iter().flatten().filter(|c| **c != "time" && !known.contains(c)) {
             let own = known.iter().any(|name| sensor_of(name) == sensor_of(column));
             let meant = names::nearest(column, &known, 4);
@@ -73,7 +74,11 @@ impl Layout {
             sensors.extend(Sensor::of(&own, &columns)?);
         }
         let whose = component.map_or(String::new(), |name| format!(" of '{name}'"));
-        ensure!(!sensors.is_empty(), "there is no column with an input{whose}: {}", known.join(", "));
+        ensure!(
+            !sensors.is_empty(),
+            "there is no column with an input{whose}: {}",
+            known.join(", ")
+        );
         let mut start = vec![0.0; Inputs::COUNT.reals];
         inputs.store(&mut Writer { reals: &mut start, ..Writer::default() });
         Ok(Self { time, sensors, start })
@@ -110,9 +115,12 @@ impl Sensor {
         Ok((!values.is_empty()).then_some(Self { values, optional, stamp, valid }))
     }
 
-    /// Empty cells: no sample in this row.
+    /// Cells that are empty or not numbers: no sample in this row.
     fn read(&self, row: &StringRecord, into: &mut [f64]) -> Result<()> {
-        let is_empty = |column: usize| row.get(column).unwrap_or_default().trim().is_empty();
+        let is_empty = |column: usize| {
+            let text = row.get(column).unwrap_or_default().trim();
+            text.is_empty() || text.eq_ignore_ascii_case("nan")
+        };
         if self.values.iter().all(|(.., column)| is_empty(*column)) {
             return Ok(());
         }

@@ -92,12 +92,15 @@ impl Flat {
         let start = self.places[place].start.clone();
         let same = |p: &&Declaration| list(&p.start) == list(&start);
         let index = self.places[..place].iter().filter(same).count();
-        let unfit = |expected: &str| anyhow!("parameter '{name}': expected {expected}, not {value}");
+        let unfit =
+            |expected: &str| anyhow!("parameter '{name}': expected {expected}, not {value}");
         match &start {
             Start::Real(_) => {
                 self.reals[index] = value.as_f64().ok_or_else(|| unfit("a number"))?;
             }
-            Start::Integer(_) => self.integers[index] = integer(value).ok_or_else(|| unfit("an integer"))?,
+            Start::Integer(_) => {
+                self.integers[index] = integer(value).ok_or_else(|| unfit("an integer"))?
+            }
             Start::Boolean(_) => {
                 self.booleans[index] = value.as_bool().ok_or_else(|| unfit("true or false"))?;
             }

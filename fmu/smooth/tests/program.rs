@@ -19,7 +19,11 @@ fn log(held: bool) -> String {
         text += &format!("{t},{e},{e},{e},{t},");
         text += &match i % 10 {
             0 => format!("{},{e},{e},{t},", 1.0 + e),
-            _ if held => format!("{0},{1},{1},{2},", 1.0 + held_error(i), held_error(i), held_stamp(i)),
+            _ if held => {
+                format!("{0},{1},{1},{2},", 1.0 + held_error(i), held_error(i), held_stamp(i))
+            }
+            // Both ways to leave out a sample.
+            1 => "nan,NaN,,,".to_owned(),
             _ => ",,,,".to_owned(),
         };
         text += &format!("{},{t},", 5.0 + e);
@@ -65,12 +69,18 @@ fn a_fix_at_the_end_moves_the_whole_path() {
     let folder = TempDir::new().unwrap();
     let done = smooth(&folder, &log(false), PARAMETERS, &[]);
     assert!(done.status.success(), "{}", text(&done.stderr));
-    assert!(text(&done.stderr).contains("dvl: 61 samples\nfix: 1 samples"), "{}", text(&done.stderr));
+    assert!(
+        text(&done.stderr).contains("dvl: 61 samples\nfix: 1 samples"),
+        "{}",
+        text(&done.stderr)
+    );
     let (names, rows) = table(text(&done.stdout));
     let column = |name: &str| names.iter().position(|n| n == name).unwrap();
     let [x, y, sigma] = ["pose.x", "pose.y", "sigma.y"].map(column);
     assert_eq!((names[0].as_str(), rows.len()), ("time", 601));
-    assert!(names.contains(&"covariance.x_y".to_owned()) && names.contains(&"velocity.u".to_owned()));
+    assert!(
+        names.contains(&"covariance.x_y".to_owned()) && names.contains(&"velocity.u".to_owned())
+    );
     let [middle, end] = [300, 600].map(|i| &rows[i]);
     assert!((end[y] - 2.0).abs() < 0.02 && (end[x] - 60.0).abs() < 0.1, "{end:?}");
     // The start is as uncertain as the heading is over a minute: both give way.
@@ -86,7 +96,8 @@ fn values_that_are_held_and_those_of_a_component_are_the_same_samples() {
     let held = smooth(&folder, &log(true), PARAMETERS, &[]);
     assert!(text(&held.stdout) == sparse, "the held values differ");
     let recorded = log(false).replacen("dvl.", "ins.dvl.", 4).replacen("ahrs.", "ins.ahrs.", 4);
-    let recorded = recorded.replacen("pressure.", "ins.pressure.", 2).replacen("fix.", "ins.fix.", 3);
+    let recorded =
+        recorded.replacen("pressure.", "ins.pressure.", 2).replacen("fix.", "ins.fix.", 3);
     let component = smooth(&folder, &recorded, PARAMETERS, &["--component=ins"]);
     assert!(text(&component.stdout) == sparse, "{}", text(&component.stderr));
 }
@@ -103,13 +114,28 @@ fn what_is_wrong_is_said_with_its_place_and_the_name_that_was_meant() {
     let renamed = |from: &str, to: &str| good.replacen(from, to, 1);
     let typo = r#"{"fix_sigmo": 1}"#;
     for (log, parameters, arguments, expected) in [
-        (renamed("dvl.velocity.u", "dvl.velocity.x"), "{}", &[][..], "log.csv:1: column 'dvl.velocity.x'"),
+        (
+            renamed("dvl.velocity.u", "dvl.velocity.x"),
+            "{}",
+            &[][..],
+            "log.csv:1: column 'dvl.velocity.x'",
+        ),
         (renamed("dvl.velocity.u", "dlv.velocity.u"), "{}", &[], "did you mean 'dvl.velocity.u'?"),
-        (renamed("dvl.velocity.u", "surge"), "{}", &[], "'dvl.velocity.v', but none 'dvl.velocity.u'"),
+        (
+            renamed("dvl.velocity.u", "surge"),
+            "{}",
+            &[],
+            "'dvl.velocity.v', but none 'dvl.velocity.u'",
+        ),
         (renamed("time", "seconds"), "{}", &[], "there is no column 'time'"),
         (number, "{}", &[], "log.csv:8: column 'ahrs.attitude.roll': 'zero' is not a number"),
         (back, "{}", &[], "log.csv:8: the time 0.3 s comes after 0.5 s"),
-        (good.clone(), typo, &[], "parameters.json: 'fix_sigmo' is not a parameter of NavInertial; did you mean 'fix_sigma'?"),
+        (
+            good.clone(),
+            typo,
+            &[],
+            "parameters.json: 'fix_sigmo' is not a parameter of NavInertial; did you mean 'fix_sigma'?",
+        ),
         (good.clone(), r#"{"fix_sigma": "a"}"#, &[], "parameter 'fix_sigma': expected a number"),
         (good.clone(), r#"{"fix_sigma": -1}"#, &[], "fix_sigma"),
         (good.clone(), "{}", &["--component=ins"], "no column with an input of 'ins'"),
