@@ -12,16 +12,17 @@ from math import cos, sin, tau
 import numpy as np
 from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
 
+SENSORS = ("imu", "ahrs", "dvl", "fix", "pressure", "propulsion")
 AXES = ("x", "y", "z", "yaw")
 INPUTS = {
     **{f"imu.{name}": 0.0 for name in ("specific_force.x", "specific_force.y", "specific_force.z")},
     **{f"imu.{name}": 0.0 for name in ("rate.p", "rate.q", "rate.r")},
-    **{f"imu.attitude.{name}": 0.0 for name in ("roll", "pitch", "yaw")},
+    **{f"ahrs.attitude.{name}": 0.0 for name in ("roll", "pitch", "yaw")},
     **{f"dvl.velocity.{name}": 0.0 for name in "uvw"},
     **{f"fix.position.{name}": 0.0 for name in "xy"},
     "pressure.depth": 0.0,
-    **{f"{sensor}.stamp": -1.0 for sensor in ("imu", "dvl", "fix", "pressure")},
-    **{f"{sensor}.valid": 0.0 for sensor in ("imu", "dvl", "fix", "pressure")},
+    **{f"{sensor}.stamp": -1.0 for sensor in SENSORS},
+    **{f"{sensor}.valid": 0.0 for sensor in SENSORS},
     **{f"thruster[{i}].thrust": 0.0 for i in range(8)},
 }
 OUTPUTS = {f"{group}.{axis}": 0.0 for group in ("pose", "sigma") for axis in AXES}
@@ -45,7 +46,7 @@ class OwnEkf(Fmi2Slave):
         self.state = np.array([0.0, 0.0, 20.0, 0.0])
         self.covariance = np.diag([0.1, 0.1, 0.1, 0.01]) ** 2
         self.velocity = np.zeros(3)
-        self.seen = dict.fromkeys(("imu", "dvl", "fix", "pressure"), -1.0)
+        self.seen = dict.fromkeys(SENSORS, -1.0)
 
     def add(self, name, **how):
         def store(value):
@@ -79,11 +80,11 @@ class OwnEkf(Fmi2Slave):
             self.correct(0, u["fix.position.x"] - self.state[0], u["fix_sigma"])
             self.correct(1, u["fix.position.y"] - self.state[1], u["fix_sigma"])
         if self.new("pressure"):
-            roll, pitch = u["imu.attitude.roll"], u["imu.attitude.pitch"]
+            roll, pitch = u["ahrs.attitude.roll"], u["ahrs.attitude.pitch"]
             down = np.array([-sin(pitch), cos(pitch) * sin(roll), cos(pitch) * cos(roll)])
             self.correct(2, u["pressure.depth"] - down @ PRESSURE - self.state[2], 0.306)
-        if self.new("imu"):
-            off = u["imu.attitude.yaw"] - self.state[3]
+        if self.new("ahrs"):
+            off = u["ahrs.attitude.yaw"] - self.state[3]
             self.correct(3, (off + tau / 2) % tau - tau / 2, 0.01)
         for i, axis in enumerate(AXES):
             u[f"pose.{axis}"] = float(self.state[i])

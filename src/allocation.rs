@@ -105,7 +105,6 @@ impl Allocation {
     ) -> [f64; 8] {
         let loss = loss.map(|l| if l > 0.0 { l.min(1.0) } else { 0.0 });
         if loss == [0.0; 8] {
-            *degraded = None;
             return self.forces(wrench);
         }
         let known = degraded.take().filter(|d| d.loss == loss);

@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector};
 use rexrov::estimation::belief::{Belief, Column};
 use rexrov::estimation::interval::Interval;
 use rexrov::estimation::kalman::Witness;
-use rexrov::estimation::kinematics::{Kinematics, Linearized, SensorStates};
+use rexrov::estimation::kinematics::{Kinematics, Linearized, Motion, SensorStates};
 use rexrov::estimation::process::Process;
 use rexrov::estimation::transition::Transition;
 use rexrov::estimation::{
@@ -59,6 +59,16 @@ impl Process<6> for Linear {
             acceleration: nalgebra::Vector3::zeros(),
             sensors: SensorStates::default(),
             mean: belief.mean,
+        }
+    }
+
+    fn motion(&self, belief: &Belief<6>, _: &Interval) -> Motion {
+        Motion {
+            position: belief.mean.fixed_rows::<3>(0).into_owned(),
+            rotation: Matrix3::identity(),
+            velocity: belief.mean.fixed_rows::<3>(3).into_owned(),
+            rate: nalgebra::Vector3::zeros(),
+            acceleration: nalgebra::Vector3::zeros(),
         }
     }
 

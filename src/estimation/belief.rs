@@ -32,17 +32,6 @@ pub struct Belief<const N: usize> {
     order: usize,
 }
 
-/// A scalar measurement as the Kalman update has it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scalar<'a, const N: usize> {
-    /// Measured less predicted.
-    pub innovation: f64,
-    /// Derivative of the prediction by the states.
-    pub row: &'a Column<N>,
-    /// Variance of the measurement's noise, positive.
-    pub variance: f64,
-}
-
 impl<const N: usize> Belief<N> {
     /// Independent states with the given means and standard deviations.
     #[must_use]
@@ -59,7 +48,7 @@ impl<const N: usize> Belief<N> {
 
     /// `P <- F P F^T`, then the process noise is added by the caller.
     pub fn propagate(&mut self, f: &Transition<N>) {
-        f.propagate(&mut self.covariance, self.order);
+        f.propagate(&mut self.covariance);
     }
 
     /// Adds independent noise to a state.
@@ -71,55 +60,50 @@ impl<const N: usize> Belief<N> {
     #[must_use]
     pub fn correlate(&self, row: &Column<N>) -> Column<N> {
         let mut sum: Column<N> = Column::zeros();
-        for (j, &h) in row.iter().enumerate().take(self.order) {
+        for (column, &h) in self.covariance.as_slice().chunks_exact(N).zip(row.as_slice()) {
             if h != 0.0 {
-                let column = &self.covariance.as_slice()[j * N..j * N + self.order];
-                for (s, p) in sum.iter_mut().zip(column) {
-                    *s += h * p;
-                }
+                add_scaled(sum.as_mut_slice(), h, column);
             }
         }
         sum
     }
 
-    /// The gain `K = P h / S` and the variance `S` of the innovation of a scalar measurement.
-    #[must_use]
-    pub fn gain(&self, measured: &Scalar<'_, N>) -> (Column<N>, f64) {
-        let correlation = self.correlate(measured.row);
-        let s = dot(measured.row, &correlation, self.order) + measured.variance;
-        (correlation / s, s)
-    }
-
-    /// The covariance after an update with the gain of [`Belief::gain`].
+    /// The covariance after an update with a scalar measurement: its row h of derivatives, the variance
+    /// R of its noise, the gain `K = P h / S` and the variance S of its innovation.
     ///
     /// `P - K S K^T`, or where that would cancel, Joseph's `(I - K h^T) P (I - K h^T)^T + K R K^T`.
-    pub fn condense(&mut self, measured: &Scalar<'_, N>, gain: &Column<N>, s: f64) {
-        if measured.variance < ILL_CONDITIONED * s {
-            return self.condense_by_joseph(measured, gain, s);
+    pub fn condense(&mut self, row: &Column<N>, noise: f64, gain: &Column<N>, s: f64) {
+        if noise < ILL_CONDITIONED * s {
+            return self.condense_by_joseph(row, noise, gain, s);
         }
-        let n = self.order;
-        for j in 0..n {
-            let scaled = gain[j] * s;
-            let column = &mut self.covariance.as_mut_slice()[j * N..j * N + n];
-            for (p, k) in column.iter_mut().zip(gain.iter()) {
-                *p -= k * scaled;
+        // (k_i k_j) s is the same for (i, j) and (j, i): symmetry is exact.
+        let gain = gain.as_slice();
+        for (column, &own) in self.covariance.as_mut_slice().chunks_exact_mut(N).zip(gain) {
+            if own != 0.0 {
+                for (p, k) in column.iter_mut().zip(gain) {
+                    *p -= (k * own) * s;
+                }
             }
         }
     }
 
-    fn condense_by_joseph(&mut self, measured: &Scalar<'_, N>, gain: &Column<N>, s: f64) {
+    fn condense_by_joseph(&mut self, row: &Column<N>, noise: f64, gain: &Column<N>, s: f64) {
         let correlation = gain * s;
         let reduced = self.covariance - gain * correlation.transpose();
-        let rest = reduced * measured.row;
-        let joseph =
-            reduced - rest * gain.transpose() + gain * gain.transpose() * measured.variance;
+        let rest = reduced * row;
+        let joseph = reduced - rest * gain.transpose() + gain * gain.transpose() * noise;
         self.covariance = (joseph + joseph.transpose()) * 0.5;
+    }
+
+    /// Adds the product of a column with itself to the covariance.
+    pub fn widen(&mut self, direction: &Column<N>) {
+        self.covariance += direction * direction.transpose();
     }
 
     /// Variance of a linear combination of states.
     #[must_use]
     pub fn variance(&self, row: &Column<N>) -> f64 {
-        dot(row, &self.correlate(row), self.order)
+        dot(row, &self.correlate(row))
     }
 
     /// Forgets what a state has to do with the others and gives it a variance.
@@ -193,17 +177,25 @@ impl<const N: usize> Belief<N> {
         (0..n).all(|i| self.covariance[(i, i)] >= 0.0)
     }
 
-    /// Whether mean and covariance are numbers.
+    /// Whether means and variances are numbers; what is not spreads to these with any measurement.
     #[must_use]
     pub fn is_finite(&self) -> bool {
-        let sum = self.mean.iter().chain(self.covariance.iter()).fold(0.0, |sum, x| sum + x * 0.0)
-            + self.attitude.iter().fold(0.0, |sum, x| sum + x * 0.0);
-        sum == 0.0
+        (0..self.order).all(|i| self.mean[i].is_finite() && self.covariance[(i, i)].is_finite())
+            && self.attitude.iter().all(|x| x.is_finite())
     }
 }
 
-/// Sum of products of the first `order` elements.
+/// Sum of products; most of the elements of `row` are zero.
 #[inline]
-pub(super) fn dot<const N: usize>(a: &Column<N>, b: &Column<N>, order: usize) -> f64 {
-    a.iter().zip(b.iter()).take(order).map(|(a, b)| a * b).sum()
+pub(super) fn dot<const N: usize>(row: &Column<N>, b: &Column<N>) -> f64 {
+    let pairs = row.as_slice().iter().zip(b.as_slice());
+    pairs.filter(|(h, _)| **h != 0.0).map(|(h, b)| h * b).sum()
+}
+
+/// `sum += factor * column`.
+#[inline]
+pub(super) fn add_scaled(sum: &mut [f64], factor: f64, column: &[f64]) {
+    for (s, value) in sum.iter_mut().zip(column) {
+        *s += factor * value;
+    }
 }

@@ -1,12 +1,15 @@
 //! A navigation filter: a process, the sensors, and the order of time.
 
+use core::marker::PhantomData;
+
 use serde::{Deserialize, Serialize};
 
 use super::belief::{Belief, Column, dot};
 use super::history::{Arrival, History};
 use super::intake::{Sources, take_new};
 use super::kinematics::Kinematics;
-use super::measurement::{KINDS, Kind, Measurements};
+use super::measurement::{Event, KINDS, Kind, Measurements};
+use super::monitor::Monitor;
 use super::parameters::NavigationParameters;
 use super::process::Process;
 use super::sensor::euler;
@@ -18,24 +21,54 @@ const SILENT: f64 = 0.25;
 
 /// A filter of at most `N` states.
 #[derive(Clone, Debug)]
-pub struct Filter<P, const N: usize> {
+pub struct Filter<P, const N: usize, M = ()> {
     pub(super) setup: Setup<P>,
+    monitor: PhantomData<M>,
 }
 
 /// What a filter remembers between cycles.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Memory<const N: usize> {
-    history: Option<History<N>>,
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+pub struct Memory<const N: usize, M = ()> {
+    history: Option<History<N, M>>,
     sources: Sources,
     late: [u32; KINDS],
     lost: [u32; KINDS],
     /// When the belief was last begun anew (s).
     reset: f64,
     now: f64,
+    /// The part of the estimate that changes with the belief alone.
+    spread: Estimate,
+}
+
+impl<const N: usize, M> Default for Memory<N, M> {
+    fn default() -> Self {
+        Self {
+            history: None,
+            sources: Sources::default(),
+            late: [0; KINDS],
+            lost: [0; KINDS],
+            reset: f64::NEG_INFINITY,
+            now: f64::NAN,
+            spread: Estimate::default(),
+        }
+    }
+}
+
+impl<const N: usize, M: Copy> Clone for Memory<N, M> {
+    fn clone(&self) -> Self {
+        Self { history: self.history.clone(), ..*self }
+    }
+
+    /// Keeps the room that the history has.
+    fn clone_from(&mut self, from: &Self) {
+        self.history.clone_from(&from.history);
+        (self.sources, self.late, self.lost) = (from.sources, from.late, from.lost);
+        (self.reset, self.now, self.spread) = (from.reset, from.now, from.spread);
+    }
 }
 
 /// How well a filter is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Health {
     /// All is as the filter expects.
     #[default]
@@ -49,7 +82,7 @@ pub enum Health {
 }
 
 /// What is known of a channel.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ChannelReport {
     /// Innovation of the newest measurement.
     pub innovation: [f64; 3],
@@ -66,7 +99,7 @@ pub struct ChannelReport {
 }
 
 /// The estimate at an instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// Position, NED (m).
     pub position: [f64; 3],
@@ -104,42 +137,38 @@ pub trait Navigation {
     fn update(&self, memory: &mut Self::Memory, now: f64, measured: &Measurements) -> Estimate;
 }
 
-impl<P: Process<N>, const N: usize> Navigation for Filter<P, N> {
-    type Memory = Memory<N>;
+impl<P: Process<N>, const N: usize, M: Monitor<N>> Navigation for Filter<P, N, M> {
+    type Memory = Memory<N, M>;
 
-    fn memory(&self) -> Memory<N> {
+    fn memory(&self) -> Memory<N, M> {
         Self::memory(self)
     }
 
-    fn update(&self, memory: &mut Memory<N>, now: f64, measured: &Measurements) -> Estimate {
+    fn update(&self, memory: &mut Memory<N, M>, now: f64, measured: &Measurements) -> Estimate {
         Self::update(self, memory, now, measured)
     }
 }
 
-impl<P: Process<N>, const N: usize> Filter<P, N> {
+impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
     /// # Errors
     /// Names the parameter that is out of range.
     pub fn new(process: P, parameters: &NavigationParameters) -> Result<Self, ParameterError> {
         parameters.check()?;
-        Ok(Self { setup: Setup::new(process, parameters) })
+        Ok(Self { setup: Setup::new(process, parameters), monitor: PhantomData })
     }
 
     /// The memory at the start.
     #[must_use]
-    pub fn memory(&self) -> Memory<N> {
-        Memory {
-            history: Some(History::new(Track::new(&self.setup, 0.0))),
-            reset: f64::NEG_INFINITY,
-            now: f64::NAN,
-            ..Memory::default()
-        }
+    pub fn memory(&self) -> Memory<N, M> {
+        let history = Some(History::new(Track::new(&self.setup, 0.0)));
+        Memory { history, ..Memory::default() }
     }
 
     /// A cycle at time `now` (s): takes what is new, and estimates.
     ///
     /// Time that does not advance, or goes back, changes nothing but what is new.
-    pub fn update(&self, memory: &mut Memory<N>, now: f64, measured: &Measurements) -> Estimate {
-        let Memory { history, sources, late, lost, reset, now: last } = memory;
+    pub fn update(&self, memory: &mut Memory<N, M>, now: f64, measured: &Measurements) -> Estimate {
+        let Memory { history, sources, late, lost, reset, now: last, .. } = memory;
         let begun = !last.is_nan();
         let history = history.get_or_insert_with(|| History::new(Track::new(&self.setup, now)));
         if !begun && now.is_finite() {
@@ -164,7 +193,20 @@ impl<P: Process<N>, const N: usize> Filter<P, N> {
             *reset = now;
             history.reset(Track::new(&self.setup, now));
         }
+        if history.take_changed()
+            && let Some(history) = &memory.history
+        {
+            memory.spread = self.spread(memory, &history.track);
+        }
         self.estimate(memory)
+    }
+
+    /// From now on the thrusters are taken to give these shares of their thrust.
+    pub(super) fn assume(&self, memory: &mut Memory<N, M>, effectiveness: [f64; 8]) {
+        if let Some(history) = &mut memory.history {
+            let time = history.track.time;
+            history.insert(Event { time, kind: Kind::Effectiveness, value: effectiveness });
+        }
     }
 
     /// Up to where the driving signals are known.
@@ -180,21 +222,40 @@ impl<P: Process<N>, const N: usize> Filter<P, N> {
         horizon
     }
 
-    /// What the filter knows, without a cycle.
+    /// What the filter knows at its newest cycle.
     #[must_use]
-    pub fn estimate(&self, memory: &Memory<N>) -> Estimate {
+    pub fn estimate(&self, memory: &Memory<N, M>) -> Estimate {
         let Some(history) = &memory.history else { return Estimate::default() };
         let track = &history.track;
         let motion = track.motion_at(&self.setup, memory.now);
         Estimate {
-            channels: self.channels(memory, &track.records),
+            position: motion.position.into(),
+            euler: euler(&motion.rotation).0,
+            velocity: motion.velocity.into(),
+            rate: motion.rate.into(),
+            acceleration: motion.acceleration.into(),
             health: self.health(memory, track),
-            loss: track.effectiveness.map(|share| 1.0 - share),
-            ..describe(&self.setup, &track.belief, &motion)
+            ..memory.spread
         }
     }
 
-    fn channels(&self, memory: &Memory<N>, records: &[Record; CHANNELS]) -> [ChannelReport; CHANNELS] {
+    /// What of an estimate changes with the belief alone: covariances, sensors, thrusters.
+    fn spread(&self, memory: &Memory<N, M>, track: &Track<N, M>) -> Estimate {
+        let belief = &track.belief;
+        let motion = self.setup.process.kinematics(belief, &track.interval);
+        let lag = (memory.now - track.time).max(0.0);
+        Estimate {
+            channels: self.channels(memory, &track.records),
+            loss: track.effectiveness.map(|share| 1.0 - share),
+            ..describe(&self.setup, belief, &motion, lag)
+        }
+    }
+
+    fn channels(
+        &self,
+        memory: &Memory<N, M>,
+        records: &[Record; CHANNELS],
+    ) -> [ChannelReport; CHANNELS] {
         let kinds = [Kind::Ahrs, Kind::Ahrs, Kind::Depth, Kind::Dvl, Kind::Fix];
         core::array::from_fn(|i| {
             let (record, kind) = (&records[i], kinds[i] as usize);
@@ -203,17 +264,18 @@ impl<P: Process<N>, const N: usize> Filter<P, N> {
                 sigma: record.sigma,
                 nis: record.nis,
                 used: record.used,
-                rejected: record.rejected.saturating_add(memory.sources[kind].invalid)
+                rejected: record
+                    .rejected
+                    .saturating_add(memory.sources[kind].invalid)
                     .saturating_add(memory.lost[kind]),
                 late: memory.late[kind],
             }
         })
     }
 
-    fn health(&self, memory: &Memory<N>, track: &Track<N>) -> Health {
-        let silent = |kind: Kind, seconds: f64| {
-            !memory.sources[kind as usize].is_alive(memory.now, seconds)
-        };
+    fn health(&self, memory: &Memory<N, M>, track: &Track<N, M>) -> Health {
+        let silent =
+            |kind: Kind, seconds: f64| !memory.sources[kind as usize].is_alive(memory.now, seconds);
         if memory.now - memory.reset < 30.0 {
             return Health::Diverged;
         }
@@ -227,14 +289,19 @@ impl<P: Process<N>, const N: usize> Filter<P, N> {
     }
 }
 
-/// What a belief says of the motion.
+/// What a belief says of the motion, with the covariance of the pose `lag` seconds later.
 pub(super) fn describe<P: Process<N>, const N: usize>(
     setup: &Setup<P>,
     belief: &Belief<N>,
     motion: &Kinematics<N>,
+    lag: f64,
 ) -> Estimate {
     let (angles, rates) = euler(&motion.rotation);
     let rows: [Column<N>; 6] = core::array::from_fn(|i| match i {
+        // The position moves on with the velocity.
+        0..3 if lag > setup.parameters.interval => {
+            motion.position.rows[i] + motion.velocity.image(&motion.rotation, i) * lag
+        }
         0..3 => motion.position.rows[i],
         _ => motion.through_rotation(&rates, i - 3),
     });
@@ -242,7 +309,7 @@ pub(super) fn describe<P: Process<N>, const N: usize>(
     for i in 0..6 {
         let correlation = belief.correlate(&rows[i]);
         for j in 0..=i {
-            let value = dot(&rows[j], &correlation, belief.order());
+            let value = dot(&rows[j], &correlation);
             covariance[i][j] = value;
             covariance[j][i] = value;
         }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::kalman::Witness;
 use super::measurement::{Event, Key, Kind};
+use super::monitor::Monitor;
 use super::process::Process;
 use super::track::{Ahead, Setup, Track};
 
@@ -18,12 +19,14 @@ const COPIES: usize = 8;
 
 /// A track with its past.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct History<const N: usize> {
-    pub(super) track: Track<N>,
-    copies: Vec<Track<N>>,
+pub(super) struct History<const N: usize, M> {
+    pub(super) track: Track<N, M>,
+    copies: Vec<Track<N, M>>,
     /// In the order of their keys; the first `taken` are in the track.
     events: Vec<Event>,
     taken: usize,
+    /// Whether the belief is another than when it was last asked.
+    changed: bool,
 }
 
 /// What became of an event on arrival.
@@ -35,17 +38,17 @@ pub(super) enum Arrival {
     Lost,
 }
 
-impl<const N: usize> Clone for History<N> {
+impl<const N: usize, M: Copy> Clone for History<N, M> {
     fn clone(&self) -> Self {
-        let mut copy = Self::new(self.track);
+        let (copies, events) = (Vec::with_capacity(COPIES), Vec::with_capacity(EVENTS));
+        let mut copy = Self { track: self.track, copies, events, taken: 0, changed: true };
         copy.clone_from(self);
         copy
     }
 
     /// Keeps the capacity.
     fn clone_from(&mut self, from: &Self) {
-        self.track = from.track;
-        self.taken = from.taken;
+        (self.track, self.taken, self.changed) = (from.track, from.taken, from.changed);
         self.copies.clear();
         self.copies.reserve(COPIES);
         self.copies.extend_from_slice(&from.copies);
@@ -55,16 +58,17 @@ impl<const N: usize> Clone for History<N> {
     }
 }
 
-impl<const N: usize> History<N> {
-    pub(super) fn new(track: Track<N>) -> Self {
+impl<const N: usize, M: Monitor<N>> History<N, M> {
+    pub(super) fn new(track: Track<N, M>) -> Self {
         let mut copies = Vec::with_capacity(COPIES);
         copies.push(track);
-        Self { track, copies, events: Vec::with_capacity(EVENTS), taken: 0 }
+        Self { track, copies, events: Vec::with_capacity(EVENTS), taken: 0, changed: true }
     }
 
     /// Begins anew; what is pending stays.
-    pub(super) fn reset(&mut self, track: Track<N>) {
+    pub(super) fn reset(&mut self, track: Track<N, M>) {
         self.track = track;
+        self.changed = true;
         self.copies.clear();
         self.copies.push(track);
         self.events.drain(..self.taken);
@@ -94,6 +98,7 @@ impl<const N: usize> History<N> {
     }
 
     fn go_back(&mut self, key: Key, time: f64) {
+        self.changed = true;
         while let Some(copy) = self.copies.last() {
             let before = earlier(copy.key, key) && copy.time <= time + 1e-9;
             if before || self.copies.len() == 1 {
@@ -113,9 +118,11 @@ impl<const N: usize> History<N> {
         until: f64,
         witness: &mut impl Witness<N>,
     ) {
+        let before = (self.track.time, self.fused());
         let spacing = setup.parameters.latency / (COPIES - 2) as f64;
         while let Some(&event) = self.events.get(self.taken).filter(|e| e.time <= until) {
-            if self.track.time >= self.copies.last().map_or(f64::NEG_INFINITY, |c| c.time) + spacing {
+            if self.track.time >= self.copies.last().map_or(f64::NEG_INFINITY, |c| c.time) + spacing
+            {
                 self.keep_copy(setup.parameters.latency);
             }
             let ahead = self.ahead();
@@ -124,6 +131,17 @@ impl<const N: usize> History<N> {
         }
         let ahead = self.ahead();
         self.track.advance(setup, until + 2e-9, &ahead, witness);
+        self.changed |= before != (self.track.time, self.fused());
+    }
+
+    /// Whether the belief has changed since this was last asked.
+    pub(super) fn take_changed(&mut self) -> bool {
+        core::mem::take(&mut self.changed)
+    }
+
+    /// How many measurements are in the track.
+    fn fused(&self) -> u32 {
+        self.track.records.iter().fold(0, |sum, record| sum.wrapping_add(record.used))
     }
 
     fn keep_copy(&mut self, latency: f64) {

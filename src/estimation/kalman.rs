@@ -7,7 +7,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::belief::{Belief, Column, Scalar, dot};
+use super::belief::{Belief, Column, add_scaled, dot};
+use super::interval::Interval;
 use super::sensor::Observation;
 use super::transition::Transition;
 
@@ -18,14 +19,19 @@ pub trait Witness<const N: usize> {
         let _ = f;
     }
 
+    /// The prediction was driven by what an interval says.
+    fn driven(&mut self, interval: &Interval) {
+        let _ = interval;
+    }
+
+    /// The next measurement fused changes by this, directly, with the thrust that each thruster loses.
+    fn direct(&mut self, effect: [f64; 8]) {
+        let _ = effect;
+    }
+
     /// A scalar measurement was fused.
     fn updated(&mut self, row: &Column<N>, gain: &Column<N>, innovation: f64, s: f64) {
         let _ = (row, gain, innovation, s);
-    }
-
-    /// The newest scalar measurements were taken back.
-    fn taken_back(&mut self, count: usize) {
-        let _ = count;
     }
 
     /// At one instant the errors of the states became F times what they were, plus noise: some
@@ -37,72 +43,134 @@ pub trait Witness<const N: usize> {
 
 impl<const N: usize> Witness<N> for () {}
 
-/// What became of a measurement.
-#[derive(Clone, Copy, Debug)]
-pub struct Fused<const N: usize> {
-    /// Correction of the states; the process applies it to its mean.
-    pub correction: Column<N>,
+/// Two look on.
+pub struct Both<'a, A, B>(pub &'a mut A, pub &'a mut B);
+
+impl<const N: usize, A: Witness<N>, B: Witness<N>> Witness<N> for Both<'_, A, B> {
+    fn predicted(&mut self, f: &Transition<N>) {
+        self.0.predicted(f);
+        self.1.predicted(f);
+    }
+
+    fn driven(&mut self, interval: &Interval) {
+        self.0.driven(interval);
+        self.1.driven(interval);
+    }
+
+    fn direct(&mut self, effect: [f64; 8]) {
+        self.0.direct(effect);
+        self.1.direct(effect);
+    }
+
+    fn updated(&mut self, row: &Column<N>, gain: &Column<N>, innovation: f64, s: f64) {
+        self.0.updated(row, gain, innovation, s);
+        self.1.updated(row, gain, innovation, s);
+    }
+
+    fn given_up(&mut self, f: &Transition<N>) {
+        self.0.given_up(f);
+        self.1.given_up(f);
+    }
+}
+
+/// How a measurement fits what was predicted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Verdict<const N: usize> {
+    /// `P h` of each component.
+    correlations: [Column<N>; 3],
     /// Standard deviations of the innovation as predicted, before any limit.
     pub sigma: [f64; 3],
     /// Normalised innovation squared, before any limit.
     pub nis: f64,
-    /// Whether its influence was limited.
-    pub limited: bool,
+    /// Factor on the variance of the noise that brings the NIS down to the gate; 1 within it.
+    pub inflation: f64,
+}
+
+impl<const N: usize> Verdict<N> {
+    /// Whether the influence of the measurement is limited.
+    #[must_use]
+    pub fn is_limited(&self) -> bool {
+        self.inflation > 1.0
+    }
 }
 
 /// Quantiles of the chi-square distribution at 99.9 % for one, two and three degrees of freedom.
 pub const GATE: [f64; 3] = [10.83, 13.82, 16.27];
 
-/// Fuses an observation; `gate` bounds its NIS, infinity lets everything in.
+/// Judges and fuses an observation; gives the correction of the states, which the process applies to
+/// its mean.
 pub fn fuse<const N: usize>(
     belief: &mut Belief<N>,
     observation: &Observation<N>,
     gate: f64,
     witness: &mut impl Witness<N>,
-) -> Fused<N> {
-    let (nis, inflation, sigma) = judge(belief, observation, gate);
-    let mut correction = Column::zeros();
-    for i in 0..observation.size {
-        let row = &observation.rows[i];
-        let innovation = observation.innovation[i] - dot(row, &correction, belief.order());
-        let variance = observation.variance[i] * inflation;
-        let scalar = Scalar { innovation, row, variance };
-        let (gain, s) = belief.gain(&scalar);
-        belief.condense(&scalar, &gain, s);
-        correction += gain * innovation;
-        witness.updated(row, &gain, innovation, s);
-    }
-    Fused { correction, sigma, nis, limited: inflation > 1.0 }
+) -> Column<N> {
+    let verdict = judge(belief, observation, gate);
+    absorb(belief, observation, &verdict, witness)
 }
 
-/// The NIS, and the factor on the noise that brings it down to the gate.
-fn judge<const N: usize>(
+/// Fuses an observation that has been judged.
+pub fn absorb<const N: usize>(
+    belief: &mut Belief<N>,
+    observation: &Observation<N>,
+    verdict: &Verdict<N>,
+    witness: &mut impl Witness<N>,
+) -> Column<N> {
+    let mut correction = Column::zeros();
+    let mut gains = [(Column::zeros(), 0.0); 3];
+    for i in 0..observation.size {
+        let row = &observation.rows[i];
+        let variance = observation.variance[i] * verdict.inflation;
+        // The covariance has lost K S K^T with each component before.
+        let mut gain = verdict.correlations[i];
+        for (earlier, s) in &gains[..i] {
+            add_scaled(gain.as_mut_slice(), -dot(row, earlier) * s, earlier.as_slice());
+        }
+        let innovation = observation.innovation[i] - dot(row, &correction);
+        let s = dot(row, &gain) + variance;
+        gain *= 1.0 / s;
+        belief.condense(row, variance, &gain, s);
+        add_scaled(correction.as_mut_slice(), innovation, gain.as_slice());
+        witness.updated(row, &gain, innovation, s);
+        gains[i] = (gain, s);
+    }
+    correction
+}
+
+/// Compares an observation with its prediction; `gate` bounds its NIS, infinity lets everything in.
+pub fn judge<const N: usize>(
     belief: &Belief<N>,
     observation: &Observation<N>,
     gate: f64,
-) -> (f64, f64, [f64; 3]) {
+) -> Verdict<N> {
     let n = observation.size;
     // Components that do not exist: unit variance, no innovation.
     let mut predicted = Matrix3::zeros();
     let mut noise = Vector3::repeat(1.0);
     let mut innovation = Vector3::zeros();
+    let mut correlations = [Column::zeros(); 3];
     for i in 0..n {
-        let correlation = belief.correlate(&observation.rows[i]);
+        correlations[i] = belief.correlate(&observation.rows[i]);
         for j in i..n {
-            let covariance = dot(&observation.rows[j], &correlation, belief.order());
+            let covariance = dot(&observation.rows[j], &correlations[i]);
             predicted[(i, j)] = covariance;
             predicted[(j, i)] = covariance;
         }
         noise[i] = observation.variance[i];
         innovation[i] = observation.innovation[i];
     }
-    let nis = |factor: f64| quadratic(&(predicted + Matrix3::from_diagonal(&(noise * factor))), &innovation);
-    let sigma = core::array::from_fn(|i| {
-        if i < n { (predicted[(i, i)] + noise[i]).sqrt() } else { 0.0 }
-    });
+    if n == 1 {
+        let (sigma, nis, inflation) = judge_scalar(predicted[(0, 0)], noise.x, innovation.x, gate);
+        return Verdict { correlations, sigma: [sigma, 0.0, 0.0], nis, inflation };
+    }
+    let nis = |factor: f64| {
+        quadratic(&(predicted + Matrix3::from_diagonal(&(noise * factor))), &innovation)
+    };
+    let sigma =
+        core::array::from_fn(|i| if i < n { (predicted[(i, i)] + noise[i]).sqrt() } else { 0.0 });
     let plain = nis(1.0);
     if plain <= gate {
-        return (plain, 1.0, sigma);
+        return Verdict { correlations, sigma, nis: plain, inflation: 1.0 };
     }
     // The NIS falls with the factor; without predicted variance it would be plain / factor.
     let (mut low, mut high) = (1.0, plain / gate);
@@ -113,7 +181,16 @@ fn judge<const N: usize>(
         let middle = (low * high).sqrt();
         if nis(middle) > gate { low = middle } else { high = middle }
     }
-    (plain, high, sigma)
+    Verdict { correlations, sigma, nis: plain, inflation: high }
+}
+
+fn judge_scalar(predicted: f64, noise: f64, innovation: f64, gate: f64) -> (f64, f64, f64) {
+    let s = predicted + noise;
+    let nis = innovation * innovation / s;
+    // S at which the NIS is at the gate, less what is predicted.
+    let limited = (innovation * innovation / gate - predicted) / noise;
+    let inflation = if nis > gate { limited.max(1.0) } else { 1.0 };
+    (s.sqrt(), nis, inflation)
 }
 
 /// `y^T S^-1 y`; infinite if S is not positive definite.

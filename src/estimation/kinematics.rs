@@ -6,6 +6,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::belief::Column;
+use super::process::rotation::exp;
 
 /// A vector and its derivatives: row i is the derivative of component i.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,7 +53,45 @@ pub struct SensorStates {
     pub dvl_delay: Option<usize>,
 }
 
+impl SensorStates {
+    /// States that a velocity log cannot tell from a change of the velocity.
+    #[must_use]
+    pub fn of_dvl(&self) -> [Option<usize>; 3] {
+        [self.dvl_scale, self.dvl_misalignment, self.dvl_delay]
+    }
+}
+
 /// Motion at an instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// Position of the centre of gravity, NED (m).
+    pub position: Vector3<f64>,
+    /// Rotation from body to NED.
+    pub rotation: Matrix3<f64>,
+    /// Velocity over ground, body (m/s).
+    pub velocity: Vector3<f64>,
+    /// Angular rate, body (rad/s).
+    pub rate: Vector3<f64>,
+    /// Time derivative of the velocity along body axes (m/s2).
+    pub acceleration: Vector3<f64>,
+}
+
+impl Motion {
+    /// The motion `lag` seconds later, at constant acceleration and rate.
+    #[must_use]
+    pub fn after(&self, lag: f64) -> Self {
+        let inertial = self.acceleration + self.rate.cross(&self.velocity);
+        let along = self.velocity * lag + inertial * (0.5 * lag * lag);
+        Self {
+            position: self.position + self.rotation * along,
+            rotation: self.rotation * exp(&(self.rate * lag)),
+            velocity: self.velocity + self.acceleration * lag,
+            ..*self
+        }
+    }
+}
+
+/// Motion at an instant with its derivatives by the states of a process.
 #[derive(Clone, Copy, Debug)]
 pub struct Kinematics<const N: usize> {
     /// Position of the centre of gravity, NED (m).

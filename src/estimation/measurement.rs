@@ -60,9 +60,11 @@ pub enum Kind {
     Dvl,
     /// Position fix.
     Fix,
+    /// Shares of the thrust that the thrusters give, as a monitor found.
+    Effectiveness,
 }
 
-/// How many kinds there are.
+/// How many kinds of samples come from instruments.
 pub const KINDS: usize = 6;
 
 /// A sample at an instant; of `value` only the kind's own components count.
@@ -93,7 +95,7 @@ impl Kind {
     pub(super) fn size(self) -> usize {
         match self {
             Self::Imu => 6,
-            Self::Thrust => 8,
+            Self::Thrust | Self::Effectiveness => 8,
             Self::Ahrs | Self::Dvl | Self::Fix => 3,
             Self::Depth => 1,
         }
@@ -104,7 +106,7 @@ impl Kind {
         match self {
             // Over a hundred g; rates are far below.
             Self::Imu => 1e3,
-            Self::Thrust => 1e6,
+            Self::Thrust | Self::Effectiveness => 1e6,
             Self::Ahrs => 1e3,
             Self::Dvl => 50.0,
             Self::Fix => 1e9,
@@ -120,7 +122,7 @@ impl Kind {
             Self::Imu => own[..3].iter().all(|&x| x == 0.0),
             Self::Dvl | Self::Ahrs => own.iter().all(|&x| x == 0.0),
             Self::Fix => own[..2].iter().all(|&x| x == 0.0),
-            Self::Thrust | Self::Depth => false,
+            Self::Thrust | Self::Depth | Self::Effectiveness => false,
         };
         !all_zero && own.iter().all(|x| x.abs() <= self.bound())
     }
@@ -128,7 +130,7 @@ impl Kind {
     /// Whether a value that repeats the one before bit for bit shows an instrument that is stuck.
     /// A rotor can stand still, and a depth has a coarse resolution.
     pub(super) fn never_repeats(self) -> bool {
-        !matches!(self, Self::Thrust | Self::Depth)
+        !matches!(self, Self::Thrust | Self::Depth | Self::Effectiveness)
     }
 }
 

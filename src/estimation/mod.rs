@@ -6,6 +6,7 @@
 //! through [`kalman`], with bounded influence. Sensors are written once, for the [`kinematics`] that
 //! every process offers with its derivatives. The paper's two filters are in [`paper`].
 
+mod aided;
 pub mod belief;
 pub mod filter;
 mod history;
@@ -14,6 +15,7 @@ pub mod interval;
 pub mod kalman;
 pub mod kinematics;
 mod measurement;
+pub mod monitor;
 pub mod paper;
 mod parameters;
 pub mod process;
@@ -23,9 +25,11 @@ mod smoother;
 mod track;
 pub mod transition;
 
+pub use aided::{AIDED_STATES, AidedFilter, AidedMemory, BASIC_STATES, DynamicFilter};
 pub use belief::Belief;
 pub use filter::{ChannelReport, Estimate, Filter, Health, Memory, Navigation};
 pub use measurement::{KINDS, Kind, Measurements, Reading};
+pub use monitor::ThrusterMonitor;
 pub use parameters::{Disturbances, Mounting, NavigationParameters, SensorErrors, Start};
 pub use process::constant_acceleration::ConstantAcceleration;
 pub use process::inertial::InertialProcess;

@@ -185,8 +185,8 @@ impl Default for NavigationParameters {
             mounting: Mounting::default(),
             start: Start::default(),
             gravity: 9.81,
-            maneuver_acceleration: 0.1,
-            maneuver_rate: 0.05,
+            maneuver_acceleration: 0.2,
+            maneuver_rate: 0.2,
         }
     }
 }

@@ -1,9 +1,10 @@
-//! Coming back after the vehicle, or the world, has moved: when measurements contradict the filter
-//! but agree with each other.
+//! What a filter does beyond Kalman's update: it comes back when measurements contradict it but agree
+//! with each other, and learns nothing of what cannot be observed.
 
+use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::belief::Belief;
+use super::belief::{Belief, Column};
 use super::kinematics::Kinematics;
 use super::sensor::Observation;
 use super::track::Channel;
@@ -64,7 +65,11 @@ pub(super) fn reacquire<const N: usize>(
     let mut f = Transition::identity();
     let square = |x: f64| x * x;
     let far = |least: f64| {
-        observation.innovation.iter().take(observation.size).fold(square(least), |m, y| m.max(y * y))
+        observation
+            .innovation
+            .iter()
+            .take(observation.size)
+            .fold(square(least), |m, y| m.max(y * y))
     };
     let mut forget = |state: usize, variance: f64| {
         belief.decouple(state, variance);
@@ -109,5 +114,34 @@ pub(super) fn hand_to_bias<const N: usize>(
     belief.covariance[(bias, bias)] = variance;
     belief.mean[bias] += observation.innovation[0];
     f.set_row(bias, row.iter().enumerate().map(|(state, h)| (state, -h)));
+    f
+}
+
+/// Keeps a covariance in line with what a velocity log cannot observe by itself.
+///
+/// An error of its scale (or yaw) and the velocity error that hides it always come in the same ratio,
+/// which is that of the velocity itself. A correction of the velocity changes the ratio; left as it
+/// was, the next measurement would take the difference for information on the scale. `rows` are the
+/// Jacobians before and after the correction. Huang, Mourikis & Roumeliotis (2010), who constrain a
+/// filter's observability so.
+pub(super) fn follow_unobservable<const N: usize>(
+    velocity: usize,
+    [before, after]: [&[Column<N>; 3]; 2],
+    states: &[Option<usize>],
+) -> Transition<N> {
+    let mut f = Transition::identity();
+    let by_velocity = Matrix3::from_fn(|i, k| after[i][velocity + k]);
+    let Some(inverse) = by_velocity.try_inverse() else { return f };
+    let hidden = |j: usize| {
+        let change = Vector3::from_fn(|i, _| after[i][j] - before[i][j]);
+        -(inverse * change)
+    };
+    let shifts: [Option<(usize, Vector3<f64>)>; 3] =
+        core::array::from_fn(|k| states.get(k).copied().flatten().map(|j| (j, hidden(j))));
+    for i in 0..3 {
+        let own = core::iter::once((velocity + i, 1.0));
+        let others = shifts.iter().flatten().map(|(j, shift)| (*j, shift[i]));
+        f.set_row(velocity + i, own.chain(others));
+    }
     f
 }

@@ -23,6 +23,7 @@ use super::intake::{Sources, take_new};
 use super::interval::Interval;
 use super::kalman::Witness;
 use super::measurement::{Event, Kind, Measurements};
+use super::monitor::Monitor;
 use super::process::Process;
 use super::track::{Ahead, SAME, Setup, Track};
 use super::transition::Transition;
@@ -84,7 +85,7 @@ impl Recording {
     }
 }
 
-impl<P: Process<N>, const N: usize> Smoothing for Filter<P, N> {
+impl<P: Process<N>, const N: usize, M: Monitor<N>> Smoothing for Filter<P, N, M> {
     fn recording(&self) -> Recording {
         let latency = self.setup.parameters.latency;
         Recording { events: Vec::new(), sources: Sources::default(), latency }
@@ -94,7 +95,7 @@ impl<P: Process<N>, const N: usize> Smoothing for Filter<P, N> {
         let events = recording.in_order();
         let Some(first) = events.first() else { return Vec::new() };
         let setup = &self.setup;
-        let mut player = Player::new(setup, &events, first.time);
+        let mut player = Player::<N, M>::new(setup, &events, first.time);
         let mut beginnings = vec![player];
         while player.play(setup, &events, &mut ()) {
             player.track.belief.restore_positive();
@@ -107,9 +108,8 @@ impl<P: Process<N>, const N: usize> Smoothing for Filter<P, N> {
             player.play(setup, &events, &mut tape);
             adjoint.unwind(tape, |time, interval, belief, correction| {
                 setup.process.correct(belief, correction);
-                belief.restore_positive();
                 let motion = setup.process.kinematics(belief, interval);
-                path.push(Smoothed { time, estimate: describe(setup, belief, &motion) });
+                path.push(Smoothed { time, estimate: describe(setup, belief, &motion, 0.0) });
             });
         }
         path.reverse();
@@ -117,10 +117,28 @@ impl<P: Process<N>, const N: usize> Smoothing for Filter<P, N> {
     }
 }
 
+impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
+    /// Adds to a recording what the monitor finds the thrusters to give, and when.
+    pub(super) fn watch(&self, recording: &mut Recording) {
+        let events = recording.in_order();
+        let Some(first) = events.first() else { return };
+        let mut player = Player::<N, M>::new(&self.setup, &events, first.time);
+        let mut before = player.track.effectiveness;
+        while player.step(&self.setup, &events, &mut ()) {
+            let value = player.track.effectiveness;
+            if value != before {
+                before = value;
+                let time = player.track.time;
+                recording.events.push(Event { time, kind: Kind::Effectiveness, value });
+            }
+        }
+    }
+}
+
 /// Looks on, and keeps the filter's belief at the instants that are asked for.
 trait Keeper<const N: usize>: Witness<N> {
-    fn keep(&mut self, track: &Track<N>) {
-        let _ = track;
+    fn keep(&mut self, time: f64, interval: &Interval, belief: &Belief<N>) {
+        let _ = (time, interval, belief);
     }
 }
 
@@ -128,14 +146,14 @@ impl<const N: usize> Keeper<N> for () {}
 
 /// A filter on its way through the events.
 #[derive(Clone, Copy)]
-struct Player<const N: usize> {
-    track: Track<N>,
+struct Player<const N: usize, M> {
+    track: Track<N, M>,
     /// The next event, and the next multiple of the interval.
     next: usize,
     tick: f64,
 }
 
-impl<const N: usize> Player<N> {
+impl<const N: usize, M: Monitor<N>> Player<N, M> {
     fn new<P: Process<N>>(setup: &Setup<P>, events: &[Event], start: f64) -> Self {
         let mut track = Track::new(setup, start);
         if let Some(attitude) = events.iter().find(|event| event.kind == Kind::Ahrs) {
@@ -171,7 +189,8 @@ impl<const N: usize> Player<N> {
         let instant = self.tick * setup.parameters.interval;
         if instant < end {
             self.track.predict_to(setup, instant, &ahead, keeper);
-            keeper.keep(&self.track);
+            let Track { time, interval, belief, .. } = &self.track;
+            keeper.keep(*time, interval, belief);
             self.tick += 1.0;
         } else if let Some(event) = rest.first() {
             self.track.take(setup, event, &ahead, keeper);
@@ -226,19 +245,14 @@ impl<const N: usize> Witness<N> for Tape<N> {
         self.steps.push(Step::Measured(Box::new(measured)));
     }
 
-    fn taken_back(&mut self, count: usize) {
-        self.steps.truncate(self.steps.len().saturating_sub(count));
-    }
-
     fn given_up(&mut self, f: &Transition<N>) {
         self.predicted(f);
     }
 }
 
 impl<const N: usize> Keeper<N> for Tape<N> {
-    fn keep(&mut self, track: &Track<N>) {
-        let kept = (track.time, track.interval, track.belief);
-        self.steps.push(Step::Instant(Box::new(kept)));
+    fn keep(&mut self, time: f64, interval: &Interval, belief: &Belief<N>) {
+        self.steps.push(Step::Instant(Box::new((time, *interval, *belief))));
     }
 }
 
@@ -270,9 +284,15 @@ impl<const N: usize> Adjoint<N> {
                         *self = Self::zero();
                     }
                     let p = belief.covariance;
-                    let correction = -(p * self.lambda);
+                    let mut correction = -(p * self.lambda);
                     let reduction = p * self.covariance * p;
                     belief.covariance -= (reduction + reduction.transpose()) * 0.5;
+                    belief.restore_positive();
+                    if !belief.is_positive() {
+                        // Beyond rounding: what the filter itself knew is claimed, and no more.
+                        belief.covariance = p;
+                        correction.fill(0.0);
+                    }
                     take(time, &interval, &mut belief, &correction);
                 }
             }

@@ -8,13 +8,14 @@ use serde::{Deserialize, Serialize};
 
 use super::belief::Belief;
 use super::interval::{Inertial, Interval, Stream, Thrusts};
-use super::kalman::{Fused, GATE, Witness, fuse};
-use super::kinematics::{Kinematics, skew};
+use super::kalman::{Both, GATE, Verdict, Witness, absorb, fuse, judge};
+use super::kinematics::{Kinematics, Motion, skew};
 use super::measurement::{Event, Key, Kind};
+use super::monitor::Monitor;
 use super::parameters::NavigationParameters;
 use super::process::Process;
-use super::process::rotation::{exp, log};
-use super::recovery::{Agreement, hand_to_bias, reacquire};
+use super::process::rotation::log;
+use super::recovery::{Agreement, follow_unobservable, hand_to_bias, reacquire};
 use super::sensor::{Depth, Dvl, Fix, Heading, Observation, Sensor, Tilt};
 use crate::attitude;
 
@@ -63,7 +64,7 @@ pub(super) const SAME: f64 = 1e-9;
 
 /// A filter at an instant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Track<const N: usize> {
+pub(super) struct Track<const N: usize, M> {
     /// The instant (s).
     pub(super) time: f64,
     /// The last event that is in it.
@@ -81,6 +82,7 @@ pub(super) struct Track<const N: usize> {
     /// Share of its thrust that each thruster gives.
     pub(super) effectiveness: [f64; 8],
     aligned: bool,
+    monitor: M,
 }
 
 /// Samples that come next, which a boundary between two samples needs.
@@ -117,8 +119,10 @@ impl<P> Setup<P> {
     }
 }
 
-impl<const N: usize> Track<N> {
+impl<const N: usize, M: Monitor<N>> Track<N, M> {
     pub(super) fn new<P: Process<N>>(setup: &Setup<P>, start: f64) -> Self {
+        let mut monitor = M::default();
+        monitor.prepare(&core::array::from_fn(|i| setup.process.thrust_effect(i)));
         let [roll, pitch, _] = setup.parameters.start.attitude;
         Self {
             time: start,
@@ -134,6 +138,7 @@ impl<const N: usize> Track<N> {
             records: [Record { newest: f64::NEG_INFINITY, ..Record::default() }; CHANNELS],
             effectiveness: [1.0; 8],
             aligned: setup.parameters.start.heading_sigma < 0.5,
+            monitor,
         }
     }
 
@@ -145,16 +150,18 @@ impl<const N: usize> Track<N> {
         ahead: &Ahead,
         witness: &mut impl Witness<N>,
     ) {
+        if event.kind == Kind::Ahrs {
+            // The rate between two attitudes holds for the time between them.
+            self.follow_attitude(event.time, event.cut());
+        }
         self.advance(setup, event.time, ahead, witness);
         self.key = event.key();
         match event.kind {
             Kind::Imu => self.imu.push(event.time, event.cut()),
             Kind::Thrust => self.thrust.push(event.time, event.cut()),
             Kind::Ahrs => {
-                let euler: [f64; 3] = event.cut();
-                self.follow_attitude(event.time, euler);
                 self.predict_to(setup, event.time, ahead, witness);
-                self.fuse_attitude(setup, euler, witness);
+                self.fuse_attitude(setup, event.cut(), witness);
             }
             Kind::Depth => {
                 self.predict_to(setup, event.time, ahead, witness);
@@ -171,6 +178,7 @@ impl<const N: usize> Track<N> {
                 let observe = |m: &Kinematics<N>| setup.fix.observe(&event.cut(), m);
                 self.fuse(setup, Channel::Fix, observe, witness);
             }
+            Kind::Effectiveness => self.effectiveness = event.value,
         }
     }
 
@@ -214,24 +222,35 @@ impl<const N: usize> Track<N> {
                 let [a, b, c, p, q, r] = mean.value;
                 let rate = [p, q, r];
                 let force = self.to_centre(setup, [a, b, c], rate, dt);
-                Inertial { specific_force: force, rate, rate_end: [mean.end[3], mean.end[4], mean.end[5]] }
+                Inertial {
+                    specific_force: force,
+                    rate,
+                    rate_end: [mean.end[3], mean.end[4], mean.end[5]],
+                }
             }),
             thrust: thrust.map(|mean| {
-                let effective = |f: [f64; 8]| core::array::from_fn(|i| f[i] * self.effectiveness[i]);
+                let effective =
+                    |f: [f64; 8]| core::array::from_fn(|i| f[i] * self.effectiveness[i]);
                 Thrusts { mean: effective(mean.value), rising: effective(mean.rising) }
             }),
-            attitude_rate: self.attitude_rate.filter(|_| {
-                self.attitude.is_some_and(|(seen, _)| time - seen <= ATTITUDE_GAP)
-            }),
+            attitude_rate: self
+                .attitude_rate
+                .filter(|_| self.attitude.is_some_and(|(seen, _)| time - seen <= ATTITUDE_GAP)),
             tilt: self.tilt,
         };
         let process = &setup.process;
-        process.predict(&mut self.belief, &self.interval, witness);
-        process.aid(&mut self.belief, &self.before, &self.interval, witness);
+        let mut witness = Both(&mut self.monitor, witness);
+        process.predict(&mut self.belief, &self.interval, &mut witness);
+        process.aid(&mut self.belief, &self.before, &self.interval, &mut witness);
         if let Some(f) = self.belief.confine() {
             witness.given_up(&f);
         }
         self.time = time;
+        if let Some(alarm) = self.monitor.judge(time) {
+            process.correct(&mut self.belief, &alarm.correction);
+            self.belief.widen(&alarm.widening);
+            self.effectiveness[alarm.thruster] *= 1.0 - alarm.share;
+        }
     }
 
     /// The specific force at the centre of gravity, less what the rotation adds at the inertial unit.
@@ -299,30 +318,44 @@ impl<const N: usize> Track<N> {
         let motion = process.kinematics(&self.belief, &self.interval);
         let observation = observe(&motion);
         let gate = if setup.parameters.gated { GATE[observation.size - 1] } else { f64::INFINITY };
-        let before = self.belief;
-        let fused = fuse(&mut self.belief, &observation, gate, witness);
-        process.correct(&mut self.belief, &fused.correction);
+        let verdict = judge(&self.belief, &observation, gate);
         let record = &mut self.records[channel as usize];
-        record.note(&observation, &fused, self.time);
-        let agreed = record.agreement.hear(channel, &observation, fused.limited);
-        if agreed {
+        record.note(&observation, &verdict, self.time);
+        let mut witness = Both(&mut self.monitor, witness);
+        if record.agreement.hear(channel, &observation, verdict.is_limited()) {
             record.agreement = Agreement::default();
-            self.belief = before;
-            witness.taken_back(observation.size);
             let f = if channel == Channel::Heading && motion.sensors.heading_bias.is_some() {
                 hand_to_bias(&mut self.belief, &motion, &observation)
             } else {
                 reacquire(&mut self.belief, channel, process.velocity(), &observation)
             };
             witness.given_up(&f);
-            let motion = process.kinematics(&self.belief, &self.interval);
-            let fused = fuse(&mut self.belief, &observe(&motion), f64::INFINITY, witness);
-            process.correct(&mut self.belief, &fused.correction);
+            let observation = observe(&process.kinematics(&self.belief, &self.interval));
+            let correction = fuse(&mut self.belief, &observation, f64::INFINITY, &mut witness);
+            process.correct(&mut self.belief, &correction);
+            return;
+        }
+        let correction = absorb(&mut self.belief, &observation, &verdict, &mut witness);
+        process.correct(&mut self.belief, &correction);
+        if channel == Channel::Dvl && process.coasts(&self.interval) {
+            let states = motion.sensors.of_dvl();
+            let after = observe(&process.kinematics(&self.belief, &self.interval));
+            let rows = [&observation.rows, &after.rows];
+            let f = follow_unobservable(process.velocity(), rows, &states);
+            self.belief.propagate(&f);
+            witness.predicted(&f);
         }
     }
 
-    /// The motion `lag` seconds after the track's instant, by the newest samples.
-    pub(super) fn motion_at<P: Process<N>>(&self, setup: &Setup<P>, now: f64) -> Kinematics<N> {
+    /// The motion at an instant after the track's, by the newest samples.
+    pub(super) fn motion_at<P: Process<N>>(&self, setup: &Setup<P>, now: f64) -> Motion {
+        let motion = setup.process.motion(&self.belief, &self.newest_interval(setup));
+        let lag = now - self.time;
+        if lag > SAME { motion.after(lag) } else { motion }
+    }
+
+    /// The interval since the last prediction, as far as samples have come.
+    fn newest_interval<P>(&self, setup: &Setup<P>) -> Interval {
         let mut interval = self.interval;
         if let Some(mean) = self.imu.so_far() {
             let [a, b, c, p, q, r] = mean.value;
@@ -331,33 +364,20 @@ impl<const N: usize> Track<N> {
             let rate_end = [mean.end[3], mean.end[4], mean.end[5]];
             interval.inertial = Some(Inertial { specific_force: force, rate, rate_end });
         }
-        let mut motion = setup.process.kinematics(&self.belief, &interval);
-        let lag = now - self.time;
-        if lag > SAME {
-            let omega = motion.rate.value;
-            let along = motion.velocity.value * lag
-                + (motion.acceleration + omega.cross(&motion.velocity.value)) * (0.5 * lag * lag);
-            motion.position.value += motion.rotation * along;
-            for i in 0..3 {
-                let row = motion.velocity.image(&motion.rotation, i);
-                motion.position.rows[i] += row * lag;
-            }
-            motion.velocity.value += motion.acceleration * lag;
-            motion.rotation *= exp(&(omega * lag));
-        }
-        motion
+        interval
     }
 }
 
 impl Record {
-    fn note<const N: usize>(&mut self, o: &Observation<N>, fused: &Fused<N>, time: f64) {
+    fn note<const N: usize>(&mut self, o: &Observation<N>, verdict: &Verdict<N>, time: f64) {
         self.innovation = [0.0; 3];
         self.innovation[..o.size].copy_from_slice(&o.innovation[..o.size]);
-        self.nis = fused.nis;
+        self.nis = verdict.nis;
         self.used = self.used.saturating_add(1);
-        self.rejected = self.rejected.saturating_add(u32::from(fused.limited));
-        self.limited_share += (f64::from(u8::from(fused.limited)) - self.limited_share) / 20.0;
+        self.rejected = self.rejected.saturating_add(u32::from(verdict.is_limited()));
+        self.limited_share +=
+            (f64::from(u8::from(verdict.is_limited())) - self.limited_share) / 20.0;
         self.newest = time;
-        self.sigma = fused.sigma;
+        self.sigma = verdict.sigma;
     }
 }

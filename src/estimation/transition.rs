@@ -5,10 +5,10 @@
 
 use nalgebra::SMatrix;
 
-use super::belief::Column;
+use super::belief::{Column, add_scaled};
 
 /// Elements off the diagonal that there is room for.
-const ELEMENTS: usize = 160;
+const ELEMENTS: usize = 144;
 /// Rows with such elements.
 const ROWS: usize = 16;
 
@@ -18,7 +18,8 @@ pub struct Transition<const N: usize> {
     diagonal: Column<N>,
     rows: [Row; ROWS],
     row_count: usize,
-    elements: [(u8, f64); ELEMENTS],
+    columns: [u8; ELEMENTS],
+    values: [f64; ELEMENTS],
     element_count: usize,
     /// Whether a row without elements has a diagonal other than one.
     scaled: bool,
@@ -39,7 +40,8 @@ impl<const N: usize> Transition<N> {
             diagonal: Column::repeat(1.0),
             rows: [Row::default(); ROWS],
             row_count: 0,
-            elements: [(0, 0.0); ELEMENTS],
+            columns: [0; ELEMENTS],
+            values: [0.0; ELEMENTS],
             element_count: 0,
             scaled: false,
         }
@@ -59,7 +61,8 @@ impl<const N: usize> Transition<N> {
             if column == state {
                 self.diagonal[state] += value;
             } else if value != 0.0 && self.element_count < ELEMENTS {
-                self.elements[self.element_count] = (column as u8, value);
+                self.columns[self.element_count] = column as u8;
+                self.values[self.element_count] = value;
                 self.element_count += 1;
             }
         }
@@ -70,9 +73,12 @@ impl<const N: usize> Transition<N> {
         }
     }
 
-    fn rows(&self) -> impl Iterator<Item = (usize, &[(u8, f64)])> {
+    /// Each row with its elements off the diagonal.
+    fn rows(&self) -> impl Iterator<Item = (usize, impl Iterator<Item = (usize, f64)> + Clone)> {
         self.rows[..self.row_count].iter().map(|row| {
-            (row.state as usize, &self.elements[row.from as usize..row.to as usize])
+            let range = row.from as usize..row.to as usize;
+            let columns = self.columns[range.clone()].iter().map(|&column| column as usize);
+            (row.state as usize, columns.zip(self.values[range].iter().copied()))
         })
     }
 
@@ -81,8 +87,8 @@ impl<const N: usize> Transition<N> {
     pub fn dense(&self) -> SMatrix<f64, N, N> {
         let mut f = SMatrix::from_diagonal(&self.diagonal);
         for (i, elements) in self.rows() {
-            for &(j, value) in elements {
-                f[(i, j as usize)] = value;
+            for (j, value) in elements {
+                f[(i, j)] = value;
             }
         }
         f
@@ -93,7 +99,7 @@ impl<const N: usize> Transition<N> {
     pub fn apply(&self, v: &Column<N>) -> Column<N> {
         let mut result = self.diagonal.component_mul(v);
         for (i, elements) in self.rows() {
-            result[i] += elements.iter().map(|&(j, value)| value * v[j as usize]).sum::<f64>();
+            result[i] += elements.map(|(j, value)| value * v[j]).sum::<f64>();
         }
         result
     }
@@ -103,68 +109,72 @@ impl<const N: usize> Transition<N> {
     pub fn apply_transposed(&self, v: &Column<N>) -> Column<N> {
         let mut result = self.diagonal.component_mul(v);
         for (i, elements) in self.rows() {
-            for &(j, value) in elements {
-                result[j as usize] += value * v[i];
+            for (j, value) in elements {
+                result[j] += value * v[i];
             }
         }
         result
     }
 
-    /// `P <- F P F^T` of a symmetric P whose first `order` states exist.
-    pub(super) fn propagate(&self, p: &mut SMatrix<f64, N, N>, order: usize) {
-        let mut changed = [[0.0; N]; ROWS];
-        let mut is_row = [false; N];
-        for ((i, elements), column) in self.rows().zip(&mut changed) {
-            is_row[i] = true;
-            self.combine(p, i, elements, order, column);
+    /// `v <- F v` of many vectors at once; column i of `v` holds their components i.
+    pub(super) fn apply_to_columns<const K: usize>(&self, v: &mut SMatrix<f64, K, N>) {
+        let mut changed = [[0.0; K]; ROWS];
+        let is_row = self.combine(v.as_slice(), &mut changed);
+        let v = v.as_mut_slice();
+        for ((i, _), column) in self.rows().zip(&changed) {
+            v[i * K..(i + 1) * K].copy_from_slice(column);
         }
-        if self.scaled {
-            for i in (0..order).filter(|&i| !is_row[i] && self.diagonal[i] != 1.0) {
-                for j in 0..order {
-                    p[(j, i)] *= self.diagonal[i];
-                    p[(i, j)] *= self.diagonal[i];
-                }
+        for i in (0..N).filter(|&i| self.scaled && !is_row[i] && self.diagonal[i] != 1.0) {
+            v[i * K..(i + 1) * K].iter_mut().for_each(|x| *x *= self.diagonal[i]);
+        }
+    }
+
+    /// `P <- F P F^T` of a symmetric P.
+    pub(super) fn propagate(&self, p: &mut SMatrix<f64, N, N>) {
+        let mut changed = [[0.0; N]; ROWS];
+        let is_row = self.combine(p.as_slice(), &mut changed);
+        let scaled = (0..N).filter(|&i| self.scaled && !is_row[i] && self.diagonal[i] != 1.0);
+        for i in scaled {
+            for j in 0..N {
+                p[(j, i)] *= self.diagonal[i];
+                p[(i, j)] *= self.diagonal[i];
             }
         }
-        // `changed` holds P F^T; F from the left only matters in the rows that are not the diagonal.
+        // `changed` holds columns of P F^T; F from the left matters in the rows that it changes.
         for (a, (i, elements)) in self.rows().enumerate() {
-            for (b, (j, _)) in self.rows().enumerate().skip(a) {
-                let column = &changed[b];
+            for (b, row) in self.rows[..self.row_count].iter().enumerate().skip(a) {
+                let (j, column) = (row.state as usize, &changed[b]);
                 let mut sum = self.diagonal[i] * column[i];
-                for &(k, value) in elements {
-                    sum += value * column[k as usize];
+                for (k, value) in elements.clone() {
+                    sum += value * column[k];
                 }
                 p[(i, j)] = sum;
                 p[(j, i)] = sum;
             }
-            for j in (0..order).filter(|&j| !is_row[j]) {
+        }
+        for (a, row) in self.rows[..self.row_count].iter().enumerate() {
+            let i = row.state as usize;
+            for j in (0..N).filter(|&j| !is_row[j]) {
                 let value = self.diagonal[j] * changed[a][j];
-                p[(i, j)] = value;
                 p[(j, i)] = value;
+                p[(i, j)] = value;
             }
         }
     }
 
-    /// Column `i` of P F^T.
-    #[inline]
-    fn combine(
-        &self,
-        p: &SMatrix<f64, N, N>,
-        i: usize,
-        elements: &[(u8, f64)],
-        order: usize,
-        into: &mut [f64; N],
-    ) {
-        let p = p.as_slice();
-        let own = self.diagonal[i];
-        for (sum, value) in into.iter_mut().zip(&p[i * N..i * N + order]) {
-            *sum = own * value;
-        }
-        for &(k, factor) in elements {
-            let k = k as usize;
-            for (sum, value) in into.iter_mut().zip(&p[k * N..k * N + order]) {
-                *sum += factor * value;
+    /// Columns of `V F^T` for the rows of F that are not diagonal, V of `K` rows; and which they are.
+    fn combine<const K: usize>(&self, v: &[f64], into: &mut [[f64; K]; ROWS]) -> [bool; N] {
+        let mut is_row = [false; N];
+        for ((i, elements), sum) in self.rows().zip(into) {
+            is_row[i] = true;
+            let own = self.diagonal[i];
+            for (s, value) in sum.iter_mut().zip(&v[i * K..(i + 1) * K]) {
+                *s = own * value;
+            }
+            for (k, factor) in elements {
+                add_scaled(sum, factor, &v[k * K..(k + 1) * K]);
             }
         }
+        is_row
     }
 }

@@ -90,7 +90,7 @@ pub(super) fn check(points: &[Waypoint]) -> Result<(), CourseError> {
             let reason = format!("{reason}; give one for every point or for none");
             return Err(CourseError::new(place, reason));
         }
-        if let Some(z) = p.z.filter(|z| !(z.abs() <= FARTHEST)) {
+        if let Some(z) = p.z.filter(|z| !z.is_finite() || z.abs() > FARTHEST) {
             let reason = format!("depth z = {z} must be a number within {FARTHEST:e} m");
             return Err(CourseError::new(place, reason));
         }

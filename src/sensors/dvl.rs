@@ -14,11 +14,11 @@
 //! is zero. Noise of `sigma` in u, v and e is `sqrt(2) sin(theta) sigma` along each beam, and so
 //! `tan(theta) / sqrt(2) sigma` in w.
 
-use super::errors::{Correlated, GaussMarkov, Outliers};
+use super::dvl_model::DvlParameters;
+use super::errors::Correlated;
 use super::noise::{Gaussian, Stream};
 use crate::ParameterError;
 use crate::attitude;
-use crate::error::{each, finite, non_negative, positive, probability, within};
 use crate::sampling::Rate;
 use crate::vector::{Vec3, add, angular, cross, linear, mul, scale};
 use core::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
@@ -26,95 +26,6 @@ use serde::{Deserialize, Serialize};
 
 /// Cosine and sine of the azimuths of the beams, over `1 / sqrt(2)`.
 const AZIMUTHS: [[f64; 2]; 4] = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]];
-
-/// Parameters of a DVL.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DvlParameters {
-    /// Samples a second (Hz).
-    pub rate_hz: f64,
-    /// Seed of all its noise.
-    pub seed: u64,
-    /// Place, body (m).
-    pub position: [f64; 3],
-    /// Standard deviation of surge and sway with four beams (m/s).
-    pub sigma: f64,
-    /// Angle between the beams and the axis of the housing (deg).
-    pub beam_angle_deg: f64,
-    /// Relative error of the speed, as from a wrong speed of sound.
-    pub scale_error: f64,
-    /// Yaw of the housing in the body frame that its user does not know of (deg).
-    pub misalignment_deg: f64,
-    /// Correlated error of each axis (m/s).
-    pub correlated_error: GaussMarkov,
-    /// Samples whose beams are all far off, each on its own; sigma is that of surge and sway (m/s).
-    pub outlier: Outliers,
-    /// Probability that a sample is lost.
-    pub dropout_probability: f64,
-    /// Probability that a beam is lost, each on its own.
-    pub beam_dropout_probability: f64,
-    /// Depth of the flat seabed (m); 0: none is modelled, every beam reaches it.
-    pub seabed_depth: f64,
-    /// Least altitude for bottom lock (m). What counts for each beam is its range times the cosine
-    /// of the beam angle, which is the altitude where there is no tilt.
-    pub min_altitude: f64,
-    /// Greatest altitude for bottom lock (m), likewise.
-    pub max_altitude: f64,
-    /// Greatest tilt from the vertical for bottom lock (deg).
-    pub max_tilt_deg: f64,
-}
-
-impl Default for DvlParameters {
-    fn default() -> Self {
-        DvlModel::default().parameters()
-    }
-}
-
-/// Instruments with the values of their data sheets.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum DvlModel {
-    /// The log of UUV Simulator.
-    #[default]
-    UuvSimulator,
-    /// Teledyne RD Instruments Workhorse Navigator, 300 kHz.
-    WorkhorseNavigator300,
-    /// Teledyne RD Instruments Workhorse Navigator, 600 kHz.
-    WorkhorseNavigator600,
-    /// Teledyne RD Instruments Workhorse Navigator, 1200 kHz.
-    WorkhorseNavigator1200,
-    /// Nortek DVL1000.
-    NortekDvl1000,
-}
-
-impl DvlModel {
-    /// Rate, noise of a single ping, beam angle and altitudes of its data sheet; no other errors.
-    #[must_use]
-    pub fn parameters(self) -> DvlParameters {
-        let (rate_hz, sigma, beam_angle_deg, min_altitude, max_altitude) = match self {
-            Self::UuvSimulator => (7.0, 0.001, 30.0, 0.7, 90.0),
-            Self::WorkhorseNavigator300 => (7.0, 0.003, 30.0, 1.0, 200.0),
-            Self::WorkhorseNavigator600 => (7.0, 0.003, 30.0, 0.7, 90.0),
-            Self::WorkhorseNavigator1200 => (7.0, 0.003, 30.0, 0.5, 30.0),
-            Self::NortekDvl1000 => (8.0, 0.005, 25.0, 0.2, 75.0),
-        };
-        DvlParameters {
-            rate_hz,
-            seed: 2,
-            position: [-1.4, 0.0, 0.312],
-            sigma,
-            beam_angle_deg,
-            scale_error: 0.0,
-            misalignment_deg: 0.0,
-            correlated_error: GaussMarkov::NONE,
-            outlier: Outliers::default(),
-            dropout_probability: 0.0,
-            beam_dropout_probability: 0.0,
-            seabed_depth: 0.0,
-            min_altitude,
-            max_altitude,
-            max_tilt_deg: 90.0,
-        }
-    }
-}
 
 /// True motion at a sample instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -176,24 +87,8 @@ impl Dvl {
     /// # Errors
     /// Names the parameter that is out of range.
     pub fn new(p: &DvlParameters) -> Result<Self, ParameterError> {
+        p.check()?;
         let rate = Rate::new(p.rate_hz)?;
-        each("position", &p.position, finite)?;
-        non_negative("sigma", p.sigma)?;
-        within("beam_angle_deg", p.beam_angle_deg, 1.0, 80.0)?;
-        within("scale_error", p.scale_error, -0.5, 0.5)?;
-        finite("misalignment_deg", p.misalignment_deg)?;
-        p.correlated_error.check("correlated_error")?;
-        p.outlier.check("outlier")?;
-        probability("dropout_probability", p.dropout_probability)?;
-        probability("beam_dropout_probability", p.beam_dropout_probability)?;
-        non_negative("seabed_depth", p.seabed_depth)?;
-        non_negative("min_altitude", p.min_altitude)?;
-        positive("max_altitude", p.max_altitude)?;
-        if p.max_altitude <= p.min_altitude {
-            let reason = "must be greater than min_altitude";
-            return Err(ParameterError::new("max_altitude", p.max_altitude, reason));
-        }
-        within("max_tilt_deg", p.max_tilt_deg, 0.0, 180.0)?;
         let sin_cos = |degrees: f64| <[f64; 2]>::from(libm::sincos(degrees.to_radians()));
         Ok(Self {
             rate,

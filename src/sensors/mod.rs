@@ -7,6 +7,7 @@
 
 mod ahrs;
 mod dvl;
+mod dvl_model;
 mod errors;
 mod gps;
 mod grade;
@@ -16,7 +17,8 @@ mod pressure;
 mod tachometer;
 
 pub use ahrs::{Ahrs, AhrsMemory, AhrsParameters, AhrsTruth};
-pub use dvl::{Dvl, DvlMemory, DvlModel, DvlParameters, DvlPing, DvlSample, DvlTruth};
+pub use dvl::{Dvl, DvlMemory, DvlPing, DvlSample, DvlTruth};
+pub use dvl_model::{DvlModel, DvlParameters};
 pub(crate) use errors::Correlated;
 pub use errors::{BiasNoise, GaussMarkov, Outliers};
 pub use gps::{Gps, GpsFix, GpsMemory, GpsParameters, GpsSample, GpsTruth};

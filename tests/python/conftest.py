@@ -25,6 +25,10 @@ NAMES = [
     "Disturbance",
     "EkfDynamic",
     "EkfKinematic",
+    "NavConstantAcceleration",
+    "NavDynamic",
+    "NavInertial",
+    "NavModelAided",
     "PurePursuit",
     "VelocityController",
 ]

@@ -19,33 +19,79 @@ def run(fmu, name, start_values=None, stop_time=10.0, **options):
     )
 
 
-@pytest.mark.parametrize("name", ["EkfDynamic", "EkfKinematic"])
-def test_filter_moves_with_the_measured_velocity(fmu, name):
-    """No fix: dead reckoning along the heading."""
-    heading = np.pi / 2
-    start = {
-        "dvl.velocity.u": 0.3,
-        "imu.attitude.yaw": heading,
-        "initial.pose.yaw": heading,
-        "imu.specific_force.z": -9.81,
-        "fix.valid": 0.0,
-        "pressure.valid": 0.0,
-        # The thrust that holds 0.3 m/s and the buoyancy down, for the dynamic filter.
-        "thruster[4].thrust": 31.7, "thruster[5].thrust": 31.7,
-        "thruster[6].thrust": -31.7, "thruster[7].thrust": -31.7,
+FILTERS = [
+    "EkfDynamic",
+    "EkfKinematic",
+    "NavConstantAcceleration",
+    "NavDynamic",
+    "NavInertial",
+    "NavModelAided",
+]
+
+
+def sail(seconds, heading, speed, fix):
+    """What the sensors see of a vehicle on a straight way at constant speed, 20 m deep. A fix each second, if at all.
+
+    A little noise everywhere: a value that repeats bit for bit is that of an instrument that is stuck.
+    """
+    times = np.arange(0.0, seconds + 0.05, 0.1)
+    noise = iter(np.random.default_rng(1).normal(0.0, 1e-3, (20, len(times))))
+    all_of = lambda value: np.full(len(times), float(value))
+    columns = {
+        "imu.specific_force.z": next(noise) - 9.81,
+        "imu.rate.r": 1e-2 * next(noise),
+        "ahrs.attitude.yaw": heading + next(noise),
+        "dvl.velocity.u": speed + next(noise),
+        "pressure.depth": 19.15 + next(noise),
+        # The thrust that holds 0.3 m/s, for the filters with a model.
+        **{f"thruster[{i}].thrust": all_of(31.7 if i < 6 else -31.7) for i in range(4, 8)},
     }
-    result = run(fmu, name, start, stop_time=20.0)
-    assert result["pose.y"][-1] == pytest.approx(6.0, abs=0.1)
-    assert result["pose.x"][-1] == pytest.approx(0.0, abs=0.1)
+    sensors = ["imu", "ahrs", "dvl", "pressure", "propulsion"]
+    if fix:
+        sensors.append("fix")
+        columns["fix.position.x"] = speed * np.cos(heading) * times + next(noise)
+        columns["fix.position.y"] = speed * np.sin(heading) * times + next(noise)
+    for sensor in sensors:
+        columns[f"{sensor}.valid"] = all_of(1.0)
+        columns[f"{sensor}.stamp"] = np.floor(times + 1e-9) if sensor == "fix" else times
+    signal = np.zeros(len(times), dtype=[("time", float), *((name, float) for name in columns)])
+    signal["time"] = times
+    for name, values in columns.items():
+        signal[name] = values
+    return signal
+
+
+@pytest.mark.parametrize("name", FILTERS)
+def test_filter_moves_with_the_measured_velocity(fmu, name):
+    """No fix: dead reckoning along the heading, with an uncertainty that grows."""
+    heading = np.pi / 2
+    result = run(fmu, name, {"initial.pose.yaw": heading}, 60.0, input=sail(60.0, heading, 0.3, fix=False))
+    assert result["pose.y"][-1] == pytest.approx(18.0, abs=0.3)
+    assert result["pose.x"][-1] == pytest.approx(0.0, abs=0.3)
+    assert result["sigma.x"][-1] > result["sigma.x"][100]
+    assert result["count.dvl.used"][-1] > 500
+    assert result["count.fix.used"][-1] == 0
     assert np.isfinite(result.view((float, len(result.dtype)))).all()
 
 
-@pytest.mark.parametrize("name", ["EkfDynamic", "EkfKinematic"])
+@pytest.mark.parametrize("name", FILTERS)
 def test_fixes_narrow_the_estimate(fmu, name):
-    start = {"initial.sigma.x": 5.0, "fix.position.x": 2.0, "transition": REPAIRED}
-    result = run(fmu, name, start)
-    assert result["sigma.x"][0] > 3.0 * result["sigma.x"][-1]
-    assert result["pose.x"][-1] == pytest.approx(2.0, abs=0.1)
+    start = {"initial.sigma.x": 5.0, "initial.pose.x": 2.0, "mounting.dvl.x": 0.0}
+    if name.startswith("Ekf"):
+        start["transition"] = REPAIRED
+    result = run(fmu, name, start, 60.0, input=sail(60.0, 0.0, 0.3, fix=True))
+    assert result["sigma.x"][0] > 5.0 * result["sigma.x"][-1]
+    assert result["pose.x"][-1] == pytest.approx(18.0, abs=0.3)
+    assert result["health"][-1] == 0
+
+
+@pytest.mark.parametrize("name", FILTERS)
+def test_a_filter_with_nothing_connected_says_that_it_knows_nothing(fmu, name):
+    result = run(fmu, name, {}, 20.0)
+    assert result["health"][-1] == 1
+    assert result["pose.x"][-1] == pytest.approx(0.0, abs=1e-9)
+    for channel in ("tilt", "heading", "depth", "dvl", "fix"):
+        assert result[f"count.{channel}.used"][-1] == 0
 
 
 def test_guidance_steers_back_to_the_course(fmu):

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from fmpy import simulate_fmu
 
+SENSORS = ["Imu", "Ahrs", "Dvl", "Gps", "PressureSensor", "Tachometer"]
+
 
 def run(fmu, name, start_values, stop_time=60.0, output_interval=0.02, output=None):
     return simulate_fmu(
@@ -49,7 +51,7 @@ def test_pressure_sensor_hangs_above_the_centre_of_gravity(fmu):
     assert result["pressure"][-1] == pytest.approx(101325.0 + 9806.38 * 19.15)
 
 
-@pytest.mark.parametrize("name", ["Imu", "Dvl", "Gps", "PressureSensor"])
+@pytest.mark.parametrize("name", SENSORS)
 def test_noise_is_repeated_by_its_seed_only(fmu, name):
     def noise(seed):
         result = run(fmu, name, {"seed": seed}, stop_time=2.0)
@@ -59,7 +61,7 @@ def test_noise_is_repeated_by_its_seed_only(fmu, name):
     assert noise(7) != noise(8)
 
 
-@pytest.mark.parametrize("name", ["Imu", "Dvl", "Gps", "PressureSensor"])
+@pytest.mark.parametrize("name", SENSORS)
 def test_a_sensor_switched_off_gives_no_sample(fmu, name):
     result = run(fmu, name, {"off": 1.0}, stop_time=2.0)
     assert not result["valid"].any()
@@ -81,3 +83,11 @@ def test_an_outage_does_not_change_the_noise_after_it(fmu):
     assert np.array_equal(with_outage["position.x"][later], without["position.x"][later])
     during = (with_outage["time"] > 2.5) & (with_outage["time"] < 3.5)
     assert len(np.unique(with_outage["stamp"][during])) == 1
+
+
+def test_a_fix_shows_after_its_latency_with_the_stamp_of_its_instant(fmu):
+    result = run(fmu, "Gps", {"latency": 0.25}, stop_time=2.0, output_interval=0.01)
+    shown = result["valid"] == 1.0
+    age = result["time"][shown] - result["stamp"][shown]
+    assert result["time"][shown][0] == pytest.approx(0.25)
+    assert age.min() > 0.25 - 1e-6 and age.max() < 0.35

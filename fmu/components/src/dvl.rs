@@ -2,7 +2,8 @@
 
 use crate::errors::{GaussMarkov, Outliers};
 use crate::groups::{DepthAndTilt, LinearVelocity, Vector, Velocity};
-use crate::instrument::{Instrument, Sensor, Stamp, Switch};
+use crate::instrument::{Instrument, Stamp, Switch};
+use crate::sensing::Sensor;
 use fmu_kit::{Enumeration, Info, Variables};
 use rexrov::ParameterError;
 use rexrov::sampling::Rate;

@@ -2,13 +2,17 @@
 
 use crate::errors::{AccelerometerNoise, GyroNoise};
 use crate::groups::{AngularAcceleration, AngularVelocity, Attitude, Vector};
-use crate::instrument::{Instrument, Sensor, Stamp, Switch};
-use fmu_kit::{Enumeration, Info, Variables};
+use crate::imu_errors::{Accelerometer, Gyro, ImuGrade};
+use crate::instrument::{Instrument, Stamp, Switch};
+use crate::sensing::Sensor;
+use fmu_kit::{Info, Variables};
 use rexrov::ParameterError;
 use rexrov::sampling::Rate;
-use rexrov::sensors::{self, AxisErrors, BiasNoise, ImuMemory, ImuNoise, ImuParameters, ImuTruth};
+use rexrov::sensors::{self, ImuMemory, ImuNoise, ImuParameters, ImuTruth};
 use serde::{Deserialize, Serialize};
 
+<<<<<<< HEAD
+=======
 /// Grades of inertial measurement units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Enumeration)]
 pub enum ImuGrade {
@@ -114,6 +118,7 @@ macro_rules! errors {
 
 errors!(Accelerometer {}, Gyro { g_sensitivity });
 
+>>>>>>> wt-components
 /// Roll, pitch and yaw of the housing.
 #[derive(Clone, Copy, Debug, Default, Variables)]
 pub struct Orientation {

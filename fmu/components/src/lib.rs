@@ -24,6 +24,7 @@ pub mod filter_disturbances;
 pub mod gps;
 pub mod groups;
 pub mod imu;
+pub mod imu_errors;
 pub mod instrument;
 pub mod nav_constant_acceleration;
 pub mod nav_dynamic;
@@ -36,13 +37,18 @@ pub mod navigator;
 pub mod pressure;
 pub mod pure_pursuit;
 pub mod rexrov;
+pub mod sensing;
 pub mod tachometer;
 pub mod vehicle_ports;
 pub mod velocity_controller;
 
 use fmu_kit::{Info, Sampled};
+<<<<<<< HEAD
+use sensing::Sensing;
+=======
 use instrument::Sensing;
 use navigator::Navigating;
+>>>>>>> wt-components
 
 /// What all components say alike.
 const fn info(name: &'static str, description: &'static str) -> Info {

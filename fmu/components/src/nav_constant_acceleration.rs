@@ -5,7 +5,7 @@ use crate::navigation_parameters::Parameters;
 use crate::navigator::Navigator;
 use fmu_kit::Info;
 use rexrov::ParameterError;
-use rexrov::estimation::{ConstantAcceleration, Filter};
+use rexrov::estimation::{BASIC_STATES, ConstantAcceleration, Filter};
 
 /// The constant-acceleration filter: no model of the vehicle, no biases of the inertial unit.
 pub struct NavConstantAcceleration;
@@ -16,7 +16,7 @@ impl Navigator for NavConstantAcceleration {
         "Navigation filter of a vehicle whose acceleration and angular rate wander",
     );
     type Parameters = Parameters;
-    type Filter = Filter<ConstantAcceleration, 19>;
+    type Filter = Filter<ConstantAcceleration, BASIC_STATES>;
 
     fn preset(selected: &Parameters) -> Parameters {
         Parameters::of(selected.imu_grade)

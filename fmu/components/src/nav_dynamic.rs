@@ -7,7 +7,7 @@ use crate::navigation_parameters;
 use crate::navigator::Navigator;
 use fmu_kit::{Info, Variables};
 use rexrov::ParameterError;
-use rexrov::estimation::{self, Filter, PlanarDynamic};
+use rexrov::estimation::{self, DynamicFilter, PlanarDynamic};
 
 /// Parameters of the filter.
 #[derive(Clone, Debug, Variables)]
@@ -52,7 +52,7 @@ impl Navigator for NavDynamic {
         "Navigation filter driven by the equations of motion in four degrees of freedom",
     );
     type Parameters = Parameters;
-    type Filter = Filter<PlanarDynamic, 19>;
+    type Filter = DynamicFilter;
 
     fn preset(selected: &Parameters) -> Parameters {
         Parameters::of(selected.navigation.imu_grade, selected.parameter_set)
@@ -61,7 +61,7 @@ impl Navigator for NavDynamic {
     fn filter(p: &Parameters) -> Result<Self::Filter, ParameterError> {
         let navigation = (&p.navigation).into();
         let process = PlanarDynamic::new(&navigation, &p.model.checked()?, &p.disturbance.into())?;
-        Filter::new(process, &navigation)
+        DynamicFilter::new(process, &navigation)
     }
 
     fn rate_hz(p: &Parameters) -> f64 {

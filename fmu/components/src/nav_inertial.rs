@@ -4,7 +4,7 @@ use crate::navigation_parameters::Parameters;
 use crate::navigator::Navigator;
 use fmu_kit::Info;
 use rexrov::ParameterError;
-use rexrov::estimation::{Filter, InertialProcess};
+use rexrov::estimation::{BASIC_STATES, Filter, InertialProcess};
 
 /// The inertial filter: position, velocity, attitude and the biases of the inertial unit.
 pub struct NavInertial;
@@ -15,7 +15,7 @@ impl Navigator for NavInertial {
         "Inertial navigation in three dimensions, aided by the other sensors",
     );
     type Parameters = Parameters;
-    type Filter = Filter<InertialProcess, 19>;
+    type Filter = Filter<InertialProcess, BASIC_STATES>;
 
     fn preset(selected: &Parameters) -> Parameters {
         Parameters::of(selected.imu_grade)

@@ -8,7 +8,7 @@ use crate::navigation_parameters;
 use crate::navigator::Navigator;
 use fmu_kit::{Info, Variables};
 use rexrov::ParameterError;
-use rexrov::estimation::{Filter, InertialProcess, ModelAid};
+use rexrov::estimation::AidedFilter;
 
 /// Parameters of the filter.
 #[derive(Clone, Debug, Variables)]
@@ -50,7 +50,7 @@ impl Navigator for NavModelAided {
         "Inertial navigation in three dimensions, aided by the equations of motion and all sensors",
     );
     type Parameters = Parameters;
-    type Filter = Filter<InertialProcess, 33>;
+    type Filter = AidedFilter;
 
     fn preset(selected: &Parameters) -> Parameters {
         Parameters::of(selected.navigation.imu_grade, selected.parameter_set)
@@ -58,8 +58,7 @@ impl Navigator for NavModelAided {
 
     fn filter(p: &Parameters) -> Result<Self::Filter, ParameterError> {
         let navigation = (&p.navigation).into();
-        let aid = ModelAid::new(&p.model.checked()?, &p.disturbance.into())?;
-        Filter::new(InertialProcess::new(&navigation, Some(aid))?, &navigation)
+        AidedFilter::new(&navigation, &p.model.checked()?, &p.disturbance.into())
     }
 
     fn rate_hz(p: &Parameters) -> f64 {

@@ -129,6 +129,7 @@ impl<M> Held<M> {
 
 impl<N: Navigator> Sample for Navigating<N> {
     const INFO: Info = N::INFO;
+    const ANY_INPUT: bool = true;
     type Parameters = N::Parameters;
     type Inputs = Inputs;
     type Outputs = Outputs;

@@ -2,7 +2,8 @@
 
 use crate::errors::Outliers;
 use crate::groups::{DepthAndTilt, Vector};
-use crate::instrument::{Instrument, Sensor, Stamp, Switch};
+use crate::instrument::{Instrument, Stamp, Switch};
+use crate::sensing::Sensor;
 use fmu_kit::{Info, Variables};
 use rexrov::ParameterError;
 use rexrov::sampling::Rate;

@@ -19,8 +19,8 @@ pub enum HeadingReference {
 /// Parameters of the path follower.
 #[derive(Clone, Debug, Variables)]
 pub struct Parameters {
-    /// Course: BE1, BE2, BE3, DIVE, HELIX, or a file of lines x,y[,radius[,z]] (north, east, fillet
-    /// radius, depth in m)
+    /// Course: BE1, BE2, BE3, DIVE, HELIX, or a file of lines x,y,radius,z (north, east, fillet radius,
+    /// depth in m), the last two optional
     pub course: String,
     /// Cycles a second
     #[var(unit = "Hz", min = 0.001, max = 1e6)]

@@ -1,7 +1,8 @@
 //! Rotor speed sensors: `rexrov::sensors::Tachometer` with FMI variables.
 
 use crate::groups::Thrust;
-use crate::instrument::{Instrument, Sensor, Stamp, Switch};
+use crate::instrument::{Instrument, Stamp, Switch};
+use crate::sensing::Sensor;
 use crate::vehicle_ports::Rotor;
 use fmu_kit::{Info, Variables};
 use rexrov::ParameterError;

@@ -14,8 +14,10 @@ use fmu_kit::abi::types::*;
 use fmu_kit::kernel::Status;
 use rexrov_fmu::{REGISTRY, fmi2};
 
-/// Most that an instance may hold, in bytes.
+/// Most that an instance may hold, in bytes; and one that keeps its past for measurements that come
+/// late.
 const MOST: isize = 8192;
+const MOST_WITH_PAST: isize = 300_000;
 
 struct Counting;
 
@@ -54,7 +56,7 @@ fn started(name: &str, interface: fmi2Type) -> fmi2Component {
 }
 
 #[test]
-fn an_initialized_instance_fits_into_eight_kilobytes_and_leaves_nothing() {
+fn an_initialized_instance_fits_and_leaves_nothing() {
     for entry in REGISTRY.entries() {
         let name = entry.info().name;
         for interface in [0, 1] {
@@ -67,7 +69,8 @@ fn an_initialized_instance_fits_into_eight_kilobytes_and_leaves_nothing() {
             // Before anything is printed, which the harness keeps in memory of this thread.
             let left = HELD.get() - before;
             println!("{name}: {bytes} bytes");
-            assert!((1..=MOST).contains(&bytes), "{name} holds {bytes} bytes");
+            let most = if name.starts_with("Nav") { MOST_WITH_PAST } else { MOST };
+            assert!((1..=most).contains(&bytes), "{name} holds {bytes} bytes");
             assert_eq!(left, 0, "{name} leaves memory behind");
         }
     }

@@ -42,6 +42,9 @@ pub trait Component: Sized + Send + 'static {
     /// side, so that there is nothing to do at a crossing but to start the integration anew there.
     /// Co-simulation then looks at them in those steps only in which inputs move.
     const KINKS_OF_INPUTS: bool = false;
+    /// Whether inputs may be anything, infinities and what is not a number among them: for components
+    /// that judge what they are given. Otherwise the kernel refuses such values.
+    const ANY_INPUT: bool = false;
     /// Whether [`tangent`](Component::tangent) is there.
     const TANGENT: bool = false;
     /// Parameters: of any variable type, fixed once initialization is over.

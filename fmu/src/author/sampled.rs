@@ -59,6 +59,8 @@ use super::{
 pub trait Sample: Sized + Send + 'static {
     /// Name, description, default experiment; [`Info::sampled`] is set by [`Sampled`].
     const INFO: Info;
+    /// See [`Component::ANY_INPUT`].
+    const ANY_INPUT: bool = false;
     /// Parameters.
     type Parameters: Variables + Default;
     /// Inputs.
@@ -135,6 +137,7 @@ impl<M: Clone, Y: Copy> Clone for Held<M, Y> {
 
 impl<S: Sample> Component for Sampled<S> {
     const INFO: Info = Info { sampled: true, ..S::INFO };
+    const ANY_INPUT: bool = S::ANY_INPUT;
     type Parameters = S::Parameters;
     type Inputs = S::Inputs;
     type Outputs = S::Outputs;

@@ -131,7 +131,9 @@ impl Instance {
             let first = if me.is_starting() { 0 } else { inputs.start };
             let settable = first..inputs.end;
             let outside = |reference: &u32| !settable.contains(&(*reference as usize));
-            if references.iter().any(outside) || !all_finite(values) {
+            let any = me.table.takes_any_input()
+                && references.iter().all(|reference| inputs.contains(&(*reference as usize)));
+            if references.iter().any(outside) || !(any || all_finite(values)) {
                 return Err(me.cannot_set_reals(&settable, references, values));
             }
             if me.is_starting() {

@@ -230,7 +230,8 @@ impl Instance {
         if !as_many {
             return Err("are a state with other variables".to_owned());
         }
-        if !(all_finite(&packed.ports) && all_finite(&theirs.reals) && packed.run.is_sound()) {
+        let sound = self.table.takes_any_input() || all_finite(&packed.ports);
+        if !(sound && all_finite(&theirs.reals) && packed.run.is_sound()) {
             return Err("are a state with values that are not finite".to_owned());
         }
         let memory = self

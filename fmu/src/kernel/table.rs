@@ -124,6 +124,7 @@ pub struct Table {
     layout: Layout,
     indicators: &'static [&'static str],
     tangent: bool,
+    any_input: bool,
 }
 
 impl Table {
@@ -138,7 +139,8 @@ impl Table {
             declarations(&C::Outputs::default()),
             declarations(&C::States::default()),
         )?;
-        Ok(Self { indicators: C::INDICATORS, tangent: C::TANGENT, ..table })
+        let (indicators, tangent, any_input) = (C::INDICATORS, C::TANGENT, C::ANY_INPUT);
+        Ok(Self { indicators, tangent, any_input, ..table })
     }
 
     /// The table of four groups of declared variables.
@@ -172,7 +174,7 @@ impl Table {
         let time = table.add(Group::Time, vec![time], None).start;
         let layout = Layout { parameters: count, inputs, outputs, states, derivatives, time };
         check(&table.variables)?;
-        Ok(Self { variables: table.variables, layout, indicators: &[], tangent: false })
+        Ok(Self { variables: table.variables, layout, ..Self::default() })
     }
 
     /// The variables, in the order of the description.
@@ -197,6 +199,12 @@ impl Table {
     #[must_use]
     pub fn has_tangent(&self) -> bool {
         self.tangent
+    }
+
+    /// Whether inputs may be infinite or not a number.
+    #[must_use]
+    pub fn takes_any_input(&self) -> bool {
+        self.any_input
     }
 
     /// The variables of a group with their indices in the description, from zero.

@@ -12,7 +12,7 @@ use super::{Acceleration, EkfParameters};
 use crate::ParameterError;
 use crate::attitude;
 use crate::estimation::belief::{Belief, Column};
-use crate::estimation::kalman::fuse;
+use crate::estimation::kalman::{absorb, judge};
 use crate::estimation::sensor::Observation;
 use crate::estimation::{CHANNELS, Channel, Estimate, Health, Measurements, Navigation};
 use crate::sampling::Rate;
@@ -147,10 +147,11 @@ impl EkfMemory {
     }
 
     fn fuse(&mut self, channel: Channel, observation: &Observation<4>) {
-        let fused = fuse(&mut self.belief, observation, f64::INFINITY, &mut ());
-        self.belief.mean += fused.correction;
+        let verdict = judge(&self.belief, observation, f64::INFINITY);
+        let correction = absorb(&mut self.belief, observation, &verdict, &mut ());
+        self.belief.mean += correction;
         self.belief.mean[3] = attitude::wrap(self.belief.mean[3]);
-        self.records[channel as usize].note(observation, &fused);
+        self.records[channel as usize].note(observation, &verdict);
     }
 
     fn count(&mut self, channel: Channel) {

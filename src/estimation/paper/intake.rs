@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::estimation::kalman::{Fused, GATE};
+use crate::estimation::kalman::{GATE, Verdict};
 use crate::estimation::sensor::Observation;
 use crate::estimation::{ChannelReport, Reading};
 
@@ -23,7 +23,11 @@ impl Source {
     }
 
     /// The value of a reading that is new and made of numbers.
-    pub(super) fn take<const K: usize>(&mut self, now: f64, reading: &Reading<K>) -> Option<[f64; K]> {
+    pub(super) fn take<const K: usize>(
+        &mut self,
+        now: f64,
+        reading: &Reading<K>,
+    ) -> Option<[f64; K]> {
         if !reading.valid || (reading.stamp >= 0.0 && reading.stamp == self.stamp) {
             return None;
         }
@@ -54,12 +58,12 @@ impl Record {
         self.used = self.used.saturating_add(1);
     }
 
-    pub(super) fn note(&mut self, observation: &Observation<4>, fused: &Fused<4>) {
+    pub(super) fn note(&mut self, observation: &Observation<4>, verdict: &Verdict<4>) {
         self.count();
         self.innovation = observation.innovation;
-        self.sigma = fused.sigma;
-        self.nis = fused.nis.min(f64::MAX);
-        let surprise = f64::from(u8::from(fused.nis > GATE[observation.size - 1]));
+        self.sigma = verdict.sigma;
+        self.nis = verdict.nis.min(f64::MAX);
+        let surprise = f64::from(u8::from(verdict.nis > GATE[observation.size - 1]));
         self.surprises += (surprise - self.surprises) / 20.0;
     }
 

@@ -7,13 +7,13 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::Process;
-use super::rotation::{exp, matrix, right_jacobian, turned};
+use super::rotation::{exp, matrix, right_jacobian, turn_attitude, turned};
 use crate::ParameterError;
 use crate::attitude;
 use crate::estimation::belief::{Belief, Column};
 use crate::estimation::interval::Interval;
 use crate::estimation::kalman::{Witness, fuse};
-use crate::estimation::kinematics::{Kinematics, Linearized, SensorStates, skew};
+use crate::estimation::kinematics::{Kinematics, Linearized, Motion, SensorStates, skew};
 use crate::estimation::parameters::NavigationParameters;
 use crate::estimation::sensor::Observation;
 use crate::estimation::transition::Transition;
@@ -27,9 +27,8 @@ const BASE: usize = 15;
 
 /// Default process noise of robot_localization: variance per second of position, attitude, velocity,
 /// angular rate and acceleration.
-const NOISE: [f64; BASE] = [
-    0.05, 0.05, 0.06, 0.03, 0.03, 0.06, 0.025, 0.025, 0.04, 0.01, 0.01, 0.02, 0.01, 0.01, 0.015,
-];
+const NOISE: [f64; BASE] =
+    [0.05, 0.05, 0.06, 0.03, 0.03, 0.06, 0.025, 0.025, 0.04, 0.01, 0.01, 0.02, 0.01, 0.01, 0.015];
 
 /// The constant-acceleration process.
 #[derive(Clone, Debug)]
@@ -130,29 +129,40 @@ impl<const N: usize> Process<N> for ConstantAcceleration {
             (0..3).for_each(|i| rows[i][state + i] = 1.0);
             let variance = (density * density / interval.dt).max(1e-12);
             let observation = Observation::new(3, innovation.into(), rows, [variance; 3]);
-            let fused = fuse(belief, &observation, f64::INFINITY, witness);
-            self.correct(belief, &fused.correction);
+            let correction = fuse(belief, &observation, f64::INFINITY, witness);
+            self.correct(belief, &correction);
         }
     }
 
-    fn kinematics(&self, belief: &Belief<N>, _: &Interval) -> Kinematics<N> {
-        let mut position = Linearized::constant(block(belief, P));
+    fn motion(&self, belief: &Belief<N>, _: &Interval) -> Motion {
+        Motion {
+            position: block(belief, P),
+            rotation: matrix(belief.attitude),
+            velocity: block(belief, V),
+            rate: block(belief, OMEGA),
+            acceleration: block(belief, A),
+        }
+    }
+
+    fn kinematics(&self, belief: &Belief<N>, interval: &Interval) -> Kinematics<N> {
+        let motion = <Self as Process<N>>::motion(self, belief, interval);
+        let mut position = Linearized::constant(motion.position);
         position.set_block(P, &Matrix3::identity());
-        let mut velocity = Linearized::constant(block(belief, V));
+        let mut velocity = Linearized::constant(motion.velocity);
         velocity.set_block(V, &Matrix3::identity());
-        let mut rate = Linearized::constant(block(belief, OMEGA));
+        let mut rate = Linearized::constant(motion.rate);
         rate.set_block(OMEGA, &Matrix3::identity());
         let mut rotation_rows = [Column::zeros(); 3];
         (0..3).for_each(|i| rotation_rows[i][THETA + i] = 1.0);
         Kinematics {
             position,
-            rotation: matrix(belief.attitude),
+            rotation: motion.rotation,
             tilt_is_input: false,
             rotation_rows,
             velocity,
             rate,
             rate_variance: 0.0,
-            acceleration: block(belief, A),
+            acceleration: motion.acceleration,
             sensors: self.sensors,
             mean: belief.mean,
         }
@@ -167,10 +177,8 @@ impl<const N: usize> Process<N> for ConstantAcceleration {
     }
 
     fn correct(&self, belief: &mut Belief<N>, correction: &Column<N>) {
-        let turn: Vector3<f64> = correction.fixed_rows::<3>(THETA).into_owned();
         belief.mean += correction;
-        belief.mean.fixed_rows_mut::<3>(THETA).fill(0.0);
-        belief.attitude = turned(belief.attitude, &turn);
+        turn_attitude(belief, THETA);
         if let Some(state) = self.sensors.heading_bias {
             belief.mean[state] = attitude::wrap(belief.mean[state]);
         }

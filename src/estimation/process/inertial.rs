@@ -1,30 +1,33 @@
 //! Inertial navigation in three dimensions, as an error-state filter.
 //!
 //! ```text
-//! w = omega - b_g,  R_m = R Exp(w dt/2),  a = R_m (f - b_a) + g e_z
-//! p += v dt + a dt^2/2,  v += a dt,  R = R Exp(w dt)
+//! w = omega - b_g,  T = Exp(w dt),  R+ = R T
+//! alpha = Exp(w dt/2) (f - b_a) + g R^T e_z
+//! p+ = p + R (u dt + alpha dt^2/2),  u+ = T^T (u + alpha dt)
 //! ```
-//! States: position (NED), velocity over ground (NED), attitude error (body), biases of the
-//! accelerometers and gyros; those of the model aid; those of the sensors. Solà (2017) ch. 5, with
-//! the error on the right. Without an inertial unit the velocity turns with the attitude and
-//! wanders as the parameters say a vehicle manoeuvres.
+//! States: position (NED), velocity over ground u along body axes, attitude error (body), biases of
+//! the accelerometers and gyros; those of the model aid; those of the sensors. Solà (2017) ch. 5, with
+//! the error on the right. The velocity log then measures states alone: a heading that is not
+//! observable stays so, where a velocity in NED would let every correction of it leak into the
+//! heading (the inconsistency that invariant filters cure, Barrau & Bonnabel 2017). Without an
+//! inertial unit the velocity stays constant along the body and wanders as the parameters say.
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::Process;
 use super::model_aid::{AidStates, ModelAid};
-use super::rotation::{exp, matrix, right_jacobian, turned};
+use super::rotation::{exp, matrix, right_jacobian, turn_attitude, turned};
 use crate::ParameterError;
 use crate::attitude;
 use crate::estimation::belief::{Belief, Column};
 use crate::estimation::interval::{Inertial, Interval};
 use crate::estimation::kalman::Witness;
-use crate::estimation::kinematics::{Kinematics, Linearized, SensorStates, skew};
+use crate::estimation::kinematics::{Kinematics, Linearized, Motion, SensorStates, skew};
 use crate::estimation::parameters::NavigationParameters;
 use crate::estimation::transition::Transition;
 
 pub(super) const P: usize = 0;
-pub(super) const V: usize = 3;
+pub(super) const U: usize = 3;
 pub(super) const THETA: usize = 6;
 pub(super) const B_A: usize = 9;
 pub(super) const B_G: usize = 12;
@@ -60,6 +63,28 @@ impl Strapdown {
     }
 }
 
+/// Row i of a block of derivatives by three states.
+fn part(m: &Matrix3<f64>, i: usize, state: usize) -> [(usize, f64); 3] {
+    [0, 1, 2].map(|j| (state + j, m[(i, j)]))
+}
+
+/// Row i of some blocks; the noise of an interval acts where a bias does.
+fn row(
+    blocks: &[(usize, Matrix3<f64>)],
+    i: usize,
+    noise: Option<AidStates>,
+) -> impl Iterator<Item = (usize, f64)> {
+    blocks.iter().flat_map(move |(state, m)| {
+        let [a, b, c] = part(m, i, *state);
+        let by_noise = match (noise, *state) {
+            (Some(at), B_A) => part(m, i, at.force_noise),
+            (Some(at), B_G) => [(at.rate_noise, m[(i, 2)]), (0, 0.0), (0, 0.0)],
+            _ => [(0, 0.0); 3],
+        };
+        [a, b, c].into_iter().chain(by_noise)
+    })
+}
+
 impl InertialProcess {
     /// # Errors
     /// Names the parameter that is out of range.
@@ -70,74 +95,81 @@ impl InertialProcess {
         Ok(Self { parameters: *p, sensors, sensor_sigmas, order, aid })
     }
 
-    /// The inertial means, or what stands for them while there are none: the rate that the
-    /// attitudes speak for and a velocity that is constant along body axes.
-    fn inertial<const N: usize>(&self, belief: &Belief<N>, interval: &Interval) -> (Inertial, bool) {
-        if let Some(imu) = interval.inertial {
-            return (imu, true);
-        }
-        let rate = Vector3::from(interval.attitude_rate.unwrap_or([0.0; 3]));
-        let r = matrix(belief.attitude);
-        let velocity = r.transpose() * belief.mean.fixed_rows::<3>(V);
-        let down = r.transpose() * Vector3::z();
-        let force = rate.cross(&velocity) - down * self.parameters.gravity;
-        let bias = |state: usize| belief.mean.fixed_rows::<3>(state).into_owned();
-        let biased = rate + bias(B_G);
-        let imu = Inertial {
-            specific_force: (force + bias(B_A)).into(),
-            rate: biased.into(),
-            rate_end: biased.into(),
-        };
-        (imu, false)
+    /// The rate that the attitudes speak for while there are no gyros (rad/s).
+    fn attitude_rate(interval: &Interval) -> Vector3<f64> {
+        Vector3::from(interval.attitude_rate.unwrap_or([0.0; 3]))
     }
 
-    fn transition<const N: usize>(
-        &self,
-        belief: &Belief<N>,
-        s: &Strapdown,
-        dt: f64,
-        measured: bool,
-    ) -> Transition<N> {
-        let r = matrix(belief.attitude);
-        let r_mid = r * s.half_turn;
-        let by_attitude = -r * skew(&(s.half_turn * s.force));
-        let by_force = -r_mid;
-        let by_rate = r_mid * skew(&s.force) * s.half_jacobian * (0.5 * dt);
-        let turn = s.half_turn * s.half_turn;
-        let attitude_by_rate = -right_jacobian(&(s.rate * dt)) * dt;
+    /// A prediction without inertial means: `p+ = p + R (I + T) u dt/2` with `T = Exp(omega dt)`.
+    fn coast<const N: usize>(&self, belief: &mut Belief<N>, interval: &Interval) -> Transition<N> {
+        let dt = interval.dt;
+        let turn = Self::attitude_rate(interval) * dt;
+        let (r, t) = (matrix(belief.attitude), exp(&turn));
+        let u: Vector3<f64> = belief.mean.fixed_rows::<3>(U).into_owned();
+        let by_velocity = r * (Matrix3::identity() + t) * (0.5 * dt);
+        let by_attitude = -r * skew(&((u + t * u) * (0.5 * dt)));
         let mut f = Transition::identity();
-        let noise = if measured { self.aid.as_ref().map(|_| AidStates::at(BASE)) } else { None };
-        let biases = if measured { 1.0 } else { 0.0 };
-        for (block, factor, is_velocity) in [(P, 0.5 * dt * dt, false), (V, dt, true)] {
-            for i in 0..3 {
-                let velocity = if is_velocity { (V + i, 1.0) } else { (V + i, dt) };
-                let own = if is_velocity { (V + i, 0.0) } else { (P + i, 1.0) };
-                let part = |m: &Matrix3<f64>, state: usize, scale: f64| {
-                    [0, 1, 2].map(|j| (state + j, m[(i, j)] * scale))
-                };
-                let rest = [
-                    part(&by_attitude, THETA, factor),
-                    part(&by_force, B_A, factor * biases),
-                    part(&by_rate, B_G, factor * biases),
-                    noise.map_or([(0, 0.0); 3], |n| part(&by_force, n.force_noise, factor)),
-                ];
-                let rate_noise = noise.map_or((0, 0.0), |n| (n.rate_noise, by_rate[(i, 2)] * factor));
-                let row = [own, velocity, rate_noise].into_iter();
-                f.set_row(block + i, row.chain(rest.into_iter().flatten()));
-            }
-        }
         for i in 0..3 {
-            let turned = [0, 1, 2].map(|j| (THETA + j, turn[(j, i)]));
-            let biased = [0, 1, 2].map(|j| (B_G + j, attitude_by_rate[(i, j)] * biases));
-            let rate_noise = noise.map_or((0, 0.0), |n| (n.rate_noise, attitude_by_rate[(i, 2)]));
+            let own = core::iter::once((P + i, 1.0));
             f.set_row(
-                THETA + i,
-                turned.into_iter().chain(biased).chain(core::iter::once(rate_noise)),
+                P + i,
+                own.chain(part(&by_velocity, i, U)).chain(part(&by_attitude, i, THETA)),
             );
         }
-        if let Some(aid) = &self.aid {
-            aid.decay(&mut f, AidStates::at(BASE), dt);
+        (0..3).for_each(|i| f.set_row(THETA + i, part(&t.transpose(), i, THETA)));
+        let mut p = belief.mean.fixed_rows_mut::<3>(P);
+        p += by_velocity * u;
+        belief.attitude = turned(belief.attitude, &turn);
+        f
+    }
+
+    /// A prediction with inertial means.
+    fn navigate<const N: usize>(
+        &self,
+        belief: &mut Belief<N>,
+        imu: &Inertial,
+        dt: f64,
+    ) -> Transition<N> {
+        let s = Strapdown::new(belief, imu, dt);
+        let r = matrix(belief.attitude);
+        let back = (s.half_turn * s.half_turn).transpose();
+        let down = r.transpose() * Vector3::z();
+        let u: Vector3<f64> = belief.mean.fixed_rows::<3>(U).into_owned();
+        let force = s.half_turn * s.force;
+        let alpha = force + down * self.parameters.gravity;
+        let displacement = u * dt + alpha * (0.5 * dt * dt);
+        let next = back * (u + alpha * dt);
+
+        let jacobian = right_jacobian(&(s.rate * dt)) * dt;
+        let force_by_rate = s.half_turn * skew(&s.force) * s.half_jacobian * (0.5 * dt);
+        let along = u * dt + force * (0.5 * dt * dt);
+        let position = [
+            (THETA, -r * skew(&along)),
+            (B_A, -r * s.half_turn * (0.5 * dt * dt)),
+            (B_G, r * force_by_rate * (0.5 * dt * dt)),
+        ];
+        let velocity = [
+            (THETA, back * skew(&down) * (self.parameters.gravity * dt)),
+            (B_A, -back * s.half_turn * dt),
+            (B_G, back * force_by_rate * dt - skew(&next) * jacobian),
+        ];
+        let attitude = [(THETA, back), (B_G, -jacobian)];
+
+        let mut f = Transition::identity();
+        let noise = self.aid.as_ref().map(|_| AidStates::at(BASE));
+        for i in 0..3 {
+            let own = [(P + i, 1.0)].into_iter().chain(part(&(r * dt), i, U));
+            f.set_row(P + i, own.chain(row(&position, i, noise)));
         }
+        for i in 0..3 {
+            f.set_row(U + i, part(&back, i, U).into_iter().chain(row(&velocity, i, noise)));
+        }
+        (0..3).for_each(|i| f.set_row(THETA + i, row(&attitude, i, noise)));
+
+        let mut p = belief.mean.fixed_rows_mut::<3>(P);
+        p += r * displacement;
+        belief.mean.fixed_rows_mut::<3>(U).copy_from(&next);
+        belief.attitude = turned(belief.attitude, &(s.rate * dt));
         f
     }
 
@@ -151,13 +183,16 @@ impl InertialProcess {
         // rates across does not.
         let modelled = self.aid.is_some() && measured;
         let acceleration = if modelled { 0.0 } else { force * force };
+        let q = acceleration * dt;
+        let r = matrix(belief.attitude);
         for i in 0..3 {
-            let q = acceleration * dt;
-            belief.add_noise(V + i, q);
+            belief.add_noise(U + i, q);
             belief.add_noise(P + i, q * dt * dt / 3.0);
-            let cross = 0.5 * q * dt;
-            belief.covariance[(P + i, V + i)] += cross;
-            belief.covariance[(V + i, P + i)] += cross;
+            for j in 0..3 {
+                let cross = r[(i, j)] * (0.5 * q * dt);
+                belief.covariance[(P + i, U + j)] += cross;
+                belief.covariance[(U + j, P + i)] += cross;
+            }
             if !(modelled && i == 2) {
                 belief.add_noise(THETA + i, rate * rate * dt);
             }
@@ -176,14 +211,13 @@ impl<const N: usize> Process<N> for InertialProcess {
         let p = &self.parameters;
         let attitude = attitude::from_euler(p.start.attitude);
         let mut mean: Column<N> = Column::zeros();
-        let velocity = matrix(attitude) * Vector3::from(p.start.velocity);
         mean.fixed_rows_mut::<3>(P).copy_from_slice(&p.start.position);
-        mean.fixed_rows_mut::<3>(V).copy_from(&velocity);
+        mean.fixed_rows_mut::<3>(U).copy_from_slice(&p.start.velocity);
         let mut sigma: Column<N> = Column::zeros();
         let bias = |b: &crate::sensors::BiasNoise| b.turn_on_sigma;
         for i in 0..3 {
             sigma[P + i] = p.start.position_sigma[i];
-            sigma[V + i] = p.start.velocity_sigma;
+            sigma[U + i] = p.start.velocity_sigma;
             sigma[THETA + i] = if i < 2 { p.start.tilt_sigma } else { p.start.heading_sigma };
             sigma[B_A + i] = bias(&p.sensors.accelerometer);
             sigma[B_G + i] = bias(&p.sensors.gyro);
@@ -198,26 +232,20 @@ impl<const N: usize> Process<N> for InertialProcess {
     }
 
     fn predict(&self, belief: &mut Belief<N>, interval: &Interval, witness: &mut impl Witness<N>) {
-        let (imu, measured) = self.inertial(belief, interval);
         let dt = interval.dt;
         if let Some(aid) = &self.aid {
             aid.renew_noise(belief, AidStates::at(BASE), dt, &self.parameters, witness);
         }
-        let s = Strapdown::new(belief, &imu, dt);
-        let f = self.transition(belief, &s, dt, measured);
-        let acceleration = matrix(belief.attitude) * (s.half_turn * s.force)
-            + Vector3::z() * self.parameters.gravity;
-        let velocity: Vector3<f64> = belief.mean.fixed_rows::<3>(V).into_owned();
-        let mut p = belief.mean.fixed_rows_mut::<3>(P);
-        p += velocity * dt + acceleration * (0.5 * dt * dt);
-        let mut v = belief.mean.fixed_rows_mut::<3>(V);
-        v += acceleration * dt;
-        belief.attitude = turned(belief.attitude, &(s.rate * dt));
+        let mut f = match &interval.inertial {
+            Some(imu) => self.navigate(belief, imu, dt),
+            None => self.coast(belief, interval),
+        };
         if let Some(aid) = &self.aid {
+            aid.decay(&mut f, AidStates::at(BASE), dt);
             aid.decay_mean(&mut belief.mean, AidStates::at(BASE), dt);
         }
         belief.propagate(&f);
-        self.add_noise(belief, dt, measured);
+        self.add_noise(belief, dt, interval.inertial.is_some());
         witness.predicted(&f);
     }
 
@@ -234,42 +262,50 @@ impl<const N: usize> Process<N> for InertialProcess {
         }
     }
 
-    fn kinematics(&self, belief: &Belief<N>, interval: &Interval) -> Kinematics<N> {
+    fn motion(&self, belief: &Belief<N>, interval: &Interval) -> Motion {
+        let block = |state: usize| belief.mean.fixed_rows::<3>(state).into_owned();
         let rotation = matrix(belief.attitude);
         let inverse = rotation.transpose();
-        let (imu, measured) = self.inertial(belief, interval);
-        let mut position = Linearized::constant(belief.mean.fixed_rows::<3>(P).into_owned());
+        let velocity = block(U);
+        let (rate, acceleration) = match &interval.inertial {
+            Some(imu) => {
+                let rate = Vector3::from(imu.rate_end) - block(B_G);
+                let force = Vector3::from(imu.specific_force) - block(B_A);
+                let gravity = inverse * Vector3::z() * self.parameters.gravity;
+                (rate, force + gravity - rate.cross(&velocity))
+            }
+            None => (Self::attitude_rate(interval), Vector3::zeros()),
+        };
+        Motion { position: block(P), rotation, velocity, rate, acceleration }
+    }
+
+    fn kinematics(&self, belief: &Belief<N>, interval: &Interval) -> Kinematics<N> {
+        let motion = <Self as Process<N>>::motion(self, belief, interval);
+        let mut position = Linearized::constant(motion.position);
         position.set_block(P, &Matrix3::identity());
-        let v: Vector3<f64> = belief.mean.fixed_rows::<3>(V).into_owned();
-        let mut velocity = Linearized::constant(inverse * v);
-        velocity.set_block(V, &inverse);
-        velocity.set_block(THETA, &skew(&velocity.value));
-        let bias: Vector3<f64> = belief.mean.fixed_rows::<3>(B_G).into_owned();
-        let mut rate = Linearized::constant(Vector3::from(imu.rate_end) - bias);
-        let gyro = self.parameters.sensors.gyro.noise_density;
-        let rate_variance = if measured {
+        let mut velocity = Linearized::constant(motion.velocity);
+        velocity.set_block(U, &Matrix3::identity());
+        let mut rate = Linearized::constant(motion.rate);
+        let square = |x: f64| x * x;
+        let rate_variance = if interval.inertial.is_some() {
             rate.set_block(B_G, &-Matrix3::identity());
-            gyro * gyro * GYRO_SAMPLES_HZ
+            square(self.parameters.sensors.gyro.noise_density) * GYRO_SAMPLES_HZ
         } else {
-            let wander = self.parameters.maneuver_rate;
-            wander * wander
+            square(self.parameters.maneuver_rate)
         };
         let mut rotation_rows = [Column::zeros(); 3];
         for (i, row) in rotation_rows.iter_mut().enumerate() {
             row[THETA + i] = 1.0;
         }
-        let force = Vector3::from(imu.specific_force) - belief.mean.fixed_rows::<3>(B_A);
-        let gravity = inverse * Vector3::z() * self.parameters.gravity;
-        let acceleration = force + gravity - rate.value.cross(&velocity.value);
         Kinematics {
             position,
-            rotation,
+            rotation: motion.rotation,
             tilt_is_input: false,
             rotation_rows,
             velocity,
             rate,
             rate_variance,
-            acceleration,
+            acceleration: motion.acceleration,
             sensors: self.sensors,
             mean: belief.mean,
         }
@@ -280,14 +316,12 @@ impl<const N: usize> Process<N> for InertialProcess {
     }
 
     fn velocity(&self) -> usize {
-        V
+        U
     }
 
     fn correct(&self, belief: &mut Belief<N>, correction: &Column<N>) {
-        let turn: Vector3<f64> = correction.fixed_rows::<3>(THETA).into_owned();
         belief.mean += correction;
-        belief.mean.fixed_rows_mut::<3>(THETA).fill(0.0);
-        belief.attitude = turned(belief.attitude, &turn);
+        turn_attitude(belief, THETA);
         if let Some(state) = self.sensors.heading_bias {
             belief.mean[state] = attitude::wrap(belief.mean[state]);
         }
@@ -296,6 +330,10 @@ impl<const N: usize> Process<N> for InertialProcess {
     fn current(&self) -> Option<[usize; 2]> {
         let states = AidStates::at(BASE);
         self.aid.as_ref().map(|_| [states.current, states.current + 1])
+    }
+
+    fn coasts(&self, interval: &Interval) -> bool {
+        interval.inertial.is_none()
     }
 
     fn uses_thrust(&self) -> bool {

@@ -10,7 +10,7 @@ pub mod planar_dynamic;
 use super::belief::{Belief, Column};
 use super::interval::Interval;
 use super::kalman::Witness;
-use super::kinematics::Kinematics;
+use super::kinematics::{Kinematics, Motion};
 
 /// A model of motion with at most `N` states.
 pub trait Process<const N: usize> {
@@ -18,12 +18,7 @@ pub trait Process<const N: usize> {
     fn initial(&self) -> Belief<N>;
 
     /// Predicts over an interval: mean and covariance.
-    fn predict(
-        &self,
-        belief: &mut Belief<N>,
-        interval: &Interval,
-        witness: &mut impl Witness<N>,
-    );
+    fn predict(&self, belief: &mut Belief<N>, interval: &Interval, witness: &mut impl Witness<N>);
 
     /// Measurements that the interval itself makes, with the one before it: balances of force and
     /// moment, a gyro compared with a modelled rate.
@@ -38,6 +33,9 @@ pub trait Process<const N: usize> {
     }
 
     /// The motion at the end of an interval.
+    fn motion(&self, belief: &Belief<N>, interval: &Interval) -> Motion;
+
+    /// The same with its derivatives.
     fn kinematics(&self, belief: &Belief<N>, interval: &Interval) -> Kinematics<N>;
 
     /// Adds a correction to the mean.
@@ -58,6 +56,11 @@ pub trait Process<const N: usize> {
     fn thrust_effect(&self, i: usize) -> Column<N> {
         let _ = i;
         Column::zeros()
+    }
+
+    /// Whether nothing but the velocity log says how the velocity changes during an interval.
+    fn coasts(&self, interval: &Interval) -> bool {
+        interval.inertial.is_none() && !(self.uses_thrust() && interval.thrust.is_some())
     }
 
     /// Whether the process makes use of thrusts.

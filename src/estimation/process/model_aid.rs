@@ -12,7 +12,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::inertial::{B_A, B_G, Strapdown, THETA, V};
+use super::inertial::{B_A, B_G, Strapdown, THETA, U};
 use super::rotation::{exp, matrix, right_jacobian};
 use crate::ParameterError;
 use crate::estimation::belief::{Belief, Column};
@@ -165,12 +165,7 @@ impl ModelAid {
         x[at.moment] *= quick;
     }
 
-    pub(super) fn add_noise<const N: usize>(
-        &self,
-        belief: &mut Belief<N>,
-        at: AidStates,
-        dt: f64,
-    ) {
+    pub(super) fn add_noise<const N: usize>(&self, belief: &mut Belief<N>, at: AidStates, dt: f64) {
         let d = &self.disturbances;
         let stationary = |sigma: f64, decay: f64| sigma * sigma * (1.0 - decay * decay);
         let (quick, slow) = (self.quick(dt), self.slow(dt));
@@ -196,15 +191,15 @@ impl ModelAid {
     ) {
         let (Some(imu), Some(thrusts)) = (&interval.inertial, &interval.thrust) else { return };
         let force = self.force_balance(belief, at, imu, thrusts, interval.dt);
-        let fused = fuse(belief, &force, BALANCE_GATE, witness);
-        correct(belief, &fused.correction);
+        let correction = fuse(belief, &force, BALANCE_GATE, witness);
+        correct(belief, &correction);
         let (Some(imu_before), Some(thrusts_before)) = (&before.inertial, &before.thrust) else {
             return;
         };
         let pair = [(imu_before, thrusts_before, before.dt), (imu, thrusts, interval.dt)];
         let moment = self.moment_balance(belief, at, pair);
-        let fused = fuse(belief, &moment, BALANCE_GATE, witness);
-        correct(belief, &fused.correction);
+        let correction = fuse(belief, &moment, BALANCE_GATE, witness);
+        correct(belief, &correction);
     }
 
     /// Component `axis` (0 to 2: force, 3: yaw moment) of thrusts (N).
@@ -227,15 +222,16 @@ impl ModelAid {
         let water = Water::new(belief, at, &s, &noise, self.gravity, [dt, 0.5]);
         let (w, nu) = (&s.rate, &water.velocity);
         let momentum = self.momentum[0] * nu + self.momentum[1] * w;
-        let damping = Vector3::from_fn(|i, _| (self.linear[i] + self.quadratic[i] * nu[i].abs()) * nu[i]);
+        let damping =
+            Vector3::from_fn(|i, _| (self.linear[i] + self.quadratic[i] * nu[i].abs()) * nu[i]);
         let thrust = Vector3::from_fn(|i, _| self.thrust(&thrusts.mean, i));
         let disturbance = x.fixed_rows::<3>(at.force) + x.fixed_rows::<3>(at.slow_force);
         let force =
             -w.cross(&momentum) - damping + water.down * self.excess_weight + thrust + disturbance;
         let per_mass = self.mass.map(|m| 1.0 / m);
         let bias: Vector3<f64> = x.fixed_rows::<3>(B_A).into_owned();
-        let predicted = force.component_mul(&per_mass) + w.cross(nu) - water.down * self.gravity
-            + bias + noise;
+        let predicted =
+            force.component_mul(&per_mass) + w.cross(nu) - water.down * self.gravity + bias + noise;
 
         let per_mass = Matrix3::from_diagonal(&per_mass);
         let slope = Matrix3::from_diagonal(&Vector3::from_fn(|i, _| {
@@ -275,7 +271,8 @@ impl ModelAid {
         let x = &belief.mean;
         let spacing = 0.5 * (dt_before + dt);
         let weights = [dt / (dt + dt_before), dt_before / (dt + dt_before)];
-        let raw = Vector3::from(imu_before.rate) * weights[0] + Vector3::from(imu.rate) * weights[1];
+        let raw =
+            Vector3::from(imu_before.rate) * weights[0] + Vector3::from(imu.rate) * weights[1];
         let w = raw - x.fixed_rows::<3>(B_G);
         let s = Strapdown::new(belief, imu, dt);
         let noise: Vector3<f64> = x.fixed_rows::<3>(at.force_noise).into_owned();
@@ -318,7 +315,8 @@ struct Water {
     velocity: Vector3<f64>,
     /// Down along body axes.
     down: Vector3<f64>,
-    /// Derivatives of the velocity: by the velocity over ground (NED), by a turn of the body there.
+    /// Derivatives of the velocity: by that over ground, by the current (NED), by a turn there.
+    by_ground: Matrix3<f64>,
     inverse: Matrix3<f64>,
     by_turn: Matrix3<f64>,
     /// The turn there by the turn at the end, and by the gyro bias.
@@ -332,7 +330,7 @@ struct Water {
 impl Water {
     /// `share` of the interval before its end.
     ///
-    /// `nu = R_b^T (v - c - g e_z t) - Exp(w (dt/2 - (dt - t))) f t` with `R_b = R Exp(-w t)`,
+    /// `nu = Exp(w t) u - R_b^T (c + g e_z t) - Exp(w (t - dt/2)) f t` with `R_b = R Exp(-w t)` and
     /// `t = share dt`; f is the force less its bias and noise.
     fn new<const N: usize>(
         belief: &Belief<N>,
@@ -343,28 +341,28 @@ impl Water {
         [dt, share]: [f64; 2],
     ) -> Self {
         let t = share * dt;
-        let back = -s.rate * t;
-        let turn_back = exp(&back);
-        let inverse = (matrix(belief.attitude) * turn_back).transpose();
-        let mut ground: Vector3<f64> = belief.mean.fixed_rows::<3>(V).into_owned();
-        ground.x -= belief.mean[at.current];
-        ground.y -= belief.mean[at.current + 1];
+        let forth = s.rate * t;
+        let by_ground = exp(&forth);
+        let inverse = by_ground * matrix(belief.attitude).transpose();
+        let current = Vector3::new(belief.mean[at.current], belief.mean[at.current + 1], 0.0);
+        let ground: Vector3<f64> = belief.mean.fixed_rows::<3>(U).into_owned();
         // Gravity and force act in the frame of the middle of the interval.
         let force = s.force - noise;
         let ahead = s.rate * (t - 0.5 * dt);
         let to_middle = exp(&ahead);
         let down = inverse * Vector3::z();
-        let along = inverse * ground - down * (gravity * t);
-        let velocity = along - to_middle * force * t;
+        let fixed = -inverse * current - down * (gravity * t);
+        let by_bias = to_middle * skew(&force) * right_jacobian(&ahead) * (-(t - 0.5 * dt) * t);
         Self {
-            velocity,
+            velocity: by_ground * ground + fixed - to_middle * force * t,
             down,
+            by_ground,
             inverse,
-            by_turn: skew(&along),
-            turn: turn_back.transpose(),
-            turn_by_bias: right_jacobian(&back) * t,
+            by_turn: skew(&fixed),
+            turn: by_ground,
+            turn_by_bias: right_jacobian(&-forth) * t,
             by_force: to_middle * t,
-            by_bias: to_middle * skew(&force) * right_jacobian(&ahead) * (-(t - 0.5 * dt) * t),
+            by_bias: by_bias + by_ground * skew(&ground) * right_jacobian(&forth) * t,
         }
     }
 
@@ -376,7 +374,8 @@ impl Water {
         by_down: &Matrix3<f64>,
         by_rate: &Matrix3<f64>,
     ) -> [Column<N>; 3] {
-        let ground = by_velocity * self.inverse;
+        let ground = by_velocity * self.by_ground;
+        let current = -by_velocity * self.inverse;
         let turn = by_velocity * self.by_turn + by_down * skew(&self.down);
         let attitude = turn * self.turn;
         let bias = turn * self.turn_by_bias + by_velocity * self.by_bias - by_rate;
@@ -384,14 +383,14 @@ impl Water {
         let mut rows = [Column::zeros(); 3];
         for (i, row) in rows.iter_mut().enumerate() {
             for j in 0..3 {
-                row[V + j] = ground[(i, j)];
+                row[U + j] = ground[(i, j)];
                 row[THETA + j] = attitude[(i, j)];
                 row[B_G + j] = bias[(i, j)];
                 row[B_A + j] = force[(i, j)];
                 row[at.force_noise + j] = force[(i, j)];
             }
             for j in 0..2 {
-                row[at.current + j] = -ground[(i, j)];
+                row[at.current + j] = current[(i, j)];
             }
         }
         rows

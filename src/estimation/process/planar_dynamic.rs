@@ -1,14 +1,17 @@
 //! The equations of motion in four degrees of freedom as a process: surge, sway, heave, yaw.
 //!
 //! ```text
-//! m1 u' = -(d1 + D1|u|) u + m2 v r + X + dX          x' = u ct cpsi + ... (measured roll and pitch)
-//! m2 v' = -(d2 + D2|v|) v - m1 u r + Y + dY          psi' = r cos(roll) / cos(pitch)
-//! m3 w' = -(d3 + D3|w|) w + (W - B) + Z + dZ         current, gyro bias: random walks
-//! m6 r' = -(d6 + D6|r|) r - (a22 - a11) u v + N + dN d: Ornstein-Uhlenbeck
+//! m1 nu1' = -(d1 + D1|nu1|) nu1 + m2 nu2 r + X + dX     x' = u ct cpsi + ... (measured roll and pitch)
+//! m2 nu2' = -(d2 + D2|nu2|) nu2 - m1 nu1 r + Y + dY     psi' = r cos(roll) / cos(pitch)
+//! m3 nu3' = -(d3 + D3|nu3|) nu3 + (W - B) + Z + dZ      current, gyro bias: random walks
+//! m6 r' = -(d6 + D6|r|) r - (a22 - a11) nu1 nu2 + N + dN    d: Ornstein-Uhlenbeck
+//! u = nu + R^T c,   u' = nu' - (r e_z) x R^T c
 //! ```
-//! u, v, w are relative to the water. The gyro is a measurement, compared with the yaw rate at the
-//! middle of its interval. Eqs (27) to (30) of the paper with their signs mended; Fossen (2011)
-//! ch. 7.3. The step is the midpoint rule, F its exact derivative, `Q_d = (F Q F^T + Q) dt/2`.
+//! u is the velocity over ground along body axes, nu that through the water, c the current. The gyro
+//! is a measurement, compared with the yaw rate at the middle of its interval. Without thrusts u and r
+//! stay as they are and wander as the parameters say. Eqs (27) to (30) of the paper with their signs
+//! corrected; Fossen (2011) ch. 7.3. The step is the midpoint rule, F its exact derivative,
+//! `Q_d = (F Q F^T + Q) dt/2`.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -18,7 +21,7 @@ use crate::attitude;
 use crate::estimation::belief::{Belief, Column};
 use crate::estimation::interval::Interval;
 use crate::estimation::kalman::{Witness, fuse};
-use crate::estimation::kinematics::{Kinematics, Linearized, SensorStates};
+use crate::estimation::kinematics::{Kinematics, Linearized, Motion, SensorStates};
 use crate::estimation::parameters::{Disturbances, NavigationParameters};
 use crate::estimation::sensor::Observation;
 use crate::estimation::transition::Transition;
@@ -92,7 +95,7 @@ impl PlanarDynamic {
 
     fn forces(&self, interval: &Interval) -> Forces {
         let Some(thrusts) = &interval.thrust else {
-            return Forces { thrust: [0.0, 0.0, -self.excess_weight, 0.0], known: false };
+            return Forces { thrust: [0.0; 4], known: false };
         };
         let mut thrust = [0.0; 4];
         for (unit, force) in self.thrusters.iter().zip(thrusts.mean) {
@@ -105,51 +108,79 @@ impl PlanarDynamic {
 
     /// Time derivatives of the moving states, and theirs by the states.
     fn rates(&self, x: &[f64; MOVERS], forces: &Forces, tilt: [f64; 2]) -> (Rates, Jacobian) {
-        let (sin_roll, cos_roll) = libm::sincos(tilt[0]);
-        let (sin_pitch, cos_pitch) = libm::sincos(tilt[1]);
-        let (sin, cos) = libm::sincos(x[PSI]);
-        let [u, v, w, r] = [x[U], x[U + 1], x[U + 2], x[R]];
-        let along = [cos_pitch, sin_roll * sin_pitch, cos_roll * sin_pitch];
-        let across = [0.0, cos_roll, -sin_roll];
-        let down = [-sin_pitch, sin_roll * cos_pitch, cos_roll * cos_pitch];
-        let combine = |k: &[f64; 3]| k[0] * u + k[1] * v + k[2] * w;
-        let (a, b) = (combine(&along), combine(&across));
-        let turn = cos_roll / cos_pitch.max(0.05);
         let mut rates = [0.0; MOVING];
         let mut j = [[0.0; MOVERS]; MOVING];
-        rates[0] = cos * a - sin * b + x[C];
-        rates[1] = sin * a + cos * b + x[C + 1];
-        rates[2] = combine(&down);
-        rates[PSI] = r * turn;
-        for k in 0..3 {
-            j[0][U + k] = cos * along[k] - sin * across[k];
-            j[1][U + k] = sin * along[k] + cos * across[k];
-            j[2][U + k] = down[k];
+        let rotation = rotation([tilt[0], tilt[1], x[PSI]]);
+        let u = Vector3::new(x[U], x[U + 1], x[U + 2]);
+        let velocity = rotation * u;
+        let turn = libm::cos(tilt[0]) / libm::cos(tilt[1]).max(0.05);
+        for i in 0..3 {
+            rates[i] = velocity[i];
+            (0..3).for_each(|k| j[i][U + k] = rotation[(i, k)]);
         }
-        j[0][PSI] = -sin * a - cos * b;
-        j[1][PSI] = cos * a - sin * b;
-        j[0][C] = 1.0;
-        j[1][C + 1] = 1.0;
+        j[0][PSI] = -velocity.y;
+        j[1][PSI] = velocity.x;
+        rates[PSI] = x[R] * turn;
         j[PSI][R] = turn;
+        if forces.known {
+            self.accelerations(x, forces, &rotation.transpose(), &mut rates, &mut j);
+        }
+        (rates, j)
+    }
 
-        let [m1, m2, _, _] = self.mass;
-        let coupling = [m2 * v * r, -m1 * u * r, self.excess_weight, -self.munk * u * v];
+    /// The rows of u and r of [`PlanarDynamic::rates`].
+    fn accelerations(
+        &self,
+        x: &[f64; MOVERS],
+        forces: &Forces,
+        inverse: &Matrix3<f64>,
+        rates: &mut Rates,
+        j: &mut Jacobian,
+    ) {
+        let flow = inverse * Vector3::new(x[C], x[C + 1], 0.0);
+        // The current along body axes turns against the heading.
+        let by_heading = -(inverse * Vector3::z()).cross(&flow);
+        let nu = Vector3::new(x[U], x[U + 1], x[U + 2]) - flow;
+        let [m1, m2, _, m6] = self.mass;
+        let r = x[R];
+        let coupling =
+            [m2 * nu.y * r, -m1 * nu.x * r, self.excess_weight, -self.munk * nu.x * nu.y];
+        let speed = [nu.x, nu.y, nu.z, r];
+        // By nu and r.
+        let mut slope = [[0.0; 4]; 4];
         for axis in 0..4 {
-            let speed = x[U + axis];
-            let damping = self.linear[axis] + self.quadratic[axis] * speed.abs();
-            let slope = damping + self.quadratic[axis] * speed.abs();
-            let force = coupling[axis] - damping * speed + forces.thrust[axis] + x[D + axis];
+            let quadratic = self.quadratic[axis] * speed[axis].abs();
+            let damping = (self.linear[axis] + quadratic) * speed[axis];
+            let force = coupling[axis] - damping + forces.thrust[axis] + x[D + axis];
             rates[U + axis] = force / self.mass[axis];
-            j[U + axis][U + axis] = -slope / self.mass[axis];
+            slope[axis][axis] = -(self.linear[axis] + 2.0 * quadratic) / self.mass[axis];
             j[U + axis][D + axis] = 1.0 / self.mass[axis];
         }
-        j[U][U + 1] = m2 * r / m1;
-        j[U][R] = m2 * v / m1;
-        j[U + 1][U] = -m1 * r / m2;
-        j[U + 1][R] = -m1 * u / m2;
-        j[R][U] = -self.munk * v / self.mass[3];
-        j[R][U + 1] = -self.munk * u / self.mass[3];
-        (rates, j)
+        slope[0][1] = m2 * r / m1;
+        slope[0][3] = m2 * nu.y / m1;
+        slope[1][0] = -m1 * r / m2;
+        slope[1][3] = -m1 * nu.x / m2;
+        slope[3][0] = -self.munk * nu.y / m6;
+        slope[3][1] = -self.munk * nu.x / m6;
+        for axis in 0..4 {
+            let row = &mut j[U + axis];
+            (0..4).for_each(|k| row[U + k] = slope[axis][k]);
+            for k in 0..3 {
+                (0..2).for_each(|i| row[C + i] -= slope[axis][k] * inverse[(k, i)]);
+                row[PSI] -= slope[axis][k] * by_heading[k];
+            }
+        }
+        // u' = nu' - (r e_z) x (R^T c).
+        rates[U] += r * flow.y;
+        rates[U + 1] -= r * flow.x;
+        j[U][R] += flow.y;
+        j[U + 1][R] -= flow.x;
+        j[U][PSI] += r * by_heading.y;
+        j[U + 1][PSI] -= r * by_heading.x;
+        for i in 0..2 {
+            j[U][C + i] += r * inverse[(1, i)];
+            j[U + 1][C + i] -= r * inverse[(0, i)];
+        }
     }
 
     /// Midpoint step: the change of the moving states, and F.
@@ -210,10 +241,14 @@ impl PlanarDynamic {
         belief.add_noise(B_G, square(self.parameters.sensors.gyro.random_walk) * half);
     }
 
-    fn rotation<const N: usize>(belief: &Belief<N>, interval: &Interval) -> Matrix3<f64> {
-        let [roll, pitch] = interval.tilt;
-        let r = attitude::rotation_euler([roll, pitch, belief.mean[PSI]]);
-        Matrix3::from_fn(|i, j| r[i][j])
+    /// The yaw rate that successive attitudes speak for, while there is no gyro.
+    fn turn<const N: usize>(&self, belief: &Belief<N>, rate: f64) -> Observation<N> {
+        let mut row = Column::zeros();
+        row[R] = 1.0;
+        let empty = Column::zeros();
+        let sigma = self.parameters.maneuver_rate;
+        let innovation = [rate - belief.mean[R], 0.0, 0.0];
+        Observation::new(1, innovation, [row, empty, empty], [sigma * sigma, 1.0, 1.0])
     }
 
     /// The gyro's mean against the yaw rate at the middle of its interval.
@@ -243,6 +278,12 @@ impl PlanarDynamic {
             [density * density / interval.dt + GYRO_FLOOR, 1.0, 1.0],
         )
     }
+}
+
+/// Rotation matrix of roll, pitch and yaw.
+fn rotation(euler: [f64; 3]) -> Matrix3<f64> {
+    let r = attitude::rotation_euler(euler);
+    Matrix3::from_fn(|i, j| r[i][j])
 }
 
 /// Least variance of a gyro's mean ((rad/s)^2).
@@ -289,6 +330,7 @@ impl<const N: usize> Process<N> for PlanarDynamic {
         belief.propagate(&f);
         self.add_half_noise(belief, &forces, interval.dt);
         witness.predicted(&f);
+        witness.driven(interval);
     }
 
     fn aid(
@@ -298,46 +340,53 @@ impl<const N: usize> Process<N> for PlanarDynamic {
         interval: &Interval,
         witness: &mut impl Witness<N>,
     ) {
-        let rate = match (&interval.inertial, interval.attitude_rate) {
-            (Some(imu), _) => imu.rate[2],
-            _ => return,
+        let observation = match (&interval.inertial, interval.attitude_rate) {
+            (Some(imu), _) => self.gyro(belief, interval, imu.rate[2]),
+            (None, Some(rate)) => self.turn(belief, rate[2]),
+            (None, None) => return,
         };
-        let fused = fuse(belief, &self.gyro(belief, interval, rate), GYRO_GATE, witness);
-        self.correct(belief, &fused.correction);
+        if let Some(thrusts) = &interval.thrust {
+            let half = 0.5 * interval.dt / self.mass[3];
+            let effect = |i: usize| half * self.thrusters[i][3] * thrusts.mean[i];
+            witness.direct(core::array::from_fn(effect));
+        }
+        let correction = fuse(belief, &observation, GYRO_GATE, witness);
+        self.correct(belief, &correction);
+    }
+
+    fn motion(&self, belief: &Belief<N>, interval: &Interval) -> Motion {
+        let x = &belief.mean;
+        let movers: [f64; MOVERS] = core::array::from_fn(|i| x[i]);
+        let (rates, _) = self.rates(&movers, &self.forces(interval), interval.tilt);
+        Motion {
+            position: x.fixed_rows::<3>(0).into_owned(),
+            rotation: rotation([interval.tilt[0], interval.tilt[1], x[PSI]]),
+            velocity: x.fixed_rows::<3>(U).into_owned(),
+            rate: Vector3::new(0.0, 0.0, x[R]),
+            acceleration: Vector3::new(rates[U], rates[U + 1], rates[U + 2]),
+        }
     }
 
     fn kinematics(&self, belief: &Belief<N>, interval: &Interval) -> Kinematics<N> {
-        let rotation = Self::rotation(belief, interval);
-        let inverse = rotation.transpose();
-        let x = &belief.mean;
-        let mut position = Linearized::constant(x.fixed_rows::<3>(0).into_owned());
+        let motion = <Self as Process<N>>::motion(self, belief, interval);
+        let inverse = motion.rotation.transpose();
+        let mut position = Linearized::constant(motion.position);
         position.set_block(0, &Matrix3::identity());
-        let current = Vector3::new(x[C], x[C + 1], 0.0);
-        let mut velocity =
-            Linearized::constant(x.fixed_rows::<3>(U).into_owned() + inverse * current);
+        let mut velocity = Linearized::constant(motion.velocity);
         velocity.set_block(U, &Matrix3::identity());
-        let by_heading = -(inverse * Vector3::z().cross(&current));
         let mut rotation_rows = [Column::zeros(); 3];
-        for i in 0..3 {
-            velocity.rows[i][C] = inverse[(i, 0)];
-            velocity.rows[i][C + 1] = inverse[(i, 1)];
-            velocity.rows[i][PSI] = by_heading[i];
-            rotation_rows[i][PSI] = inverse[(i, 2)];
-        }
-        let mut rate = Linearized::constant(Vector3::new(0.0, 0.0, x[R]));
+        (0..3).for_each(|i| rotation_rows[i][PSI] = inverse[(i, 2)]);
+        let mut rate = Linearized::constant(motion.rate);
         rate.rows[2][R] = 1.0;
-        let movers: [f64; MOVERS] = core::array::from_fn(|i| x[i]);
-        let (rates, _) = self.rates(&movers, &self.forces(interval), interval.tilt);
-        let acceleration = Vector3::new(rates[U], rates[U + 1], rates[U + 2]);
         Kinematics {
             position,
-            rotation,
+            rotation: motion.rotation,
             tilt_is_input: true,
             rotation_rows,
             velocity,
             rate,
             rate_variance: 0.0,
-            acceleration,
+            acceleration: motion.acceleration,
             sensors: self.sensors,
             mean: belief.mean,
         }

@@ -2,7 +2,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::estimation::belief::Belief;
 use crate::estimation::kinematics::skew;
+use crate::estimation::transition::Transition;
 
 /// `Exp(phi)`: the rotation by |phi| about phi (Rodrigues).
 pub(crate) fn exp(phi: &Vector3<f64>) -> Matrix3<f64> {
@@ -60,4 +62,26 @@ pub(crate) fn turned(q: [f64; 4], phi: &Vector3<f64>) -> [f64; 4] {
         a * v.z + z * b + x * v.y - y * v.x,
     ];
     crate::attitude::normalised(product)
+}
+
+/// Corrections of the attitude (rad) below which the frame of its error may be taken for unchanged.
+const SMALL_TURN: f64 = 0.01;
+
+/// Moves an attitude error in the mean, at `state`, into the attitude.
+///
+/// The error is given along body axes, which turn with the correction; the covariance turns too, so
+/// that what it says of the error about the vertical stays that (Solà 2017, section 7.2, with the
+/// global error).
+pub(crate) fn turn_attitude<const N: usize>(belief: &mut Belief<N>, state: usize) {
+    let turn: Vector3<f64> = belief.mean.fixed_rows::<3>(state).into_owned();
+    belief.mean.fixed_rows_mut::<3>(state).fill(0.0);
+    belief.attitude = turned(belief.attitude, &turn);
+    if turn.norm_squared() > SMALL_TURN * SMALL_TURN {
+        let back = exp(&-turn);
+        let mut f = Transition::identity();
+        for i in 0..3 {
+            f.set_row(state + i, [0, 1, 2].map(|j| (state + j, back[(i, j)])));
+        }
+        belief.propagate(&f);
+    }
 }

@@ -19,11 +19,7 @@ pub struct Dvl {
 }
 
 impl Sensor<3> for Dvl {
-    fn observe<const N: usize>(
-        &self,
-        value: &[f64; 3],
-        motion: &Kinematics<N>,
-    ) -> Observation<N> {
+    fn observe<const N: usize>(&self, value: &[f64; 3], motion: &Kinematics<N>) -> Observation<N> {
         let states = &motion.sensors;
         let scale = 1.0 + motion.optional(states.dvl_scale);
         let delay = motion.optional(states.dvl_delay);

@@ -5,8 +5,8 @@ import csv
 import numpy as np
 from fmpy import read_model_description
 
-# Samples of time and flags: what an importer leaves alone when nothing is connected.
-HELD = ("stamp", "valid", "off")
+# Samples of time and switches: what an importer leaves alone when nothing is connected.
+HELD = ("stamp", "off")
 
 
 def inputs(fmu, times):
@@ -19,6 +19,9 @@ def inputs(fmu, times):
     signals = np.zeros(len(times), dtype=[("time", float)] + [(v.name, float) for v in driven])
     signals["time"] = times
     for number, variable in enumerate(driven):
+        if variable.name.endswith("valid"):
+            signals[variable.name] = 1.0
+            continue
         amplitude = 0.1 * float(variable.nominal or 1.0)
         wave = np.sin((0.3 + 0.05 * number) * np.asarray(times) + number)
         signals[variable.name] = float(variable.start) + amplitude * wave

@@ -1,5 +1,5 @@
-//! Packaging: one library, nine FMUs and the paper's system, the same bytes every time; the libraries of
-//! the FMUs that `cosim` writes; and for the wheel `cosim` itself and `rexrov-smooth`.
+//! Packaging: one library, its FMUs and the paper's system, the same bytes every time; the libraries of
+//! the FMUs that `cosim` writes; and for the wheel `cosim` and `rexrov-smooth`.
 //!
 //! | file | what |
 //! |---|---|

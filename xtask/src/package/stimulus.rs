@@ -13,17 +13,31 @@ const HEAVE: f64 = 0.05;
 const TURN: f64 = 0.1;
 /// Gravity, m/s2.
 const GRAVITY: f64 = 9.81;
+/// What an instrument adds, in its unit: values that repeat bit for bit are those of one that is stuck.
+const RIPPLE: f64 = 1e-3;
 /// Thrust over rotor speed squared, N.s2/rad2.
 const THRUST_GAIN: f64 = 0.00031;
 
 /// The value of an input at time `t` in seconds; `None` if it keeps its start value.
 pub(crate) fn value(input: &str, t: f64) -> Option<f64> {
-    let (sine, cosine) = libm::sincos(TURN * t);
     // Whose motion it is does not matter, nor which instrument tells it.
-    let quantity = ["vehicle.", "imu.", "dvl.", "fix.", "pressure."]
+    let measured = ["imu.", "ahrs.", "dvl.", "fix.", "pressure.", "propulsion."]
         .iter()
-        .find_map(|prefix| input.strip_prefix(prefix))
-        .unwrap_or(input);
+        .find_map(|prefix| input.strip_prefix(prefix));
+    if let Some(quantity) = measured {
+        return match quantity {
+            "valid" => Some(1.0),
+            "stamp" => Some(t),
+            _ => motion(quantity, t).map(|value| value + RIPPLE * libm::sin(7.0 * t)),
+        };
+    }
+    let quantity = input.strip_prefix("vehicle.").unwrap_or(input);
+    motion(quantity, t).or_else(|| thruster(quantity, t))
+}
+
+/// What moves, and what is demanded of it.
+fn motion(quantity: &str, t: f64) -> Option<f64> {
+    let (sine, cosine) = libm::sincos(TURN * t);
     Some(match quantity {
         "pose.x" | "position.x" => SURGE / TURN * sine,
         "pose.y" | "position.y" => SURGE / TURN * (1.0 - cosine),
@@ -36,7 +50,7 @@ pub(crate) fn value(input: &str, t: f64) -> Option<f64> {
         "command.r" => TURN * cosine,
         "specific_force.y" => TURN * SURGE,
         "specific_force.z" => -GRAVITY,
-        _ => return thruster(quantity, t),
+        _ => return None,
     })
 }
 

@@ -9,7 +9,7 @@ use rexrov_fmu::REGISTRY;
 use crate::declared::{self, Declared};
 use crate::subject::{Random, entry, instance, put};
 
-const RUNS: u64 = 100;
+const RUNS: u64 = 400;
 /// Most communication steps of a run.
 const STEPS: f64 = 12.0;
 

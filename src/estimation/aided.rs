@@ -1,0 +1,106 @@
+//! Model-aided inertial navigation with a watch on the thrusters.
+//!
+//! The watch runs on a dynamic filter of its own: its innovations carry a lost thrust for seconds,
+//! where the inertial filter's would have taken it for a disturbance at once. What it finds becomes
+//! an event of the aided filter: thruster i gives this share of its thrust from now on.
+
+use serde::{Deserialize, Serialize};
+
+use super::filter::{Estimate, Filter, Memory, Navigation};
+use super::measurement::Measurements;
+use super::monitor::ThrusterMonitor;
+use super::parameters::{Disturbances, NavigationParameters};
+use super::process::inertial::InertialProcess;
+use super::process::model_aid::ModelAid;
+use super::process::planar_dynamic::PlanarDynamic;
+use super::smoother::{Recording, Smoothed, Smoothing};
+use crate::ParameterError;
+use crate::vehicle::Parameters;
+
+/// Room for the states of the inertial, dynamic and constant-acceleration filters: 15 and those of
+/// the sensors.
+pub const BASIC_STATES: usize = 19;
+/// Room for those of the model-aided one.
+pub const AIDED_STATES: usize = 33;
+
+/// The dynamic filter with a watch on the thrusters.
+pub type DynamicFilter = Filter<PlanarDynamic, BASIC_STATES, ThrusterMonitor<BASIC_STATES>>;
+
+/// Model-aided inertial navigation.
+#[derive(Clone, Debug)]
+pub struct AidedFilter {
+    filter: Filter<InertialProcess, AIDED_STATES>,
+    watch: DynamicFilter,
+}
+
+/// What it remembers.
+#[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct AidedMemory {
+    filter: Memory<AIDED_STATES>,
+    watch: Memory<BASIC_STATES, ThrusterMonitor<BASIC_STATES>>,
+    loss: [f64; 8],
+}
+
+impl Clone for AidedMemory {
+    fn clone(&self) -> Self {
+        Self { filter: self.filter.clone(), watch: self.watch.clone(), loss: self.loss }
+    }
+
+    fn clone_from(&mut self, from: &Self) {
+        self.filter.clone_from(&from.filter);
+        self.watch.clone_from(&from.watch);
+        self.loss = from.loss;
+    }
+}
+
+/// The white yaw moment that the dynamic filter of the watch needs (N.m/sqrt(Hz)): it has no noise of
+/// an inertial unit to hide a loss in.
+const WATCH_MOMENT_DENSITY: f64 = 2.0;
+
+impl AidedFilter {
+    /// # Errors
+    /// Names the parameter that is out of range.
+    pub fn new(
+        p: &NavigationParameters,
+        vehicle: &Parameters,
+        disturbances: &Disturbances,
+    ) -> Result<Self, ParameterError> {
+        let aid = ModelAid::new(vehicle, disturbances)?;
+        let moment_density = disturbances.moment_density.min(WATCH_MOMENT_DENSITY);
+        let watched = Disturbances { moment_density, ..*disturbances };
+        Ok(Self {
+            filter: Filter::new(InertialProcess::new(p, Some(aid))?, p)?,
+            watch: Filter::new(PlanarDynamic::new(p, vehicle, &watched)?, p)?,
+        })
+    }
+}
+
+impl Navigation for AidedFilter {
+    type Memory = AidedMemory;
+
+    fn memory(&self) -> AidedMemory {
+        let (filter, watch) = (self.filter.memory(), self.watch.memory());
+        AidedMemory { filter, watch, loss: [0.0; 8] }
+    }
+
+    fn update(&self, memory: &mut AidedMemory, now: f64, measured: &Measurements) -> Estimate {
+        let loss = self.watch.update(&mut memory.watch, now, measured).loss;
+        if loss != memory.loss {
+            memory.loss = loss;
+            self.filter.assume(&mut memory.filter, loss.map(|share| 1.0 - share));
+        }
+        self.filter.update(&mut memory.filter, now, measured)
+    }
+}
+
+impl Smoothing for AidedFilter {
+    fn recording(&self) -> Recording {
+        self.filter.recording()
+    }
+
+    fn smooth(&self, recording: &Recording) -> Vec<Smoothed> {
+        let mut watched = recording.clone();
+        self.watch.watch(&mut watched);
+        self.filter.smooth(&watched)
+    }
+}

@@ -1,0 +1,188 @@
+//! Detection of lost thrust: a bank of generalised likelihood ratios beside the filter.
+//!
+//! Hypothesis (i, k): thruster i has lost a share of its thrust since restart k, while its rotor
+//! turns as before. Each carries V, the mean error of the filter per unit of the share lost, and
+//! compares the innovations y with what they would be then:
+//!
+//! ```text
+//! predict   V <- F V - B_i T_i dt
+//! update    s = h^T V (+ the direct effect of the thrust on the measurement)
+//!           C += s y / S,  J += s^2 / S,  V -= K s
+//! ```
+//! The share is estimated as C/J, its log-likelihood ratio against no loss is C^2/(2 J). Willsky &
+//! Jones (1976); Basseville & Nikiforov (1993) ch. 7.2.
+
+use nalgebra::{SMatrix, SVector};
+use serde::{Deserialize, Serialize};
+
+use super::belief::{Column, add_scaled};
+use super::interval::Interval;
+use super::kalman::Witness;
+use super::transition::Transition;
+
+/// Restarts kept; one a second, so that losses up to this many seconds old are told apart.
+const RESTARTS: usize = 12;
+/// Seconds between restarts.
+const SPACING: f64 = 1.0;
+const THRUSTERS: usize = 8;
+const HYPOTHESES: usize = RESTARTS * THRUSTERS;
+
+/// One number for each hypothesis: the thrusters of restart 0, of restart 1, ...
+type Lanes = SVector<f64, HYPOTHESES>;
+
+/// A thruster found to have lost thrust.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Alarm<const N: usize> {
+    /// Which thruster.
+    pub thruster: usize,
+    /// Share of its thrust lost.
+    pub share: f64,
+    /// Correction of the states, and the standard deviation it has along itself.
+    pub correction: Column<N>,
+    /// The direction in which the covariance widens: P grows by the product of this with itself.
+    pub widening: Column<N>,
+}
+
+/// Watches a filter's innovations for a fault.
+pub trait Monitor<const N: usize>: Witness<N> + Copy + Default {
+    /// Looks whether there is a fault at an instant (s); after an alarm it begins anew.
+    fn judge(&mut self, now: f64) -> Option<Alarm<N>> {
+        let _ = now;
+        None
+    }
+
+    /// Makes known what a newton of each thruster does to the states in a second.
+    fn prepare(&mut self, effect: &[Column<N>; THRUSTERS]) {
+        let _ = effect;
+    }
+}
+
+impl<const N: usize> Monitor<N> for () {}
+
+/// The bank.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ThrusterMonitor<const N: usize> {
+    /// Column i: error of state i under each hypothesis.
+    errors: SMatrix<f64, HYPOTHESES, N>,
+    c: Lanes,
+    j: Lanes,
+    restarted: f64,
+    next: usize,
+    direct: [f64; THRUSTERS],
+    effect: [Column<N>; THRUSTERS],
+}
+
+impl<const N: usize> Default for ThrusterMonitor<N> {
+    fn default() -> Self {
+        Self {
+            errors: SMatrix::zeros(),
+            c: Lanes::zeros(),
+            j: Lanes::zeros(),
+            restarted: f64::NEG_INFINITY,
+            next: 0,
+            direct: [0.0; THRUSTERS],
+            effect: [Column::zeros(); THRUSTERS],
+        }
+    }
+}
+
+/// Twice the log-likelihood ratio of an alarm: none in 8 h of healthy missions.
+const THRESHOLD: f64 = 25.0;
+/// Shares that a loss of a propeller can be told from a disturbance by.
+const SHARES: core::ops::Range<f64> = 0.35..1.4;
+
+impl<const N: usize> Monitor<N> for ThrusterMonitor<N> {
+    fn prepare(&mut self, effect: &[Column<N>; THRUSTERS]) {
+        self.effect = *effect;
+    }
+
+    fn judge(&mut self, now: f64) -> Option<Alarm<N>> {
+        let best = (0..HYPOTHESES)
+            .filter(|&k| self.j[k] > 0.0 && SHARES.contains(&(self.c[k] / self.j[k])))
+            .max_by(|&a, &b| self.ratio(a).total_cmp(&self.ratio(b)))
+            .filter(|&k| self.ratio(k) > THRESHOLD);
+        if let Some(k) = best {
+            let share = self.c[k] / self.j[k];
+            let error = Column::from_fn(|i, _| self.errors[(k, i)]);
+            let alarm = Alarm {
+                thruster: k % THRUSTERS,
+                share: share.min(1.0),
+                correction: error * share,
+                widening: error / self.j[k].sqrt(),
+            };
+            let effect = self.effect;
+            *self = Self { effect, restarted: now, ..Self::default() };
+            return Some(alarm);
+        }
+        if now - self.restarted >= SPACING {
+            self.restarted = now;
+            let from = self.next * THRUSTERS;
+            self.next = (self.next + 1) % RESTARTS;
+            self.errors.rows_mut(from, THRUSTERS).fill(0.0);
+            self.c.rows_mut(from, THRUSTERS).fill(0.0);
+            self.j.rows_mut(from, THRUSTERS).fill(0.0);
+        }
+        None
+    }
+}
+
+impl<const N: usize> ThrusterMonitor<N> {
+    /// Errors of a state under all hypotheses.
+    fn column(&self, state: usize) -> &[f64] {
+        &self.errors.as_slice()[state * HYPOTHESES..(state + 1) * HYPOTHESES]
+    }
+
+    fn ratio(&self, k: usize) -> f64 {
+        self.c[k] * self.c[k] / self.j[k]
+    }
+}
+
+impl<const N: usize> Witness<N> for ThrusterMonitor<N> {
+    fn predicted(&mut self, f: &Transition<N>) {
+        f.apply_to_columns(&mut self.errors);
+    }
+
+    fn driven(&mut self, interval: &Interval) {
+        let Some(thrusts) = &interval.thrust else { return };
+        for state in 0..N {
+            let change: [f64; THRUSTERS] =
+                core::array::from_fn(|i| self.effect[i][state] * thrusts.mean[i] * interval.dt);
+            if change.iter().any(|&c| c != 0.0) {
+                let from = state * HYPOTHESES;
+                let column = &mut self.errors.as_mut_slice()[from..from + HYPOTHESES];
+                for restart in column.chunks_exact_mut(THRUSTERS) {
+                    add_scaled(restart, -1.0, &change);
+                }
+            }
+        }
+    }
+
+    fn direct(&mut self, effect: [f64; THRUSTERS]) {
+        self.direct = effect;
+    }
+
+    fn updated(&mut self, row: &Column<N>, gain: &Column<N>, innovation: f64, s: f64) {
+        let mut response = Lanes::zeros();
+        for (k, value) in response.iter_mut().enumerate() {
+            *value = self.direct[k % THRUSTERS];
+        }
+        self.direct = [0.0; THRUSTERS];
+        for (state, &h) in row.iter().enumerate() {
+            if h != 0.0 {
+                add_scaled(response.as_mut_slice(), h, self.column(state));
+            }
+        }
+        let response = response.as_slice();
+        add_scaled(self.c.as_mut_slice(), innovation / s, response);
+        let per_s = 1.0 / s;
+        for (j, r) in self.j.as_mut_slice().iter_mut().zip(response) {
+            *j += r * r * per_s;
+        }
+        let columns = self.errors.as_mut_slice().chunks_exact_mut(HYPOTHESES);
+        for (column, &k) in columns.zip(gain.as_slice()) {
+            if k != 0.0 {
+                add_scaled(column, -k, response);
+            }
+        }
+    }
+}
