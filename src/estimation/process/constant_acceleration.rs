@@ -27,8 +27,9 @@ const BASE: usize = 15;
 
 /// Default process noise of robot_localization: variance per second of position, attitude, velocity,
 /// angular rate and acceleration.
-const NOISE: [f64; BASE] =
-    [0.05, 0.05, 0.06, 0.03, 0.03, 0.06, 0.025, 0.025, 0.04, 0.01, 0.01, 0.02, 0.01, 0.01, 0.015];
+const NOISE: [f64; BASE] = [
+    0.05, 0.05, 0.06, 0.03, 0.03, 0.06, 0.025, 0.025, 0.04, 0.01, 0.01, 0.02, 0.01, 0.01, 0.015,
+];
 
 /// The constant-acceleration process.
 #[derive(Clone, Debug)]
@@ -116,19 +117,20 @@ impl<const N: usize> Process<N> for ConstantAcceleration {
         witness: &mut impl Witness<N>,
     ) {
         let Some(imu) = &interval.inertial else { return };
-        let down = matrix(belief.attitude).transpose() * Vector3::z() * self.parameters.gravity;
-        let acceleration = Vector3::from(imu.specific_force) + down;
         let sensors = &self.parameters.sensors;
         let measured = [
-            (OMEGA, Vector3::from(imu.rate_end), sensors.gyro.noise_density),
-            (A, acceleration, sensors.accelerometer.noise_density),
+            (OMEGA, imu.rate_end, sensors.gyro.noise_density, 0.0),
+            (A, imu.specific_force, sensors.accelerometer.noise_density, self.parameters.gravity),
         ];
-        for (state, value, density) in measured {
-            let innovation = value - block(belief, state);
-            let mut rows = [Column::zeros(); 3];
-            (0..3).for_each(|i| rows[i][state + i] = 1.0);
+        for (state, value, density, gravity) in measured {
+            let down = matrix(belief.attitude).transpose() * Vector3::z() * gravity;
+            let mut predicted = Linearized::constant(block(belief, state) - down);
+            predicted.set_block(state, &Matrix3::identity());
+            predicted.set_block(THETA, &-skew(&down));
+            let innovation = Vector3::from(value) - predicted.value;
             let variance = (density * density / interval.dt).max(1e-12);
-            let observation = Observation::new(3, innovation.into(), rows, [variance; 3]);
+            let observation =
+                Observation::new(3, innovation.into(), predicted.rows, [variance; 3]);
             let correction = fuse(belief, &observation, f64::INFINITY, witness);
             self.correct(belief, &correction);
         }
@@ -152,6 +154,8 @@ impl<const N: usize> Process<N> for ConstantAcceleration {
         velocity.set_block(V, &Matrix3::identity());
         let mut rate = Linearized::constant(motion.rate);
         rate.set_block(OMEGA, &Matrix3::identity());
+        let mut acceleration = Linearized::constant(motion.acceleration);
+        acceleration.set_block(A, &Matrix3::identity());
         let mut rotation_rows = [Column::zeros(); 3];
         (0..3).for_each(|i| rotation_rows[i][THETA + i] = 1.0);
         Kinematics {
@@ -162,7 +166,7 @@ impl<const N: usize> Process<N> for ConstantAcceleration {
             velocity,
             rate,
             rate_variance: 0.0,
-            acceleration: motion.acceleration,
+            acceleration,
             sensors: self.sensors,
             mean: belief.mean,
         }

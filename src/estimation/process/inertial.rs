@@ -111,10 +111,7 @@ impl InertialProcess {
         let mut f = Transition::identity();
         for i in 0..3 {
             let own = core::iter::once((P + i, 1.0));
-            f.set_row(
-                P + i,
-                own.chain(part(&by_velocity, i, U)).chain(part(&by_attitude, i, THETA)),
-            );
+            f.set_row(P + i, own.chain(part(&by_velocity, i, U)).chain(part(&by_attitude, i, THETA)));
         }
         (0..3).for_each(|i| f.set_row(THETA + i, part(&t.transpose(), i, THETA)));
         let mut p = belief.mean.fixed_rows_mut::<3>(P);
@@ -293,6 +290,14 @@ impl<const N: usize> Process<N> for InertialProcess {
         } else {
             square(self.parameters.maneuver_rate)
         };
+        let mut acceleration = Linearized::constant(motion.acceleration);
+        if interval.inertial.is_some() {
+            let gravity = motion.rotation.transpose() * Vector3::z() * self.parameters.gravity;
+            acceleration.set_block(U, &-skew(&motion.rate));
+            acceleration.set_block(THETA, &skew(&gravity));
+            acceleration.set_block(B_A, &-Matrix3::identity());
+            acceleration.set_block(B_G, &-skew(&motion.velocity));
+        }
         let mut rotation_rows = [Column::zeros(); 3];
         for (i, row) in rotation_rows.iter_mut().enumerate() {
             row[THETA + i] = 1.0;
@@ -305,7 +310,7 @@ impl<const N: usize> Process<N> for InertialProcess {
             velocity,
             rate,
             rate_variance,
-            acceleration: motion.acceleration,
+            acceleration,
             sensors: self.sensors,
             mean: belief.mean,
         }

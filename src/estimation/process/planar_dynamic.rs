@@ -374,6 +374,14 @@ impl<const N: usize> Process<N> for PlanarDynamic {
         position.set_block(0, &Matrix3::identity());
         let mut velocity = Linearized::constant(motion.velocity);
         velocity.set_block(U, &Matrix3::identity());
+        let mut acceleration = Linearized::<N>::constant(motion.acceleration);
+        if self.sensors.dvl_delay.is_some() {
+            let movers: [f64; MOVERS] = core::array::from_fn(|i| belief.mean[i]);
+            let (_, j) = self.rates(&movers, &self.forces(interval), interval.tilt);
+            for (i, row) in acceleration.rows.iter_mut().enumerate() {
+                row.as_mut_slice()[..MOVERS].copy_from_slice(&j[U + i]);
+            }
+        }
         let mut rotation_rows = [Column::zeros(); 3];
         (0..3).for_each(|i| rotation_rows[i][PSI] = inverse[(i, 2)]);
         let mut rate = Linearized::constant(motion.rate);
@@ -386,7 +394,7 @@ impl<const N: usize> Process<N> for PlanarDynamic {
             velocity,
             rate,
             rate_variance: 0.0,
-            acceleration: motion.acceleration,
+            acceleration,
             sensors: self.sensors,
             mean: belief.mean,
         }

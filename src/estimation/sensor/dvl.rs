@@ -19,7 +19,11 @@ pub struct Dvl {
 }
 
 impl Sensor<3> for Dvl {
-    fn observe<const N: usize>(&self, value: &[f64; 3], motion: &Kinematics<N>) -> Observation<N> {
+    fn observe<const N: usize>(
+        &self,
+        value: &[f64; 3],
+        motion: &Kinematics<N>,
+    ) -> Observation<N> {
         let states = &motion.sensors;
         let scale = 1.0 + motion.optional(states.dvl_scale);
         let delay = motion.optional(states.dvl_delay);
@@ -27,15 +31,17 @@ impl Sensor<3> for Dvl {
         let turn = Matrix3::new(cos, sin, 0.0, -sin, cos, 0.0, 0.0, 0.0, 1.0);
 
         let lever = motion.rate.value.cross(&self.lever);
-        let at_instrument = motion.velocity.value + lever - motion.acceleration * delay;
+        let at_instrument = motion.velocity.value + lever - motion.acceleration.value * delay;
         let aligned = turn * at_instrument;
         let through_velocity = turn * scale;
         let through_rate = -through_velocity * skew(&self.lever);
         let mut rows = core::array::from_fn(|i| {
-            motion.velocity.image(&through_velocity, i) + motion.rate.image(&through_rate, i)
+            motion.velocity.image(&through_velocity, i)
+                + motion.rate.image(&through_rate, i)
+                - motion.acceleration.image(&through_velocity, i) * delay
         });
         let by_misalignment = Vector3::new(aligned.y, -aligned.x, 0.0) * scale;
-        let by_delay = -(through_velocity * motion.acceleration);
+        let by_delay = -(through_velocity * motion.acceleration.value);
         for (i, row) in rows.iter_mut().enumerate() {
             for (state, derivative) in [
                 (states.dvl_scale, aligned[i]),

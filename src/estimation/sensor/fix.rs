@@ -6,6 +6,9 @@ use super::{Observation, Sensor};
 use crate::estimation::belief::Column;
 use crate::estimation::kinematics::Kinematics;
 
+/// Least standard deviation that a fix may report of itself (m).
+const LEAST: f64 = 1e-3;
+
 /// North and east of the antenna or transponder, and the standard deviation reported with them (m);
 /// 0: not reported.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +26,7 @@ impl Sensor<3> for Fix {
         motion: &Kinematics<N>,
     ) -> Observation<N> {
         let point = motion.point(&self.lever);
-        let sigma = if reported > 0.0 { reported } else { self.sigma };
+        let sigma = if reported > 0.0 { reported.max(LEAST) } else { self.sigma };
         Observation::new(
             2,
             [north - point.value.x, east - point.value.y, 0.0],
