@@ -91,7 +91,8 @@ impl<const N: usize> Belief<N> {
         let correlation = gain * s;
         let reduced = self.covariance - gain * correlation.transpose();
         let rest = reduced * row;
-        let joseph = reduced - rest * gain.transpose() + gain * gain.transpose() * noise;
+        let joseph =
+            reduced - rest * gain.transpose() + gain * gain.transpose() * noise;
         self.covariance = (joseph + joseph.transpose()) * 0.5;
     }
 
@@ -118,12 +119,18 @@ impl<const N: usize> Belief<N> {
     /// Keeps the covariance within what arithmetic can bear: variances neither negative nor beyond
     /// all use, and a matrix that rounding made indefinite is brought back by widening it.
     ///
-    /// Where variances were beyond all use, gives the factors on the errors.
+    /// Where a variance was either, gives the factors on the errors.
     pub fn confine(&mut self) -> Option<Transition<N>> {
         let mut factors = None;
+        let mut limited = false;
         for i in 0..self.order {
             let variance = self.covariance[(i, i)];
+            if variance < 0.0 {
+                self.decouple(i, 0.0);
+                factors.get_or_insert_with(Transition::identity).scale(i, 0.0);
+            }
             if variance > VARIANCE_LIMIT {
+                limited = true;
                 let scale = (VARIANCE_LIMIT / variance).sqrt();
                 for j in 0..self.order {
                     self.covariance[(i, j)] *= scale;
@@ -131,6 +138,9 @@ impl<const N: usize> Belief<N> {
                 }
                 factors.get_or_insert_with(Transition::identity).scale(i, scale);
             }
+        }
+        if limited {
+            self.restore_positive();
         }
         factors
     }

@@ -7,15 +7,17 @@ use serde::{Deserialize, Serialize};
 use super::belief::{Belief, Column, dot};
 use super::history::{Arrival, History};
 use super::intake::{Sources, take_new};
-use super::kinematics::Kinematics;
+use super::kinematics::{Kinematics, skew};
 use super::measurement::{Event, KINDS, Kind, Measurements};
 use super::monitor::Monitor;
 use super::parameters::NavigationParameters;
 use super::process::Process;
 use super::sensor::euler;
-use super::track::{CHANNELS, Record, Setup, Track};
+use super::track::{ATTITUDE_GAP, CHANNELS, Record, Setup, Track};
 use crate::ParameterError;
 
+/// A silence longer than this (s) is not predicted through: the filter begins anew.
+const LOST: f64 = 3600.0;
 /// Driving signals that are silent for longer than this (s) are not waited for.
 const SILENT: f64 = 0.25;
 
@@ -172,7 +174,7 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
         let begun = !last.is_nan();
         let history = history.get_or_insert_with(|| History::new(Track::new(&self.setup, now)));
         if !begun && now.is_finite() {
-            *history = History::new(Track::new(&self.setup, now));
+            history.reset(Track::new(&self.setup, now));
         }
         let now = if now.is_finite() { now.max(if begun { *last } else { now }) } else { *last };
         if now.is_nan() {
@@ -188,10 +190,15 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
                 Arrival::Lost => lost[kind] = lost[kind].saturating_add(1),
             }
         });
-        history.run(&self.setup, self.horizon(sources, now), &mut ());
+        let horizon = self.horizon(sources, now);
+        if horizon - history.track.time > LOST {
+            *reset = now;
+            history.reset(Track::lost(&self.setup, now));
+        }
+        history.run(&self.setup, horizon, &mut ());
         if !history.track.belief.is_finite() {
             *reset = now;
-            history.reset(Track::new(&self.setup, now));
+            history.reset(Track::lost(&self.setup, now));
         }
         if history.take_changed()
             && let Some(history) = &memory.history
@@ -209,17 +216,16 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
         }
     }
 
-    /// Up to where the driving signals are known.
+    /// Up to where the driving signals are known: inertial unit and thrusts, or while there is no
+    /// inertial unit the attitude, whose change says how the vehicle turns.
     fn horizon(&self, sources: &Sources, now: f64) -> f64 {
-        let mut horizon = now;
-        let thrust = self.setup.process.uses_thrust();
-        for (kind, used) in [(Kind::Imu, true), (Kind::Thrust, thrust)] {
+        let known = |kind: Kind, silence: f64| {
             let source = &sources[kind as usize];
-            if used && source.is_alive(now, SILENT) {
-                horizon = horizon.min(source.newest);
-            }
-        }
-        horizon
+            source.is_alive(now, silence).then_some(source.newest)
+        };
+        let turning = known(Kind::Imu, SILENT).or_else(|| known(Kind::Ahrs, ATTITUDE_GAP));
+        let thrust = self.setup.process.uses_thrust().then(|| known(Kind::Thrust, SILENT)).flatten();
+        [turning, thrust].into_iter().flatten().fold(now, f64::min)
     }
 
     /// What the filter knows at its newest cycle.
@@ -251,11 +257,7 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
         }
     }
 
-    fn channels(
-        &self,
-        memory: &Memory<N, M>,
-        records: &[Record; CHANNELS],
-    ) -> [ChannelReport; CHANNELS] {
+    fn channels(&self, memory: &Memory<N, M>, records: &[Record; CHANNELS]) -> [ChannelReport; CHANNELS] {
         let kinds = [Kind::Ahrs, Kind::Ahrs, Kind::Depth, Kind::Dvl, Kind::Fix];
         core::array::from_fn(|i| {
             let (record, kind) = (&records[i], kinds[i] as usize);
@@ -264,9 +266,7 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
                 sigma: record.sigma,
                 nis: record.nis,
                 used: record.used,
-                rejected: record
-                    .rejected
-                    .saturating_add(memory.sources[kind].invalid)
+                rejected: record.rejected.saturating_add(memory.sources[kind].invalid)
                     .saturating_add(memory.lost[kind]),
                 late: memory.late[kind],
             }
@@ -274,8 +274,9 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
     }
 
     fn health(&self, memory: &Memory<N, M>, track: &Track<N, M>) -> Health {
-        let silent =
-            |kind: Kind, seconds: f64| !memory.sources[kind as usize].is_alive(memory.now, seconds);
+        let silent = |kind: Kind, seconds: f64| {
+            !memory.sources[kind as usize].is_alive(memory.now, seconds)
+        };
         if memory.now - memory.reset < 30.0 {
             return Health::Diverged;
         }
@@ -300,7 +301,10 @@ pub(super) fn describe<P: Process<N>, const N: usize>(
     let rows: [Column<N>; 6] = core::array::from_fn(|i| match i {
         // The position moves on with the velocity.
         0..3 if lag > setup.parameters.interval => {
-            motion.position.rows[i] + motion.velocity.image(&motion.rotation, i) * lag
+            let turned = -motion.rotation * skew(&motion.velocity.value);
+            let velocity =
+                motion.velocity.image(&motion.rotation, i) + motion.through_rotation(&turned, i);
+            motion.position.rows[i] + velocity * lag
         }
         0..3 => motion.position.rows[i],
         _ => motion.through_rotation(&rates, i - 3),
@@ -324,7 +328,7 @@ pub(super) fn describe<P: Process<N>, const N: usize>(
         euler: angles,
         velocity: motion.velocity.value.into(),
         rate: motion.rate.value.into(),
-        acceleration: motion.acceleration.into(),
+        acceleration: motion.acceleration.value.into(),
         current: setup.process.current().map_or([0.0; 2], |c| c.map(|i| belief.mean[i])),
         covariance,
         velocity_sigma: core::array::from_fn(|i| sigma(&motion.velocity.rows[i])),

@@ -89,7 +89,13 @@ impl<const N: usize, M: Monitor<N>> History<N, M> {
         if place >= self.taken && event.time >= self.track.time - 1e-9 {
             return Arrival::InTime;
         }
-        self.go_back(event.key(), event.time);
+        // A copy between the samples around a late one of a driving signal holds the line across it.
+        let before = self.events[..place].iter().rev().find(|e| e.kind == event.kind);
+        let time = match event.kind {
+            Kind::Imu | Kind::Thrust | Kind::Ahrs => before.map_or(f64::NEG_INFINITY, |e| e.time),
+            _ => event.time,
+        };
+        self.go_back(event.key(), time);
         Arrival::Late
     }
 
@@ -121,8 +127,7 @@ impl<const N: usize, M: Monitor<N>> History<N, M> {
         let before = (self.track.time, self.fused());
         let spacing = setup.parameters.latency / (COPIES - 2) as f64;
         while let Some(&event) = self.events.get(self.taken).filter(|e| e.time <= until) {
-            if self.track.time >= self.copies.last().map_or(f64::NEG_INFINITY, |c| c.time) + spacing
-            {
+            if self.track.time >= self.copies.last().map_or(f64::NEG_INFINITY, |c| c.time) + spacing {
                 self.keep_copy(setup.parameters.latency);
             }
             let ahead = self.ahead();
@@ -131,6 +136,10 @@ impl<const N: usize, M: Monitor<N>> History<N, M> {
         }
         let ahead = self.ahead();
         self.track.advance(setup, until + 2e-9, &ahead, witness);
+        if self.track.time - before.0 > 1.0 {
+            // Copies keep the covariance positive; none is made where nothing is measured.
+            self.track.belief.restore_positive();
+        }
         self.changed |= before != (self.track.time, self.fused());
     }
 
@@ -193,9 +202,12 @@ impl Ahead {
                 Kind::Thrust if ahead.thrust.is_none() => {
                     ahead.thrust = Some((event.time, event.cut()));
                 }
+                Kind::Ahrs if ahead.attitude.is_none() => {
+                    ahead.attitude = Some((event.time, event.cut()));
+                }
                 _ => {}
             }
-            if ahead.imu.is_some() && ahead.thrust.is_some() {
+            if ahead.imu.is_some() && ahead.thrust.is_some() && ahead.attitude.is_some() {
                 break;
             }
         }

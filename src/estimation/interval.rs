@@ -7,6 +7,8 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Instants closer than this (s) are the same.
+pub(super) const SAME: f64 = 1e-9;
 /// Samples farther apart than this (s) do not describe what is between them.
 pub(super) const GAP: f64 = 0.25;
 
@@ -65,6 +67,8 @@ impl<const K: usize> Stream<K> {
     pub(super) fn close(&mut self, end: f64, next: Option<(f64, [f64; K])>) -> Option<Mean<K>> {
         if let Some((last, from)) = self.newest {
             let value = match next {
+                // A sample at the end itself needs no other.
+                _ if (end - last).abs() < SAME => Some(from),
                 Some((time, to)) if time - last <= GAP => {
                     let share = if time > last { (end - last) / (time - last) } else { 0.0 };
                     Some(core::array::from_fn(|i| from[i] + share * (to[i] - from[i])))

@@ -49,7 +49,8 @@ pub struct SensorStates {
     pub dvl_scale: Option<usize>,
     /// Yaw of the velocity log's housing (rad).
     pub dvl_misalignment: Option<usize>,
-    /// How much later than its stamp says the attitude's clock has the velocity log's sample (s).
+    /// Delay of the velocity log (s): a sample stamped t shows the velocity at t less this, by the
+    /// clock of the attitude.
     pub dvl_delay: Option<usize>,
 }
 
@@ -108,8 +109,8 @@ pub struct Kinematics<const N: usize> {
     pub rate: Linearized<N>,
     /// Variance of the rate's noise beyond what the states say ((rad/s)^2).
     pub rate_variance: f64,
-    /// Time derivative of the velocity along body axes (m/s2), an input without derivatives.
-    pub acceleration: Vector3<f64>,
+    /// Time derivative of the velocity along body axes (m/s2).
+    pub acceleration: Linearized<N>,
     /// States of the sensors, and their mean.
     pub sensors: SensorStates,
     /// Mean of all states.

@@ -65,11 +65,7 @@ pub(super) fn reacquire<const N: usize>(
     let mut f = Transition::identity();
     let square = |x: f64| x * x;
     let far = |least: f64| {
-        observation
-            .innovation
-            .iter()
-            .take(observation.size)
-            .fold(square(least), |m, y| m.max(y * y))
+        observation.innovation.iter().take(observation.size).fold(square(least), |m, y| m.max(y * y))
     };
     let mut forget = |state: usize, variance: f64| {
         belief.decouple(state, variance);

@@ -20,18 +20,18 @@ use nalgebra::SMatrix;
 use super::belief::{Belief, Column};
 use super::filter::{Estimate, Filter, describe};
 use super::intake::{Sources, take_new};
-use super::interval::Interval;
+use super::interval::{Interval, SAME};
 use super::kalman::Witness;
 use super::measurement::{Event, Kind, Measurements};
 use super::monitor::Monitor;
 use super::process::Process;
-use super::track::{Ahead, SAME, Setup, Track};
+use super::track::{ATTITUDE_GAP, Ahead, Setup, Track};
 use super::transition::Transition;
 
 /// Steps of which a tape is kept at a time; the filter goes twice over each.
 const SEGMENT: usize = 2048;
-/// How far driving signals are looked for ahead of an instant (s).
-const AHEAD: f64 = 1.0;
+/// How far samples are looked for ahead of an instant (s).
+const AHEAD: f64 = ATTITUDE_GAP;
 
 /// The smoothed estimate at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -199,7 +199,7 @@ impl<const N: usize, M: Monitor<N>> Player<N, M> {
             return false;
         }
         if !self.track.belief.is_finite() {
-            self.track = Track::new(setup, self.track.time);
+            self.track = Track::lost(setup, self.track.time);
             let mut nothing = Transition::identity();
             (0..N).for_each(|state| nothing.scale(state, 0.0));
             keeper.given_up(&nothing);

@@ -3,11 +3,11 @@
 //! All of it changes only by events in the order of their times, so that going back to an earlier
 //! copy and repeating the events gives what would have been, had all of them come in time.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::belief::Belief;
-use super::interval::{Inertial, Interval, Stream, Thrusts};
+use super::interval::{Inertial, Interval, SAME, Stream, Thrusts};
 use super::kalman::{Both, GATE, Verdict, Witness, absorb, fuse, judge};
 use super::kinematics::{Kinematics, Motion, skew};
 use super::measurement::{Event, Key, Kind};
@@ -57,10 +57,10 @@ pub(super) struct Record {
     pub(super) agreement: Agreement,
 }
 
+/// Standard deviation of the position of a vehicle that is lost (m).
+const LOST_SIGMA: f64 = 1e4;
 /// Seconds between attitudes beyond which they say nothing of the rate.
-const ATTITUDE_GAP: f64 = 1.5;
-/// Tolerance in which instants are the same (s).
-pub(super) const SAME: f64 = 1e-9;
+pub(super) const ATTITUDE_GAP: f64 = 1.5;
 
 /// A filter at an instant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -90,6 +90,7 @@ pub(super) struct Track<const N: usize, M> {
 pub(super) struct Ahead {
     pub(super) imu: Option<(f64, [f64; 6])>,
     pub(super) thrust: Option<(f64, [f64; 8])>,
+    pub(super) attitude: Option<(f64, [f64; 3])>,
 }
 
 /// What does not change: the process and how the sensors are seen.
@@ -142,6 +143,13 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         }
     }
 
+    /// As at the start, but anywhere and heading anywhere.
+    pub(super) fn lost<P: Process<N>>(setup: &Setup<P>, start: f64) -> Self {
+        let mut track = Self { aligned: false, ..Self::new(setup, start) };
+        (0..2).for_each(|i| track.belief.decouple(i, LOST_SIGMA * LOST_SIGMA));
+        track
+    }
+
     /// Takes an event that is not earlier than any before.
     pub(super) fn take<P: Process<N>>(
         &mut self,
@@ -150,10 +158,6 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         ahead: &Ahead,
         witness: &mut impl Witness<N>,
     ) {
-        if event.kind == Kind::Ahrs {
-            // The rate between two attitudes holds for the time between them.
-            self.follow_attitude(event.time, event.cut());
-        }
         self.advance(setup, event.time, ahead, witness);
         self.key = event.key();
         match event.kind {
@@ -161,6 +165,8 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
             Kind::Thrust => self.thrust.push(event.time, event.cut()),
             Kind::Ahrs => {
                 self.predict_to(setup, event.time, ahead, witness);
+                self.attitude_rate = self.turn_to(Some((event.time, event.cut())));
+                self.attitude = Some((event.time, event.cut()));
                 self.fuse_attitude(setup, event.cut(), witness);
             }
             Kind::Depth => {
@@ -208,6 +214,10 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         ahead: &Ahead,
         witness: &mut impl Witness<N>,
     ) {
+        // An event at an instant of the grid is taken there, to the last bit, whichever comes first.
+        let grid = setup.parameters.interval;
+        let nearest = libm::round(time / grid) * grid;
+        let time = if (time - nearest).abs() < SAME { nearest } else { time };
         let dt = time - self.time;
         if dt < SAME {
             return;
@@ -222,20 +232,15 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
                 let [a, b, c, p, q, r] = mean.value;
                 let rate = [p, q, r];
                 let force = self.to_centre(setup, [a, b, c], rate, dt);
-                Inertial {
-                    specific_force: force,
-                    rate,
-                    rate_end: [mean.end[3], mean.end[4], mean.end[5]],
-                }
+                Inertial { specific_force: force, rate, rate_end: [mean.end[3], mean.end[4], mean.end[5]] }
             }),
             thrust: thrust.map(|mean| {
-                let effective =
-                    |f: [f64; 8]| core::array::from_fn(|i| f[i] * self.effectiveness[i]);
+                let effective = |f: [f64; 8]| core::array::from_fn(|i| f[i] * self.effectiveness[i]);
                 Thrusts { mean: effective(mean.value), rising: effective(mean.rising) }
             }),
-            attitude_rate: self
-                .attitude_rate
-                .filter(|_| self.attitude.is_some_and(|(seen, _)| time - seen <= ATTITUDE_GAP)),
+            attitude_rate: self.turn_to(ahead.attitude).filter(|_| {
+                self.attitude.is_some_and(|(seen, _)| time - seen <= ATTITUDE_GAP)
+            }),
             tilt: self.tilt,
         };
         let process = &setup.process;
@@ -268,20 +273,21 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         (Vector3::from(force) - angular.cross(&lever) - spin * spin * lever).into()
     }
 
-    fn follow_attitude(&mut self, time: f64, euler: [f64; 3]) {
+    /// The rate between the newest attitude and the next, or the last one known.
+    fn turn_to(&self, next: Option<(f64, [f64; 3])>) -> Option<[f64; 3]> {
         let rotation = |e: [f64; 3]| {
             let r = attitude::rotation_euler(e);
-            nalgebra::Matrix3::from_fn(|i, j| r[i][j])
+            Matrix3::from_fn(|i, j| r[i][j])
         };
-        if let Some((before, from)) = self.attitude
-            && time - before > SAME
-            && time - before <= ATTITUDE_GAP
-        {
-            let turn = log(&(rotation(from).transpose() * rotation(euler)));
-            self.attitude_rate = Some((turn / (time - before)).into());
+        match (self.attitude, next) {
+            (Some((before, from)), Some((time, to)))
+                if time - before > SAME && time - before <= ATTITUDE_GAP =>
+            {
+                let turn = log(&(rotation(from).transpose() * rotation(to)));
+                Some((turn / (time - before)).into())
+            }
+            _ => self.attitude_rate,
         }
-        self.attitude = Some((time, euler));
-        self.tilt = [euler[0], euler[1]];
     }
 
     /// Takes the first attitude for the start, if the start says nothing of the heading.
@@ -298,6 +304,7 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         euler: [f64; 3],
         witness: &mut impl Witness<N>,
     ) {
+        self.tilt = [euler[0], euler[1]];
         self.interval.tilt = self.tilt;
         self.align(setup, euler);
         let motion = setup.process.kinematics(&self.belief, &self.interval);
@@ -324,15 +331,20 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         let mut witness = Both(&mut self.monitor, witness);
         if record.agreement.hear(channel, &observation, verdict.is_limited()) {
             record.agreement = Agreement::default();
-            let f = if channel == Channel::Heading && motion.sensors.heading_bias.is_some() {
-                hand_to_bias(&mut self.belief, &motion, &observation)
-            } else {
-                reacquire(&mut self.belief, channel, process.velocity(), &observation)
-            };
+            if channel == Channel::Heading && motion.sensors.heading_bias.is_some() {
+                // The measurement has made the bias; it says nothing more.
+                witness.given_up(&hand_to_bias(&mut self.belief, &motion, &observation));
+                return;
+            }
+            let f = reacquire(&mut self.belief, channel, process.velocity(), &observation);
             witness.given_up(&f);
             let observation = observe(&process.kinematics(&self.belief, &self.interval));
             let correction = fuse(&mut self.belief, &observation, f64::INFINITY, &mut witness);
             process.correct(&mut self.belief, &correction);
+            return;
+        }
+        if verdict.is_limited() && channel == Channel::Heading && motion.sensors.heading_bias.is_some() {
+            // More likely a disturbed compass than a heading that is wrong: it will be handed to the bias.
             return;
         }
         let correction = absorb(&mut self.belief, &observation, &verdict, &mut witness);
@@ -375,8 +387,7 @@ impl Record {
         self.nis = verdict.nis;
         self.used = self.used.saturating_add(1);
         self.rejected = self.rejected.saturating_add(u32::from(verdict.is_limited()));
-        self.limited_share +=
-            (f64::from(u8::from(verdict.is_limited())) - self.limited_share) / 20.0;
+        self.limited_share += (f64::from(u8::from(verdict.is_limited())) - self.limited_share) / 20.0;
         self.newest = time;
         self.sigma = verdict.sigma;
     }

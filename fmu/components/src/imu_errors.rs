@@ -1,5 +1,6 @@
 //! Errors of inertial instruments as FMI parameters, and the grades that set them.
 
+use crate::errors::{AccelerometerNoise, GyroNoise};
 use crate::groups::Vector;
 use fmu_kit::{Enumeration, Variables};
 use rexrov::sensors::{self, AxisErrors, BiasNoise};
@@ -46,18 +47,9 @@ crate::groups::group! {
 /// Errors of the accelerometers.
 #[derive(Clone, Debug, Variables)]
 pub struct Accelerometer {
-    /// density of the white noise
-    #[var(unit = "m/(s2.Hz0.5)", min = 0.0)]
-    pub noise_density: f64,
-    /// density of the noise that drives the slow bias
-    #[var(unit = "m/(s3.Hz0.5)", min = 0.0)]
-    pub random_walk: f64,
-    /// correlation time of the slow bias
-    #[var(unit = "s", min = 1e-6)]
-    pub correlation_time: f64,
-    /// standard deviation of the bias after switching on
-    #[var(unit = "m/s2", min = 0.0)]
-    pub turn_on_sigma: f64,
+    /// Noise.
+    #[var(flatten)]
+    pub noise: AccelerometerNoise,
     /// relative error of an axis
     #[var(unit = "1", min = -0.5, max = 0.5)]
     pub scale_error: Vector,
@@ -72,18 +64,9 @@ pub struct Accelerometer {
 /// Errors of the gyros.
 #[derive(Clone, Debug, Variables)]
 pub struct Gyro {
-    /// density of the white noise
-    #[var(unit = "rad/(s.Hz0.5)", min = 0.0)]
-    pub noise_density: f64,
-    /// density of the noise that drives the slow bias
-    #[var(unit = "rad/(s2.Hz0.5)", min = 0.0)]
-    pub random_walk: f64,
-    /// correlation time of the slow bias
-    #[var(unit = "s", min = 1e-6)]
-    pub correlation_time: f64,
-    /// standard deviation of the bias after switching on
-    #[var(unit = "rad/s", min = 0.0)]
-    pub turn_on_sigma: f64,
+    /// Noise.
+    #[var(flatten)]
+    pub noise: GyroNoise,
     /// relative error of an axis
     #[var(unit = "1", min = -0.5, max = 0.5)]
     pub scale_error: Vector,
@@ -104,25 +87,11 @@ macro_rules! errors {
         impl From<BiasNoise> for $instrument {
             fn from(b: BiasNoise) -> Self {
                 Self {
-                    noise_density: b.noise_density,
-                    random_walk: b.random_walk,
-                    correlation_time: b.correlation_time,
-                    turn_on_sigma: b.turn_on_sigma,
+                    noise: b.into(),
                     scale_error: Vector::default(),
                     misalignment: Misalignment::default(),
                     range: 0.0,
                     $($own: 0.0,)?
-                }
-            }
-        }
-
-        impl From<&$instrument> for BiasNoise {
-            fn from(i: &$instrument) -> Self {
-                Self {
-                    noise_density: i.noise_density,
-                    random_walk: i.random_walk,
-                    correlation_time: i.correlation_time,
-                    turn_on_sigma: i.turn_on_sigma,
                 }
             }
         }

@@ -43,12 +43,8 @@ pub mod vehicle_ports;
 pub mod velocity_controller;
 
 use fmu_kit::{Info, Sampled};
-<<<<<<< HEAD
-use sensing::Sensing;
-=======
-use instrument::Sensing;
 use navigator::Navigating;
->>>>>>> wt-components
+use sensing::Sensing;
 
 /// What all components say alike.
 const fn info(name: &'static str, description: &'static str) -> Info {

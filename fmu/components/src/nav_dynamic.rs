@@ -2,7 +2,7 @@
 
 use crate::coefficients::{Coefficients, ParameterSet};
 use crate::filter_disturbances::Disturbances;
-use crate::imu::ImuGrade;
+use crate::imu_errors::ImuGrade;
 use crate::navigation_parameters;
 use crate::navigator::Navigator;
 use fmu_kit::{Info, Variables};

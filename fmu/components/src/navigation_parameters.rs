@@ -3,7 +3,7 @@
 
 use crate::errors::{AccelerometerNoise, GyroNoise};
 use crate::groups::{LinearVelocity, Pose, Vector};
-use crate::imu::ImuGrade;
+use crate::imu_errors::ImuGrade;
 use fmu_kit::Variables;
 use rexrov::estimation::{self, NavigationParameters, SensorErrors};
 use rexrov::sensors::{self, ImuNoise};
