@@ -9,13 +9,12 @@ mod trial;
 use std::sync::LazyLock;
 
 use mission::*;
-use nalgebra::{Matrix3, Vector3};
-use rexrov::attitude::rotation;
 use rexrov::estimation::Estimate;
-use rexrov::estimation::bound::{InertialBound, Limits, TrueMotion};
+use rexrov::estimation::bound::Limits;
 use rexrov::guidance::Course;
 use scoring::*;
 use statistics::mean;
+use trial::bound::{bound, late_rms};
 use trial::*;
 
 const SEEDS: core::ops::RangeInclusive<u64> = 1..=16;
@@ -42,7 +41,8 @@ const DEPTH_TIME: f64 = 0.306 * 0.306 * 0.1 / 4e-4;
 #[test]
 fn errors_reach_the_goals() {
     for which in FILTERS {
-        let late: Vec<f64> = NOMINAL.runs(which).iter().map(|r| r.rmse(SETTLED, f64::MAX)).collect();
+        let late: Vec<f64> =
+            NOMINAL.runs(which).iter().map(|r| r.rmse(SETTLED, f64::MAX)).collect();
         // Goal 0.08 in the median, 0.11 at 95 % of 200 seeds; 16 seeds have a median within 8 %.
         assert!(quantile(&late, 0.5) <= 0.087, "{which:?} {late:?}");
         assert!(quantile(&late, 0.9) <= 0.11, "{which:?} {late:?}");
@@ -134,48 +134,6 @@ fn a_heading_along_south_is_as_good_as_any() {
     }
 }
 
-/// The bound at each tenth of a second.
-fn bound(options: &Options) -> Vec<Limits> {
-    let mission = fly(&Options { ideal: true, ..*options });
-    let mut p = parameters(options, [0.0; 2]);
-    p.sensors.heading_bias_sigma = 0.0;
-    let mut bound = InertialBound::new(&p, 50.0).unwrap();
-    let mut force = Vector3::new(0.0, 0.0, -p.gravity);
-    let mut time = 0.0;
-    let mut limits = Vec::new();
-    let mut events = mission.events.iter().peekable();
-    for truth in &mission.truth {
-        let (r, [u, v, w, ..]) = (rotation(truth.quaternion), truth.nu);
-        let motion = |specific_force| TrueMotion {
-            rotation: Matrix3::from_fn(|i, j| r[i][j]),
-            velocity: Vector3::new(u, v, w),
-            specific_force,
-        };
-        while let Some(event) = events.next_if(|e| e.stamp <= truth.time + 1e-9) {
-            if event.stamp > time {
-                bound.predict(&motion(force), event.stamp - time);
-                time = event.stamp;
-            }
-            match event.data {
-                Data::Imu { specific_force, .. } => force = specific_force.into(),
-                Data::Thrust(_) => {}
-                Data::Ahrs(_) => bound.attitude(&motion(force)),
-                Data::Dvl(_) => bound.dvl(&motion(force)),
-                Data::Fix(_) => bound.fix(&motion(force)),
-                Data::Depth(_) => bound.depth(&motion(force)),
-            }
-        }
-        limits.push(bound.limits(&motion(force)));
-    }
-    limits
-}
-
-/// Root mean square over the instants from [`SETTLED`] on.
-fn late_rms<T>(instants: &[T], f: impl Fn(&T) -> f64) -> f64 {
-    let late = instants.iter().skip((SETTLED * 10.0) as usize);
-    mean(&late.map(|x| f(x).powi(2)).collect::<Vec<_>>()).sqrt()
-}
-
 /// What a filter claims, as shares of the bound: position, roll-pitch-heading, velocity.
 fn shares(path: &[Estimate], bound: &[Limits]) -> [[f64; 3]; 3] {
     let share = |claimed: &dyn Fn(&Estimate) -> f64, limit: &dyn Fn(&Limits) -> f64| {
@@ -214,7 +172,8 @@ fn covariances_are_those_of_the_bound() {
 #[test]
 fn errors_are_those_of_the_bound() {
     let square = |o: &Options| {
-        late_rms(&bound(o), |l| l.position[0]).powi(2) + late_rms(&bound(o), |l| l.position[1]).powi(2)
+        late_rms(&bound(o), |l| l.position[0]).powi(2)
+            + late_rms(&bound(o), |l| l.position[1]).powi(2)
     };
     // The bound hardly depends on the disturbances: a few seeds give its mean.
     let bounds = parallel(1..=2, |seed| square(&Options::nominal(Course::BE3, seed)));

@@ -1,6 +1,8 @@
 //! Missions, and the filters that followed them.
 #![allow(dead_code, unreachable_pub, reason = "each test binary uses a part of this module")]
 
+pub mod bound;
+
 use crate::mission::{Mission, Options, fly, parallel};
 use crate::scoring::{Run, Sample, Which, run};
 use crate::statistics::mean;
@@ -43,9 +45,8 @@ impl Trial {
             let options = Options { seed, ..options };
             let mut mission = fly(&options);
             fault(&mut mission, seed);
-            let follow = |which| {
-                filters.contains(&which).then(|| run(which, &options, &mission, &tune))
-            };
+            let follow =
+                |which| filters.contains(&which).then(|| run(which, &options, &mission, &tune));
             (FILTERS.map(follow), mission)
         });
         let mut trial = Self::default();
