@@ -9,9 +9,11 @@ mod trial;
 use std::sync::LazyLock;
 
 use mission::*;
-use rexrov::estimation::Estimate;
+use nalgebra::Matrix2;
 use rexrov::estimation::bound::Limits;
+use rexrov::estimation::{Disturbances, Estimate};
 use rexrov::guidance::Course;
+use rexrov::vehicle::Parameters;
 use scoring::*;
 use statistics::mean;
 use trial::bound::{bound, late_rms};
@@ -167,6 +169,31 @@ fn covariances_are_those_of_the_bound() {
         let [[x, y, _], ..] = claims(Which::Dynamic);
         assert!((x - 1.0).abs() < 0.02 && (y - 1.0).abs() < 0.02, "{grade:?} {x} {y}");
     }
+}
+
+/// Heave hardly depends on other states: velocity and disturbance, driven by the white force, seen by
+/// the velocity log.
+#[test]
+fn the_heave_of_the_dynamic_filter_solves_its_riccati_equation() {
+    let (vehicle, d) = (Parameters::default(), Disturbances::default());
+    let (mass, damping) = (vehicle.mass_matrix()[2][2], vehicle.linear_damping[2]);
+    let (dt, white) = (0.02, d.force_density / mass);
+    let decay = (-dt / d.correlation_time).exp();
+    let f = Matrix2::new(1.0 - damping / mass * dt, dt / mass, 0.0, decay);
+    let driven = d.force_sigma.powi(2) * (1.0 - decay * decay);
+    let q = Matrix2::new(white * white * dt, 0.0, 0.0, driven);
+    let (mut p, mut sum) = (q, 0.0);
+    for step in 1..=7 * 500 {
+        p = f * p * f.transpose() + q;
+        if step % 7 == 0 {
+            let k = p.column(0) / (p[(0, 0)] + 1e-4);
+            p -= k * p.row(0);
+        }
+        sum += if step > 7 * 499 { p[(0, 0)] / 7.0 } else { 0.0 };
+    }
+    let run = &NOMINAL.runs(Which::Dynamic)[0];
+    let claimed = late_rms(&run.path, |e| e.velocity_sigma[2]);
+    assert!((claimed / sum.sqrt() - 1.0).abs() < 0.03, "{claimed} instead of {}", sum.sqrt());
 }
 
 #[test]

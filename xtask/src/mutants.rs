@@ -26,6 +26,8 @@ mod by {
     pub(super) const ARITHMETIC: Test = ("navigation", "without_noise_there_is_no_error");
     pub(super) const NIS: Test = ("navigation", "innovations_are_as_large_as_predicted");
     pub(super) const NEES: Test = ("navigation", "normalised_errors_are_those_of_chance");
+    pub(super) const HEAVE: Test =
+        ("navigation", "the_heave_of_the_dynamic_filter_solves_its_riccati_equation");
     pub(super) const SOUTH: Test = ("navigation", "a_heading_along_south_is_as_good_as_any");
     pub(super) const OUTAGE: Test =
         ("navigation_faults", "without_fix_and_velocity_log_the_model_aided_filter_is_the_best");
@@ -108,7 +110,7 @@ const MUTANTS: &[Mutant] = &[
     // Process noise.
     Mutant { name: "inertial: no noise of the velocity", file: INERTIAL, test: by::BOUND,
         old: "belief.add_noise(V + i, q);", new: "" },
-    Mutant { name: "dynamic: no white force", file: DYNAMIC, test: by::NEES,
+    Mutant { name: "dynamic: no white force", file: DYNAMIC, test: by::HEAVE,
         old: "belief.add_noise(U + axis, square(white) * half);", new: "let _ = white;" },
     Mutant { name: "aid: noise of an interval not renewed", file: AID, test: by::BOUND,
         old: "(0..3).for_each(|i| f.scale(at.force_noise + i, 0.0));", new: "" },
