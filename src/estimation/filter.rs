@@ -4,7 +4,7 @@ use core::marker::PhantomData;
 
 use serde::{Deserialize, Serialize};
 
-use super::belief::{Column, dot};
+use super::belief::{Belief, Column, dot};
 use super::history::{Arrival, History};
 use super::intake::{Sources, take_new};
 use super::kinematics::skew;
@@ -66,6 +66,14 @@ impl<const N: usize, M: Copy> Clone for Memory<N, M> {
         self.history.clone_from(&from.history);
         (self.sources, self.late, self.lost) = (from.sources, from.late, from.lost);
         (self.reset, self.now, self.spread) = (from.reset, from.now, from.spread);
+    }
+}
+
+impl<const N: usize, M> Memory<N, M> {
+    /// The belief at the newest instant up to which everything is known.
+    #[must_use]
+    pub fn belief(&self) -> Option<&Belief<N>> {
+        self.history.as_ref().map(|history| &history.track.belief)
     }
 }
 
