@@ -69,6 +69,14 @@ impl<const N: usize, M: Copy> Clone for Memory<N, M> {
     }
 }
 
+impl<const N: usize, M> Memory<N, M> {
+    /// The belief at the newest instant up to which everything is known.
+    #[must_use]
+    pub fn belief(&self) -> Option<&Belief<N>> {
+        self.history.as_ref().map(|history| &history.track.belief)
+    }
+}
+
 /// How well a filter is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Health {

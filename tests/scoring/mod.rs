@@ -228,7 +228,7 @@ pub fn follow_navigation(filter: &impl Navigation, mission: &Mission) -> Run {
     run
 }
 
-fn set(m: &mut Measurements, e: &Event) {
+pub fn set(m: &mut Measurements, e: &Event) {
     let s = e.stamp;
     match e.data {
         Data::Imu { specific_force: [a, b, c], rate: [p, q, r] } => {
