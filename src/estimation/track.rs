@@ -15,7 +15,7 @@ use super::monitor::Monitor;
 use super::parameters::NavigationParameters;
 use super::process::Process;
 use super::process::rotation::log;
-use super::recovery::{Agreement, follow_unobservable, hand_to_bias, reacquire};
+use super::recovery::{Agreement, Hidden, follow_unobservable, hand_to_bias, hidden, reacquire};
 use super::sensor::{Depth, Dvl, Fix, Heading, Observation, Sensor, Tilt};
 use crate::attitude;
 
@@ -82,6 +82,8 @@ pub(super) struct Track<const N: usize, M> {
     /// Share of its thrust that each thruster gives.
     pub(super) effectiveness: [f64; 8],
     aligned: bool,
+    /// What the velocity log could not observe at its newest sample, if the velocity coasted since.
+    hidden: Option<Hidden>,
     monitor: M,
 }
 
@@ -139,6 +141,7 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
             records: [Record { newest: f64::NEG_INFINITY, ..Record::default() }; CHANNELS],
             effectiveness: [1.0; 8],
             aligned: setup.parameters.start.heading_sigma < 0.5,
+            hidden: None,
             monitor,
         }
     }
@@ -317,11 +320,20 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         let process = &setup.process;
         let motion = process.kinematics(&self.belief, &self.interval);
         let observation = observe(&motion);
+        let mut witness = Both(&mut self.monitor, witness);
+        let states = motion.sensors.of_dvl();
+        let coasting = channel == Channel::Dvl && process.coasts(&self.interval);
+        let before = if coasting { hidden(process.velocity(), &observation.rows, &states) } else { None };
+        let last = if channel == Channel::Dvl { self.hidden.take() } else { None };
+        if let (Some(last), Some(before)) = (&last, &before) {
+            let f = follow_unobservable(process.velocity(), [last, before], &states);
+            self.belief.propagate(&f);
+            witness.predicted(&f);
+        }
         let gate = if setup.parameters.gated { GATE[observation.size - 1] } else { f64::INFINITY };
         let verdict = judge(&self.belief, &observation, gate);
         let record = &mut self.records[channel as usize];
         record.note(&observation, &verdict, self.time);
-        let mut witness = Both(&mut self.monitor, witness);
         if record.agreement.hear(channel, &observation, verdict.is_limited()) {
             record.agreement = Agreement::default();
             if channel == Channel::Heading && motion.sensors.heading_bias.is_some() {
@@ -341,13 +353,14 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         }
         let correction = absorb(&mut self.belief, &observation, &verdict, &mut witness);
         process.correct(&mut self.belief, &correction);
-        if channel == Channel::Dvl && process.coasts(&self.interval) {
-            let states = motion.sensors.of_dvl();
+        if let Some(before) = &before {
             let after = observe(&process.kinematics(&self.belief, &self.interval));
-            let rows = [&observation.rows, &after.rows];
-            let f = follow_unobservable(process.velocity(), rows, &states);
-            self.belief.propagate(&f);
-            witness.predicted(&f);
+            self.hidden = hidden(process.velocity(), &after.rows, &states);
+            if let Some(after) = &self.hidden {
+                let f = follow_unobservable(process.velocity(), [before, after], &states);
+                self.belief.propagate(&f);
+                witness.predicted(&f);
+            }
         }
     }
 
