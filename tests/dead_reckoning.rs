@@ -9,8 +9,8 @@ use mission::{Data, Kind, Mission, Options, Speed, delay, drop, fly, parallel};
 use rexrov::attitude::wrap;
 use rexrov::estimation::process::Process;
 use rexrov::estimation::{
-    AidedFilter, Belief, Disturbances, DynamicFilter, Filter, InertialProcess,
-    Measurements, NavigationParameters, PlanarDynamic,
+    AidedFilter, Belief, Disturbances, DynamicFilter, Filter, InertialProcess, Measurements,
+    NavigationParameters, PlanarDynamic,
 };
 use rexrov::guidance::Course;
 use rexrov::sensors::Gaussian;
@@ -155,14 +155,18 @@ fn the_claimed_uncertainty_covers_what_cannot_be_observed() {
     let draw = |seed| {
         let [a, b, c] = core::array::from_fn(|_| normal.draw());
         let (heading_bias, scale) = (a * HEADING_BIAS, b * SCALE);
-        spoil(&log(&Options { seed, ..options() }), Wrong { heading_bias, scale, misalignment: c * MISALIGNMENT })
+        spoil(
+            &log(&Options { seed, ..options() }),
+            Wrong { heading_bias, scale, misalignment: c * MISALIGNMENT },
+        )
     };
     let drawn: Vec<Mission> = (1..25).map(draw).collect();
     for (name, follow) in filters() {
         let p = doubting(&options());
         let last = *follow(&p, &one_sigma).samples.last().unwrap();
         assert!(last.nees2 < 5.99, "{name}: {last:?}");
-        let nees = parallel(0..24, |k| follow(&p, &drawn[k as usize]).samples.last().unwrap().nees2);
+        let nees =
+            parallel(0..24, |k| follow(&p, &drawn[k as usize]).samples.last().unwrap().nees2);
         let mean = nees.iter().sum::<f64>() / nees.len() as f64;
         // 99.9 % of the mean of 24 pairs: chi-square of 48 degrees of freedom.
         assert!((0.95..3.6).contains(&mean), "{name}: mean NEES {mean} of 2");
@@ -208,7 +212,8 @@ fn the_delay_of_a_velocity_log_is_learned_from_fixes() {
         mission
     };
     let (vehicle, d) = (Parameters::default(), Disturbances::default());
-    let dynamic = Filter::<_, SMALL>::new(PlanarDynamic::new(&p, &vehicle, &d).unwrap(), &p).unwrap();
+    let dynamic =
+        Filter::<_, SMALL>::new(PlanarDynamic::new(&p, &vehicle, &d).unwrap(), &p).unwrap();
     let inertial = Filter::<_, SMALL>::new(InertialProcess::new(&p, None).unwrap(), &p).unwrap();
     let ends = [end(&dynamic, &with(Kind::Thrust)), end(&inertial, &with(Kind::Imu))];
     for (belief, error) in ends {

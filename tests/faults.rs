@@ -155,7 +155,12 @@ fn cells() -> Vec<Cell> {
 }
 
 /// What each filter reaches in a cell with a seed.
-fn run_cell(cell: &Cell, mut mission: Mission, options: &Options, seed: u64) -> [f64; FILTERS.len()] {
+fn run_cell(
+    cell: &Cell,
+    mut mission: Mission,
+    options: &Options,
+    seed: u64,
+) -> [f64; FILTERS.len()] {
     (cell.fault)(&mut mission, seed);
     let tune = |p: &mut NavigationParameters| p.sensors.heading_bias_sigma = cell.heading_bias;
     FILTERS.map(|which| (cell.measure)(&run(which, options, &mission, tune)))
@@ -182,7 +187,8 @@ fn faults_cost_no_more_than_they_must() {
         for (i, (which, goal)) in FILTERS.into_iter().zip(cell.goals).enumerate() {
             let reached: Vec<f64> = runs.iter().map(|run| run[k][i]).collect();
             let (median, high) = (quantile(&reached, 0.5), quantile(&reached, 0.95));
-            let line = format!("{:<42} {which:?}: {median:.3}/{high:.3}, goal {goal:.3}", cell.name);
+            let line =
+                format!("{:<42} {which:?}: {median:.3}/{high:.3}, goal {goal:.3}", cell.name);
             println!("{line}");
             if median > margin(seeds) * goal {
                 missed.push(line);

@@ -64,7 +64,11 @@ pub(super) fn reacquire<const N: usize>(
 ) {
     let square = |x: f64| x * x;
     let far = |least: f64| {
-        observation.innovation.iter().take(observation.size).fold(square(least), |m, y| m.max(y * y))
+        observation
+            .innovation
+            .iter()
+            .take(observation.size)
+            .fold(square(least), |m, y| m.max(y * y))
     };
     match channel {
         Channel::Fix => (0..2).for_each(|i| belief.decouple(i, far(20.0))),

@@ -234,16 +234,21 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
             inertial: imu.map(|mean| {
                 let [a, b, c, p, q, r] = mean.value;
                 let rate = [p, q, r];
-                let force = self.to_centre(setup, [a, b, c], rate, dt);
-                Inertial { specific_force: force, rate, rate_end: [mean.end[3], mean.end[4], mean.end[5]] }
+                let force = self.at_centre(setup, [a, b, c], rate, dt);
+                Inertial {
+                    specific_force: force,
+                    rate,
+                    rate_end: [mean.end[3], mean.end[4], mean.end[5]],
+                }
             }),
             thrust: thrust.map(|mean| {
-                let effective = |f: [f64; 8]| core::array::from_fn(|i| f[i] * self.effectiveness[i]);
+                let effective =
+                    |f: [f64; 8]| core::array::from_fn(|i| f[i] * self.effectiveness[i]);
                 Thrusts { mean: effective(mean.value), rising: effective(mean.rising) }
             }),
-            attitude_rate: self.turn_to(ahead.attitude).filter(|_| {
-                self.attitude.is_some_and(|(seen, _)| time - seen <= ATTITUDE_GAP)
-            }),
+            attitude_rate: self
+                .turn_to(ahead.attitude)
+                .filter(|_| self.attitude.is_some_and(|(seen, _)| time - seen <= ATTITUDE_GAP)),
             tilt: self.tilt,
         };
         let process = &setup.process;
@@ -260,7 +265,7 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
     }
 
     /// The specific force at the centre of gravity, less what the rotation adds at the inertial unit.
-    fn to_centre<P>(&self, setup: &Setup<P>, force: [f64; 3], rate: [f64; 3], dt: f64) -> [f64; 3] {
+    fn at_centre<P>(&self, setup: &Setup<P>, force: [f64; 3], rate: [f64; 3], dt: f64) -> [f64; 3] {
         let lever = Vector3::from(setup.parameters.mounting.imu);
         if lever == Vector3::zeros() {
             return force;
@@ -323,7 +328,8 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         let mut witness = Both(&mut self.monitor, witness);
         let states = motion.sensors.of_dvl();
         let coasting = channel == Channel::Dvl && process.coasts(&self.interval);
-        let before = if coasting { hidden(process.velocity(), &observation.rows, &states) } else { None };
+        let before =
+            if coasting { hidden(process.velocity(), &observation.rows, &states) } else { None };
         let last = if channel == Channel::Dvl { self.hidden.take() } else { None };
         if let (Some(last), Some(before)) = (&last, &before) {
             let f = follow_unobservable(process.velocity(), [last, before], &states);
@@ -347,7 +353,10 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
             process.correct(&mut self.belief, &correction);
             return;
         }
-        if verdict.is_limited() && channel == Channel::Heading && motion.sensors.heading_bias.is_some() {
+        if verdict.is_limited()
+            && channel == Channel::Heading
+            && motion.sensors.heading_bias.is_some()
+        {
             // More likely a disturbed compass than a heading that is wrong: it will be handed to the bias.
             return;
         }
@@ -377,7 +386,7 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         if let Some(mean) = self.imu.so_far() {
             let [a, b, c, p, q, r] = mean.value;
             let rate = [p, q, r];
-            let force = self.to_centre(setup, [a, b, c], rate, self.interval.dt);
+            let force = self.at_centre(setup, [a, b, c], rate, self.interval.dt);
             let rate_end = [mean.end[3], mean.end[4], mean.end[5]];
             interval.inertial = Some(Inertial { specific_force: force, rate, rate_end });
         }
@@ -392,7 +401,8 @@ impl Record {
         self.nis = verdict.nis;
         self.used = self.used.saturating_add(1);
         self.rejected = self.rejected.saturating_add(u32::from(verdict.is_limited()));
-        self.limited_share += (f64::from(u8::from(verdict.is_limited())) - self.limited_share) / 20.0;
+        self.limited_share +=
+            (f64::from(u8::from(verdict.is_limited())) - self.limited_share) / 20.0;
         self.newest = time;
         self.sigma = verdict.sigma;
     }

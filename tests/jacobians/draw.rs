@@ -84,7 +84,11 @@ impl Draw<'_> {
     }
 
     /// A mean with numbers of the given sizes, and the belief that has it.
-    pub(super) fn belief<const N: usize>(&mut self, order: usize, sizes: &[(usize, f64)]) -> Belief<N> {
+    pub(super) fn belief<const N: usize>(
+        &mut self,
+        order: usize,
+        sizes: &[(usize, f64)],
+    ) -> Belief<N> {
         let mut mean: Column<N> = Column::zeros();
         let mut from = 0;
         for &(count, size) in sizes {

@@ -47,7 +47,10 @@ impl Shuffled {
 }
 
 impl Fact for Shuffled {
-    fn check<P: Process<N>, M: Monitor<N>, const N: usize>(&self, filter: &Filter<P, N, M>) -> Check {
+    fn check<P: Process<N>, M: Monitor<N>, const N: usize>(
+        &self,
+        filter: &Filter<P, N, M>,
+    ) -> Check {
         let (a, first) = deliver(filter, &self.in_order);
         let (b, second) = deliver(filter, &self.shuffled);
         let used = |e: &Estimate| e.channels.map(|c| (c.used, c.rejected));
