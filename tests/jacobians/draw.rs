@@ -22,7 +22,7 @@ impl Draw<'_> {
 
     /// Any attitude but a pitch steeper than 80 degrees.
     pub(super) fn euler(&mut self) -> [f64; 3] {
-        let [roll, yaw] = self.array(3.14);
+        let [roll, yaw] = self.array(core::f64::consts::PI);
         [roll, self.between(-1.39, 1.39), yaw]
     }
 
