@@ -38,8 +38,11 @@ static ALLOCATOR: Counting = Counting;
 
 /// Allocations of a mission after the construction of the memory.
 fn allocations(filter: &impl Navigation) -> usize {
-    let options =
-        Options { duration_s: 20.0, lost_thruster: Some((4, 5.0)), ..Options::nominal(Course::BE3, 1) };
+    let options = Options {
+        duration_s: 20.0,
+        lost_thruster: Some((4, 5.0)),
+        ..Options::nominal(Course::BE3, 1)
+    };
     let mut mission = fly(&options);
     delay(&mut mission.events, Kind::Fix, 2.0);
     jitter(&mut mission.events, Kind::Dvl, 2.0, 1);

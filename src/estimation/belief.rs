@@ -91,8 +91,7 @@ impl<const N: usize> Belief<N> {
         let correlation = gain * s;
         let reduced = self.covariance - gain * correlation.transpose();
         let rest = reduced * row;
-        let joseph =
-            reduced - rest * gain.transpose() + gain * gain.transpose() * noise;
+        let joseph = reduced - rest * gain.transpose() + gain * gain.transpose() * noise;
         self.covariance = (joseph + joseph.transpose()) * 0.5;
     }
 

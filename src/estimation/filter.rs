@@ -232,7 +232,8 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
             source.is_alive(now, silence).then_some(source.newest)
         };
         let turning = known(Kind::Imu, SILENT).or_else(|| known(Kind::Ahrs, ATTITUDE_GAP));
-        let thrust = self.setup.process.uses_thrust().then(|| known(Kind::Thrust, SILENT)).flatten();
+        let thrust =
+            self.setup.process.uses_thrust().then(|| known(Kind::Thrust, SILENT)).flatten();
         [turning, thrust].into_iter().flatten().fold(now, f64::min)
     }
 
@@ -265,7 +266,11 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
         }
     }
 
-    fn channels(&self, memory: &Memory<N, M>, records: &[Record; CHANNELS]) -> [ChannelReport; CHANNELS] {
+    fn channels(
+        &self,
+        memory: &Memory<N, M>,
+        records: &[Record; CHANNELS],
+    ) -> [ChannelReport; CHANNELS] {
         let kinds = [Kind::Ahrs, Kind::Ahrs, Kind::Depth, Kind::Dvl, Kind::Fix];
         core::array::from_fn(|i| {
             let (record, kind) = (&records[i], kinds[i] as usize);
@@ -274,7 +279,9 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
                 sigma: record.sigma,
                 nis: record.nis,
                 used: record.used,
-                rejected: record.rejected.saturating_add(memory.sources[kind].invalid)
+                rejected: record
+                    .rejected
+                    .saturating_add(memory.sources[kind].invalid)
                     .saturating_add(memory.lost[kind]),
                 late: memory.late[kind],
             }
@@ -282,9 +289,8 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
     }
 
     fn health(&self, memory: &Memory<N, M>, track: &Track<N, M>) -> Health {
-        let silent = |kind: Kind, seconds: f64| {
-            !memory.sources[kind as usize].is_alive(memory.now, seconds)
-        };
+        let silent =
+            |kind: Kind, seconds: f64| !memory.sources[kind as usize].is_alive(memory.now, seconds);
         if memory.now - memory.reset < 30.0 {
             return Health::Diverged;
         }

@@ -127,7 +127,8 @@ impl<const N: usize, M: Monitor<N>> History<N, M> {
         let before = (self.track.time, self.fused());
         let spacing = setup.parameters.latency / (COPIES - 2) as f64;
         while let Some(&event) = self.events.get(self.taken).filter(|e| e.time <= until) {
-            if self.track.time >= self.copies.last().map_or(f64::NEG_INFINITY, |c| c.time) + spacing {
+            if self.track.time >= self.copies.last().map_or(f64::NEG_INFINITY, |c| c.time) + spacing
+            {
                 self.keep_copy(setup.parameters.latency);
             }
             let ahead = self.ahead();

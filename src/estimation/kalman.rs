@@ -160,14 +160,14 @@ pub fn judge<const N: usize>(
         innovation[i] = observation.innovation[i];
     }
     if n == 1 {
-        let (sigma, nis, inflation) =
-            judge_scalar(predicted[(0, 0)], noise.x, innovation.x, gate);
+        let (sigma, nis, inflation) = judge_scalar(predicted[(0, 0)], noise.x, innovation.x, gate);
         return Verdict { correlations, sigma: [sigma, 0.0, 0.0], nis, inflation };
     }
-    let nis = |factor: f64| quadratic(&(predicted + Matrix3::from_diagonal(&(noise * factor))), &innovation);
-    let sigma = core::array::from_fn(|i| {
-        if i < n { (predicted[(i, i)] + noise[i]).sqrt() } else { 0.0 }
-    });
+    let nis = |factor: f64| {
+        quadratic(&(predicted + Matrix3::from_diagonal(&(noise * factor))), &innovation)
+    };
+    let sigma =
+        core::array::from_fn(|i| if i < n { (predicted[(i, i)] + noise[i]).sqrt() } else { 0.0 });
     let plain = nis(1.0);
     if plain <= gate {
         return Verdict { correlations, sigma, nis: plain, inflation: 1.0 };

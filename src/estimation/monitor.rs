@@ -145,9 +145,8 @@ impl<const N: usize> Witness<N> for ThrusterMonitor<N> {
     fn driven(&mut self, interval: &Interval) {
         let Some(thrusts) = &interval.thrust else { return };
         for state in 0..N {
-            let change: [f64; THRUSTERS] = core::array::from_fn(|i| {
-                self.effect[i][state] * thrusts.mean[i] * interval.dt
-            });
+            let change: [f64; THRUSTERS] =
+                core::array::from_fn(|i| self.effect[i][state] * thrusts.mean[i] * interval.dt);
             if change.iter().any(|&c| c != 0.0) {
                 let from = state * HYPOTHESES;
                 let column = &mut self.errors.as_mut_slice()[from..from + HYPOTHESES];

@@ -65,7 +65,11 @@ pub(super) fn reacquire<const N: usize>(
     let mut f = Transition::identity();
     let square = |x: f64| x * x;
     let far = |least: f64| {
-        observation.innovation.iter().take(observation.size).fold(square(least), |m, y| m.max(y * y))
+        observation
+            .innovation
+            .iter()
+            .take(observation.size)
+            .fold(square(least), |m, y| m.max(y * y))
     };
     let mut forget = |state: usize, variance: f64| {
         belief.decouple(state, variance);
@@ -113,31 +117,37 @@ pub(super) fn hand_to_bias<const N: usize>(
     f
 }
 
+/// Velocity errors that hide a unit of each state which a velocity log cannot tell from a change of the
+/// velocity (its scale, yaw, delay); `rows` is its Jacobian.
+pub(super) type Hidden = [Vector3<f64>; 3];
+
+pub(super) fn hidden<const N: usize>(
+    velocity: usize,
+    rows: &[Column<N>; 3],
+    states: &[Option<usize>; 3],
+) -> Option<Hidden> {
+    let inverse = Matrix3::from_fn(|i, k| rows[i][velocity + k]).try_inverse()?;
+    let by = |j: usize| -(inverse * Vector3::from_fn(|i, _| rows[i][j]));
+    Some(states.map(|state| state.map_or(Vector3::zeros(), by)))
+}
+
 /// Keeps a covariance in line with what a velocity log cannot observe by itself.
 ///
 /// An error of its scale (or yaw) and the velocity error that hides it always come in the same ratio,
-/// which is that of the velocity itself. A correction of the velocity changes the ratio; left as it
-/// was, the next measurement would take the difference for information on the scale. `rows` are the
-/// Jacobians before and after the correction. Huang, Mourikis & Roumeliotis (2010), who constrain a
-/// filter's observability so.
+/// which is that of the velocity itself. A correction of the velocity changes the ratio, and so does
+/// a new angular rate through the lever arm; left as it was, the next measurement would take the
+/// difference for information on the scale, and the noise of the rate for a scale error. Huang,
+/// Mourikis & Roumeliotis (2010), who constrain a filter's observability so.
 pub(super) fn follow_unobservable<const N: usize>(
     velocity: usize,
-    [before, after]: [&[Column<N>; 3]; 2],
-    states: &[Option<usize>],
+    [before, after]: [&Hidden; 2],
+    states: &[Option<usize>; 3],
 ) -> Transition<N> {
     let mut f = Transition::identity();
-    let by_velocity = Matrix3::from_fn(|i, k| after[i][velocity + k]);
-    let Some(inverse) = by_velocity.try_inverse() else { return f };
-    let hidden = |j: usize| {
-        let change = Vector3::from_fn(|i, _| after[i][j] - before[i][j]);
-        -(inverse * change)
-    };
-    let shifts: [Option<(usize, Vector3<f64>)>; 3] =
-        core::array::from_fn(|k| states.get(k).copied().flatten().map(|j| (j, hidden(j))));
     for i in 0..3 {
         let own = core::iter::once((velocity + i, 1.0));
-        let others = shifts.iter().flatten().map(|(j, shift)| (*j, shift[i]));
-        f.set_row(velocity + i, own.chain(others));
+        let shift = |k: usize| states[k].map(|state| (state, after[k][i] - before[k][i]));
+        f.set_row(velocity + i, own.chain((0..3).filter_map(shift)));
     }
     f
 }

@@ -15,7 +15,7 @@ use super::monitor::Monitor;
 use super::parameters::NavigationParameters;
 use super::process::Process;
 use super::process::rotation::log;
-use super::recovery::{Agreement, follow_unobservable, hand_to_bias, reacquire};
+use super::recovery::{Agreement, Hidden, follow_unobservable, hand_to_bias, hidden, reacquire};
 use super::sensor::{Depth, Dvl, Fix, Heading, Observation, Sensor, Tilt};
 use crate::attitude;
 
@@ -82,6 +82,8 @@ pub(super) struct Track<const N: usize, M> {
     /// Share of its thrust that each thruster gives.
     pub(super) effectiveness: [f64; 8],
     aligned: bool,
+    /// What the velocity log could not observe at its newest sample, if the velocity coasted since.
+    hidden: Option<Hidden>,
     monitor: M,
 }
 
@@ -139,6 +141,7 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
             records: [Record { newest: f64::NEG_INFINITY, ..Record::default() }; CHANNELS],
             effectiveness: [1.0; 8],
             aligned: setup.parameters.start.heading_sigma < 0.5,
+            hidden: None,
             monitor,
         }
     }
@@ -231,16 +234,21 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
             inertial: imu.map(|mean| {
                 let [a, b, c, p, q, r] = mean.value;
                 let rate = [p, q, r];
-                let force = self.to_centre(setup, [a, b, c], rate, dt);
-                Inertial { specific_force: force, rate, rate_end: [mean.end[3], mean.end[4], mean.end[5]] }
+                let force = self.at_centre(setup, [a, b, c], rate, dt);
+                Inertial {
+                    specific_force: force,
+                    rate,
+                    rate_end: [mean.end[3], mean.end[4], mean.end[5]],
+                }
             }),
             thrust: thrust.map(|mean| {
-                let effective = |f: [f64; 8]| core::array::from_fn(|i| f[i] * self.effectiveness[i]);
+                let effective =
+                    |f: [f64; 8]| core::array::from_fn(|i| f[i] * self.effectiveness[i]);
                 Thrusts { mean: effective(mean.value), rising: effective(mean.rising) }
             }),
-            attitude_rate: self.turn_to(ahead.attitude).filter(|_| {
-                self.attitude.is_some_and(|(seen, _)| time - seen <= ATTITUDE_GAP)
-            }),
+            attitude_rate: self
+                .turn_to(ahead.attitude)
+                .filter(|_| self.attitude.is_some_and(|(seen, _)| time - seen <= ATTITUDE_GAP)),
             tilt: self.tilt,
         };
         let process = &setup.process;
@@ -259,7 +267,7 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
     }
 
     /// The specific force at the centre of gravity, less what the rotation adds at the inertial unit.
-    fn to_centre<P>(&self, setup: &Setup<P>, force: [f64; 3], rate: [f64; 3], dt: f64) -> [f64; 3] {
+    fn at_centre<P>(&self, setup: &Setup<P>, force: [f64; 3], rate: [f64; 3], dt: f64) -> [f64; 3] {
         let lever = Vector3::from(setup.parameters.mounting.imu);
         if lever == Vector3::zeros() {
             return force;
@@ -324,11 +332,21 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         let process = &setup.process;
         let motion = process.kinematics(&self.belief, &self.interval);
         let observation = observe(&motion);
+        let mut witness = Both(&mut self.monitor, witness);
+        let states = motion.sensors.of_dvl();
+        let coasting = channel == Channel::Dvl && process.coasts(&self.interval);
+        let before =
+            if coasting { hidden(process.velocity(), &observation.rows, &states) } else { None };
+        let last = if channel == Channel::Dvl { self.hidden.take() } else { None };
+        if let (Some(last), Some(before)) = (&last, &before) {
+            let f = follow_unobservable(process.velocity(), [last, before], &states);
+            self.belief.propagate(&f);
+            witness.predicted(&f);
+        }
         let gate = if setup.parameters.gated { GATE[observation.size - 1] } else { f64::INFINITY };
         let verdict = judge(&self.belief, &observation, gate);
         let record = &mut self.records[channel as usize];
         record.note(&observation, &verdict, self.time);
-        let mut witness = Both(&mut self.monitor, witness);
         if record.agreement.hear(channel, &observation, verdict.is_limited()) {
             record.agreement = Agreement::default();
             if channel == Channel::Heading && motion.sensors.heading_bias.is_some() {
@@ -343,19 +361,23 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
             process.correct(&mut self.belief, &correction);
             return;
         }
-        if verdict.is_limited() && channel == Channel::Heading && motion.sensors.heading_bias.is_some() {
+        if verdict.is_limited()
+            && channel == Channel::Heading
+            && motion.sensors.heading_bias.is_some()
+        {
             // More likely a disturbed compass than a heading that is wrong: it will be handed to the bias.
             return;
         }
         let correction = absorb(&mut self.belief, &observation, &verdict, &mut witness);
         process.correct(&mut self.belief, &correction);
-        if channel == Channel::Dvl && process.coasts(&self.interval) {
-            let states = motion.sensors.of_dvl();
+        if let Some(before) = &before {
             let after = observe(&process.kinematics(&self.belief, &self.interval));
-            let rows = [&observation.rows, &after.rows];
-            let f = follow_unobservable(process.velocity(), rows, &states);
-            self.belief.propagate(&f);
-            witness.predicted(&f);
+            self.hidden = hidden(process.velocity(), &after.rows, &states);
+            if let Some(after) = &self.hidden {
+                let f = follow_unobservable(process.velocity(), [before, after], &states);
+                self.belief.propagate(&f);
+                witness.predicted(&f);
+            }
         }
     }
 
@@ -372,7 +394,7 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         if let Some(mean) = self.imu.so_far() {
             let [a, b, c, p, q, r] = mean.value;
             let rate = [p, q, r];
-            let force = self.to_centre(setup, [a, b, c], rate, self.interval.dt);
+            let force = self.at_centre(setup, [a, b, c], rate, self.interval.dt);
             let rate_end = [mean.end[3], mean.end[4], mean.end[5]];
             interval.inertial = Some(Inertial { specific_force: force, rate, rate_end });
         }
@@ -387,7 +409,8 @@ impl Record {
         self.nis = verdict.nis;
         self.used = self.used.saturating_add(1);
         self.rejected = self.rejected.saturating_add(u32::from(verdict.is_limited()));
-        self.limited_share += (f64::from(u8::from(verdict.is_limited())) - self.limited_share) / 20.0;
+        self.limited_share +=
+            (f64::from(u8::from(verdict.is_limited())) - self.limited_share) / 20.0;
         self.newest = time;
         self.sigma = verdict.sigma;
     }

@@ -14,7 +14,8 @@ use rexrov::estimation::*;
 pub(super) const INERTIAL: [(usize, f64); 5] = [(3, 50.0), (3, 2.0), (3, 0.0), (3, 0.3), (3, 0.05)];
 pub(super) const AIDED: [(usize, f64); 7] =
     [(2, 0.5), (3, 30.0), (3, 10.0), (1, 20.0), (3, 0.1), (1, 0.01), (1, 0.01)];
-pub(super) const PLANAR: [(usize, f64); 6] = [(3, 50.0), (1, 3.1), (3, 2.0), (1, 1.0), (2, 0.5), (1, 0.05)];
+pub(super) const PLANAR: [(usize, f64); 6] =
+    [(3, 50.0), (1, 3.1), (3, 2.0), (1, 1.0), (2, 0.5), (1, 0.05)];
 pub(super) const OU: (usize, f64) = (4, 20.0);
 pub(super) const MOVING: [(usize, f64); 5] = [(3, 50.0), (3, 0.0), (3, 2.0), (3, 1.0), (3, 1.0)];
 

@@ -85,19 +85,13 @@ pub(super) fn close_observation<const N: usize, const M: usize>(
     close_rows(what, &got.rows[..M], &want, order)?;
     let lifted = Point { x: lift(mean.x), q: lift(mean.q), theta: mean.theta };
     let values = predicted(&lifted).map(|d: Dual64| d.re);
-    for i in 0..M {
+    let angles = what == "heading" || what == "tilt";
+    for (innovation, value) in got.innovation.iter().zip(values) {
         // The value was zero; angles may differ by a turn.
-        let sum = got.innovation[i] + values[i];
-        let turns = (sum / core::f64::consts::TAU).round() * core::f64::consts::TAU;
-        let off = if what.contains("heading") || what.contains("tilt") { sum - turns } else { sum };
-        prop_assert!(
-            off.abs() < 1e-9 * (1.0 + values[i].abs()),
-            "{} [{}]: {} {}",
-            what,
-            i,
-            got.innovation[i],
-            values[i]
-        );
+        let sum = innovation + value;
+        let turns = if angles { (sum / core::f64::consts::TAU).round() } else { 0.0 };
+        let off = sum - turns * core::f64::consts::TAU;
+        prop_assert!(off.abs() < 1e-9 * (1.0 + value.abs()), "{what}: {innovation}, {value}");
     }
     Ok(())
 }

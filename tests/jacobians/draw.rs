@@ -22,7 +22,7 @@ impl Draw<'_> {
 
     /// Any attitude but a pitch steeper than 80 degrees.
     pub(super) fn euler(&mut self) -> [f64; 3] {
-        let [roll, yaw] = self.array(3.14);
+        let [roll, yaw] = self.array(core::f64::consts::PI);
         [roll, self.between(-1.39, 1.39), yaw]
     }
 
@@ -84,7 +84,11 @@ impl Draw<'_> {
     }
 
     /// A mean with numbers of the given sizes, and the belief that has it.
-    pub(super) fn belief<const N: usize>(&mut self, order: usize, sizes: &[(usize, f64)]) -> Belief<N> {
+    pub(super) fn belief<const N: usize>(
+        &mut self,
+        order: usize,
+        sizes: &[(usize, f64)],
+    ) -> Belief<N> {
         let mut mean: Column<N> = Column::zeros();
         let mut from = 0;
         for &(count, size) in sizes {

@@ -11,7 +11,10 @@ pub(super) type Check = Result<(), TestCaseError>;
 
 /// Something that is true of every filter.
 pub(super) trait Fact {
-    fn check<P: Process<N>, M: Monitor<N>, const N: usize>(&self, filter: &Filter<P, N, M>) -> Check;
+    fn check<P: Process<N>, M: Monitor<N>, const N: usize>(
+        &self,
+        filter: &Filter<P, N, M>,
+    ) -> Check;
 }
 
 /// Checks it with all of them; `extra`: with all states of the sensors.

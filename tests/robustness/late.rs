@@ -20,7 +20,8 @@ fn deliver<P: Process<N>, M: Monitor<N>, const N: usize>(
         set(&mut m, event);
         filter.update(&mut memory, event.arrival, &m);
     }
-    let end = mission.truth.last().unwrap().time + 3.0;
+    // Later than any latency, and than any wait for a driving signal.
+    let end = mission.truth.last().unwrap().time + 5.0;
     let estimate = filter.update(&mut memory, end, &Measurements::default());
     (memory, estimate)
 }
@@ -46,7 +47,10 @@ impl Shuffled {
 }
 
 impl Fact for Shuffled {
-    fn check<P: Process<N>, M: Monitor<N>, const N: usize>(&self, filter: &Filter<P, N, M>) -> Check {
+    fn check<P: Process<N>, M: Monitor<N>, const N: usize>(
+        &self,
+        filter: &Filter<P, N, M>,
+    ) -> Check {
         let (a, first) = deliver(filter, &self.in_order);
         let (b, second) = deliver(filter, &self.shuffled);
         let used = |e: &Estimate| e.channels.map(|c| (c.used, c.rejected));
@@ -64,7 +68,7 @@ const DRIVING: [Kind; 2] = [Kind::Imu, Kind::Thrust];
 const ALL: [Kind; 6] = [Kind::Ahrs, Kind::Depth, Kind::Dvl, Kind::Fix, Kind::Imu, Kind::Thrust];
 
 fn shuffle(known: &[Kind], late: &[Kind]) {
-    for seed in 1..4 {
+    for seed in 1..3 {
         for_all(&Shuffled::new(seed, known, late), false).unwrap();
     }
 }

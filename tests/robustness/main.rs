@@ -19,7 +19,10 @@ use rexrov::estimation::*;
 struct Anything(Vec<Cycle>);
 
 impl Fact for Anything {
-    fn check<P: Process<N>, M: Monitor<N>, const N: usize>(&self, filter: &Filter<P, N, M>) -> Check {
+    fn check<P: Process<N>, M: Monitor<N>, const N: usize>(
+        &self,
+        filter: &Filter<P, N, M>,
+    ) -> Check {
         let (mut memory, mut m, mut now) = (filter.memory(), Measurements::default(), 0.0);
         for cycle in &self.0 {
             advance(&mut m, now, cycle);
@@ -37,7 +40,10 @@ impl Fact for Anything {
 struct Absent([bool; 6]);
 
 impl Fact for Absent {
-    fn check<P: Process<N>, M: Monitor<N>, const N: usize>(&self, filter: &Filter<P, N, M>) -> Check {
+    fn check<P: Process<N>, M: Monitor<N>, const N: usize>(
+        &self,
+        filter: &Filter<P, N, M>,
+    ) -> Check {
         let (mut memory, mut m) = (filter.memory(), Measurements::default());
         let mut estimate = Estimate::default();
         for k in 0..400_u32 {
@@ -64,7 +70,10 @@ struct Unaided {
 }
 
 impl Fact for Unaided {
-    fn check<P: Process<N>, M: Monitor<N>, const N: usize>(&self, filter: &Filter<P, N, M>) -> Check {
+    fn check<P: Process<N>, M: Monitor<N>, const N: usize>(
+        &self,
+        filter: &Filter<P, N, M>,
+    ) -> Check {
         let (mut memory, mut m, mut last) = (filter.memory(), Measurements::default(), [0.0; 3]);
         for k in 0..3000 {
             let now = f64::from(k) * 0.02;
@@ -107,7 +116,10 @@ struct Burst {
 }
 
 impl Fact for Burst {
-    fn check<P: Process<N>, M: Monitor<N>, const N: usize>(&self, filter: &Filter<P, N, M>) -> Check {
+    fn check<P: Process<N>, M: Monitor<N>, const N: usize>(
+        &self,
+        filter: &Filter<P, N, M>,
+    ) -> Check {
         let (mut memory, mut m) = (filter.memory(), Measurements::default());
         for k in 0..8 * self.hz {
             let now = f64::from(k) / f64::from(self.hz);
@@ -138,7 +150,10 @@ impl Fact for Burst {
 struct Jump;
 
 impl Fact for Jump {
-    fn check<P: Process<N>, M: Monitor<N>, const N: usize>(&self, filter: &Filter<P, N, M>) -> Check {
+    fn check<P: Process<N>, M: Monitor<N>, const N: usize>(
+        &self,
+        filter: &Filter<P, N, M>,
+    ) -> Check {
         let (mut memory, mut m) = (filter.memory(), Measurements::default());
         for now in [0.0, 0.1, 1.7e9, 1.7e9 + 0.1] {
             m.fix = Reading::at(now, [1.0, 2.0 + 1e-10 * now, 0.0]);

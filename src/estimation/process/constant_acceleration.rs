@@ -27,9 +27,8 @@ const BASE: usize = 15;
 
 /// Default process noise of robot_localization: variance per second of position, attitude, velocity,
 /// angular rate and acceleration.
-const NOISE: [f64; BASE] = [
-    0.05, 0.05, 0.06, 0.03, 0.03, 0.06, 0.025, 0.025, 0.04, 0.01, 0.01, 0.02, 0.01, 0.01, 0.015,
-];
+const NOISE: [f64; BASE] =
+    [0.05, 0.05, 0.06, 0.03, 0.03, 0.06, 0.025, 0.025, 0.04, 0.01, 0.01, 0.02, 0.01, 0.01, 0.015];
 
 /// The constant-acceleration process.
 #[derive(Clone, Debug)]
@@ -129,8 +128,7 @@ impl<const N: usize> Process<N> for ConstantAcceleration {
             predicted.set_block(THETA, &-skew(&down));
             let innovation = Vector3::from(value) - predicted.value;
             let variance = (density * density / interval.dt).max(1e-12);
-            let observation =
-                Observation::new(3, innovation.into(), predicted.rows, [variance; 3]);
+            let observation = Observation::new(3, innovation.into(), predicted.rows, [variance; 3]);
             let correction = fuse(belief, &observation, f64::INFINITY, witness);
             self.correct(belief, &correction);
         }

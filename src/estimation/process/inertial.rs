@@ -111,7 +111,10 @@ impl InertialProcess {
         let mut f = Transition::identity();
         for i in 0..3 {
             let own = core::iter::once((P + i, 1.0));
-            f.set_row(P + i, own.chain(part(&by_velocity, i, U)).chain(part(&by_attitude, i, THETA)));
+            f.set_row(
+                P + i,
+                own.chain(part(&by_velocity, i, U)).chain(part(&by_attitude, i, THETA)),
+            );
         }
         (0..3).for_each(|i| f.set_row(THETA + i, part(&t.transpose(), i, THETA)));
         let mut p = belief.mean.fixed_rows_mut::<3>(P);

@@ -18,12 +18,7 @@ pub trait Process<const N: usize> {
     fn initial(&self) -> Belief<N>;
 
     /// Predicts over an interval: mean and covariance.
-    fn predict(
-        &self,
-        belief: &mut Belief<N>,
-        interval: &Interval,
-        witness: &mut impl Witness<N>,
-    );
+    fn predict(&self, belief: &mut Belief<N>, interval: &Interval, witness: &mut impl Witness<N>);
 
     /// Measurements that the interval itself makes, with the one before it: balances of force and
     /// moment, a gyro compared with a modelled rate.

@@ -165,12 +165,7 @@ impl ModelAid {
         x[at.moment] *= quick;
     }
 
-    pub(super) fn add_noise<const N: usize>(
-        &self,
-        belief: &mut Belief<N>,
-        at: AidStates,
-        dt: f64,
-    ) {
+    pub(super) fn add_noise<const N: usize>(&self, belief: &mut Belief<N>, at: AidStates, dt: f64) {
         let d = &self.disturbances;
         let stationary = |sigma: f64, decay: f64| sigma * sigma * (1.0 - decay * decay);
         let (quick, slow) = (self.quick(dt), self.slow(dt));
@@ -227,15 +222,16 @@ impl ModelAid {
         let water = Water::new(belief, at, &s, &noise, self.gravity, [dt, 0.5]);
         let (w, nu) = (&s.rate, &water.velocity);
         let momentum = self.momentum[0] * nu + self.momentum[1] * w;
-        let damping = Vector3::from_fn(|i, _| (self.linear[i] + self.quadratic[i] * nu[i].abs()) * nu[i]);
+        let damping =
+            Vector3::from_fn(|i, _| (self.linear[i] + self.quadratic[i] * nu[i].abs()) * nu[i]);
         let thrust = Vector3::from_fn(|i, _| self.thrust(&thrusts.mean, i));
         let disturbance = x.fixed_rows::<3>(at.force) + x.fixed_rows::<3>(at.slow_force);
         let force =
             -w.cross(&momentum) - damping + water.down * self.excess_weight + thrust + disturbance;
         let per_mass = self.mass.map(|m| 1.0 / m);
         let bias: Vector3<f64> = x.fixed_rows::<3>(B_A).into_owned();
-        let predicted = force.component_mul(&per_mass) + w.cross(nu) - water.down * self.gravity
-            + bias + noise;
+        let predicted =
+            force.component_mul(&per_mass) + w.cross(nu) - water.down * self.gravity + bias + noise;
 
         let per_mass = Matrix3::from_diagonal(&per_mass);
         let slope = Matrix3::from_diagonal(&Vector3::from_fn(|i, _| {
@@ -275,7 +271,8 @@ impl ModelAid {
         let x = &belief.mean;
         let spacing = 0.5 * (dt_before + dt);
         let weights = [dt / (dt + dt_before), dt_before / (dt + dt_before)];
-        let raw = Vector3::from(imu_before.rate) * weights[0] + Vector3::from(imu.rate) * weights[1];
+        let raw =
+            Vector3::from(imu_before.rate) * weights[0] + Vector3::from(imu.rate) * weights[1];
         let w = raw - x.fixed_rows::<3>(B_G);
         let s = Strapdown::new(belief, imu, dt);
         let noise: Vector3<f64> = x.fixed_rows::<3>(at.force_noise).into_owned();

@@ -54,11 +54,7 @@ pub fn euler(rotation: &Matrix3<f64>) -> ([f64; 3], Matrix3<f64>) {
 }
 
 impl Sensor<3> for Tilt {
-    fn observe<const N: usize>(
-        &self,
-        value: &[f64; 3],
-        motion: &Kinematics<N>,
-    ) -> Observation<N> {
+    fn observe<const N: usize>(&self, value: &[f64; 3], motion: &Kinematics<N>) -> Observation<N> {
         let (angles, rates) = euler(&motion.rotation);
         let variance = self.sigma * self.sigma;
         Observation::new(
@@ -71,11 +67,7 @@ impl Sensor<3> for Tilt {
 }
 
 impl Sensor<3> for Heading {
-    fn observe<const N: usize>(
-        &self,
-        value: &[f64; 3],
-        motion: &Kinematics<N>,
-    ) -> Observation<N> {
+    fn observe<const N: usize>(&self, value: &[f64; 3], motion: &Kinematics<N>) -> Observation<N> {
         let (angles, rates) = euler(&motion.rotation);
         let mut row = motion.through_rotation(&rates, 2);
         if let Some(state) = motion.sensors.heading_bias {

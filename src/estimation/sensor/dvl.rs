@@ -19,11 +19,7 @@ pub struct Dvl {
 }
 
 impl Sensor<3> for Dvl {
-    fn observe<const N: usize>(
-        &self,
-        value: &[f64; 3],
-        motion: &Kinematics<N>,
-    ) -> Observation<N> {
+    fn observe<const N: usize>(&self, value: &[f64; 3], motion: &Kinematics<N>) -> Observation<N> {
         let states = &motion.sensors;
         let scale = 1.0 + motion.optional(states.dvl_scale);
         let delay = motion.optional(states.dvl_delay);
@@ -36,8 +32,7 @@ impl Sensor<3> for Dvl {
         let through_velocity = turn * scale;
         let through_rate = -through_velocity * skew(&self.lever);
         let mut rows = core::array::from_fn(|i| {
-            motion.velocity.image(&through_velocity, i)
-                + motion.rate.image(&through_rate, i)
+            motion.velocity.image(&through_velocity, i) + motion.rate.image(&through_rate, i)
                 - motion.acceleration.image(&through_velocity, i) * delay
         });
         let by_misalignment = Vector3::new(aligned.y, -aligned.x, 0.0) * scale;

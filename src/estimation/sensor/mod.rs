@@ -42,9 +42,5 @@ impl<const N: usize> Observation<N> {
 /// A sensor: compares what it measured, `value`, with what the motion predicts.
 pub trait Sensor<const K: usize> {
     /// The comparison.
-    fn observe<const N: usize>(
-        &self,
-        value: &[f64; K],
-        motion: &Kinematics<N>,
-    ) -> Observation<N>;
+    fn observe<const N: usize>(&self, value: &[f64; K], motion: &Kinematics<N>) -> Observation<N>;
 }
