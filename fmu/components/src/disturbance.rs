@@ -29,7 +29,7 @@ pub struct Parameters {
     /// Current at the start
     pub mean_current: Ned,
     /// Density of the random walk of the current north and east
-    #[var(unit = "m/s1.5", min = 0.0, nominal = 0.001)]
+    #[var(unit = "m/(s2.Hz0.5)", min = 0.0, nominal = 0.001)]
     pub current_random_walk: f64,
     /// Standard deviation of the constant relative errors of the thrusts, drawn once
     #[var(unit = "1", min = 0.0)]

@@ -26,7 +26,7 @@ pub struct Disturbances {
     #[var(unit = "m/s", min = 0.0)]
     pub current_sigma: f64,
     /// density of the random walk of the current
-    #[var(unit = "m/s1.5", min = 0.0, nominal = 0.001)]
+    #[var(unit = "m/(s2.Hz0.5)", min = 0.0, nominal = 0.001)]
     pub current_walk: f64,
 }
 
