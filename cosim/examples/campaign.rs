@@ -30,7 +30,8 @@ fn main() -> Result<()> {
         let mut outage = Outage(vec![(second(100), 1.0), (second(130), 0.0)]);
         let (system, mut results) = (system.with(&overrides)?, Recording::new());
         Run::new(&system).observe(&mut results).manipulate(&mut outage).go()?;
-        let (truth, estimate) = (results.column("vehicle.pose.x")?, results.column("filter.pose.x")?);
+        let (truth, estimate) =
+            (results.column("vehicle.pose.x")?, results.column("filter.pose.x")?);
         let worst = truth.iter().zip(estimate).map(|(t, e)| (t - e).abs()).fold(0.0, f64::max);
         println!("seed {seed}: the estimate of x is off by at most {worst:.2} m");
     }
