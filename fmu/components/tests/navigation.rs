@@ -87,7 +87,7 @@ impl Run {
     fn sense(&mut self) {
         let t = self.now();
         let noise = |k: f64| 1e-3 * (k * t).sin();
-        if self.tick % 2 == 0 {
+        if self.tick.is_multiple_of(2) {
             self.set(&[
                 ("imu.specific_force.x", noise(91.0)),
                 ("imu.specific_force.z", -9.81 + noise(57.0)),
@@ -98,7 +98,7 @@ impl Run {
                 ("propulsion.valid", 1.0),
             ]);
         }
-        if self.tick % 10 == 0 {
+        if self.tick.is_multiple_of(10) {
             self.set(&[
                 ("ahrs.attitude.yaw", noise(31.0)),
                 ("ahrs.stamp", t),
@@ -108,11 +108,11 @@ impl Run {
                 ("pressure.valid", 1.0),
             ]);
         }
-        if self.tick % 14 == 0 && t > 0.3 {
+        if self.tick.is_multiple_of(14) && t > 0.3 {
             let velocity = 0.3 + noise(23.0);
             self.set(&[("dvl.velocity.u", velocity), ("dvl.stamp", t - 0.15), ("dvl.valid", 1.0)]);
         }
-        if self.tick % 100 == 0 && t > 1.0 {
+        if self.tick.is_multiple_of(100) && t > 1.0 {
             let north = 0.3 * (t - 0.5) + 100.0 * noise(13.0);
             self.set(&[("fix.position.x", north), ("fix.stamp", t - 0.5), ("fix.valid", 1.0)]);
         }
