@@ -4,10 +4,12 @@
 //! it), and the order of time: it predicts to each measurement's own instant, and puts late ones in
 //! their place (`history`). Its [`Belief`] is a mean and a covariance; a measurement changes it
 //! through [`kalman`], with bounded influence. Sensors are written once, for the [`kinematics`] that
-//! every process offers with its derivatives. The paper's two filters are in [`paper`].
+//! every process offers with its derivatives. The paper's two filters are in [`paper`]. What no
+//! filter can be better than is in [`bound`].
 
 mod aided;
 pub mod belief;
+pub mod bound;
 pub mod filter;
 mod history;
 mod intake;
