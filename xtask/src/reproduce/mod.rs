@@ -15,17 +15,15 @@ mod settings;
 mod tables;
 mod trace;
 
-use std::num::NonZero;
-use std::thread::available_parallelism;
-
 use anyhow::{Context, bail};
 
 use self::campaign::Campaign;
 pub(crate) use self::case::Case;
 use self::case::Course;
 use self::figures::Figures;
-use self::goals::{Verdict, verdicts};
+use self::goals::verdicts;
 pub(crate) use self::settings::arguments;
+use crate::experiment::{Verdict, default_threads};
 use crate::paths;
 
 /// Options of `reproduce`.
@@ -42,8 +40,7 @@ pub(crate) struct Options {
 
 /// Runs the experiment; an error if a run fails or a goal of G1 is clearly missed.
 pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
-    let threads =
-        options.threads.unwrap_or_else(|| available_parallelism().map_or(1, NonZero::get));
+    let threads = options.threads.unwrap_or_else(default_threads);
     let folder = paths::target().join("reproduce");
     let campaign = Campaign::run(&Case::all(options.seeds), threads, &folder.join("runs"))?;
     let verdicts = verdicts(&campaign);
