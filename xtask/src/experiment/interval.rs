@@ -17,9 +17,8 @@ pub(crate) fn bootstrap(n: usize, statistic: impl Fn(&[usize]) -> f64) -> [f64; 
         let bits = state.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 33;
         (bits as usize) % n.max(1)
     };
-    let values: Vec<f64> = (0..RESAMPLES)
-        .map(|_| statistic(&(0..n).map(|_| draw()).collect::<Vec<_>>()))
-        .collect();
+    let values: Vec<f64> =
+        (0..RESAMPLES).map(|_| statistic(&(0..n).map(|_| draw()).collect::<Vec<_>>())).collect();
     [0.025, 0.975].map(|p| quantile(&values, p))
 }
 

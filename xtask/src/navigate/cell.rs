@@ -2,6 +2,7 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
+use anyhow::Context;
 use rexrov::vehicle::Parameters;
 
 use super::filter::Filter;
@@ -13,6 +14,9 @@ pub(crate) const GRADES: [&str; 3] = ["Adis16448", "Industrial", "Tactical"];
 pub(crate) const LOST: usize = 4;
 /// Fix and velocity log are off between these instants in the cells named after outages (s).
 pub(crate) const OUTAGE: [f64; 2] = [200.0, 260.0];
+
+/// Kinds of damping.
+const BOTH: [&str; 2] = ["linear", "quadratic"];
 
 /// An input gets a value, or again what is connected to it.
 #[derive(Clone, Debug)]
@@ -63,7 +67,20 @@ impl Cell {
         if self.secondary { most.min((most * 3).div_ceil(10).max(6)) } else { most }
     }
 
-    fn set(mut self, name: impl Into<String>, value: impl ToString) -> Self {
+    /// The cell of this name.
+    pub(crate) fn named(name: &str) -> anyhow::Result<Self> {
+        let found = Self::all().into_iter().find(|cell| cell.name == name);
+        found.with_context(|| format!("there is no cell {name}"))
+    }
+
+    /// The same for other filters, under another name.
+    pub(crate) fn variant(self, name: impl Into<String>, filters: &'static [Filter]) -> Self {
+        let name = name.into();
+        Self { name, filters, secondary: false, ..self }
+    }
+
+    /// With a start value.
+    pub(crate) fn set(mut self, name: impl Into<String>, value: impl ToString) -> Self {
         self.start_values.push((name.into(), value.to_string()));
         self
     }
@@ -74,10 +91,11 @@ impl Cell {
     }
 
     fn off(self, sensors: &[&str], [from, to]: [f64; 2]) -> Self {
-        let cell = sensors.iter().fold(Self { window: Some([from, to]), ..self }, |cell, sensor| {
-            let switch = format!("{sensor}.off");
-            cell.at(from, &switch, Some(1.0)).at(to, switch, None)
-        });
+        let cell =
+            sensors.iter().fold(Self { window: Some([from, to]), ..self }, |cell, sensor| {
+                let switch = format!("{sensor}.off");
+                cell.at(from, &switch, Some(1.0)).at(to, switch, None)
+            });
         cell
     }
 
@@ -99,10 +117,13 @@ impl Cell {
     /// 0.3 and 0.1 m/s, each for 20 s.
     fn switching(self) -> Self {
         let end = self.window.map_or(0.0, |[_, to]| to);
-        (1..).map(|i| 20.0 * f64::from(i)).take_while(|time| *time < end).enumerate().fold(
-            self,
-            |cell, (i, time)| cell.at(time, "controller.command.u", (i % 2 == 0).then_some(0.1)),
-        )
+        (1..)
+            .map(|i| 20.0 * f64::from(i))
+            .take_while(|time| *time < end)
+            .enumerate()
+            .fold(self, |cell, (i, time)| {
+                cell.at(time, "controller.command.u", (i % 2 == 0).then_some(0.1))
+            })
     }
 
     /// The vehicle's mass and inertia times a factor, trimmed as before.
@@ -118,15 +139,37 @@ impl Cell {
         })
     }
 
-    /// All damping of the vehicle times a factor.
-    fn damping(self, factor: f64) -> Self {
+    /// Kinds of damping of a component times a factor.
+    pub(crate) fn damping(self, component: &str, kinds: &[&str], factor: f64) -> Self {
         let p = Parameters::default();
-        let kinds = [("linear", p.linear_damping), ("quadratic", p.quadratic_damping)];
-        kinds.into_iter().fold(self, |cell, (kind, values)| {
-            ["u", "v", "w", "p", "q", "r"].into_iter().zip(values).fold(cell, |cell, (axis, d)| {
-                cell.set(format!("vehicle.{kind}_damping.{axis}"), factor * d)
-            })
+        let all = [("linear", p.linear_damping), ("quadratic", p.quadratic_damping)];
+        all.into_iter().filter(|(kind, _)| kinds.contains(kind)).fold(
+            self,
+            |cell, (kind, values)| {
+                ["u", "v", "w", "p", "q", "r"].into_iter().zip(values).fold(
+                    cell,
+                    |cell, (axis, d)| {
+                        cell.set(format!("{component}.{kind}_damping.{axis}"), factor * d)
+                    },
+                )
+            },
+        )
+    }
+
+    /// All added mass of a component times a factor.
+    pub(crate) fn added_mass(self, component: &str, factor: f64) -> Self {
+        let mass = Parameters::default().symmetric_added_mass();
+        let places = (0..6).flat_map(|i| (i..6).map(move |j| (i, j)));
+        places.fold(self, |cell, (i, j)| {
+            let name = format!("{component}.added_mass.m{}{}", i + 1, j + 1);
+            cell.set(name, factor * mass[i][j])
         })
+    }
+
+    /// Thrust over rotor speed squared of a component times a factor.
+    pub(crate) fn thrust_gain(self, component: &str, factor: f64) -> Self {
+        let gain = Parameters::default().propulsion.thrust_gain;
+        self.set(format!("{component}.thrust_gain"), factor * gain)
     }
 
     fn propeller(self, time: f64) -> Self {
@@ -168,8 +211,8 @@ impl Cell {
             cells.push(Self::outage("outage-speed", grade).switching());
             cells.push(Self::outage("outage-mass-20", grade).switching().mass(0.8));
             cells.push(Self::outage("outage-mass+20", grade).switching().mass(1.2));
-            cells.push(Self::outage("outage-damping-20", grade).damping(0.8));
-            cells.push(Self::outage("outage-damping+20", grade).damping(1.2));
+            cells.push(Self::outage("outage-damping-20", grade).damping("vehicle", &BOTH, 0.8));
+            cells.push(Self::outage("outage-damping+20", grade).damping("vehicle", &BOTH, 1.2));
             let stopped = format!("vehicle.thruster[{LOST}].force");
             cells.push(Self::outage("outage-dead", grade).at(100.0, stopped, Some(0.0)));
             cells.push(Self::outage("propeller-before", grade).propeller(100.0));

@@ -3,9 +3,7 @@
 use super::cell::{Cell, GRADES};
 use super::filter::Filter;
 use super::score::{CHANNELS, Score};
-use super::statistic::{
-    Number, anis, mean_of, number, over, quantile_of, ratio_of, share_in_band,
-};
+use super::statistic::{Number, anis, mean_of, number, over, quantile_of, ratio_of, share_in_band};
 use crate::experiment::Verdict;
 
 /// A number of a cell with its verdict.
@@ -39,7 +37,8 @@ pub(crate) struct Cells<'a> {
 }
 
 impl Cells<'_> {
-    fn of(&self, filter: Filter) -> Option<&[Score]> {
+    /// The scores of a filter.
+    pub(crate) fn of(&self, filter: Filter) -> Option<&[Score]> {
         self.scores.iter().find(|(f, _)| *f == filter).map(|(_, scores)| scores.as_slice())
     }
 
@@ -152,7 +151,13 @@ fn nominal(add: &mut Rows<'_>, scores: &[Score], bound: Option<f64>) {
         let name = format!("RMSE after 30 s / Cramér-Rao bound of {bound:.4} m");
         add.row(&name, "", over, SHOWN, "1");
     }
-    add.row("z RMSE after 30 s, median", "m", quantile_of(scores, 0.5, |s| s.depth), SHOWN, "0.023");
+    add.row(
+        "z RMSE after 30 s, median",
+        "m",
+        quantile_of(scores, 0.5, |s| s.depth),
+        SHOWN,
+        "0.023",
+    );
     let claimed = number(scores.len(), |drawn| {
         let variance = drawn.iter().map(|i| scores[*i].variance).sum::<f64>();
         (variance / drawn.len() as f64).sqrt() / rms(scores, drawn)
@@ -213,7 +218,13 @@ fn in_loop(add: &mut Rows<'_>, scores: &[Score]) {
         _ => SHOWN,
     };
     add.row("Total, median", "m", quantile_of(scores, 0.5, |s| s.total), goal, "");
-    add.row("depth off its course, median", "m", quantile_of(scores, 0.5, |s| s.vertical), SHOWN, "");
+    add.row(
+        "depth off its course, median",
+        "m",
+        quantile_of(scores, 0.5, |s| s.vertical),
+        SHOWN,
+        "",
+    );
     let value = scores.iter().filter(|s| s.finished).count() as f64 / scores.len() as f64;
     add.row("finished", "", Number { value, interval: [value; 2] }, at_least(1.0), "");
 }
@@ -239,7 +250,9 @@ fn outage(add: &mut Rows<'_>, scores: &[Score], cell: &Cell) {
         "outage-current" => ([1.95, 4.3], ["1.79 to 1.81", "3.66 to 4.29"]),
         "outage-speed" => ([2.1, 4.3], ["1.75 to 2.01", "4.04 to 4.17"]),
         "outage-mass-20" | "outage-mass+20" => ([2.7, 4.9], ["1.72 to 2.56", "3.83 to 4.78"]),
-        "outage-damping-20" | "outage-damping+20" => ([1.85, 4.0], ["1.40 to 1.74", "3.40 to 3.87"]),
+        "outage-damping-20" | "outage-damping+20" => {
+            ([1.85, 4.0], ["1.40 to 1.74", "3.40 to 3.87"])
+        }
         "outage-dead" => ([1.85, 3.9], ["1.60 to 1.71", "3.46 to 3.82"]),
         _ => ([f64::INFINITY; 2], ["", ""]),
     };

@@ -1,8 +1,7 @@
 //! One mission of a cell: the start values of a seed, what happens when, what is recorded.
 
-use cosim::observe::Stop;
-use cosim::observe::RunInfo;
-use cosim::{Controls, Manipulator, Observer, Overrides, Recording, Run, System, Time};
+use cosim::observe::{RunInfo, Stop};
+use cosim::{Controls, Manipulator, Observer, Overrides, Recording, Run, Summary, System, Time};
 use rexrov::guidance::Course;
 use rexrov::sensors::{Gaussian, ImuGrade};
 
@@ -40,8 +39,19 @@ const TRUTH: [&str; 14] = [
 ];
 /// Signals of each filter.
 const ESTIMATE: [&str; 13] = [
-    "pose.x", "pose.y", "pose.z", "pose.yaw", "sigma.x", "sigma.y", "sigma.z", "sigma.yaw",
-    "covariance.*", "nis.*", "count.*.used", "thruster[?].loss", "health",
+    "pose.x",
+    "pose.y",
+    "pose.z",
+    "pose.yaw",
+    "sigma.x",
+    "sigma.y",
+    "sigma.z",
+    "sigma.yaw",
+    "covariance.*",
+    "nis.*",
+    "count.*.used",
+    "thruster[?].loss",
+    "health",
 ];
 
 /// The course by its name.
@@ -62,12 +72,13 @@ pub(crate) fn tilt_sigma(grade: &str) -> f64 {
 }
 
 /// Flies a seed of a cell.
-pub(crate) fn fly(base: &System, cell: &Cell, seed: u32) -> anyhow::Result<Recording> {
+pub(crate) fn fly(base: &System, cell: &Cell, seed: u32) -> anyhow::Result<(Recording, Summary)> {
     let system = base.with(&overrides(cell, seed)?)?;
     let (mut recording, mut arrival) = (Recording::new(), Arrival::default());
     let mut events = Events::new(&cell.events)?;
-    Run::new(&system).observe(&mut recording).observe(&mut arrival).manipulate(&mut events).go()?;
-    Ok(recording)
+    let run = Run::new(&system).observe(&mut recording).observe(&mut arrival);
+    let summary = run.manipulate(&mut events).go()?;
+    Ok((recording, summary))
 }
 
 fn overrides(cell: &Cell, seed: u32) -> anyhow::Result<Overrides> {
@@ -76,7 +87,8 @@ fn overrides(cell: &Cell, seed: u32) -> anyhow::Result<Overrides> {
         None => (4.0 / 3.0 * course(cell.course)?.length() / 0.3).ceil(),
     };
     let filters = || cell.filters.iter().map(|filter| filter.component());
-    let recorded = filters().flat_map(|f| ESTIMATE.iter().map(move |signal| format!("{f}.{signal}")));
+    let recorded =
+        filters().flat_map(|f| ESTIMATE.iter().map(move |signal| format!("{f}.{signal}")));
     let mut o = Overrides::new()
         .stop_time(stop)
         .output_interval(INTERVAL)

@@ -27,9 +27,11 @@ mod system;
 
 use anyhow::{Context, bail, ensure};
 
-use self::cell::Cell;
-use self::goals::{Cells, Row};
-use self::score::Score;
+pub(crate) use self::cell::{Cell, GRADES};
+pub(crate) use self::filter::Filter;
+pub(crate) use self::goals::Cells;
+use self::goals::Row;
+pub(crate) use self::score::Score;
 use self::system::Systems;
 use crate::experiment::{default_threads, on_threads};
 
@@ -50,9 +52,8 @@ pub(crate) struct Options {
 /// Measures; an error if a goal is missed by more than the seeds leave open.
 pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     let cells = chosen(&options.cells)?;
-    let systems = Systems::load(cells.iter().map(|cell| (cell.steering, cell.filters)))?;
     let threads = options.threads.unwrap_or_else(default_threads);
-    let results = missions(&cells, &systems, options.seeds, threads)?;
+    let results = fly_all(&cells, options.seeds, threads)?;
     let rows: Vec<Row> = results.iter().flat_map(Cells::rows).collect();
     output::write(&results, &rows)?;
     let missed: Vec<String> = rows
@@ -93,13 +94,13 @@ struct Flown {
     bound: Option<f64>,
 }
 
-/// Flies all seeds of all cells.
-fn missions<'a>(
-    cells: &'a [Cell],
-    systems: &Systems,
+/// Flies so many seeds of all cells, of secondary ones a third.
+pub(crate) fn fly_all(
+    cells: &[Cell],
     seeds: u32,
     threads: usize,
-) -> anyhow::Result<Vec<Cells<'a>>> {
+) -> anyhow::Result<Vec<Cells<'_>>> {
+    let systems = Systems::load(cells.iter().map(|cell| (cell.steering, cell.filters)))?;
     let runs: Vec<(&Cell, u32)> = cells
         .iter()
         .flat_map(|cell| (1..=cell.seeds(seeds)).map(move |seed| (cell, seed)))
@@ -120,9 +121,9 @@ fn missions<'a>(
 }
 
 fn fly(base: &cosim::System, cell: &Cell, seed: u32) -> anyhow::Result<Flown> {
-    let recording = mission::fly(base, cell, seed)?;
-    let scores = cell.filters.iter().map(|filter| Score::of(&recording, cell, *filter));
+    let flown = mission::fly(base, cell, seed)?;
+    let scores = cell.filters.iter().map(|filter| Score::of(&flown, cell, *filter));
     let nominal = seed == 1 && matches!(cell.name.as_str(), "BE1" | "BE2" | "BE3");
-    let bound = nominal.then(|| bound::of(&recording, cell.grade)).transpose()?;
+    let bound = nominal.then(|| bound::of(&flown.0, cell.grade)).transpose()?;
     Ok(Flown { scores: scores.collect::<anyhow::Result<_>>()?, bound })
 }

@@ -56,7 +56,7 @@ fn table(rows: &[Row]) -> String {
 
 /// Measures that are one number.
 type Measure = (&'static str, fn(&Score) -> f64);
-const MEASURES: [Measure; 17] = [
+const MEASURES: [Measure; 18] = [
     ("rmse_m", |s| s.rmse),
     ("x_rmse_m", |s| s.axes[0]),
     ("y_rmse_m", |s| s.axes[1]),
@@ -74,6 +74,7 @@ const MEASURES: [Measure; 17] = [
     ("total_m", |s| s.total),
     ("vertical_m", |s| s.vertical),
     ("finished", |s| f64::from(u8::from(s.finished))),
+    ("load", |s| s.load),
 ];
 
 fn csv(results: &[Cells<'_>]) -> anyhow::Result<String> {

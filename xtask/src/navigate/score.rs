@@ -1,7 +1,7 @@
 //! What one filter reached in one mission.
 
-use cosim::Recording;
 use cosim::report::{mean, root_mean_square};
+use cosim::{Recording, Summary};
 use nalgebra::{Matrix4, Vector4};
 use rexrov::attitude::wrap;
 
@@ -52,11 +52,17 @@ pub(crate) struct Score {
     pub(crate) vertical: f64,
     /// Whether the end of the course was reached.
     pub(crate) finished: bool,
+    /// Processor time of the filter's FMU over simulated time.
+    pub(crate) load: f64,
 }
 
 impl Score {
     /// Measures a filter.
-    pub(crate) fn of(recording: &Recording, cell: &Cell, filter: Filter) -> anyhow::Result<Self> {
+    pub(crate) fn of(
+        (recording, summary): &(Recording, Summary),
+        cell: &Cell,
+        filter: Filter,
+    ) -> anyhow::Result<Self> {
         let errors = Errors::of(recording, filter)?;
         let end = recording.time().len();
         let settled = row(SETTLED)..end;
@@ -69,13 +75,15 @@ impl Score {
             depth: root_mean_square(&errors.errors[2][settled.clone()]),
             heading: root_mean_square(&errors.errors[3][settled.clone()]),
             variance: mean(&errors.variance()[settled.clone()]),
-            nees: [2, 4].map(|n| settled.clone().step_by(STRIDE).map(|i| errors.nees(i, n)).collect()),
+            nees: [2, 4]
+                .map(|n| settled.clone().step_by(STRIDE).map(|i| errors.nees(i, n)).collect()),
             nis: nis(recording, filter)?,
             window: errors.rmse(from..last + 1),
             last: errors.horizontal(last),
             last_nees: errors.nees(last, 2),
             finished: recording.column("pursuit.finished")?.last().is_some_and(|f| *f >= 0.5),
             vertical: mean_size(recording.column("pursuit.vertical_track")?),
+            load: load(summary, filter),
             ..Score::default()
         };
         score.losses(recording, cell, filter)?;
@@ -106,6 +114,11 @@ impl Score {
         }
         Ok(())
     }
+}
+
+fn load(summary: &Summary, filter: Filter) -> f64 {
+    let component = summary.components.iter().find(|c| c.name == filter.component());
+    component.map_or(f64::NAN, |c| c.seconds_per_step * c.steps as f64 / summary.simulated)
 }
 
 /// The row of an instant.
@@ -139,7 +152,9 @@ impl<'a> Errors<'a> {
             errors[i] = difference.map(|e| if axis == "yaw" { wrap(e) } else { e }).collect();
             sigma[i] = column(recording, filter, &format!("sigma.{axis}"))?;
         }
-        for (place, pair) in ["x_y", "x_z", "x_yaw", "y_z", "y_yaw", "z_yaw"].into_iter().enumerate() {
+        for (place, pair) in
+            ["x_y", "x_z", "x_yaw", "y_z", "y_yaw", "z_yaw"].into_iter().enumerate()
+        {
             covariance[place] = column(recording, filter, &format!("covariance.{pair}"))?;
         }
         Ok(Self { errors, sigma, covariance })

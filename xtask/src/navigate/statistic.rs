@@ -87,9 +87,8 @@ mod tests {
 
     #[test]
     fn what_never_comes_is_later_than_everything() {
-        let scores: Vec<Score> = [1.0, f64::INFINITY, 2.0]
-            .map(|detected| Score { detected, ..Score::default() })
-            .into();
+        let scores: Vec<Score> =
+            [1.0, f64::INFINITY, 2.0].map(|detected| Score { detected, ..Score::default() }).into();
         assert_eq!(quantile_of(&scores, 0.5, |s| s.detected).value, 2.0);
     }
 }

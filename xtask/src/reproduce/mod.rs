@@ -6,6 +6,7 @@
 
 mod campaign;
 mod case;
+mod comparison;
 mod figures;
 mod goals;
 mod metrics;
@@ -49,7 +50,10 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     let figures = Figures::of(&campaign)?;
     figures.write(&folder.join("figures"))?;
     let report = folder.join("report.html");
-    let html = page::page(&campaign, &verdicts, &figures, options.seeds)?.html()?;
+    let mut page = page::page(&campaign, &verdicts, &figures, options.seeds)?;
+    // After the comparison of the paper's filters, before the figures.
+    page.sections.insert(5, comparison::section(options.seeds, threads)?);
+    let html = page.html()?;
     std::fs::write(&report, html).with_context(|| format!("cannot write {}", report.display()))?;
     println!("Report: {}", report.display());
     conclude(&campaign, &verdicts)
