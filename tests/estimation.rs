@@ -154,7 +154,11 @@ fn steady_variance_solves_the_riccati_equation() {
     let (q, r) = (1e-4_f64, 2.25);
     let before = q / 2.0 + (q * q / 4.0 + q * r).sqrt();
     let expected = before * r / (before + r);
-    assert_relative_eq!(ekf.estimate(&memory).covariance[0][0].sqrt(), expected.sqrt(), epsilon = 1e-9);
+    assert_relative_eq!(
+        ekf.estimate(&memory).covariance[0][0].sqrt(),
+        expected.sqrt(),
+        epsilon = 1e-9
+    );
 }
 
 #[test]

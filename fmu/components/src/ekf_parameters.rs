@@ -127,8 +127,7 @@ impl Default for FilterParameters {
 impl From<&FilterParameters> for EkfParameters {
     fn from(p: &FilterParameters) -> Self {
         let Variance { x, y, z, yaw } = p.process_variance;
-        let misprinted =
-            |guard_speed| paper::Transition::Misprinted(Misprinted { guard_speed });
+        let misprinted = |guard_speed| paper::Transition::Misprinted(Misprinted { guard_speed });
         Self {
             rate_hz: p.rate_hz,
             transition: match p.transition {

@@ -100,7 +100,9 @@ impl<M> Held<M> {
     fn health_in_words(&self) -> String {
         match self.now.health {
             0 => "good again".to_owned(),
-            1 => "starved: neither velocity log nor fix; the error of the position grows".to_owned(),
+            1 => {
+                "starved: neither velocity log nor fix; the error of the position grows".to_owned()
+            }
             2 => format!(
                 "inconsistent: most measurements of late contradict the estimate; {} has {:.1} times \
                  the innovation squared that chance allows once in a thousand",
@@ -114,15 +116,16 @@ impl<M> Held<M> {
     fn thrusters_in_words(&self) -> String {
         let thrusters = |lost: bool| {
             let changed = self.now.lost ^ self.logged.lost;
-            let those = (0..8).filter(move |i| {
-                changed >> i & 1 == 1 && (self.now.lost >> i & 1 == 1) == lost
-            });
+            let those = (0..8)
+                .filter(move |i| changed >> i & 1 == 1 && (self.now.lost >> i & 1 == 1) == lost);
             those.map(|i| format!("thruster[{i}]")).collect::<Vec<_>>().join(", ")
         };
         match (thrusters(true), thrusters(false)) {
             (lost, found) if found.is_empty() => format!("{lost} gives less thrust than it should"),
             (lost, found) if lost.is_empty() => format!("{found} gives its thrust again"),
-            (lost, found) => format!("{lost} gives less thrust than it should, {found} its own again"),
+            (lost, found) => {
+                format!("{lost} gives less thrust than it should, {found} its own again")
+            }
         }
     }
 }

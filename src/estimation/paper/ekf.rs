@@ -4,88 +4,23 @@
 //! after the other, which equals eqs (50)-(53) in one go.
 
 use nalgebra::Vector4;
-use serde::{Deserialize, Serialize};
 
-use super::intake::{Record, Source};
-use super::prediction::{Motion, inertial_acceleration, predict};
+use super::intake::Source;
+use super::memory::{EkfMemory, News, Sources};
+use super::prediction::{inertial_acceleration, predict};
 use super::{Acceleration, EkfParameters};
 use crate::ParameterError;
 use crate::attitude;
 use crate::estimation::belief::{Belief, Column};
-use crate::estimation::kalman::{absorb, judge};
 use crate::estimation::sensor::Observation;
-use crate::estimation::{CHANNELS, Channel, Estimate, Health, Measurements, Navigation};
+use crate::estimation::{Channel, Estimate, Health, Measurements, Navigation};
 use crate::sampling::Rate;
-use crate::vector::{Vec3, cross, mul, sub};
+use crate::vector::{cross, mul, sub};
 
 /// Standard deviations after the estimate was lost: x, y, z (m) and psi (rad).
 const LOST: [f64; 4] = [1e4, 1e4, 1e3, core::f64::consts::PI];
 /// Index of x, y, z and psi among x, y, z, roll, pitch, yaw.
 const POSE: [usize; 4] = [0, 1, 2, 5];
-
-/// What the filter remembers between cycles.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct EkfMemory {
-    belief: Belief<4>,
-    motion: Motion,
-    /// Roll and pitch last measured (rad).
-    tilt: [f64; 2],
-    /// Angular rate last measured (rad/s).
-    rate: Vec3,
-    /// Thrusts last measured (N).
-    thrust: Option<[f64; 8]>,
-    sources: Option<Sources>,
-    records: [Record; CHANNELS],
-    /// False until the first cycle, which does not predict.
-    running: bool,
-    now: f64,
-    /// When the estimate was last lost (s).
-    lost: f64,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Sources {
-    imu: Source,
-    ahrs: Source,
-    depth: Source,
-    dvl: Source,
-    fix: Source,
-    thrust: Source,
-}
-
-impl Sources {
-    fn new(now: f64) -> Self {
-        let source = Source::new(now);
-        Self { imu: source, ahrs: source, depth: source, dvl: source, fix: source, thrust: source }
-    }
-}
-
-/// What is new in a cycle.
-struct News {
-    imu: Option<[f64; 6]>,
-    ahrs: Option<[f64; 3]>,
-    depth: Option<[f64; 1]>,
-    dvl: Option<[f64; 3]>,
-    fix: Option<[f64; 3]>,
-}
-
-impl Default for EkfMemory {
-    fn default() -> Self {
-        let zero = Column::zeros();
-        Self {
-            belief: Belief::new(4, zero, &zero, [1.0, 0.0, 0.0, 0.0]),
-            motion: Motion::default(),
-            tilt: [0.0; 2],
-            rate: [0.0; 3],
-            thrust: None,
-            sources: None,
-            records: [Record::default(); CHANNELS],
-            running: false,
-            now: 0.0,
-            lost: f64::NEG_INFINITY,
-        }
-    }
-}
 
 /// A filter, its parameters checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -121,41 +56,6 @@ impl Navigation for Ekf {
             self.begin_anew(memory);
         }
         self.estimate(memory)
-    }
-}
-
-impl EkfMemory {
-    fn take_new(&mut self, measured: &Measurements) -> News {
-        let now = self.now;
-        let sources = self.sources.get_or_insert_with(|| Sources::new(now));
-        if let Some(thrust) = sources.thrust.take(now, &measured.thrust) {
-            self.thrust = Some(thrust);
-        }
-        News {
-            imu: sources.imu.take(now, &measured.imu),
-            ahrs: sources.ahrs.take(now, &measured.ahrs),
-            depth: sources.depth.take(now, &measured.depth),
-            dvl: sources.dvl.take(now, &measured.dvl),
-            fix: sources.fix.take(now, &measured.fix),
-        }
-    }
-
-    fn is_finite(&self) -> bool {
-        self.belief.is_finite()
-            && self.motion.is_finite()
-            && self.records.iter().all(Record::is_finite)
-    }
-
-    fn fuse(&mut self, channel: Channel, observation: &Observation<4>) {
-        let verdict = judge(&self.belief, observation, f64::INFINITY);
-        let correction = absorb(&mut self.belief, observation, &verdict, &mut ());
-        self.belief.mean += correction;
-        self.belief.mean[3] = attitude::wrap(self.belief.mean[3]);
-        self.records[channel as usize].note(observation, &verdict);
-    }
-
-    fn count(&mut self, channel: Channel) {
-        self.records[channel as usize].count();
     }
 }
 

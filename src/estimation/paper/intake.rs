@@ -23,7 +23,11 @@ impl Source {
     }
 
     /// The value of a reading that is new and made of numbers.
-    pub(super) fn take<const K: usize>(&mut self, now: f64, reading: &Reading<K>) -> Option<[f64; K]> {
+    pub(super) fn take<const K: usize>(
+        &mut self,
+        now: f64,
+        reading: &Reading<K>,
+    ) -> Option<[f64; K]> {
         if !reading.valid || (reading.stamp >= 0.0 && reading.stamp == self.stamp) {
             return None;
         }

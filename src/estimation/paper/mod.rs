@@ -5,11 +5,13 @@
 
 mod ekf;
 mod intake;
+mod memory;
 mod misprinted;
 mod parameters;
 mod prediction;
 
-pub use ekf::{Ekf, EkfMemory};
+pub use ekf::Ekf;
+pub use memory::EkfMemory;
 pub use misprinted::Misprinted;
 pub use parameters::{EkfParameters, ProcessNoise, Transition};
 pub use prediction::Acceleration;
