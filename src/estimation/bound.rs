@@ -123,9 +123,8 @@ impl InertialBound {
     /// The velocity over ground was measured at the velocity log. The rate at that instant is known
     /// from one sample of the gyros.
     pub fn dvl(&mut self, motion: &TrueMotion) {
-        let h = self.velocity_rows(motion);
         let lever = skew(&Vector3::from(self.parameters.mounting.dvl));
-        let mut h = h;
+        let mut h = self.velocity_rows(motion);
         h.fixed_view_mut::<3, 3>(0, B_G).copy_from(&lever);
         let s = &self.parameters.sensors;
         let rate_variance = s.gyro.noise_density * s.gyro.noise_density * self.rate_hz;
@@ -155,7 +154,7 @@ impl InertialBound {
     /// Derivatives of the velocity along body axes, `R^T v`.
     fn velocity_rows(&self, motion: &TrueMotion) -> SMatrix<f64, 3, STATES> {
         let inverse = motion.rotation.transpose();
-        let mut h = SMatrix::zeros();
+        let mut h = SMatrix::<f64, 3, STATES>::zeros();
         h.fixed_view_mut::<3, 3>(0, V).copy_from(&inverse);
         let along = motion.rotation * motion.velocity;
         h.fixed_view_mut::<3, 3>(0, PHI).copy_from(&(inverse * skew(&along)));
@@ -175,7 +174,7 @@ impl InertialBound {
 
 /// Derivatives of a point's position, `p + R l`, with the lever arm along NED axes.
 fn place(lever: &Vector3<f64>) -> SMatrix<f64, 3, STATES> {
-    let mut h = SMatrix::zeros();
+    let mut h = SMatrix::<f64, 3, STATES>::zeros();
     h.fixed_view_mut::<3, 3>(0, P).copy_from(&Matrix3::identity());
     h.fixed_view_mut::<3, 3>(0, PHI).copy_from(&-skew(lever));
     h

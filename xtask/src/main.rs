@@ -9,6 +9,7 @@ mod examples;
 mod experiment;
 mod fuzz;
 mod judge;
+mod mutants;
 mod navigate;
 mod package;
 mod paths;
@@ -62,6 +63,11 @@ enum Task {
         #[arg(long, default_value_t = 600)]
         seconds: u32,
     },
+    /// Put faults into a copy of the navigation filters, one at a time; a test must catch each.
+    Mutants {
+        /// Only those whose names contain this.
+        filter: Option<String>,
+    },
     /// Kill the processes of distributed runs hundreds of times; every byte must stay the same.
     Soak(soak::Options),
     /// Run every check and every test of the project.
@@ -84,6 +90,7 @@ fn main() -> std::process::ExitCode {
         Task::Wheel => package::wheel::run(),
         Task::Judge => judge::run(),
         Task::Fuzz { seconds } => fuzz::run(seconds),
+        Task::Mutants { filter } => mutants::run(filter.as_deref()),
         Task::Soak(options) => soak::run(&options),
         Task::Test => test::run(),
     };
