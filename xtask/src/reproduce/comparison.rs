@@ -82,7 +82,7 @@ pub(crate) fn section(seeds: u32, threads: usize) -> anyhow::Result<Section> {
     Ok(section)
 }
 
-fn scores(cells: &Cells, filter: Filter) -> &[Score] {
+fn scores<'a>(cells: &'a Cells<'_>, filter: Filter) -> &'a [Score] {
     cells.of(filter).unwrap_or_default()
 }
 
@@ -100,7 +100,7 @@ fn rms(scores: &[Score], of: fn(&Score) -> f64) -> f64 {
     root_mean_square(&scores.iter().map(of).collect::<Vec<_>>())
 }
 
-fn equal(nominal: &Cells) -> Table {
+fn equal(nominal: &Cells<'_>) -> Table {
     let mut table = Table::new(
         "All filters under equal conditions: errors after 30 s",
         &[
@@ -146,7 +146,7 @@ fn variants() -> anyhow::Result<Vec<Cell>> {
         .collect()
 }
 
-fn by_variant(variants: &[Cells]) -> Table {
+fn by_variant(variants: &[Cells<'_>]) -> Table {
     let header = ["filters of the paper", "dynamic x", "y", "y / x", "kinematic x", "y", "y / x"];
     let mut table =
         Table::new("The paper's filters, one change at a time: medians of RMSE (m)", &header);
@@ -165,7 +165,7 @@ fn by_variant(variants: &[Cells]) -> Table {
     table
 }
 
-fn by_grade(outages: &[Cells]) -> Table {
+fn by_grade(outages: &[Cells<'_>]) -> Table {
     let mut table = Table::new(
         "Error after 60 s without fix and velocity log by grade of the inertial unit (m)",
         &["filter", "ADIS16448", "industrial", "tactical"],
@@ -177,7 +177,7 @@ fn by_grade(outages: &[Cells]) -> Table {
     table
 }
 
-fn dimensions(spatial: &[Cells]) -> Table {
+fn dimensions(spatial: &[Cells<'_>]) -> Table {
     let mut table = Table::new(
         "Four degrees of freedom (NavDynamic) and six on courses with depth",
         &["course, filter", "RMSE after 30 s (m)", "z (m)", "NEES of x, y, z, heading (ideal 4)"],
@@ -214,13 +214,13 @@ fn coefficients() -> anyhow::Result<Vec<Cell>> {
     Ok(std::iter::once(base.clone().variant("as identified", MODELLED)).chain(cells).collect())
 }
 
-fn sensitivity(coefficients: &[Cells]) -> anyhow::Result<Table> {
+fn sensitivity(coefficients: &[Cells<'_>]) -> anyhow::Result<Table> {
     let mut table = Table::new(
         "Error after the outage, and how a coefficient 30 % less or more changes it",
         &["coefficient", "NavModelAided, −30 %", "+30 %", "NavDynamic, −30 %", "+30 %"],
     );
     let (base, changed) = coefficients.split_first().context("no cell was flown")?;
-    let of = |cells: &Cells, filter| rms(scores(cells, filter), |s| s.last);
+    let of = |cells: &Cells<'_>, filter| rms(scores(cells, filter), |s| s.last);
     let [aided, dynamic] = [0, 1].map(|i| format!("{:.2} m", of(base, MODELLED[i])));
     table.push([base.cell.name.clone(), aided, String::new(), dynamic, String::new()]);
     for pair in changed.chunks(2) {
