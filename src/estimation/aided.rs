@@ -13,6 +13,7 @@ use super::parameters::{Disturbances, NavigationParameters};
 use super::process::inertial::InertialProcess;
 use super::process::model_aid::ModelAid;
 use super::process::planar_dynamic::PlanarDynamic;
+use super::smoother::{Recording, Smoothed, Smoothing};
 use crate::ParameterError;
 use crate::vehicle::Parameters;
 
@@ -89,5 +90,17 @@ impl Navigation for AidedFilter {
             self.filter.assume(&mut memory.filter, loss.map(|share| 1.0 - share));
         }
         self.filter.update(&mut memory.filter, now, measured)
+    }
+}
+
+impl Smoothing for AidedFilter {
+    fn recording(&self) -> Recording {
+        self.filter.recording()
+    }
+
+    fn smooth(&self, recording: &Recording) -> Vec<Smoothed> {
+        let mut watched = recording.clone();
+        self.watch.watch(&mut watched);
+        self.filter.smooth(&watched)
     }
 }

@@ -118,12 +118,16 @@ impl<const N: usize> Belief<N> {
 
     /// Keeps the covariance within what arithmetic can bear: variances neither negative nor beyond
     /// all use, and a matrix that rounding made indefinite is brought back by widening it.
-    pub fn confine(&mut self) {
+    ///
+    /// Where a variance was either, gives the factors on the errors.
+    pub fn confine(&mut self) -> Option<Transition<N>> {
+        let mut factors = None;
         let mut limited = false;
         for i in 0..self.order {
             let variance = self.covariance[(i, i)];
             if variance < 0.0 {
                 self.decouple(i, 0.0);
+                factors.get_or_insert_with(Transition::identity).scale(i, 0.0);
             }
             if variance > VARIANCE_LIMIT {
                 limited = true;
@@ -132,11 +136,13 @@ impl<const N: usize> Belief<N> {
                     self.covariance[(i, j)] *= scale;
                     self.covariance[(j, i)] *= scale;
                 }
+                factors.get_or_insert_with(Transition::identity).scale(i, scale);
             }
         }
         if limited {
             self.restore_positive();
         }
+        factors
     }
 
     /// Widens a covariance that rounding made indefinite until it is not.

@@ -4,10 +4,10 @@ use core::marker::PhantomData;
 
 use serde::{Deserialize, Serialize};
 
-use super::belief::{Column, dot};
+use super::belief::{Belief, Column, dot};
 use super::history::{Arrival, History};
 use super::intake::{Sources, take_new};
-use super::kinematics::skew;
+use super::kinematics::{Kinematics, skew};
 use super::measurement::{Event, KINDS, Kind, Measurements};
 use super::monitor::Monitor;
 use super::parameters::NavigationParameters;
@@ -24,7 +24,7 @@ const SILENT: f64 = 0.25;
 /// A filter of at most `N` states.
 #[derive(Clone, Debug)]
 pub struct Filter<P, const N: usize, M = ()> {
-    setup: Setup<P>,
+    pub(super) setup: Setup<P>,
     monitor: PhantomData<M>,
 }
 
@@ -66,6 +66,14 @@ impl<const N: usize, M: Copy> Clone for Memory<N, M> {
         self.history.clone_from(&from.history);
         (self.sources, self.late, self.lost) = (from.sources, from.late, from.lost);
         (self.reset, self.now, self.spread) = (from.reset, from.now, from.spread);
+    }
+}
+
+impl<const N: usize, M> Memory<N, M> {
+    /// The belief at the newest instant up to which everything is known.
+    #[must_use]
+    pub fn belief(&self) -> Option<&Belief<N>> {
+        self.history.as_ref().map(|history| &history.track.belief)
     }
 }
 
@@ -250,41 +258,10 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
         let belief = &track.belief;
         let motion = self.setup.process.kinematics(belief, &track.interval);
         let lag = (memory.now - track.time).max(0.0);
-        let (_, rates) = euler(&motion.rotation);
-        let rows: [Column<N>; 6] = core::array::from_fn(|i| match i {
-            // The position moves on with the velocity until now.
-            0..3 if lag > self.setup.parameters.interval => {
-                let turned = -motion.rotation * skew(&motion.velocity.value);
-                let velocity = motion.velocity.image(&motion.rotation, i)
-                    + motion.through_rotation(&turned, i);
-                motion.position.rows[i] + velocity * lag
-            }
-            0..3 => motion.position.rows[i],
-            _ => motion.through_rotation(&rates, i - 3),
-        });
-        let mut covariance = [[0.0; 6]; 6];
-        for i in 0..6 {
-            let correlation = belief.correlate(&rows[i]);
-            for j in 0..=i {
-                let value = dot(&rows[j], &correlation);
-                covariance[i][j] = value;
-                covariance[j][i] = value;
-            }
-        }
-        if motion.tilt_is_input {
-            let sigma = self.setup.parameters.sensors.tilt_sigma;
-            (3..5).for_each(|i| covariance[i][i] = sigma * sigma);
-        }
-        let states = self.setup.process.current();
         Estimate {
-            current: states.map_or([0.0; 2], |c| c.map(|i| belief.mean[i])),
-            covariance,
-            velocity_sigma: core::array::from_fn(|i| {
-                belief.variance(&motion.velocity.rows[i]).max(0.0).sqrt()
-            }),
             channels: self.channels(memory, &track.records),
             loss: track.effectiveness.map(|share| 1.0 - share),
-            ..Estimate::default()
+            ..describe(&self.setup, belief, &motion, lag)
         }
     }
 
@@ -318,5 +295,51 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
             return Health::Starved;
         }
         Health::Good
+    }
+}
+
+/// What a belief says of the motion, with the covariance of the pose `lag` seconds later.
+pub(super) fn describe<P: Process<N>, const N: usize>(
+    setup: &Setup<P>,
+    belief: &Belief<N>,
+    motion: &Kinematics<N>,
+    lag: f64,
+) -> Estimate {
+    let (angles, rates) = euler(&motion.rotation);
+    let rows: [Column<N>; 6] = core::array::from_fn(|i| match i {
+        // The position moves on with the velocity.
+        0..3 if lag > setup.parameters.interval => {
+            let turned = -motion.rotation * skew(&motion.velocity.value);
+            let velocity =
+                motion.velocity.image(&motion.rotation, i) + motion.through_rotation(&turned, i);
+            motion.position.rows[i] + velocity * lag
+        }
+        0..3 => motion.position.rows[i],
+        _ => motion.through_rotation(&rates, i - 3),
+    });
+    let mut covariance = [[0.0; 6]; 6];
+    for i in 0..6 {
+        let correlation = belief.correlate(&rows[i]);
+        for j in 0..=i {
+            let value = dot(&rows[j], &correlation);
+            covariance[i][j] = value;
+            covariance[j][i] = value;
+        }
+    }
+    if motion.tilt_is_input {
+        let sigma = setup.parameters.sensors.tilt_sigma;
+        (3..5).for_each(|i| covariance[i][i] = sigma * sigma);
+    }
+    let sigma = |row: &Column<N>| belief.variance(row).max(0.0).sqrt();
+    Estimate {
+        position: motion.position.value.into(),
+        euler: angles,
+        velocity: motion.velocity.value.into(),
+        rate: motion.rate.value.into(),
+        acceleration: motion.acceleration.value.into(),
+        current: setup.process.current().map_or([0.0; 2], |c| c.map(|i| belief.mean[i])),
+        covariance,
+        velocity_sigma: core::array::from_fn(|i| sigma(&motion.velocity.rows[i])),
+        ..Estimate::default()
     }
 }

@@ -187,10 +187,16 @@ impl<const N: usize, M: Monitor<N>> History<N, M> {
         }
     }
 
-    /// The samples of the driving signals that come next.
     fn ahead(&self) -> Ahead {
-        let mut ahead = Ahead::default();
-        for event in &self.events[self.taken.min(self.events.len())..] {
+        Ahead::among(self.events.get(self.taken..).unwrap_or_default())
+    }
+}
+
+impl Ahead {
+    /// The samples of the driving signals that come first among events.
+    pub(super) fn among(events: &[Event]) -> Self {
+        let mut ahead = Self::default();
+        for event in events {
             match event.kind {
                 Kind::Imu if ahead.imu.is_none() => ahead.imu = Some((event.time, event.cut())),
                 Kind::Thrust if ahead.thrust.is_none() => {

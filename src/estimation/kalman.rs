@@ -33,6 +33,12 @@ pub trait Witness<const N: usize> {
     fn updated(&mut self, row: &Column<N>, gain: &Column<N>, innovation: f64, s: f64) {
         let _ = (row, gain, innovation, s);
     }
+
+    /// At one instant the errors of the states became F times what they were, plus noise: some
+    /// states were given up.
+    fn given_up(&mut self, f: &Transition<N>) {
+        let _ = f;
+    }
 }
 
 impl<const N: usize> Witness<N> for () {}
@@ -59,6 +65,11 @@ impl<const N: usize, A: Witness<N>, B: Witness<N>> Witness<N> for Both<'_, A, B>
     fn updated(&mut self, row: &Column<N>, gain: &Column<N>, innovation: f64, s: f64) {
         self.0.updated(row, gain, innovation, s);
         self.1.updated(row, gain, innovation, s);
+    }
+
+    fn given_up(&mut self, f: &Transition<N>) {
+        self.0.given_up(f);
+        self.1.given_up(f);
     }
 }
 

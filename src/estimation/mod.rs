@@ -23,6 +23,7 @@ mod parameters;
 pub mod process;
 mod recovery;
 pub mod sensor;
+mod smoother;
 mod track;
 pub mod transition;
 
@@ -36,4 +37,5 @@ pub use process::constant_acceleration::ConstantAcceleration;
 pub use process::inertial::InertialProcess;
 pub use process::model_aid::ModelAid;
 pub use process::planar_dynamic::PlanarDynamic;
+pub use smoother::{Recording, Smoothed, Smoothing};
 pub use track::{CHANNELS, Channel};

@@ -55,42 +55,49 @@ impl Agreement {
     }
 }
 
-/// Forgets what the filter believed of the measured states.
+/// Forgets what the filter believed of the measured states; gives what became of the errors.
 pub(super) fn reacquire<const N: usize>(
     belief: &mut Belief<N>,
     channel: Channel,
     velocity: usize,
     observation: &Observation<N>,
-) {
+) -> Transition<N> {
+    let mut f = Transition::identity();
     let square = |x: f64| x * x;
     let far = |least: f64| {
         observation.innovation.iter().take(observation.size).fold(square(least), |m, y| m.max(y * y))
     };
+    let mut forget = |state: usize, variance: f64| {
+        belief.decouple(state, variance);
+        f.scale(state, 0.0);
+    };
     match channel {
-        Channel::Fix => (0..2).for_each(|i| belief.decouple(i, far(20.0))),
-        Channel::Depth => belief.decouple(2, far(5.0)),
-        Channel::Dvl => (0..3).for_each(|i| belief.decouple(velocity + i, far(1.0))),
+        Channel::Fix => (0..2).for_each(|i| forget(i, far(20.0))),
+        Channel::Depth => forget(2, far(5.0)),
+        Channel::Dvl => (0..3).for_each(|i| forget(velocity + i, far(1.0))),
         // The attitude: widened along what the measurement sees.
         Channel::Heading | Channel::Tilt => {
             for row in observation.rows.iter().take(observation.size) {
                 for (state, h) in row.iter().enumerate() {
                     if h.abs() > 0.1 {
-                        belief.decouple(state, far(0.2));
+                        forget(state, far(0.2));
                     }
                 }
             }
         }
     }
+    f
 }
 
 /// A magnetic step: the heading is as it was, the bias of the compass is new, and known as well as
-/// heading and compass are.
+/// heading and compass are. Gives what became of the errors.
 pub(super) fn hand_to_bias<const N: usize>(
     belief: &mut Belief<N>,
     motion: &Kinematics<N>,
     observation: &Observation<N>,
-) {
-    let Some(bias) = motion.sensors.heading_bias else { return };
+) -> Transition<N> {
+    let mut f = Transition::identity();
+    let Some(bias) = motion.sensors.heading_bias else { return f };
     let mut row = observation.rows[0];
     row[bias] = 0.0;
     belief.decouple(bias, 0.0);
@@ -102,6 +109,8 @@ pub(super) fn hand_to_bias<const N: usize>(
     }
     belief.covariance[(bias, bias)] = variance;
     belief.mean[bias] += observation.innovation[0];
+    f.set_row(bias, row.iter().enumerate().map(|(state, h)| (state, -h)));
+    f
 }
 
 /// Keeps a covariance in line with what a velocity log cannot observe by itself.

@@ -247,7 +247,9 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         let mut witness = Both(&mut self.monitor, witness);
         process.predict(&mut self.belief, &self.interval, &mut witness);
         process.aid(&mut self.belief, &self.before, &self.interval, &mut witness);
-        self.belief.confine();
+        if let Some(f) = self.belief.confine() {
+            witness.given_up(&f);
+        }
         self.time = time;
         if let Some(alarm) = self.monitor.judge(time) {
             process.correct(&mut self.belief, &alarm.correction);
@@ -288,6 +290,14 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         }
     }
 
+    /// Takes the first attitude for the start, if the start says nothing of the heading.
+    pub(super) fn align<P: Process<N>>(&mut self, setup: &Setup<P>, euler: [f64; 3]) {
+        if !self.aligned {
+            setup.process.align(&mut self.belief, euler);
+            self.aligned = true;
+        }
+    }
+
     fn fuse_attitude<P: Process<N>>(
         &mut self,
         setup: &Setup<P>,
@@ -296,10 +306,7 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
     ) {
         self.tilt = [euler[0], euler[1]];
         self.interval.tilt = self.tilt;
-        if !self.aligned {
-            setup.process.align(&mut self.belief, euler);
-            self.aligned = true;
-        }
+        self.align(setup, euler);
         let motion = setup.process.kinematics(&self.belief, &self.interval);
         if !motion.tilt_is_input {
             self.fuse(setup, Channel::Tilt, |m| setup.tilt.observe(&euler, m), witness);
@@ -326,10 +333,11 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
             record.agreement = Agreement::default();
             if channel == Channel::Heading && motion.sensors.heading_bias.is_some() {
                 // The measurement has made the bias; it says nothing more.
-                hand_to_bias(&mut self.belief, &motion, &observation);
+                witness.given_up(&hand_to_bias(&mut self.belief, &motion, &observation));
                 return;
             }
-            reacquire(&mut self.belief, channel, process.velocity(), &observation);
+            let f = reacquire(&mut self.belief, channel, process.velocity(), &observation);
+            witness.given_up(&f);
             let observation = observe(&process.kinematics(&self.belief, &self.interval));
             let correction = fuse(&mut self.belief, &observation, f64::INFINITY, &mut witness);
             process.correct(&mut self.belief, &correction);

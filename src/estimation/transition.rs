@@ -104,6 +104,18 @@ impl<const N: usize> Transition<N> {
         result
     }
 
+    /// `F^T v`.
+    #[must_use]
+    pub fn apply_transposed(&self, v: &Column<N>) -> Column<N> {
+        let mut result = self.diagonal.component_mul(v);
+        for (i, elements) in self.rows() {
+            for (j, value) in elements {
+                result[j] += value * v[i];
+            }
+        }
+        result
+    }
+
     /// `v <- F v` of many vectors at once; column i of `v` holds their components i.
     pub(super) fn apply_to_columns<const K: usize>(&self, v: &mut SMatrix<f64, K, N>) {
         let mut changed = [[0.0; K]; ROWS];

@@ -15,17 +15,20 @@ from .files import course_path, fmu_path, system_path
 from .pages import report
 from .program import cosim_path
 from .runs import run, simulate
+from .smoothing import SmoothingError, smooth
 
 __all__ = [
     "CosimError",
     "CosimWarning",
     "Problem",
+    "SmoothingError",
     "cosim_path",
     "course_path",
     "fmu_path",
     "report",
     "run",
     "simulate",
+    "smooth",
     "system_path",
 ]
 __version__ = _version("rexrov")

@@ -1,4 +1,4 @@
-"""The program `cosim` that came with this package."""
+"""The programs `cosim` and `rexrov-smooth` that came with this package."""
 
 from __future__ import annotations
 
@@ -18,10 +18,15 @@ from . import errors
 
 def cosim_path() -> Path:
     """Where the program is; an activated environment has it as `cosim`."""
+    return path("cosim")
+
+
+def path(name: str) -> Path:
+    """Where a program of this package is."""
     for file in files("rexrov") or ():
-        if file.name == "cosim" and file.parent.name == "bin":
+        if file.name == name and file.parent.name == "bin":
             return Path(os.path.normpath(file.locate()))
-    raise FileNotFoundError("the program cosim is not in this installation of rexrov: install its wheel again")
+    raise FileNotFoundError(f"the program {name} is not in this installation of rexrov: install its wheel again")
 
 
 def environment() -> dict[str, str]:

@@ -74,10 +74,10 @@ pub struct Maneuver {
 #[derive(Clone, Copy, Debug, Variables)]
 pub struct Parameters {
     /// How often the inputs are looked at and the outputs renewed
-    #[var(unit = "Hz", min = 0.001, max = 1e6)]
+    #[var(unit = "Hz", min = 1.0, max = 1e6)]
     pub rate_hz: f64,
     /// Longest interval of prediction
-    #[var(unit = "s", min = 1e-3, max = 1.0)]
+    #[var(unit = "s", min = 0.01, max = 1.0)]
     pub prediction_interval: f64,
     /// How late a measurement may come and still be put in its place
     #[var(unit = "s", min = 0.0, max = 3600.0)]

@@ -1,5 +1,5 @@
 //! Packaging: one library, its FMUs and the paper's system, the same bytes every time; the libraries of
-//! the FMUs that `cosim` writes; and for the wheel `cosim` itself.
+//! the FMUs that `cosim` writes; and for the wheel `cosim` and `rexrov-smooth`.
 //!
 //! | file | what |
 //! |---|---|
@@ -9,7 +9,7 @@
 //! | `contents`, `page`, `icon` | what lies in an FMU beside description and library |
 //! | `reference`, `stimulus` | the run whose result an FMU carries |
 //! | `archive`, `merge` | zip files; FMUs of several platforms in one |
-//! | `wheel` | FMUs, system and the program `cosim` as a Python package |
+//! | `wheel` | FMUs, system and the programs as a Python package |
 
 mod archive;
 mod compile;
@@ -146,6 +146,12 @@ fn program(linker: Linker, platform: &Platform) -> Result<(Vec<u8>, Library)> {
         Linker::Zig => compile::build(linker, platform, &["-p", "cosim"])?,
     };
     checked(linker, platform, &built.join("cosim"))
+}
+
+/// Builds the program `rexrov-smooth`.
+fn smoother(linker: Linker, platform: &Platform) -> Result<(Vec<u8>, Library)> {
+    let built = compile::build(linker, platform, &["-p", "rexrov-smooth"])?;
+    checked(linker, platform, &built.join("rexrov-smooth"))
 }
 
 /// Writes the paper's system: the description with its FMUs beside it under resources/, in the

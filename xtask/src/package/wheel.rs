@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | `rexrov/*.py` | the package | `cosim/python/rexrov/` |
 //! | `rexrov/fmus/`, `systems/`, `courses/` | its data | `target/fmus`, `examples/`, `rexrov::guidance` |
-//! | program `cosim` | `bin/cosim` | `cosim/`, for shipping linked by Zig |
+//! | programs `cosim`, `rexrov-smooth` | `bin/` | `cosim/`, `fmu/smooth/`, for shipping linked by Zig |
 //! | its libraries | `lib/cosim/`, where it looks for them | `target/lib/cosim` |
 //!
 //! All of it is laid out in `target/wheel` first, which the build backend packs as it stands: the same
@@ -50,12 +50,15 @@ pub(crate) fn for_this_machine() -> Result<()> {
 fn build(linker: Linker) -> Result<()> {
     let stage = paths::target().join("wheel");
     let _ = fs::remove_dir_all(&stage);
-    let (program, library) = super::program(linker, platform::host()?)?;
+    let host = platform::host()?;
+    let (cosim, library) = super::program(linker, host)?;
+    let (smooth, _) = super::smoother(linker, host)?;
     let glibc = match linker {
         Linker::Zig => GLIBC.to_owned(),
+        // The larger one needs no less.
         Linker::Native => library.glibc(),
     };
-    lay_out(&stage, &program)?;
+    lay_out(&stage, &[("cosim", &cosim), ("rexrov-smooth", &smooth)])?;
     let wheels = paths::target().join("wheels");
     let _ = fs::remove_dir_all(&wheels);
     process::run(
@@ -88,7 +91,7 @@ fn built() -> Result<PathBuf> {
     Ok(entries.next().with_context(missing)??.path())
 }
 
-fn lay_out(stage: &Path, program: &[u8]) -> Result<()> {
+fn lay_out(stage: &Path, programs: &[(&str, &[u8])]) -> Result<()> {
     for (from, to) in COPIED {
         write(&stage.join(to), &fs::read(paths::root().join(from)).context(from)?)?;
     }
@@ -96,7 +99,10 @@ fn lay_out(stage: &Path, program: &[u8]) -> Result<()> {
     for license in ["LICENSE-APACHE", "LICENSE-MIT"] {
         write(&stage.join(license), &fs::read(paths::root().join(license))?)?;
     }
-    let linked = format!("The program cosim contains {}", contents::linked("cosim")?);
+    let mut linked = String::new();
+    for (name, _) in programs {
+        linked += &format!("The program {name} contains {}\n", contents::linked(name)?);
+    }
     write(&stage.join("LICENSE-LINKED"), linked.as_bytes())?;
     for entry in rexrov_fmu::REGISTRY.entries() {
         let name = format!("{}.fmu", entry.info().name);
@@ -110,11 +116,14 @@ fn lay_out(stage: &Path, program: &[u8]) -> Result<()> {
     write(&stage.join("rexrov/systems/paper.ssd"), system.as_bytes())?;
     let libraries = Path::new("lib/cosim").join(platform::host()?.folder());
     copy(&paths::target().join(&libraries), &stage.join(&libraries), &["so"])?;
-    let program_file = stage.join("bin/cosim");
-    write(&program_file, program)?;
-    // pip keeps the mode that a wheel gives.
-    fs::set_permissions(&program_file, Permissions::from_mode(0o755))
-        .with_context(|| program_file.display().to_string())
+    for (name, program) in programs {
+        let file = stage.join("bin").join(name);
+        write(&file, program)?;
+        // pip keeps the mode that a wheel gives.
+        fs::set_permissions(&file, Permissions::from_mode(0o755))
+            .with_context(|| file.display().to_string())?;
+    }
+    Ok(())
 }
 
 /// For which Python and machine the wheel is: any Python 3, this platform with that glibc.

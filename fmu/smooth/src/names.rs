@@ -1,0 +1,17 @@
+//! The name that was meant by one that does not exist.
+
+/// The nearest of the names there are, if no more than one in `tolerance` letters is another.
+pub(crate) fn nearest<'a>(name: &str, names: &[&'a str], tolerance: usize) -> Option<&'a str> {
+    let name = name.to_lowercase();
+    let distance = |other: &str| strsim::damerau_levenshtein(&name, &other.to_lowercase());
+    let near = names.iter().map(|&other| (distance(other), other)).min()?;
+    (near.0 <= (name.len() / tolerance).max(1)).then_some(near.1)
+}
+
+/// `did you mean 'x'?`, or what there is.
+pub(crate) fn hint(name: &str, names: &[&str]) -> String {
+    match nearest(name, names, 2) {
+        Some(meant) => format!("did you mean '{meant}'?"),
+        None => format!("there are {}", names.join(", ")),
+    }
+}
