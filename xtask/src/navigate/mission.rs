@@ -17,6 +17,8 @@ const RANDOM: [&str; 7] = ["imu", "ahrs", "dvl", "fix", "pressure", "tachometer"
 /// An attitude reference that says 50 times a second what 0.01 rad say 10 times a second.
 const AHRS_HZ: f64 = 50.0;
 const HEADING_SIGMA: f64 = 0.0224;
+/// Cycles of a filter: every sensor samples at multiples of their period.
+const FILTER_HZ: f64 = 50.0;
 /// Beams that make the noise of a velocity log the same along all axes, in degrees: 1 / sqrt(3) is
 /// their cosine.
 const EVEN_BEAMS: f64 = 54.735_610_317_245_35;
@@ -114,7 +116,10 @@ fn overrides(cell: &Cell, seed: u32) -> anyhow::Result<Overrides> {
             .start_value(format!("{f}.initial.pose.y"), east)
             .start_value(format!("{f}.heading_sigma"), HEADING_SIGMA);
         if !filter.is_paper() {
-            o = o.start_value(format!("{f}.imu_grade"), cell.grade);
+            o = o
+                .start_value(format!("{f}.imu_grade"), cell.grade)
+                .start_value(format!("{f}.rate_hz"), FILTER_HZ)
+                .step(f, 1.0 / FILTER_HZ);
         }
     }
     for (name, value) in &cell.start_values {
