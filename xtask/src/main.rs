@@ -6,9 +6,11 @@ mod bench;
 mod book;
 mod describe;
 mod examples;
+mod experiment;
 mod fuzz;
 mod judge;
 mod mutants;
+mod navigate;
 mod package;
 mod paths;
 mod process;
@@ -38,6 +40,9 @@ enum Task {
     },
     /// Run the paper's experiment from packaged FMUs and write target/reproduce/report.html.
     Reproduce(reproduce::Options),
+    /// Measure the goals of the navigation filters from packaged FMUs and write
+    /// target/navigate/table.md.
+    Navigate(navigate::Options),
     /// Run the documents' code and write target/book/index.html, the documents as a book.
     Book {
         /// Only compare the pictures: fail when a committed one differs from what its page's
@@ -76,6 +81,9 @@ fn main() -> std::process::ExitCode {
         Task::Describe { check: false } => describe::write(),
         Task::Reproduce(options) => {
             package::for_this_machine().and_then(|()| reproduce::run(&options))
+        }
+        Task::Navigate(options) => {
+            package::for_this_machine().and_then(|()| navigate::run(&options))
         }
         Task::Book { check } => package::for_shipping().and_then(|()| book::run(check)),
         Task::Bench(options) => bench::run(&options),

@@ -1,8 +1,6 @@
-//! Runs all cases on all cores. The outcome does not depend on the number of threads.
+//! Runs all cases on all cores.
 
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::Context;
 use cosim::{Recording, System};
@@ -11,6 +9,7 @@ use super::case::Case;
 use super::metrics::Metrics;
 use super::settings::{SYSTEM, overrides};
 use super::trace::Trace;
+use crate::experiment::on_threads;
 use crate::paths;
 
 /// The seed whose runs are kept whole, for the figures.
@@ -42,30 +41,9 @@ impl Campaign {
         // Kept while the others are derived from it, so that the FMUs are unpacked and mapped once.
         let first = cases.first().context("no case to run: ask for at least one seed")?;
         let base = System::load(system_file(), &overrides(first)?)?;
-        let next = AtomicUsize::new(0);
-        let finished = Mutex::new(Vec::with_capacity(cases.len()));
-        let work = || -> anyhow::Result<()> {
-            while let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
-                let outcome = run_case(&base, case, folder).with_context(|| {
-                    // No further cases are taken once one has failed.
-                    next.store(cases.len(), Ordering::Relaxed);
-                    format!("the run {case} failed")
-                })?;
-                let mut finished = finished.lock().unwrap_or_else(|e| e.into_inner());
-                finished.push(outcome);
-                progress(finished.len(), cases.len());
-            }
-            Ok(())
-        };
-        std::thread::scope(|scope| {
-            let workers: Vec<_> = (0..threads.max(1)).map(|_| scope.spawn(work)).collect();
-            workers.into_iter().try_for_each(|worker| match worker.join() {
-                Ok(result) => result,
-                Err(panic) => std::panic::resume_unwind(panic),
-            })
+        let outcomes = on_threads("reproduce", cases, threads, |case| {
+            run_case(&base, case, folder).with_context(|| format!("the run {case} failed"))
         })?;
-        let mut outcomes = finished.into_inner().unwrap_or_else(|e| e.into_inner());
-        outcomes.sort_by_key(|outcome: &Outcome| outcome.case);
         Ok(Campaign { outcomes })
     }
 
@@ -101,11 +79,4 @@ fn run_case(base: &System, case: &Case, folder: &Path) -> anyhow::Result<Outcome
     let metrics = Metrics::of(&trace, &case.course.path()?);
     let trace = (case.seed == SHOWN_SEED).then_some(trace);
     Ok(Outcome { case: *case, metrics, trace })
-}
-
-/// A line on the error stream at every tenth part.
-fn progress(done: usize, all: usize) {
-    if done * 10 / all != (done - 1) * 10 / all {
-        eprintln!("reproduce: {done} of {all} runs");
-    }
 }

@@ -1,70 +1,9 @@
 //! Goal G1: the bands in which the paper's results count as reproduced, course by course.
-//!
-//! The goals are about medians over all seeds there could be; a campaign knows them within an
-//! interval only. So a verdict has three values: the median lies in the band; it does not, but its
-//! interval reaches into the band (too few seeds to tell); or it lies clearly outside.
 
 use super::campaign::Campaign;
 use super::case::{Case, Course, Filter};
 use super::metrics::{Metrics, Spread};
-
-/// One goal and what was reached.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Verdict {
-    /// Course and quantity.
-    pub(crate) what: String,
-    /// The value reached, a median over seeds, m or a ratio.
-    pub(crate) value: f64,
-    /// Where the median over all possible seeds lies with 95 % confidence; of a ratio the value.
-    pub(crate) interval: [f64; 2],
-    /// Least allowed value.
-    pub(crate) low: f64,
-    /// Greatest allowed value.
-    pub(crate) high: f64,
-    /// `m` or nothing.
-    pub(crate) unit: &'static str,
-}
-
-impl Verdict {
-    /// Whether the value lies within its bounds; NaN does not.
-    pub(crate) fn is_reached(&self) -> bool {
-        (self.low..=self.high).contains(&self.value)
-    }
-
-    /// The bounds as text.
-    pub(crate) fn bounds(&self) -> String {
-        let text = match (self.low > 0.0, self.high.is_finite()) {
-            (true, true) => format!("{} to {}", self.low, self.high),
-            (false, _) => format!("at most {}", self.high),
-            (true, false) => format!("at least {}", self.low),
-        };
-        format!("{text} {}", self.unit).trim_end().to_string()
-    }
-
-    /// The value as text.
-    pub(crate) fn value(&self) -> String {
-        format!("{:.3} {}", self.value, self.unit).trim_end().to_string()
-    }
-
-    /// Whether the value lies outside its bounds by more than the seeds leave open.
-    pub(crate) fn is_missed(&self) -> bool {
-        let [least, greatest] = self.interval;
-        // Also when there is no value: NaN compares with nothing.
-        !(self.is_reached() || least <= self.high && greatest >= self.low)
-    }
-
-    /// The verdict in words.
-    pub(crate) fn word(&self) -> String {
-        let [least, greatest] = self.interval;
-        if self.is_reached() {
-            "reached".into()
-        } else if self.is_missed() {
-            "MISSED".into()
-        } else {
-            format!("open: these seeds say {least:.3} to {greatest:.3} (95 %)")
-        }
-    }
-}
+use crate::experiment::Verdict;
 
 /// The verdicts of all courses.
 pub(crate) fn verdicts(campaign: &Campaign) -> Vec<Verdict> {
@@ -143,24 +82,6 @@ mod tests {
         assert_eq!(missed(&dynamic, &run(0.4, 0.48, 1.0)), ["BE1 kinematic Y / X"]);
         assert_eq!(missed(&run(0.1, 0.1, 0.37), &run(0.4, 0.33, 0.8)).len(), 2);
         assert_eq!(missed(&dynamic, &[]).len(), 4);
-    }
-
-    #[test]
-    fn a_median_outside_is_open_while_its_interval_reaches_into_the_band() {
-        let verdict = |value, interval| Verdict {
-            what: String::new(),
-            value,
-            interval,
-            low: 0.25,
-            high: 0.37,
-            unit: "m",
-        };
-        assert!(!verdict(0.24, [0.2, 0.28]).is_missed());
-        assert!(!verdict(0.24, [0.2, 0.28]).is_reached());
-        assert!(verdict(0.24, [0.23, 0.249]).is_missed());
-        assert!(verdict(0.4, [0.38, 0.42]).is_missed());
-        assert!(verdict(f64::NAN, [f64::NAN; 2]).is_missed());
-        assert!(!verdict(0.3, [0.1, 0.2]).is_missed());
     }
 
     #[test]

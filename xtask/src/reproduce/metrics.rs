@@ -4,10 +4,11 @@
 //! * X-Kalman: RMSE between the filter's x and the true x.
 //! * Y-Kalman: the same along y. The paper's text says MSE, its tables have metres: here are both.
 
-use cosim::report::{mean, quantile, root_mean_square};
+use cosim::report::{quantile, root_mean_square};
 use rexrov::guidance::Course as Path;
 
 use super::trace::Trace;
+use crate::experiment::mean_distance;
 
 /// The measures of one run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,17 +28,10 @@ pub(crate) struct Metrics {
 impl Metrics {
     /// Measures a run against its reference path.
     pub(crate) fn of(trace: &Trace, reference: &Path) -> Self {
-        let positions = trace.truth[0].iter().zip(&trace.truth[1]);
-        let distances: Vec<f64> = positions
-            .map(|(x, y)| {
-                let nearest = reference.point(reference.nearest([*x, *y], 0.0, reference.length()));
-                (x - nearest[0]).hypot(y - nearest[1])
-            })
-            .collect();
         let y_rmse = root_mean_square(&trace.error(1));
         let last = trace.time.last().copied().unwrap_or(f64::NAN);
         Metrics {
-            total: mean(&distances),
+            total: mean_distance(reference, &trace.truth[0], &trace.truth[1]),
             x_rmse: root_mean_square(&trace.error(0)),
             y_rmse,
             y_mse: y_rmse * y_rmse,

@@ -6,6 +6,7 @@
 
 mod campaign;
 mod case;
+mod comparison;
 mod figures;
 mod goals;
 mod metrics;
@@ -15,17 +16,15 @@ mod settings;
 mod tables;
 mod trace;
 
-use std::num::NonZero;
-use std::thread::available_parallelism;
-
 use anyhow::{Context, bail};
 
 use self::campaign::Campaign;
 pub(crate) use self::case::Case;
 use self::case::Course;
 use self::figures::Figures;
-use self::goals::{Verdict, verdicts};
+use self::goals::verdicts;
 pub(crate) use self::settings::arguments;
+use crate::experiment::{Verdict, default_threads};
 use crate::paths;
 
 /// Options of `reproduce`.
@@ -42,8 +41,7 @@ pub(crate) struct Options {
 
 /// Runs the experiment; an error if a run fails or a goal of G1 is clearly missed.
 pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
-    let threads =
-        options.threads.unwrap_or_else(|| available_parallelism().map_or(1, NonZero::get));
+    let threads = options.threads.unwrap_or_else(default_threads);
     let folder = paths::target().join("reproduce");
     let campaign = Campaign::run(&Case::all(options.seeds), threads, &folder.join("runs"))?;
     let verdicts = verdicts(&campaign);
@@ -52,7 +50,10 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     let figures = Figures::of(&campaign)?;
     figures.write(&folder.join("figures"))?;
     let report = folder.join("report.html");
-    let html = page::page(&campaign, &verdicts, &figures, options.seeds)?.html()?;
+    let mut page = page::page(&campaign, &verdicts, &figures, options.seeds)?;
+    // After the comparison of the paper's filters, before the figures.
+    page.sections.insert(5, comparison::section(options.seeds, threads)?);
+    let html = page.html()?;
     std::fs::write(&report, html).with_context(|| format!("cannot write {}", report.display()))?;
     println!("Report: {}", report.display());
     conclude(&campaign, &verdicts)

@@ -5,9 +5,9 @@ use cosim::report::{Block, Page, Section};
 use super::campaign::{Campaign, FILED_SEEDS, SHOWN_SEED};
 use super::case::{Case, Course, Filter};
 use super::figures::Figures;
-use super::goals::Verdict;
 use super::settings::{self, CHOSEN, FIX_RATE_HZ, SPEED_M_S, SYSTEM};
 use super::{metrics, tables};
+use crate::experiment::Verdict;
 
 /// Where these results differ from the paper's, and why.
 pub(crate) const DIFFERENCES: [&str; 8] = [

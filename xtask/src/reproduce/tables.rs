@@ -4,9 +4,9 @@ use cosim::report::Table;
 
 use super::campaign::Campaign;
 use super::case::{Case, Course, Filter, Fix};
-use super::goals::Verdict;
 use super::metrics::{Metrics, Spread};
 use super::paper::printed;
+use crate::experiment::Verdict;
 
 /// One of the paper's tables, with medians over seeds and the paper's numbers.
 pub(crate) fn of_course(campaign: &Campaign, course: Course) -> Table {

@@ -1,0 +1,137 @@
+//! The goals of the navigation filters, measured: `cargo xtask navigate`.
+//!
+//! Missions of `examples/baseline.ssd` from packaged FMUs through the master, many seeds of each
+//! cell. In most cells the true pose steers, so that filters listen to the same mission; in those
+//! named after the loop the model-aided filter steers. Prints what was reached beside the goal and
+//! beside what an independent simulation of the same formulations had reached, and writes
+//! `target/navigate`: `table.md`, `results.csv`.
+//!
+//! | file | what |
+//! |---|---|
+//! | `cell` | what each kind of mission is like |
+//! | `filter`, `system` | the filters; the system with those that a cell needs |
+//! | `mission` | one mission of a seed |
+//! | `score`, `statistic`, `bound` | measures of a mission, of many, and their least value |
+//! | `goals` | what is to be reached |
+//! | `output` | table and file of results |
+
+mod bound;
+mod cell;
+mod filter;
+mod goals;
+mod mission;
+mod output;
+mod score;
+mod statistic;
+mod system;
+
+use anyhow::{Context, bail, ensure};
+
+pub(crate) use self::cell::{Cell, GRADES};
+pub(crate) use self::filter::Filter;
+pub(crate) use self::goals::Cells;
+use self::goals::Row;
+pub(crate) use self::score::Score;
+use self::system::Systems;
+use crate::experiment::{default_threads, on_threads};
+
+/// Options of `navigate`.
+#[derive(clap::Args)]
+pub(crate) struct Options {
+    /// Seeds of the main cells; the others get a third of them.
+    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) seeds: u32,
+    /// Only these cells, or those whose names begin so.
+    #[arg(long, value_delimiter = ',')]
+    pub(crate) cells: Vec<String>,
+    /// Missions at the same time [default: one a core].
+    #[arg(long)]
+    pub(crate) threads: Option<usize>,
+}
+
+impl Options {
+    /// A short run that sees gross errors: the bound, an outage, the loop.
+    pub(crate) fn short() -> Self {
+        let cells = ["BE3", "outage", "loop-BE1"].map(str::to_owned).into();
+        Self { seeds: 6, cells, threads: None }
+    }
+}
+
+/// Measures; an error if a goal is missed by more than the seeds leave open.
+pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
+    let cells = chosen(&options.cells)?;
+    let threads = options.threads.unwrap_or_else(default_threads);
+    let results = fly_all(&cells, options.seeds, threads)?;
+    let rows: Vec<Row> = results.iter().flat_map(Cells::rows).collect();
+    output::write(&results, &rows)?;
+    let missed: Vec<String> = rows
+        .iter()
+        .filter(|row| row.verdict.is_missed())
+        .map(|Row { cell, filter, verdict, .. }| {
+            let (what, value, goal) = (&verdict.what, verdict.value(), verdict.bounds());
+            format!("{cell}, {filter}, {what}: {value}, goal {goal}")
+        })
+        .collect();
+    if !missed.is_empty() {
+        bail!("{} goals are missed:\n  {}", missed.len(), missed.join("\n  "));
+    }
+    Ok(())
+}
+
+/// The cells with these names.
+fn chosen(names: &[String]) -> anyhow::Result<Vec<Cell>> {
+    let all = Cell::all();
+    for name in names {
+        let known = || all.iter().map(|cell| cell.name.as_str()).collect::<Vec<_>>().join(", ");
+        let found = all.iter().any(|cell| cell.name.starts_with(name.trim_end_matches('*')));
+        ensure!(found, "there is no cell {name}; there are {}", known());
+    }
+    let wanted = |cell: &Cell| {
+        names.is_empty()
+            || names.iter().any(|name| match name.strip_suffix('*') {
+                Some(start) => cell.name.starts_with(start),
+                None => cell.name == *name,
+            })
+    };
+    Ok(all.into_iter().filter(wanted).collect())
+}
+
+/// What is kept of a mission.
+struct Flown {
+    scores: Vec<Score>,
+    bound: Option<f64>,
+}
+
+/// Flies so many seeds of all cells, of secondary ones a third.
+pub(crate) fn fly_all(
+    cells: &[Cell],
+    seeds: u32,
+    threads: usize,
+) -> anyhow::Result<Vec<Cells<'_>>> {
+    let systems = Systems::load(cells.iter().map(|cell| (cell.steering, cell.filters)))?;
+    let runs: Vec<(&Cell, u32)> = cells
+        .iter()
+        .flat_map(|cell| (1..=cell.seeds(seeds)).map(move |seed| (cell, seed)))
+        .collect();
+    let flown = on_threads("navigate", &runs, threads, |(cell, seed)| {
+        let base = systems.get((cell.steering, cell.filters))?;
+        fly(base, cell, *seed).with_context(|| format!("{}, seed {seed}, failed", cell.name))
+    })?;
+    let mut flown = flown.into_iter();
+    let results = cells.iter().map(|cell| {
+        let flown: Vec<Flown> = flown.by_ref().take(cell.seeds(seeds) as usize).collect();
+        let bound = flown.first().and_then(|first| first.bound);
+        let of = |i: usize| flown.iter().map(|f| f.scores[i].clone()).collect();
+        let scores = cell.filters.iter().enumerate().map(|(i, filter)| (*filter, of(i))).collect();
+        Cells { cell, scores, bound }
+    });
+    Ok(results.collect())
+}
+
+fn fly(base: &cosim::System, cell: &Cell, seed: u32) -> anyhow::Result<Flown> {
+    let flown = mission::fly(base, cell, seed)?;
+    let scores = cell.filters.iter().map(|filter| Score::of(&flown, cell, *filter));
+    let nominal = seed == 1 && matches!(cell.name.as_str(), "BE1" | "BE2" | "BE3");
+    let bound = nominal.then(|| bound::of(&flown.0, cell.grade)).transpose()?;
+    Ok(Flown { scores: scores.collect::<anyhow::Result<_>>()?, bound })
+}
