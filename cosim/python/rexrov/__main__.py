@@ -1,4 +1,4 @@
-"""`python -m rexrov demo`: the paper's closed loop on course BE3 with either filter, as a page."""
+"""`python -m rexrov demo`: course BE3 on realistic sensors, every filter beside the others, as a page."""
 
 from __future__ import annotations
 
@@ -8,38 +8,46 @@ from pathlib import Path
 
 import numpy as np
 
-from . import CosimError, fmu_path, report, run, system_path
+from . import CosimError, report, run, system_path
 from .tables import Table
 
-FILTERS = {"dynamic": "EkfDynamic", "kinematic": "EkfKinematic"}
+FILTERS = {
+    "filter": "model-aided inertial (steers)",
+    "dynamic": "dynamic",
+    "inertial": "inertial",
+    "constant_acceleration": "constant acceleration",
+    "ekf_dynamic": "the paper's dynamic",
+    "ekf_kinematic": "the paper's kinematic",
+}
 SECONDS = 330.0
+OUTAGE = (200.0, 260.0)
 
 
-def follow(fmu: str) -> Table:
-    """The loop with a filter, sampled ten times a second."""
+def fly() -> Table:
+    """The baseline, without fix and velocity log for a minute, sampled ten times a second."""
+    begin, end = OUTAGE
+    events = [
+        {"time": time, "model": model, "variable": "off", "action": "override", "value": value}
+        for time, value in ((begin, 1), (end, 0))
+        for model in ("fix", "dvl")
+    ]
     return run(
-        system_path("paper"),
-        start_values={"pursuit.course": "BE3"},
-        replace={"ekf": fmu_path(fmu)},
+        system_path("baseline"),
+        scenario={"description": "neither fix nor velocity log for a minute", "events": events},
         stop_time=SECONDS,
         output_interval=0.1,
-        output=["vehicle.pose.*", "ekf.pose.*", "ekf.sigma.*"],
+        output=["vehicle.pose.?", *(f"{name}.{what}.?" for name in FILTERS for what in ("pose", "sigma"))],
     )
 
 
-def compared() -> Table:
-    """Path, estimate and error of both, side by side."""
-    columns = {}
-    for name, fmu in FILTERS.items():
-        loop = follow(fmu)
-        columns["time"] = loop["time"]
-        for axis in "xyz":
-            columns[f"{name}.true_{axis}"] = loop[f"vehicle.pose.{axis}"]
-            columns[f"{name}.{axis}"] = loop[f"ekf.pose.{axis}"]
-        errors = [loop[f"ekf.pose.{axis}"] - loop[f"vehicle.pose.{axis}"] for axis in "xy"]
+def with_errors(loop: Table) -> Table:
+    """Path and estimates, and the horizontal error of each filter beside what it thinks it is."""
+    columns = {name: loop[name] for name in loop.dtype.names}
+    for name in FILTERS:
+        errors = [loop[f"{name}.pose.{axis}"] - loop[f"vehicle.pose.{axis}"] for axis in "xy"]
         columns[f"{name}.error"] = np.hypot(*errors)
-        columns[f"{name}.sigma"] = np.hypot(loop["ekf.sigma.x"], loop["ekf.sigma.y"])
-    table = np.zeros(len(columns["time"]), [(column, "f8") for column in columns])
+        columns[f"{name}.sigma"] = np.hypot(loop[f"{name}.sigma.x"], loop[f"{name}.sigma.y"])
+    table = np.zeros(len(loop), [(column, "f8") for column in columns])
     for column, values in columns.items():
         table[column] = values
     return table
@@ -47,20 +55,19 @@ def compared() -> Table:
 
 def demo(page: Path) -> None:
     """Runs, writes the page and names it."""
-    table = compared()
-    paths = {
-        f"Path with {fmu}, m": [(f"{name}.true_x", f"{name}.true_y"), (f"{name}.x", f"{name}.y")]
-        for name, fmu in FILTERS.items()
-    }
+    table = with_errors(fly())
+    truth = ("vehicle.pose.x", "vehicle.pose.y")
+    estimates = [(f"{name}.pose.x", f"{name}.pose.y") for name in ("filter", "ekf_dynamic")]
     plots = {
-        f"Horizontal error of {fmu} and what it thinks it is, m": [f"{name}.error", f"{name}.sigma"]
-        for name, fmu in FILTERS.items()
+        f"Horizontal error and what the filter thinks it is, {words}, m": [f"{name}.error", f"{name}.sigma"]
+        for name, words in FILTERS.items()
     }
-    plots["Depth, m"] = [f"{name}.{z}" for name in FILTERS for z in ("true_z", "z")]
-    report(table, page, title="RexROV on course BE3 with either filter", plots=plots, paths=paths)
-    for name, fmu in FILTERS.items():
+    title = f"RexROV on course BE3, neither fix nor velocity log from {OUTAGE[0]:.0f} s to {OUTAGE[1]:.0f} s"
+    report(table, page, title=title, plots=plots, paths={"Path, m": [truth, *estimates]})
+    last = np.searchsorted(table["time"], OUTAGE[1]) - 1
+    for name, words in FILTERS.items():
         rms = float(np.sqrt(np.mean(table[f"{name}.error"] ** 2)))
-        print(f"{fmu}: horizontal error {rms:.2f} m (RMS over {SECONDS:.0f} s)")
+        print(f"{words}: {rms:.2f} m RMS, {table[f'{name}.error'][last]:.2f} m at the end of the outage")
     print(f"the report is in {page.resolve()}")
 
 

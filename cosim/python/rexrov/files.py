@@ -10,12 +10,14 @@ _HERE = Path(__file__).parent
 
 def fmu_path(name: str) -> Path:
     """The FMU of a component: RexROV, Imu, Ahrs, Dvl, Gps, PressureSensor, Tachometer, Disturbance,
-    EkfDynamic, EkfKinematic, PurePursuit, VelocityController."""
+    NavModelAided, NavInertial, NavDynamic, NavConstantAcceleration, EkfDynamic, EkfKinematic, PurePursuit,
+    VelocityController."""
     return _find("FMU", "fmus", name, ".fmu")
 
 
 def system_path(name: str = "paper") -> Path:
-    """A system, as an SSP description: `paper` is the closed loop of the paper."""
+    """A system, as an SSP description: `baseline` has realistic sensors and all filters, `paper` is the
+    closed loop of the paper."""
     return _find("system", "systems", name, ".ssd")
 
 

@@ -159,7 +159,7 @@ fn smoother(linker: Linker, platform: &Platform) -> Result<(Vec<u8>, Library)> {
 fn system(fmus: &[PathBuf], output: &Path) -> Result<()> {
     let mut fmus = fmus.to_vec();
     fmus.sort();
-    let text = paper_with_fmus_in("resources")?;
+    let text = system_with_fmus_in("paper", "resources")?;
     let mut files = vec![("SystemStructure.ssd".to_owned(), text.into_bytes())];
     for path in &fmus {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -171,8 +171,8 @@ fn system(fmus: &[PathBuf], output: &Path) -> Result<()> {
 }
 
 /// The description of the paper's system, for FMUs in a folder relative to it.
-fn paper_with_fmus_in(folder: &str) -> Result<String> {
-    let description = paths::root().join("examples/paper.ssd");
+fn system_with_fmus_in(name: &str, folder: &str) -> Result<String> {
+    let description = paths::root().join(format!("examples/{name}.ssd"));
     let text =
         fs::read_to_string(&description).with_context(|| description.display().to_string())?;
     Ok(text.replace("\"../target/fmus/", &format!("\"{folder}/")))

@@ -12,7 +12,7 @@
 
 use super::{
     compile::{GLIBC, Linker},
-    contents, paper_with_fmus_in, platform,
+    contents, platform, system_with_fmus_in,
 };
 use crate::{paths, process, python};
 use anyhow::{Context, Result};
@@ -112,8 +112,10 @@ fn lay_out(stage: &Path, programs: &[(&str, &[u8])]) -> Result<()> {
     for (name, text) in COURSES {
         write(&stage.join(format!("rexrov/courses/{name}.csv")), text.as_bytes())?;
     }
-    let system = paper_with_fmus_in("../fmus")?;
-    write(&stage.join("rexrov/systems/paper.ssd"), system.as_bytes())?;
+    for name in ["baseline", "paper"] {
+        let system = system_with_fmus_in(name, "../fmus")?;
+        write(&stage.join(format!("rexrov/systems/{name}.ssd")), system.as_bytes())?;
+    }
     let libraries = Path::new("lib/cosim").join(platform::host()?.folder());
     copy(&paths::target().join(&libraries), &stage.join(&libraries), &["so"])?;
     for (name, program) in programs {
