@@ -191,6 +191,10 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
         *last = now;
         let latency = self.setup.parameters.latency;
         take_new(sources, now, measured, latency, |event| {
+            if event.kind == Kind::Thrust && !self.setup.process.uses_thrust() {
+                // Nothing waits for it, so it would be late in every cycle.
+                return;
+            }
             let kind = event.kind as usize;
             match history.insert(event) {
                 Arrival::InTime => {}

@@ -71,6 +71,14 @@ pub struct Run {
 }
 
 impl Run {
+    fn empty() -> Self {
+        Self {
+            samples: Vec::new(),
+            nis: [(0.0, 0); CHANNELS],
+            last: Estimate::default(),
+            path: Vec::new(),
+        }
+    }
     pub fn rmse(&self, from: f64, to: f64) -> f64 {
         let s: Vec<f64> =
             self.within(from, to).map(|s| s.error[0].powi(2) + s.error[1].powi(2)).collect();
@@ -102,22 +110,75 @@ pub fn run(
     mission: &Mission,
     change: impl Fn(&mut NavigationParameters),
 ) -> Run {
+    with_process(which, options, mission, change, Follow)
+}
+
+/// The smoothed estimate at every tenth of a second.
+pub fn smooth(
+    which: Which,
+    options: &Options,
+    mission: &Mission,
+    change: impl Fn(&mut NavigationParameters),
+) -> Run {
+    with_process(which, options, mission, change, Smooth)
+}
+
+/// What is done with a filter.
+trait Use {
+    fn with(self, filter: &(impl Navigation + Smoothing), mission: &Mission) -> Run;
+}
+
+struct Follow;
+struct Smooth;
+
+impl Use for Follow {
+    fn with(self, filter: &(impl Navigation + Smoothing), mission: &Mission) -> Run {
+        follow_navigation(filter, mission)
+    }
+}
+
+impl Use for Smooth {
+    fn with(self, filter: &(impl Navigation + Smoothing), mission: &Mission) -> Run {
+        let mut recording = filter.recording();
+        let mut measured = Measurements::default();
+        for at_once in mission.events.chunk_by(|a, b| a.arrival == b.arrival) {
+            at_once.iter().for_each(|event| set(&mut measured, event));
+            recording.add(at_once[0].arrival, &measured);
+        }
+        let mut run = Run::empty();
+        for Smoothed { time, estimate } in filter.smooth(&recording) {
+            run.samples.push(score(&estimate, mission.truth_at(time)));
+            run.path.push(estimate);
+        }
+        run
+    }
+}
+
+fn with_process(
+    which: Which,
+    options: &Options,
+    mission: &Mission,
+    change: impl Fn(&mut NavigationParameters),
+    what: impl Use,
+) -> Run {
     let mut p = parameters(options, mission.initial_error);
     change(&mut p);
     let vehicle = Parameters::default();
     let d = disturbances(which, options);
     match which {
         Which::ConstantAcceleration => {
-            follow::<_, SMALL>(&p, ConstantAcceleration::new(&p).unwrap(), mission)
+            let process = ConstantAcceleration::new(&p).unwrap();
+            what.with(&Filter::<_, SMALL>::new(process, &p).unwrap(), mission)
         }
         Which::Dynamic => {
             let process = PlanarDynamic::new(&p, &vehicle, &d).unwrap();
-            follow_navigation(&DynamicFilter::new(process, &p).unwrap(), mission)
+            what.with(&DynamicFilter::new(process, &p).unwrap(), mission)
         }
-        Which::Inertial => follow::<_, SMALL>(&p, InertialProcess::new(&p, None).unwrap(), mission),
-        Which::ModelAided => {
-            follow_navigation(&AidedFilter::new(&p, &vehicle, &d).unwrap(), mission)
+        Which::Inertial => {
+            let process = InertialProcess::new(&p, None).unwrap();
+            what.with(&Filter::<_, SMALL>::new(process, &p).unwrap(), mission)
         }
+        Which::ModelAided => what.with(&AidedFilter::new(&p, &vehicle, &d).unwrap(), mission),
     }
 }
 
@@ -134,29 +195,27 @@ pub fn follow<P: Process<N>, const N: usize>(
 pub fn follow_navigation(filter: &impl Navigation, mission: &Mission) -> Run {
     let mut memory = filter.memory();
     let mut measured = Measurements::default();
-    let mut run = Run {
-        samples: Vec::new(),
-        nis: [(0.0, 0); CHANNELS],
-        last: Estimate::default(),
-        path: Vec::new(),
-    };
+    let mut run = Run::empty();
     let mut used = [0; CHANNELS];
     let mut i = 0;
     for truth in &mission.truth {
-        let arrived = |e: &&Event| e.arrival <= truth.time + 1e-9;
-        while let Some(event) = mission.events.get(i).filter(arrived) {
+        loop {
+            let Some(event) = mission.events.get(i).filter(|e| e.arrival <= truth.time + 1e-9)
+            else {
+                break;
+            };
             let now = event.arrival;
             while let Some(event) = mission.events.get(i).filter(|e| e.arrival <= now + 1e-9) {
                 set(&mut measured, event);
                 i += 1;
             }
             let estimate = filter.update(&mut memory, now, &measured);
-            let channels = estimate.channels.iter().zip(&mut used);
-            for ((channel, used), nis) in channels.zip(&mut run.nis) {
-                if channel.used > *used {
-                    *used = channel.used;
+            for c in 0..CHANNELS {
+                if estimate.channels[c].used > used[c] {
+                    used[c] = estimate.channels[c].used;
                     if now > 30.0 {
-                        *nis = (nis.0 + channel.nis, nis.1 + 1);
+                        run.nis[c].0 += estimate.channels[c].nis;
+                        run.nis[c].1 += 1;
                     }
                 }
             }
