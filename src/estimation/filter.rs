@@ -37,6 +37,8 @@ pub struct Memory<const N: usize, M = ()> {
     lost: [u32; KINDS],
     /// When the belief was last begun anew (s).
     reset: f64,
+    /// The first cycle (s).
+    begun: f64,
     now: f64,
     /// The part of the estimate that changes with the belief alone.
     spread: Estimate,
@@ -50,6 +52,7 @@ impl<const N: usize, M> Default for Memory<N, M> {
             late: [0; KINDS],
             lost: [0; KINDS],
             reset: f64::NEG_INFINITY,
+            begun: f64::NAN,
             now: f64::NAN,
             spread: Estimate::default(),
         }
@@ -65,7 +68,8 @@ impl<const N: usize, M: Copy> Clone for Memory<N, M> {
     fn clone_from(&mut self, from: &Self) {
         self.history.clone_from(&from.history);
         (self.sources, self.late, self.lost) = (from.sources, from.late, from.lost);
-        (self.reset, self.now, self.spread) = (from.reset, from.now, from.spread);
+        (self.reset, self.begun, self.now) = (from.reset, from.begun, from.now);
+        self.spread = from.spread;
     }
 }
 
@@ -178,10 +182,11 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
     ///
     /// Time that does not advance, or goes back, changes nothing but what is new.
     pub fn update(&self, memory: &mut Memory<N, M>, now: f64, measured: &Measurements) -> Estimate {
-        let Memory { history, sources, late, lost, reset, now: last, .. } = memory;
+        let Memory { history, sources, late, lost, reset, begun: first, now: last, .. } = memory;
         let begun = !last.is_nan();
         let history = history.get_or_insert_with(|| History::new(Track::new(&self.setup, now)));
         if !begun && now.is_finite() {
+            *first = now;
             history.reset(Track::new(&self.setup, now));
         }
         let now = if now.is_finite() { now.max(if begun { *last } else { now }) } else { *last };
@@ -293,8 +298,10 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
     }
 
     fn health(&self, memory: &Memory<N, M>, track: &Track<N, M>) -> Health {
-        let silent =
-            |kind: Kind, seconds: f64| !memory.sources[kind as usize].is_alive(memory.now, seconds);
+        let silent = |kind: Kind, seconds: f64| {
+            let since = memory.sources[kind as usize].arrived.max(memory.begun);
+            memory.now - since > seconds
+        };
         if memory.now - memory.reset < 30.0 {
             return Health::Diverged;
         }
