@@ -34,7 +34,6 @@ pub struct Memory<const N: usize, M = ()> {
     history: Option<History<N, M>>,
     sources: Sources,
     late: [u32; KINDS],
-    lost: [u32; KINDS],
     /// When the belief was last begun anew (s).
     reset: f64,
     /// The first cycle (s).
@@ -50,7 +49,6 @@ impl<const N: usize, M> Default for Memory<N, M> {
             history: None,
             sources: Sources::default(),
             late: [0; KINDS],
-            lost: [0; KINDS],
             reset: f64::NEG_INFINITY,
             begun: f64::NAN,
             now: f64::NAN,
@@ -67,7 +65,7 @@ impl<const N: usize, M: Copy> Clone for Memory<N, M> {
     /// Keeps the room that the history has.
     fn clone_from(&mut self, from: &Self) {
         self.history.clone_from(&from.history);
-        (self.sources, self.late, self.lost) = (from.sources, from.late, from.lost);
+        (self.sources, self.late) = (from.sources, from.late);
         (self.reset, self.begun, self.now) = (from.reset, from.begun, from.now);
         self.spread = from.spread;
     }
@@ -108,7 +106,7 @@ pub struct ChannelReport {
     pub used: u32,
     /// Measurements limited as outliers, or refused as not fit.
     pub rejected: u32,
-    /// Measurements that came late and were put in their place.
+    /// Measurements that came late: put in their place, or lost where that is forgotten already.
     pub late: u32,
 }
 
@@ -182,7 +180,7 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
     ///
     /// Time that does not advance, or goes back, changes nothing but what is new.
     pub fn update(&self, memory: &mut Memory<N, M>, now: f64, measured: &Measurements) -> Estimate {
-        let Memory { history, sources, late, lost, reset, begun: first, now: last, .. } = memory;
+        let Memory { history, sources, late, reset, begun: first, now: last, .. } = memory;
         let begun = !last.is_nan();
         let history = history.get_or_insert_with(|| History::new(Track::new(&self.setup, now)));
         if !begun && now.is_finite() {
@@ -203,8 +201,7 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
             let kind = event.kind as usize;
             match history.insert(event) {
                 Arrival::InTime => {}
-                Arrival::Late => late[kind] = late[kind].saturating_add(1),
-                Arrival::Lost => lost[kind] = lost[kind].saturating_add(1),
+                Arrival::Late | Arrival::Lost => late[kind] = late[kind].saturating_add(1),
             }
         });
         let horizon = self.horizon(sources, now);
@@ -258,18 +255,18 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
             velocity: motion.velocity.into(),
             rate: motion.rate.into(),
             acceleration: motion.acceleration.into(),
+            channels: self.channels(memory, &track.records),
             health: self.health(memory, track),
             ..memory.spread
         }
     }
 
-    /// What of an estimate changes with the belief alone: covariances, sensors, thrusters.
+    /// What of an estimate changes with the belief alone: covariances, current, thrusters.
     fn spread(&self, memory: &Memory<N, M>, track: &Track<N, M>) -> Estimate {
         let belief = &track.belief;
         let motion = self.setup.process.kinematics(belief, &track.interval);
         let lag = (memory.now - track.time).max(0.0);
         Estimate {
-            channels: self.channels(memory, &track.records),
             loss: track.effectiveness.map(|share| 1.0 - share),
             ..describe(&self.setup, belief, &motion, lag)
         }
@@ -288,10 +285,7 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
                 sigma: record.sigma,
                 nis: record.nis,
                 used: record.used,
-                rejected: record
-                    .rejected
-                    .saturating_add(memory.sources[kind].invalid)
-                    .saturating_add(memory.lost[kind]),
+                rejected: record.rejected.saturating_add(memory.sources[kind].invalid),
                 late: memory.late[kind],
             }
         })

@@ -109,7 +109,7 @@ crate::groups::group! {
         #[var(unit = "1", min = 0.0)] used,
         /// limited as outliers, or refused as not fit
         #[var(unit = "1", min = 0.0)] rejected,
-        /// come late and put in their place
+        /// come late: put in their place, or lost where that is forgotten already
         #[var(unit = "1", min = 0.0)] late; 3]
 }
 

@@ -17,7 +17,7 @@ use rexrov_fmu::{REGISTRY, fmi2};
 /// Most that an instance may hold, in bytes; and one that keeps its past for measurements that come
 /// late.
 const MOST: isize = 8192;
-const MOST_WITH_PAST: isize = 300_000;
+const MOST_WITH_PAST: isize = 500_000;
 
 struct Counting;
 

@@ -28,7 +28,16 @@ fn moved(name: &str, groups: &[Group], random: &mut Random) -> Instance {
     // A filter refuses most sets of which a fifth is random, and many inputs matter in few.
     let share = if random.next() < 0.5 { 0.2 } else { 0.01 };
     for variable in entry(name).table().variables() {
-        if !groups.contains(&variable.group) || random.next() > share {
+        if !groups.contains(&variable.group) {
+            continue;
+        }
+        if variable.name.ends_with("valid") {
+            // Nothing of a sensor matters while it is absent.
+            let present = f64::from(u8::from(random.next() < 0.8));
+            subject.set_real(&[variable.reference], &[present]);
+            continue;
+        }
+        if random.next() > share {
             continue;
         }
         if variable.name.ends_with("rate_hz") {
