@@ -32,7 +32,7 @@ use super::table::{Group, Table, Variable};
 use super::values::{Explicit, Values};
 
 /// Random points tried.
-const POINTS: u64 = 256;
+const POINTS: u64 = 512;
 /// Most events before the one under test.
 const EVENTS: u64 = 12;
 /// Points of inputs and states at which slopes are taken with the same parameters.

@@ -91,12 +91,10 @@ impl Cell {
     }
 
     fn off(self, sensors: &[&str], [from, to]: [f64; 2]) -> Self {
-        let cell =
-            sensors.iter().fold(Self { window: Some([from, to]), ..self }, |cell, sensor| {
-                let switch = format!("{sensor}.off");
-                cell.at(from, &switch, Some(1.0)).at(to, switch, None)
-            });
-        cell
+        sensors.iter().fold(Self { window: Some([from, to]), ..self }, |cell, sensor| {
+            let switch = format!("{sensor}.off");
+            cell.at(from, &switch, Some(1.0)).at(to, switch, None)
+        })
     }
 
     fn outage(name: &str, grade: &'static str) -> Self {

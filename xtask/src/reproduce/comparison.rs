@@ -12,8 +12,11 @@ const MOST_PAIRS: u32 = 10;
 const PAPER: &[Filter] = &[Filter::PaperDynamic, Filter::PaperKinematic];
 const MODELLED: &[Filter] = &[Filter::ModelAided, Filter::Dynamic];
 
+/// Words, standard deviation of the fix (m), and parameters of the filter.
+type Variant = (&'static str, f64, &'static [(&'static str, &'static str)]);
+
 /// The paper's filters as printed, and what one change after the other makes of them.
-const VARIANTS: [(&str, f64, &[(&str, &str)]); 6] = [
+const VARIANTS: [Variant; 6] = [
     ("as printed, fix 1.5 m", 1.5, &[]),
     ("without rotation to NED", 1.5, &[("rotate_to_ned", "false")]),
     ("fix 2.5 m", 2.5, &[]),
