@@ -199,23 +199,20 @@ pub fn follow_navigation(filter: &impl Navigation, mission: &Mission) -> Run {
     let mut used = [0; CHANNELS];
     let mut i = 0;
     for truth in &mission.truth {
-        loop {
-            let Some(event) = mission.events.get(i).filter(|e| e.arrival <= truth.time + 1e-9)
-            else {
-                break;
-            };
+        while let Some(event) = mission.events.get(i).filter(|e| e.arrival <= truth.time + 1e-9) {
             let now = event.arrival;
             while let Some(event) = mission.events.get(i).filter(|e| e.arrival <= now + 1e-9) {
                 set(&mut measured, event);
                 i += 1;
             }
             let estimate = filter.update(&mut memory, now, &measured);
-            for c in 0..CHANNELS {
-                if estimate.channels[c].used > used[c] {
-                    used[c] = estimate.channels[c].used;
+            for ((channel, used), nis) in estimate.channels.iter().zip(&mut used).zip(&mut run.nis)
+            {
+                if channel.used > *used {
+                    *used = channel.used;
                     if now > 30.0 {
-                        run.nis[c].0 += estimate.channels[c].nis;
-                        run.nis[c].1 += 1;
+                        nis.0 += channel.nis;
+                        nis.1 += 1;
                     }
                 }
             }
