@@ -32,7 +32,7 @@ use super::table::{Group, Table, Variable};
 use super::values::{Explicit, Values};
 
 /// Random points tried.
-const POINTS: u64 = 512;
+const POINTS: u64 = 256;
 /// Most events before the one under test.
 const EVENTS: u64 = 12;
 /// Points of inputs and states at which slopes are taken with the same parameters.
@@ -77,6 +77,9 @@ pub(crate) fn probe<C: Component>(table: &Table) -> Result<Dependencies, String>
     }
     if C::INFO.sampled {
         probe.share_among_outputs();
+    }
+    if C::ANY_INPUT {
+        probe.depend_on_every_input();
     }
     probe.finish()
 }
@@ -330,6 +333,13 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
                 unknowns.insert(*output, all.clone());
             }
         }
+    }
+
+    /// What a component does with inputs that need not be fit may need many of them at once, which no
+    /// random point hits: all outputs count as depending on all inputs.
+    fn depend_on_every_input(&mut self) {
+        let inputs = || self.table.group(Group::Input).map(|(index, _)| index);
+        self.found.outputs.values_mut().for_each(|knowns| knowns.extend(inputs()));
     }
 
     /// Adds the parameters that could not be tried.

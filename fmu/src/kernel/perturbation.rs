@@ -34,10 +34,6 @@ pub(crate) fn set<T>(values: &mut [T], reference: usize, value: T) -> bool {
 /// bounds. Inputs go furthest, so that saturated and far-off regions are seen as well as others.
 fn real(variable: &Variable, start: f64, random: &mut Random) -> f64 {
     let (min, max) = (variable.min.unwrap_or(f64::MIN), variable.max.unwrap_or(f64::MAX));
-    if variable.group == Group::Input && (min, max) == (0.0, 1.0) {
-        // A flag: what it admits is seen only while it is set, and often several have to be.
-        return if random.below(5) > 0 { max } else { min };
-    }
     let scale = variable.nominal.unwrap_or(if start == 0.0 { 1.0 } else { start.abs() });
     let powers = match variable.group {
         Group::Input => 4,
