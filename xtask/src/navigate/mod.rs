@@ -49,14 +49,6 @@ pub(crate) struct Options {
     pub(crate) threads: Option<usize>,
 }
 
-impl Options {
-    /// A short run that sees gross errors: the bound, an outage, the loop.
-    pub(crate) fn short() -> Self {
-        let cells = ["BE3", "outage", "loop-BE1"].map(str::to_owned).into();
-        Self { seeds: 6, cells, threads: None }
-    }
-}
-
 /// Measures; an error if a goal is missed by more than the seeds leave open.
 pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     let cells = chosen(&options.cells)?;

@@ -37,6 +37,9 @@ pub(crate) struct Options {
     /// Runs at the same time [default: one a core].
     #[arg(long)]
     pub(crate) threads: Option<usize>,
+    /// Also compare all filters, in missions of their own: some minutes more.
+    #[arg(long)]
+    pub(crate) compare: bool,
 }
 
 /// Runs the experiment; an error if a run fails or a goal of G1 is clearly missed.
@@ -52,7 +55,9 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     let report = folder.join("report.html");
     let mut page = page::page(&campaign, &verdicts, &figures, options.seeds)?;
     // After the comparison of the paper's filters, before the figures.
-    page.sections.insert(5, comparison::section(options.seeds, threads)?);
+    if options.compare {
+        page.sections.insert(5, comparison::section(options.seeds, threads)?);
+    }
     let html = page.html()?;
     std::fs::write(&report, html).with_context(|| format!("cannot write {}", report.display()))?;
     println!("Report: {}", report.display());
