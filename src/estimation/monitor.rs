@@ -20,7 +20,7 @@ use super::interval::Interval;
 use super::kalman::Witness;
 use super::transition::Transition;
 
-/// Restarts kept; one a second, so that losses up to this many seconds old are told apart.
+/// Restarts kept; one a second, so that losses up to this many seconds old are distinguished.
 const RESTARTS: usize = 12;
 /// Seconds between restarts.
 const SPACING: f64 = 1.0;

@@ -22,7 +22,7 @@ pub enum Which {
     ModelAided,
 }
 
-/// What a filter is told to expect for a mission: its own true noise, the nominal vehicle.
+/// What a filter expects of a mission: its own true noise, the nominal vehicle.
 pub fn parameters(options: &Options, initial_error: [f64; 2]) -> NavigationParameters {
     let mut p = NavigationParameters::default();
     let (accelerometer, gyro) = options.imu.noise();
