@@ -30,7 +30,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Build the library and write target/fmus/*.fmu and target/fmus/paper.ssp.
+    /// Build the library and write the FMUs, baseline.ssp and paper.ssp to target/fmus.
     Package(package::Options),
     /// Regenerate modelDescription/ from the components.
     Describe {

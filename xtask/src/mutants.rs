@@ -45,20 +45,20 @@ const AID: &str = "process/model_aid.rs";
 #[rustfmt::skip]
 const MUTANTS: &[Mutant] = &[
     // Jacobians.
-    Mutant { name: "inertial: sign of dv/dtheta", file: INERTIAL, test: by::BOUND,
-        old: "let by_attitude = -r * skew(", new: "let by_attitude = r * skew(" },
-    Mutant { name: "inertial: sign of dv/db_a", file: INERTIAL, test: by::BOUND,
-        old: "let by_force = -r_mid;", new: "let by_force = r_mid;" },
+    Mutant { name: "inertial: sign of du/dtheta", file: INERTIAL, test: by::BOUND,
+        old: "(THETA, back * skew(", new: "(THETA, -back * skew(" },
+    Mutant { name: "inertial: sign of du/db_a", file: INERTIAL, test: by::BOUND,
+        old: "(B_A, -back * ", new: "(B_A, back * " },
     Mutant { name: "inertial: sign of dtheta/db_g", file: INERTIAL, test: by::BOUND,
-        old: "let attitude_by_rate = -right_jacobian", new: "let attitude_by_rate = right_jacobian" },
-    Mutant { name: "inertial: velocity not turned by the attitude's error", file: INERTIAL, test: by::BOUND,
-        old: "velocity.set_block(THETA, &skew(&motion.velocity));", new: "" },
+        old: "(B_G, -jacobian)", new: "(B_G, jacobian)" },
+    Mutant { name: "inertial: sign of dp/dtheta", file: INERTIAL, test: by::BOUND,
+        old: "(THETA, -r * skew(", new: "(THETA, r * skew(" },
     Mutant { name: "dynamic: sign of the Munk moment's dr'/dv", file: DYNAMIC, test: by::OUTAGE,
-        old: "j[R][U + 1] = -self.munk", new: "j[R][U + 1] = self.munk" },
+        old: "slope[3][1] = -self.munk", new: "slope[3][1] = self.munk" },
     Mutant { name: "dynamic: sign of the Munk moment", file: DYNAMIC, test: by::OUTAGE,
-        old: "-self.munk * u * v]", new: "self.munk * u * v]" },
+        old: "-self.munk * nu.x * nu.y]", new: "self.munk * nu.x * nu.y]" },
     Mutant { name: "dynamic: sign of dx'/dpsi", file: DYNAMIC, test: by::COMPASS,
-        old: "j[0][PSI] = -sin * a - cos * b;", new: "j[0][PSI] = sin * a + cos * b;" },
+        old: "j[0][PSI] = -velocity.y;", new: "j[0][PSI] = velocity.y;" },
     Mutant { name: "aid: sign of the force balance's dF/dv", file: AID, test: by::NEES,
         old: "- slope) + skew(w);", new: "+ slope) - skew(w);" },
     Mutant { name: "aid: sign of the force balance by the vertical", file: AID, test: by::BOUND,
@@ -109,7 +109,7 @@ const MUTANTS: &[Mutant] = &[
         old: "variance(p.sensors.gyro.noise_density)", new: "variance(0.5 * p.sensors.gyro.noise_density)" },
     // Process noise.
     Mutant { name: "inertial: no noise of the velocity", file: INERTIAL, test: by::BOUND,
-        old: "belief.add_noise(V + i, q);", new: "" },
+        old: "belief.add_noise(U + i, q);", new: "" },
     Mutant { name: "dynamic: no white force", file: DYNAMIC, test: by::HEAVE,
         old: "belief.add_noise(U + axis, square(white) * half);", new: "let _ = white;" },
     Mutant { name: "aid: noise of an interval not renewed", file: AID, test: by::BOUND,
@@ -229,4 +229,16 @@ fn copy_folder(from: &Path, to: &Path) -> Result<()> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_fault_can_still_be_put_into_the_source() {
+        for mutant in MUTANTS {
+            mutated(mutant).unwrap();
+        }
+    }
 }

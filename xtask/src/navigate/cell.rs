@@ -18,6 +18,11 @@ pub(crate) const OUTAGE: [f64; 2] = [200.0, 260.0];
 /// Kinds of damping.
 const BOTH: [&str; 2] = ["linear", "quadratic"];
 
+/// The name of a cell of a grade; that of the cheapest is the plain one.
+pub(crate) fn of_grade(name: &str, grade: &str) -> String {
+    if grade == GRADES[0] { name.to_owned() } else { format!("{name}-{}", grade.to_lowercase()) }
+}
+
 /// An input gets a value, or again what is connected to it.
 #[derive(Clone, Debug)]
 pub(crate) struct Event {
@@ -44,6 +49,8 @@ pub(crate) struct Cell {
     pub(crate) propeller_lost: Option<f64>,
     /// Whether a third of the seeds will do.
     pub(crate) secondary: bool,
+    /// Whether what the filters heard is smoothed as well.
+    pub(crate) smoothed: bool,
 }
 
 impl Cell {
@@ -59,6 +66,7 @@ impl Cell {
             window: None,
             propeller_lost: None,
             secondary: false,
+            smoothed: false,
         }
     }
 
@@ -98,11 +106,7 @@ impl Cell {
     }
 
     fn outage(name: &str, grade: &'static str) -> Self {
-        let name = match grade {
-            "Adis16448" => name.to_owned(),
-            grade => format!("{name}-{}", grade.to_lowercase()),
-        };
-        let cell = Self::new(name, "BE3").off(&["fix", "dvl"], OUTAGE);
+        let cell = Self::new(of_grade(name, grade), "BE3").off(&["fix", "dvl"], OUTAGE);
         Self { grade, secondary: grade != GRADES[0], ..cell }
     }
 
@@ -203,6 +207,9 @@ impl Cell {
             .set("dvl.scale_error", 0.003)
             .set("*.heading_bias_sigma", 1f64.to_radians());
         cells.push(biased);
+        for cell in [Self::new("smoother", "BE3"), Self::outage("smoother-outage", GRADES[0])] {
+            cells.push(Self { smoothed: true, secondary: true, ..cell });
+        }
         for grade in GRADES {
             cells.push(Self::outage("outage", grade));
             cells.push(Self::outage("outage-current", grade).current());

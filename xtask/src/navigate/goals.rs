@@ -1,8 +1,11 @@
 //! The goals, cell by cell, with what an independent simulation of the same filters had reached.
 
-use super::cell::{Cell, GRADES};
+use cosim::report::quantile;
+
+use super::cell::{Cell, GRADES, of_grade};
 use super::filter::Filter;
 use super::score::{CHANNELS, Score};
+use super::smoother::Smoothed;
 use super::statistic::{Number, anis, mean_of, number, over, quantile_of, ratio_of, share_in_band};
 use crate::experiment::Verdict;
 
@@ -53,6 +56,7 @@ impl Cells<'_> {
                 "DIVE" | "HELIX" => spatial(&mut add, scores),
                 _ if name.starts_with("loop-") => in_loop(&mut add, scores),
                 _ if name.starts_with("fix-") => fix_off(&mut add, scores),
+                _ if self.cell.smoothed => smoothed(&mut add, scores),
                 _ => outage(&mut add, scores, self.cell),
             }
         }
@@ -81,6 +85,53 @@ impl Cells<'_> {
             });
             add.row(what, "", ratio, at_most(goal), "");
         }
+    }
+}
+
+/// The model-aided filter's error after an outage with a lost propeller over that without (G6), seed by
+/// seed of those that both cells have.
+pub(crate) fn of_losses(results: &[Cells<'_>]) -> Vec<Row> {
+    let aided = |name: &str| {
+        let found = results.iter().find(|cells| cells.cell.name == name)?;
+        found.of(Filter::ModelAided)
+    };
+    let mut rows = Vec::new();
+    for grade in GRADES {
+        for kind in ["propeller-before", "propeller-during"] {
+            let name = of_grade(kind, grade);
+            let Some((sound, lost)) = aided(&of_grade("outage", grade)).zip(aided(&name)) else {
+                continue;
+            };
+            let median = |scores, drawn: &[usize]| over(scores, drawn, 0.5, |s: &Score| s.last);
+            let ratio = number(sound.len().min(lost.len()), |drawn| {
+                median(lost, drawn) / median(sound, drawn)
+            });
+            let mut add = Rows { rows: &mut rows, cell: &name, filter: Filter::ModelAided };
+            add.row("median / that without a loss", "", ratio, at_most(1.15), "1.00 to 1.07");
+        }
+    }
+    rows
+}
+
+/// What the smoother gains over the filter, in shares of its RMSE.
+fn smoothed(add: &mut Rows<'_>, scores: &[Score]) {
+    type Part = (&'static str, fn(&Score) -> f64, fn(&Smoothed) -> f64, f64, &'static str);
+    let parts: [Part; 3] = [
+        ("whole mission", |s| s.rmse, |s| s.rmse, 0.45, "0.51"),
+        ("after 30 s", |s| s.settled, |s| s.settled, 0.3, "0.34"),
+        ("in the outage", |s| s.window, |s| s.window, 0.6, "0.64 to 0.94"),
+    ];
+    // A mission with an outage is measured within it, another one as a whole.
+    let wanted = if add.cell == "smoother" { &parts[..2] } else { &parts[2..] };
+    for (what, filter, smoother, goal, reference) in wanted {
+        let gain = number(scores.len(), |drawn| {
+            let median = |of: &dyn Fn(&Score) -> f64| {
+                quantile(&drawn.iter().map(|i| of(&scores[*i])).collect::<Vec<_>>(), 0.5)
+            };
+            let of_smoother = |s: &Score| s.smoothed.as_ref().map_or(f64::NAN, smoother);
+            1.0 - median(&of_smoother) / median(filter)
+        });
+        add.row(&format!("gain of the smoother, {what}"), "", gain, at_least(*goal), reference);
     }
 }
 

@@ -7,6 +7,7 @@ use rexrov::sensors::{Gaussian, ImuGrade};
 
 use super::cell::{Cell, Event};
 use super::filter::Filter;
+use super::smoother::INPUTS;
 
 /// Time between recorded rows (s).
 pub(crate) const INTERVAL: f64 = 0.1;
@@ -73,14 +74,43 @@ pub(crate) fn tilt_sigma(grade: &str) -> f64 {
     grade.noise().attitude_sigma
 }
 
+/// What is left of a mission.
+pub(crate) struct Flight {
+    /// Truth and estimates, a row each [`INTERVAL`].
+    pub(crate) recording: Recording,
+    pub(crate) summary: Summary,
+    /// The same with a row for each cycle of the filters and with their inputs, in cells that are
+    /// smoothed.
+    pub(crate) heard: Option<Recording>,
+}
+
 /// Flies a seed of a cell.
-pub(crate) fn fly(base: &System, cell: &Cell, seed: u32) -> anyhow::Result<(Recording, Summary)> {
+pub(crate) fn fly(base: &System, cell: &Cell, seed: u32) -> anyhow::Result<Flight> {
     let system = base.with(&overrides(cell, seed)?)?;
     let (mut recording, mut arrival) = (Recording::new(), Arrival::default());
     let mut events = Events::new(&cell.events)?;
     let run = Run::new(&system).observe(&mut recording).observe(&mut arrival);
     let summary = run.manipulate(&mut events).go()?;
-    Ok((recording, summary))
+    let heard = cell.smoothed.then(|| recording.clone());
+    let recording = if cell.smoothed { every(&recording, row_stride()) } else { recording };
+    Ok(Flight { recording, summary, heard })
+}
+
+/// Cycles of a filter between two rows.
+fn row_stride() -> usize {
+    (INTERVAL * FILTER_HZ).round() as usize
+}
+
+/// Every so many rows of a recording.
+fn every(recording: &Recording, stride: usize) -> Recording {
+    let thinned = |column: &[f64]| column.iter().step_by(stride).copied().collect::<Vec<_>>();
+    let columns = recording.columns().map(|(_, column)| thinned(column)).collect();
+    Recording::from_columns(recording.names().to_vec(), thinned(recording.time()), columns)
+}
+
+/// The row of an instant.
+pub(crate) fn row(time: f64) -> usize {
+    (time / INTERVAL).round() as usize
 }
 
 fn overrides(cell: &Cell, seed: u32) -> anyhow::Result<Overrides> {
@@ -89,11 +119,12 @@ fn overrides(cell: &Cell, seed: u32) -> anyhow::Result<Overrides> {
         None => (4.0 / 3.0 * course(cell.course)?.length() / 0.3).ceil(),
     };
     let filters = || cell.filters.iter().map(|filter| filter.component());
-    let recorded =
-        filters().flat_map(|f| ESTIMATE.iter().map(move |signal| format!("{f}.{signal}")));
+    let inputs: &[&str] = if cell.smoothed { &INPUTS } else { &[] };
+    let recorded = filters()
+        .flat_map(|f| ESTIMATE.iter().chain(inputs).map(move |signal| format!("{f}.{signal}")));
     let mut o = Overrides::new()
         .stop_time(stop)
-        .output_interval(INTERVAL)
+        .output_interval(if cell.smoothed { 1.0 / FILTER_HZ } else { INTERVAL })
         .output_variables(TRUTH)
         .output_variables(recorded)
         .start_value("pursuit.course", cell.course)
@@ -106,33 +137,42 @@ fn overrides(cell: &Cell, seed: u32) -> anyhow::Result<Overrides> {
     for component in RANDOM {
         o = o.start_value(format!("{component}.seed"), seed);
     }
-    // The same for all filters: their comparison is one of pairs.
-    let mut start = Gaussian::new(u64::from(seed), START_STREAM);
-    let [north, east] = [(); 2].map(|()| START_SIGMA * start.draw());
     for filter in cell.filters {
         let f = filter.component();
-        o = o
-            .start_value(format!("{f}.initial.pose.x"), north)
-            .start_value(format!("{f}.initial.pose.y"), east)
-            .start_value(format!("{f}.heading_sigma"), HEADING_SIGMA);
+        for (name, value) in filter_parameters(cell, *filter, seed) {
+            o = o.start_value(format!("{f}.{name}"), value);
+        }
         if !filter.is_paper() {
-            o = o
-                .start_value(format!("{f}.imu_grade"), cell.grade)
-                .start_value(format!("{f}.rate_hz"), FILTER_HZ)
-                .step(f, 1.0 / FILTER_HZ);
+            o = o.step(f, 1.0 / FILTER_HZ);
         }
     }
     for (name, value) in &cell.start_values {
-        match name.strip_prefix("*.") {
-            None => o = o.start_value(name, value),
-            Some(name) => {
-                for filter in cell.filters.iter().filter(|f| !f.is_paper()) {
-                    o = o.start_value(format!("{}.{name}", filter.component()), value);
-                }
-            }
+        if !name.starts_with("*.") {
+            o = o.start_value(name, value);
         }
     }
     Ok(o)
+}
+
+/// Parameters of a filter, by their names in its FMU.
+pub(crate) fn filter_parameters(cell: &Cell, filter: Filter, seed: u32) -> Vec<(String, String)> {
+    // The same for all filters: their comparison is one of pairs.
+    let mut start = Gaussian::new(u64::from(seed), START_STREAM);
+    let [north, east] = [(); 2].map(|()| START_SIGMA * start.draw());
+    let mut parameters = vec![
+        ("initial.pose.x".to_owned(), north.to_string()),
+        ("initial.pose.y".to_owned(), east.to_string()),
+        ("heading_sigma".to_owned(), HEADING_SIGMA.to_string()),
+    ];
+    if !filter.is_paper() {
+        parameters.push(("imu_grade".to_owned(), cell.grade.to_owned()));
+        parameters.push(("rate_hz".to_owned(), FILTER_HZ.to_string()));
+        let common = cell.start_values.iter();
+        parameters.extend(common.filter_map(|(name, value)| {
+            Some((name.strip_prefix("*.")?.to_owned(), value.clone()))
+        }));
+    }
+    parameters
 }
 
 /// A stream of random numbers that no component draws from.

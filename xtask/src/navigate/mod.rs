@@ -11,6 +11,7 @@
 //! | `cell` | what each kind of mission is like |
 //! | `filter`, `system` | the filters; the system with those that a cell needs |
 //! | `mission` | one mission of a seed |
+//! | `smoother` | the same mission smoothed |
 //! | `score`, `statistic`, `bound` | measures of a mission, of many, and their least value |
 //! | `goals` | what is to be reached |
 //! | `output` | table and file of results |
@@ -22,6 +23,7 @@ mod goals;
 mod mission;
 mod output;
 mod score;
+mod smoother;
 mod statistic;
 mod system;
 
@@ -54,7 +56,8 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     let cells = chosen(&options.cells)?;
     let threads = options.threads.unwrap_or_else(default_threads);
     let results = fly_all(&cells, options.seeds, threads)?;
-    let rows: Vec<Row> = results.iter().flat_map(Cells::rows).collect();
+    let mut rows: Vec<Row> = results.iter().flat_map(Cells::rows).collect();
+    rows.extend(goals::of_losses(&results));
     output::write(&results, &rows)?;
     let missed: Vec<String> = rows
         .iter()
@@ -105,6 +108,9 @@ pub(crate) fn fly_all(
         .iter()
         .flat_map(|cell| (1..=cell.seeds(seeds)).map(move |seed| (cell, seed)))
         .collect();
+    if cells.iter().any(|cell| cell.smoothed) {
+        smoother::build()?;
+    }
     let flown = on_threads("navigate", &runs, threads, |(cell, seed)| {
         let base = systems.get((cell.steering, cell.filters))?;
         fly(base, cell, *seed).with_context(|| format!("{}, seed {seed}, failed", cell.name))
@@ -121,9 +127,17 @@ pub(crate) fn fly_all(
 }
 
 fn fly(base: &cosim::System, cell: &Cell, seed: u32) -> anyhow::Result<Flown> {
-    let flown = mission::fly(base, cell, seed)?;
-    let scores = cell.filters.iter().map(|filter| Score::of(&flown, cell, *filter));
+    let flight = mission::fly(base, cell, seed)?;
+    let scores = cell.filters.iter().map(|filter| {
+        let mut score = Score::of(&flight, cell, *filter)?;
+        if let Some(heard) = &flight.heard {
+            let mission = &flight.recording;
+            score.smoothed = Some(smoother::smooth(heard, mission, cell, *filter, seed)?);
+        }
+        Ok(score)
+    });
+    let scores = scores.collect::<anyhow::Result<_>>()?;
     let nominal = seed == 1 && matches!(cell.name.as_str(), "BE1" | "BE2" | "BE3");
-    let bound = nominal.then(|| bound::of(&flown.0, cell.grade)).transpose()?;
-    Ok(Flown { scores: scores.collect::<anyhow::Result<_>>()?, bound })
+    let bound = nominal.then(|| bound::of(&flight.recording, cell.grade)).transpose()?;
+    Ok(Flown { scores, bound })
 }

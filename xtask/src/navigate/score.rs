@@ -7,7 +7,8 @@ use rexrov::attitude::wrap;
 
 use super::cell::{Cell, LOST};
 use super::filter::Filter;
-use super::mission::{INTERVAL, column, course};
+use super::mission::{Flight, INTERVAL, column, course, row};
+use super::smoother::Smoothed;
 use crate::experiment::mean_distance;
 
 /// From here on filters have settled (s).
@@ -52,6 +53,8 @@ pub(crate) struct Score {
     pub(crate) vertical: f64,
     /// Whether the end of the course was reached.
     pub(crate) finished: bool,
+    /// What the smoother made of it, in cells that are smoothed.
+    pub(crate) smoothed: Option<Smoothed>,
     /// Processor time of the filter's FMU over simulated time.
     pub(crate) load: f64,
 }
@@ -59,7 +62,7 @@ pub(crate) struct Score {
 impl Score {
     /// Measures a filter.
     pub(crate) fn of(
-        (recording, summary): &(Recording, Summary),
+        Flight { recording, summary, .. }: &Flight,
         cell: &Cell,
         filter: Filter,
     ) -> anyhow::Result<Self> {
@@ -119,11 +122,6 @@ impl Score {
 fn load(summary: &Summary, filter: Filter) -> f64 {
     let component = summary.components.iter().find(|c| c.name == filter.component());
     component.map_or(f64::NAN, |c| c.seconds_per_step * c.steps as f64 / summary.simulated)
-}
-
-/// The row of an instant.
-fn row(time: f64) -> usize {
-    (time / INTERVAL).round() as usize
 }
 
 fn mean_size(values: &[f64]) -> f64 {

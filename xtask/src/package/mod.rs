@@ -1,4 +1,4 @@
-//! Packaging: one library, its FMUs and the paper's system, the same bytes every time; the libraries of
+//! Packaging: one library, its FMUs and the systems of them, the same bytes every time; the libraries of
 //! the FMUs that `cosim` writes; and for the wheel `cosim` and `rexrov-smooth`.
 //!
 //! | file | what |
@@ -57,7 +57,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let output = &options.output;
     if !options.merge.is_empty() {
         let merged = merge::folders(&options.merge, output)?;
-        return system(&merged, output);
+        return systems(&merged, output);
     }
     let linker = if options.native { Linker::Native } else { Linker::Zig };
     let platforms = match options.target.as_slice() {
@@ -80,7 +80,7 @@ pub(crate) fn for_this_machine() -> Result<()> {
     build(Linker::at_hand(), &[platform::host()?], &paths::fmus())
 }
 
-/// Builds the library for all platforms, writes the FMUs and the paper's system.
+/// Builds the library for all platforms, writes the FMUs and the systems.
 fn build(linker: Linker, platforms: &[&'static Platform], output: &Path) -> Result<()> {
     let mut libraries = Vec::new();
     for platform in platforms {
@@ -97,7 +97,7 @@ fn build(linker: Linker, platforms: &[&'static Platform], output: &Path) -> Resu
         archive::write(&path, &files)?;
         packaged.push(path);
     }
-    system(&packaged, output)
+    systems(&packaged, output)
 }
 
 /// Reads a library of those that were built, if it is fit for an FMU.
@@ -154,23 +154,31 @@ fn smoother(linker: Linker, platform: &Platform) -> Result<(Vec<u8>, Library)> {
     checked(linker, platform, &built.join("rexrov-smooth"))
 }
 
-/// Writes the paper's system: the description with its FMUs beside it under resources/, in the
-/// order of their names.
-fn system(fmus: &[PathBuf], output: &Path) -> Result<()> {
+/// The systems that are written as packages.
+const SYSTEMS: [&str; 2] = ["baseline", "paper"];
+
+/// Writes the systems: each description with the FMUs that it names beside it under resources/, in
+/// the order of their names.
+fn systems(fmus: &[PathBuf], output: &Path) -> Result<()> {
     let mut fmus = fmus.to_vec();
     fmus.sort();
-    let text = system_with_fmus_in("paper", "resources")?;
-    let mut files = vec![("SystemStructure.ssd".to_owned(), text.into_bytes())];
-    for path in &fmus {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        files.push((format!("resources/{name}"), fs::read(path)?));
+    for system in SYSTEMS {
+        let text = system_with_fmus_in(system, "resources")?;
+        let mut files = vec![("SystemStructure.ssd".to_owned(), text.clone().into_bytes())];
+        for path in &fmus {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let place = format!("resources/{name}");
+            if text.contains(&format!("\"{place}\"")) {
+                files.push((place, fs::read(path)?));
+            }
+        }
+        archive::write(&output.join(format!("{system}.ssp")), &files)?;
     }
-    archive::write(&output.join("paper.ssp"), &files)?;
-    println!("{} FMUs and paper.ssp in {}", fmus.len(), output.display());
+    println!("{} FMUs, {}.ssp in {}", fmus.len(), SYSTEMS.join(".ssp, "), output.display());
     Ok(())
 }
 
-/// The description of the paper's system, for FMUs in a folder relative to it.
+/// The description of a system, for FMUs in a folder relative to it.
 fn system_with_fmus_in(name: &str, folder: &str) -> Result<String> {
     let description = paths::root().join(format!("examples/{name}.ssd"));
     let text =
