@@ -11,7 +11,7 @@ use std::{fs, process::Command};
 pub(crate) fn run() -> Result<()> {
     package::for_shipping()?;
     export_loop()?;
-    process::run(&mut process::build_cosim())?;
+    process::run(&mut process::build_workspace())?;
     let fmi_rs = ["test", "--release", "--quiet", "--workspace", "--test", "fmi_rs"];
     process::run(&mut process::cargo(&fmi_rs))?;
     process::run(

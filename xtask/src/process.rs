@@ -45,9 +45,9 @@ pub(crate) fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
-/// Builds the program `cosim`. All of the workspace is named because the features of its dependencies
-/// follow from that: what the tests have built is not built again with others.
-pub(crate) fn build_cosim() -> Command {
+/// Builds everything, the programs among it. All of the workspace is named because the features of its
+/// dependencies follow from that: what the tests have built is not built again with others.
+pub(crate) fn build_workspace() -> Command {
     cargo(&["build", "--release", "--quiet", "--workspace", "--all-targets"])
 }
 

@@ -33,7 +33,7 @@ pub(crate) struct Options {
 /// Kills until enough were killed; fails at the first byte that differs.
 pub(crate) fn run(options: &Options) -> Result<()> {
     package::for_this_machine()?;
-    process::run(&mut process::build_cosim())?;
+    process::run(&mut process::build_workspace())?;
     let folder = paths::target().join("soak");
     fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
     let soak = Soak { program: paths::target().join("release/cosim"), folder };

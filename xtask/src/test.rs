@@ -1,11 +1,16 @@
 //! `cargo xtask test`: every check and every test, in the order of what fails fastest.
 
-use crate::{book, describe, judge, package, paths, process, python, reproduce};
+use crate::{book, describe, judge, navigate, package, paths, process, python, reproduce};
 use anyhow::Result;
 use std::process::Command;
 
 /// Seeds of the experiment's short run: enough to see a goal clearly missed.
 const SMOKE_SEEDS: u32 = 20;
+
+/// Kinds of missions of which a few seeds show whether the navigation filters are what they were.
+const SMOKE_CELLS: [&str; 5] =
+    ["BE3", "outage", "propeller-during-tactical", "smoother", "loop-HELIX"];
+const SMOKE_MISSIONS: u32 = 8;
 
 /// Runs everything; stops at the first step that fails.
 pub(crate) fn run() -> Result<()> {
@@ -20,6 +25,8 @@ pub(crate) fn run() -> Result<()> {
     process::run(&mut process::cargo(&["test", "--release", "--workspace", "--no-fail-fast"]))?;
     book::run(true)?;
     reproduce::run(&reproduce::Options { seeds: SMOKE_SEEDS, threads: None, compare: false })?;
+    let cells = SMOKE_CELLS.map(str::to_owned).to_vec();
+    navigate::run(&navigate::Options { seeds: SMOKE_MISSIONS, cells, threads: None })?;
     process::run(
         Command::new(python::TESTS.interpreter()?)
             .args(["-m", "pytest", "-q", "tests/python"])

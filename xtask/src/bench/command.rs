@@ -8,7 +8,7 @@ use std::process::Command;
 const REPETITIONS: u32 = 15;
 
 pub(super) fn measure() -> Result<Vec<Row>> {
-    process::run(&mut process::build_cosim())?;
+    process::run(&mut process::build_workspace())?;
     // Least and median wall clock and least processor time in ms, peak memory in MB.
     let output = Command::new("python3")
         .args(["-S", "-E"])

@@ -46,7 +46,7 @@ pub(crate) fn run() -> Result<()> {
     // The library's example; it is built with all of the workspace.
     process::run(
         Command::new(paths::target().join("release/examples/campaign"))
-            .args(["examples/paper.ssd", "1"])
+            .args(["examples/baseline.ssd", "1"])
             .current_dir(paths::root()),
     )
 }

@@ -29,9 +29,10 @@ pub(crate) struct Smoothed {
     pub(crate) window: f64,
 }
 
-/// Builds the program.
+/// Builds the program, beside this one so that it shares what was built for it.
 pub(crate) fn build() -> anyhow::Result<()> {
-    process::run(&mut process::cargo(&["build", "--release", "--quiet", "-p", "rexrov-smooth"]))
+    let packages = ["-p", "rexrov-smooth", "-p", "xtask"];
+    process::run(process::cargo(&["build", "--release", "--quiet"]).args(packages))
 }
 
 /// Smooths what a filter heard: `heard` has a row for each of its cycles, `mission` the truth.

@@ -135,23 +135,17 @@ fn libraries(linker: Linker, platform: &Platform) -> Result<()> {
     Ok(())
 }
 
-/// Builds the program `cosim`. This machine's linker makes that of the tests, with the features of
-/// all of the workspace: what was built for them need not be built again.
-fn program(linker: Linker, platform: &Platform) -> Result<(Vec<u8>, Library)> {
+/// Builds a program of a package of the same name. This machine's linker makes it as the tests have
+/// it, with the features of all of the workspace: what was built for them need not be built again.
+fn program(linker: Linker, platform: &Platform, name: &str) -> Result<(Vec<u8>, Library)> {
     let built = match linker {
         Linker::Native => {
-            process::run(&mut process::build_cosim())?;
+            process::run(&mut process::build_workspace())?;
             paths::released(None)
         }
-        Linker::Zig => compile::build(linker, platform, &["-p", "cosim"])?,
+        Linker::Zig => compile::build(linker, platform, &["-p", name])?,
     };
-    checked(linker, platform, &built.join("cosim"))
-}
-
-/// Builds the program `rexrov-smooth`.
-fn smoother(linker: Linker, platform: &Platform) -> Result<(Vec<u8>, Library)> {
-    let built = compile::build(linker, platform, &["-p", "rexrov-smooth"])?;
-    checked(linker, platform, &built.join("rexrov-smooth"))
+    checked(linker, platform, &built.join(name))
 }
 
 /// The systems that are written as packages.

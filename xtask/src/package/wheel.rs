@@ -51,8 +51,8 @@ fn build(linker: Linker) -> Result<()> {
     let stage = paths::target().join("wheel");
     let _ = fs::remove_dir_all(&stage);
     let host = platform::host()?;
-    let (cosim, library) = super::program(linker, host)?;
-    let (smooth, _) = super::smoother(linker, host)?;
+    let (cosim, library) = super::program(linker, host, "cosim")?;
+    let (smooth, _) = super::program(linker, host, "rexrov-smooth")?;
     let glibc = match linker {
         Linker::Zig => GLIBC.to_owned(),
         // The larger one needs no less.
