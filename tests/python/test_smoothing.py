@@ -10,7 +10,7 @@ from rexrov import SmoothingError, system_path
 def mission():
     """What the filter of the paper's loop was given, often enough for its inertial unit, and the truth."""
     columns = ["vehicle.pose.?", "ekf.*"]
-    return rexrov.run(system_path(), stop_time=120, output=columns, output_interval=0.02)
+    return rexrov.run(system_path("paper"), stop_time=120, output=columns, output_interval=0.02)
 
 
 def error(path, truth, start=30.0):

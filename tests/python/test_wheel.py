@@ -1,5 +1,6 @@
 """The Python package: the same numbers as the program's, the same errors, FMPy's form of results."""
 
+import json
 import pickle
 import subprocess
 import sys
@@ -71,12 +72,12 @@ def test_a_system_gives_the_numbers_of_the_command_line(tmp_path):
         workers=2,
     )
     assert (found["dvl.stamp"][30:] == found["dvl.stamp"][30]).all(), "the DVL is silent"
-    (tmp_path / "scenario.json").write_text(str(scenario).replace("'", '"').replace("False", "false"))
+    (tmp_path / "scenario.json").write_text(json.dumps(scenario))
     options = ["--stop-time=8", "--output-interval=0.1", "--step=ekf=0.2", "--algorithm=jacobi"]
     options += [f"--start-value=pursuit.course={course_path('square')}"]
     options += ["--start-value=gps.seed=7", "--start-value=gps.sigma=1.23456789"]
     options += [f"--replace=ekf={fmu_path('EkfKinematic')}", f"--scenario={tmp_path / 'scenario.json'}"]
-    assert_same(found, command_line(tmp_path, "run", system_path(), *options))
+    assert_same(found, command_line(tmp_path, "run", system_path("paper"), *options))
 
 
 TYPES = """
@@ -123,7 +124,7 @@ def test_errors_are_those_of_the_command_line():
 
 def edited(folder, old, new):
     """The paper's system with a change."""
-    text = system_path().read_text()
+    text = system_path("paper").read_text()
     assert old in text
     text = text.replace("../fmus/", f"{fmu_path('Dvl').parent}/").replace(old, new)
     file = folder / "system.ssd"
@@ -199,7 +200,7 @@ USE = """
 import numpy as np
 import rexrov
 
-table = rexrov.run(rexrov.system_path(), start_values={"pursuit.course": "BE1", "gps.seed": 1}, stop_time=1.0)
+table = rexrov.run(rexrov.system_path(), start_values={"pursuit.course": "BE1", "fix.seed": 1}, stop_time=1.0)
 depth: np.ndarray[tuple[int, ...], np.dtype[np.void]] = table
 rexrov.simulate(rexrov.fmu_path("RexROV"), fmi_type="CoSimulation", input=table)
 rexrov.simulate(rexrov.fmu_path("RexROV"), fmi_type="cs")  # wrong

@@ -42,7 +42,7 @@ def fly() -> Table:
 
 def with_errors(loop: Table) -> Table:
     """Path and estimates, and the horizontal error of each filter beside what it thinks it is."""
-    columns = {name: loop[name] for name in loop.dtype.names}
+    columns = {name: loop[name] for name in loop.dtype.names or ()}
     for name in FILTERS:
         errors = [loop[f"{name}.pose.{axis}"] - loop[f"vehicle.pose.{axis}"] for axis in "xy"]
         columns[f"{name}.error"] = np.hypot(*errors)

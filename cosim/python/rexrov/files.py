@@ -15,7 +15,7 @@ def fmu_path(name: str) -> Path:
     return _find("FMU", "fmus", name, ".fmu")
 
 
-def system_path(name: str = "paper") -> Path:
+def system_path(name: str = "baseline") -> Path:
     """A system, as an SSP description: `baseline` has realistic sensors and all filters, `paper` is the
     closed loop of the paper."""
     return _find("system", "systems", name, ".ssd")
