@@ -24,7 +24,7 @@ pub(crate) fn run() -> Result<()> {
     judge::export_loop()?;
     process::run(&mut process::cargo(&["test", "--release", "--workspace", "--no-fail-fast"]))?;
     book::run(true)?;
-    reproduce::run(&reproduce::Options { seeds: SMOKE_SEEDS, threads: None, compare: false })?;
+    reproduce::run(&reproduce::Options { seeds: SMOKE_SEEDS, threads: None, paper_only: false })?;
     let cells = SMOKE_CELLS.map(str::to_owned).to_vec();
     navigate::run(&navigate::Options { seeds: SMOKE_MISSIONS, cells, threads: None })?;
     process::run(
