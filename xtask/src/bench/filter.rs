@@ -1,16 +1,51 @@
-//! One cycle of each filter of the paper.
+//! What the filters cost: a cycle of the paper's, a prediction with its updates of the others, and a
+//! second of sensors at their usual rates.
 
 use super::timer::{repeat, rounds};
 use super::{Bar, Row, row};
 use anyhow::Result;
+use rexrov::allocation::Allocation;
 use rexrov::estimation::paper::{Acceleration, Ekf, EkfParameters};
-use rexrov::estimation::{Measurements, Navigation, Reading};
+use rexrov::estimation::{
+    AIDED_STATES, AidedFilter, BASIC_STATES, ConstantAcceleration, Disturbances, DynamicFilter,
+    Filter, InertialProcess, Measurements, ModelAid, Navigation, NavigationParameters,
+    PlanarDynamic, Reading,
+};
 use rexrov::vehicle::{Parameters, ReducedModel};
 use std::hint::black_box;
 
 const TIMES: u32 = 1000;
+/// Inertial and thrust samples a second, and cycles (Hz).
+const RATE_HZ: u32 = 50;
+/// Cycles of a prediction of 0.1 s.
+const CYCLES: u32 = 5;
+/// Speed of a vehicle that goes north (m/s).
+const SPEED: f64 = 0.5;
 
 pub(super) fn measure() -> Result<Vec<Row>> {
+    let mut rows = paper()?;
+    let p = NavigationParameters::default();
+    let (vehicle, d) = (Parameters::default(), Disturbances::default());
+    let constant = ConstantAcceleration::new(&p)?;
+    let inertial = InertialProcess::new(&p, None)?;
+    let planar = PlanarDynamic::new(&p, &vehicle, &d)?;
+    let aided = InertialProcess::new(&p, Some(ModelAid::new(&vehicle, &d)?))?;
+    let basic = "constant-acceleration filter";
+    rows.extend(navigation(basic, &Filter::<_, BASIC_STATES>::new(constant, &p)?, Bar::None)?);
+    let inertial = Filter::<_, BASIC_STATES>::new(inertial, &p)?;
+    rows.extend(navigation("inertial filter", &inertial, Bar::AtMost(1.2))?);
+    let alone = Filter::<_, BASIC_STATES>::new(planar.clone(), &p)?;
+    rows.extend(navigation("dynamic filter without monitor", &alone, Bar::AtMost(1.5))?);
+    rows.extend(navigation("dynamic filter", &DynamicFilter::new(planar, &p)?, Bar::None)?);
+    let aided = Filter::<_, AIDED_STATES>::new(aided, &p)?;
+    rows.extend(navigation("model-aided filter without watch", &aided, Bar::AtMost(6.0))?);
+    let whole = AidedFilter::new(&p, &vehicle, &d)?;
+    rows.extend(navigation("model-aided filter", &whole, Bar::None)?);
+    Ok(rows)
+}
+
+/// A cycle of each filter of the paper.
+fn paper() -> Result<Vec<Row>> {
     let model = ReducedModel::new(&Parameters::default())?;
     let measurements = Measurements {
         imu: Reading::at(-1.0, [0.0, 0.0, -9.81, 0.0, 0.0, 0.0]),
@@ -36,4 +71,73 @@ pub(super) fn measure() -> Result<Vec<Row>> {
         rows.push(row(what, times.ns(0), "ns", Bar::AtMost(300.0)));
     }
     Ok(rows)
+}
+
+/// A prediction of 0.1 s with its updates, one cycle for each of five inertial samples, and a second
+/// of sensors at their usual rates; microseconds.
+fn navigation(name: &str, filter: &impl Navigation, bar: Bar) -> Result<[Row; 2]> {
+    let mut all = Run::new(filter, |k| [5, 5, 5, 5].map(|every| k % every == 0))?;
+    // 50, 10, 7.1 and 1 Hz.
+    let mut usual = Run::new(filter, |k| [1, 5, 7, 50].map(|every| k % every == 0))?;
+    let times = rounds(
+        20,
+        [
+            &mut repeat(|| (0..CYCLES).for_each(|_| all.cycle())),
+            &mut repeat(|| (0..RATE_HZ).for_each(|_| usual.cycle())),
+        ],
+    );
+    Ok([
+        row(format!("{name}, prediction with its updates"), times.ns(0) / 1e3, "us", bar),
+        row("  a second of sensors", times.ns(1) / 1e3, "us", Bar::None),
+    ])
+}
+
+/// A filter in a vehicle that goes north.
+struct Run<'a, F: Navigation, New> {
+    filter: &'a F,
+    memory: F::Memory,
+    measured: Measurements,
+    cycle: u32,
+    /// Which of attitude, depth, velocity and fix are new in a cycle.
+    new: New,
+    thrust: [f64; 8],
+}
+
+impl<'a, F: Navigation, New: Fn(u32) -> [bool; 4]> Run<'a, F, New> {
+    fn new(filter: &'a F, new: New) -> Result<Self> {
+        let vehicle = Parameters::default();
+        let model = ReducedModel::new(&vehicle)?;
+        // What keeps the speed.
+        let missing = model.acceleration([SPEED, 0.0, 0.0, 0.0], &[0.0; 8]);
+        let mass = vehicle.mass_matrix();
+        let wrench = [-missing[0] * mass[0][0], 0.0, -missing[2] * mass[2][2], 0.0, 0.0, 0.0];
+        let thrust = Allocation::new(&vehicle.propulsion.thrusters)?.forces(&wrench);
+        let (memory, measured) = (filter.memory(), Measurements::default());
+        Ok(Self { filter, memory, measured, cycle: 0, new, thrust })
+    }
+
+    fn cycle(&mut self) {
+        let time = f64::from(self.cycle) / f64::from(RATE_HZ);
+        // No value repeats: that would show a stuck instrument.
+        let noise = f64::from(self.cycle * 37 % 101) / 101.0 - 0.5;
+        let [ahrs, depth, dvl, fix] = (self.new)(self.cycle);
+        let m = &mut self.measured;
+        let (force, rate) = (1e-2 * noise, 1e-3 * noise);
+        m.imu = Reading::at(time, [force, -force, force - 9.81, rate, -rate, rate]);
+        m.thrust = Reading::at(time, self.thrust);
+        if ahrs {
+            m.ahrs = Reading::at(time, [0.01 * noise, -0.01 * noise, 0.01 * noise]);
+        }
+        if depth {
+            m.depth = Reading::at(time, [19.15 + 0.3 * noise]);
+        }
+        if dvl {
+            m.dvl = Reading::at(time, [SPEED + 0.01 * noise, 0.01 * noise, -0.01 * noise]);
+        }
+        if fix {
+            m.fix = Reading::at(time, [SPEED * time + 0.5 * noise, 0.5 * noise, 0.0]);
+        }
+        black_box(self.filter.update(&mut self.memory, time, black_box(&self.measured)));
+        self.cycle += 1;
+    }
 }
