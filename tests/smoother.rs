@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector};
 use rexrov::estimation::belief::{Belief, Column};
 use rexrov::estimation::interval::Interval;
 use rexrov::estimation::kalman::Witness;
-use rexrov::estimation::kinematics::{Kinematics, Linearized, Motion, SensorStates};
+use rexrov::estimation::kinematics::{Block, Kinematics, Linearized, Motion, SensorStates};
 use rexrov::estimation::process::Process;
 use rexrov::estimation::transition::Transition;
 use rexrov::estimation::{
@@ -51,8 +51,7 @@ impl Process<6> for Linear {
         Kinematics {
             position: part(0),
             rotation: Matrix3::identity(),
-            tilt_is_input: false,
-            rotation_rows: [Column::zeros(); 3],
+            turn: Block::default(),
             velocity: part(3),
             rate: Linearized::constant(nalgebra::Vector3::zeros()),
             rate_variance: 0.0,

@@ -38,18 +38,18 @@ pub struct AidedFilter {
 pub struct AidedMemory {
     filter: Memory<AIDED_STATES>,
     watch: Memory<BASIC_STATES, ThrusterMonitor<BASIC_STATES>>,
-    loss: [f64; 8],
+    effectiveness: [f64; 8],
 }
 
 impl Clone for AidedMemory {
     fn clone(&self) -> Self {
-        Self { filter: self.filter.clone(), watch: self.watch.clone(), loss: self.loss }
+        Self { filter: self.filter.clone(), watch: self.watch.clone(), ..*self }
     }
 
     fn clone_from(&mut self, from: &Self) {
         self.filter.clone_from(&from.filter);
         self.watch.clone_from(&from.watch);
-        self.loss = from.loss;
+        self.effectiveness = from.effectiveness;
     }
 }
 
@@ -80,16 +80,21 @@ impl Navigation for AidedFilter {
 
     fn memory(&self) -> AidedMemory {
         let (filter, watch) = (self.filter.memory(), self.watch.memory());
-        AidedMemory { filter, watch, loss: [0.0; 8] }
+        AidedMemory { filter, watch, effectiveness: [1.0; 8] }
     }
 
-    fn update(&self, memory: &mut AidedMemory, now: f64, measured: &Measurements) -> Estimate {
-        let loss = self.watch.update(&mut memory.watch, now, measured).loss;
-        if loss != memory.loss {
-            memory.loss = loss;
-            self.filter.assume(&mut memory.filter, loss.map(|share| 1.0 - share));
+    fn take(&self, memory: &mut AidedMemory, now: f64, measured: &Measurements) {
+        self.watch.take(&mut memory.watch, now, measured);
+        let effectiveness = DynamicFilter::effectiveness(&memory.watch);
+        if effectiveness != memory.effectiveness {
+            memory.effectiveness = effectiveness;
+            self.filter.assume(&mut memory.filter, effectiveness);
         }
-        self.filter.update(&mut memory.filter, now, measured)
+        self.filter.take(&mut memory.filter, now, measured);
+    }
+
+    fn estimate(&self, memory: &mut AidedMemory) -> Estimate {
+        self.filter.estimate(&mut memory.filter)
     }
 }
 

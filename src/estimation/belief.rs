@@ -6,13 +6,68 @@
 //!
 //! `N` is what a belief has room for; only the first `order` states exist, because some are optional.
 
+use core::ops::{Index, IndexMut};
+
 use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
 use super::transition::Transition;
 
-/// A column of numbers, one for each state: a mean, a gain, a row of a Jacobian.
+/// A column of numbers, one for each state: a mean, a gain.
 pub type Column<const N: usize> = SVector<f64, N>;
+
+/// A row of a Jacobian: derivatives by the states, most of which are zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row<const N: usize> {
+    values: Column<N>,
+    /// Bit i: the derivative by state i may be other than zero.
+    support: u64,
+}
+
+impl<const N: usize> Row<N> {
+    /// Nothing depends on any state.
+    #[must_use]
+    pub fn zeros() -> Self {
+        Self { values: Column::zeros(), support: 0 }
+    }
+
+    /// The states that matter, each with the derivative by it.
+    pub fn iter(&self) -> impl Iterator<Item = (usize, f64)> {
+        let mut rest = self.support;
+        core::iter::from_fn(move || {
+            let state = rest.trailing_zeros() as usize;
+            rest &= rest.wrapping_sub(1);
+            self.values.as_slice().get(state).map(|&value| (state, value))
+        })
+    }
+
+    /// `h^T b`.
+    #[must_use]
+    pub fn dot(&self, b: &Column<N>) -> f64 {
+        self.iter().map(|(state, h)| h * b[state]).sum()
+    }
+
+    /// The row with all its zeros, as a column.
+    #[must_use]
+    pub fn dense(&self) -> &Column<N> {
+        &self.values
+    }
+}
+
+impl<const N: usize> Index<usize> for Row<N> {
+    type Output = f64;
+
+    fn index(&self, state: usize) -> &f64 {
+        &self.values[state]
+    }
+}
+
+impl<const N: usize> IndexMut<usize> for Row<N> {
+    fn index_mut(&mut self, state: usize) -> &mut f64 {
+        self.support |= 1 << state;
+        &mut self.values[state]
+    }
+}
 
 /// Variances stop growing here: the state is unknown anyway, and all arithmetic stays finite.
 const VARIANCE_LIMIT: f64 = 1e12;
@@ -48,7 +103,7 @@ impl<const N: usize> Belief<N> {
 
     /// `P <- F P F^T`, then the process noise is added by the caller.
     pub fn propagate(&mut self, f: &Transition<N>) {
-        f.propagate(&mut self.covariance);
+        f.propagate(&mut self.covariance, self.order);
     }
 
     /// Adds independent noise to a state.
@@ -56,14 +111,13 @@ impl<const N: usize> Belief<N> {
         self.covariance[(state, state)] += variance;
     }
 
-    /// `P h` of a row of derivatives, most of which are zero.
+    /// `P h`.
     #[must_use]
-    pub fn correlate(&self, row: &Column<N>) -> Column<N> {
+    pub fn correlate(&self, row: &Row<N>) -> Column<N> {
         let mut sum: Column<N> = Column::zeros();
-        for (column, &h) in self.covariance.as_slice().chunks_exact(N).zip(row.as_slice()) {
-            if h != 0.0 {
-                add_scaled(sum.as_mut_slice(), h, column);
-            }
+        for (state, h) in row.iter() {
+            let column = &self.covariance.as_slice()[state * N..(state + 1) * N];
+            add_scaled(sum.as_mut_slice(), h, column);
         }
         sum
     }
@@ -72,25 +126,26 @@ impl<const N: usize> Belief<N> {
     /// R of its noise, the gain `K = P h / S` and the variance S of its innovation.
     ///
     /// `P - K S K^T`, or where that would cancel, Joseph's `(I - K h^T) P (I - K h^T)^T + K R K^T`.
-    pub fn condense(&mut self, row: &Column<N>, noise: f64, gain: &Column<N>, s: f64) {
+    pub fn condense(&mut self, row: &Row<N>, noise: f64, gain: &Column<N>, s: f64) {
         if noise < ILL_CONDITIONED * s {
             return self.condense_by_joseph(row, noise, gain, s);
         }
-        // (k_i k_j) s is the same for (i, j) and (j, i): symmetry is exact.
-        let gain = gain.as_slice();
-        for (column, &own) in self.covariance.as_mut_slice().chunks_exact_mut(N).zip(gain) {
+        // With g = K sqrt(S), g_i g_j is the same for (i, j) and (j, i): symmetry is exact.
+        let g = gain * s.sqrt();
+        let g = &g.as_slice()[..self.order];
+        for (column, &own) in self.covariance.as_mut_slice().chunks_exact_mut(N).zip(g) {
             if own != 0.0 {
-                for (p, k) in column.iter_mut().zip(gain) {
-                    *p -= (k * own) * s;
+                for (p, other) in column.iter_mut().zip(g) {
+                    *p -= own * other;
                 }
             }
         }
     }
 
-    fn condense_by_joseph(&mut self, row: &Column<N>, noise: f64, gain: &Column<N>, s: f64) {
+    fn condense_by_joseph(&mut self, row: &Row<N>, noise: f64, gain: &Column<N>, s: f64) {
         let correlation = gain * s;
         let reduced = self.covariance - gain * correlation.transpose();
-        let rest = reduced * row;
+        let rest = reduced * row.dense();
         let joseph = reduced - rest * gain.transpose() + gain * gain.transpose() * noise;
         self.covariance = (joseph + joseph.transpose()) * 0.5;
     }
@@ -102,8 +157,8 @@ impl<const N: usize> Belief<N> {
 
     /// Variance of a linear combination of states.
     #[must_use]
-    pub fn variance(&self, row: &Column<N>) -> f64 {
-        dot(row, &self.correlate(row))
+    pub fn variance(&self, row: &Row<N>) -> f64 {
+        row.dot(&self.correlate(row))
     }
 
     /// Forgets what a state has to do with the others and gives it a variance.
@@ -168,22 +223,22 @@ impl<const N: usize> Belief<N> {
         });
         let mut l = SMatrix::<f64, N, N>::zeros();
         for j in 0..n {
-            for i in j..n {
-                let mut sum = self.covariance[(i, j)] * scale[i] * scale[j];
-                for k in 0..j {
-                    sum -= l[(i, k)] * l[(j, k)];
-                }
-                if i == j {
-                    if sum.is_nan() || sum < -1e-9 {
-                        return false;
-                    }
-                    l[(j, j)] = sum.max(0.0).sqrt();
-                } else if l[(j, j)] > 1e-7 {
-                    l[(i, j)] = sum / l[(j, j)];
-                }
+            let mut column = self.covariance.column(j).component_mul(&scale) * scale[j];
+            let column = &mut column.as_mut_slice()[j..n];
+            for earlier in l.as_slice().chunks_exact(N).take(j) {
+                add_scaled(column, -earlier[j], &earlier[j..n]);
+            }
+            let pivot = column[0];
+            if pivot.is_nan() || pivot < -1e-9 || self.covariance[(j, j)] < 0.0 {
+                return false;
+            }
+            let root = pivot.max(0.0).sqrt();
+            if root > 1e-7 {
+                let place = &mut l.as_mut_slice()[j * N..][j..n];
+                place.iter_mut().zip(column).for_each(|(l, value)| *l = *value / root);
             }
         }
-        (0..n).all(|i| self.covariance[(i, i)] >= 0.0)
+        true
     }
 
     /// Whether means and variances are numbers; what is not spreads to these with any measurement.
@@ -192,13 +247,6 @@ impl<const N: usize> Belief<N> {
         (0..self.order).all(|i| self.mean[i].is_finite() && self.covariance[(i, i)].is_finite())
             && self.attitude.iter().all(|x| x.is_finite())
     }
-}
-
-/// Sum of products; most of the elements of `row` are zero.
-#[inline]
-pub(super) fn dot<const N: usize>(row: &Column<N>, b: &Column<N>) -> f64 {
-    let pairs = row.as_slice().iter().zip(b.as_slice());
-    pairs.filter(|(h, _)| **h != 0.0).map(|(h, b)| h * b).sum()
 }
 
 /// `sum += factor * column`.

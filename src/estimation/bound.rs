@@ -182,7 +182,7 @@ fn place(lever: &Vector3<f64>) -> SMatrix<f64, 3, STATES> {
 
 /// Derivatives of roll, pitch and heading by a small turn about NED axes.
 fn euler_by_turn(rotation: &Matrix3<f64>) -> Matrix3<f64> {
-    let ([_, pitch, heading], _) = euler(rotation);
+    let [_, pitch, heading] = euler(rotation);
     let (sin, cos) = libm::sincos(heading);
     let (sin_pitch, cos_pitch) = libm::sincos(pitch);
     let secant = 1.0 / cos_pitch.max(0.05);

@@ -4,15 +4,15 @@ use core::marker::PhantomData;
 
 use serde::{Deserialize, Serialize};
 
-use super::belief::{Belief, Column, dot};
+use super::belief::{Belief, Row};
 use super::history::{Arrival, History};
 use super::intake::{Sources, take_new};
-use super::kinematics::{Kinematics, skew};
+use super::kinematics::Kinematics;
 use super::measurement::{Event, KINDS, Kind, Measurements};
 use super::monitor::Monitor;
 use super::parameters::NavigationParameters;
 use super::process::Process;
-use super::sensor::euler;
+use super::sensor::{euler, euler_by_turn};
 use super::track::{ATTITUDE_GAP, CHANNELS, Record, Setup, Track};
 use crate::ParameterError;
 
@@ -145,41 +145,30 @@ pub trait Navigation {
     /// The memory at the start.
     fn memory(&self) -> Self::Memory;
 
-    /// A cycle at time `now` (s): takes what is new, and estimates.
-    fn update(&self, memory: &mut Self::Memory, now: f64, measured: &Measurements) -> Estimate;
+    /// Takes what is new at time `now` (s).
+    ///
+    /// Time that does not advance, or goes back, changes nothing but what is new.
+    fn take(&self, memory: &mut Self::Memory, now: f64, measured: &Measurements);
+
+    /// What is known since something was last taken.
+    fn estimate(&self, memory: &mut Self::Memory) -> Estimate;
+
+    /// A cycle: takes what is new, and estimates.
+    fn update(&self, memory: &mut Self::Memory, now: f64, measured: &Measurements) -> Estimate {
+        self.take(memory, now, measured);
+        self.estimate(memory)
+    }
 }
 
 impl<P: Process<N>, const N: usize, M: Monitor<N>> Navigation for Filter<P, N, M> {
     type Memory = Memory<N, M>;
 
     fn memory(&self) -> Memory<N, M> {
-        Self::memory(self)
-    }
-
-    fn update(&self, memory: &mut Memory<N, M>, now: f64, measured: &Measurements) -> Estimate {
-        Self::update(self, memory, now, measured)
-    }
-}
-
-impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
-    /// # Errors
-    /// Names the parameter that is out of range.
-    pub fn new(process: P, parameters: &NavigationParameters) -> Result<Self, ParameterError> {
-        parameters.check()?;
-        Ok(Self { setup: Setup::new(process, parameters), monitor: PhantomData })
-    }
-
-    /// The memory at the start.
-    #[must_use]
-    pub fn memory(&self) -> Memory<N, M> {
         let history = Some(History::new(Track::new(&self.setup, 0.0)));
         Memory { history, ..Memory::default() }
     }
 
-    /// A cycle at time `now` (s): takes what is new, and estimates.
-    ///
-    /// Time that does not advance, or goes back, changes nothing but what is new.
-    pub fn update(&self, memory: &mut Memory<N, M>, now: f64, measured: &Measurements) -> Estimate {
+    fn take(&self, memory: &mut Memory<N, M>, now: f64, measured: &Measurements) {
         let Memory { history, sources, late, reset, begun: first, now: last, .. } = memory;
         let begun = !last.is_nan();
         let history = history.get_or_insert_with(|| History::new(Track::new(&self.setup, now)));
@@ -189,7 +178,7 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
         }
         let now = if now.is_finite() { now.max(if begun { *last } else { now }) } else { *last };
         if now.is_nan() {
-            return Estimate::default();
+            return;
         }
         *last = now;
         let latency = self.setup.parameters.latency;
@@ -214,12 +203,42 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
             *reset = now;
             history.reset(Track::lost(&self.setup, now));
         }
-        if history.take_changed()
-            && let Some(history) = &memory.history
-        {
-            memory.spread = self.spread(memory, &history.track);
+    }
+
+    fn estimate(&self, memory: &mut Memory<N, M>) -> Estimate {
+        let changed = memory.history.as_mut().is_some_and(History::take_changed);
+        let Some(history) = memory.history.as_ref().filter(|_| !memory.now.is_nan()) else {
+            return Estimate::default();
+        };
+        let track = &history.track;
+        if changed {
+            memory.spread = self.spread(memory, track);
         }
-        self.estimate(memory)
+        let motion = track.motion_at(&self.setup, memory.now);
+        Estimate {
+            position: motion.position.into(),
+            euler: euler(&motion.rotation),
+            velocity: motion.velocity.into(),
+            rate: motion.rate.into(),
+            acceleration: motion.acceleration.into(),
+            channels: self.channels(memory, &track.records),
+            health: self.health(memory, track),
+            ..memory.spread
+        }
+    }
+}
+
+impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
+    /// # Errors
+    /// Names the parameter that is out of range.
+    pub fn new(process: P, parameters: &NavigationParameters) -> Result<Self, ParameterError> {
+        parameters.check()?;
+        Ok(Self { setup: Setup::new(process, parameters), monitor: PhantomData })
+    }
+
+    /// The share of its thrust that each thruster is taken to give.
+    pub(super) fn effectiveness(memory: &Memory<N, M>) -> [f64; 8] {
+        memory.history.as_ref().map_or([1.0; 8], |history| history.track.effectiveness)
     }
 
     /// From now on the thrusters are taken to give these shares of their thrust.
@@ -243,24 +262,6 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
         [turning, thrust].into_iter().flatten().fold(now, f64::min)
     }
 
-    /// What the filter knows at its newest cycle.
-    #[must_use]
-    pub fn estimate(&self, memory: &Memory<N, M>) -> Estimate {
-        let Some(history) = &memory.history else { return Estimate::default() };
-        let track = &history.track;
-        let motion = track.motion_at(&self.setup, memory.now);
-        Estimate {
-            position: motion.position.into(),
-            euler: euler(&motion.rotation).0,
-            velocity: motion.velocity.into(),
-            rate: motion.rate.into(),
-            acceleration: motion.acceleration.into(),
-            channels: self.channels(memory, &track.records),
-            health: self.health(memory, track),
-            ..memory.spread
-        }
-    }
-
     /// What of an estimate changes with the belief alone: covariances, current, thrusters.
     fn spread(&self, memory: &Memory<N, M>, track: &Track<N, M>) -> Estimate {
         let belief = &track.belief;
@@ -268,7 +269,7 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
         let lag = (memory.now - track.time).max(0.0);
         Estimate {
             loss: track.effectiveness.map(|share| 1.0 - share),
-            ..describe(&self.setup, belief, &motion, lag)
+            ..spread(&self.setup, belief, &motion, lag)
         }
     }
 
@@ -309,48 +310,60 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
     }
 }
 
-/// What a belief says of the motion, with the covariance of the pose `lag` seconds later.
+/// What a belief says of the motion.
 pub(super) fn describe<P: Process<N>, const N: usize>(
+    setup: &Setup<P>,
+    belief: &Belief<N>,
+    motion: &Kinematics<N>,
+) -> Estimate {
+    Estimate {
+        position: motion.position.value.into(),
+        euler: euler(&motion.rotation),
+        velocity: motion.velocity.value.into(),
+        rate: motion.rate.value.into(),
+        acceleration: motion.acceleration.value.into(),
+        ..spread(setup, belief, motion, 0.0)
+    }
+}
+
+/// How far a belief can be trusted: the covariance of the pose `lag` seconds later, standard deviations
+/// of the velocity; and the current.
+fn spread<P: Process<N>, const N: usize>(
     setup: &Setup<P>,
     belief: &Belief<N>,
     motion: &Kinematics<N>,
     lag: f64,
 ) -> Estimate {
-    let (angles, rates) = euler(&motion.rotation);
-    let rows: [Column<N>; 6] = core::array::from_fn(|i| match i {
-        // The position moves on with the velocity.
+    let angles = euler_by_turn(&motion.rotation);
+    let rows: [Row<N>; 6] = core::array::from_fn(|i| match i {
+        // The position moves on with the velocity, as a point of the body ahead.
         0..3 if lag > setup.parameters.interval => {
-            let turned = -motion.rotation * skew(&motion.velocity.value);
-            let velocity =
-                motion.velocity.image(&motion.rotation, i) + motion.through_rotation(&turned, i);
-            motion.position.rows[i] + velocity * lag
+            let mut row = motion.point_row(&(motion.velocity.value * lag), i);
+            motion.velocity.add_to(&mut row, &(motion.rotation.row(i).transpose() * lag));
+            row
         }
-        0..3 => motion.position.rows[i],
-        _ => motion.through_rotation(&rates, i - 3),
+        0..3 => motion.position.row(i),
+        _ => motion.through_rotation(&angles[i - 3]),
     });
     let mut covariance = [[0.0; 6]; 6];
     for i in 0..6 {
         let correlation = belief.correlate(&rows[i]);
         for j in 0..=i {
-            let value = dot(&rows[j], &correlation);
+            let value = rows[j].dot(&correlation);
             covariance[i][j] = value;
             covariance[j][i] = value;
         }
     }
-    if motion.tilt_is_input {
+    if setup.process.tilt_is_input() {
         let sigma = setup.parameters.sensors.tilt_sigma;
         (3..5).for_each(|i| covariance[i][i] = sigma * sigma);
     }
-    let sigma = |row: &Column<N>| belief.variance(row).max(0.0).sqrt();
     Estimate {
-        position: motion.position.value.into(),
-        euler: angles,
-        velocity: motion.velocity.value.into(),
-        rate: motion.rate.value.into(),
-        acceleration: motion.acceleration.value.into(),
         current: setup.process.current().map_or([0.0; 2], |c| c.map(|i| belief.mean[i])),
         covariance,
-        velocity_sigma: core::array::from_fn(|i| sigma(&motion.velocity.rows[i])),
+        velocity_sigma: core::array::from_fn(|i| {
+            belief.variance(&motion.velocity.row(i)).max(0.0).sqrt()
+        }),
         ..Estimate::default()
     }
 }

@@ -4,6 +4,8 @@
 //! events after it are repeated. The result is what it would be had the event come in time.
 //! Everything has a fixed capacity: a cycle does not allocate.
 
+use std::collections::VecDeque;
+
 use serde::{Deserialize, Serialize};
 
 use super::kalman::Witness;
@@ -21,9 +23,9 @@ const COPIES: usize = 8;
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct History<const N: usize, M> {
     pub(super) track: Track<N, M>,
-    copies: Vec<Track<N, M>>,
+    copies: VecDeque<Track<N, M>>,
     /// In the order of their keys; the first `taken` are in the track.
-    events: Vec<Event>,
+    events: VecDeque<Event>,
     taken: usize,
     /// Whether the belief is another than when it was last asked.
     changed: bool,
@@ -40,7 +42,7 @@ pub(super) enum Arrival {
 
 impl<const N: usize, M: Copy> Clone for History<N, M> {
     fn clone(&self) -> Self {
-        let (copies, events) = (Vec::with_capacity(COPIES), Vec::with_capacity(EVENTS));
+        let (copies, events) = (VecDeque::with_capacity(COPIES), VecDeque::with_capacity(EVENTS));
         let mut copy = Self { track: self.track, copies, events, taken: 0, changed: true };
         copy.clone_from(self);
         copy
@@ -51,18 +53,19 @@ impl<const N: usize, M: Copy> Clone for History<N, M> {
         (self.track, self.taken, self.changed) = (from.track, from.taken, from.changed);
         self.copies.clear();
         self.copies.reserve(COPIES);
-        self.copies.extend_from_slice(&from.copies);
+        self.copies.extend(&from.copies);
         self.events.clear();
         self.events.reserve(EVENTS);
-        self.events.extend_from_slice(&from.events);
+        self.events.extend(&from.events);
     }
 }
 
 impl<const N: usize, M: Monitor<N>> History<N, M> {
     pub(super) fn new(track: Track<N, M>) -> Self {
-        let mut copies = Vec::with_capacity(COPIES);
-        copies.push(track);
-        Self { track, copies, events: Vec::with_capacity(EVENTS), taken: 0, changed: true }
+        let mut copies = VecDeque::with_capacity(COPIES);
+        copies.push_back(track);
+        let events = VecDeque::with_capacity(EVENTS);
+        Self { track, copies, events, taken: 0, changed: true }
     }
 
     /// Begins anew; what is pending stays.
@@ -70,27 +73,27 @@ impl<const N: usize, M: Monitor<N>> History<N, M> {
         self.track = track;
         self.changed = true;
         self.copies.clear();
-        self.copies.push(track);
+        self.copies.push_back(track);
         self.events.drain(..self.taken);
         self.taken = 0;
     }
 
     /// Puts an event in its place; a late one takes the track back to before it.
     pub(super) fn insert(&mut self, event: Event) -> Arrival {
-        let place = self.events.partition_point(|e| earlier(e.key(), event.key()));
+        let place = self.place(event.key());
         let there = self.events.get(place).is_some_and(|e| e.key() == event.key());
-        let oldest = self.copies.first().map_or(self.track.key, |copy| copy.key);
+        let oldest = self.copies.front().map_or(self.track.key, |copy| copy.key);
         if there || !earlier(oldest, event.key()) || event.time < self.copies_begin() {
             return Arrival::Lost;
         }
         self.make_room();
-        let place = self.events.partition_point(|e| earlier(e.key(), event.key()));
+        let place = self.place(event.key());
         self.events.insert(place, event);
         if place >= self.taken && event.time >= self.track.time - 1e-9 {
             return Arrival::InTime;
         }
         // A copy between the samples around a late one of a driving signal holds the line across it.
-        let before = self.events[..place].iter().rev().find(|e| e.kind == event.kind);
+        let before = self.events.range(..place).rev().find(|e| e.kind == event.kind);
         let time = match event.kind {
             Kind::Imu | Kind::Thrust | Kind::Ahrs => before.map_or(f64::NEG_INFINITY, |e| e.time),
             _ => event.time,
@@ -99,19 +102,29 @@ impl<const N: usize, M: Monitor<N>> History<N, M> {
         Arrival::Late
     }
 
+    /// Where an event belongs; nearly always it is the newest.
+    fn place(&self, key: Key) -> usize {
+        match self.events.back() {
+            Some(newest) if !earlier(newest.key(), key) => {
+                self.events.partition_point(|e| earlier(e.key(), key))
+            }
+            _ => self.events.len(),
+        }
+    }
+
     fn copies_begin(&self) -> f64 {
-        self.copies.first().map_or(self.track.time, |copy| copy.time)
+        self.copies.front().map_or(self.track.time, |copy| copy.time)
     }
 
     fn go_back(&mut self, key: Key, time: f64) {
         self.changed = true;
-        while let Some(copy) = self.copies.last() {
+        while let Some(copy) = self.copies.back() {
             let before = earlier(copy.key, key) && copy.time <= time + 1e-9;
             if before || self.copies.len() == 1 {
                 self.track = *copy;
                 break;
             }
-            self.copies.pop();
+            self.copies.pop_back();
         }
         let key = self.track.key;
         self.taken = self.events.partition_point(|e| !earlier(key, e.key()));
@@ -127,7 +140,7 @@ impl<const N: usize, M: Monitor<N>> History<N, M> {
         let before = (self.track.time, self.fused());
         let spacing = setup.parameters.latency / (COPIES - 2) as f64;
         while let Some(&event) = self.events.get(self.taken).filter(|e| e.time <= until) {
-            if self.track.time >= self.copies.last().map_or(f64::NEG_INFINITY, |c| c.time) + spacing
+            if self.track.time >= self.copies.back().map_or(f64::NEG_INFINITY, |c| c.time) + spacing
             {
                 self.keep_copy(setup.parameters.latency);
             }
@@ -161,12 +174,12 @@ impl<const N: usize, M: Monitor<N>> History<N, M> {
         {
             self.drop_oldest();
         }
-        self.copies.push(self.track);
+        self.copies.push_back(self.track);
     }
 
     fn drop_oldest(&mut self) {
-        self.copies.remove(0);
-        if let Some(oldest) = self.copies.first() {
+        self.copies.pop_front();
+        if let Some(oldest) = self.copies.front() {
             let key = oldest.key;
             let gone = self.events.partition_point(|e| !earlier(key, e.key())).min(self.taken);
             self.events.drain(..gone);
@@ -181,7 +194,7 @@ impl<const N: usize, M: Monitor<N>> History<N, M> {
         if self.events.len() >= EVENTS {
             // More events than there is room for between two copies: the past ends here.
             self.copies.clear();
-            self.copies.push(self.track);
+            self.copies.push_back(self.track);
             self.events.drain(..self.taken);
             self.taken = 0;
             self.events.truncate(EVENTS - 1);
@@ -189,13 +202,13 @@ impl<const N: usize, M: Monitor<N>> History<N, M> {
     }
 
     fn ahead(&self) -> Ahead {
-        Ahead::among(self.events.get(self.taken..).unwrap_or_default())
+        Ahead::among(self.events.range(self.taken.min(self.events.len())..))
     }
 }
 
 impl Ahead {
     /// The samples of the driving signals that come first among events.
-    pub(super) fn among(events: &[Event]) -> Self {
+    pub(super) fn among<'a>(events: impl IntoIterator<Item = &'a Event>) -> Self {
         let mut ahead = Self::default();
         for event in events {
             match event.kind {

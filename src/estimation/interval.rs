@@ -49,7 +49,8 @@ impl<const K: usize> Stream<K> {
         if self.covered <= 0.0 {
             return None;
         }
-        let value = self.integral.map(|sum| sum / self.covered);
+        let share = 1.0 / self.covered;
+        let value = self.integral.map(|sum| sum * share);
         Some(Mean { value, rising: value, end })
     }
 
@@ -83,11 +84,11 @@ impl<const K: usize> Stream<K> {
         }
         let dt = end - self.begun;
         let mean = match self.newest {
-            Some((_, value)) if dt > 0.0 && self.covered >= 0.999 * dt => Some(Mean {
-                value: self.integral.map(|sum| sum / self.covered),
-                rising: self.moment.map(|sum| sum / (self.covered * dt)),
-                end: value,
-            }),
+            Some((_, end)) if dt > 0.0 && self.covered >= 0.999 * dt => {
+                let share = 1.0 / self.covered;
+                let value = self.integral.map(|sum| sum * share);
+                Some(Mean { value, rising: self.moment.map(|sum| sum * (share / dt)), end })
+            }
             _ => None,
         };
         (self.begun, self.covered) = (end, 0.0);

@@ -7,7 +7,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::belief::{Belief, Column, add_scaled, dot};
+use super::belief::{Belief, Column, Row, add_scaled};
 use super::interval::Interval;
 use super::sensor::Observation;
 use super::transition::Transition;
@@ -30,7 +30,7 @@ pub trait Witness<const N: usize> {
     }
 
     /// A scalar measurement was fused.
-    fn updated(&mut self, row: &Column<N>, gain: &Column<N>, innovation: f64, s: f64) {
+    fn updated(&mut self, row: &Row<N>, gain: &Column<N>, innovation: f64, s: f64) {
         let _ = (row, gain, innovation, s);
     }
 
@@ -62,7 +62,7 @@ impl<const N: usize, A: Witness<N>, B: Witness<N>> Witness<N> for Both<'_, A, B>
         self.1.direct(effect);
     }
 
-    fn updated(&mut self, row: &Column<N>, gain: &Column<N>, innovation: f64, s: f64) {
+    fn updated(&mut self, row: &Row<N>, gain: &Column<N>, innovation: f64, s: f64) {
         self.0.updated(row, gain, innovation, s);
         self.1.updated(row, gain, innovation, s);
     }
@@ -124,10 +124,10 @@ pub fn absorb<const N: usize>(
         // The covariance has lost K S K^T with each component before.
         let mut gain = verdict.correlations[i];
         for (earlier, s) in &gains[..i] {
-            add_scaled(gain.as_mut_slice(), -dot(row, earlier) * s, earlier.as_slice());
+            add_scaled(gain.as_mut_slice(), -row.dot(earlier) * s, earlier.as_slice());
         }
-        let innovation = observation.innovation[i] - dot(row, &correction);
-        let s = dot(row, &gain) + variance;
+        let innovation = observation.innovation[i] - row.dot(&correction);
+        let s = row.dot(&gain) + variance;
         gain *= 1.0 / s;
         belief.condense(row, variance, &gain, s);
         add_scaled(correction.as_mut_slice(), innovation, gain.as_slice());
@@ -152,7 +152,7 @@ pub fn judge<const N: usize>(
     for i in 0..n {
         correlations[i] = belief.correlate(&observation.rows[i]);
         for j in i..n {
-            let covariance = dot(&observation.rows[j], &correlations[i]);
+            let covariance = observation.rows[j].dot(&correlations[i]);
             predicted[(i, j)] = covariance;
             predicted[(j, i)] = covariance;
         }
@@ -195,8 +195,18 @@ fn judge_scalar(predicted: f64, noise: f64, innovation: f64, gate: f64) -> (f64,
 
 /// `y^T S^-1 y`; infinite if S is not positive definite.
 fn quadratic(s: &Matrix3<f64>, y: &Vector3<f64>) -> f64 {
-    match s.cholesky() {
-        Some(factor) => y.dot(&factor.solve(y)),
-        None => f64::INFINITY,
+    let (mut s, mut y, mut sum) = (*s, *y, 0.0);
+    for i in 0..3 {
+        let pivot = s[(i, i)];
+        if pivot.is_nan() || pivot <= 0.0 {
+            return f64::INFINITY;
+        }
+        sum += y[i] * y[i] / pivot;
+        for j in i + 1..3 {
+            let factor = s[(j, i)] / pivot;
+            y[j] -= factor * y[i];
+            (i + 1..=j).for_each(|k| s[(j, k)] -= factor * s[(k, i)]);
+        }
     }
+    sum
 }

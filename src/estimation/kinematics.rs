@@ -5,38 +5,68 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::belief::Column;
+use super::belief::{Column, Row};
 use super::process::rotation::exp;
 
-/// A vector and its derivatives: row i is the derivative of component i.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Linearized<const N: usize> {
-    /// The vector.
-    pub value: Vector3<f64>,
-    /// Derivatives by the states.
-    pub rows: [Column<N>; 3],
+/// Derivatives of a vector by three states in a row, the first of which is `state`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Block {
+    state: usize,
+    by: Matrix3<f64>,
 }
 
-impl<const N: usize> Linearized<N> {
+impl Block {
+    /// Element (i, j) of the matrix is the derivative of component i by `state + j`.
+    #[must_use]
+    pub fn new(state: usize, by: Matrix3<f64>) -> Self {
+        Self { state, by }
+    }
+
+    /// Adds `a^T v` of the vector v to a row.
+    pub fn add_to<const N: usize>(&self, row: &mut Row<N>, a: &Vector3<f64>) {
+        let by = self.by.tr_mul(a);
+        for (j, &value) in by.iter().enumerate().filter(|(_, value)| **value != 0.0) {
+            row[self.state + j] += value;
+        }
+    }
+}
+
+/// A vector and its derivatives by the states, those of up to `B` blocks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Linearized<const B: usize = 1> {
+    /// The vector.
+    pub value: Vector3<f64>,
+    blocks: [Block; B],
+    count: usize,
+}
+
+impl<const B: usize> Linearized<B> {
     /// A vector that does not depend on the states.
     #[must_use]
     pub fn constant(value: Vector3<f64>) -> Self {
-        Self { value, rows: [Column::zeros(); 3] }
+        Self { value, blocks: [Block::default(); B], count: 0 }
     }
 
-    /// Sets the derivatives by three states in a row, beginning at `state`.
-    pub fn set_block(&mut self, state: usize, block: &Matrix3<f64>) {
-        for (i, row) in self.rows.iter_mut().enumerate() {
-            for j in 0..3 {
-                row[state + j] = block[(i, j)];
-            }
-        }
+    /// Sets the derivatives by three states in a row, beginning at `state`, which has none yet.
+    ///
+    /// # Panics
+    /// If there are `B` blocks already.
+    pub fn set_block(&mut self, state: usize, by: &Matrix3<f64>) {
+        self.blocks[self.count] = Block::new(state, *by);
+        self.count += 1;
     }
 
-    /// `d(m v)` component i: the row of a linear image of this vector.
+    /// Adds the derivatives of `a^T v` of this vector v to a row.
+    pub fn add_to<const N: usize>(&self, row: &mut Row<N>, a: &Vector3<f64>) {
+        self.blocks[..self.count].iter().for_each(|block| block.add_to(row, a));
+    }
+
+    /// Derivatives of component i.
     #[must_use]
-    pub fn image(&self, m: &Matrix3<f64>, i: usize) -> Column<N> {
-        self.rows[0] * m[(i, 0)] + self.rows[1] * m[(i, 1)] + self.rows[2] * m[(i, 2)]
+    pub fn row<const N: usize>(&self, i: usize) -> Row<N> {
+        let mut row = Row::zeros();
+        self.add_to(&mut row, &Vector3::ith(i, 1.0));
+        row
     }
 }
 
@@ -96,21 +126,19 @@ impl Motion {
 #[derive(Clone, Copy, Debug)]
 pub struct Kinematics<const N: usize> {
     /// Position of the centre of gravity, NED (m).
-    pub position: Linearized<N>,
+    pub position: Linearized,
     /// Rotation from body to NED.
     pub rotation: Matrix3<f64>,
-    /// Whether roll and pitch are taken from their sensor as they are, and only the heading is a state.
-    pub tilt_is_input: bool,
-    /// Derivatives of a small rotation about the body axes (rad); its value is zero.
-    pub rotation_rows: [Column<N>; 3],
+    /// A small rotation about the body axes (rad): its value is zero, these are its derivatives.
+    pub turn: Block,
     /// Velocity over ground, body (m/s).
-    pub velocity: Linearized<N>,
+    pub velocity: Linearized,
     /// Angular rate, body (rad/s).
-    pub rate: Linearized<N>,
+    pub rate: Linearized,
     /// Variance of the rate's noise beyond what the states say ((rad/s)^2).
     pub rate_variance: f64,
     /// Time derivative of the velocity along body axes (m/s2).
-    pub acceleration: Linearized<N>,
+    pub acceleration: Linearized<4>,
     /// States of the sensors, and their mean.
     pub sensors: SensorStates,
     /// Mean of all states.
@@ -124,24 +152,27 @@ impl<const N: usize> Kinematics<N> {
         state.map_or(0.0, |i| self.mean[i])
     }
 
-    /// Row of `m dtheta` component i, for derivatives through the attitude.
+    /// Derivatives of `a^T dtheta`, for what depends on the attitude.
     #[must_use]
-    pub fn through_rotation(&self, m: &Matrix3<f64>, i: usize) -> Column<N> {
-        let [a, b, c] = &self.rotation_rows;
-        a * m[(i, 0)] + b * m[(i, 1)] + c * m[(i, 2)]
+    pub fn through_rotation(&self, a: &Vector3<f64>) -> Row<N> {
+        let mut row = Row::zeros();
+        self.turn.add_to(&mut row, a);
+        row
     }
 
     /// Position of a point fixed to the body at `lever` (m), NED.
     #[must_use]
-    pub fn point(&self, lever: &Vector3<f64>) -> Linearized<N> {
-        // R Exp(dtheta) l = R l - R [l]x dtheta.
-        let turn = -self.rotation * skew(lever);
-        let mut point = self.position;
-        point.value += self.rotation * lever;
-        for (i, row) in point.rows.iter_mut().enumerate() {
-            *row += self.through_rotation(&turn, i);
-        }
-        point
+    pub fn point(&self, lever: &Vector3<f64>) -> Vector3<f64> {
+        self.position.value + self.rotation * lever
+    }
+
+    /// Derivatives of its component i.
+    #[must_use]
+    pub fn point_row(&self, lever: &Vector3<f64>, i: usize) -> Row<N> {
+        // R Exp(dtheta) l = R l - R [l]x dtheta, and -r^T [l]x = (l x r)^T.
+        let mut row = self.through_rotation(&lever.cross(&self.rotation.row(i).transpose()));
+        self.position.add_to(&mut row, &Vector3::ith(i, 1.0));
+        row
     }
 }
 
@@ -149,4 +180,10 @@ impl<const N: usize> Kinematics<N> {
 #[must_use]
 pub fn skew(a: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::new(0.0, -a.z, a.y, a.z, 0.0, -a.x, -a.y, a.x, 0.0)
+}
+
+/// The matrix of a column beside zeros: a block in which only its first state matters.
+#[must_use]
+pub fn first_column(column: Vector3<f64>) -> Matrix3<f64> {
+    Matrix3::from_columns(&[column, Vector3::zeros(), Vector3::zeros()])
 }

@@ -15,7 +15,7 @@
 use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
-use super::belief::{Column, add_scaled};
+use super::belief::{Column, Row, add_scaled};
 use super::interval::Interval;
 use super::kalman::Witness;
 use super::transition::Transition;
@@ -161,16 +161,14 @@ impl<const N: usize> Witness<N> for ThrusterMonitor<N> {
         self.direct = effect;
     }
 
-    fn updated(&mut self, row: &Column<N>, gain: &Column<N>, innovation: f64, s: f64) {
+    fn updated(&mut self, row: &Row<N>, gain: &Column<N>, innovation: f64, s: f64) {
         let mut response = Lanes::zeros();
         for (k, value) in response.iter_mut().enumerate() {
             *value = self.direct[k % THRUSTERS];
         }
         self.direct = [0.0; THRUSTERS];
-        for (state, &h) in row.iter().enumerate() {
-            if h != 0.0 {
-                add_scaled(response.as_mut_slice(), h, self.column(state));
-            }
+        for (state, h) in row.iter() {
+            add_scaled(response.as_mut_slice(), h, self.column(state));
         }
         let response = response.as_slice();
         add_scaled(self.c.as_mut_slice(), innovation / s, response);

@@ -4,7 +4,7 @@
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::belief::{Belief, Column};
+use super::belief::{Belief, Row};
 use super::kinematics::Kinematics;
 use super::sensor::Observation;
 use super::track::Channel;
@@ -82,7 +82,7 @@ pub(super) fn reacquire<const N: usize>(
         // The attitude: widened along what the measurement sees.
         Channel::Heading | Channel::Tilt => {
             for row in observation.rows.iter().take(observation.size) {
-                for (state, h) in row.iter().enumerate() {
+                for (state, h) in row.iter() {
                     if h.abs() > 0.1 {
                         forget(state, far(0.2));
                     }
@@ -113,7 +113,7 @@ pub(super) fn hand_to_bias<const N: usize>(
     }
     belief.covariance[(bias, bias)] = variance;
     belief.mean[bias] += observation.innovation[0];
-    f.set_row(bias, row.iter().enumerate().map(|(state, h)| (state, -h)));
+    f.set_row(bias, row.iter().map(|(state, h)| (state, -h)));
     f
 }
 
@@ -123,7 +123,7 @@ pub(super) type Hidden = [Vector3<f64>; 3];
 
 pub(super) fn hidden<const N: usize>(
     velocity: usize,
-    rows: &[Column<N>; 3],
+    rows: &[Row<N>; 3],
     states: &[Option<usize>; 3],
 ) -> Option<Hidden> {
     let inverse = Matrix3::from_fn(|i, k| rows[i][velocity + k]).try_inverse()?;

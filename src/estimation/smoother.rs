@@ -17,7 +17,7 @@
 
 use nalgebra::SMatrix;
 
-use super::belief::{Belief, Column};
+use super::belief::{Belief, Column, Row};
 use super::filter::{Estimate, Filter, describe};
 use super::intake::{Sources, take_new};
 use super::interval::{Interval, SAME};
@@ -109,7 +109,7 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Smoothing for Filter<P, N, M>
             adjoint.unwind(tape, |time, interval, belief, correction| {
                 setup.process.correct(belief, correction);
                 let motion = setup.process.kinematics(belief, interval);
-                path.push(Smoothed { time, estimate: describe(setup, belief, &motion, 0.0) });
+                path.push(Smoothed { time, estimate: describe(setup, belief, &motion) });
             });
         }
         path.reverse();
@@ -223,7 +223,7 @@ enum Step<const N: usize> {
 }
 
 struct Measured<const N: usize> {
-    row: Column<N>,
+    row: Row<N>,
     gain: Column<N>,
     innovation: f64,
     s: f64,
@@ -240,7 +240,7 @@ impl<const N: usize> Witness<N> for Tape<N> {
         self.steps.push(Step::Propagated(Box::new(*f)));
     }
 
-    fn updated(&mut self, row: &Column<N>, gain: &Column<N>, innovation: f64, s: f64) {
+    fn updated(&mut self, row: &Row<N>, gain: &Column<N>, innovation: f64, s: f64) {
         let measured = Measured { row: *row, gain: *gain, innovation, s };
         self.steps.push(Step::Measured(Box::new(measured)));
     }
@@ -317,14 +317,14 @@ impl<const N: usize> Adjoint<N> {
         let seen = self.covariance * m.gain;
         let information = m.gain.dot(&seen) + 1.0 / m.s;
         // h c^T + c h^T with c = information h / 2 - L K: nothing but the rows of h changes.
-        let change = m.row * (0.5 * information) - seen;
-        for (i, &h) in m.row.iter().enumerate().filter(|(_, h)| **h != 0.0) {
+        let change = m.row.dense() * (0.5 * information) - seen;
+        for (i, h) in m.row.iter() {
             for j in 0..N {
                 self.covariance[(i, j)] += h * change[j];
                 self.covariance[(j, i)] += h * change[j];
             }
         }
-        self.lambda -= m.row * (m.gain.dot(&self.lambda) + m.innovation / m.s);
+        self.lambda -= m.row.dense() * (m.gain.dot(&self.lambda) + m.innovation / m.s);
     }
 
     fn is_finite(&self) -> bool {

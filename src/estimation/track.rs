@@ -72,9 +72,10 @@ pub(super) struct Track<const N: usize, M> {
     pub(super) belief: Belief<N>,
     imu: Stream<6>,
     thrust: Stream<8>,
-    /// Time and rotation of the newest attitude.
+    /// Time and Euler angles of the newest attitude.
     attitude: Option<(f64, [f64; 3])>,
-    attitude_rate: Option<[f64; 3]>,
+    /// The newest two attitudes that are near enough to each other to say how the vehicle turns.
+    turn: Option<Turn>,
     tilt: [f64; 2],
     before: Interval,
     pub(super) interval: Interval,
@@ -86,6 +87,9 @@ pub(super) struct Track<const N: usize, M> {
     hidden: Option<Hidden>,
     monitor: M,
 }
+
+/// Two attitudes, each with its time.
+type Turn = [(f64, [f64; 3]); 2];
 
 /// Samples that come next, which a boundary between two samples needs.
 #[derive(Clone, Copy, Debug, Default)]
@@ -134,7 +138,7 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
             imu: Stream::new(start),
             thrust: Stream::new(start),
             attitude: None,
-            attitude_rate: None,
+            turn: None,
             tilt: [roll, pitch],
             before: Interval::default(),
             interval: Interval { end: start, tilt: [roll, pitch], ..Interval::default() },
@@ -168,7 +172,7 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
             Kind::Thrust => self.thrust.push(event.time, event.cut()),
             Kind::Ahrs => {
                 self.predict_to(setup, event.time, ahead, witness);
-                self.attitude_rate = self.turn_to(Some((event.time, event.cut())));
+                self.turn = self.turn_to(Some((event.time, event.cut())));
                 self.attitude = Some((event.time, event.cut()));
                 self.fuse_attitude(setup, event.cut(), witness);
             }
@@ -246,9 +250,12 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
                     |f: [f64; 8]| core::array::from_fn(|i| f[i] * self.effectiveness[i]);
                 Thrusts { mean: effective(mean.value), rising: effective(mean.rising) }
             }),
+            // Nobody asks for it while there is an inertial unit.
             attitude_rate: self
                 .turn_to(ahead.attitude)
-                .filter(|_| self.attitude.is_some_and(|(seen, _)| time - seen <= ATTITUDE_GAP)),
+                .filter(|_| imu.is_none())
+                .filter(|_| self.attitude.is_some_and(|(seen, _)| time - seen <= ATTITUDE_GAP))
+                .map(rate),
             tilt: self.tilt,
         };
         let process = &setup.process;
@@ -281,20 +288,13 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         (Vector3::from(force) - angular.cross(&lever) - spin * spin * lever).into()
     }
 
-    /// The rate between the newest attitude and the next, or the last one known.
-    fn turn_to(&self, next: Option<(f64, [f64; 3])>) -> Option<[f64; 3]> {
-        let rotation = |e: [f64; 3]| {
-            let r = attitude::rotation_euler(e);
-            Matrix3::from_fn(|i, j| r[i][j])
-        };
+    /// The turn from the newest attitude to the next, or the last one known.
+    fn turn_to(&self, next: Option<(f64, [f64; 3])>) -> Option<Turn> {
         match (self.attitude, next) {
-            (Some((before, from)), Some((time, to)))
-                if time - before > SAME && time - before <= ATTITUDE_GAP =>
-            {
-                let turn = log(&(rotation(from).transpose() * rotation(to)));
-                Some((turn / (time - before)).into())
+            (Some(from), Some(to)) if to.0 - from.0 > SAME && to.0 - from.0 <= ATTITUDE_GAP => {
+                Some([from, to])
             }
-            _ => self.attitude_rate,
+            _ => self.turn,
         }
     }
 
@@ -315,8 +315,7 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         self.tilt = [euler[0], euler[1]];
         self.interval.tilt = self.tilt;
         self.align(setup, euler);
-        let motion = setup.process.kinematics(&self.belief, &self.interval);
-        if !motion.tilt_is_input {
+        if !setup.process.tilt_is_input() {
             self.fuse(setup, Channel::Tilt, |m| setup.tilt.observe(&euler, m), witness);
         }
         self.fuse(setup, Channel::Heading, |m| setup.heading.observe(&euler, m), witness);
@@ -400,6 +399,15 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         }
         interval
     }
+}
+
+/// The rate of a turn, body (rad/s).
+fn rate([(before, from), (time, to)]: Turn) -> [f64; 3] {
+    let rotation = |e: [f64; 3]| {
+        let r = attitude::rotation_euler(e);
+        Matrix3::from_fn(|i, j| r[i][j])
+    };
+    (log(&(rotation(from).transpose() * rotation(to))) / (time - before)).into()
 }
 
 impl Record {

@@ -3,7 +3,7 @@
 //! Most states only depend on themselves; F P F^T costs in proportion to the elements that say
 //! otherwise. Elements are given row by row.
 
-use nalgebra::SMatrix;
+use nalgebra::{Matrix3, SMatrix};
 
 use super::belief::{Column, add_scaled};
 
@@ -53,11 +53,25 @@ impl<const N: usize> Transition<N> {
         self.scaled = true;
     }
 
+    /// Sets the rows of three states in a row: blocks of derivatives by three states in a row, each
+    /// given with the first of them.
+    pub fn set_rows<'a>(
+        &mut self,
+        state: usize,
+        blocks: impl IntoIterator<Item = &'a (usize, Matrix3<f64>)> + Clone,
+    ) {
+        for i in 0..3 {
+            let elements =
+                |(from, m): &'a (usize, Matrix3<f64>)| [0, 1, 2].map(|j| (from + j, m[(i, j)]));
+            self.set_row(state + i, blocks.clone().into_iter().flat_map(elements));
+        }
+    }
+
     /// Sets the row of a state: pairs of a state and the derivative by it. Rows are set once each.
     pub fn set_row(&mut self, state: usize, row: impl IntoIterator<Item = (usize, f64)>) {
         let from = self.element_count as u8;
         self.diagonal[state] = 0.0;
-        for (column, value) in row {
+        row.into_iter().for_each(|(column, value)| {
             if column == state {
                 self.diagonal[state] += value;
             } else if value != 0.0 && self.element_count < ELEMENTS {
@@ -65,7 +79,7 @@ impl<const N: usize> Transition<N> {
                 self.values[self.element_count] = value;
                 self.element_count += 1;
             }
-        }
+        });
         if self.row_count < ROWS {
             let to = self.element_count as u8;
             self.rows[self.row_count] = Row { state: state as u8, from, to };
@@ -119,7 +133,7 @@ impl<const N: usize> Transition<N> {
     /// `v <- F v` of many vectors at once; column i of `v` holds their components i.
     pub(super) fn apply_to_columns<const K: usize>(&self, v: &mut SMatrix<f64, K, N>) {
         let mut changed = [[0.0; K]; ROWS];
-        let is_row = self.combine(v.as_slice(), &mut changed);
+        let is_row = self.combine(v.as_slice(), K, &mut changed);
         let v = v.as_mut_slice();
         for ((i, _), column) in self.rows().zip(&changed) {
             v[i * K..(i + 1) * K].copy_from_slice(column);
@@ -129,13 +143,13 @@ impl<const N: usize> Transition<N> {
         }
     }
 
-    /// `P <- F P F^T` of a symmetric P.
-    pub(super) fn propagate(&self, p: &mut SMatrix<f64, N, N>) {
+    /// `P <- F P F^T` of a symmetric P, of which the first `order` rows and columns count.
+    pub(super) fn propagate(&self, p: &mut SMatrix<f64, N, N>, order: usize) {
         let mut changed = [[0.0; N]; ROWS];
-        let is_row = self.combine(p.as_slice(), &mut changed);
-        let scaled = (0..N).filter(|&i| self.scaled && !is_row[i] && self.diagonal[i] != 1.0);
+        let is_row = self.combine(p.as_slice(), order, &mut changed);
+        let scaled = (0..order).filter(|&i| self.scaled && !is_row[i] && self.diagonal[i] != 1.0);
         for i in scaled {
-            for j in 0..N {
+            for j in 0..order {
                 p[(j, i)] *= self.diagonal[i];
                 p[(i, j)] *= self.diagonal[i];
             }
@@ -154,7 +168,7 @@ impl<const N: usize> Transition<N> {
         }
         for (a, row) in self.rows[..self.row_count].iter().enumerate() {
             let i = row.state as usize;
-            for j in (0..N).filter(|&j| !is_row[j]) {
+            for j in (0..order).filter(|&j| !is_row[j]) {
                 let value = self.diagonal[j] * changed[a][j];
                 p[(j, i)] = value;
                 p[(i, j)] = value;
@@ -162,17 +176,24 @@ impl<const N: usize> Transition<N> {
         }
     }
 
-    /// Columns of `V F^T` for the rows of F that are not diagonal, V of `K` rows; and which they are.
-    fn combine<const K: usize>(&self, v: &[f64], into: &mut [[f64; K]; ROWS]) -> [bool; N] {
+    /// The first `order` elements of the columns of `V F^T` for the rows of F that are not diagonal, V
+    /// of `K` rows; and which they are.
+    fn combine<const K: usize>(
+        &self,
+        v: &[f64],
+        order: usize,
+        into: &mut [[f64; K]; ROWS],
+    ) -> [bool; N] {
+        let column = |k: usize| &v[k * K..k * K + order];
         let mut is_row = [false; N];
         for ((i, elements), sum) in self.rows().zip(into) {
             is_row[i] = true;
             let own = self.diagonal[i];
-            for (s, value) in sum.iter_mut().zip(&v[i * K..(i + 1) * K]) {
+            for (s, value) in sum.iter_mut().zip(column(i)) {
                 *s = own * value;
             }
             for (k, factor) in elements {
-                add_scaled(sum, factor, &v[k * K..(k + 1) * K]);
+                add_scaled(sum, factor, column(k));
             }
         }
         is_row

@@ -88,7 +88,7 @@ impl<const N: usize> Strapdown<N> {
         let restated =
             |m: &Point<Dual64, N>| inertial_motion(m, &self.interval, self.p.gravity, base);
         kinematics(&motion, self.order, &self.mean(), restated)?;
-        sensors(&self.p, &motion, self.order, &self.mean(), restated)
+        sensors(&self.p, false, &motion, self.order, &self.mean(), restated)
     }
 }
 
@@ -126,7 +126,7 @@ impl Planar {
     pub(super) fn sensors(&self) -> Check {
         let motion = self.process.kinematics(&self.belief, &self.interval);
         kinematics(&motion, SMALL, &self.mean(), self.motion())?;
-        sensors(&self.p, &motion, SMALL, &self.mean(), self.motion())
+        sensors(&self.p, true, &motion, SMALL, &self.mean(), self.motion())
     }
 }
 
@@ -154,6 +154,6 @@ impl Constant {
     pub(super) fn sensors(&self) -> Check {
         let motion = self.process.kinematics(&self.belief, &self.interval);
         kinematics(&motion, SMALL, &self.mean(), constant_acceleration_motion)?;
-        sensors(&self.p, &motion, SMALL, &self.mean(), constant_acceleration_motion)
+        sensors(&self.p, false, &motion, SMALL, &self.mean(), constant_acceleration_motion)
     }
 }

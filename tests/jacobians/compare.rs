@@ -1,12 +1,14 @@
 //! What a filter has, compared with what dual numbers say.
 
+use core::ops::Index;
+
 use super::oracle::*;
 use super::{Check, TOLERANCE};
-use nalgebra::SMatrix;
+use nalgebra::{SMatrix, Vector3};
 use num_dual::Dual64;
 use proptest::prelude::*;
 use rexrov::estimation::NavigationParameters;
-use rexrov::estimation::belief::{Belief, Column};
+use rexrov::estimation::belief::{Belief, Column, Row};
 use rexrov::estimation::kalman::Witness;
 use rexrov::estimation::kinematics::{Kinematics, Linearized};
 use rexrov::estimation::sensor::{Depth, Dvl, Fix, Heading, Observation, Sensor, Tilt};
@@ -16,7 +18,7 @@ use rexrov::estimation::transition::Transition;
 #[derive(Default)]
 pub(super) struct Tape<const N: usize> {
     pub(super) transitions: Vec<SMatrix<f64, N, N>>,
-    pub(super) rows: Vec<Column<N>>,
+    pub(super) rows: Vec<Row<N>>,
 }
 
 impl<const N: usize> Witness<N> for Tape<N> {
@@ -24,7 +26,7 @@ impl<const N: usize> Witness<N> for Tape<N> {
         self.transitions.push(f.dense());
     }
 
-    fn updated(&mut self, row: &Column<N>, _: &Column<N>, _: f64, _: f64) {
+    fn updated(&mut self, row: &Row<N>, _: &Column<N>, _: f64, _: f64) {
         self.rows.push(*row);
     }
 }
@@ -32,7 +34,7 @@ impl<const N: usize> Witness<N> for Tape<N> {
 /// Relative to the element, and to a thousandth of the largest of its row, whose rounding it has.
 pub(super) fn close_rows<const N: usize>(
     what: &str,
-    got: &[Column<N>],
+    got: &[impl Index<usize, Output = f64>],
     want: &[[f64; N]],
     order: usize,
 ) -> Check {
@@ -99,13 +101,14 @@ pub(super) fn close_observation<const N: usize, const M: usize>(
 /// All sensors through the kinematics of a process.
 pub(super) fn sensors<const N: usize>(
     p: &NavigationParameters,
+    tilt_is_input: bool,
     got: &Kinematics<N>,
     order: usize,
     mean: &Point<f64, N>,
     motion: impl Fn(&Point<Dual64, N>) -> Motion<Dual64>,
 ) -> Check {
     let (s, m) = (&p.sensors, &p.mounting);
-    if !got.tilt_is_input {
+    if !tilt_is_input {
         let seen = Tilt { sigma: s.tilt_sigma }.observe(&[0.0; 3], got);
         close_observation("tilt", &seen, order, mean, |x| motion(x).tilt())?;
     }
@@ -127,14 +130,16 @@ pub(super) fn kinematics<const N: usize>(
     motion: impl Fn(&Point<Dual64, N>) -> Motion<Dual64>,
 ) -> Check {
     let still = motion(&Point { x: lift(mean.x), q: lift(mean.q), theta: mean.theta });
-    let vector = |what: &str, got: &Linearized<N>, pick: fn(&Motion<Dual64>) -> [Dual64; 3]| {
-        close(what, &<[f64; 3]>::from(got.value), &pick(&still).map(|d| d.re))?;
-        close_rows(what, &got.rows, &mean.rows(|x| pick(&motion(x))), order)
+    type Pick = fn(&Motion<Dual64>) -> [Dual64; 3];
+    let vector = |what: &str, value: Vector3<f64>, rows: [Row<N>; 3], pick: Pick| {
+        close(what, value.as_slice(), &pick(&still).map(|d| d.re))?;
+        close_rows(what, &rows, &mean.rows(|x| pick(&motion(x))), order)
     };
-    vector("position", &got.position, |m| m.position)?;
-    vector("velocity", &got.velocity, |m| m.velocity)?;
-    vector("rate", &got.rate, |m| m.rate)?;
-    vector("acceleration", &got.acceleration, |m| m.acceleration)?;
+    let Kinematics { position, velocity, rate, acceleration, .. } = got;
+    vector("position", position.value, rows(position), |m| m.position)?;
+    vector("velocity", velocity.value, rows(velocity), |m| m.velocity)?;
+    vector("rate", rate.value, rows(rate), |m| m.rate)?;
+    vector("acceleration", acceleration.value, rows(acceleration), |m| m.acceleration)?;
     let rotation = still.rotation.map(|row| row.map(|d| d.re));
     close("rotation", got.rotation.transpose().as_slice(), &rotation.concat())?;
     let back = transposed(&still.rotation);
@@ -142,5 +147,10 @@ pub(super) fn kinematics<const N: usize>(
         let r = matrix_product(&back, &motion(x).rotation);
         [r[2][1], r[0][2], r[1][0]]
     });
-    close_rows("turn", &got.rotation_rows, &turn, order)
+    let rows = [0, 1, 2].map(|i| got.through_rotation(&Vector3::ith(i, 1.0)));
+    close_rows("turn", &rows, &turn, order)
+}
+
+fn rows<const N: usize, const B: usize>(vector: &Linearized<B>) -> [Row<N>; 3] {
+    [0, 1, 2].map(|i| vector.row(i))
 }

@@ -132,7 +132,7 @@ const MUTANTS: &[Mutant] = &[
     Mutant { name: "gate off", file: "track.rs", test: by::OUTLIERS,
         old: "if setup.parameters.gated { GATE[", new: "if !setup.parameters.gated { GATE[" },
     Mutant { name: "compass: sign of the bias", file: "sensor/ahrs.rs", test: by::COMPASS,
-        old: "angles[2] + motion.optional", new: "angles[2] - motion.optional" },
+        old: "heading(&motion.rotation) + motion.optional", new: "heading(&motion.rotation) - motion.optional" },
     Mutant { name: "compass: sign of the bias's derivative", file: "sensor/ahrs.rs", test: by::COMPASS,
         old: "row[state] = 1.0;", new: "row[state] = -1.0;" },
     Mutant { name: "sign of the gyro's bias", file: INERTIAL, test: by::BOUND,

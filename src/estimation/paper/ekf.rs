@@ -11,7 +11,7 @@ use super::prediction::{inertial_acceleration, predict};
 use super::{Acceleration, EkfParameters};
 use crate::ParameterError;
 use crate::attitude;
-use crate::estimation::belief::{Belief, Column};
+use crate::estimation::belief::{Belief, Row};
 use crate::estimation::sensor::Observation;
 use crate::estimation::{Channel, Estimate, Health, Measurements, Navigation};
 use crate::sampling::Rate;
@@ -40,7 +40,7 @@ impl Navigation for Ekf {
     }
 
     /// One cycle; the first only updates.
-    fn update(&self, memory: &mut EkfMemory, now: f64, measured: &Measurements) -> Estimate {
+    fn take(&self, memory: &mut EkfMemory, now: f64, measured: &Measurements) {
         if now.is_finite() {
             memory.now = now;
         }
@@ -55,7 +55,10 @@ impl Navigation for Ekf {
         if !memory.is_finite() {
             self.begin_anew(memory);
         }
-        self.estimate(memory)
+    }
+
+    fn estimate(&self, memory: &mut EkfMemory) -> Estimate {
+        Self::estimate(self, memory)
     }
 }
 
@@ -181,7 +184,13 @@ impl Ekf {
 /// A measurement of the state's components from `first` on themselves.
 fn direct<const K: usize>(first: usize, innovation: [f64; K], sigma: f64) -> Observation<4> {
     let component = |i: usize| if i < K { innovation[i] } else { 0.0 };
-    let row = |i: usize| if i < K { Column::ith(first + i, 1.0) } else { Column::zeros() };
+    let row = |i: usize| {
+        let mut row = Row::zeros();
+        if i < K {
+            row[first + i] = 1.0;
+        }
+        row
+    };
     let variance = [sigma * sigma; 3];
     Observation::new(K, core::array::from_fn(component), core::array::from_fn(row), variance)
 }

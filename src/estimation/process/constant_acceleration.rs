@@ -13,7 +13,7 @@ use crate::attitude;
 use crate::estimation::belief::{Belief, Column};
 use crate::estimation::interval::Interval;
 use crate::estimation::kalman::{Witness, fuse};
-use crate::estimation::kinematics::{Kinematics, Linearized, Motion, SensorStates, skew};
+use crate::estimation::kinematics::{Block, Kinematics, Linearized, Motion, SensorStates, skew};
 use crate::estimation::parameters::NavigationParameters;
 use crate::estimation::sensor::Observation;
 use crate::estimation::transition::Transition;
@@ -83,21 +83,10 @@ impl<const N: usize> Process<N> for ConstantAcceleration {
         let turn = omega * dt;
         let (back, by_rate) = (exp(&turn).transpose(), right_jacobian(&turn) * dt);
         let mut f = Transition::identity();
-        let part = |m: &Matrix3<f64>, i: usize, state: usize, scale: f64| {
-            [0, 1, 2].map(|j| (state + j, m[(i, j)] * scale))
-        };
-        for i in 0..3 {
-            let row = [(P + i, 1.0)].into_iter().chain(part(&by_attitude, i, THETA, 1.0));
-            let row = row.chain(part(&r, i, V, dt)).chain(part(&r, i, A, 0.5 * dt * dt));
-            f.set_row(P + i, row);
-        }
-        for i in 0..3 {
-            f.set_row(
-                THETA + i,
-                part(&back, i, THETA, 1.0).into_iter().chain(part(&by_rate, i, OMEGA, 1.0)),
-            );
-        }
-        (0..3).for_each(|i| f.set_row(V + i, [(V + i, 1.0), (A + i, dt)]));
+        let one = Matrix3::identity();
+        f.set_rows(P, &[(P, one), (THETA, by_attitude), (V, r * dt), (A, r * (0.5 * dt * dt))]);
+        f.set_rows(THETA, &[(THETA, back), (OMEGA, by_rate)]);
+        f.set_rows(V, &[(V, one), (A, one * dt)]);
         let mut p = belief.mean.fixed_rows_mut::<3>(P);
         p += r * displacement;
         let mut v = belief.mean.fixed_rows_mut::<3>(V);
@@ -123,12 +112,13 @@ impl<const N: usize> Process<N> for ConstantAcceleration {
         ];
         for (state, value, density, gravity) in measured {
             let down = matrix(belief.attitude).transpose() * Vector3::z() * gravity;
-            let mut predicted = Linearized::constant(block(belief, state) - down);
+            let mut predicted = Linearized::<2>::constant(block(belief, state) - down);
             predicted.set_block(state, &Matrix3::identity());
             predicted.set_block(THETA, &-skew(&down));
             let innovation = Vector3::from(value) - predicted.value;
             let variance = (density * density / interval.dt).max(1e-12);
-            let observation = Observation::new(3, innovation.into(), predicted.rows, [variance; 3]);
+            let rows = [0, 1, 2].map(|i| predicted.row(i));
+            let observation = Observation::new(3, innovation.into(), rows, [variance; 3]);
             let correction = fuse(belief, &observation, f64::INFINITY, witness);
             self.correct(belief, &correction);
         }
@@ -154,13 +144,10 @@ impl<const N: usize> Process<N> for ConstantAcceleration {
         rate.set_block(OMEGA, &Matrix3::identity());
         let mut acceleration = Linearized::constant(motion.acceleration);
         acceleration.set_block(A, &Matrix3::identity());
-        let mut rotation_rows = [Column::zeros(); 3];
-        (0..3).for_each(|i| rotation_rows[i][THETA + i] = 1.0);
         Kinematics {
             position,
             rotation: motion.rotation,
-            tilt_is_input: false,
-            rotation_rows,
+            turn: Block::new(THETA, Matrix3::identity()),
             velocity,
             rate,
             rate_variance: 0.0,

@@ -22,7 +22,9 @@ use crate::attitude;
 use crate::estimation::belief::{Belief, Column};
 use crate::estimation::interval::{Inertial, Interval};
 use crate::estimation::kalman::Witness;
-use crate::estimation::kinematics::{Kinematics, Linearized, Motion, SensorStates, skew};
+use crate::estimation::kinematics::{
+    Block, Kinematics, Linearized, Motion, SensorStates, first_column, skew,
+};
 use crate::estimation::parameters::NavigationParameters;
 use crate::estimation::transition::Transition;
 
@@ -48,41 +50,14 @@ pub(super) struct Strapdown {
     /// Rate and specific force less their biases.
     pub(super) rate: Vector3<f64>,
     pub(super) force: Vector3<f64>,
-    /// Exp(w dt/2).
-    pub(super) half_turn: Matrix3<f64>,
-    /// Right Jacobian at w dt/2.
-    pub(super) half_jacobian: Matrix3<f64>,
 }
 
 impl Strapdown {
-    pub(super) fn new<const N: usize>(belief: &Belief<N>, imu: &Inertial, dt: f64) -> Self {
+    pub(super) fn new<const N: usize>(belief: &Belief<N>, imu: &Inertial) -> Self {
         let rate = Vector3::from(imu.rate) - belief.mean.fixed_rows::<3>(B_G);
         let force = Vector3::from(imu.specific_force) - belief.mean.fixed_rows::<3>(B_A);
-        let half = rate * (0.5 * dt);
-        Self { rate, force, half_turn: exp(&half), half_jacobian: right_jacobian(&half) }
+        Self { rate, force }
     }
-}
-
-/// Row i of a block of derivatives by three states.
-fn part(m: &Matrix3<f64>, i: usize, state: usize) -> [(usize, f64); 3] {
-    [0, 1, 2].map(|j| (state + j, m[(i, j)]))
-}
-
-/// Row i of some blocks; the noise of an interval acts where a bias does.
-fn row(
-    blocks: &[(usize, Matrix3<f64>)],
-    i: usize,
-    noise: Option<AidStates>,
-) -> impl Iterator<Item = (usize, f64)> {
-    blocks.iter().flat_map(move |(state, m)| {
-        let [a, b, c] = part(m, i, *state);
-        let by_noise = match (noise, *state) {
-            (Some(at), B_A) => part(m, i, at.force_noise),
-            (Some(at), B_G) => [(at.rate_noise, m[(i, 2)]), (0, 0.0), (0, 0.0)],
-            _ => [(0, 0.0); 3],
-        };
-        [a, b, c].into_iter().chain(by_noise)
-    })
 }
 
 impl InertialProcess {
@@ -109,14 +84,8 @@ impl InertialProcess {
         let by_velocity = r * (Matrix3::identity() + t) * (0.5 * dt);
         let by_attitude = -r * skew(&((u + t * u) * (0.5 * dt)));
         let mut f = Transition::identity();
-        for i in 0..3 {
-            let own = core::iter::once((P + i, 1.0));
-            f.set_row(
-                P + i,
-                own.chain(part(&by_velocity, i, U)).chain(part(&by_attitude, i, THETA)),
-            );
-        }
-        (0..3).for_each(|i| f.set_row(THETA + i, part(&t.transpose(), i, THETA)));
+        f.set_rows(P, &[(P, Matrix3::identity()), (U, by_velocity), (THETA, by_attitude)]);
+        f.set_rows(THETA, &[(THETA, t.transpose())]);
         let mut p = belief.mean.fixed_rows_mut::<3>(P);
         p += by_velocity * u;
         belief.attitude = turned(belief.attitude, &turn);
@@ -130,47 +99,68 @@ impl InertialProcess {
         imu: &Inertial,
         dt: f64,
     ) -> Transition<N> {
-        let s = Strapdown::new(belief, imu, dt);
+        let s = Strapdown::new(belief, imu);
+        let half = s.rate * (0.5 * dt);
+        let half_turn = exp(&half);
         let r = matrix(belief.attitude);
-        let back = (s.half_turn * s.half_turn).transpose();
+        let back = (half_turn * half_turn).transpose();
         let down = r.transpose() * Vector3::z();
         let u: Vector3<f64> = belief.mean.fixed_rows::<3>(U).into_owned();
-        let force = s.half_turn * s.force;
+        let force = half_turn * s.force;
         let alpha = force + down * self.parameters.gravity;
         let displacement = u * dt + alpha * (0.5 * dt * dt);
         let next = back * (u + alpha * dt);
 
         let jacobian = right_jacobian(&(s.rate * dt)) * dt;
-        let force_by_rate = s.half_turn * skew(&s.force) * s.half_jacobian * (0.5 * dt);
+        let force_by_rate = half_turn * skew(&s.force) * right_jacobian(&half) * (0.5 * dt);
         let along = u * dt + force * (0.5 * dt * dt);
-        let position = [
-            (THETA, -r * skew(&along)),
-            (B_A, -r * s.half_turn * (0.5 * dt * dt)),
-            (B_G, r * force_by_rate * (0.5 * dt * dt)),
-        ];
-        let velocity = [
-            (THETA, back * skew(&down) * (self.parameters.gravity * dt)),
-            (B_A, -back * s.half_turn * dt),
-            (B_G, back * force_by_rate * dt - skew(&next) * jacobian),
-        ];
-        let attitude = [(THETA, back), (B_G, -jacobian)];
-
         let mut f = Transition::identity();
-        let noise = self.aid.as_ref().map(|_| AidStates::at(BASE));
-        for i in 0..3 {
-            let own = [(P + i, 1.0)].into_iter().chain(part(&(r * dt), i, U));
-            f.set_row(P + i, own.chain(row(&position, i, noise)));
-        }
-        for i in 0..3 {
-            f.set_row(U + i, part(&back, i, U).into_iter().chain(row(&velocity, i, noise)));
-        }
-        (0..3).for_each(|i| f.set_row(THETA + i, row(&attitude, i, noise)));
+        self.set_rows(
+            &mut f,
+            P,
+            [
+                (P, Matrix3::identity()),
+                (U, r * dt),
+                (THETA, -r * skew(&along)),
+                (B_A, -r * half_turn * (0.5 * dt * dt)),
+                (B_G, r * force_by_rate * (0.5 * dt * dt)),
+            ],
+        );
+        self.set_rows(
+            &mut f,
+            U,
+            [
+                (U, back),
+                (THETA, back * skew(&down) * (self.parameters.gravity * dt)),
+                (B_A, -back * half_turn * dt),
+                (B_G, back * force_by_rate * dt - skew(&next) * jacobian),
+            ],
+        );
+        self.set_rows(&mut f, THETA, [(THETA, back), (B_G, -jacobian)]);
 
         let mut p = belief.mean.fixed_rows_mut::<3>(P);
         p += r * displacement;
         belief.mean.fixed_rows_mut::<3>(U).copy_from(&next);
         belief.attitude = turned(belief.attitude, &(s.rate * dt));
         f
+    }
+
+    /// Rows of F; with a model aid the noise of an interval acts where a bias does.
+    fn set_rows<const N: usize, const B: usize>(
+        &self,
+        f: &mut Transition<N>,
+        state: usize,
+        blocks: [(usize, Matrix3<f64>); B],
+    ) {
+        let Some(at) = self.aid.as_ref().map(|_| AidStates::at(BASE)) else {
+            return f.set_rows(state, &blocks);
+        };
+        let noise = blocks.map(|(of, m)| match of {
+            B_A => (at.force_noise, m),
+            B_G => (at.rate_noise, first_column(m.column(2).into_owned())),
+            _ => (of, Matrix3::zeros()),
+        });
+        f.set_rows(state, blocks.iter().chain(&noise));
     }
 
     fn add_noise<const N: usize>(&self, belief: &mut Belief<N>, dt: f64, measured: bool) {
@@ -199,9 +189,6 @@ impl InertialProcess {
             let walk = |density: f64| density * density * dt;
             belief.add_noise(B_A + i, walk(p.sensors.accelerometer.random_walk));
             belief.add_noise(B_G + i, walk(p.sensors.gyro.random_walk));
-        }
-        if let Some(aid) = &self.aid {
-            aid.add_noise(belief, AidStates::at(BASE), dt);
         }
     }
 }
@@ -240,12 +227,15 @@ impl<const N: usize> Process<N> for InertialProcess {
             Some(imu) => self.navigate(belief, imu, dt),
             None => self.coast(belief, interval),
         };
-        if let Some(aid) = &self.aid {
-            aid.decay(&mut f, AidStates::at(BASE), dt);
-            aid.decay_mean(&mut belief.mean, AidStates::at(BASE), dt);
+        let decays = self.aid.as_ref().map(|aid| (aid, aid.decays(dt)));
+        if let Some((aid, decays)) = decays {
+            aid.decay(&mut f, &mut belief.mean, AidStates::at(BASE), decays);
         }
         belief.propagate(&f);
         self.add_noise(belief, dt, interval.inertial.is_some());
+        if let Some((aid, decays)) = decays {
+            aid.add_noise(belief, AidStates::at(BASE), dt, decays);
+        }
         witness.predicted(&f);
     }
 
@@ -301,15 +291,10 @@ impl<const N: usize> Process<N> for InertialProcess {
             acceleration.set_block(B_A, &-Matrix3::identity());
             acceleration.set_block(B_G, &-skew(&motion.velocity));
         }
-        let mut rotation_rows = [Column::zeros(); 3];
-        for (i, row) in rotation_rows.iter_mut().enumerate() {
-            row[THETA + i] = 1.0;
-        }
         Kinematics {
             position,
             rotation: motion.rotation,
-            tilt_is_input: false,
-            rotation_rows,
+            turn: Block::new(THETA, Matrix3::identity()),
             velocity,
             rate,
             rate_variance,

@@ -67,4 +67,9 @@ pub trait Process<const N: usize> {
     fn uses_thrust(&self) -> bool {
         false
     }
+
+    /// Whether roll and pitch are taken from their sensor as they are, and only the heading is a state.
+    fn tilt_is_input(&self) -> bool {
+        false
+    }
 }

@@ -15,7 +15,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::inertial::{B_A, B_G, Strapdown, THETA, U};
 use super::rotation::{exp, matrix, right_jacobian};
 use crate::ParameterError;
-use crate::estimation::belief::{Belief, Column};
+use crate::estimation::belief::{Belief, Column, Row};
 use crate::estimation::interval::{Inertial, Interval, Thrusts};
 use crate::estimation::kalman::{Witness, fuse};
 use crate::estimation::kinematics::skew;
@@ -139,36 +139,39 @@ impl ModelAid {
         belief.add_noise(at.rate_noise, variance(p.sensors.gyro.noise_density));
     }
 
-    fn quick(&self, dt: f64) -> f64 {
-        libm::exp(-dt / self.disturbances.correlation_time)
+    /// What is left of the forces after an interval, of those that vary quickly and slowly.
+    pub(super) fn decays(&self, dt: f64) -> [f64; 2] {
+        let d = &self.disturbances;
+        [d.correlation_time, d.slow_force_time].map(|time| libm::exp(-dt / time))
     }
 
-    fn slow(&self, dt: f64) -> f64 {
-        libm::exp(-dt / self.disturbances.slow_force_time)
-    }
-
-    pub(super) fn decay<const N: usize>(&self, f: &mut Transition<N>, at: AidStates, dt: f64) {
-        let (quick, slow) = (self.quick(dt), self.slow(dt));
+    /// Lets the forces decay in F and mean.
+    pub(super) fn decay<const N: usize>(
+        &self,
+        f: &mut Transition<N>,
+        x: &mut Column<N>,
+        at: AidStates,
+        [quick, slow]: [f64; 2],
+    ) {
         for i in 0..3 {
+            x[at.force + i] *= quick;
+            x[at.slow_force + i] *= slow;
             f.scale(at.force + i, quick);
             f.scale(at.slow_force + i, slow);
         }
         f.scale(at.moment, quick);
-    }
-
-    pub(super) fn decay_mean<const N: usize>(&self, x: &mut Column<N>, at: AidStates, dt: f64) {
-        let (quick, slow) = (self.quick(dt), self.slow(dt));
-        for i in 0..3 {
-            x[at.force + i] *= quick;
-            x[at.slow_force + i] *= slow;
-        }
         x[at.moment] *= quick;
     }
 
-    pub(super) fn add_noise<const N: usize>(&self, belief: &mut Belief<N>, at: AidStates, dt: f64) {
+    pub(super) fn add_noise<const N: usize>(
+        &self,
+        belief: &mut Belief<N>,
+        at: AidStates,
+        dt: f64,
+        [quick, slow]: [f64; 2],
+    ) {
         let d = &self.disturbances;
         let stationary = |sigma: f64, decay: f64| sigma * sigma * (1.0 - decay * decay);
-        let (quick, slow) = (self.quick(dt), self.slow(dt));
         for i in 0..3 {
             belief.add_noise(at.force + i, stationary(d.force_sigma, quick));
             belief.add_noise(at.slow_force + i, stationary(d.slow_force_sigma, slow));
@@ -217,7 +220,7 @@ impl ModelAid {
         dt: f64,
     ) -> Observation<N> {
         let x = &belief.mean;
-        let s = Strapdown::new(belief, imu, dt);
+        let s = Strapdown::new(belief, imu);
         let noise: Vector3<f64> = x.fixed_rows::<3>(at.force_noise).into_owned();
         let water = Water::new(belief, at, &s, &noise, self.gravity, [dt, 0.5]);
         let (w, nu) = (&s.rate, &water.velocity);
@@ -274,7 +277,7 @@ impl ModelAid {
         let raw =
             Vector3::from(imu_before.rate) * weights[0] + Vector3::from(imu.rate) * weights[1];
         let w = raw - x.fixed_rows::<3>(B_G);
-        let s = Strapdown::new(belief, imu, dt);
+        let s = Strapdown::new(belief, imu);
         let noise: Vector3<f64> = x.fixed_rows::<3>(at.force_noise).into_owned();
         let water = Water::new(belief, at, &s, &noise, self.gravity, [dt, 1.0]);
         let nu = &water.velocity;
@@ -373,14 +376,14 @@ impl Water {
         by_velocity: &Matrix3<f64>,
         by_down: &Matrix3<f64>,
         by_rate: &Matrix3<f64>,
-    ) -> [Column<N>; 3] {
+    ) -> [Row<N>; 3] {
         let ground = by_velocity * self.by_ground;
         let current = -by_velocity * self.inverse;
         let turn = by_velocity * self.by_turn + by_down * skew(&self.down);
         let attitude = turn * self.turn;
         let bias = turn * self.turn_by_bias + by_velocity * self.by_bias - by_rate;
         let force = by_velocity * self.by_force;
-        let mut rows = [Column::zeros(); 3];
+        let mut rows = [Row::zeros(); 3];
         for (i, row) in rows.iter_mut().enumerate() {
             for j in 0..3 {
                 row[U + j] = ground[(i, j)];

@@ -18,10 +18,12 @@ use nalgebra::{Matrix3, Vector3};
 use super::Process;
 use crate::ParameterError;
 use crate::attitude;
-use crate::estimation::belief::{Belief, Column};
+use crate::estimation::belief::{Belief, Column, Row};
 use crate::estimation::interval::Interval;
 use crate::estimation::kalman::{Witness, fuse};
-use crate::estimation::kinematics::{Kinematics, Linearized, Motion, SensorStates};
+use crate::estimation::kinematics::{
+    Block, Kinematics, Linearized, Motion, SensorStates, first_column,
+};
 use crate::estimation::parameters::{Disturbances, NavigationParameters};
 use crate::estimation::sensor::Observation;
 use crate::estimation::transition::Transition;
@@ -58,10 +60,58 @@ pub struct PlanarDynamic {
     thrusters: [[f64; 4]; 8],
 }
 
-/// Forces of an interval, and whether they are known.
-struct Forces {
-    thrust: [f64; 4],
-    known: bool,
+/// What drives an interval.
+struct Drive {
+    /// Forces and yaw moment of the thrusters (N, N.m), if they are known.
+    thrust: Option<[f64; 4]>,
+    /// Rotation by roll and pitch, without yaw.
+    tilt: Matrix3<f64>,
+}
+
+/// The vehicle in the water.
+struct Afloat {
+    x: [f64; MOVERS],
+    /// From body to NED.
+    rotation: Matrix3<f64>,
+    /// The current along body axes (m/s), and its derivative by the heading.
+    flow: Vector3<f64>,
+    flow_by_heading: Vector3<f64>,
+    /// Velocity through the water (m/s).
+    nu: Vector3<f64>,
+}
+
+impl Afloat {
+    fn new(x: [f64; MOVERS], tilt: &Matrix3<f64>) -> Self {
+        let (sin, cos) = libm::sincos(x[PSI]);
+        let rotation = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0) * tilt;
+        let flow = rotation.tr_mul(&Vector3::new(x[C], x[C + 1], 0.0));
+        // The current turns against the heading.
+        let flow_by_heading = rotation.tr_mul(&Vector3::new(x[C + 1], -x[C], 0.0));
+        let nu = Vector3::new(x[U], x[U + 1], x[U + 2]) - flow;
+        Self { x, rotation, flow, flow_by_heading, nu }
+    }
+
+    /// Velocities of surge, sway, heave and yaw through the water.
+    fn speed(&self) -> [f64; 4] {
+        [self.nu.x, self.nu.y, self.nu.z, self.x[R]]
+    }
+
+    /// Velocity over ground, NED (m/s).
+    fn over_ground(&self) -> Vector3<f64> {
+        self.rotation * Vector3::new(self.x[U], self.x[U + 1], self.x[U + 2])
+    }
+}
+
+fn movers<const N: usize>(mean: &Column<N>) -> [f64; MOVERS] {
+    core::array::from_fn(|i| mean[i])
+}
+
+impl Drive {
+    /// How quickly the heading changes with the yaw rate.
+    fn turn(&self) -> f64 {
+        let [cos_roll, cos_pitch] = [self.tilt[(1, 1)], self.tilt[(0, 0)]];
+        cos_roll / cos_pitch.max(0.05)
+    }
 }
 
 impl PlanarDynamic {
@@ -93,67 +143,55 @@ impl PlanarDynamic {
         })
     }
 
-    fn forces(&self, interval: &Interval) -> Forces {
-        let Some(thrusts) = &interval.thrust else {
-            return Forces { thrust: [0.0; 4], known: false };
-        };
-        let mut thrust = [0.0; 4];
-        for (unit, force) in self.thrusters.iter().zip(thrusts.mean) {
-            for axis in 0..4 {
-                thrust[axis] += unit[axis] * force;
-            }
-        }
-        Forces { thrust, known: true }
+    fn drive(&self, interval: &Interval) -> Drive {
+        let thrust = interval.thrust.as_ref().map(|thrusts| {
+            core::array::from_fn(|axis| {
+                let units = self.thrusters.iter().map(|unit| unit[axis]);
+                units.zip(thrusts.mean).map(|(unit, force)| unit * force).sum()
+            })
+        });
+        Drive { thrust, tilt: rotation([interval.tilt[0], interval.tilt[1], 0.0]) }
     }
 
-    /// Time derivatives of the moving states, and theirs by the states.
-    fn rates(&self, x: &[f64; MOVERS], forces: &Forces, tilt: [f64; 2]) -> (Rates, Jacobian) {
-        let mut rates = [0.0; MOVING];
-        let mut j = [[0.0; MOVERS]; MOVING];
-        let rotation = rotation([tilt[0], tilt[1], x[PSI]]);
-        let u = Vector3::new(x[U], x[U + 1], x[U + 2]);
-        let velocity = rotation * u;
-        let turn = libm::cos(tilt[0]) / libm::cos(tilt[1]).max(0.05);
-        for i in 0..3 {
-            rates[i] = velocity[i];
-            (0..3).for_each(|k| j[i][U + k] = rotation[(i, k)]);
-        }
-        j[0][PSI] = -velocity.y;
-        j[1][PSI] = velocity.x;
-        rates[PSI] = x[R] * turn;
-        j[PSI][R] = turn;
-        if forces.known {
-            self.accelerations(x, forces, &rotation.transpose(), &mut rates, &mut j);
-        }
-        (rates, j)
-    }
-
-    /// The rows of u and r of [`PlanarDynamic::rates`].
-    fn accelerations(
-        &self,
-        x: &[f64; MOVERS],
-        forces: &Forces,
-        inverse: &Matrix3<f64>,
-        rates: &mut Rates,
-        j: &mut Jacobian,
-    ) {
-        let flow = inverse * Vector3::new(x[C], x[C + 1], 0.0);
-        // The current along body axes turns against the heading.
-        let by_heading = -(inverse * Vector3::z()).cross(&flow);
-        let nu = Vector3::new(x[U], x[U + 1], x[U + 2]) - flow;
-        let [m1, m2, _, m6] = self.mass;
-        let r = x[R];
+    /// Time derivatives of the moving states.
+    fn rates(&self, at: &Afloat, drive: &Drive) -> Rates {
+        let [x, y, z] = at.over_ground().into();
+        let (nu, r) = (&at.nu, at.x[R]);
+        let mut rates = [x, y, z, r * drive.turn(), 0.0, 0.0, 0.0, 0.0];
+        let Some(thrust) = &drive.thrust else { return rates };
+        let [m1, m2, ..] = self.mass;
         let coupling =
             [m2 * nu.y * r, -m1 * nu.x * r, self.excess_weight, -self.munk * nu.x * nu.y];
-        let speed = [nu.x, nu.y, nu.z, r];
+        for (axis, speed) in at.speed().into_iter().enumerate() {
+            let damping = (self.linear[axis] + self.quadratic[axis] * speed.abs()) * speed;
+            let force = coupling[axis] - damping + thrust[axis] + at.x[D + axis];
+            rates[U + axis] = force / self.mass[axis];
+        }
+        // u' = nu' - (r e_z) x (R^T c).
+        rates[U] += r * at.flow.y;
+        rates[U + 1] -= r * at.flow.x;
+        rates
+    }
+
+    /// Derivatives of [`PlanarDynamic::rates`] by the states.
+    fn jacobian(&self, at: &Afloat, drive: &Drive) -> Jacobian {
+        let mut j = [[0.0; MOVERS]; MOVING];
+        for (i, row) in j.iter_mut().take(3).enumerate() {
+            (0..3).for_each(|k| row[U + k] = at.rotation[(i, k)]);
+        }
+        let velocity = at.over_ground();
+        j[0][PSI] = -velocity.y;
+        j[1][PSI] = velocity.x;
+        j[PSI][R] = drive.turn();
+        if drive.thrust.is_none() {
+            return j;
+        }
+        let (nu, r, [m1, m2, _, m6]) = (&at.nu, at.x[R], self.mass);
         // By nu and r.
         let mut slope = [[0.0; 4]; 4];
-        for axis in 0..4 {
-            let quadratic = self.quadratic[axis] * speed[axis].abs();
-            let damping = (self.linear[axis] + quadratic) * speed[axis];
-            let force = coupling[axis] - damping + forces.thrust[axis] + x[D + axis];
-            rates[U + axis] = force / self.mass[axis];
-            slope[axis][axis] = -(self.linear[axis] + 2.0 * quadratic) / self.mass[axis];
+        for (axis, speed) in at.speed().into_iter().enumerate() {
+            let damping = self.linear[axis] + 2.0 * self.quadratic[axis] * speed.abs();
+            slope[axis][axis] = -damping / self.mass[axis];
             j[U + axis][D + axis] = 1.0 / self.mass[axis];
         }
         slope[0][1] = m2 * r / m1;
@@ -162,42 +200,39 @@ impl PlanarDynamic {
         slope[1][3] = -m1 * nu.x / m2;
         slope[3][0] = -self.munk * nu.y / m6;
         slope[3][1] = -self.munk * nu.x / m6;
-        for axis in 0..4 {
-            let row = &mut j[U + axis];
-            (0..4).for_each(|k| row[U + k] = slope[axis][k]);
+        for (row, slope) in j[U..].iter_mut().zip(&slope) {
+            row[U..U + 4].copy_from_slice(slope);
             for k in 0..3 {
-                (0..2).for_each(|i| row[C + i] -= slope[axis][k] * inverse[(k, i)]);
-                row[PSI] -= slope[axis][k] * by_heading[k];
+                (0..2).for_each(|i| row[C + i] -= slope[k] * at.rotation[(i, k)]);
+                row[PSI] -= slope[k] * at.flow_by_heading[k];
             }
         }
-        // u' = nu' - (r e_z) x (R^T c).
-        rates[U] += r * flow.y;
-        rates[U + 1] -= r * flow.x;
-        j[U][R] += flow.y;
-        j[U + 1][R] -= flow.x;
-        j[U][PSI] += r * by_heading.y;
-        j[U + 1][PSI] -= r * by_heading.x;
+        j[U][R] += at.flow.y;
+        j[U + 1][R] -= at.flow.x;
+        j[U][PSI] += r * at.flow_by_heading.y;
+        j[U + 1][PSI] -= r * at.flow_by_heading.x;
         for i in 0..2 {
-            j[U][C + i] += r * inverse[(1, i)];
-            j[U + 1][C + i] -= r * inverse[(0, i)];
+            j[U][C + i] += r * at.rotation[(i, 1)];
+            j[U + 1][C + i] -= r * at.rotation[(i, 0)];
         }
+        j
     }
 
     /// Midpoint step: the change of the moving states, and F.
     fn step<const N: usize>(
         &self,
         mean: &Column<N>,
-        forces: &Forces,
-        interval: &Interval,
+        drive: &Drive,
+        [dt, decay]: [f64; 2],
     ) -> (Rates, Transition<N>) {
-        let dt = interval.dt;
-        let x: [f64; MOVERS] = core::array::from_fn(|i| mean[i]);
-        let (first, j_first) = self.rates(&x, forces, interval.tilt);
-        let mut middle = x;
-        for i in 0..MOVING {
-            middle[i] += 0.5 * dt * first[i];
+        let first = Afloat::new(movers(mean), &drive.tilt);
+        let mut middle = first.x;
+        for (x, rate) in middle.iter_mut().zip(self.rates(&first, drive)) {
+            *x += 0.5 * dt * rate;
         }
-        let (rates, j_middle) = self.rates(&middle, forces, interval.tilt);
+        let middle = Afloat::new(middle, &drive.tilt);
+        let j_first = self.jacobian(&first, drive);
+        let j_middle = self.jacobian(&middle, drive);
         let mut f = Transition::identity();
         for i in 0..MOVING {
             // d/dx of x + dt g(x + dt/2 g(x)).
@@ -213,19 +248,18 @@ impl PlanarDynamic {
             let own = core::iter::once((i, 1.0));
             f.set_row(i, own.chain(row.into_iter().enumerate().map(|(k, value)| (k, dt * value))));
         }
-        let decay = libm::exp(-dt / self.disturbances.correlation_time);
         (0..4).for_each(|axis| f.scale(D + axis, decay));
-        (rates.map(|rate| rate * dt), f)
+        (self.rates(&middle, drive).map(|rate| rate * dt), f)
     }
 
     /// Adds half of the process noise of an interval.
-    fn add_half_noise<const N: usize>(&self, belief: &mut Belief<N>, forces: &Forces, dt: f64) {
+    fn add_half_noise<const N: usize>(&self, belief: &mut Belief<N>, drive: &Drive, dt: f64) {
         let d = &self.disturbances;
         let square = |x: f64| x * x;
         let half = 0.5 * dt;
         for axis in 0..4 {
             let yaw = axis == 3;
-            let white = match (forces.known, yaw) {
+            let white = match (drive.thrust.is_some(), yaw) {
                 (true, false) => d.force_density / self.mass[axis],
                 (true, true) => d.moment_density / self.mass[axis],
                 (false, false) => self.parameters.maneuver_acceleration,
@@ -243,12 +277,10 @@ impl PlanarDynamic {
 
     /// The yaw rate that successive attitudes speak for, while there is no gyro.
     fn turn<const N: usize>(&self, belief: &Belief<N>, rate: f64) -> Observation<N> {
-        let mut row = Column::zeros();
+        let mut row = Row::zeros();
         row[R] = 1.0;
-        let empty = Column::zeros();
         let sigma = self.parameters.maneuver_rate;
-        let innovation = [rate - belief.mean[R], 0.0, 0.0];
-        Observation::new(1, innovation, [row, empty, empty], [sigma * sigma, 1.0, 1.0])
+        Observation::scalar(rate - belief.mean[R], row, sigma * sigma)
     }
 
     /// The gyro's mean against the yaw rate at the middle of its interval.
@@ -259,24 +291,20 @@ impl PlanarDynamic {
         interval: &Interval,
         rate: f64,
     ) -> Observation<N> {
-        let x: [f64; MOVERS] = core::array::from_fn(|i| belief.mean[i]);
-        let (rates, j) = self.rates(&x, &self.forces(interval), interval.tilt);
+        let drive = self.drive(interval);
+        let now = Afloat::new(movers(&belief.mean), &drive.tilt);
         let half = 0.5 * interval.dt;
-        let mut row = Column::zeros();
-        for k in 0..MOVERS {
-            row[k] = -half * j[R][k];
+        let mut row = Row::zeros();
+        let by_states = self.jacobian(&now, &drive)[R];
+        for (state, by) in by_states.into_iter().enumerate().filter(|(_, by)| *by != 0.0) {
+            row[state] = -half * by;
         }
         row[R] += 1.0;
         row[B_G] += 1.0;
-        let predicted = x[R] - half * rates[R] + x[B_G];
+        let predicted = now.x[R] - half * self.rates(&now, &drive)[R] + now.x[B_G];
         let density = self.parameters.sensors.gyro.noise_density;
-        let empty = Column::zeros();
-        Observation::new(
-            1,
-            [rate - predicted, 0.0, 0.0],
-            [row, empty, empty],
-            [density * density / interval.dt + GYRO_FLOOR, 1.0, 1.0],
-        )
+        let variance = density * density / interval.dt + GYRO_FLOOR;
+        Observation::scalar(rate - predicted, row, variance)
     }
 }
 
@@ -318,17 +346,17 @@ impl<const N: usize> Process<N> for PlanarDynamic {
     }
 
     fn predict(&self, belief: &mut Belief<N>, interval: &Interval, witness: &mut impl Witness<N>) {
-        let forces = self.forces(interval);
-        let (change, f) = self.step(&belief.mean, &forces, interval);
+        let drive = self.drive(interval);
+        let decay = libm::exp(-interval.dt / self.disturbances.correlation_time);
+        let (change, f) = self.step(&belief.mean, &drive, [interval.dt, decay]);
         for i in 0..MOVING {
             belief.mean[i] += change[i];
         }
-        let decay = libm::exp(-interval.dt / self.disturbances.correlation_time);
         (0..4).for_each(|axis| belief.mean[D + axis] *= decay);
         belief.mean[PSI] = attitude::wrap(belief.mean[PSI]);
-        self.add_half_noise(belief, &forces, interval.dt);
+        self.add_half_noise(belief, &drive, interval.dt);
         belief.propagate(&f);
-        self.add_half_noise(belief, &forces, interval.dt);
+        self.add_half_noise(belief, &drive, interval.dt);
         witness.predicted(&f);
         witness.driven(interval);
     }
@@ -356,11 +384,12 @@ impl<const N: usize> Process<N> for PlanarDynamic {
 
     fn motion(&self, belief: &Belief<N>, interval: &Interval) -> Motion {
         let x = &belief.mean;
-        let movers: [f64; MOVERS] = core::array::from_fn(|i| x[i]);
-        let (rates, _) = self.rates(&movers, &self.forces(interval), interval.tilt);
+        let drive = self.drive(interval);
+        let now = Afloat::new(movers(x), &drive.tilt);
+        let rates = self.rates(&now, &drive);
         Motion {
             position: x.fixed_rows::<3>(0).into_owned(),
-            rotation: rotation([interval.tilt[0], interval.tilt[1], x[PSI]]),
+            rotation: now.rotation,
             velocity: x.fixed_rows::<3>(U).into_owned(),
             rate: Vector3::new(0.0, 0.0, x[R]),
             acceleration: Vector3::new(rates[U], rates[U + 1], rates[U + 2]),
@@ -369,28 +398,26 @@ impl<const N: usize> Process<N> for PlanarDynamic {
 
     fn kinematics(&self, belief: &Belief<N>, interval: &Interval) -> Kinematics<N> {
         let motion = <Self as Process<N>>::motion(self, belief, interval);
-        let inverse = motion.rotation.transpose();
         let mut position = Linearized::constant(motion.position);
         position.set_block(0, &Matrix3::identity());
         let mut velocity = Linearized::constant(motion.velocity);
         velocity.set_block(U, &Matrix3::identity());
-        let mut acceleration = Linearized::<N>::constant(motion.acceleration);
+        let mut acceleration = Linearized::constant(motion.acceleration);
         if self.sensors.dvl_delay.is_some() {
-            let movers: [f64; MOVERS] = core::array::from_fn(|i| belief.mean[i]);
-            let (_, j) = self.rates(&movers, &self.forces(interval), interval.tilt);
-            for (i, row) in acceleration.rows.iter_mut().enumerate() {
-                row.as_mut_slice()[..MOVERS].copy_from_slice(&j[U + i]);
+            let drive = self.drive(interval);
+            let j = self.jacobian(&Afloat::new(movers(&belief.mean), &drive.tilt), &drive);
+            for state in (PSI..MOVERS).step_by(3) {
+                let by = Matrix3::from_fn(|i, k| j[U + i][state + k]);
+                acceleration.set_block(state, &by);
             }
         }
-        let mut rotation_rows = [Column::zeros(); 3];
-        (0..3).for_each(|i| rotation_rows[i][PSI] = inverse[(i, 2)]);
         let mut rate = Linearized::constant(motion.rate);
-        rate.rows[2][R] = 1.0;
+        rate.set_block(R, &first_column(Vector3::z()));
+        let down = motion.rotation.row(2).transpose();
         Kinematics {
             position,
             rotation: motion.rotation,
-            tilt_is_input: true,
-            rotation_rows,
+            turn: Block::new(PSI, first_column(down)),
             velocity,
             rate,
             rate_variance: 0.0,
@@ -429,6 +456,10 @@ impl<const N: usize> Process<N> for PlanarDynamic {
     }
 
     fn uses_thrust(&self) -> bool {
+        true
+    }
+
+    fn tilt_is_input(&self) -> bool {
         true
     }
 }

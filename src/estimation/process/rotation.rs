@@ -6,32 +6,43 @@ use crate::estimation::belief::Belief;
 use crate::estimation::kinematics::skew;
 use crate::estimation::transition::Transition;
 
+/// `sin x / x`, `(1 - cos x) / x^2` and `(x - sin x) / x^3` of `square` = x^2.
+///
+/// The series, with terms below the last digit left out, where x < 1/4: a turn in the interval of a
+/// filter hardly is larger.
+fn quotients(square: f64) -> [f64; 3] {
+    if square < 0.0625 {
+        let c = series(square, [6.0, 20.0, 42.0, 72.0, 110.0, 156.0]);
+        return [1.0 - square * c, series(square, [2.0, 12.0, 30.0, 56.0, 90.0, 132.0]), c];
+    }
+    let angle = square.sqrt();
+    let (sin, cos) = libm::sincos(angle);
+    [sin / angle, (1.0 - cos) / square, (angle - sin) / (square * angle)]
+}
+
+/// `1/a - x/(a b) + x^2/(a b c) - ...`
+fn series(x: f64, divisors: [f64; 6]) -> f64 {
+    divisors.iter().rev().fold(0.0, |rest, divisor| (1.0 - x * rest) * (1.0 / divisor))
+}
+
+/// `1 + a [phi]x + b [phi]x^2`.
+fn polynomial(phi: &Vector3<f64>, a: f64, b: f64) -> Matrix3<f64> {
+    // [phi]x^2 = phi phi^T - phi^T phi 1.
+    skew(&(phi * a))
+        + phi * (phi * b).transpose()
+        + Matrix3::from_diagonal_element(1.0 - phi.norm_squared() * b)
+}
+
 /// `Exp(phi)`: the rotation by |phi| about phi (Rodrigues).
 pub(crate) fn exp(phi: &Vector3<f64>) -> Matrix3<f64> {
-    let angle = phi.norm();
-    let k = skew(phi);
-    let (a, b) = if angle < 1e-4 {
-        let square = angle * angle;
-        (1.0 - square / 6.0, 0.5 - square / 24.0)
-    } else {
-        let (sin, cos) = libm::sincos(angle);
-        (sin / angle, (1.0 - cos) / (angle * angle))
-    };
-    Matrix3::identity() + k * a + k * k * b
+    let [a, b, _] = quotients(phi.norm_squared());
+    polynomial(phi, a, b)
 }
 
 /// The right Jacobian: `Exp(phi + d) = Exp(phi) Exp(Jr(phi) d)` to first order.
 pub(crate) fn right_jacobian(phi: &Vector3<f64>) -> Matrix3<f64> {
-    let angle = phi.norm();
-    let k = skew(phi);
-    let (a, b) = if angle < 1e-4 {
-        let square = angle * angle;
-        (0.5 - square / 24.0, 1.0 / 6.0 - square / 120.0)
-    } else {
-        let (sin, cos) = libm::sincos(angle);
-        ((1.0 - cos) / (angle * angle), (angle - sin) / (angle * angle * angle))
-    };
-    Matrix3::identity() - k * a + k * k * b
+    let [_, a, b] = quotients(phi.norm_squared());
+    polynomial(phi, -a, b)
 }
 
 /// `Log` of a rotation matrix: the rotation vector, shorter than pi.
@@ -51,10 +62,11 @@ pub(crate) fn matrix(q: [f64; 4]) -> Matrix3<f64> {
 
 /// `q Exp(phi)`, of unit length.
 pub(crate) fn turned(q: [f64; 4], phi: &Vector3<f64>) -> [f64; 4] {
-    let half = 0.5 * phi.norm();
-    let scale = if half < 1e-4 { 0.5 - half * half / 12.0 } else { 0.5 * libm::sin(half) / half };
+    let half = phi * 0.5;
+    let square = half.norm_squared();
+    let [sine, versine, _] = quotients(square);
     let [a, x, y, z] = q;
-    let (b, v) = (libm::cos(half), phi * scale);
+    let (b, v) = (1.0 - versine * square, half * sine);
     let product = [
         a * b - x * v.x - y * v.y - z * v.z,
         a * v.x + x * b + y * v.z - z * v.y,
@@ -79,9 +91,7 @@ pub(crate) fn turn_attitude<const N: usize>(belief: &mut Belief<N>, state: usize
     if turn.norm_squared() > SMALL_TURN * SMALL_TURN {
         let back = exp(&-turn);
         let mut f = Transition::identity();
-        for i in 0..3 {
-            f.set_row(state + i, [0, 1, 2].map(|j| (state + j, back[(i, j)])));
-        }
+        f.set_rows(state, &[(state, back)]);
         belief.propagate(&f);
     }
 }

@@ -4,11 +4,11 @@
 //! of the compass where it is a state. Derivatives by a rotation about the body axes: Fossen (2011)
 //! eq (2.28), the inverse of the matrix that turns Euler rates into body rates.
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 
 use super::{Observation, Sensor};
 use crate::attitude::wrap;
-use crate::estimation::belief::Column;
+use crate::estimation::belief::Row;
 use crate::estimation::kinematics::Kinematics;
 
 /// Cosine of pitch below which roll and heading lose their meaning.
@@ -28,39 +28,38 @@ pub struct Heading {
     pub sigma: f64,
 }
 
-/// Roll, pitch and heading of a rotation, and their derivatives by a turn about the body axes.
+/// Roll, pitch and heading of a rotation.
 #[must_use]
-pub fn euler(rotation: &Matrix3<f64>) -> ([f64; 3], Matrix3<f64>) {
+pub fn euler(rotation: &Matrix3<f64>) -> [f64; 3] {
     let r = rotation;
-    let sin_pitch = -r[(2, 0)].clamp(-1.0, 1.0);
-    let roll = libm::atan2(r[(2, 1)], r[(2, 2)]);
-    let pitch = libm::asin(sin_pitch);
-    let heading = libm::atan2(r[(1, 0)], r[(0, 0)]);
-    let cos_pitch = (1.0 - sin_pitch * sin_pitch).sqrt().max(VERTICAL);
-    let (sin_roll, cos_roll) = libm::sincos(roll);
-    let tan_pitch = sin_pitch / cos_pitch;
-    let rates = Matrix3::new(
-        1.0,
-        sin_roll * tan_pitch,
-        cos_roll * tan_pitch,
-        0.0,
-        cos_roll,
-        -sin_roll,
-        0.0,
-        sin_roll / cos_pitch,
-        cos_roll / cos_pitch,
-    );
-    ([roll, pitch, heading], rates)
+    [libm::atan2(r[(2, 1)], r[(2, 2)]), libm::asin((-r[(2, 0)]).clamp(-1.0, 1.0)), heading(r)]
+}
+
+fn heading(rotation: &Matrix3<f64>) -> f64 {
+    libm::atan2(rotation[(1, 0)], rotation[(0, 0)])
+}
+
+/// Derivatives of roll, pitch and heading by a turn about the body axes: one column for each angle.
+#[must_use]
+pub fn euler_by_turn(rotation: &Matrix3<f64>) -> [Vector3<f64>; 3] {
+    let [down_x, down_y, down_z] = [0, 1, 2].map(|i| rotation[(2, i)]);
+    let across = (down_y * down_y + down_z * down_z).sqrt();
+    let (sin_roll, cos_roll) =
+        if across > 0.0 { (down_y / across, down_z / across) } else { (0.0, 1.0) };
+    let secant = 1.0 / across.max(VERTICAL);
+    let by_heading = Vector3::new(0.0, sin_roll * secant, cos_roll * secant);
+    [Vector3::x() - by_heading * down_x, Vector3::new(0.0, cos_roll, -sin_roll), by_heading]
 }
 
 impl Sensor<3> for Tilt {
     fn observe<const N: usize>(&self, value: &[f64; 3], motion: &Kinematics<N>) -> Observation<N> {
-        let (angles, rates) = euler(&motion.rotation);
+        let angles = euler(&motion.rotation);
+        let [roll, pitch, _] = euler_by_turn(&motion.rotation);
         let variance = self.sigma * self.sigma;
         Observation::new(
             2,
             [wrap(value[0] - angles[0]), value[1] - angles[1], 0.0],
-            [0, 1, 2].map(|i| motion.through_rotation(&rates, i)),
+            [motion.through_rotation(&roll), motion.through_rotation(&pitch), Row::zeros()],
             [variance, variance, 1.0],
         )
     }
@@ -68,18 +67,12 @@ impl Sensor<3> for Tilt {
 
 impl Sensor<3> for Heading {
     fn observe<const N: usize>(&self, value: &[f64; 3], motion: &Kinematics<N>) -> Observation<N> {
-        let (angles, rates) = euler(&motion.rotation);
-        let mut row = motion.through_rotation(&rates, 2);
+        let [.., by_turn] = euler_by_turn(&motion.rotation);
+        let mut row = motion.through_rotation(&by_turn);
         if let Some(state) = motion.sensors.heading_bias {
             row[state] = 1.0;
         }
-        let predicted = angles[2] + motion.optional(motion.sensors.heading_bias);
-        let empty = Column::zeros();
-        Observation::new(
-            1,
-            [wrap(value[2] - predicted), 0.0, 0.0],
-            [row, empty, empty],
-            [self.sigma * self.sigma, 1.0, 1.0],
-        )
+        let predicted = heading(&motion.rotation) + motion.optional(motion.sensors.heading_bias);
+        Observation::scalar(wrap(value[2] - predicted), row, self.sigma * self.sigma)
     }
 }

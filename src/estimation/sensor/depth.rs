@@ -3,7 +3,6 @@
 use nalgebra::Vector3;
 
 use super::{Observation, Sensor};
-use crate::estimation::belief::Column;
 use crate::estimation::kinematics::Kinematics;
 
 /// Depth at the sensor (m).
@@ -21,12 +20,8 @@ impl Sensor<1> for Depth {
         &[depth]: &[f64; 1],
         motion: &Kinematics<N>,
     ) -> Observation<N> {
-        let point = motion.point(&self.lever);
-        Observation::new(
-            1,
-            [depth - point.value.z, 0.0, 0.0],
-            [point.rows[2], Column::zeros(), Column::zeros()],
-            [self.sigma * self.sigma, 1.0, 1.0],
-        )
+        let innovation = depth - motion.point(&self.lever).z;
+        let row = motion.point_row(&self.lever, 2);
+        Observation::scalar(innovation, row, self.sigma * self.sigma)
     }
 }

@@ -7,6 +7,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::{Observation, Sensor};
+use crate::estimation::belief::Row;
 use crate::estimation::kinematics::{Kinematics, skew};
 
 /// Velocity at the instrument (m/s).
@@ -32,8 +33,14 @@ impl Sensor<3> for Dvl {
         let through_velocity = turn * scale;
         let through_rate = -through_velocity * skew(&self.lever);
         let mut rows = core::array::from_fn(|i| {
-            motion.velocity.image(&through_velocity, i) + motion.rate.image(&through_rate, i)
-                - motion.acceleration.image(&through_velocity, i) * delay
+            let mut row = Row::zeros();
+            let by_velocity = through_velocity.row(i).transpose();
+            motion.velocity.add_to(&mut row, &by_velocity);
+            motion.rate.add_to(&mut row, &through_rate.row(i).transpose());
+            if states.dvl_delay.is_some() {
+                motion.acceleration.add_to(&mut row, &(by_velocity * -delay));
+            }
+            row
         });
         let by_misalignment = Vector3::new(aligned.y, -aligned.x, 0.0) * scale;
         let by_delay = -(through_velocity * motion.acceleration.value);

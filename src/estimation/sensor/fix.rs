@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::{Observation, Sensor};
-use crate::estimation::belief::Column;
+use crate::estimation::belief::Row;
 use crate::estimation::kinematics::Kinematics;
 
 /// Least standard deviation that a fix may report of itself (m).
@@ -29,8 +29,8 @@ impl Sensor<3> for Fix {
         let sigma = if reported > 0.0 { reported.max(LEAST) } else { self.sigma };
         Observation::new(
             2,
-            [north - point.value.x, east - point.value.y, 0.0],
-            [point.rows[0], point.rows[1], Column::zeros()],
+            [north - point.x, east - point.y, 0.0],
+            [motion.point_row(&self.lever, 0), motion.point_row(&self.lever, 1), Row::zeros()],
             [sigma * sigma, sigma * sigma, 1.0],
         )
     }

@@ -5,10 +5,10 @@ mod depth;
 mod dvl;
 mod fix;
 
-use super::belief::Column;
+use super::belief::Row;
 use super::kinematics::Kinematics;
 
-pub use ahrs::{Heading, Tilt, euler};
+pub use ahrs::{Heading, Tilt, euler, euler_by_turn};
 pub use depth::Depth;
 pub use dvl::Dvl;
 pub use fix::Fix;
@@ -21,7 +21,7 @@ pub struct Observation<const N: usize> {
     /// Measured less predicted.
     pub innovation: [f64; 3],
     /// Derivatives of the prediction by the states.
-    pub rows: [Column<N>; 3],
+    pub rows: [Row<N>; 3],
     /// Variances of the noise.
     pub variance: [f64; 3],
 }
@@ -29,13 +29,15 @@ pub struct Observation<const N: usize> {
 impl<const N: usize> Observation<N> {
     /// Of the first `size` components.
     #[must_use]
-    pub fn new(
-        size: usize,
-        innovation: [f64; 3],
-        rows: [Column<N>; 3],
-        variance: [f64; 3],
-    ) -> Self {
+    pub fn new(size: usize, innovation: [f64; 3], rows: [Row<N>; 3], variance: [f64; 3]) -> Self {
         Self { size, innovation, rows, variance }
+    }
+
+    /// Of one component.
+    #[must_use]
+    pub fn scalar(innovation: f64, row: Row<N>, variance: f64) -> Self {
+        let rows = [row, Row::zeros(), Row::zeros()];
+        Self::new(1, [innovation, 0.0, 0.0], rows, [variance, 1.0, 1.0])
     }
 }
 

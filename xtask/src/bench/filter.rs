@@ -15,9 +15,9 @@ use rexrov::vehicle::{Parameters, ReducedModel};
 use std::hint::black_box;
 
 const TIMES: u32 = 1000;
-/// Inertial and thrust samples a second, and cycles (Hz).
+/// Inertial and thrust samples a second (Hz).
 const RATE_HZ: u32 = 50;
-/// Cycles of a prediction of 0.1 s.
+/// Those in a prediction of 0.1 s.
 const CYCLES: u32 = 5;
 /// Speed of a vehicle that goes north (m/s).
 const SPEED: f64 = 0.5;
@@ -73,8 +73,8 @@ fn paper() -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-/// A prediction of 0.1 s with its updates, one cycle for each of five inertial samples, and a second
-/// of sensors at their usual rates; microseconds.
+/// A prediction of 0.1 s with its updates, five inertial samples and an estimate; and a second of
+/// sensors at their usual rates, with an estimate at each inertial sample.
 fn navigation(name: &str, filter: &impl Navigation, bar: Bar) -> Result<[Row; 2]> {
     let mut all = Run::new(filter, |k| [5, 5, 5, 5].map(|every| k % every == 0))?;
     // 50, 10, 7.1 and 1 Hz.
@@ -82,8 +82,16 @@ fn navigation(name: &str, filter: &impl Navigation, bar: Bar) -> Result<[Row; 2]
     let times = rounds(
         20,
         [
-            &mut repeat(|| (0..CYCLES).for_each(|_| all.cycle())),
-            &mut repeat(|| (0..RATE_HZ).for_each(|_| usual.cycle())),
+            &mut repeat(|| {
+                (0..CYCLES).for_each(|_| all.take());
+                all.estimate();
+            }),
+            &mut repeat(|| {
+                for _ in 0..RATE_HZ {
+                    usual.take();
+                    usual.estimate();
+                }
+            }),
         ],
     );
     Ok([
@@ -116,7 +124,7 @@ impl<'a, F: Navigation, New: Fn(u32) -> [bool; 4]> Run<'a, F, New> {
         Ok(Self { filter, memory, measured, cycle: 0, new, thrust })
     }
 
-    fn cycle(&mut self) {
+    fn take(&mut self) {
         let time = f64::from(self.cycle) / f64::from(RATE_HZ);
         // No value repeats: that would show a stuck instrument.
         let noise = f64::from(self.cycle * 37 % 101) / 101.0 - 0.5;
@@ -137,7 +145,11 @@ impl<'a, F: Navigation, New: Fn(u32) -> [bool; 4]> Run<'a, F, New> {
         if fix {
             m.fix = Reading::at(time, [SPEED * time + 0.5 * noise, 0.5 * noise, 0.0]);
         }
-        black_box(self.filter.update(&mut self.memory, time, black_box(&self.measured)));
+        self.filter.take(&mut self.memory, time, black_box(&self.measured));
         self.cycle += 1;
+    }
+
+    fn estimate(&mut self) {
+        black_box(self.filter.estimate(&mut self.memory));
     }
 }
