@@ -236,6 +236,17 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
         Ok(Self { setup: Setup::new(process, parameters), monitor: PhantomData })
     }
 
+    /// The memory at the start.
+    #[must_use]
+    pub fn memory(&self) -> Memory<N, M> {
+        Navigation::memory(self)
+    }
+
+    /// See [`Navigation::update`].
+    pub fn update(&self, memory: &mut Memory<N, M>, now: f64, measured: &Measurements) -> Estimate {
+        Navigation::update(self, memory, now, measured)
+    }
+
     /// The share of its thrust that each thruster is taken to give.
     pub(super) fn effectiveness(memory: &Memory<N, M>) -> [f64; 8] {
         memory.history.as_ref().map_or([1.0; 8], |history| history.track.effectiveness)

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::measurement::{Event, KINDS, Kind, Measurements};
+use super::measurement::{Event, KINDS, Kind, Measurements, Reading};
 
 /// A stamp may be this far ahead of the filter's clock (s): an importer's step, a rounding.
 const AHEAD: f64 = 0.05;
@@ -48,30 +48,33 @@ impl Source {
         now - self.arrived < seconds
     }
 
-    fn accept(
+    fn accept<const K: usize>(
         &mut self,
         kind: Kind,
         now: f64,
-        stamp: f64,
-        value: &[f64; 8],
+        reading: &Reading<K>,
         latency: f64,
     ) -> Option<Event> {
+        let stamp = reading.stamp;
         let stamped = stamp >= 0.0;
-        let same = self.seen && *value == self.value;
-        let new = if stamped { stamp != self.stamp } else { !(same && kind.never_repeats()) };
-        if !new || stamp.is_nan() {
+        if !reading.valid || stamp.is_nan() || (stamped && stamp == self.stamp) {
             return None;
         }
-        let stuck = stamped && same && kind.never_repeats();
-        (self.stamp, self.value, self.seen) = (stamp, *value, true);
-        if stuck || !kind.is_plausible(value) {
+        let value = core::array::from_fn(|i| if i < K { reading.value[i] } else { 0.0 });
+        let repeats = self.seen && value == self.value && kind.never_repeats();
+        if repeats && !stamped {
+            return None;
+        }
+        (self.stamp, self.value, self.seen) = (stamp, value, true);
+        // The same bits at another instant: the instrument is stuck.
+        if repeats || !kind.is_plausible(&value) {
             self.invalid = self.invalid.saturating_add(1);
             return None;
         }
         let time = if stamped { self.anchor(now, stamp, latency) } else { now };
         self.newest = self.newest.max(time);
         self.arrived = now;
-        Some(Event { time, kind, value: *value })
+        Some(Event { time, kind, value })
     }
 
     /// The time of a stamp. One that cannot be, in the future or older than any latency, shows that
@@ -92,17 +95,22 @@ impl Source {
 /// All instruments.
 pub(super) type Sources = [Source; KINDS];
 
-/// Hands every reading that is new and fit to `take`.
+/// Hands every reading that is new and fit to `take`, in the order of the kinds.
 pub(super) fn take_new(
     sources: &mut Sources,
     now: f64,
     measured: &Measurements,
     latency: f64,
-    mut take: impl FnMut(Event),
+    take: impl FnMut(Event),
 ) {
-    for (source, (kind, stamp, valid, value)) in sources.iter_mut().zip(measured.readings()) {
-        if valid && let Some(event) = source.accept(kind, now, stamp, &value, latency) {
-            take(event);
-        }
-    }
+    let [imu, thrust, ahrs, depth, dvl, fix] = sources;
+    let events = [
+        imu.accept(Kind::Imu, now, &measured.imu, latency),
+        thrust.accept(Kind::Thrust, now, &measured.thrust, latency),
+        ahrs.accept(Kind::Ahrs, now, &measured.ahrs, latency),
+        depth.accept(Kind::Depth, now, &measured.depth, latency),
+        dvl.accept(Kind::Dvl, now, &measured.dvl, latency),
+        fix.accept(Kind::Fix, now, &measured.fix, latency),
+    ];
+    events.into_iter().flatten().for_each(take);
 }

@@ -133,21 +133,3 @@ impl Kind {
         !matches!(self, Self::Thrust | Self::Depth | Self::Effectiveness)
     }
 }
-
-impl Measurements {
-    /// The readings by kind, padded to eight components.
-    pub(super) fn readings(&self) -> [(Kind, f64, bool, [f64; 8]); KINDS] {
-        fn pad<const K: usize>(kind: Kind, r: &Reading<K>) -> (Kind, f64, bool, [f64; 8]) {
-            let value = core::array::from_fn(|i| if i < K { r.value[i] } else { 0.0 });
-            (kind, r.stamp, r.valid, value)
-        }
-        [
-            pad(Kind::Imu, &self.imu),
-            pad(Kind::Thrust, &self.thrust),
-            pad(Kind::Ahrs, &self.ahrs),
-            pad(Kind::Depth, &self.depth),
-            pad(Kind::Dvl, &self.dvl),
-            pad(Kind::Fix, &self.fix),
-        ]
-    }
-}

@@ -6,7 +6,7 @@ use crate::scoring::set;
 use proptest::prelude::*;
 use rexrov::estimation::monitor::Monitor;
 use rexrov::estimation::process::Process;
-use rexrov::estimation::{Estimate, Filter, Measurements, Memory, Navigation};
+use rexrov::estimation::{Estimate, Filter, Measurements, Memory};
 use rexrov::guidance::Course;
 
 /// One update an event, as they arrive.

@@ -95,3 +95,23 @@ pub(crate) fn turn_attitude<const N: usize>(belief: &mut Belief<N>, state: usize
         belief.propagate(&f);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::quotients;
+
+    #[test]
+    fn series_and_functions_agree() {
+        for angle in [0.01, 0.1, 0.2, 0.2499, 0.2501] {
+            let [a, b, c] = quotients(angle * angle);
+            let (sin, half) = (libm::sin(angle), libm::sin(0.5 * angle));
+            let close = |got: f64, want: f64, error: f64| {
+                assert!((got - want).abs() <= error, "{angle}: {got}, not {want}");
+            };
+            close(a, sin / angle, 1e-15);
+            close(b, 2.0 * (half / angle) * (half / angle), 1e-15 / angle);
+            // The difference has lost digits.
+            close(c, (angle - sin) / (angle * angle * angle), 1e-16 / (angle * angle));
+        }
+    }
+}
