@@ -55,6 +55,7 @@ impl Process<6> for Linear {
             velocity: part(3),
             rate: Linearized::constant(nalgebra::Vector3::zeros()),
             rate_variance: 0.0,
+            tracking_variance: 0.0,
             acceleration: Linearized::constant(nalgebra::Vector3::zeros()),
             sensors: SensorStates::default(),
             mean: belief.mean,

@@ -2,18 +2,21 @@
 
 use core::marker::PhantomData;
 
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::belief::{Belief, Row};
+use super::clocks::{Clocks, Displaced};
 use super::history::{Arrival, History};
 use super::intake::{Sources, take_new};
-use super::kinematics::Kinematics;
+use super::kinematics::{Kinematics, skew};
 use super::measurement::{Event, KINDS, Kind, Measurements};
 use super::monitor::Monitor;
 use super::parameters::NavigationParameters;
 use super::process::Process;
 use super::sensor::{euler, euler_by_turn};
-use super::track::{ATTITUDE_GAP, CHANNELS, Record, Setup, Track};
+use super::track::{CHANNELS, Record, Setup, Track};
+use super::turning::ATTITUDE_GAP;
 use crate::ParameterError;
 
 /// A silence longer than this (s) is not predicted through: the filter begins anew.
@@ -33,6 +36,7 @@ pub struct Filter<P, const N: usize, M = ()> {
 pub struct Memory<const N: usize, M = ()> {
     history: Option<History<N, M>>,
     sources: Sources,
+    clocks: Clocks,
     late: [u32; KINDS],
     /// When the belief was last begun anew (s).
     reset: f64,
@@ -48,6 +52,7 @@ impl<const N: usize, M> Default for Memory<N, M> {
         Self {
             history: None,
             sources: Sources::default(),
+            clocks: Clocks::default(),
             late: [0; KINDS],
             reset: f64::NEG_INFINITY,
             begun: f64::NAN,
@@ -65,7 +70,7 @@ impl<const N: usize, M: Copy> Clone for Memory<N, M> {
     /// Keeps the room that the history has.
     fn clone_from(&mut self, from: &Self) {
         self.history.clone_from(&from.history);
-        (self.sources, self.late) = (from.sources, from.late);
+        (self.sources, self.clocks, self.late) = (from.sources, from.clocks, from.late);
         (self.reset, self.begun, self.now) = (from.reset, from.begun, from.now);
         self.spread = from.spread;
     }
@@ -169,7 +174,7 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Navigation for Filter<P, N, M
     }
 
     fn take(&self, memory: &mut Memory<N, M>, now: f64, measured: &Measurements) {
-        let Memory { history, sources, late, reset, begun: first, now: last, .. } = memory;
+        let Memory { history, sources, clocks, late, reset, begun: first, now: last, .. } = memory;
         let begun = !last.is_nan();
         let history = history.get_or_insert_with(|| History::new(Track::new(&self.setup, now)));
         if !begun && now.is_finite() {
@@ -182,7 +187,19 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Navigation for Filter<P, N, M
         }
         *last = now;
         let latency = self.setup.parameters.latency;
-        take_new(sources, now, measured, latency, |event| {
+        let turns_by_attitude = !sources[Kind::Imu as usize].is_alive(now, SILENT);
+        let watched = self.setup.watches_clocks() && turns_by_attitude;
+        if !watched {
+            clocks.rest();
+        }
+        let mut displaced = None;
+        take_new(sources, now, measured, latency, |mut event| {
+            if watched {
+                displaced = clocks.hear(&event).or(displaced);
+            }
+            if event.kind == Kind::Dvl {
+                event.time += clocks.lead();
+            }
             if event.kind == Kind::Thrust && !self.setup.process.uses_thrust() {
                 // Nothing waits for it, so it would be late in every cycle.
                 return;
@@ -193,6 +210,10 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Navigation for Filter<P, N, M
                 Arrival::Late | Arrival::Lost => late[kind] = late[kind].saturating_add(1),
             }
         });
+        if let Some(Displaced { by: [north, east], within: [n, e] }) = displaced {
+            let (time, value) = (history.track.time, [north, east, n, e, 0.0, 0.0, 0.0, 0.0]);
+            history.insert(Event { time, kind: Kind::Displacement, value });
+        }
         let horizon = self.horizon(sources, now);
         if horizon - history.track.time > LOST {
             *reset = now;
@@ -369,12 +390,16 @@ fn spread<P: Process<N>, const N: usize>(
         let sigma = setup.parameters.sensors.tilt_sigma;
         (3..5).for_each(|i| covariance[i][i] = sigma * sigma);
     }
+    // A velocity log has taken the error of the rate for one of the velocity.
+    let arms = skew(&Vector3::from(setup.parameters.mounting.dvl));
+    let velocity_sigma = |i: usize| {
+        let by_rate = arms.row(i).norm_squared() * motion.tracking_variance;
+        (belief.variance(&motion.velocity.row(i)).max(0.0) + by_rate).sqrt()
+    };
     Estimate {
         current: setup.process.current().map_or([0.0; 2], |c| c.map(|i| belief.mean[i])),
         covariance,
-        velocity_sigma: core::array::from_fn(|i| {
-            belief.variance(&motion.velocity.row(i)).max(0.0).sqrt()
-        }),
+        velocity_sigma: core::array::from_fn(velocity_sigma),
         ..Estimate::default()
     }
 }

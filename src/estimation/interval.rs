@@ -7,6 +7,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::turning::Turning;
+
 /// Instants closer than this (s) are the same.
 pub(super) const SAME: f64 = 1e-9;
 /// Samples farther apart than this (s) do not describe what is between them.
@@ -138,8 +140,8 @@ pub struct Interval {
     pub inertial: Option<Inertial>,
     /// Thrusts; absent while they are not reported.
     pub thrust: Option<Thrusts>,
-    /// Angular rate that successive attitudes speak for, body (rad/s); absent without attitudes.
-    pub attitude_rate: Option<[f64; 3]>,
+    /// Angular rates that attitudes speak for; absent without attitudes, and where there are gyros.
+    pub turning: Option<Turning>,
     /// Roll and pitch last measured (rad).
     pub tilt: [f64; 2],
 }

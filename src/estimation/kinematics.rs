@@ -137,6 +137,9 @@ pub struct Kinematics<const N: usize> {
     pub rate: Linearized,
     /// Variance of the rate's noise beyond what the states say ((rad/s)^2).
     pub rate_variance: f64,
+    /// Variance of the error of a rate that was tracked from attitudes ((rad/s)^2). What it adds up to is
+    /// no more than the noise of an attitude, so that no measurement counts less for it.
+    pub tracking_variance: f64,
     /// Time derivative of the velocity along body axes (m/s2).
     pub acceleration: Linearized<4>,
     /// States of the sensors, and their mean.

@@ -62,6 +62,8 @@ pub enum Kind {
     Fix,
     /// Shares of the thrust that the thrusters give, as a monitor found.
     Effectiveness,
+    /// What the position turned out to be off by, and to within what: north and east of each.
+    Displacement,
 }
 
 /// How many kinds of samples come from instruments.
@@ -96,6 +98,7 @@ impl Kind {
         match self {
             Self::Imu => 6,
             Self::Thrust | Self::Effectiveness => 8,
+            Self::Displacement => 4,
             Self::Ahrs | Self::Dvl | Self::Fix => 3,
             Self::Depth => 1,
         }
@@ -109,7 +112,7 @@ impl Kind {
             Self::Thrust | Self::Effectiveness => 1e6,
             Self::Ahrs => 1e3,
             Self::Dvl => 50.0,
-            Self::Fix => 1e9,
+            Self::Fix | Self::Displacement => 1e9,
             Self::Depth => 2e4,
         }
     }
@@ -122,7 +125,7 @@ impl Kind {
             Self::Imu => own[..3].iter().all(|&x| x == 0.0),
             Self::Dvl | Self::Ahrs => own.iter().all(|&x| x == 0.0),
             Self::Fix => own[..2].iter().all(|&x| x == 0.0),
-            Self::Thrust | Self::Depth | Self::Effectiveness => false,
+            Self::Thrust | Self::Depth | Self::Effectiveness | Self::Displacement => false,
         };
         !all_zero && own.iter().all(|x| x.abs() <= self.bound())
     }
@@ -130,6 +133,6 @@ impl Kind {
     /// Whether a value that repeats the one before bit for bit shows an instrument that is stuck.
     /// A rotor can stand still, and a depth has a coarse resolution.
     pub(super) fn never_repeats(self) -> bool {
-        !matches!(self, Self::Thrust | Self::Depth | Self::Effectiveness)
+        !matches!(self, Self::Thrust | Self::Depth | Self::Effectiveness | Self::Displacement)
     }
 }

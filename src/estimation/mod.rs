@@ -10,6 +10,7 @@
 mod aided;
 pub mod belief;
 pub mod bound;
+mod clocks;
 pub mod filter;
 mod history;
 mod intake;
@@ -26,6 +27,7 @@ pub mod sensor;
 mod smoother;
 mod track;
 pub mod transition;
+mod turning;
 
 pub use aided::{AIDED_STATES, AidedFilter, AidedMemory, BASIC_STATES, DynamicFilter};
 pub use belief::Belief;
@@ -39,3 +41,4 @@ pub use process::model_aid::ModelAid;
 pub use process::planar_dynamic::PlanarDynamic;
 pub use smoother::{Recording, Smoothed, Smoothing};
 pub use track::{CHANNELS, Channel};
+pub use turning::Turning;

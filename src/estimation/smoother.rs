@@ -18,6 +18,7 @@
 use nalgebra::SMatrix;
 
 use super::belief::{Belief, Column, Row};
+use super::clocks::Clocks;
 use super::filter::{Estimate, Filter, describe};
 use super::intake::{Sources, take_new};
 use super::interval::{Interval, SAME};
@@ -25,8 +26,9 @@ use super::kalman::Witness;
 use super::measurement::{Event, Kind, Measurements};
 use super::monitor::Monitor;
 use super::process::Process;
-use super::track::{ATTITUDE_GAP, Ahead, Setup, Track};
+use super::track::{Ahead, Setup, Track};
 use super::transition::Transition;
+use super::turning::ATTITUDE_GAP;
 
 /// Steps of which a tape is kept at a time; the filter goes twice over each.
 const SEGMENT: usize = 2048;
@@ -77,10 +79,22 @@ impl Recording {
     }
 
     /// By stamp; of samples with the same stamp the first.
-    fn in_order(&self) -> Vec<Event> {
+    fn in_order<P>(&self, setup: &Setup<P>) -> Vec<Event> {
         let mut events = self.events.clone();
-        events.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.kind.cmp(&b.kind)));
+        let sort = |events: &mut Vec<Event>| {
+            events.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.kind.cmp(&b.kind)));
+        };
+        sort(&mut events);
         events.dedup_by(|a, b| a.key() == b.key());
+        if setup.watches_clocks() && events.iter().all(|event| event.kind != Kind::Imu) {
+            let mut clocks = Clocks::default();
+            for event in &events {
+                clocks.hear(event);
+            }
+            let logs = events.iter_mut().filter(|event| event.kind == Kind::Dvl);
+            logs.for_each(|event| event.time += clocks.lead());
+            sort(&mut events);
+        }
         events
     }
 }
@@ -92,9 +106,9 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Smoothing for Filter<P, N, M>
     }
 
     fn smooth(&self, recording: &Recording) -> Vec<Smoothed> {
-        let events = recording.in_order();
-        let Some(first) = events.first() else { return Vec::new() };
         let setup = &self.setup;
+        let events = recording.in_order(setup);
+        let Some(first) = events.first() else { return Vec::new() };
         let mut player = Player::<N, M>::new(setup, &events, first.time);
         let mut beginnings = vec![player];
         while player.play(setup, &events, &mut ()) {
@@ -120,7 +134,7 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Smoothing for Filter<P, N, M>
 impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
     /// Adds to a recording what the monitor finds the thrusters to give, and when.
     pub(super) fn watch(&self, recording: &mut Recording) {
-        let events = recording.in_order();
+        let events = recording.in_order(&self.setup);
         let Some(first) = events.first() else { return };
         let mut player = Player::<N, M>::new(&self.setup, &events, first.time);
         let mut before = player.track.effectiveness;

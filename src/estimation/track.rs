@@ -3,10 +3,10 @@
 //! All of it changes only by events in the order of their times, so that going back to an earlier
 //! copy and repeating the events gives what would have been, had all of them come in time.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::belief::Belief;
+use super::belief::{Belief, Column};
 use super::interval::{Inertial, Interval, SAME, Stream, Thrusts};
 use super::kalman::{Both, GATE, Verdict, Witness, absorb, fuse, judge};
 use super::kinematics::{Kinematics, Motion, skew};
@@ -14,10 +14,9 @@ use super::measurement::{Event, Key, Kind};
 use super::monitor::Monitor;
 use super::parameters::NavigationParameters;
 use super::process::Process;
-use super::process::rotation::log;
 use super::recovery::{Agreement, Hidden, follow_unobservable, hand_to_bias, hidden, reacquire};
 use super::sensor::{Depth, Dvl, Fix, Heading, Observation, Sensor, Tilt};
-use crate::attitude;
+use super::turning::Tracker;
 
 /// Sensors whose innovations are watched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,8 +58,6 @@ pub(super) struct Record {
 
 /// Standard deviation of the position of a vehicle that is lost (m).
 const LOST_SIGMA: f64 = 1e4;
-/// Seconds between attitudes beyond which they say nothing of the rate.
-pub(super) const ATTITUDE_GAP: f64 = 1.5;
 
 /// A filter at an instant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -72,10 +69,7 @@ pub(super) struct Track<const N: usize, M> {
     pub(super) belief: Belief<N>,
     imu: Stream<6>,
     thrust: Stream<8>,
-    /// Time and Euler angles of the newest attitude.
-    attitude: Option<(f64, [f64; 3])>,
-    /// The newest two attitudes that are near enough to each other to say how the vehicle turns.
-    turn: Option<Turn>,
+    turning: Tracker,
     tilt: [f64; 2],
     before: Interval,
     pub(super) interval: Interval,
@@ -87,9 +81,6 @@ pub(super) struct Track<const N: usize, M> {
     hidden: Option<Hidden>,
     monitor: M,
 }
-
-/// Two attitudes, each with its time.
-type Turn = [(f64, [f64; 3]); 2];
 
 /// Samples that come next, which a boundary between two samples needs.
 #[derive(Clone, Copy, Debug, Default)]
@@ -124,6 +115,12 @@ impl<P> Setup<P> {
             fix: Fix { lever: m.fix.into(), sigma: s.fix_sigma },
         }
     }
+
+    /// Whether the clocks of velocity log and attitude are compared: forward of the centre of gravity a
+    /// log's lever arm hides the slip.
+    pub(super) fn watches_clocks(&self) -> bool {
+        self.parameters.gated && self.parameters.mounting.dvl[0] <= 0.0
+    }
 }
 
 impl<const N: usize, M: Monitor<N>> Track<N, M> {
@@ -131,14 +128,14 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         let mut monitor = M::default();
         monitor.prepare(&core::array::from_fn(|i| setup.process.thrust_effect(i)));
         let [roll, pitch, _] = setup.parameters.start.attitude;
+        let sensors = &setup.parameters.sensors;
         Self {
             time: start,
             key: (f64::NEG_INFINITY, Kind::Imu),
             belief: setup.process.initial(),
             imu: Stream::new(start),
             thrust: Stream::new(start),
-            attitude: None,
-            turn: None,
+            turning: Tracker::new(sensors.heading_sigma.max(sensors.tilt_sigma)),
             tilt: [roll, pitch],
             before: Interval::default(),
             interval: Interval { end: start, tilt: [roll, pitch], ..Interval::default() },
@@ -172,8 +169,12 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
             Kind::Thrust => self.thrust.push(event.time, event.cut()),
             Kind::Ahrs => {
                 self.predict_to(setup, event.time, ahead, witness);
-                self.turn = self.turn_to(Some((event.time, event.cut())));
-                self.attitude = Some((event.time, event.cut()));
+                if self.interval.inertial.is_some() {
+                    self.turning.stand_by(event.time, event.cut());
+                } else {
+                    self.turning.hear(event.time, event.cut());
+                    self.interval.turning = self.turning.newest();
+                }
                 self.fuse_attitude(setup, event.cut(), witness);
             }
             Kind::Depth => {
@@ -192,6 +193,14 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
                 self.fuse(setup, Channel::Fix, observe, witness);
             }
             Kind::Effectiveness => self.effectiveness = event.value,
+            Kind::Displacement => {
+                let [by_north, by_east, north, east] = event.cut();
+                let mut within = Column::<N>::zeros();
+                (within[0], within[1]) = (north, east);
+                self.belief.mean[0] += by_north;
+                self.belief.mean[1] += by_east;
+                self.belief.widen(&within);
+            }
         }
     }
 
@@ -250,12 +259,10 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
                     |f: [f64; 8]| core::array::from_fn(|i| f[i] * self.effectiveness[i]);
                 Thrusts { mean: effective(mean.value), rising: effective(mean.rising) }
             }),
-            // Nobody asks for it while there is an inertial unit.
-            attitude_rate: self
-                .turn_to(ahead.attitude)
-                .filter(|_| imu.is_none())
-                .filter(|_| self.attitude.is_some_and(|(seen, _)| time - seen <= ATTITUDE_GAP))
-                .map(rate),
+            turning: match imu {
+                Some(_) => None,
+                None => self.turning.until(time, ahead.attitude),
+            },
             tilt: self.tilt,
         };
         let process = &setup.process;
@@ -286,16 +293,6 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         };
         let spin = skew(&omega);
         (Vector3::from(force) - angular.cross(&lever) - spin * spin * lever).into()
-    }
-
-    /// The turn from the newest attitude to the next, or the last one known.
-    fn turn_to(&self, next: Option<(f64, [f64; 3])>) -> Option<Turn> {
-        match (self.attitude, next) {
-            (Some(from), Some(to)) if to.0 - from.0 > SAME && to.0 - from.0 <= ATTITUDE_GAP => {
-                Some([from, to])
-            }
-            _ => self.turn,
-        }
     }
 
     /// Takes the first attitude for the start, if the start says nothing of the heading.
@@ -399,15 +396,6 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         }
         interval
     }
-}
-
-/// The rate of a turn, body (rad/s).
-fn rate([(before, from), (time, to)]: Turn) -> [f64; 3] {
-    let rotation = |e: [f64; 3]| {
-        let r = attitude::rotation_euler(e);
-        Matrix3::from_fn(|i, j| r[i][j])
-    };
-    (log(&(rotation(from).transpose() * rotation(to))) / (time - before)).into()
 }
 
 impl Record {

@@ -3,9 +3,9 @@
 use super::oracle::Point;
 use nalgebra::SVector;
 use rexrov::attitude::from_euler;
-use rexrov::estimation::NavigationParameters;
 use rexrov::estimation::belief::{Belief, Column};
 use rexrov::estimation::interval::{Inertial, Interval, Thrusts};
+use rexrov::estimation::{NavigationParameters, Turning};
 use rexrov::vehicle::Parameters;
 
 /// Takes one number in (-1, 1) after the other.
@@ -44,7 +44,7 @@ impl Draw<'_> {
             dt: self.between(0.01, 0.2),
             inertial: Some(self.inertial()),
             thrust: Some(Thrusts { mean, rising }),
-            attitude_rate: Some(self.array(1.0)),
+            turning: Some(Turning { mean: self.array(1.0), end: self.array(1.0), variance: 0.01 }),
             tilt: [roll, self.between(-1.39, 1.39)],
         }
     }

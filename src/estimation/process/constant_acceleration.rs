@@ -151,6 +151,7 @@ impl<const N: usize> Process<N> for ConstantAcceleration {
             velocity,
             rate,
             rate_variance: 0.0,
+            tracking_variance: 0.0,
             acceleration,
             sensors: self.sensors,
             mean: belief.mean,

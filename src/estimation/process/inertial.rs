@@ -70,15 +70,10 @@ impl InertialProcess {
         Ok(Self { parameters: *p, sensors, sensor_sigmas, order, aid })
     }
 
-    /// The rate that the attitudes speak for while there are no gyros (rad/s).
-    fn attitude_rate(interval: &Interval) -> Vector3<f64> {
-        Vector3::from(interval.attitude_rate.unwrap_or([0.0; 3]))
-    }
-
     /// A prediction without inertial means: `p+ = p + R (I + T) u dt/2` with `T = Exp(omega dt)`.
     fn coast<const N: usize>(&self, belief: &mut Belief<N>, interval: &Interval) -> Transition<N> {
         let dt = interval.dt;
-        let turn = Self::attitude_rate(interval) * dt;
+        let turn = Vector3::from(interval.turning.unwrap_or_default().mean) * dt;
         let (r, t) = (matrix(belief.attitude), exp(&turn));
         let u: Vector3<f64> = belief.mean.fixed_rows::<3>(U).into_owned();
         let by_velocity = r * (Matrix3::identity() + t) * (0.5 * dt);
@@ -264,7 +259,10 @@ impl<const N: usize> Process<N> for InertialProcess {
                 let gravity = inverse * Vector3::z() * self.parameters.gravity;
                 (rate, force + gravity - rate.cross(&velocity))
             }
-            None => (Self::attitude_rate(interval), Vector3::zeros()),
+            None => {
+                let rate = Vector3::from(interval.turning.unwrap_or_default().end);
+                (rate, Vector3::zeros())
+            }
         };
         Motion { position: block(P), rotation, velocity, rate, acceleration }
     }
@@ -277,11 +275,13 @@ impl<const N: usize> Process<N> for InertialProcess {
         velocity.set_block(U, &Matrix3::identity());
         let mut rate = Linearized::constant(motion.rate);
         let square = |x: f64| x * x;
-        let rate_variance = if interval.inertial.is_some() {
-            rate.set_block(B_G, &-Matrix3::identity());
-            square(self.parameters.sensors.gyro.noise_density) * GYRO_SAMPLES_HZ
-        } else {
-            square(self.parameters.maneuver_rate)
+        let (rate_variance, tracking_variance) = match (&interval.inertial, &interval.turning) {
+            (Some(_), _) => {
+                rate.set_block(B_G, &-Matrix3::identity());
+                (square(self.parameters.sensors.gyro.noise_density) * GYRO_SAMPLES_HZ, 0.0)
+            }
+            (None, Some(turning)) => (0.0, turning.variance),
+            (None, None) => (square(self.parameters.maneuver_rate), 0.0),
         };
         let mut acceleration = Linearized::constant(motion.acceleration);
         if interval.inertial.is_some() {
@@ -298,6 +298,7 @@ impl<const N: usize> Process<N> for InertialProcess {
             velocity,
             rate,
             rate_variance,
+            tracking_variance,
             acceleration,
             sensors: self.sensors,
             mean: belief.mean,

@@ -368,9 +368,9 @@ impl<const N: usize> Process<N> for PlanarDynamic {
         interval: &Interval,
         witness: &mut impl Witness<N>,
     ) {
-        let observation = match (&interval.inertial, interval.attitude_rate) {
+        let observation = match (&interval.inertial, &interval.turning) {
             (Some(imu), _) => self.gyro(belief, interval, imu.rate[2]),
-            (None, Some(rate)) => self.turn(belief, rate[2]),
+            (None, Some(turning)) => self.turn(belief, turning.end[2]),
             (None, None) => return,
         };
         if let Some(thrusts) = &interval.thrust {
@@ -421,6 +421,7 @@ impl<const N: usize> Process<N> for PlanarDynamic {
             velocity,
             rate,
             rate_variance: 0.0,
+            tracking_variance: 0.0,
             acceleration,
             sensors: self.sensors,
             mean: belief.mean,

@@ -48,7 +48,7 @@ pub fn inertial<D: Number, const N: usize>(
             }
             newton(p, interval.dt, w, f, gravity)
         }
-        None => coasting(p, interval.dt, lift(interval.attitude_rate.unwrap_or([0.0; 3]))),
+        None => coasting(p, interval.dt, lift(interval.turning.unwrap_or_default().mean)),
     };
     let dt = interval.dt;
     if let Some([quick, slow]) = aid {
@@ -108,7 +108,7 @@ pub fn inertial_motion<D: Number, const N: usize>(
             let force = minus(lift(imu.specific_force), part(&p.x, B_A));
             (rate, minus(plus(force, down), cross(rate, velocity)))
         }
-        None => (lift(interval.attitude_rate.unwrap_or([0.0; 3])), [D::zero(); 3]),
+        None => (lift(interval.turning.unwrap_or_default().end), [D::zero(); 3]),
     };
     let sensors = core::array::from_fn(|i| p.x[base + i]);
     Motion { position: part(&p.x, 0), rotation, velocity, rate, acceleration, sensors }
