@@ -3,6 +3,7 @@
 use crate::kernel::{Call, Served};
 
 use super::arguments::{array, array_mut, place};
+use super::environment::from_here;
 use super::guard::call;
 use super::handles::Library;
 use super::types::*;
@@ -64,9 +65,8 @@ pub unsafe fn fmi2DoStep<L: Library>(
     communicationStepSize: fmi2Real,
     _noSetFMUStatePriorToCurrentPoint: fmi2Boolean,
 ) -> fmi2Status {
-    call::<L>(c, Call::DoStep, |instance| {
-        instance.do_step(currentCommunicationPoint, communicationStepSize)
-    })
+    let (t, h) = from_here(currentCommunicationPoint, communicationStepSize);
+    call::<L>(c, Call::DoStep, |instance| instance.do_step(t, h))
 }
 
 /// `fmi2CancelStep`: no step is ever pending, so it is never legal.

@@ -149,8 +149,7 @@ impl Instance {
     pub fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Status {
         self.call(Call::SetInteger, |me| {
             me.check_parameters(Kind::Integer, references)?;
-            let numbers: Vec<f64> = values.iter().map(|value| f64::from(*value)).collect();
-            me.check_bounds(Kind::Integer, references, &numbers)?;
+            me.check_bounds(Kind::Integer, references, values)?;
             assign(&mut me.values.integers, references, values);
             me.changed(references, |explicit| &mut explicit.integers);
             Ok(())
@@ -253,9 +252,15 @@ impl Instance {
 
     /// Parameters keep within their declared bounds, enumerations to their items.
     #[cold]
-    fn check_bounds(&self, kind: Kind, references: &[u32], values: &[f64]) -> Result<(), Trouble> {
+    fn check_bounds<T: Copy + Into<f64>>(
+        &self,
+        kind: Kind,
+        references: &[u32],
+        values: &[T],
+    ) -> Result<(), Trouble> {
         use crate::author::Start;
         for (reference, value) in references.iter().zip(values) {
+            let value: f64 = (*value).into();
             let Some(variable) = self.table.find(kind, *reference) else {
                 continue;
             };
@@ -266,7 +271,7 @@ impl Instance {
                 Start::Enumeration { items, .. } => (1.0, items.len() as f64),
                 _ => (variable.min.unwrap_or(f64::MIN), variable.max.unwrap_or(f64::MAX)),
             };
-            if !(min..=max).contains(value) {
+            if !(min..=max).contains(&value) {
                 return Err(Trouble::error(format_args!(
                     "{} = {value} is not within {min:?} and {max:?}",
                     variable.name
