@@ -48,8 +48,8 @@ pub trait Library: 'static {
 
 /// The live instances of a library and their saved states.
 pub struct Shelf<I: Served> {
-    pub(super) instances: Handles<Live<I>>,
-    pub(super) states: Handles<I::State>,
+    pub(super) instances: Handles<Live<I>, 0>,
+    pub(super) states: Handles<I::State, { 1 << 31 }>,
 }
 
 impl<I: Served> Shelf<I> {
@@ -57,7 +57,7 @@ impl<I: Served> Shelf<I> {
     #[must_use]
     #[expect(clippy::new_without_default, reason = "it is made once, for a static")]
     pub const fn new() -> Self {
-        Self { instances: Handles::new(0), states: Handles::new(1 << 31) }
+        Self { instances: Handles::new(), states: Handles::new() }
     }
 
     /// Drops the slots that are part of no library's memory.
@@ -74,8 +74,7 @@ pub(super) struct Live<I> {
 }
 
 /// Things by number.
-pub(super) struct Handles<T> {
-    tag: u32,
+pub(super) struct Handles<T, const TAG: u32> {
     first: [Slot<T>; BLOCK],
     beyond: RwLock<Vec<Arc<[Slot<T>]>>>,
     free: Mutex<Free>,
@@ -115,10 +114,13 @@ impl<T> Slot<T> {
     #[inline]
     fn enter(&self, generation: u32) -> Result<Inside<'_, T>, Nothing> {
         let idle = u64::from(generation) << 32;
+        if generation & 1 == 0 {
+            return Err(Nothing::Dead);
+        }
         match self.word.compare_exchange(idle, idle | BUSY, Ordering::Acquire, Ordering::Relaxed) {
-            Ok(_) if generation & 1 == 1 => Ok(Inside { slot: self, after: idle }),
-            Err(word) if generation & 1 == 1 && word == idle | BUSY => Err(Nothing::Busy),
-            _ => Err(Nothing::Dead),
+            Ok(_) => Ok(Inside { slot: self, after: idle }),
+            Err(word) if word == idle | BUSY => Err(Nothing::Busy),
+            Err(_) => Err(Nothing::Dead),
         }
     }
 }
@@ -146,10 +148,9 @@ impl<T> Drop for Inside<'_, T> {
     }
 }
 
-impl<T> Handles<T> {
-    const fn new(tag: u32) -> Self {
+impl<T, const TAG: u32> Handles<T, TAG> {
+    const fn new() -> Self {
         Self {
-            tag,
             first: [const { Slot::new() }; BLOCK],
             beyond: RwLock::new(Vec::new()),
             free: Mutex::new(Free { last: 0, used: 0 }),
@@ -217,7 +218,7 @@ impl<T> Handles<T> {
             slot.word.store(u64::from(generation) << 32, Ordering::Release);
             generation
         })?;
-        let handle = (generation as usize) << 32 | (self.tag | (index as u32 + 1)) as usize;
+        let handle = (generation as usize) << 32 | (TAG | (index as u32 + 1)) as usize;
         Some(std::ptr::without_provenance_mut(handle))
     }
 
@@ -229,7 +230,7 @@ impl<T> Handles<T> {
         work: impl FnOnce(usize, Inside<'_, T>) -> R,
     ) -> Result<R, Nothing> {
         let handle = handle.addr();
-        let index = (handle as u32 ^ self.tag).wrapping_sub(1) as usize;
+        let index = (handle as u32 ^ TAG).wrapping_sub(1) as usize;
         let work = |slot: &Slot<T>| Ok(work(index, slot.enter((handle >> 32) as u32)?));
         self.at(index, work).unwrap_or(Err(Nothing::Dead))
     }
