@@ -157,8 +157,7 @@ macro_rules! export_library {
     };
 }
 
-/// Gives functions of the kit the C linkage and the unmangled names the standard wants, and a
-/// floating-point environment of their own.
+/// Gives functions of the kit the C linkage and the unmangled names the standard wants.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! fmi2_functions {
@@ -166,7 +165,6 @@ macro_rules! fmi2_functions {
         $(
             #[unsafe(no_mangle)]
             pub unsafe extern "C" fn $name($($argument: $type),*) -> $result {
-                let _environment = $crate::abi::Environment::enter();
                 // SAFETY: the arguments are passed on as the importer gave them.
                 #[allow(unused_unsafe)]
                 unsafe { $crate::abi::$name::<$library>($($argument),*) }

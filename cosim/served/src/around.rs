@@ -6,8 +6,8 @@ use std::path::Path;
 use cosim::proxy::calls::{Basic, Values};
 use cosim::{Code, Error};
 use fmu_kit::kernel::{
-    Call, Category, Interface, Log, Phase, Request, Served, Status, Trouble, check_experiment,
-    check_step, hand_out, is_instant, seal, spare, unseal,
+    Call, Category, Interface, Log, Phase, Request, SPREAD, Served, Status, Trouble,
+    check_experiment, check_step, hand_out, is_instant, seal, spare, unseal,
 };
 use serde::{Deserialize, Serialize};
 
@@ -17,8 +17,6 @@ use crate::{Experiment, Inside};
 const DISCARD: i32 = 2;
 const FATAL: i32 = 4;
 
-/// Memory for a serialized byte of a state, at most.
-const SPREAD: usize = 8;
 /// Memory for each value that is read or set (bytes); texts are counted before.
 const VALUE: usize = 64;
 

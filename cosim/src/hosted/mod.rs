@@ -307,9 +307,12 @@ fn bounded(engine: &Engine, end: Time) -> Result<()> {
     if instants <= MOST_INSTANTS {
         return Ok(());
     }
-    Err(Error::new(Code::Step, format!("a step to {end} is {instants} steps of the system at once"))
-        .why(format!("one call makes no more than {MOST_INSTANTS}, so that it returns in time"))
-        .help("step in shorter communication steps"))
+    Err(Error::new(
+        Code::Step,
+        format!("a step to {end} is {instants} steps of the system at once"),
+    )
+    .why(format!("one call makes no more than {MOST_INSTANTS}, so that it returns in time"))
+    .help("step in shorter communication steps"))
 }
 
 /// What the description of the system does not say of its run.

@@ -11,7 +11,6 @@ mod host;
 use std::arch::asm;
 use std::ptr::null_mut;
 
-use fmu_kit::abi::types::*;
 use fmu_kit::kernel::Status;
 use rexrov_fmu::{REGISTRY, fmi2};
 
@@ -74,7 +73,6 @@ fn run(name: &str, word: u32) -> Vec<u64> {
 
 #[test]
 fn no_environment_changes_a_result_or_is_changed() {
-    // Not computed in a strange environment by this test.
     for entry in REGISTRY.entries() {
         let name = entry.info().name;
         let wanted = run(name, DEFAULT | 0x3F);

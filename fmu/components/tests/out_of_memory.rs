@@ -100,9 +100,7 @@ fn instances_and_states_are_refused_where_memory_is_short() {
         }
         let mut image: Vec<fmi2Byte> = vec![0; size];
         let at = image.as_mut_ptr();
-        tried(name, || unsafe {
-            fmi2::fmi2SerializeFMUstate(c, state, at, size) == Status::Ok
-        });
+        tried(name, || unsafe { fmi2::fmi2SerializeFMUstate(c, state, at, size) == Status::Ok });
         tried(name, || unsafe {
             let mut again = null_mut();
             let status = fmi2::fmi2GetFMUstate(c, &raw mut again);

@@ -65,8 +65,10 @@ pub unsafe fn fmi2DoStep<L: Library>(
     communicationStepSize: fmi2Real,
     _noSetFMUStatePriorToCurrentPoint: fmi2Boolean,
 ) -> fmi2Status {
-    let (t, h) = from_here(currentCommunicationPoint, communicationStepSize);
-    call::<L>(c, Call::DoStep, |instance| instance.do_step(t, h))
+    call::<L>(c, Call::DoStep, |instance| {
+        let (t, h) = from_here(currentCommunicationPoint, communicationStepSize);
+        instance.do_step(t, h)
+    })
 }
 
 /// `fmi2CancelStep`: no step is ever pending, so it is never legal.

@@ -7,7 +7,7 @@ use crate::author::Resources;
 use crate::kernel::{Call, Category, Interface, Request, Served, Sink, Status, spare};
 
 use super::arguments::{array, copies, text};
-use super::environment::from_here;
+use super::environment::{Environment, from_here};
 use super::guard::{call, panic_text};
 use super::handles::{Library, Live};
 use super::logger::Logger;
@@ -63,6 +63,7 @@ pub unsafe fn fmi2Instantiate<L: Library>(
     _visible: fmi2Boolean,
     loggingOn: fmi2Boolean,
 ) -> fmi2Component {
+    let _environment = Environment::enter();
     // SAFETY: the importer passes NULL or one struct of callbacks, as the standard demands.
     let Some(functions) = (unsafe { functions.as_ref() }) else {
         return std::ptr::null_mut();
@@ -118,6 +119,7 @@ fn utf8(text: &CStr) -> &str {
 
 /// `fmi2FreeInstance`, and with it the states that were made from it and not freed.
 pub unsafe fn fmi2FreeInstance<L: Library>(c: fmi2Component) {
+    let _environment = Environment::enter();
     // A handle that leads nowhere leaves nothing to free and nobody to tell.
     if let Ok(live) = L::shelf().instances.remove(c) {
         // A panic in an author's `drop` ends here.
@@ -148,10 +150,10 @@ pub unsafe fn fmi2SetupExperiment<L: Library>(
     stopTimeDefined: fmi2Boolean,
     stopTime: fmi2Real,
 ) -> fmi2Status {
-    let (startTime, stopTime) = from_here(startTime, stopTime);
-    let tolerance = (toleranceDefined != FMI2_FALSE).then_some(tolerance);
-    let stop = (stopTimeDefined != FMI2_FALSE).then_some(stopTime);
     call::<L>(c, Call::SetupExperiment, |instance| {
+        let (startTime, stopTime) = from_here(startTime, stopTime);
+        let tolerance = (toleranceDefined != FMI2_FALSE).then_some(tolerance);
+        let stop = (stopTimeDefined != FMI2_FALSE).then_some(stopTime);
         instance.setup_experiment(tolerance, startTime, stop)
     })
 }

@@ -9,14 +9,14 @@ use machine::{DEFAULT, is_default, read, write};
 
 /// The importer's floating-point environment, which comes back when this is dropped.
 #[must_use]
-pub struct Environment {
+pub(super) struct Environment {
     before: machine::Word,
 }
 
 impl Environment {
     /// Takes care that the environment is the default one.
     #[inline(always)]
-    pub fn enter() -> Self {
+    pub(super) fn enter() -> Self {
         let before = read();
         if !is_default(before) {
             change(DEFAULT);

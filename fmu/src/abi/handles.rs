@@ -157,9 +157,11 @@ impl<T, const TAG: u32> Handles<T, TAG> {
         }
     }
 
-    /// Drops the slots beyond the first if nothing lives there.
+    /// Drops the slots beyond the first if nothing lives there, and nobody is at them.
     fn unload(&self) {
-        let mut blocks = self.beyond.write().unwrap_or_else(PoisonError::into_inner);
+        let Ok(mut blocks) = self.beyond.try_write() else {
+            return;
+        };
         let lives = |slot: &Slot<T>| slot.word.load(Ordering::Relaxed) >> 32 & 1 == 1;
         if !blocks.iter().flat_map(|block| &block[..]).any(lives) {
             *blocks = Vec::new();
@@ -191,7 +193,8 @@ impl<T, const TAG: u32> Handles<T, TAG> {
     fn take(&self) -> Option<usize> {
         let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(index) = free.last.checked_sub(1) {
-            let before = self.at(index as usize, |slot| slot.word.load(Ordering::Relaxed) as u32)?;
+            let before =
+                self.at(index as usize, |slot| slot.word.load(Ordering::Relaxed) as u32)?;
             free.last = before;
             return Some(index as usize);
         }

@@ -28,7 +28,6 @@ mod values;
 
 pub use co_simulation::*;
 pub use common::*;
-pub use environment::Environment;
 pub use handles::{Library, Shelf};
 pub use model_exchange::*;
 pub use state::*;

@@ -72,8 +72,10 @@ pub unsafe fn fmi2CompletedIntegratorStep<L: Library>(
 
 /// `fmi2SetTime`
 pub unsafe fn fmi2SetTime<L: Library>(c: fmi2Component, time: fmi2Real) -> fmi2Status {
-    let (time, _) = from_here(time, 0.0);
-    call::<L>(c, Call::SetTime, |instance| instance.set_time(time))
+    call::<L>(c, Call::SetTime, |instance| {
+        let (time, _) = from_here(time, 0.0);
+        instance.set_time(time)
+    })
 }
 
 /// `fmi2SetContinuousStates`

@@ -3,6 +3,7 @@
 use crate::author::{Component, Fault, ParameterError, Ports, Reader, Resources, Time, Variables};
 
 use super::integrator::Integrator;
+use super::memory::SPREAD;
 use super::model::{Cause, Events, Halt, Memory, Model, Outputs};
 use super::parameters::Parameters;
 use super::shape;
@@ -336,7 +337,8 @@ impl<C: Component> Model for ComponentModel<C> {
     }
 
     fn size(&self) -> usize {
-        postcard::experimental::serialized_size(&self.progress).unwrap_or_default()
+        let bytes = postcard::experimental::serialized_size(&self.progress).unwrap_or_default();
+        C::ROOM + SPREAD * bytes
     }
 
     fn pack(&self, memory: &Memory) -> Result<Vec<u8>, String> {

@@ -6,6 +6,9 @@
 
 use super::status::Trouble;
 
+/// Bytes of memory for a serialized byte, at most: Postcard makes one of a small integer of eight.
+pub const SPREAD: usize = 8;
+
 /// Checks that `bytes` can be had.
 ///
 /// # Errors

@@ -48,7 +48,7 @@ pub use envelope::{hand_out, seal, unseal};
 pub use instance::{Instance, Interface};
 pub use integrator::{Integrator, IntegratorMethod};
 pub use log::{Category, Log, Sink};
-pub use memory::spare;
+pub use memory::{SPREAD, spare};
 pub use model::{Cause, Events, Halt, Memory, Model};
 pub use model_exchange::EventOutcome;
 pub use registry::{Entry, Registry, Shared};

@@ -134,7 +134,7 @@ pub trait Model: Send {
     /// Takes back a copy; false if it is not one of this model's.
     fn restore(&mut self, from: &Memory) -> bool;
 
-    /// How many bytes a copy of the present memory would be.
+    /// How many bytes of memory a copy of the present memory takes at most.
     fn size(&self) -> usize;
 
     /// A copy as bytes.

@@ -198,10 +198,12 @@ impl Shared {
         Arc::clone(made.get_or_insert_with(|| Arc::new((self.make)())))
     }
 
-    /// Drops it, at the latest when nobody uses it any more.
+    /// Drops it, at the latest when nobody uses it any more. Without waiting: at the end of a process
+    /// who has it now may never let go.
     pub fn clear(&self) {
-        let made = self.made.lock().unwrap_or_else(PoisonError::into_inner).take();
-        drop(made);
+        if let Ok(mut made) = self.made.try_lock() {
+            *made = None;
+        }
     }
 }
 

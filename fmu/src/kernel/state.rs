@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use super::call::{Call, Phase};
 use super::envelope::{hand_out, seal, unseal};
 use super::instance::{Instance, Interface, Run, new_edition};
-use super::memory::spare;
+use super::memory::{SPREAD, spare};
 use super::model::Memory;
 use super::signal::Slopes;
 use super::status::{Status, Trouble};
@@ -25,8 +25,6 @@ use super::values::{Explicit, Values, all_finite};
 
 /// Memory that does not depend on what is saved, names in errors and the like (bytes).
 const FEW: usize = 16 << 10;
-/// Bytes of memory for a serialized byte: Postcard makes one of a small integer of eight.
-const SPREAD: usize = 8;
 
 /// A saved state of an instance.
 pub struct State {
@@ -92,7 +90,7 @@ impl Instance {
     fn size(&self) -> usize {
         let strings = self.values.strings.iter().map(|text| text.count_bytes());
         let values = size_of_val(&*self.values.reals) + strings.sum::<usize>();
-        FEW + SPREAD * (self.model.size() + values)
+        FEW + self.model.size() + SPREAD * values
     }
 
     fn saved(&self) -> State {
@@ -211,7 +209,8 @@ impl Instance {
     /// `fmi2DeSerializeFMUstate`
     pub fn deserialize_state(&mut self, bytes: &[u8], state: &mut Option<Box<State>>) -> Status {
         self.call(Call::DeSerializeFmuState, |me| {
-            spare(FEW + me.size().max(SPREAD * bytes.len()))?;
+            // To compare with, its own; and what is read.
+            spare(2 * me.size() + SPREAD * bytes.len())?;
             let read = me.read_state(bytes).map_err(|reason| {
                 Trouble::error(format_args!("these {} bytes {reason}", bytes.len()))
             })?;

@@ -16,7 +16,10 @@ fn a_step_begins_and_ends_at_times_that_can_be() {
         for (t, h) in [(strange, 0.1), (0.0, strange), (strange, strange), (strange, 0.0)] {
             assert_eq!(fmu.step(t, h), Status::Error, "{t} {h}");
             let line = fmu.line();
-            assert!(line.contains("currentCommunicationPoint") || line.contains("StepSize"), "{line}");
+            assert!(
+                line.contains("currentCommunicationPoint") || line.contains("StepSize"),
+                "{line}"
+            );
             assert_eq!(fmu.get("time"), 0.0, "{t} {h}");
         }
     }
