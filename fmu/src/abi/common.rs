@@ -99,7 +99,9 @@ pub unsafe fn fmi2Instantiate<L: Library>(
             logging_on: loggingOn != FMI2_FALSE,
         };
         let live = Live { instance: L::instantiate(request)?, states: Vec::new() };
-        L::shelf().instances.insert(Box::new(live)).ok_or_else(|| "too many instances".to_owned())
+        L::shelf().instances.insert(Box::new(live)).ok_or_else(|| {
+            "there are too many instances, or no memory for more; free some".to_owned()
+        })
     }));
     let (status, category, reason) = match made {
         Ok(Ok(handle)) => return handle,

@@ -15,7 +15,7 @@ use std::ffi::c_void;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
-use crate::kernel::{Request, Served};
+use crate::kernel::{Request, Served, spare};
 
 /// Slots that need no allocation, and slots of each allocation beyond.
 const BLOCK: usize = 1024;
@@ -189,7 +189,7 @@ impl<T, const TAG: u32> Handles<T, TAG> {
         blocks.get(index / BLOCK - 1).cloned()
     }
 
-    /// The index of a slot that nobody uses; `None` if there are too many.
+    /// The index of a slot that nobody uses; `None` if there are too many, or no memory for more.
     fn take(&self) -> Option<usize> {
         let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(index) = free.last.checked_sub(1) {
@@ -203,6 +203,7 @@ impl<T, const TAG: u32> Handles<T, TAG> {
             return None;
         }
         if index >= BLOCK && self.at(index, |_| ()).is_none() {
+            spare(2 * BLOCK * size_of::<Slot<T>>()).ok()?;
             let mut blocks = self.beyond.write().unwrap_or_else(PoisonError::into_inner);
             blocks.push((0..BLOCK).map(|_| Slot::new()).collect());
         }
@@ -210,7 +211,7 @@ impl<T, const TAG: u32> Handles<T, TAG> {
         Some(index)
     }
 
-    /// Gives a thing a handle; `None` if there are a million already.
+    /// Gives a thing a handle; `None` if there are a million already, or no memory for more.
     pub(super) fn insert(&self, thing: Box<T>) -> Option<*mut c_void> {
         let index = self.take()?;
         let generation = self.at(index, |slot| {
@@ -232,15 +233,23 @@ impl<T, const TAG: u32> Handles<T, TAG> {
         handle: *mut c_void,
         work: impl FnOnce(usize, Inside<'_, T>) -> R,
     ) -> Result<R, Nothing> {
-        let handle = handle.addr();
-        let index = (handle as u32 ^ TAG).wrapping_sub(1) as usize;
-        let work = |slot: &Slot<T>| Ok(work(index, slot.enter((handle >> 32) as u32)?));
+        let (index, generation) = Self::parts(handle);
+        let work = |slot: &Slot<T>| Ok(work(index, slot.enter(generation)?));
         self.at(index, work).unwrap_or(Err(Nothing::Dead))
+    }
+
+    /// The index and the generation in a handle.
+    #[inline]
+    fn parts(handle: *mut c_void) -> (usize, u32) {
+        let handle = handle.addr();
+        ((handle as u32 ^ TAG).wrapping_sub(1) as usize, (handle >> 32) as u32)
     }
 
     /// Whether a handle leads to something.
     pub(super) fn lives(&self, handle: *mut c_void) -> bool {
-        !matches!(self.enter(handle, |_, _| ()), Err(Nothing::Dead))
+        let (index, generation) = Self::parts(handle);
+        let alive = |slot: &Slot<T>| (slot.word.load(Ordering::Relaxed) >> 32) as u32 == generation;
+        generation & 1 == 1 && self.at(index, alive) == Some(true)
     }
 
     /// Calls `work` with the thing of a handle.

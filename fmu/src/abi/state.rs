@@ -20,6 +20,8 @@ const fn why(nothing: Nothing) -> &'static str {
     }
 }
 
+const TOO_MANY: &str = "there are too many saved states, or no memory for more; free some";
+
 /// Gives a state a handle that its instance remembers.
 fn keep<L: Library>(
     live: &mut Live<L::Instance>,
@@ -27,13 +29,14 @@ fn keep<L: Library>(
     call: Call,
     into: &mut fmi2FMUstate,
 ) -> Status {
-    let Some(handle) = L::shelf().states.insert(state) else {
-        return live.instance.refuse(call, "there are too many saved states");
-    };
     // Handles freed through another instance are forgotten when the list would have to grow.
     if live.states.len() == live.states.capacity() {
         live.states.retain(|old| L::shelf().states.lives(std::ptr::without_provenance_mut(*old)));
     }
+    let room = live.states.try_reserve(1);
+    let Some(handle) = room.ok().and_then(|()| L::shelf().states.insert(state)) else {
+        return live.instance.refuse(call, TOO_MANY);
+    };
     live.states.push(handle.addr());
     *into = handle;
     Status::Ok
