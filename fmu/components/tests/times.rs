@@ -40,7 +40,7 @@ fn every_component_comes_back_from_every_step() {
 fn every_component_comes_back_from_every_time_in_model_exchange() {
     for entry in REGISTRY.entries().filter(|entry| entry.info().model_exchange) {
         let name = entry.info().name;
-        for time in [1e8, 8e9, 1e12, 1e18, 1e300] {
+        for time in [8e9, 1e12, 1e300] {
             let c = started(name, 0);
             let mut info = fmi2EventInfo::default();
             unsafe {
