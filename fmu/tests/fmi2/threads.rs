@@ -18,12 +18,13 @@ fn together(rounds: usize, work: impl Fn(usize) + Sync) {
         for thread in 0..THREADS {
             let (barrier, instance, work) = (&barrier, &instance, &work);
             scope.spawn(move || {
+                // Freed by the work; the logs stay until all is done.
+                let mut all = Vec::new();
                 for _ in 0..rounds {
                     if thread == 0 {
                         let made = Fmu::started("Noise", CS);
                         instance.store(made.c.addr(), Ordering::Relaxed);
-                        // It is freed by the work; its log stays until the program ends.
-                        std::mem::forget(made);
+                        all.push(made);
                     }
                     barrier.wait();
                     work(instance.load(Ordering::Relaxed));
