@@ -9,17 +9,28 @@ macro_rules! export {
     ($($component:ty),+ $(,)?) => {
         /// The components of this library.
         pub static REGISTRY: ::std::sync::LazyLock<$crate::kernel::Registry> =
-            ::std::sync::LazyLock::new(|| {
-                $crate::kernel::Registry::new(
-                    ::std::module_path!(),
-                    vec![$($crate::kernel::Entry::of::<$component>()),+],
-                )
-            });
+            ::std::sync::LazyLock::new(Components::registry);
 
         /// These components behind the C interface.
         #[doc(hidden)]
         #[allow(missing_docs)]
         pub struct Components;
+
+        impl Components {
+            fn registry() -> $crate::kernel::Registry {
+                $crate::kernel::Registry::new(
+                    ::std::module_path!(),
+                    vec![$($crate::kernel::Entry::of::<$component>()),+],
+                )
+            }
+
+            /// The registry once more, for who may unload the library.
+            fn shared() -> &'static $crate::kernel::Shared {
+                static SHARED: $crate::kernel::Shared =
+                    $crate::kernel::Shared::new(Components::registry);
+                &SHARED
+            }
+        }
 
         impl $crate::abi::Library for Components {
             type Instance = $crate::kernel::Instance;
@@ -27,7 +38,11 @@ macro_rules! export {
             fn instantiate(
                 request: $crate::kernel::Request<'_>,
             ) -> ::std::result::Result<Self::Instance, ::std::string::String> {
-                REGISTRY.serve(request)
+                Self::shared().get().serve(request)
+            }
+
+            fn unload() {
+                Self::shared().clear();
             }
 
             #[inline]
@@ -51,6 +66,12 @@ macro_rules! export_library {
         #[allow(missing_docs, non_snake_case, unsafe_code, clippy::missing_safety_doc)]
         pub mod fmi2 {
             use $crate::abi::types::*;
+
+            /// Called when the library is unloaded, or the process ends.
+            #[cfg(target_os = "linux")]
+            #[used]
+            #[unsafe(link_section = ".fini_array")]
+            static UNLOAD: extern "C" fn() = $crate::abi::unload::<super::$library>;
 
             $crate::fmi2_functions! { super::$library;
                 fmi2Instantiate(name: fmi2String, kind: fmi2Type, guid: fmi2String,

@@ -20,9 +20,14 @@ pub struct Systems;
 
 impl Library for Systems {
     type Instance = Around<System>;
+    const MEMORY: usize = 32 << 20;
 
     fn instantiate(request: Request<'_>) -> Result<Around<System>, String> {
         Around::new(request, |request, folder| System::open(folder, request.logging_on))
+    }
+
+    fn unload() {
+        cosim::fmi::forget();
     }
 
     #[inline]

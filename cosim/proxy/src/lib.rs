@@ -23,6 +23,7 @@ pub struct Remotes;
 
 impl Library for Remotes {
     type Instance = Around<Remote>;
+    const MEMORY: usize = 8 << 20;
 
     fn instantiate(request: Request<'_>) -> Result<Around<Remote>, String> {
         Around::new(request, |request, folder| {

@@ -6,8 +6,8 @@ use std::path::Path;
 use cosim::proxy::calls::{Basic, Values};
 use cosim::{Code, Error};
 use fmu_kit::kernel::{
-    Call, Category, Interface, Log, Phase, Request, Served, Status, Trouble, check_experiment,
-    check_step, hand_out, seal, unseal,
+    Call, Category, Interface, Log, Phase, Request, SPREAD, Served, Status, Trouble,
+    check_experiment, check_step, hand_out, is_instant, seal, spare, unseal,
 };
 use serde::{Deserialize, Serialize};
 
@@ -16,6 +16,9 @@ use crate::{Experiment, Inside};
 /// `fmi2Discard` and `fmi2Fatal` as the FMUs inside return them.
 const DISCARD: i32 = 2;
 const FATAL: i32 = 4;
+
+/// Memory for each value that is read or set (bytes); texts are counted before.
+const VALUE: usize = 64;
 
 /// An instance.
 pub struct Around<I> {
@@ -47,6 +50,12 @@ impl Run {
         time_s: 0.0,
         ended: false,
     };
+
+    /// Whether its numbers are such as the importer could have given.
+    fn is_sound(&self) -> bool {
+        let stop = self.stop_s.is_none_or(|stop| !stop.is_nan());
+        is_instant(self.start_s) && is_instant(self.time_s) && stop && self.phase != Phase::Fatal
+    }
 }
 
 /// A saved state.
@@ -121,6 +130,7 @@ impl<I: Inside> Around<I> {
         give: impl FnOnce(&mut Self, Values) -> Option<()>,
     ) -> Status {
         self.call(call, |me| {
+            spare(VALUE * references.len())?;
             let values = me.inside.get(basic, references).map_err(|error| trouble(&error))?;
             let strange = || Trouble::error("what came back is of another type or number");
             if values.len() != references.len() {
@@ -130,8 +140,11 @@ impl<I: Inside> Around<I> {
         })
     }
 
-    fn set(&mut self, call: Call, references: &[u32], values: Values) -> Status {
-        self.call(call, |me| me.inside.set(references, values).map_err(|error| trouble(&error)))
+    fn set(&mut self, call: Call, references: &[u32], values: impl FnOnce() -> Values) -> Status {
+        self.call(call, |me| {
+            spare(VALUE * references.len())?;
+            me.inside.set(references, values()).map_err(|error| trouble(&error))
+        })
     }
 
     fn bytes(&self, state: &State<I::Kept>) -> Result<Vec<u8>, Trouble> {
@@ -287,21 +300,21 @@ impl<I: Inside> Served for Around<I> {
         if let Some(bad) = values.iter().find(|value| !value.is_finite()) {
             return self.refuse(Call::SetReal, &format!("the value {bad} is not finite"));
         }
-        self.set(Call::SetReal, references, Values::Real(values.to_vec()))
+        self.set(Call::SetReal, references, || Values::Real(values.to_vec()))
     }
 
     fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Status {
-        self.set(Call::SetInteger, references, Values::Integer(values.to_vec()))
+        self.set(Call::SetInteger, references, || Values::Integer(values.to_vec()))
     }
 
     fn set_boolean(&mut self, references: &[u32], values: &[bool]) -> Status {
-        self.set(Call::SetBoolean, references, Values::Boolean(values.to_vec()))
+        self.set(Call::SetBoolean, references, || Values::Boolean(values.to_vec()))
     }
 
     fn set_string(&mut self, references: &[u32], values: &[Option<CString>]) -> Status {
         let text = |value: &Option<CString>| value.as_ref()?.to_str().ok().map(str::to_owned);
         match values.iter().map(text).collect::<Option<Vec<String>>>() {
-            Some(texts) => self.set(Call::SetString, references, Values::String(texts)),
+            Some(texts) => self.set(Call::SetString, references, || Values::String(texts)),
             None => self.refuse(Call::SetString, "a text is NULL or not UTF-8"),
         }
     }
@@ -347,12 +360,16 @@ impl<I: Inside> Served for Around<I> {
         state: &mut Option<Box<State<I::Kept>>>,
     ) -> Status {
         self.call(Call::DeSerializeFmuState, |me| {
+            spare(SPREAD * bytes.len())?;
             let unread =
                 |why: String| Trouble::error(format_args!("these {} bytes {why}", bytes.len()));
             let body = unseal(bytes).map_err(unread)?;
             let read: State<I::Kept> = postcard::from_bytes(body)
                 .map_err(|cause| unread(format!("cannot be read as a state: {cause}")))?;
             me.is_own(&read)?;
+            if !read.run.is_sound() {
+                return Err(unread("are a state at a time that cannot be".to_owned()));
+            }
             *state = Some(Box::new(read));
             Ok(())
         })

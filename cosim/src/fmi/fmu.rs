@@ -52,6 +52,16 @@ struct Registry {
 
 static REGISTRY: Mutex<Option<Registry>> = Mutex::new(None);
 
+/// Forgets which FMUs were open, if none is: for a library with this code inside that is unloaded.
+pub fn forget() {
+    // Whoever holds it now uses it.
+    if let Ok(mut registry) = REGISTRY.try_lock()
+        && registry.as_ref().is_none_or(|r| r.open.values().all(|fmu| fmu.strong_count() == 0))
+    {
+        *registry = None;
+    }
+}
+
 impl Fmu {
     /// Opens `path`, or shares the FMU when one of the same content is in use already.
     pub fn open(path: &Path) -> Result<Arc<Self>> {

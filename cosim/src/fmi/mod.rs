@@ -22,7 +22,7 @@ mod trace;
 pub use description::{
     Causality, Description, InterfaceType, Kind, Output, Value, Variability, Variable,
 };
-pub use fmu::Fmu;
+pub use fmu::{Fmu, forget};
 pub(crate) use instance::{Direct, DirectSteps, Unusual};
 pub use instance::{Instance, NextEvent, Place, State};
 pub use last::{LastCall, Noted};

@@ -27,6 +27,9 @@ use crate::time::Time;
 pub use state::Kept;
 use table::{Known, Read, Table};
 
+/// Most instants at which the system steps in one call of the host's.
+const MOST_INSTANTS: u64 = 1_000_000;
+
 /// A system and where it is.
 pub struct Hosted {
     guid: String,
@@ -161,6 +164,9 @@ impl Hosted {
 
     /// Makes every step that ends at or before `end`.
     pub fn advance(&mut self, end: Time) -> Result<()> {
+        if let Some(engine) = &self.engine {
+            bounded(engine, end)?;
+        }
         self.pass_on()?;
         if let Some(engine) = &mut self.engine {
             engine.run_until(end)?;
@@ -293,6 +299,20 @@ impl Hosted {
         }
         Ok(())
     }
+}
+
+/// Refuses what would take more than [`MOST_INSTANTS`].
+fn bounded(engine: &Engine, end: Time) -> Result<()> {
+    let instants = engine.instants_until(end);
+    if instants <= MOST_INSTANTS {
+        return Ok(());
+    }
+    Err(Error::new(
+        Code::Step,
+        format!("a step to {end} is {instants} steps of the system at once"),
+    )
+    .why(format!("one call makes no more than {MOST_INSTANTS}, so that it returns in time"))
+    .help("step in shorter communication steps"))
 }
 
 /// What the description of the system does not say of its run.

@@ -183,6 +183,16 @@ impl Engine {
         self.paces[component].end == now
     }
 
+    /// At most how many instants there are until `limit` at which steps end, if the error control
+    /// does not make them more.
+    pub(crate) fn instants_until(&self, limit: Time) -> u64 {
+        let (rest, shortest) = (
+            limit.nanoseconds().saturating_sub(self.next.nanoseconds()).max(0),
+            self.plan.nodes.iter().map(|node| node.step.nanoseconds()).min().unwrap_or(i64::MAX),
+        );
+        rest.unsigned_abs() / shortest.max(1).unsigned_abs()
+    }
+
     /// Makes every step that ends at or before `limit`.
     pub(crate) fn run_until(&mut self, limit: Time) -> Result<()> {
         if self.control.is_some() {

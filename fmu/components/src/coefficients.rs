@@ -33,15 +33,15 @@ impl From<ParameterSet> for vehicle::ParameterSet {
 #[derive(Clone, Debug, Variables)]
 pub struct Coefficients {
     /// Dry mass
-    #[var(unit = "kg", min = 0.0, nominal = 1000.0)]
+    #[var(unit = "kg", min = 1e-9, nominal = 1000.0)]
     pub mass: f64,
-    /// Inertia about the centre of gravity
+    /// Inertia about the centre of gravity, positive definite
     pub inertia: Inertia,
     /// Displaced volume
-    #[var(unit = "m3", min = 0.0)]
+    #[var(unit = "m3", min = 1e-9)]
     pub volume: f64,
     /// Density of the water
-    #[var(unit = "kg/m3", min = 0.0, nominal = 1000.0)]
+    #[var(unit = "kg/m3", min = 1e-9, nominal = 1000.0)]
     pub density: f64,
     /// Acceleration of gravity
     #[var(unit = "m/s2", min = 0.0)]
@@ -61,13 +61,13 @@ pub struct Coefficients {
     /// Thruster
     pub thruster: [Mounting; 8],
     /// Time constant of the rotor speeds
-    #[var(unit = "s", min = 0.0)]
+    #[var(unit = "s", min = 1e-9)]
     pub rotor_time_constant: f64,
     /// Thrust over rotor speed squared
-    #[var(unit = "N.s2/rad2", min = 0.0, nominal = 1e-3)]
+    #[var(unit = "N.s2/rad2", min = 1e-9, nominal = 1e-3)]
     pub thrust_gain: f64,
     /// Limit of the commanded thrust of each thruster, either sign
-    #[var(unit = "N", min = 0.0, nominal = 1000.0)]
+    #[var(unit = "N", min = 1e-9, nominal = 1000.0)]
     pub thrust_limit: f64,
 }
 

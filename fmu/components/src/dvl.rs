@@ -79,8 +79,8 @@ pub struct Parameters {
     /// Least altitude for bottom lock, beam by beam
     #[var(unit = "m", min = 0.0)]
     pub min_altitude: f64,
-    /// Greatest altitude for bottom lock, beam by beam
-    #[var(unit = "m", min = 1e-3)]
+    /// Greatest altitude for bottom lock, beam by beam; above the least
+    #[var(unit = "m")]
     pub max_altitude: f64,
     /// Greatest tilt from the vertical for bottom lock
     #[var(unit = "deg", min = 0.0, max = 180.0)]

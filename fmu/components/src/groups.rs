@@ -266,11 +266,11 @@ pub struct Thrust {
 #[derive(Clone, Copy, Debug, Default, Variables)]
 #[allow(missing_docs, reason = "the six elements are named by their indices")]
 pub struct Inertia {
-    #[var(unit = "kg.m2", min = 0.0)]
+    #[var(unit = "kg.m2")]
     pub xx: f64,
-    #[var(unit = "kg.m2", min = 0.0)]
+    #[var(unit = "kg.m2")]
     pub yy: f64,
-    #[var(unit = "kg.m2", min = 0.0)]
+    #[var(unit = "kg.m2")]
     pub zz: f64,
     #[var(unit = "kg.m2")]
     pub xy: f64,

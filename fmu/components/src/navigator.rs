@@ -133,6 +133,8 @@ impl<M> Held<M> {
 impl<N: Navigator> Sample for Navigating<N> {
     const INFO: Info = N::INFO;
     const ANY_INPUT: bool = true;
+    // Its past, for measurements that come late.
+    const ROOM: usize = 1 << 20;
     type Parameters = N::Parameters;
     type Inputs = Inputs;
     type Outputs = Outputs;

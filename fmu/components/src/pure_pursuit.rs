@@ -26,13 +26,13 @@ pub struct Parameters {
     #[var(unit = "Hz", min = 0.001, max = 1e6)]
     pub rate_hz: f64,
     /// Distance of the target ahead of the nearest point, along the course
-    #[var(unit = "m", min = 0.0)]
+    #[var(unit = "m", min = 1e-9)]
     pub lookahead: f64,
     /// Vehicle length of eq (55)
-    #[var(unit = "m", min = 0.0)]
+    #[var(unit = "m", min = 1e-9)]
     pub vehicle_length: f64,
     /// Turn rate over steering angle
-    #[var(unit = "1/s", min = 0.0)]
+    #[var(unit = "1/s", min = 1e-9)]
     pub gain: f64,
     /// Speed along the course, horizontal
     #[var(unit = "m/s")]
@@ -56,7 +56,7 @@ pub struct Parameters {
     #[var(unit = "m", min = 0.0)]
     pub search_back: f64,
     /// How far ahead along the course the nearest point may move in a cycle
-    #[var(unit = "m", min = 0.0)]
+    #[var(unit = "m", min = 1e-9)]
     pub search_ahead: f64,
     /// What the heading is compared with
     pub heading_reference: HeadingReference,

@@ -18,7 +18,7 @@ pub struct Linear {
     #[var(unit = "1", min = 0.0)]
     pub d: f64,
     /// limit of the demanded acceleration
-    #[var(unit = "m/s2", min = 0.0)]
+    #[var(unit = "m/s2", min = 1e-9)]
     pub saturation: f64,
 }
 
@@ -35,7 +35,7 @@ pub struct Angular {
     #[var(unit = "1", min = 0.0)]
     pub d: f64,
     /// limit of the demanded acceleration
-    #[var(unit = "rad/s2", min = 0.0)]
+    #[var(unit = "rad/s2", min = 1e-9)]
     pub saturation: f64,
 }
 
@@ -50,14 +50,14 @@ pub struct Parameters {
     /// Roll, pitch and yaw
     pub angular: Angular,
     /// Rigid mass
-    #[var(unit = "kg", min = 0.0, nominal = 1000.0)]
+    #[var(unit = "kg", min = 1e-9, nominal = 1000.0)]
     pub mass: f64,
-    /// Rigid inertia about the centre of gravity
+    /// Rigid inertia about the centre of gravity, positive definite
     pub inertia: Inertia,
     /// Thruster
     pub thruster: [Mounting; 8],
     /// Limit of each thruster, either sign
-    #[var(unit = "N", min = 0.0, nominal = 1000.0)]
+    #[var(unit = "N", min = 1e-9, nominal = 1000.0)]
     pub thrust_limit: f64,
 }
 

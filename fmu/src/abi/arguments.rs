@@ -1,7 +1,9 @@
 //! Arrays and texts that come from C.
 
-use std::ffi::CStr;
+use std::ffi::{CStr, CString};
 use std::slice;
+
+use crate::kernel::spare;
 
 use super::types::fmi2String;
 
@@ -11,6 +13,9 @@ pub(super) type Wrong = String;
 /// Most elements of an array. Nothing here has as many variables, and an importer that passes a
 /// wild number is better told than followed into memory that is not its own.
 const MOST: usize = 1 << 20;
+
+/// Longest text taken, in bytes.
+const LONGEST: usize = 1 << 20;
 
 /// Whether an array may be made of this.
 #[inline(always)]
@@ -97,11 +102,34 @@ pub(super) unsafe fn place<'a, T>(name: &str, pointer: *mut T) -> Result<&'a mut
     Ok(unsafe { &mut *pointer })
 }
 
-/// A text; `None` for NULL.
+/// A text of at most [`LONGEST`] bytes; `None` for NULL.
 ///
 /// # Safety
 /// `pointer` is NULL or leads to a text that ends with a NUL and stays as it is for `'a`.
-pub(super) unsafe fn text<'a>(pointer: fmi2String) -> Option<&'a CStr> {
+pub(super) unsafe fn text<'a>(name: &str, pointer: fmi2String) -> Result<Option<&'a CStr>, Wrong> {
     // SAFETY: not null; terminated by the caller's word.
-    (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })
+    let text = (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) });
+    match text.map_or(0, CStr::count_bytes) {
+        ..=LONGEST => Ok(text),
+        bytes => Err(format!("{name} has {bytes} bytes; at most {LONGEST} are taken")),
+    }
+}
+
+/// Copies of texts, each as [`text`] takes it.
+///
+/// # Safety
+/// As for [`text`], for each of them.
+pub(super) unsafe fn copies(
+    name: &str,
+    pointers: &[fmi2String],
+) -> Result<Vec<Option<CString>>, Wrong> {
+    // They are copied once more when they are set.
+    let mut bytes = 4 * size_of_val(pointers);
+    for pointer in pointers {
+        // SAFETY: by the caller's word.
+        bytes += 4 * unsafe { text(name, *pointer) }?.map_or(0, CStr::count_bytes);
+    }
+    spare(bytes).map_err(|trouble| trouble.text)?;
+    // SAFETY: by the caller's word.
+    pointers.iter().map(|p| Ok(unsafe { text(name, *p) }?.map(CString::from))).collect()
 }

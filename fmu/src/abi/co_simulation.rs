@@ -3,6 +3,7 @@
 use crate::kernel::{Call, Served};
 
 use super::arguments::{array, array_mut, place};
+use super::environment::from_here;
 use super::guard::call;
 use super::handles::Library;
 use super::types::*;
@@ -65,7 +66,8 @@ pub unsafe fn fmi2DoStep<L: Library>(
     _noSetFMUStatePriorToCurrentPoint: fmi2Boolean,
 ) -> fmi2Status {
     call::<L>(c, Call::DoStep, |instance| {
-        instance.do_step(currentCommunicationPoint, communicationStepSize)
+        let (t, h) = from_here(currentCommunicationPoint, communicationStepSize);
+        instance.do_step(t, h)
     })
 }
 

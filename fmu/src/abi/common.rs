@@ -4,9 +4,10 @@ use std::ffi::{CStr, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::author::Resources;
-use crate::kernel::{Call, Category, Interface, Request, Served, Sink, Status};
+use crate::kernel::{Call, Category, Interface, Request, Served, Sink, Status, spare};
 
-use super::arguments::{array, text};
+use super::arguments::{array, copies, text};
+use super::environment::{Environment, from_here};
 use super::guard::{call, panic_text};
 use super::handles::{Library, Live};
 use super::logger::Logger;
@@ -40,9 +41,13 @@ pub unsafe fn fmi2SetDebugLogging<L: Library>(
             Err(wrong) => return instance.refuse(Call::SetDebugLogging, &wrong),
         };
         // SAFETY: as above, each text ends with a NUL.
-        let names = names.iter().map(|name| unsafe { text(*name) });
+        let names = match unsafe { copies("categories", names) } {
+            Ok(names) => names,
+            Err(wrong) => return instance.refuse(Call::SetDebugLogging, &wrong),
+        };
         let names: Vec<&str> = names
-            .map(|name| name.map_or("NULL", |name| name.to_str().unwrap_or("not UTF-8")))
+            .iter()
+            .map(|name| name.as_ref().map_or("NULL", |name| name.to_str().unwrap_or("not UTF-8")))
             .collect();
         instance.set_debug_logging(loggingOn != FMI2_FALSE, &names)
     })
@@ -58,16 +63,23 @@ pub unsafe fn fmi2Instantiate<L: Library>(
     _visible: fmi2Boolean,
     loggingOn: fmi2Boolean,
 ) -> fmi2Component {
+    let _environment = Environment::enter();
     // SAFETY: the importer passes NULL or one struct of callbacks, as the standard demands.
     let Some(functions) = (unsafe { functions.as_ref() }) else {
         return std::ptr::null_mut();
     };
     // SAFETY: the importer passes NULL or texts that end with a NUL, likewise.
-    let (name, guid, location) =
-        unsafe { (text(instanceName), text(fmuGUID), text(fmuResourceLocation)) };
-    let name = name.unwrap_or(c"");
-    let logger = || Logger::new(functions, name);
+    let (name, guid, location) = unsafe {
+        (
+            text("instanceName", instanceName),
+            text("fmuGUID", fmuGUID),
+            text("fmuResourceLocation", fmuResourceLocation),
+        )
+    };
+    let logger = || Logger::new(functions, name.as_ref().ok().copied().flatten().unwrap_or(c""));
     let made = catch_unwind(AssertUnwindSafe(|| {
+        let (name, guid, location) = (name.clone()?.unwrap_or(c""), guid?, location?);
+        spare(L::MEMORY).map_err(|trouble| trouble.text)?;
         let interface = match fmuType {
             0 => Interface::ModelExchange,
             1 => Interface::CoSimulation,
@@ -87,7 +99,9 @@ pub unsafe fn fmi2Instantiate<L: Library>(
             logging_on: loggingOn != FMI2_FALSE,
         };
         let live = Live { instance: L::instantiate(request)?, states: Vec::new() };
-        L::shelf().instances.insert(Box::new(live)).ok_or_else(|| "too many instances".to_owned())
+        L::shelf().instances.insert(Box::new(live)).ok_or_else(|| {
+            "there are too many instances, or no memory for more; free some".to_owned()
+        })
     }));
     let (status, category, reason) = match made {
         Ok(Ok(handle)) => return handle,
@@ -107,6 +121,7 @@ fn utf8(text: &CStr) -> &str {
 
 /// `fmi2FreeInstance`, and with it the states that were made from it and not freed.
 pub unsafe fn fmi2FreeInstance<L: Library>(c: fmi2Component) {
+    let _environment = Environment::enter();
     // A handle that leads nowhere leaves nothing to free and nobody to tell.
     if let Ok(live) = L::shelf().instances.remove(c) {
         // A panic in an author's `drop` ends here.
@@ -119,6 +134,15 @@ pub unsafe fn fmi2FreeInstance<L: Library>(c: fmi2Component) {
     }
 }
 
+/// What is done when the library is unloaded or the process ends: drops what was made for all
+/// instances, so that a host that loads and unloads it keeps its memory.
+pub extern "C" fn unload<L: Library>() {
+    let _ = catch_unwind(AssertUnwindSafe(|| {
+        L::shelf().unload();
+        L::unload();
+    }));
+}
+
 /// `fmi2SetupExperiment`
 pub unsafe fn fmi2SetupExperiment<L: Library>(
     c: fmi2Component,
@@ -128,9 +152,10 @@ pub unsafe fn fmi2SetupExperiment<L: Library>(
     stopTimeDefined: fmi2Boolean,
     stopTime: fmi2Real,
 ) -> fmi2Status {
-    let tolerance = (toleranceDefined != FMI2_FALSE).then_some(tolerance);
-    let stop = (stopTimeDefined != FMI2_FALSE).then_some(stopTime);
     call::<L>(c, Call::SetupExperiment, |instance| {
+        let (startTime, stopTime) = from_here(startTime, stopTime);
+        let tolerance = (toleranceDefined != FMI2_FALSE).then_some(tolerance);
+        let stop = (stopTimeDefined != FMI2_FALSE).then_some(stopTime);
         instance.setup_experiment(tolerance, startTime, stop)
     })
 }

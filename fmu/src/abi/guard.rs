@@ -1,10 +1,12 @@
-//! The frame around every exported function: find the instance, catch panics.
+//! The frame around every exported function: find the instance, catch panics, compute in the
+//! default environment.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::kernel::{Call, Served, Status};
 
+use super::environment::Environment;
 use super::handles::{Library, Live};
 use super::types::{fmi2Component, fmi2Status};
 
@@ -27,10 +29,12 @@ pub(super) fn call_live<L: Library>(
     call: Call,
     work: impl FnOnce(&mut Live<L::Instance>) -> Status,
 ) -> fmi2Status {
+    let _environment = Environment::enter();
     L::shelf().instances.with(component, |live| guarded(live, call, work)).unwrap_or(Status::Error)
 }
 
-/// Whether `simple` did all there is to do, which must not be able to panic; if not, [`call`] is the
+/// Whether `simple` did all there is to do, which must neither be able to panic nor compute in
+/// floating point; if not, [`call`] is the
 /// way. The usual case is kept apart from all others because it is so short.
 #[inline(always)]
 pub(super) fn done_simply<L: Library>(

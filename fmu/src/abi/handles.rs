@@ -1,25 +1,36 @@
 //! Live instances and saved states by number.
 //!
 //! A handle is `generation << 32 | tag | slot + 1`, passed through C as if it were a pointer and
-//! never followed; the tag tells the handles of instances and of states apart. Slots live in blocks
-//! that are never freed, so looking up any number whatsoever is sound; a freed slot gets a new
-//! generation, so an old handle does not fit it any more. Looking up takes two atomic loads and no
-//! lock.
+//! never followed; the tag tells the handles of instances and of states apart. Looking up any number
+//! whatsoever is sound, and a freed slot gets a new generation, so an old handle does not fit it any
+//! more. A call enters its slot by one compare-and-exchange of the slot's generation together with
+//! the mark that a call is in it: of threads that come at once, with whatever functions, one gets in
+//! and the others are turned away.
+//!
+//! The first slots are part of the library's own memory. What is beyond is made when it is needed
+//! and dropped when the library is unloaded, or by the last call that is still in it.
 
 use std::cell::UnsafeCell;
 use std::ffi::c_void;
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
-use crate::kernel::{Request, Served};
+use crate::kernel::{Request, Served, spare};
 
-const BLOCK: usize = 256;
-const BLOCKS: usize = 4096;
+/// Slots that need no allocation, and slots of each allocation beyond.
+const BLOCK: usize = 1024;
+/// Most slots.
+const MOST: u32 = 1 << 20;
+/// In a slot's word: a call is in it.
+const BUSY: u64 = 1;
 
 /// What the C interface of a library needs of it.
 pub trait Library: 'static {
     /// What it serves.
     type Instance: Served;
+    /// Memory that making an instance takes at most (bytes). It is asked for in one piece first:
+    /// where there is none, there is no instance, but still a host.
+    const MEMORY: usize = 4 << 20;
 
     /// A new instance.
     ///
@@ -29,12 +40,16 @@ pub trait Library: 'static {
 
     /// Where its instances live: a static of the library.
     fn shelf() -> &'static Shelf<Self::Instance>;
+
+    /// Drops what was made for all instances; called when the library is unloaded or the process
+    /// ends, when threads may still be in calls.
+    fn unload() {}
 }
 
 /// The live instances of a library and their saved states.
 pub struct Shelf<I: Served> {
-    pub(super) instances: Handles<Live<I>>,
-    pub(super) states: Handles<I::State>,
+    pub(super) instances: Handles<Live<I>, 0>,
+    pub(super) states: Handles<I::State, { 1 << 31 }>,
 }
 
 impl<I: Served> Shelf<I> {
@@ -42,7 +57,13 @@ impl<I: Served> Shelf<I> {
     #[must_use]
     #[expect(clippy::new_without_default, reason = "it is made once, for a static")]
     pub const fn new() -> Self {
-        Self { instances: Handles::new(0), states: Handles::new(1 << 31) }
+        Self { instances: Handles::new(), states: Handles::new() }
+    }
+
+    /// Drops the slots that are part of no library's memory.
+    pub(super) fn unload(&self) {
+        self.instances.unload();
+        self.states.unload();
     }
 }
 
@@ -53,31 +74,53 @@ pub(super) struct Live<I> {
 }
 
 /// Things by number.
-pub(super) struct Handles<T> {
-    tag: u32,
-    table: [OnceLock<Box<[Slot<T>]>>; BLOCKS],
-    /// Slots to use next, and how many were ever used.
-    free: Mutex<(Vec<u32>, u32)>,
+pub(super) struct Handles<T, const TAG: u32> {
+    first: [Slot<T>; BLOCK],
+    beyond: RwLock<Vec<Arc<[Slot<T>]>>>,
+    free: Mutex<Free>,
 }
 
+/// Which slots can be used next.
+struct Free {
+    /// One more than the index of the slot freed last, whose word holds the same for the one before
+    /// it; 0: there is none.
+    last: u32,
+    /// How many slots were ever used.
+    used: u32,
+}
+
+/// On a cache line of its own, so that threads with instances of their own do not wait for each
+/// other.
+#[repr(align(64))]
 struct Slot<T> {
-    /// Odd while something lives here.
-    generation: AtomicU32,
-    /// Set during a call, so that a logger calling back in, or a second thread, is turned away.
-    busy: AtomicBool,
+    /// `generation << 32` and, while something lives here (odd generations), [`BUSY`] during a call;
+    /// while nothing does, the next free slot.
+    word: AtomicU64,
     thing: UnsafeCell<Option<Box<T>>>,
 }
 
-// SAFETY: `thing` is reached only by who holds `busy` (a caller of `with` or `remove`) or by who
-// took the slot from the free list (`insert`), and may go from thread to thread.
+// SAFETY: `thing` is reached only by who set `BUSY` (a caller of `with` or `remove`) or by who took
+// the slot from the free list (`insert`), and may go from thread to thread.
 unsafe impl<T: Send> Sync for Slot<T> {}
+// SAFETY: as above.
+unsafe impl<T: Send> Send for Slot<T> {}
 
 impl<T> Slot<T> {
     const fn new() -> Self {
-        Self {
-            generation: AtomicU32::new(0),
-            busy: AtomicBool::new(false),
-            thing: UnsafeCell::new(None),
+        Self { word: AtomicU64::new(0), thing: UnsafeCell::new(None) }
+    }
+
+    /// Enters if the thing of that generation lives here and no call is in it.
+    #[inline]
+    fn enter(&self, generation: u32) -> Result<Inside<'_, T>, Nothing> {
+        let idle = u64::from(generation) << 32;
+        if generation & 1 == 0 {
+            return Err(Nothing::Dead);
+        }
+        match self.word.compare_exchange(idle, idle | BUSY, Ordering::Acquire, Ordering::Relaxed) {
+            Ok(_) => Ok(Inside { slot: self, after: idle }),
+            Err(word) if word == idle | BUSY => Err(Nothing::Busy),
+            Err(_) => Err(Nothing::Dead),
         }
     }
 }
@@ -91,70 +134,122 @@ pub(super) enum Nothing {
     Busy,
 }
 
-/// Leaves a slot even when the work on it panics.
-struct Leave<'a, T>(&'a Slot<T>);
+/// A call in a slot; it leaves even when the work panics.
+struct Inside<'a, T> {
+    slot: &'a Slot<T>,
+    /// The word it leaves behind.
+    after: u64,
+}
 
-impl<T> Drop for Leave<'_, T> {
+impl<T> Drop for Inside<'_, T> {
+    #[inline]
     fn drop(&mut self) {
-        self.0.busy.store(false, Ordering::Release);
+        self.slot.word.store(self.after, Ordering::Release);
     }
 }
 
-impl<T> Handles<T> {
-    const fn new(tag: u32) -> Self {
-        Self { tag, table: [const { OnceLock::new() }; BLOCKS], free: Mutex::new((Vec::new(), 0)) }
+impl<T, const TAG: u32> Handles<T, TAG> {
+    const fn new() -> Self {
+        Self {
+            first: [const { Slot::new() }; BLOCK],
+            beyond: RwLock::new(Vec::new()),
+            free: Mutex::new(Free { last: 0, used: 0 }),
+        }
     }
 
-    #[inline]
-    fn slot(&self, index: usize) -> Option<&Slot<T>> {
-        self.table.get(index / BLOCK)?.get()?.get(index % BLOCK)
+    /// Drops the slots beyond the first if nothing lives there, and nobody is at them.
+    fn unload(&self) {
+        let Ok(mut blocks) = self.beyond.try_write() else {
+            return;
+        };
+        let lives = |slot: &Slot<T>| slot.word.load(Ordering::Relaxed) >> 32 & 1 == 1;
+        if !blocks.iter().flat_map(|block| &block[..]).any(lives) {
+            *blocks = Vec::new();
+        }
     }
 
-    /// Gives a thing a handle; `None` if there are a million already.
-    pub(super) fn insert(&self, thing: Box<T>) -> Option<*mut c_void> {
-        let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
-        let index = match free.0.pop() {
-            Some(index) => index,
+    /// Works with a slot, if there is one of that index.
+    #[inline(always)]
+    fn at<R>(&self, index: usize, work: impl FnOnce(&Slot<T>) -> R) -> Option<R> {
+        let beyond;
+        let slot = match self.first.get(index) {
+            Some(slot) => slot,
             None => {
-                let index = free.1;
-                self.table
-                    .get(index as usize / BLOCK)?
-                    .get_or_init(|| (0..BLOCK).map(|_| Slot::new()).collect());
-                free.1 += 1;
-                index
+                beyond = self.beyond(index)?;
+                beyond.get(index % BLOCK)?
             }
         };
-        drop(free);
-        let slot = self.slot(index as usize)?;
-        // SAFETY: the slot came from the free list and its generation is even, so nobody else
-        // reaches the cell.
-        unsafe { *slot.thing.get() = Some(thing) };
-        let generation = slot.generation.load(Ordering::Relaxed).wrapping_add(1);
-        slot.generation.store(generation, Ordering::Release);
-        let handle = (generation as usize) << 32 | (self.tag | (index + 1)) as usize;
+        Some(work(slot))
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn beyond(&self, index: usize) -> Option<Arc<[Slot<T>]>> {
+        let blocks = self.beyond.read().unwrap_or_else(PoisonError::into_inner);
+        blocks.get(index / BLOCK - 1).cloned()
+    }
+
+    /// The index of a slot that nobody uses; `None` if there are too many, or no memory for more.
+    fn take(&self) -> Option<usize> {
+        let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(index) = free.last.checked_sub(1) {
+            let before =
+                self.at(index as usize, |slot| slot.word.load(Ordering::Relaxed) as u32)?;
+            free.last = before;
+            return Some(index as usize);
+        }
+        let index = free.used as usize;
+        if free.used >= MOST {
+            return None;
+        }
+        if index >= BLOCK && self.at(index, |_| ()).is_none() {
+            spare(2 * BLOCK * size_of::<Slot<T>>()).ok()?;
+            let mut blocks = self.beyond.write().unwrap_or_else(PoisonError::into_inner);
+            blocks.push((0..BLOCK).map(|_| Slot::new()).collect());
+        }
+        free.used += 1;
+        Some(index)
+    }
+
+    /// Gives a thing a handle; `None` if there are a million already, or no memory for more.
+    pub(super) fn insert(&self, thing: Box<T>) -> Option<*mut c_void> {
+        let index = self.take()?;
+        let generation = self.at(index, |slot| {
+            // SAFETY: the slot came from the free list and its generation is even, so nobody else
+            // reaches the cell.
+            unsafe { *slot.thing.get() = Some(thing) };
+            let generation = ((slot.word.load(Ordering::Relaxed) >> 32) as u32).wrapping_add(1);
+            slot.word.store(u64::from(generation) << 32, Ordering::Release);
+            generation
+        })?;
+        let handle = (generation as usize) << 32 | (TAG | (index as u32 + 1)) as usize;
         Some(std::ptr::without_provenance_mut(handle))
     }
 
-    /// The slot a handle leads to, if its thing lives and is not in a call.
+    /// Works in the slot that a handle leads to, if its thing lives and is in no other call.
     #[inline]
-    fn enter(&self, handle: *mut c_void) -> Result<(u32, Leave<'_, T>), Nothing> {
+    fn enter<R>(
+        &self,
+        handle: *mut c_void,
+        work: impl FnOnce(usize, Inside<'_, T>) -> R,
+    ) -> Result<R, Nothing> {
+        let (index, generation) = Self::parts(handle);
+        let work = |slot: &Slot<T>| Ok(work(index, slot.enter(generation)?));
+        self.at(index, work).unwrap_or(Err(Nothing::Dead))
+    }
+
+    /// The index and the generation in a handle.
+    #[inline]
+    fn parts(handle: *mut c_void) -> (usize, u32) {
         let handle = handle.addr();
-        let index = (handle as u32 ^ self.tag).checked_sub(1).ok_or(Nothing::Dead)?;
-        let slot = self.slot(index as usize).ok_or(Nothing::Dead)?;
-        let generation = (handle >> 32) as u32;
-        if generation & 1 == 0 || slot.generation.load(Ordering::Acquire) != generation {
-            return Err(Nothing::Dead);
-        }
-        if slot.busy.load(Ordering::Acquire) {
-            return Err(Nothing::Busy);
-        }
-        slot.busy.store(true, Ordering::Relaxed);
-        Ok((index, Leave(slot)))
+        ((handle as u32 ^ TAG).wrapping_sub(1) as usize, (handle >> 32) as u32)
     }
 
     /// Whether a handle leads to something.
     pub(super) fn lives(&self, handle: *mut c_void) -> bool {
-        !matches!(self.enter(handle), Err(Nothing::Dead))
+        let (index, generation) = Self::parts(handle);
+        let alive = |slot: &Slot<T>| (slot.word.load(Ordering::Relaxed) >> 32) as u32 == generation;
+        generation & 1 == 1 && self.at(index, alive) == Some(true)
     }
 
     /// Calls `work` with the thing of a handle.
@@ -164,25 +259,26 @@ impl<T> Handles<T> {
         handle: *mut c_void,
         work: impl FnOnce(&mut T) -> R,
     ) -> Result<R, Nothing> {
-        let (_, slot) = self.enter(handle)?;
-        // SAFETY: `enter` found the thing alive and marked it busy; `Leave` unmarks it only after
-        // the reference is gone.
-        match unsafe { &mut *slot.0.thing.get() } {
-            Some(thing) => Ok(work(thing)),
-            None => Err(Nothing::Dead),
-        }
+        self.enter(handle, |_, inside| {
+            // SAFETY: `enter` marked the slot busy; it leaves only after the reference is gone.
+            match unsafe { &mut *inside.slot.thing.get() } {
+                Some(thing) => Ok(work(thing)),
+                None => Err(Nothing::Dead),
+            }
+        })?
     }
 
     /// Takes a thing out; its handle is dead from here on.
     pub(super) fn remove(&self, handle: *mut c_void) -> Result<Box<T>, Nothing> {
-        let (index, slot) = self.enter(handle)?;
-        let generation = slot.0.generation.load(Ordering::Relaxed).wrapping_add(1);
-        slot.0.generation.store(generation, Ordering::Release);
-        // SAFETY: as in `with`; the new generation keeps everyone else out from here on.
-        let thing = unsafe { (*slot.0.thing.get()).take() };
-        drop(slot);
-        let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
-        free.0.push(index);
-        thing.ok_or(Nothing::Dead)
+        self.enter(handle, |index, mut inside| {
+            // SAFETY: as in `with`.
+            let thing = unsafe { (*inside.slot.thing.get()).take() };
+            let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
+            let generation = ((inside.after >> 32) as u32).wrapping_add(1);
+            inside.after = u64::from(generation) << 32 | u64::from(free.last);
+            drop(inside);
+            free.last = index as u32 + 1;
+            thing.ok_or(Nothing::Dead)
+        })?
     }
 }

@@ -6,13 +6,16 @@
 //! * a component handle is a number, looked up among the live instances, so that a handle that
 //!   was freed or never given out is told from a good one without touching memory;
 //! * a null pointer is refused unless the array it stands for is empty;
-//! * a panic is caught, logged and ends the instance, never the importer.
+//! * a panic is caught, logged and ends the instance, never the importer;
+//! * the floating-point environment is the default one during the call, and the importer's again
+//!   after it.
 
 #![allow(unsafe_code, non_snake_case, clippy::missing_safety_doc)]
 
 mod arguments;
 mod co_simulation;
 mod common;
+mod environment;
 mod guard;
 mod handles;
 mod logger;

@@ -3,6 +3,7 @@
 use crate::kernel::{Call, EventOutcome, Served, Status};
 
 use super::arguments::{Wrong, array, array_mut, place};
+use super::environment::from_here;
 use super::guard::call;
 use super::handles::Library;
 use super::types::*;
@@ -71,7 +72,10 @@ pub unsafe fn fmi2CompletedIntegratorStep<L: Library>(
 
 /// `fmi2SetTime`
 pub unsafe fn fmi2SetTime<L: Library>(c: fmi2Component, time: fmi2Real) -> fmi2Status {
-    call::<L>(c, Call::SetTime, |instance| instance.set_time(time))
+    call::<L>(c, Call::SetTime, |instance| {
+        let (time, _) = from_here(time, 0.0);
+        instance.set_time(time)
+    })
 }
 
 /// `fmi2SetContinuousStates`

@@ -9,11 +9,18 @@ use crate::kernel::{Call, Served, Status};
 
 use super::arguments::{Wrong, array, array_mut, place};
 use super::guard::call_live;
-use super::handles::{Library, Live};
+use super::handles::{Library, Live, Nothing};
 use super::types::*;
 
 /// What to say of a handle that leads to no state.
-const NO_STATE: &str = "FMUstate is not a saved state; it was freed, or never given out";
+const fn why(nothing: Nothing) -> &'static str {
+    match nothing {
+        Nothing::Dead => "FMUstate is not a saved state; it was freed, or never given out",
+        Nothing::Busy => "another call is using the FMUstate; let it return first",
+    }
+}
+
+const TOO_MANY: &str = "there are too many saved states, or no memory for more; free some";
 
 /// Gives a state a handle that its instance remembers.
 fn keep<L: Library>(
@@ -22,13 +29,14 @@ fn keep<L: Library>(
     call: Call,
     into: &mut fmi2FMUstate,
 ) -> Status {
-    let Some(handle) = L::shelf().states.insert(state) else {
-        return live.instance.refuse(call, "there are too many saved states");
-    };
     // Handles freed through another instance are forgotten when the list would have to grow.
     if live.states.len() == live.states.capacity() {
         live.states.retain(|old| L::shelf().states.lives(std::ptr::without_provenance_mut(*old)));
     }
+    let room = live.states.try_reserve(1);
+    let Some(handle) = room.ok().and_then(|()| L::shelf().states.insert(state)) else {
+        return live.instance.refuse(call, TOO_MANY);
+    };
     live.states.push(handle.addr());
     *into = handle;
     Status::Ok
@@ -44,7 +52,7 @@ fn with_state<L: Library>(
     L::shelf()
         .states
         .with(handle, |state| work(instance, state))
-        .unwrap_or_else(|_| instance.refuse(call, NO_STATE))
+        .unwrap_or_else(|nothing| instance.refuse(call, why(nothing)))
 }
 
 /// `fmi2GetFMUstate`: a new state if `*FMUstate` is NULL, else that one is overwritten.
@@ -96,8 +104,8 @@ pub unsafe fn fmi2FreeFMUstate<L: Library>(
             Ok(handle) => handle,
             Err(wrong) => return live.instance.refuse(this, &wrong),
         };
-        if L::shelf().states.remove(*handle).is_err() {
-            return live.instance.refuse(this, NO_STATE);
+        if let Err(nothing) = L::shelf().states.remove(*handle) {
+            return live.instance.refuse(this, why(nothing));
         }
         let freed = handle.addr();
         live.states.retain(|state| *state != freed);

@@ -1,10 +1,8 @@
 //! Getting and setting values (FMI 2.0.4, section 2.1.7).
 
-use std::ffi::CString;
+use crate::kernel::{Call, Served, spare};
 
-use crate::kernel::{Call, Served};
-
-use super::arguments::{array, array_mut, plain_array, plain_array_mut, text};
+use super::arguments::{array, array_mut, copies, plain_array, plain_array_mut};
 use super::guard::{call, done_simply};
 use super::handles::Library;
 use super::types::*;
@@ -150,6 +148,9 @@ pub unsafe fn fmi2SetBoolean<L: Library>(
 ) -> fmi2Status {
     call::<L>(c, Call::SetBoolean, |instance| {
         let (references, values) = arrays!(instance, Call::SetBoolean, vr, value, nvr, array);
+        if let Err(trouble) = spare(values.len()) {
+            return instance.refuse(Call::SetBoolean, &trouble.text);
+        }
         let truths: Vec<bool> = values.iter().map(|value| *value != FMI2_FALSE).collect();
         instance.set_boolean(references, &truths)
     })
@@ -165,8 +166,9 @@ pub unsafe fn fmi2SetString<L: Library>(
     call::<L>(c, Call::SetString, |instance| {
         let (references, values) = arrays!(instance, Call::SetString, vr, value, nvr, array);
         // SAFETY: the importer passes texts that end with a NUL, as the standard demands.
-        let texts = values.iter().map(|value| unsafe { text(*value) });
-        let texts: Vec<Option<CString>> = texts.map(|text| text.map(CString::from)).collect();
-        instance.set_string(references, &texts)
+        match unsafe { copies("value", values) } {
+            Ok(texts) => instance.set_string(references, &texts),
+            Err(wrong) => instance.refuse(Call::SetString, &wrong),
+        }
     })
 }

@@ -45,6 +45,9 @@ pub trait Component: Sized + Send + 'static {
     /// Whether inputs may be anything, infinities and what is not a number among them: for components
     /// that judge what they are given. Otherwise the kernel refuses such values.
     const ANY_INPUT: bool = false;
+    /// What a `Memory` may allocate at most besides what it holds, in bytes: room that it keeps for
+    /// later. Memory is asked for before states are copied, so that a host without it gets an error.
+    const ROOM: usize = 32 << 10;
     /// Whether [`tangent`](Component::tangent) is there.
     const TANGENT: bool = false;
     /// Parameters: of any variable type, fixed once initialization is over.

@@ -61,6 +61,8 @@ pub trait Sample: Sized + Send + 'static {
     const INFO: Info;
     /// See [`Component::ANY_INPUT`].
     const ANY_INPUT: bool = false;
+    /// See [`Component::ROOM`].
+    const ROOM: usize = 32 << 10;
     /// Parameters.
     type Parameters: Variables + Default;
     /// Inputs.
@@ -138,6 +140,7 @@ impl<M: Clone, Y: Copy> Clone for Held<M, Y> {
 impl<S: Sample> Component for Sampled<S> {
     const INFO: Info = Info { sampled: true, ..S::INFO };
     const ANY_INPUT: bool = S::ANY_INPUT;
+    const ROOM: usize = S::ROOM;
     type Parameters = S::Parameters;
     type Inputs = S::Inputs;
     type Outputs = S::Outputs;

@@ -12,17 +12,20 @@ use super::status::{Status, Trouble};
 use super::table::{Group, Kind, Variable};
 use super::values::{all_finite, gather};
 
+/// The exponent of a Real; all ones where it is not finite.
+const EXPONENT: u64 = 0x7FF << 52;
+
 impl Instance {
     /// `fmi2GetReal` of values that need no computing; `None` if it is not so simple.
     ///
-    /// No code of a component runs here.
+    /// No code of a component runs here, and nothing is computed in floating point.
     #[inline]
     pub fn get_fresh(&self, references: &[u32], into: &mut [f64]) -> Option<()> {
         if !self.run.phase.allows(Call::GetReal) {
             return None;
         }
         let fresh = self.values.reals.get(..self.fresh_reals())?;
-        gather(fresh, references, into).map(drop)
+        gather(fresh, references, into)
     }
 
     /// How many of the Reals, counted from the first, are up to date.
@@ -90,7 +93,7 @@ impl Instance {
 
     /// `fmi2SetReal` of inputs while the simulation runs; `None` if it is not so simple.
     ///
-    /// No code of a component runs here.
+    /// No code of a component runs here, and nothing is computed in floating point.
     #[inline]
     pub fn set_inputs(&mut self, references: &[u32], values: &[f64]) -> Option<()> {
         if !matches!(self.run.phase, Phase::Event | Phase::Continuous | Phase::Step) {
@@ -101,14 +104,13 @@ impl Instance {
         let inputs = self.values.reals.get_mut(place)?;
         let index = |reference: u32| (reference as usize).wrapping_sub(first);
         // All or none, so this takes two ways through.
-        let (mut sum, mut changed) = (0.0, 0);
+        let (mut largest, mut changed) = (0, 0);
         for (reference, value) in references.iter().zip(values) {
             let before = inputs.get(index(*reference))?;
             changed |= before.to_bits() ^ value.to_bits();
-            sum += value;
+            largest = largest.max(value.to_bits() & EXPONENT);
         }
-        // A sum that is finite is one of finite values; one that is not is looked at closely.
-        if !f64::is_finite(sum) {
+        if largest == EXPONENT {
             return None;
         }
         // What was set to the value it has already leaves outputs and derivatives as they are.
@@ -149,8 +151,7 @@ impl Instance {
     pub fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Status {
         self.call(Call::SetInteger, |me| {
             me.check_parameters(Kind::Integer, references)?;
-            let numbers: Vec<f64> = values.iter().map(|value| f64::from(*value)).collect();
-            me.check_bounds(Kind::Integer, references, &numbers)?;
+            me.check_bounds(Kind::Integer, references, values)?;
             assign(&mut me.values.integers, references, values);
             me.changed(references, |explicit| &mut explicit.integers);
             Ok(())
@@ -253,9 +254,15 @@ impl Instance {
 
     /// Parameters keep within their declared bounds, enumerations to their items.
     #[cold]
-    fn check_bounds(&self, kind: Kind, references: &[u32], values: &[f64]) -> Result<(), Trouble> {
+    fn check_bounds<T: Copy + Into<f64>>(
+        &self,
+        kind: Kind,
+        references: &[u32],
+        values: &[T],
+    ) -> Result<(), Trouble> {
         use crate::author::Start;
         for (reference, value) in references.iter().zip(values) {
+            let value: f64 = (*value).into();
             let Some(variable) = self.table.find(kind, *reference) else {
                 continue;
             };
@@ -266,7 +273,7 @@ impl Instance {
                 Start::Enumeration { items, .. } => (1.0, items.len() as f64),
                 _ => (variable.min.unwrap_or(f64::MIN), variable.max.unwrap_or(f64::MAX)),
             };
-            if !(min..=max).contains(value) {
+            if !(min..=max).contains(&value) {
                 return Err(Trouble::error(format_args!(
                     "{} = {value} is not within {min:?} and {max:?}",
                     variable.name

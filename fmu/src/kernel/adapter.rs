@@ -3,11 +3,12 @@
 use crate::author::{Component, Fault, ParameterError, Ports, Reader, Resources, Time, Variables};
 
 use super::integrator::Integrator;
+use super::memory::SPREAD;
 use super::model::{Cause, Events, Halt, Memory, Model, Outputs};
 use super::parameters::Parameters;
 use super::shape;
 use super::signal::{Held, Moving, Signal, Slopes};
-use super::stepper::{Progress, Scheme, Stepper};
+use super::stepper::{MOST_WORK, Progress, Scheme, Stepper};
 use super::table::{Group, Layout, Table};
 use super::values::{Explicit, Values, accumulate, first_not_finite, is_finite, read, write};
 
@@ -73,6 +74,7 @@ impl<C: Component> ComponentModel<C> {
             progress: &mut self.progress,
             signal,
             known: values.reals.get(self.layout.outputs.clone()).filter(|_| fresh),
+            work: MOST_WORK,
         };
         let events = match stepper.advance(&mut x, t, h) {
             Ok(events) => events,
@@ -163,6 +165,7 @@ impl<C: Component> ComponentModel<C> {
             progress: &mut self.progress,
             signal: &Held(u),
             known: None,
+            work: MOST_WORK,
         };
         let done = work(&mut stepper, &mut x);
         Ok((done, x))
@@ -286,6 +289,12 @@ impl<C: Component> Model for ComponentModel<C> {
         let (done, x) = self.stepping(values, |stepper, x| {
             let mut events = Events::default();
             while let Some(instant) = stepper.next_event().filter(|at| *at <= now) {
+                if events.time_events == MOST_WORK as usize {
+                    return Err(Fault::new(format_args!(
+                        "more than {MOST_WORK} time events are due, the next one since {instant}; \
+                         set the time to nextEventTime at the latest"
+                    )));
+                }
                 stepper.time_event(instant, x)?;
                 events.time_events += 1;
             }
@@ -325,6 +334,11 @@ impl<C: Component> Model for ComponentModel<C> {
     fn restore(&mut self, from: &Memory) -> bool {
         let saved = from.downcast_ref::<Progress<C::Memory>>();
         saved.map(|saved| self.progress.clone_from(saved)).is_some()
+    }
+
+    fn size(&self) -> usize {
+        let bytes = postcard::experimental::serialized_size(&self.progress).unwrap_or_default();
+        C::ROOM + SPREAD * bytes
     }
 
     fn pack(&self, memory: &Memory) -> Result<Vec<u8>, String> {

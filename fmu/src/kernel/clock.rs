@@ -2,7 +2,7 @@
 
 use super::status::Trouble;
 
-/// Latest start time: nanoseconds in 64 bits reach 292 years.
+/// Latest time, and with a minus the earliest: nanoseconds in 64 bits reach 292 years.
 const LATEST_S: f64 = 9e9;
 
 /// Two times are the same if no more than this many ulp apart …
@@ -14,6 +14,26 @@ const SAME_S: f64 = 1e-9;
 #[inline]
 fn same_time(a: f64, b: f64) -> bool {
     (a - b).abs() <= SAME_S.max(SAME_ULP * f64::EPSILON * a.abs().max(b.abs()))
+}
+
+/// Whether a time is one that an instance can be at.
+#[inline]
+#[must_use]
+pub fn is_instant(time_s: f64) -> bool {
+    time_s.abs() <= LATEST_S
+}
+
+/// Checks a time that an importer names `name`.
+///
+/// # Errors
+/// It is none that an instance can be at.
+pub(crate) fn check_instant(name: &str, time_s: f64) -> Result<(), Trouble> {
+    if is_instant(time_s) {
+        return Ok(());
+    }
+    Err(Trouble::error(format_args!(
+        "{name} = {time_s} s is not within -{LATEST_S:e} s and {LATEST_S:e} s"
+    )))
 }
 
 /// Checks the arguments of `fmi2SetupExperiment`.
@@ -28,11 +48,7 @@ pub fn check_experiment(
     if let Some(bad) = tolerance.filter(|tolerance| !(0.0..=1.0).contains(tolerance)) {
         return Err(Trouble::error(format_args!("tolerance = {bad} is not within 0 and 1")));
     }
-    if !(-LATEST_S..=LATEST_S).contains(&start_s) {
-        return Err(Trouble::error(format_args!(
-            "startTime = {start_s} s is not within -{LATEST_S:e} s and {LATEST_S:e} s"
-        )));
-    }
+    check_instant("startTime", start_s)?;
     if let Some(stop) = stop_s.filter(|stop| stop.is_nan() || *stop < start_s) {
         return Err(Trouble::error(format_args!(
             "stopTime = {stop} s is before startTime = {start_s} s"
@@ -51,12 +67,12 @@ pub fn check_step(t: f64, h: f64, now_s: f64, stop_s: Option<f64>) -> Result<(),
             "communicationStepSize = {h} s; it must not be negative and must be finite"
         )));
     }
-    if !same_time(t, now_s) {
+    if !(is_instant(t) && same_time(t, now_s)) {
         return Err(Trouble::error(format_args!(
             "currentCommunicationPoint = {t} s, but this instance is at {now_s} s; steps must join"
         )));
     }
-    if t + h > LATEST_S {
+    if !is_instant(t + h) {
         return Err(Trouble::error(format_args!(
             "communicationStepSize = {h} s leads beyond {LATEST_S:e} s"
         )));

@@ -6,6 +6,7 @@ use super::instance::{Instance, Interface};
 use super::model::{Cause, Halt};
 use super::signal::{Course, ORDERS};
 use super::status::{Status, Trouble};
+use super::stepper::MOST_WORK;
 use super::table::Kind;
 
 impl Instance {
@@ -65,6 +66,10 @@ impl Instance {
                 let name = variable.map_or("?", |variable| variable.name.as_str());
                 discard(format!("{name} is not finite"))
             }
+            Cause::Work => discard(format!(
+                "the rest takes more than the {MOST_WORK} integration steps and events of one \
+                 call; step in shorter communication steps"
+            )),
             Cause::Accuracy { error, tolerance } => discard(format!(
                 "the error of the shortest step is {error:e} times the tolerance of {tolerance:e}"
             )),

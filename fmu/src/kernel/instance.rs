@@ -13,8 +13,9 @@ use serde::{Deserialize, Serialize};
 use crate::author::Time;
 
 use super::call::{Call, Phase};
-use super::clock::check_experiment;
+use super::clock::{check_experiment, is_instant};
 use super::log::{Log, Sink};
+use super::memory::spare;
 use super::model::Model;
 use super::signal::Slopes;
 use super::status::{Status, Trouble};
@@ -71,9 +72,15 @@ impl Run {
 
     /// Whether its numbers are numbers.
     pub(super) fn is_sound(&self) -> bool {
-        self.time_s.is_finite() && self.phase != Phase::Fatal
+        is_instant(self.time_s)
+            && self.stop_s.is_none_or(|stop| !stop.is_nan())
+            && self.tolerance.is_none_or(|tolerance| (0.0..=1.0).contains(&tolerance))
+            && self.phase != Phase::Fatal
     }
 }
+
+/// What a component may allocate for its constants and its memory (bytes); files apart.
+const CONFIGURATION: usize = 1 << 20;
 
 /// Numbers the sets of parameters of all instances, so that equal numbers mean equal parameters.
 static EDITIONS: AtomicU64 = AtomicU64::new(1);
@@ -247,13 +254,17 @@ impl Instance {
         }
     }
 
+    /// Derives the component's constants from its parameters.
+    pub(super) fn configure(&mut self, tolerance: Option<f64>) -> Result<(), Trouble> {
+        spare(CONFIGURATION)?;
+        self.model.configure(&mut self.values, &self.explicit, tolerance).map_err(Trouble::error)
+    }
+
     /// Computes what is stale, derivatives excepted, and checks that it is finite.
     #[cold]
     pub(super) fn refresh(&mut self) -> Result<(), Trouble> {
         if self.run.stale.component {
-            self.model
-                .configure(&mut self.values, &self.explicit, self.run.tolerance)
-                .map_err(Trouble::error)?;
+            self.configure(self.run.tolerance)?;
             self.edition = new_edition();
             self.run.stale.component = false;
             self.run.stale.initial |=

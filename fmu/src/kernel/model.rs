@@ -49,6 +49,8 @@ pub enum Cause {
     Fault(Fault),
     /// The Real of this value reference would not be finite: the step is discarded.
     NotFinite(usize),
+    /// The step takes more integration steps and events than one call may: it is discarded.
+    Work,
     /// The integrator cannot keep to its tolerance: the step is discarded.
     Accuracy {
         /// Error of the shortest step, in units of what is tolerated.
@@ -131,6 +133,9 @@ pub trait Model: Send {
 
     /// Takes back a copy; false if it is not one of this model's.
     fn restore(&mut self, from: &Memory) -> bool;
+
+    /// How many bytes of memory a copy of the present memory takes at most.
+    fn size(&self) -> usize;
 
     /// A copy as bytes.
     ///

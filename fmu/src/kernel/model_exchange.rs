@@ -3,6 +3,7 @@
 use crate::author::Time;
 
 use super::call::{Call, Phase};
+use super::clock::check_instant;
 use super::instance::{Instance, Stale};
 use super::model::Events;
 use super::status::{Status, Trouble};
@@ -72,9 +73,7 @@ impl Instance {
     /// `fmi2SetTime`
     pub fn set_time(&mut self, time_s: f64) -> Status {
         self.call(Call::SetTime, |me| {
-            if !time_s.is_finite() {
-                return Err(Trouble::error(format_args!("time = {time_s} s is not finite")));
-            }
+            check_instant("time", time_s)?;
             me.set_clock(time_s);
             me.evaluate_again();
             Ok(())

@@ -1,6 +1,6 @@
 //! The components a library holds, told apart by their GUIDs.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use sha2::{Digest, Sha256};
 
@@ -174,6 +174,36 @@ impl Registry {
                 known.join(", ")
             )
         })
+    }
+}
+
+/// A registry that is made when it is first needed, and made anew after it was cleared: unlike a
+/// static that is made once, it leaves nothing behind when the library is unloaded.
+#[derive(Debug)]
+pub struct Shared {
+    make: fn() -> Registry,
+    made: Mutex<Option<Arc<Registry>>>,
+}
+
+impl Shared {
+    /// What `make` will make.
+    #[must_use]
+    pub const fn new(make: fn() -> Registry) -> Self {
+        Self { make, made: Mutex::new(None) }
+    }
+
+    /// The registry.
+    pub fn get(&self) -> Arc<Registry> {
+        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        Arc::clone(made.get_or_insert_with(|| Arc::new((self.make)())))
+    }
+
+    /// Drops it, at the latest when nobody uses it any more. Without waiting: at the end of a process
+    /// who has it now may never let go.
+    pub fn clear(&self) {
+        if let Ok(mut made) = self.made.try_lock() {
+            *made = None;
+        }
     }
 }
 

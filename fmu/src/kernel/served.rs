@@ -95,13 +95,15 @@ pub trait Served: Sized + Send + 'static {
     /// `fmi2Reset`
     fn reset(&mut self) -> Status;
 
-    /// `fmi2GetReal` where that is only copying; `None` if it is not so simple. It must not panic.
+    /// `fmi2GetReal` where that is only copying; `None` if it is not so simple. It must neither panic
+    /// nor compute in floating point: the environment is the importer's.
     #[inline]
     fn get_fresh(&self, _references: &[u32], _into: &mut [f64]) -> Option<()> {
         None
     }
 
-    /// `fmi2SetReal` where that is only copying; `None` if it is not so simple. It must not panic.
+    /// `fmi2SetReal` where that is only copying; `None` if it is not so simple. It must neither panic
+    /// nor compute in floating point: the environment is the importer's.
     #[inline]
     fn set_inputs(&mut self, _references: &[u32], _values: &[f64]) -> Option<()> {
         None

@@ -17,10 +17,14 @@ use serde::{Deserialize, Serialize};
 use super::call::{Call, Phase};
 use super::envelope::{hand_out, seal, unseal};
 use super::instance::{Instance, Interface, Run, new_edition};
+use super::memory::{SPREAD, spare};
 use super::model::Memory;
 use super::signal::Slopes;
 use super::status::{Status, Trouble};
 use super::values::{Explicit, Values, all_finite};
+
+/// Memory that does not depend on what is saved, names in errors and the like (bytes).
+const FEW: usize = 16 << 10;
 
 /// A saved state of an instance.
 pub struct State {
@@ -54,6 +58,7 @@ impl Instance {
     /// `fmi2GetFMUstate` into a new state.
     pub fn get_state(&mut self, state: &mut Option<Box<State>>) -> Status {
         self.call(Call::GetFmuState, |me| {
+            spare(me.size())?;
             *state = Some(Box::new(me.saved()));
             Ok(())
         })
@@ -79,6 +84,13 @@ impl Instance {
     fn ports(&self) -> &[f64] {
         let first = self.table.layout().inputs.start;
         self.values.reals.get(first..).unwrap_or_default()
+    }
+
+    /// What a saved state, or its bytes, takes at most.
+    fn size(&self) -> usize {
+        let strings = self.values.strings.iter().map(|text| text.count_bytes());
+        let values = size_of_val(&*self.values.reals) + strings.sum::<usize>();
+        FEW + self.model.size() + SPREAD * values
     }
 
     fn saved(&self) -> State {
@@ -149,12 +161,10 @@ impl Instance {
         self.values.strings.clone_from(&state.parameters.strings);
         self.explicit.clone_from(&state.explicit);
         if !state.run.stale.component {
-            let tolerance = state.run.tolerance;
-            self.model.configure(&mut self.values, &self.explicit, tolerance).map_err(|error| {
+            self.configure(state.run.tolerance).inspect_err(|_| {
                 self.run.phase = Phase::Error;
                 self.run.stale.component = true;
                 self.edition = new_edition();
-                Trouble::error(error)
             })?;
         }
         self.edition = state.edition;
@@ -179,6 +189,7 @@ impl Instance {
         if !self.is_of(&state.guid) {
             return Err(Trouble::error("the state is another component's"));
         }
+        spare(self.size())?;
         let memory = state.memory.as_ref().map_or(Ok(Vec::new()), |memory| self.model.pack(memory));
         let mut slopes = Slopes::held(self.table.layout().inputs.len());
         slopes.copy_from(&state.slopes);
@@ -198,6 +209,8 @@ impl Instance {
     /// `fmi2DeSerializeFMUstate`
     pub fn deserialize_state(&mut self, bytes: &[u8], state: &mut Option<Box<State>>) -> Status {
         self.call(Call::DeSerializeFmuState, |me| {
+            // To compare with, its own; and what is read.
+            spare(2 * me.size() + SPREAD * bytes.len())?;
             let read = me.read_state(bytes).map_err(|reason| {
                 Trouble::error(format_args!("these {} bytes {reason}", bytes.len()))
             })?;

@@ -29,6 +29,11 @@ const CROWD: usize = 1000;
 const CROWD_S: f64 = 1e-6;
 /// Calls of `state_event` at one instant until it must have settled.
 const ITERATIONS: usize = 100;
+/// Most work of one call of the importer's: integration steps and events, so that every call returns
+/// in time, whatever its times and the component's parameters are.
+pub(crate) const MOST_WORK: u32 = 1_000_000;
+/// What it takes to find a state event, in integration steps.
+const CROSSING_WORK: u32 = 64;
 
 /// Everything about a running component that is neither a constant nor a value of its table.
 #[derive(Debug, Default, Serialize, Deserialize)]
@@ -68,6 +73,8 @@ pub(crate) struct Stepper<'a, C: Component, S> {
     pub(crate) signal: &'a S,
     /// The outputs at the beginning, where they are known: only until something happens.
     pub(crate) known: Option<&'a [f64]>,
+    /// Work that is left.
+    pub(crate) work: u32,
 }
 
 impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
@@ -89,11 +96,24 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
             events += self.integrate(x, t, until - t)?;
             rest = (t + rest - until).max(0.0);
             t = until;
+            self.spend(1, t)?;
             self.event(instant, x)?;
             events += 1;
         }
         events += self.integrate(x, t, rest)?;
         Ok(events)
+    }
+
+    /// Counts work that begins at `t`.
+    #[inline]
+    pub(crate) fn spend(&mut self, work: u32, t: f64) -> Result<(), Halt> {
+        match self.work.checked_sub(work) {
+            Some(rest) => {
+                self.work = rest;
+                Ok(())
+            }
+            None => Err(Halt::too_much(t)),
+        }
     }
 
     #[inline]
@@ -161,6 +181,7 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
     ) -> Result<usize, Halt> {
         let (mut events, mut crowd_start) = (0, t);
         loop {
+            self.spend(CROSSING_WORK, crossing)?;
             self.settle(x, crossing)?;
             events += 1;
             if events % CROWD == 0 {
@@ -193,6 +214,9 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
         let single = h <= longest * (1.0 + SLACK);
         let steps = if single { 1.0 } else { (h / longest - SLACK).ceil() };
         let step = if single { h } else { h / steps };
+        if !single {
+            self.spend(steps as u32, t)?;
+        }
         // The result of a single step is looked at once it is stored with the outputs.
         let look = !single || watches::<C, S>() || self.next_event().is_some();
         let mut known = self.known.take();
@@ -239,6 +263,10 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
         let (mut elapsed, mut crossing) = (0.0, None);
         while elapsed < h && crossing.is_none() {
             let (at, rest) = (t + elapsed, h - elapsed);
+            self.work = match self.work.checked_sub(1) {
+                Some(rest) => rest,
+                None => return Err(Halt::too_much(at)),
+            };
             let last = proposed >= rest;
             let step = if last { rest } else { proposed };
             let trial = dormand_prince(&f, x, &slope, at, step);
@@ -361,6 +389,12 @@ impl Halt {
     /// The component cannot go on.
     pub(crate) fn new(reached_s: f64, fault: Fault) -> Self {
         Self { reached_s, cause: Cause::Fault(fault) }
+    }
+
+    /// From here on it would be more than [`MOST_WORK`].
+    #[cold]
+    fn too_much(reached_s: f64) -> Self {
+        Self { reached_s, cause: Cause::Work }
     }
 
     /// With a value reference in place of the index of a state.

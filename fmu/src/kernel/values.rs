@@ -181,25 +181,20 @@ pub(crate) fn write<P: Variables>(value: &P, reals: &mut [f64], place: &Range<us
     }
 }
 
-/// Picks the values of these references; `None` if there is not one of each. Gives their sum, which
-/// is not finite if one of them is not; see [`all_finite`].
+/// Picks the values of these references; `None` if there is not one of each. Nothing is computed.
 #[inline]
-pub(crate) fn gather(reals: &[f64], references: &[u32], into: &mut [f64]) -> Option<f64> {
+pub(crate) fn gather(reals: &[f64], references: &[u32], into: &mut [f64]) -> Option<()> {
     let get = |reference: &u32| reals.get(*reference as usize).copied();
     // Four at a time: half of the work would be counting.
     let (by_four, rest) = references.as_chunks::<4>();
     let (into_four, into_rest) = into.as_chunks_mut::<4>();
-    let mut sums = [0.0; 4];
     for ([a, b, c, d], place) in by_four.iter().zip(into_four) {
         *place = [get(a)?, get(b)?, get(c)?, get(d)?];
-        sums.iter_mut().zip(*place).for_each(|(sum, value)| *sum += value);
     }
-    let mut sum = sums.iter().sum();
     for (reference, place) in rest.iter().zip(into_rest) {
         *place = get(reference)?;
-        sum += *place;
     }
-    Some(sum)
+    Some(())
 }
 
 /// Adds a port group to what stands in its place among the reals.

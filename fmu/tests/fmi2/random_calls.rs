@@ -46,7 +46,10 @@ impl<'a> Bytes<'a> {
             0 => f64::NAN,
             1 => f64::INFINITY,
             2 => -1.0,
-            3 => 1e300,
+            3 => {
+                let sign = if self.byte() < 128 { 1.0 } else { -1.0 };
+                sign * 10_f64.powi(i32::from(self.byte()))
+            }
             4 => 1e-16,
             5 => f64::from(self.byte()),
             _ => f64::from(self.byte()) / 100.0,
@@ -166,7 +169,9 @@ impl World {
         let (mut status, mut one) = (Status::Ok, 0.0);
         let pick = bytes.below(self.states.len());
         let mut state = self.states[pick];
-        let (x, h) = (bytes.real(), bytes.real().clamp(-1.0, 3.0));
+        let (x, h) = (bytes.real(), bytes.real());
+        // Mostly what an importer may mean, for steps of a million events take their time.
+        let h = if bytes.byte() < 4 { 1e9 * h } else { h.clamp(-1.0, 3.0) };
         let t = if bytes.byte() < 20 { x } else { self.time };
         let result = unsafe {
             match bytes.below(45) {
@@ -235,6 +240,7 @@ impl World {
                 22 => fmi2::fmi2NewDiscreteStates(c, &raw mut info),
                 23 => fmi2::fmi2EnterContinuousTimeMode(c),
                 24 => fmi2::fmi2CompletedIntegratorStep(c, 1, &raw mut a, &raw mut b),
+                25 if bytes.byte() < 4 => fmi2::fmi2SetTime(c, 1e9 * x),
                 25 => fmi2::fmi2SetTime(c, x.min(1e3)),
                 26 => fmi2::fmi2SetContinuousStates(c, real, n),
                 27 => fmi2::fmi2GetDerivatives(c, real, n),

@@ -1,6 +1,7 @@
-//! A few hundred thousand random calls and some thousand random states, the same every time.
+//! A few hundred thousand random calls, some of them by several threads, and some thousand random
+//! states, the same every time.
 
-use crate::{random_calls, random_states};
+use crate::{random_calls, random_states, random_threads};
 
 /// xorshift64* (Marsaglia 2003; Vigna 2016)
 struct Random(u64);
@@ -40,5 +41,13 @@ fn random_states_are_refused_or_usable() {
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     for n in 0..20_000 {
         random_states::run(&random.bytes(1 + n % 40));
+    }
+}
+
+#[test]
+fn random_calls_of_several_threads_do_no_harm() {
+    let mut random = Random(0x9E37_79B9_7F4A_7C15);
+    for _ in 0..300 {
+        random_threads::run(&random.bytes(1600));
     }
 }

@@ -11,7 +11,7 @@ use std::{fs, process::Command};
 /// Folders, their longest inputs (bytes) and their targets: the FMU as random callers see it, some
 /// hundred calls; the readers of strangers' files, most of ours.
 const TARGETS: [(&str, usize, &[&str]); 2] = [
-    ("fmu/fuzz", 8 << 10, &["calls", "state"]),
+    ("fmu/fuzz", 8 << 10, &["calls", "state", "threads"]),
     (
         "cosim/fuzz",
         64 << 10,

@@ -2,6 +2,7 @@
 
 mod bits;
 mod inside;
+mod lives;
 mod refused;
 mod shown;
 mod states;

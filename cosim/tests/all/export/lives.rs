@@ -1,0 +1,81 @@
+//! An exported system that is loaded, run and unloaded again and again leaves nothing, and comes back
+//! from steps that no simulation has.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use cosim::fmi::{Fmu, Instance, Logging};
+
+use super::{export, seconds, step};
+use crate::command::text;
+use crate::models::Model::{Gain, Integrator};
+use crate::ssd::Ssd;
+
+/// Lives, and what each may leave (bytes).
+const LIVES: usize = 60;
+const LEFT: usize = 256;
+/// Names the FMU to the process of the lives.
+const VARIABLE: &str = "COSIM_TEST_LIVES_OF";
+
+/// `struct mallinfo2` of glibc: ten numbers, of which the eighth is what is allocated.
+#[repr(C)]
+struct Allocated {
+    before: [usize; 7],
+    bytes: usize,
+    after: [usize; 2],
+}
+
+unsafe extern "C" {
+    fn mallinfo2() -> Allocated;
+}
+
+fn system() -> Ssd {
+    let loop_ = Ssd::new().add("i", Integrator).add("g", Gain);
+    loop_.connect("i.y", "g.u").connect("g.y", "i.u")
+}
+
+#[test]
+fn lives_of_an_exported_system_leave_nothing() {
+    let exported = export(&system().write(), &[]);
+    let this = std::env::current_exe().unwrap();
+    let output = Command::new(this)
+        .args(["--exact", "export::lives::lives", "--ignored", "--nocapture"])
+        .env(VARIABLE, &exported.fmu)
+        .output()
+        .unwrap();
+    let (told, why) = (text(&output.stdout), text(&output.stderr));
+    assert!(output.status.success() && told.contains("1 passed"), "{told}{why}");
+}
+
+#[test]
+#[ignore = "counts the memory of its process: the test above starts it in one of its own"]
+fn lives() {
+    let Some(fmu) = std::env::var_os(VARIABLE).map(PathBuf::from) else { return };
+    let life = || {
+        let fmu = Fmu::open(&fmu).unwrap();
+        let mut instance = Instance::new(fmu, "loop", &Logging::default()).unwrap();
+        instance.enter_initialization(seconds(0.0), seconds(10.0)).unwrap();
+        instance.exit_initialization().unwrap();
+        step(&mut instance, 0.0, 1.0);
+    };
+    let allocated = || {
+        // SAFETY: it only counts.
+        unsafe { mallinfo2() }.bytes
+    };
+    // The first ones also fill the lists of the dynamic linker.
+    (0..LIVES).for_each(|_| life());
+    let before = allocated();
+    (0..LIVES).for_each(|_| life());
+    let left = allocated().saturating_sub(before);
+    assert!(left <= LEFT * LIVES, "{left} bytes are left of {LIVES} lives");
+}
+
+#[test]
+fn a_step_of_too_many_steps_is_refused() {
+    let exported = export(&system().write(), &[]);
+    let mut instance = exported.instance();
+    instance.enter_initialization(seconds(0.0), seconds(9e8)).unwrap();
+    instance.exit_initialization().unwrap();
+    let error = instance.do_step(seconds(0.0), seconds(8e8)).unwrap_err().to_string();
+    assert!(error.contains("1000000") && error.contains("shorter communication steps"), "{error}");
+}
