@@ -1,0 +1,192 @@
+//! What FMUs in the field do, each trait on an FMU made for it.
+
+use cosim::{Code, Overrides, Recording, System};
+use tempfile::TempDir;
+
+use crate::command::{cosim, text};
+use crate::formats::{Folder, component, connection, ssd, system};
+use crate::models::Model::{self, Clock, Gain, Lag};
+use crate::models::pack;
+
+/// A model that is compiled with `define`.
+fn with(folder: &TempDir, model: Model, define: &str) -> std::path::PathBuf {
+    model.variant(&folder.path().join(format!("{define}.fmu")), &[define], |text| text)
+}
+
+/// Runs an FMU alone: what was recorded, and what was odd.
+fn run(fmu: &std::path::Path, overrides: &Overrides) -> (Recording, Vec<String>) {
+    let overrides = overrides.clone().output_variables(["y", "k", "second"]);
+    let system = System::single(fmu, &overrides, None).unwrap();
+    let mut recording = Recording::new();
+    let summary = system.run(&mut [&mut recording]).unwrap();
+    (recording, summary.warnings)
+}
+
+#[test]
+fn start_values_reach_fmus_that_forget_them() {
+    let folder = TempDir::new().unwrap();
+    for define in ["FORGETS_IN_SETUP", "FORGETS_IN_ENTER", "FORGETS_NOTHING"] {
+        let overrides = Overrides::new().start_value("k", 3.0).start_value("u", 2.0);
+        let (recording, warnings) = run(&with(&folder, Gain, define), &overrides);
+        assert_eq!(recording.column("y").unwrap()[0], 6.0, "{define}");
+        assert!(warnings.is_empty(), "{define}: {warnings:?}");
+    }
+    let overrides = Overrides::new().start_value("text", "four");
+    let (recording, _) = run(&with(&folder, Gain, "FORGETS_IN_SETUP"), &overrides);
+    assert_eq!(recording.column("k").unwrap()[0], 4.0);
+}
+
+#[test]
+fn a_start_value_that_is_not_taken_is_named_once() {
+    let folder = TempDir::new().unwrap();
+    for model in [Gain, Model::Mass] {
+        let overrides = Overrides::new().start_value("k", 3.0).start_value("second", 4.0);
+        let (_, warnings) = run(&with(&folder, model, "IGNORES_K"), &overrides);
+        assert_eq!(warnings.len(), 1, "{warnings:?}");
+        let wanted = "does not take start values: k = 3.0 (it has 1.0)";
+        assert!(warnings[0].ends_with(wanted), "{warnings:?}");
+    }
+}
+
+#[test]
+fn messages_of_fmus_with_an_environment_of_their_own_are_told() {
+    let folder = TempDir::new().unwrap();
+    for define in ["ENVIRONMENT_IS_COMPONENT", "ENVIRONMENT_IS_ONE"] {
+        let fmu = with(&folder, Gain, define);
+        let overrides = Overrides::new().debug_logging(true);
+        let system = System::single(&fmu, &overrides, None).unwrap();
+        let summary = system.run(&mut []).unwrap();
+        let last = summary.messages.last();
+        assert_eq!(last.unwrap(), "GAIN: OK (logAll): step to 1 s", "{define}");
+    }
+}
+
+#[test]
+fn an_fmu_gets_the_tolerance_that_it_suggests() {
+    let folder = TempDir::new().unwrap();
+    for (suggested, wanted) in [(" tolerance=\"1e-4\"", 1e-4), ("", -1.0)] {
+        let fmu = Gain.variant(&folder.path().join("t.fmu"), &["TELLS_TOLERANCE"], |text| {
+            text.replace("<DefaultExperiment", &format!("<DefaultExperiment{suggested}"))
+        });
+        let (recording, _) = run(&fmu, &Overrides::new());
+        assert_eq!(recording.column("second").unwrap()[0], wanted);
+    }
+}
+
+#[test]
+fn model_exchange_without_listed_derivatives_is_refused_and_co_simulation_is_not() {
+    let folder = TempDir::new().unwrap();
+    let list = "<Derivatives><Unknown index=\"5\"/></Derivatives>";
+    let fmu = Lag.varied(folder.path(), list, "");
+    let path = fmu.to_str().unwrap();
+    for command in ["validate", "simulate"] {
+        let output = cosim(folder.path(), &[command, path]);
+        let told = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(3), "{told}");
+        assert!(
+            told.contains("[E107] 'der(x)' is a derivative") && told.contains(".xml:"),
+            "{told}"
+        );
+    }
+    // An empty list says that there are none.
+    let empty = Lag.varied(folder.path(), list, "<Derivatives></Derivatives>");
+    assert!(System::single(&empty, &Overrides::new(), None).is_ok());
+}
+
+#[test]
+fn elements_named_by_an_empty_text_are_the_system_itself() {
+    let folder = Folder::new();
+    let gain = component("g", &Gain.fmu(), "u:input:Real y:output:Real", "");
+    let ports = "<ssd:Connectors><ssd:Connector name='x' kind='input'><ssc:Real/></ssd:Connector></ssd:Connectors>";
+    let wire =
+        "<ssd:Connection startElement='' startConnector='x' endElement='g' endConnector='u'/>";
+    let text = ssd(&format!("{ports}{}", system(&gain, wire)), "");
+    let loaded = folder.load(&text).unwrap();
+    assert_eq!(loaded.ports()[0].ends.len(), 1);
+}
+
+#[test]
+fn customary_prefixes_need_no_declaration() {
+    let folder = Folder::new();
+    let gain = Gain.fmu();
+    let text = ssd(&system(&component("g", &gain, "", ""), ""), "");
+    let declared = "\n xmlns:ssv='http://ssp-standard.org/SSP1/SystemStructureParameterValues'";
+    assert!(text.contains(declared));
+    let values = "<ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues>\
+                  <ssv:ParameterSet version='1.0' name='p'><ssv:Parameters><ssv:Parameter name='k'>\
+                  <ssv:Real value='7'/></ssv:Parameter></ssv:Parameters></ssv:ParameterSet>\
+                  </ssd:ParameterValues></ssd:ParameterBinding></ssd:ParameterBindings>\
+                  <ssd:Annotations><ssc:Annotation type='com.opensimulationplatform'>\
+                  <osp:StepSizeHint value='0.25'/></ssc:Annotation></ssd:Annotations>";
+    let given = text
+        .replace("</ssd:Connectors>", &format!("</ssd:Connectors>{values}"))
+        .replace(declared, "");
+    let loaded = folder.load(&given).unwrap();
+    assert_eq!(loaded.components()[0].start_values.len(), 1);
+    assert_eq!(loaded.components()[0].step.seconds(), 0.25);
+    let other = given.replace("osp:", "opsp:");
+    assert!(folder.error(&other).contains("'opsp:' is not declared"));
+}
+
+#[test]
+fn a_step_of_zero_is_no_step() {
+    let folder = Folder::new();
+    let simulator = crate::osp::simulator("g", &Gain.fmu(), "");
+    let simulator = simulator.replace("<Simulator ", "<Simulator stepSize='0.0' ");
+    let text = crate::osp::structure(&format!("<Simulators>{simulator}</Simulators>"));
+    let file = folder.write("OspSystemStructure.xml", &text);
+    let loaded = System::load(&file, &Overrides::new()).unwrap();
+    assert_eq!(loaded.components()[0].step.seconds(), 0.1);
+    let zero = folder.fmu(Gain, "zero", &[("stepSize=\"0.1\"", "stepSize=\"0.0\"")]);
+    let alone = System::single(&zero, &Overrides::new(), None).unwrap();
+    assert_eq!(alone.components()[0].step.seconds(), 0.002);
+}
+
+#[test]
+fn an_archive_may_hold_its_own_folder() {
+    let folder = Folder::new();
+    let library = std::fs::read(crate::models::compile(Gain)).unwrap();
+    let entries = [
+        ("./", Vec::new()),
+        ("./modelDescription.xml", Gain.description().into_bytes()),
+        ("./binaries/linux64/GAIN.so", library),
+    ];
+    let path = folder.path("dot.fmu");
+    pack(&path, &entries);
+    assert!(System::single(&path, &Overrides::new(), None).is_ok());
+}
+
+#[test]
+fn what_is_missing_to_run_a_system_does_not_make_it_invalid() {
+    let folder = Folder::new();
+    let step = "stepSize=\"0.1\"";
+    let fmu = folder.fmu(Clock, "stepless", &[(step, ""), ("stopTime=\"1\"", "")]);
+    let text = ssd(&system(&component("c", &fmu, "", ""), ""), "");
+    let experiment = "<ssd:DefaultExperiment startTime='0' stopTime='1'/>";
+    assert!(text.contains(experiment));
+    folder.write("x.ssd", &text.replace(experiment, ""));
+    let at = folder.0.path();
+    let output = cosim(at, &["validate", "x.ssd"]);
+    let told = crate::command::text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{told}");
+    assert!(told.contains("no stop time") && told.contains("no component has a step"), "{told}");
+    for command in [&["run", "x.ssd"][..], &["convert", "x.ssd", "y.ssd"]] {
+        let output = cosim(at, command);
+        let told = crate::command::text(&output.stderr);
+        assert_eq!(output.status.code(), Some(3), "{told}");
+        assert!(told.contains("--stop-time") && told.contains("--step-size"), "{told}");
+    }
+    assert!(cosim(at, &["info", "x.ssd"]).status.success());
+    let given = ["run", "x.ssd", "--stop-time=1", "--step-size=0.5", "-q"];
+    assert!(cosim(at, &given).status.success());
+}
+
+#[test]
+fn a_proxied_source_says_what_to_do() {
+    let folder = Folder::new();
+    let source = std::path::Path::new("proxyfmu://localhost?file=x.fmu");
+    let error = folder.error(&ssd(&system(&component("p", source, "", ""), ""), ""));
+    assert!(error.contains("E208") && error.contains("source=\"x.fmu\""), "{error}");
+    let text = ssd(&system("", &connection("a.y", "b.u", "")), "");
+    assert_eq!(folder.load(&text).err().map(|e| e.code()), Some(Code::Ssd));
+}
