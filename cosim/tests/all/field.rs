@@ -190,3 +190,105 @@ fn a_proxied_source_says_what_to_do() {
     let text = ssd(&system("", &connection("a.y", "b.u", "")), "");
     assert_eq!(folder.load(&text).err().map(|e| e.code()), Some(Code::Ssd));
 }
+
+/// A gain with another description.
+fn described(folder: &TempDir, define: &str, changes: &[(&str, &str)]) -> std::path::PathBuf {
+    Gain.variant(&folder.path().join("described.fmu"), &[define], |text| {
+        changes.iter().fold(text, |text, (from, to)| {
+            assert!(text.contains(from), "{from}");
+            text.replace(from, to)
+        })
+    })
+}
+
+#[test]
+fn value_references_may_be_as_great_as_there_are() {
+    let folder = TempDir::new().unwrap();
+    let changes = [
+        ("name=\"u\" valueReference=\"0\"", "name=\"u\" valueReference=\"4294967292\""),
+        ("name=\"k\" valueReference=\"1\"", "name=\"k\" valueReference=\"2147483649\""),
+        ("name=\"y\" valueReference=\"2\"", "name=\"y\" valueReference=\"4294967294\""),
+        ("name=\"second\" valueReference=\"3\"", "name=\"second\" valueReference=\"2147483651\""),
+    ];
+    let fmu = described(&folder, "HIGH_REFERENCES", &changes);
+    let overrides = Overrides::new().start_value("u", 2).start_value("k", 5);
+    assert_eq!(run(&fmu, &overrides).0.column("y").unwrap()[0], 10.0);
+}
+
+#[test]
+fn names_need_not_be_ascii_and_one_variable_may_have_several() {
+    let folder = TempDir::new().unwrap();
+    let alias = "<ScalarVariable name=\"\u{6c34}\u{6df1}\" valueReference=\"2\" causality=\"local\"><Real/>\
+                 </ScalarVariable></ModelVariables>";
+    let changes = [("name=\"y\"", "name=\"H\u{f6}he[1,2]\""), ("</ModelVariables>", alias)];
+    let fmu = described(&folder, "NAMED", &changes);
+    let overrides = Overrides::new()
+        .start_value("u", 3)
+        .output_variables(["H\u{f6}he[1,2]", "\u{6c34}\u{6df1}"]);
+    let system = System::single(&fmu, &overrides, None).unwrap();
+    let results = folder.path().join("out.csv");
+    let mut csv = cosim::observe::CsvRecorder::create(&results).unwrap();
+    system.run(&mut [&mut csv]).unwrap();
+    let read = Recording::read_csv(&results).unwrap();
+    assert_eq!(read.names(), ["H\u{f6}he[1,2]", "\u{6c34}\u{6df1}"]);
+    assert_eq!(read.column("\u{6c34}\u{6df1}").unwrap()[10], 3.0);
+    assert_eq!(read.column("H\u{f6}he[1,2]").unwrap(), read.column("\u{6c34}\u{6df1}").unwrap());
+}
+
+#[test]
+fn negative_zero_and_values_that_are_none_yet_are_kept_as_they_are() {
+    let folder = TempDir::new().unwrap();
+    let (recording, _) = run(&Gain.fmu(), &Overrides::new().start_value("u", "-0.0"));
+    assert!(recording.column("y").unwrap().iter().all(|y| y.to_bits() == (-0.0_f64).to_bits()));
+    let fmu = with(&folder, Gain, "UNDEFINED_AT_FIRST");
+    let (recording, warnings) = run(&fmu, &Overrides::new().start_value("u", 1));
+    let y = recording.column("y").unwrap();
+    assert!(y[0].is_nan() && y[1..].iter().all(|y| *y == 1.0), "{y:?} {warnings:?}");
+}
+
+#[test]
+fn what_has_no_start_value_and_no_input_is_not_asked_for() {
+    let folder = TempDir::new().unwrap();
+    let changes = [("<Real start=\"0\" unit=\"m\"/>", "<Real unit=\"m\"/>")];
+    let fmu = described(&folder, "REFUSES_NOTHING", &changes);
+    let (recording, warnings) = run(&fmu, &Overrides::new());
+    assert_eq!(recording.column("y").unwrap().len(), 11);
+    assert!(warnings.is_empty(), "{warnings:?}");
+}
+
+#[test]
+fn what_cannot_be_read_back_is_taken_as_given() {
+    let folder = TempDir::new().unwrap();
+    let fmu = with(&folder, Gain, "HIDES_STRINGS");
+    let (recording, warnings) = run(&fmu, &Overrides::new().start_value("text", "three"));
+    assert_eq!(recording.column("k").unwrap()[10], 5.0);
+    assert!(warnings.is_empty(), "{warnings:?}");
+}
+
+#[test]
+fn an_fmu_may_log_in_every_call() {
+    let folder = TempDir::new().unwrap();
+    let fmu = with(&folder, Gain, "CHATTERS");
+    let output = cosim(folder.path(), &["simulate", fmu.to_str().unwrap(), "--start-value=k=2"]);
+    let told = text(&output.stderr);
+    assert!(output.status.success(), "{told}");
+    assert!(told.contains("earlier messages are not kept") && told.contains("get Real"), "{told}");
+}
+
+#[test]
+fn a_nominal_value_of_zero_says_nothing() {
+    let folder = TempDir::new().unwrap();
+    let ball = Model::Ball;
+    let zero = ball.varied(
+        folder.path(),
+        "initial=\"exact\"><Real start=\"1\"",
+        "initial=\"exact\"><Real nominal=\"0.0\" start=\"1\"",
+    );
+    let heights = |fmu| {
+        let system = System::single(fmu, &Overrides::new(), None).unwrap();
+        let mut recording = Recording::new();
+        system.run(&mut [&mut recording]).unwrap();
+        recording.column("y").unwrap().to_vec()
+    };
+    assert_eq!(heights(&zero), heights(&ball.fmu()));
+}

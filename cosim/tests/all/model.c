@@ -69,6 +69,9 @@ typedef struct {
 static void outputs(Model *m) {
 #if defined MODEL_GAIN || defined MODEL_FAILING || defined MODEL_LOGGING || defined MODEL_NOSY
   m->r[2] = m->r[1] * m->r[0];
+#ifdef UNDEFINED_AT_FIRST
+  if (!m->steps) m->r[2] = 0.0 / 0.0;
+#endif
 #elif defined MODEL_AFFINE
   m->r[2] = m->r[1] * m->r[0] + m->time;
 #elif defined MODEL_CUBIC
@@ -183,18 +186,38 @@ Status fmi2Reset(Component c) { return 0; }
 #else
 #define IGNORED(NAME, REF) 0
 #endif
+#ifdef HIGH_REFERENCES /* only their last bits count */
+#define PLACE(REF) ((REF) & 3)
+#else
+#define PLACE(REF) (REF)
+#endif
+#ifdef REFUSES_NOTHING /* a call about no variable is an error */
+#define CHECKED(N) \
+  if ((N) == 0) return 3
+#else
+#define CHECKED(N)
+#endif
+#ifdef CHATTERS
+#define TELL(...) SAY(0, "logAll", __VA_ARGS__)
+#else
+#define TELL(...)
+#endif
 #define GET(NAME, TYPE, FIELD)                                                    \
   Status fmi2Get##NAME(Component c, const Ref *refs, size_t n, TYPE *values) {    \
     Model *m = c;                                                                 \
+    CHECKED(n);                                                                   \
+    TELL("get " #NAME);                                                           \
     outputs(m);                                                                   \
-    for (size_t k = 0; k < n; k++) values[k] = m->FIELD[refs[k]];                 \
+    for (size_t k = 0; k < n; k++) values[k] = m->FIELD[PLACE(refs[k])];          \
     return 0;                                                                     \
   }
 #define SET(NAME, TYPE, FIELD)                                                    \
   Status fmi2Set##NAME(Component c, const Ref *refs, size_t n, const TYPE *values) { \
     Model *m = c;                                                                 \
+    CHECKED(n);                                                                   \
+    TELL("set " #NAME);                                                           \
     for (size_t k = 0; k < n; k++)                                                \
-      if (!IGNORED(#NAME, refs[k])) m->FIELD[refs[k]] = values[k];                \
+      if (!IGNORED(#NAME, refs[k])) m->FIELD[PLACE(refs[k])] = values[k];         \
     m->slope = 0;                                                                 \
     return 0;                                                                     \
   }
@@ -207,6 +230,9 @@ GET(Boolean, int, b)
 SET(Boolean, int, b)
 #endif
 Status fmi2GetString(Component c, const Ref *refs, size_t n, const char **values) {
+#ifdef HIDES_STRINGS
+  return 3;
+#endif
   for (size_t k = 0; k < n; k++) values[k] = ((Model *)c)->text;
   return 0;
 }
