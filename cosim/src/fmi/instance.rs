@@ -101,13 +101,17 @@ impl Instance {
         self.enter()
     }
 
-    /// Sets the experiment's start and stop, and the tolerance that the FMU suggests for itself.
+    /// Sets the experiment's start and stop, and in co-simulation the tolerance that the FMU
+    /// suggests for itself.
     pub fn set_up(&mut self, start: Time, stop: Time) -> Result<()> {
         self.require("fmi2SetupExperiment", &[State::Instantiated])?;
         self.time = start;
         let known = stop < Time::NEVER;
         let (start, stop) = (start.seconds(), if known { stop.seconds() } else { 0.0 });
-        let tolerance = self.fmu.description().experiment.tolerance.filter(|t| *t > 0.0);
+        // In model exchange it is the importer that controls errors.
+        let steps = self.kind == InterfaceType::CoSimulation;
+        let tolerance = self.fmu.description().experiment.tolerance;
+        let tolerance = tolerance.filter(|tolerance| steps && *tolerance > 0.0);
         let (suggested, tolerance) = (tolerance.is_some(), tolerance.unwrap_or(0.0));
         let arguments =
             |_: &Followed| format!("{suggested}, {tolerance:?}, {start:?}, {known}, {stop:?}");

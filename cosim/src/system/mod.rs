@@ -263,7 +263,12 @@ impl System {
     /// What is missing to run it: a file may be valid without stop time and steps.
     pub fn ready(&self) -> Result<()> {
         let mut problems = Vec::new();
-        if self.unknown_steps {
+        if self.components.is_empty() {
+            problems.push(
+                Error::new(Code::Ssd, "the system has no components")
+                    .help("an SSP has them in <ssd:Elements>, an OSP structure in <Simulators>"),
+            );
+        } else if self.unknown_steps {
             problems.push(Error::new(Code::Timing, "no component has a step size").help(
                 "give one by --step-size SECONDS or --step COMPONENT=SECONDS, or in the file by \
                  <cosim:Master stepSize=\"0.01\"/> (SSP) or <BaseStepSize> (OSP)",

@@ -91,6 +91,8 @@ fn timing(fmu: &Fmu, interface: InterfaceType, overrides: &Overrides) -> Result<
     let name = "the step size";
     let of = |seconds: f64| Step::from_seconds(seconds, name);
     let interval = overrides.output_interval;
+    // A run that goes backwards is told as such.
+    let duration = if stop > start { stop - start } else { 1.0 };
     let step = match (overrides.step_of(""), default.step, interval) {
         (Some(step), _, _) => of(step)?,
         // The FMU's own step is only a suggestion: what is recorded makes finer steps.
@@ -101,7 +103,7 @@ fn timing(fmu: &Fmu, interface: InterfaceType, overrides: &Overrides) -> Result<
                 None => interval.part(step.count(interval.rounded()) + 1),
             }
         }
-        (None, step, interval) => of(step.or(interval).unwrap_or((stop - start) / DEFAULT_STEPS))?,
+        (None, step, interval) => of(step.or(interval).unwrap_or(duration / DEFAULT_STEPS))?,
     };
     let start = Time::from_seconds(start, "the start time")?;
     let stop = Time::from_seconds(stop, "the stop time")?;

@@ -42,13 +42,6 @@ pub(super) fn open(raw: &RawSystem, overrides: &Overrides, findings: &mut Findin
             findings.problems.push(unknown_component(name, known()).at(&raw.file));
         }
     }
-    if raw.components.is_empty() {
-        findings.problems.push(
-            Error::new(Code::Ssd, "the system has no components")
-                .at(&raw.file)
-                .help("an SSP has them in <ssd:Elements>, an OSP structure in <Simulators>"),
-        );
-    }
     let mut opened: Vec<Opened> = Vec::new();
     for component in &raw.components {
         if opened.iter().any(|o| o.name == component.name) {

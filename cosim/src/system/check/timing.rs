@@ -121,7 +121,7 @@ fn steps(
         steps.push(step.flatten());
     }
     let smallest = steps.iter().flatten().min().copied();
-    if !sound || opened.iter().any(|o| o.model.is_none()) || steps.is_empty() {
+    if !sound || opened.iter().any(|o| o.model.is_none()) {
         return None;
     }
     let Some(smallest) = smallest else { return Some(None) };
