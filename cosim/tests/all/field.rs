@@ -290,7 +290,7 @@ fn a_nominal_value_of_zero_says_nothing() {
         "initial=\"exact\"><Real start=\"1\"",
         "initial=\"exact\"><Real nominal=\"0.0\" start=\"1\"",
     );
-    let heights = |fmu| {
+    let heights = |fmu: &std::path::Path| {
         let system = System::single(fmu, &Overrides::new(), None).unwrap();
         let mut recording = Recording::new();
         system.run(&mut [&mut recording]).unwrap();
