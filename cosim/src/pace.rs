@@ -79,7 +79,7 @@ impl Pace {
 impl Manipulator for Pace {
     fn start(&mut self, system: &System, resumed: Option<Time>) -> Result<()> {
         let steps = system.components().iter().map(|component| component.step);
-        let smallest = steps.min().unwrap_or(system.output_interval()).nanoseconds().max(1);
+        let smallest = steps.min().unwrap_or(system.output_interval()).rounded().nanoseconds();
         let shortest = SHORTEST.as_nanos() as f64 * self.factor;
         let count = (shortest / smallest as f64).ceil().clamp(1.0, 1e9) as i64;
         self.step = Time::from_nanoseconds(smallest * count);

@@ -1,8 +1,10 @@
 //! Time as integer nanoseconds; seconds as `f64` exist only at the edges (files, FMI calls).
 //!
 //! Instants are compared and added exactly, so a run of any length has no drift, and two
-//! components whose steps end together are seen to do so.
+//! components whose steps end together are seen to do so. A [`Step`] may be a fraction of
+//! nanoseconds, as 1/30 s is: each of its multiples is rounded once, to the nearest nanosecond.
 
+use std::cmp::Ordering;
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
@@ -40,16 +42,6 @@ impl Time {
             .why("time is counted in nanoseconds and must stay within 146 years"))
     }
 
-    /// Like [`Time::from_seconds`], and greater than zero.
-    pub fn positive(seconds: f64, name: &str) -> Result<Self> {
-        let time = Self::from_seconds(seconds, name)?;
-        if time.0 > 0 {
-            return Ok(time);
-        }
-        Err(Error::new(Code::Timing, format!("{name} is {seconds} s"))
-            .why("it must be at least one nanosecond"))
-    }
-
     /// Seconds, rounded once.
     pub fn seconds(self) -> f64 {
         self.0 as f64 / NANOSECONDS
@@ -59,20 +51,198 @@ impl Time {
     pub const fn nanoseconds(self) -> i64 {
         self.0
     }
+}
 
-    /// The greatest duration of which both are multiples.
-    #[must_use]
-    pub fn gcd(self, other: Time) -> Time {
-        let (mut a, mut b) = (self.0, other.0);
-        while b != 0 {
-            (a, b) = (b, a % b);
+/// The length of steps: a positive number of nanoseconds, whole or not.
+///
+/// Steps of 1/30 s and 1/60 s end together whenever they should: both are rational numbers, and an
+/// instant is the multiple of one, rounded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Step {
+    /// Both positive, without a common divisor.
+    nanoseconds: i64,
+    parts: i64,
+}
+
+/// A number of nanoseconds that is no whole one is a fraction with a denominator up to this …
+const MOST_PARTS: i64 = 1_000_000;
+/// … which it is to the precision of its digits, …
+const EXACTLY: f64 = 4.5e-16;
+/// … or to that of some digits less, when the denominator is small.
+const FEW_PARTS: i64 = 64;
+const NEARLY: f64 = 2e-12;
+
+impl Step {
+    /// A step of so many seconds; `name` is what the value is, for the error.
+    pub fn from_seconds(seconds: f64, name: &str) -> Result<Self> {
+        let time = Time::from_seconds(seconds, name)?;
+        if time <= Time::ZERO {
+            return Err(Error::new(Code::Timing, format!("{name} is {seconds} s"))
+                .why("it must be at least one nanosecond"));
         }
-        Time(a.abs())
+        Ok(match time.seconds() == seconds {
+            true => Self::whole(time),
+            false => fraction(seconds * NANOSECONDS).unwrap_or(Self::whole(time)),
+        })
     }
 
-    /// Whether this is a whole multiple of `base`.
-    pub fn is_multiple_of(self, base: Time) -> bool {
-        base.0 != 0 && self.0 % base.0 == 0
+    /// A whole number of nanoseconds, at least one.
+    pub fn whole(time: Time) -> Self {
+        Self { nanoseconds: time.0.max(1), parts: 1 }
+    }
+
+    fn reduced(nanoseconds: i128, parts: i128) -> Option<Self> {
+        let common = gcd(nanoseconds, parts);
+        let part = |number: i128| i64::try_from(number / common).ok().filter(|n| *n > 0);
+        Some(Self { nanoseconds: part(nanoseconds)?, parts: part(parts)? })
+    }
+
+    /// Whether it is a whole number of nanoseconds.
+    #[inline]
+    pub fn is_whole(self) -> bool {
+        self.parts == 1
+    }
+
+    /// Seconds, rounded once.
+    pub fn seconds(self) -> f64 {
+        self.nanoseconds as f64 / (self.parts as f64 * NANOSECONDS)
+    }
+
+    /// The nearest whole number of nanoseconds, but not zero.
+    pub fn rounded(self) -> Time {
+        self.multiple(1).max(Time(1))
+    }
+
+    /// So many steps, to the nearest nanosecond.
+    pub fn multiple(self, count: i64) -> Time {
+        let (whole, parts) = (i128::from(self.nanoseconds), i128::from(self.parts));
+        Time(((2 * i128::from(count) * whole + parts).div_euclid(2 * parts)) as i64)
+    }
+
+    /// How many whole steps end by `duration`.
+    pub fn count(self, duration: Time) -> i64 {
+        let (whole, parts) = (i128::from(self.nanoseconds), i128::from(self.parts));
+        let mut count = (i128::from(duration.0) * parts).div_euclid(whole) as i64;
+        // A multiple that is rounded up to that instant belongs to it.
+        while self.multiple(count + 1) <= duration {
+            count += 1;
+        }
+        while self.multiple(count) > duration {
+            count -= 1;
+        }
+        count
+    }
+
+    /// The first multiple after `duration`.
+    #[inline]
+    pub fn after(self, duration: Time) -> Time {
+        self.multiple(self.count(duration) + 1)
+    }
+
+    /// So many steps as one.
+    #[must_use]
+    pub fn times(self, count: i64) -> Step {
+        let nanoseconds = i128::from(self.nanoseconds) * i128::from(count);
+        Self::reduced(nanoseconds, i128::from(self.parts)).unwrap_or(self)
+    }
+
+    /// This in so many equal steps.
+    #[must_use]
+    pub fn part(self, count: i64) -> Step {
+        let parts = i128::from(self.parts) * i128::from(count.max(1));
+        Self::reduced(i128::from(self.nanoseconds), parts).unwrap_or(self)
+    }
+
+    /// Whether its numbers are those of a step: it may come from elsewhere.
+    pub(crate) fn is_sound(self) -> bool {
+        self.nanoseconds > 0 && self.parts > 0
+    }
+
+    /// Whether `duration` is a whole number of steps.
+    pub fn divides(self, duration: Time) -> bool {
+        self.multiple(self.count(duration)) == duration
+    }
+
+    /// How many steps `other` is, if that is a whole number.
+    pub fn parts_of(self, other: Step) -> Option<i64> {
+        let quotient = Self::reduced(
+            i128::from(other.nanoseconds) * i128::from(self.parts),
+            i128::from(other.parts) * i128::from(self.nanoseconds),
+        )?;
+        (quotient.parts == 1).then_some(quotient.nanoseconds)
+    }
+
+    /// The seconds of an instant that is a multiple of the step after `start`, rounded once; those
+    /// of its nanoseconds if it is none.
+    pub fn seconds_at(self, start: Time, now: Time) -> f64 {
+        let count = self.count(now - start);
+        if self.is_whole() || self.multiple(count) != now - start {
+            return now.seconds();
+        }
+        let parts = i128::from(self.parts);
+        let exact = i128::from(start.0) * parts + i128::from(count) * i128::from(self.nanoseconds);
+        exact as f64 / (self.parts as f64 * NANOSECONDS)
+    }
+
+    /// The greatest step of which both are multiples; the shortest there is if none can be told.
+    #[must_use]
+    pub fn gcd(self, other: Step) -> Step {
+        let (a, b) = (i128::from(self.nanoseconds), i128::from(other.nanoseconds));
+        let (p, q) = (i128::from(self.parts), i128::from(other.parts));
+        Self::reduced(gcd(a * q, b * p), p * q).unwrap_or(Step { nanoseconds: 1, parts: i64::MAX })
+    }
+}
+
+/// The simplest fraction that a number is, by its continued fraction.
+fn fraction(number: f64) -> Option<Step> {
+    let (mut before, mut convergent) = ((0_i128, 1_i128), (1_i128, 0_i128));
+    let mut rest = number;
+    loop {
+        let whole = rest.floor();
+        let next = |(a, b): (i128, i128), (c, d): (i128, i128)| {
+            let whole = whole as i128;
+            Some((whole.checked_mul(c)?.checked_add(a)?, whole.checked_mul(d)?.checked_add(b)?))
+        };
+        (before, convergent) = (convergent, next(before, convergent)?);
+        let (nanoseconds, parts) = convergent;
+        if parts > i128::from(MOST_PARTS) {
+            return None;
+        }
+        let error = (nanoseconds as f64 / parts as f64 - number).abs();
+        let few = parts <= i128::from(FEW_PARTS);
+        if error <= number * if few { NEARLY } else { EXACTLY } {
+            return Step::reduced(nanoseconds, parts);
+        }
+        rest = (rest - whole).recip();
+        if !rest.is_finite() {
+            return None;
+        }
+    }
+}
+
+fn gcd(mut a: i128, mut b: i128) -> i128 {
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a.abs().max(1)
+}
+
+impl Ord for Step {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let of = |step: &Self, parts: i64| i128::from(step.nanoseconds) * i128::from(parts);
+        of(self, other.parts).cmp(&of(other, self.parts))
+    }
+}
+
+impl PartialOrd for Step {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl fmt::Display for Step {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} s", self.seconds())
     }
 }
 
@@ -112,13 +282,57 @@ mod tests {
         for bad in [f64::NAN, f64::INFINITY, 1e300] {
             assert!(Time::from_seconds(bad, "t").is_err());
         }
-        assert!(Time::positive(0.0, "step").is_err());
-        assert!(Time::positive(1e-12, "step").is_err());
+        for bad in [0.0, -1.0, 1e-12, f64::NAN] {
+            assert!(Step::from_seconds(bad, "step").is_err());
+        }
+    }
+
+    fn step(seconds: f64) -> Step {
+        Step::from_seconds(seconds, "step").unwrap()
     }
 
     #[test]
     fn gcd_of_steps() {
-        let of = |s| Time::from_seconds(s, "s").unwrap();
-        assert_eq!(of(0.05).gcd(of(0.02)), of(0.01));
+        assert_eq!(step(0.05).gcd(step(0.02)), step(0.01));
+        assert_eq!(step(1.0 / 30.0).gcd(step(0.01)), step(1.0 / 300.0));
+        assert_eq!(step(1.0 / 60.0).parts_of(step(1.0 / 12.0)), Some(5));
+        assert_eq!(step(0.02).parts_of(step(0.05)), None);
+    }
+
+    #[test]
+    fn steps_are_what_their_digits_mean() {
+        let parts = |seconds: f64| (step(seconds).nanoseconds, step(seconds).parts);
+        for decimal in [0.1, 0.007, 1e-9, 0.123_456_789, 12.5, 3.0e5, 0.1 * 3.0] {
+            assert!(step(decimal).is_whole(), "{decimal}");
+        }
+        for thirtieth in [1.0 / 30.0, 0.033_333_333_333_333, 0.033_333_333_333_333_3] {
+            assert_eq!(parts(thirtieth), (100_000_000, 3));
+        }
+        assert_eq!(parts(1.0 / 44_100.0), (10_000_000, 441));
+        assert_eq!(parts(1001.0 / 30_000.0), (100_100_000, 3));
+        assert_eq!(parts(1.0 / 1024.0), (1_953_125, 2));
+        assert_eq!(parts(100.0 / 3.0), (100_000_000_000, 3));
+        // Nine decimals are meant as they stand.
+        assert_eq!(parts(0.033_333_333), (33_333_333, 1));
+    }
+
+    #[test]
+    fn multiples_of_fractions_neither_drift_nor_part() {
+        let (slow, fast) = (step(1.0 / 30.0), step(1.0 / 60.0));
+        let (mut a, mut b) = (Time::ZERO, Time::ZERO);
+        for k in 1..=3_000_000 {
+            a = slow.after(a);
+            b = fast.after(fast.after(b));
+            assert_eq!(a, b);
+            if k % 30 == 0 {
+                assert_eq!(a, Time::from_nanoseconds(k / 30 * 1_000_000_000));
+            }
+        }
+        assert!(slow.divides(Time::from_nanoseconds(100_000_000)));
+        assert!(!slow.divides(Time::from_nanoseconds(110_000_000)));
+        let start = Time::from_nanoseconds(5_000_000_000);
+        let now = start + slow.multiple(7);
+        assert_eq!(slow.seconds_at(start, now), 157.0 / 30.0);
+        assert_eq!(slow.after(Time::from_nanoseconds(-1)), Time::ZERO);
     }
 }

@@ -160,11 +160,14 @@ impl Parser<'_> {
         let namespace = match namespace {
             ResolveResult::Bound(bound) => bound.into_inner().to_owned(),
             ResolveResult::Unbound => String::new(),
-            ResolveResult::Unknown(prefix) => {
-                return Err(self
-                    .wrong(format!("the prefix '{prefix}:' is not declared"))
-                    .help(format!("declare it by xmlns:{prefix}=\"...\"")));
-            }
+            ResolveResult::Unknown(prefix) => match customary(&prefix) {
+                Some(namespace) => namespace.to_owned(),
+                None => {
+                    return Err(self
+                        .wrong(format!("the prefix '{prefix}:' is not declared"))
+                        .help(format!("declare it by xmlns:{prefix}=\"...\"")));
+                }
+            },
         };
         self.check_name(tag.name().into_inner())?;
         let attributes = self.attributes(tag)?;
@@ -241,6 +244,19 @@ impl Parser<'_> {
     fn wrong(&self, what: impl Into<String>) -> Error {
         Error::new(Code::Xml, what).at_line(self.file, self.line)
     }
+}
+
+/// The namespace of a prefix that files in the field use without declaring it.
+fn customary(prefix: &str) -> Option<&'static str> {
+    Some(match prefix {
+        "ssd" => "http://ssp-standard.org/SSP1/SystemStructureDescription",
+        "ssc" => "http://ssp-standard.org/SSP1/SystemStructureCommon",
+        "ssv" => "http://ssp-standard.org/SSP1/SystemStructureParameterValues",
+        "ssm" => "http://ssp-standard.org/SSP1/SystemStructureParameterMapping",
+        "ssb" => "http://ssp-standard.org/SSP1/SystemStructureSignalDictionary",
+        "osp" => "http://opensimulationplatform.com/SSP/OSPAnnotations",
+        _ => return None,
+    })
 }
 
 #[cfg(test)]

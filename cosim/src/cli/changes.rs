@@ -17,14 +17,18 @@ pub(crate) struct Changes {
     /// Put another FMU in the place of a component's (repeatable)
     #[arg(long, value_name = "COMPONENT=FMU", value_parser = values::assignment)]
     replace: Vec<(String, String)>,
-    /// Step a component by this many seconds (repeatable)
+    /// Step a component by this many seconds; * and ? stand for parts of names (repeatable)
     #[arg(long, value_name = "COMPONENT=SECONDS", value_parser = values::step)]
     step: Vec<(String, f64)>,
+    /// Step all components by this many seconds, but those named by --step
+    #[arg(long, value_name = "SECONDS", value_parser = values::seconds)]
+    step_size: Option<f64>,
     /// jacobi: all inputs are of the step's beginning; gauss-seidel: with direct feed-through of
     /// its end; iterative: and algebraic loops are solved at each step
     #[arg(long)]
     algorithm: Option<Algorithm>,
-    /// Drive a component's FMU by model exchange or by co-simulation (repeatable)
+    /// Drive a component's FMU by model exchange or by co-simulation; * and ? stand for parts of
+    /// names (repeatable)
     #[arg(long, value_name = "COMPONENT=me|cs", value_parser = values::interface)]
     interface_type: Vec<(String, InterfaceType)>,
     #[command(flatten)]
@@ -50,6 +54,9 @@ impl Changes {
         }
         for (component, fmu) in &self.replace {
             overrides = overrides.replace(component, fmu);
+        }
+        if let Some(seconds) = self.step_size {
+            overrides = overrides.step("", seconds);
         }
         for (component, seconds) in &self.step {
             overrides = overrides.step(component, *seconds);

@@ -1,8 +1,8 @@
-//! `cosim inspect`: who steps when, and how late values arrive and why.
+//! `cosim inspect`: who steps when, and how late values arrive and why; in words or drawn.
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use cosim::Result;
 use cosim::System;
 use cosim::system::Delay;
@@ -10,7 +10,20 @@ use serde_json::{Value, json};
 
 use super::changes::Changes;
 use super::output::print;
-use super::{Format, messages};
+use super::{drawing, messages};
+
+/// How a system is shown.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Shown {
+    /// For people
+    Text,
+    /// For programs
+    Json,
+    /// A picture
+    Svg,
+    /// A graph for Graphviz
+    Dot,
+}
 
 /// Show the order of stepping, and of each connection the delay and its reason
 #[derive(Args)]
@@ -19,20 +32,23 @@ pub(crate) struct Inspect {
     file: PathBuf,
     #[command(flatten)]
     changes: Changes,
-    /// For people or for programs
-    #[arg(long, value_enum, default_value_t = Format::Text)]
-    format: Format,
+    /// In words, for programs, as a picture or as a graph for Graphviz
+    #[arg(long, value_enum, default_value_t = Shown::Text)]
+    format: Shown,
 }
 
 impl Inspect {
     pub(crate) fn run(self) -> Result<()> {
         let system = System::load(&self.file, &self.changes.overrides())?;
         match self.format {
-            Format::Text => {
+            Shown::Text => {
                 messages::findings(&system, false);
+                system.sampled_loops().iter().for_each(|text| messages::note(text));
                 print(&text(&system))
             }
-            Format::Json => print(&json(&system).to_string()),
+            Shown::Json => print(&json(&system).to_string()),
+            Shown::Svg => print(drawing::svg(&system).trim_end()),
+            Shown::Dot => print(drawing::dot(&system).trim_end()),
         }
     }
 }
@@ -88,7 +104,7 @@ fn json(system: &System) -> Value {
             "solved": l.solved,
         })).collect::<Vec<_>>(),
         "warnings": system.warnings(),
-        "notes": system.notes(),
+        "notes": ([system.notes(), system.sampled_loops()].concat()),
     })
 }
 

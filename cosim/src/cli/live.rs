@@ -42,7 +42,7 @@ impl Live {
 impl Manipulator for Live {
     fn start(&mut self, system: &System, resumed: Option<Time>) -> Result<(), Error> {
         if let Some(keyboard) = &mut self.keyboard {
-            keyboard.interval = system.output_interval();
+            keyboard.interval = system.output_interval().rounded();
             keyboard.next = resumed.unwrap_or(system.start_time()) + keyboard.interval;
         }
         self.pace.as_mut().map_or(Ok(()), |pace| pace.start(system, resumed))

@@ -1,12 +1,13 @@
 //! Verbs of the command line, one file each.
 //!
 //! Results and what was asked for go to stdout or files, everything else to stderr. Exit codes:
-//! 0 ok, 1 the run failed, 2 usage, 3 the input is not valid (`cosim::Code::exit_code`).
+//! 0 ok, 1 the run failed, 2 usage, 3 the input is not valid, 130 interrupted (`cosim::Code::exit_code`).
 
 mod changes;
 mod completion;
 mod convert;
 mod distributed;
+mod drawing;
 mod explain;
 mod export;
 mod info;
@@ -25,6 +26,7 @@ mod simulate;
 mod snapshots;
 mod solver;
 mod stepping;
+mod stop_when;
 mod summary;
 mod validate;
 mod values;

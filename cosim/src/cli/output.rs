@@ -16,6 +16,7 @@ use super::interrupt::Interrupt;
 use super::live::Live;
 use super::messages;
 use super::snapshots::Snapshots;
+use super::stop_when::{Condition, StopWhen};
 use super::summary::{self, Told};
 
 #[derive(Args)]
@@ -42,6 +43,10 @@ pub(crate) struct Output {
     #[arg(long, value_name = "FACTOR", value_parser = super::values::factor, num_args = 0..=1,
           default_missing_value = "1", require_equals = true)]
     real_time: Option<f64>,
+    /// End the run at the first sample for which this holds, such as 'pursuit.finished = 1'
+    /// (repeatable: the first of them that does)
+    #[arg(long, value_name = "CONDITION")]
+    stop_when: Vec<Condition>,
     /// Write the running digest of the results after each sample there, for `cosim verify`
     #[arg(long, value_name = "FILE")]
     digest_file: Option<PathBuf>,
@@ -137,7 +142,9 @@ impl Output {
         let mut live = Live::new(self.real_time);
         let mut scenario = self.scenario.as_ref().map(Scenario::read).transpose()?;
         let mut keep = |snapshot: Snapshot| self.snapshots.write(system, &snapshot);
+        let mut stop_when = StopWhen::new(&self.stop_when);
         let mut run = Run::new(system).observe(&mut *recorder).observe(&mut interrupt);
+        run = run.observe(&mut stop_when);
         if !self.quiet {
             run = run.observe(&mut progress);
         }
@@ -157,12 +164,13 @@ impl Output {
             Some(cluster) => cluster.go(system, run),
             None => run.go(),
         };
-        let summary = outcome.map_err(|e| match e.code() {
+        let mut summary = outcome.map_err(|e| match e.code() {
             Code::Fmu | Code::Loop | Code::Step => {
                 e.maybe_help(Some(format!("the results until then are in {target}")))
             }
             _ => e,
         })?;
+        summary.notes.extend(stop_when.held().map(|held| format!("ended by --stop-when: {held}")));
         let (spent, overruns) = (begun.elapsed().as_secs_f64(), live.overruns());
         let digest = digest.borrow().text();
         self.tell(&Told { system, summary: &summary, spent, target, overruns, digest })?;

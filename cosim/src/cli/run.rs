@@ -41,6 +41,7 @@ impl Run {
     fn computed(&self) -> Result<()> {
         let overrides = self.logging.add_to(self.output.add_to(self.changes.overrides()))?;
         let system = System::load(&self.file, &overrides)?;
+        system.ready()?;
         let cluster = self.distributed.cluster(self.output.quiet)?;
         self.output.run(&system, cluster.as_ref())
     }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use cosim::{Error, Result, Snapshot, System, Time};
+use cosim::{Error, Result, Snapshot, Step, System, Time};
 
 use super::output::file_name;
 use super::values;
@@ -31,9 +31,9 @@ impl Snapshots {
         if self.snapshot_every.is_none() && self.snapshot_at.is_empty() {
             return Ok(None);
         }
-        let every = self.snapshot_every.map(|s| Time::positive(s, "--snapshot-every"));
+        let every = self.snapshot_every.map(|s| Step::from_seconds(s, "--snapshot-every"));
         let at = self.snapshot_at.iter().map(|s| Time::from_seconds(*s, "--snapshot-at"));
-        Ok(Some((every.transpose()?, at.collect::<Result<_>>()?)))
+        Ok(Some((every.transpose()?.map(Step::rounded), at.collect::<Result<_>>()?)))
     }
 
     /// The snapshot to go on from: it must be of this system.

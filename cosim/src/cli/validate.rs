@@ -49,6 +49,7 @@ fn check(file: &Path) -> Result<Findings> {
         fmu.choose(None)?;
         for kind in [InterfaceType::CoSimulation, InterfaceType::ModelExchange] {
             if fmu.description().interface(kind).is_some() {
+                fmu.check(kind)?;
                 fmu.load(kind)?;
             }
         }
@@ -56,10 +57,15 @@ fn check(file: &Path) -> Result<Findings> {
         return Ok(Findings { warnings, notes: Vec::new() });
     }
     let system = System::load(file, &Overrides::new())?;
-    let mut notes = system.notes().to_vec();
+    let mut notes = [system.notes(), system.sampled_loops()].concat();
     notes.extend(system.unconnected_inputs().map(|port| {
         format!("the input {} is not connected: it keeps its start value", system.port_name(port))
     }));
+    if let Err(missing) = system.ready() {
+        notes.extend(missing.problems().map(|error| {
+            format!("to run it: {}: {}", error.what(), error.remedy().unwrap_or_default())
+        }));
+    }
     Ok(Findings { warnings: system.warnings().to_vec(), notes })
 }
 

@@ -41,6 +41,15 @@ pub(crate) fn factor(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A number that is not negative, of all or of a named variable.
+pub(crate) fn tolerance(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = text.rsplit_once('=').unwrap_or(("*", text));
+    match value.trim().parse::<f64>() {
+        Ok(number) if number.is_finite() && number >= 0.0 => Ok((name.trim().to_owned(), number)),
+        _ => Err(format!("'{value}' is no number from 0 on")),
+    }
+}
+
 /// `hold`, `linear`, or one of these for a named input.
 pub(crate) fn input(text: &str) -> Result<(String, Input), String> {
     match text.rsplit_once('=') {

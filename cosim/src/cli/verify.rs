@@ -3,18 +3,30 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use cosim::observe::{Comparison, Parting};
+use cosim::observe::{Apart, Closeness, Comparison, Parting, Tolerance};
 use cosim::{Code, Error, Recording, Result};
 
 use super::output::print;
+use super::values;
 
-/// Compare two files of results bit by bit, or one with a digest
+/// Compare two files of results bit by bit or within tolerances, or one with a digest
 #[derive(Args)]
 pub(crate) struct Verify {
     /// Results: CSV or MCAP; or a list of digests (--digest-file)
     a: PathBuf,
     /// The other results, CSV or MCAP, or the digest that a run told
     b: PathBuf,
+    /// Values may differ by this, or those of a variable or pattern (repeatable)
+    #[arg(long, value_name = "[NAME=]NUMBER", value_parser = values::tolerance)]
+    abs: Vec<(String, f64)>,
+    /// Values may differ by this part of the greater one, or those of a variable or pattern
+    /// (repeatable); both together: by the sum
+    #[arg(long, value_name = "[NAME=]NUMBER", value_parser = values::tolerance)]
+    rel: Vec<(String, f64)>,
+    /// Compare at every instant of A: B is the straight line between its samples (default: at the
+    /// instants that both have)
+    #[arg(long)]
+    interpolate: bool,
 }
 
 /// So many variables are told one by one.
@@ -22,6 +34,10 @@ const TOLD: usize = 20;
 
 impl Verify {
     pub(crate) fn run(self) -> Result<()> {
+        if let Some(tolerance) = self.tolerance() {
+            let (a, b) = (Recording::read(&self.a)?, Recording::read(&self.b)?);
+            return self.within(&Closeness::of(&a, &b, &tolerance));
+        }
         if let Some(digest) = digest_in(&self.b) {
             return self.against(&digest);
         }
@@ -39,16 +55,64 @@ impl Verify {
                 a.digest()?.text()
             ));
         }
-        self.tell(&found)
+        let largest = Closeness::of(&a, &b, &Tolerance::new()).largest;
+        self.tell(&found, largest)
     }
 
-    fn tell(&self, found: &Comparison) -> Result<()> {
+    /// What may differ; nothing without such an option.
+    fn tolerance(&self) -> Option<Tolerance> {
+        if self.abs.is_empty() && self.rel.is_empty() && !self.interpolate {
+            return None;
+        }
+        let tolerance = Tolerance::new().interpolate(self.interpolate);
+        let tolerance = self.abs.iter().fold(tolerance, |t, (name, n)| t.absolute(name, *n));
+        Some(self.rel.iter().fold(tolerance, |t, (name, n)| t.relative(name, *n)))
+    }
+
+    fn within(&self, found: &Closeness) -> Result<()> {
         let names = [&self.a, &self.b].map(|file| file.display().to_string());
-        for (only, name) in [(&found.only_a, &names[0]), (&found.only_b, &names[1])] {
+        self.only((&found.only.0, &found.only.1), &names)?;
+        for beyond in found.beyond.iter().take(TOLD) {
+            print(&format!(
+                "too far apart at {} of {} samples, first at t = {}: {}",
+                beyond.samples, found.samples, beyond.first, beyond.worst
+            ))?;
+        }
+        if found.beyond.len() > TOLD {
+            print(&format!("and {} more variables", found.beyond.len() - TOLD))?;
+        }
+        if let Some(largest) = &found.largest {
+            print(&format!("largest difference: {largest}"))?;
+        }
+        for (count, name) in [(found.left_out.0, &names[0]), (found.left_out.1, &names[1])] {
+            if count > 0 {
+                print(&format!("{count} samples of {name} have no partner of the same time"))?;
+            }
+        }
+        let (samples, columns) = (found.samples, found.columns);
+        if found.is_close() {
+            return print(&format!("near enough: {samples} samples of {columns} variables"));
+        }
+        let what = match (samples, found.beyond.len()) {
+            (0, _) => "the results have no instant in common".to_owned(),
+            (_, 0) => "the results have different variables".to_owned(),
+            (_, far) => format!("{far} of {columns} variables are too far apart"),
+        };
+        Err(Error::new(Code::Parted, what).why(format!("{samples} samples were compared")))
+    }
+
+    fn only(&self, (a, b): (&[String], &[String]), names: &[String; 2]) -> Result<()> {
+        for (only, name) in [(a, &names[0]), (b, &names[1])] {
             if !only.is_empty() {
                 print(&format!("only {name} has: {}", only.join(", ")))?;
             }
         }
+        Ok(())
+    }
+
+    fn tell(&self, found: &Comparison, largest: Option<Apart>) -> Result<()> {
+        let names = [&self.a, &self.b].map(|file| file.display().to_string());
+        self.only((&found.only_a, &found.only_b), &names)?;
         for (a, b) in found.renamed() {
             print(&format!("is '{a}' called '{b}' in the other?"))?;
         }
@@ -59,6 +123,9 @@ impl Verify {
             if variables.len() > TOLD {
                 print(&format!("and {} more variables", variables.len() - TOLD))?;
             }
+        }
+        if let Some(largest) = largest {
+            print(&format!("largest difference: {largest}"))?;
         }
         let alike =
             format!("{} samples of {} variables are the same", found.samples, found.columns);

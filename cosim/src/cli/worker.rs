@@ -1,6 +1,6 @@
 //! `cosim worker`: lends this machine to runs; and the process for one group of components.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use clap::Args;
 use cosim::distributed::{Allowed, DEFAULT_ENDPOINT, Order, Ours, serve_group};
@@ -146,25 +146,49 @@ impl Worker {
     }
 }
 
-/// Serves at each endpoint by a thread of its own, until it is told to end or one of them fails.
+/// How long an endpoint that failed is left alone.
+const PAUSE: Duration = Duration::from_secs(1);
+
+/// Serves at each endpoint by a thread of its own. Where there are several, one that fails is told
+/// and does not end the others; one whose session fails is dialled again.
 fn serve_all(workers: &[distributed::Worker], ended: &(dyn Fn() -> bool + Sync)) -> Result<()> {
-    let failed = AtomicBool::new(false);
-    let is_over = || ended() || failed.load(Ordering::Relaxed);
-    let serve = |worker: &distributed::Worker| {
-        let served = worker.serve(&is_over);
-        failed.fetch_or(served.is_err(), Ordering::Relaxed);
-        served
-    };
+    if let [only] = workers {
+        return only.serve(ended);
+    }
+    workers.iter().try_for_each(|worker| worker.access.check())?;
     std::thread::scope(|threads| {
-        let serve = &serve;
-        let all: Vec<_> = workers.iter().map(|w| threads.spawn(move || serve(w))).collect();
-        let mut ended = Ok(());
-        for thread in all {
-            let served = thread.join();
-            ended = ended.and(served.unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-        }
-        ended
+        let threads = workers.iter().map(|w| threads.spawn(move || serve_again(w, ended)));
+        let threads: Vec<_> = threads.collect();
+        let join = |thread: std::thread::ScopedJoinHandle<'_, _>| {
+            thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        };
+        let outcomes: Vec<Result<()>> = threads.into_iter().map(join).collect();
+        // Those that were told to end count more than those that failed before.
+        outcomes.into_iter().reduce(|a, b| if a.is_ok() { a } else { b }).unwrap_or(Ok(()))
     })
+}
+
+fn serve_again(worker: &distributed::Worker, ended: &(dyn Fn() -> bool + Sync)) -> Result<()> {
+    let mut told = String::new();
+    loop {
+        let error = match worker.serve(ended) {
+            Err(error) if !ended() => error,
+            served => return served,
+        };
+        let text = error.to_string();
+        if text != told {
+            let endpoint = worker.access.endpoints.join(", ");
+            super::messages::warning(&format!("the endpoint {endpoint} is not served: {text}"));
+            told = text;
+        }
+        if error.code() != Code::Session {
+            return Err(error);
+        }
+        let failed = Instant::now();
+        while failed.elapsed() < PAUSE && !ended() {
+            std::thread::sleep(PAUSE / 20);
+        }
+    }
 }
 
 impl Group {

@@ -11,7 +11,7 @@ use super::member::Member;
 use super::options::Options;
 use super::recovery::Crew;
 use super::setup::Setup;
-use super::wire::{Body, Kind, OPENING, RECORD, put_values};
+use super::wire::{Body, Kind, LAST, OPENING, RECORD, put_values};
 use crate::error::{Code, Error, Result};
 use crate::master::{Change, Drive, EngineState, Plan, Report, Saved, Tally, UNSETTLED, passes};
 use crate::system::{Model, System};
@@ -27,6 +27,7 @@ pub(crate) struct Coordinator<'a> {
     warnings: Vec<String>,
     values: Vec<f64>,
     ends: Vec<Time>,
+    start: Time,
     instants: u64,
 }
 
@@ -51,7 +52,8 @@ impl<'a> Coordinator<'a> {
         let start = system.start_time();
         Ok(Self {
             values: vec![0.0; plan.values],
-            ends: plan.nodes.iter().map(|node| start + node.step).collect(),
+            ends: plan.nodes.iter().map(|node| start + node.step.rounded()).collect(),
+            start,
             plan,
             layout,
             crew: Crew::new(groups, fabric, options, start),
@@ -146,7 +148,7 @@ impl<'a> Coordinator<'a> {
     }
 
     /// Computes one instant, level by level.
-    fn instant(&mut self, now: Time, record: bool) -> Result<()> {
+    fn instant(&mut self, now: Time, flags: u8) -> Result<()> {
         self.crew.now = now;
         let mut stepped = vec![false; self.crew.members.len()];
         for level in 0..self.layout.levels {
@@ -155,7 +157,7 @@ impl<'a> Coordinator<'a> {
                     stepped[group] = true;
                     let last = (level + 1..self.layout.levels)
                         .all(|later| self.due(group, later).next().is_none());
-                    self.tell_step(group, level, record && last)?;
+                    self.tell_step(group, level, if last { flags } else { flags & !RECORD })?;
                 }
             }
             for (group, answer) in self.crew.answers()? {
@@ -170,7 +172,7 @@ impl<'a> Coordinator<'a> {
         }
         for (node, end) in self.plan.nodes.iter().zip(&mut self.ends) {
             if *end == now {
-                *end = now + node.step;
+                *end = self.start + node.step.after(now - self.start);
             }
         }
         self.keep_held(self.groups().filter(|&group| stepped[group]));
@@ -187,12 +189,12 @@ impl<'a> Coordinator<'a> {
         members.filter(|&member| self.ends[member] == self.crew.now)
     }
 
-    fn tell_step(&mut self, group: usize, level: usize, record: bool) -> Result<()> {
-        let mut message = self.command(group, Kind::Step, if record { RECORD } else { 0 });
+    fn tell_step(&mut self, group: usize, level: usize, flags: u8) -> Result<()> {
+        let mut message = self.command(group, Kind::Step, flags);
         message.extend((level as u32).to_le_bytes());
         let part = &self.layout.groups[group].parts[level];
         put_values(&mut message, part.reads.iter().copied(), &self.values);
-        self.crew.members[group].recorded = record;
+        self.crew.members[group].recorded = flags & RECORD != 0;
         self.crew.tell(group, message)
     }
 
@@ -249,9 +251,17 @@ impl Drive for Coordinator<'_> {
     fn run_until(&mut self, limit: Time) -> Result<()> {
         while let Some(now) = self.ends.iter().min().copied().filter(|&now| now <= limit) {
             self.crew.members.iter_mut().for_each(|member| member.recorded = false);
-            self.instant(now, now == limit)?;
+            self.instant(now, if now == limit { RECORD } else { 0 })?;
         }
         Ok(())
+    }
+
+    fn conclude(&mut self, now: Time) -> Result<()> {
+        for (node, end) in self.plan.nodes.iter().zip(&mut self.ends) {
+            *end = if node.variable { now } else { *end };
+        }
+        self.crew.members.iter_mut().for_each(|member| member.recorded = false);
+        self.instant(now, RECORD | LAST)
     }
 
     fn sample(&mut self, _now: Time, row: &mut [f64]) -> Result<()> {
@@ -292,6 +302,8 @@ impl Drive for Coordinator<'_> {
         let mut whole = EngineState {
             values: self.values.clone(),
             inputs: vec![0.0; self.plan.inputs],
+            // Systems with Strings are not distributed.
+            texts: Vec::new(),
             ends: self.ends.clone(),
             trends: vec![Default::default(); self.plan.trends.len()],
             ramps: vec![Default::default(); self.plan.ramps.len()],

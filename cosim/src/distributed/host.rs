@@ -8,7 +8,9 @@ use super::failure::Failure;
 use super::layout::{Group, Part};
 use super::setup::{FmuSource, Setup};
 use super::single::{Single, SingleSetup};
-use super::wire::{APART, Body, Header, Kind, Malformed, OPENING, RECORD, put_blob, put_values};
+use super::wire::{
+    APART, Body, Header, Kind, LAST, Malformed, OPENING, RECORD, put_blob, put_values,
+};
 use crate::error::{Code, Error, Result};
 use crate::master::{Change, Engine};
 use crate::time::Time;
@@ -199,6 +201,9 @@ impl Running {
     fn step(&mut self, header: &Header, mut body: Body<'_>, answer: &mut Vec<u8>) -> Result<()> {
         let now = header.time;
         let part = self.part(&mut body, |group| &group.parts)?;
+        if header.has(LAST) {
+            self.engine.shorten(now);
+        }
         let due = |&member: &usize| self.engine.due(member, now);
         let due: Vec<usize> = part.members.iter().copied().filter(due).collect();
         self.engine.end_steps(&part.members, now)?;

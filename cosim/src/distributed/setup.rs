@@ -12,7 +12,7 @@ use crate::fmi::{Fmu, InterfaceType, LastCall, Logging, Value};
 use crate::master::{Converted, Engine, EngineState, Making, Plan, Tally, slave};
 use crate::signals::Signals;
 use crate::system::{Component, Function, Model};
-use crate::time::Time;
+use crate::time::{Step, Time};
 
 /// A group to be made, from its start or from a state.
 #[derive(Serialize, Deserialize)]
@@ -43,7 +43,7 @@ pub(crate) struct Blueprint {
     /// How its FMU is driven.
     pub interface: InterfaceType,
     /// Communication step.
-    pub step: Time,
+    pub step: Step,
     /// Start values by position of the variable.
     pub start_values: Vec<(usize, Value)>,
     /// Its inputs that are converted.

@@ -80,6 +80,10 @@ impl<D: Drive> Drive for Fed<'_, D> {
         self.driven.run_until(limit)
     }
 
+    fn conclude(&mut self, now: Time) -> Result<()> {
+        self.driven.conclude(now)
+    }
+
     fn sample(&mut self, now: Time, row: &mut [f64]) -> Result<()> {
         self.driven.sample(now, row)?;
         self.feed.take(now, row);

@@ -10,7 +10,7 @@ use sha2::{Digest, Sha256};
 use crate::time::Time;
 
 /// Version of the protocol; both sides must have the same.
-pub(crate) const VERSION: u8 = 1;
+pub(crate) const VERSION: u8 = 2;
 const MAGIC: u8 = 0xC5;
 /// Octets of a header.
 pub(crate) const HEADER: usize = 32;
@@ -54,12 +54,15 @@ pub(crate) const OPENING: u8 = 2;
 /// Only the blob that comes first in the body is the same whenever the command is repeated.
 pub(crate) const APART: u8 = 4;
 
+/// The run ends with this step: those that would end later end now.
+pub(crate) const LAST: u8 = 8;
+
 /// The head of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Header {
     /// What it is.
     pub kind: Kind,
-    /// Of [`RECORD`], [`OPENING`] and [`APART`].
+    /// Of [`RECORD`], [`OPENING`], [`APART`] and [`LAST`].
     pub flags: u8,
     /// Which life of the group this is for; messages of former lives are ignored.
     pub generation: u32,

@@ -19,7 +19,7 @@ macro_rules! codes {
                 match self { $(Code::$name => $text),* }
             }
 
-            /// The exit code of the command line: 1 run failed, 2 usage, 3 not valid.
+            /// The exit code of the command line: 1 run failed, 2 usage, 3 not valid, 130 interrupted.
             pub fn exit_code(self) -> u8 {
                 match self { $(Code::$name => $exit),* }
             }
@@ -39,6 +39,8 @@ codes! {
     Xml "E103" 3 "An XML file is not well-formed, or uses what is refused here: a DTD, entities, great depth."
     Description "E104" 3 "A modelDescription.xml breaks FMI 2.0."
     Library "E105" 3 "The shared library of an FMU is missing, cannot be loaded or lacks an FMI function."
+    Version "E106" 3 "An FMU is of another version of FMI than 2.0."
+    States "E107" 3 "An FMU for model exchange has derivatives, but does not list them: no state would be integrated."
     Ssd "E201" 3 "A system description breaks its format (SSP or OSP), or uses a part of it that is not supported."
     UnknownName "E202" 3 "A component or variable is named that does not exist."
     Connection "E203" 3 "A connection joins what cannot be joined: causality, type, or two drivers of one input."
@@ -51,12 +53,15 @@ codes! {
     Format "E210" 3 "The format that a system is to be written in has no word for a part of it."
     Fmu "E301" 1 "A function of an FMU returned an error while the system ran."
     Output "E302" 1 "Results could not be written."
-    Interrupted "E303" 1 "The user ended the run by ctrl-C; the results until then are kept."
+    Interrupted "E303" 130 "The user ended the run by ctrl-C; the results until then are kept."
     State "E304" 1 "The state of an FMU could not be saved, set back or turned into bytes."
     Loop "E305" 1 "The iteration that solves an algebraic loop did not converge."
     Step "E306" 1 "No communication step was small enough: for the tolerance, or for an FMU that discards steps."
     Snapshot "E307" 3 "A snapshot cannot be read, is damaged, or belongs to another system."
     Ended "E308" 1 "An FMU ended the run itself. In a run this is no error: it ends there, and its results are kept."
+    Results "E401" 3 "A file of recorded results cannot be read."
+    Report "E402" 1 "A report could not be made."
+    Parted "E403" 1 "Two recordings that were compared are not the same."
     Protocol "E501" 1 "The coordinator and a worker did not understand each other, or a message came out of turn."
     Lost "E502" 1 "A worker, or the process with its components, ended or fell silent, and no other could take over."
     Placement "E503" 2 "A component cannot be where it was placed, or the run cannot be distributed like this."
@@ -66,13 +71,20 @@ codes! {
     Forbidden "E507" 1 "The other side does not give this certificate's name the right to do that."
     NotAllowed "E508" 1 "A worker was to load an FMU that nobody allowed there."
     Configuration "E509" 3 "A configuration file cannot be understood, or asks for what is not permitted."
-    Results "E401" 3 "A file of recorded results cannot be read."
-    Parted "E403" 1 "Two recordings that were compared are not the same."
-    Report "E402" 1 "A report could not be made."
 }
 
 impl fmt::Display for Code {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.as_str())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_stand_in_the_order_of_their_numbers() {
+        assert!(Code::ALL.is_sorted_by_key(|code| code.as_str()));
     }
 }

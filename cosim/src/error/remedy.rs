@@ -24,6 +24,16 @@ impl Code {
                 "Only the tool that exported the FMU can mend this for good. Send its authors the \
                  line; a checker of FMUs tells more of the same kind."
             }
+            Code::Version => {
+                "Most tools export for several versions of FMI: choose 2.0. What an FMU is of says \
+                 fmiVersion in its modelDescription.xml, and `cosim explain E104` what is wrong in \
+                 one of FMI 2.0."
+            }
+            Code::States => {
+                "The states of model exchange are found by <ModelStructure><Derivatives> alone \
+                 (FMI 2.0.5, 2.2.8). Export the FMU again with a newer version of its tool, or for \
+                 co-simulation, or add an <Unknown index=\"...\"/> for each derivative."
+            }
             Code::Library => {
                 "`cosim info` lists the platforms of an FMU. A library that cannot be loaded \
                  mostly misses another one: `ldd` on the .so file in binaries/ shows which."
@@ -45,8 +55,9 @@ impl Code {
                  what the FMU calculates. `cosim info FMU` shows type, limits and causality."
             }
             Code::Timing => {
-                "All times are counted in nanoseconds, and a step must divide the run. Choose a \
-                 step that does, and a stop after the start."
+                "Choose a stop after the start, steps that are multiples of a common base, and an \
+                 output interval that is a multiple of it. Times are counted in nanoseconds; a step \
+                 may be a fraction of them, as 1/30 s is."
             }
             Code::Replacement => {
                 "An FMU can replace another one when it has all variables that the system connects \
@@ -112,19 +123,24 @@ impl Code {
                  the FMU; or for something that it forgets in its saved state."
             }
             Code::Certificate => {
-                "`cosim keys` makes an authority and a certificate for each machine; all sides need                  those of the same authority. The error names the file or the name that is wrong."
+                "`cosim keys` makes an authority and a certificate for each machine; all sides need \
+                 those of the same authority. The error names the file or the name that is wrong."
             }
             Code::Forbidden => {
-                "Use the certificate that was made for this role: a worker speaks under its own                  name only, an observer may listen to telemetry and nothing else."
+                "Use the certificate that was made for this role: a worker speaks under its own \
+                 name only, an observer may listen to telemetry and nothing else."
             }
             Code::NotAllowed => {
-                "Start the worker with `--allow` and the hash, file or folder, or with                  `--allow-upload` if you trust all that this coordinator sends."
+                "Start the worker with `--allow` and the hash, file or folder, or with \
+                 `--allow-upload` if you trust all that this coordinator sends."
             }
             Code::Configuration => {
-                "The file is Zenoh's configuration with an object `cosim` of our own keys; the                  error names the key."
+                "The file is Zenoh's configuration with an object `cosim` of our own keys; the \
+                 error names the key."
             }
             Code::Parted => {
-                "See whether both runs had the same FMUs, start values and versions; `cosim verify`                  tells when they part, and `--log-fmi-calls` what was said before."
+                "See whether both runs had the same FMUs, start values and versions; `cosim verify` \
+                 tells when they part, and `--log-fmi-calls` what was said before."
             }
             Code::Results => {
                 "`cosim run` writes MCAP and CSV; CSV of others needs the time in its first column."

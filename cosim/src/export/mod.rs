@@ -100,6 +100,7 @@ impl Export {
     /// Writes the FMU, which replaces one that is there as a whole; gives what is good to know.
     pub fn write(&self, system: &System, path: impl AsRef<Path>) -> Result<Vec<String>> {
         let path = path.as_ref();
+        system.ready()?;
         if !path.extension().is_some_and(|end| end.eq_ignore_ascii_case("fmu")) {
             return Err(Error::new(Code::Usage, "the exported file is no .fmu")
                 .at(path)

@@ -7,8 +7,10 @@ use std::ffi::{CStr, c_char, c_void};
 
 use super::log::Log;
 use super::status::RawStatus;
+pub(super) use live::Known;
 use variadic::Arguments;
 
+mod live;
 mod memory;
 mod printf;
 mod variadic;
@@ -53,16 +55,16 @@ unsafe extern "C" fn free(pointer: *mut c_void) {
 /// What the variadic logger does with the arguments that it has found.
 ///
 /// # Safety
-/// `log` is NULL or the `environment` of a living instance; the strings are NULL or C strings.
+/// Category and format are NULL or C strings; nothing is asked of the other pointers.
 unsafe fn logged(
-    log: *const Log,
+    environment: *const Log,
+    instance: *const c_char,
     status: RawStatus,
     category: *const c_char,
     format: *const c_char,
     arguments: Option<&mut Arguments>,
 ) {
-    // SAFETY: the instance keeps its Log alive until after fmi2FreeInstance.
-    let Some(log) = (unsafe { log.as_ref() }) else {
+    let Some(log) = live::find(environment.addr(), instance) else {
         return;
     };
     // SAFETY: the FMU passes NULL or C strings that live during this call.

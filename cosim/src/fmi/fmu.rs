@@ -133,6 +133,12 @@ impl Fmu {
         })
     }
 
+    /// Whether its steps may differ in length.
+    pub(crate) fn varies(&self, kind: InterfaceType) -> bool {
+        kind == InterfaceType::ModelExchange
+            || self.description.interface(kind).is_some_and(|interface| interface.variable_step)
+    }
+
     /// The interface type that is wanted, or without a wish co-simulation if there is that.
     pub fn choose(&self, wanted: Option<InterfaceType>) -> Result<InterfaceType> {
         let kind = wanted.unwrap_or(match self.description.co_simulation {
@@ -140,13 +146,26 @@ impl Fmu {
             None => InterfaceType::ModelExchange,
         });
         match (self.interface(kind), wanted) {
-            (Ok(_), _) => Ok(kind),
+            (Ok(_), _) => self.check(kind).map(|()| kind),
             (Err(error), Some(_)) => Err(error),
             (Err(_), None) => Err(Error::new(
                 Code::Description,
                 "the FMU has neither a co-simulation nor a model exchange part",
             )
             .at(&self.path)),
+        }
+    }
+
+    /// Whether its description is complete for that interface type.
+    pub fn check(&self, kind: InterfaceType) -> Result<()> {
+        match &self.description.unlisted_derivative {
+            Some((name, line)) if kind == InterfaceType::ModelExchange => {
+                let what = format!("'{name}' is a derivative, and no derivative is listed");
+                Err(Error::new(Code::States, what)
+                    .at_line(self.path.join("modelDescription.xml"), *line)
+                    .why("without <ModelStructure><Derivatives> no state would be integrated"))
+            }
+            _ => Ok(()),
         }
     }
 

@@ -6,14 +6,13 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use super::callbacks::Callbacks;
+use super::callbacks::{Callbacks, Known};
 use super::description::InterfaceType;
 use super::fmu::Fmu;
 use super::library::{Component, FmuState, Functions, Hot, Own};
-use super::log::Log;
 use super::status::{self, RawStatus};
 use crate::error::{Code, Error, Result};
-use crate::time::Time;
+use crate::time::{Step, Time};
 
 mod access;
 mod create;
@@ -64,12 +63,14 @@ pub struct Instance {
     state: State,
     hot: Hot,
     kind: InterfaceType,
+    /// Its steps are this fraction of nanoseconds from that start, whose seconds it gets unrounded.
+    grid: Option<(Time, Step)>,
     name: String,
     /// Saved states of the FMU, and of this handle, by their place.
     saved: [Option<(FmuState, State)>; Place::COUNT],
     /// The FMU holds pointers to both of these, so they stay where they are.
     callbacks: Option<Box<Callbacks>>,
-    log: Arc<Log>,
+    log: Known,
     /// Pointers into the library, which `fmu` keeps mapped.
     functions: Functions,
     own: Own,
@@ -96,15 +97,42 @@ impl Instance {
 
     /// Sets the experiment's start and stop and enters initialization mode.
     pub fn enter_initialization(&mut self, start: Time, stop: Time) -> Result<()> {
+        self.set_up(start, stop)?;
+        self.enter()
+    }
+
+    /// Sets the experiment's start and stop, and in co-simulation the tolerance that the FMU
+    /// suggests for itself.
+    pub fn set_up(&mut self, start: Time, stop: Time) -> Result<()> {
         self.require("fmi2SetupExperiment", &[State::Instantiated])?;
         self.time = start;
         let known = stop < Time::NEVER;
         let (start, stop) = (start.seconds(), if known { stop.seconds() } else { 0.0 });
-        let arguments = |_: &Followed| format!("false, 0.0, {start:?}, {known}, {stop:?}");
+        // In model exchange it is the importer that controls errors.
+        let steps = self.kind == InterfaceType::CoSimulation;
+        let tolerance = self.fmu.description().experiment.tolerance;
+        let tolerance = tolerance.filter(|tolerance| steps && *tolerance > 0.0);
+        let (suggested, tolerance) = (tolerance.is_some(), tolerance.unwrap_or(0.0));
+        let arguments =
+            |_: &Followed| format!("{suggested}, {tolerance:?}, {start:?}, {known}, {stop:?}");
         self.call("fmi2SetupExperiment", arguments, |f, c| {
             // SAFETY: `c` is alive and the state allows the call.
-            unsafe { (f.setup_experiment)(c, 0, 0.0, start, known.into(), stop) }
-        })?;
+            unsafe {
+                let defined = suggested.into();
+                (f.setup_experiment)(c, defined, tolerance, start, known.into(), stop)
+            }
+        })
+    }
+
+    /// Steps begin and end at multiples of `step` after `start`, to the nearest nanosecond; the FMU
+    /// is told their seconds without that rounding.
+    pub fn steps_by(&mut self, start: Time, step: Step) {
+        self.grid = (!step.is_whole()).then_some((start, step));
+    }
+
+    /// Enters initialization mode, after [`Instance::set_up`].
+    pub fn enter(&mut self) -> Result<()> {
+        self.require("fmi2EnterInitializationMode", &[State::Instantiated])?;
         self.call("fmi2EnterInitializationMode", nothing, |f, c| {
             // SAFETY: as above.
             unsafe { (f.enter_initialization)(c) }
@@ -131,6 +159,22 @@ impl Instance {
     /// Nothing when they were shown as they came ([`Logging`](super::Logging)).
     pub fn messages(&self) -> Vec<String> {
         if self.log.is_live() { Vec::new() } else { self.log.take() }
+    }
+
+    /// Does what may fail without ending the run: nothing where it failed.
+    pub(crate) fn attempt<T>(
+        &mut self,
+        act: impl FnOnce(&mut Self) -> Result<T>,
+    ) -> Result<Option<T>> {
+        let state = self.state;
+        match act(self) {
+            Ok(done) => Ok(Some(done)),
+            Err(error) if self.state == State::Fatal => Err(error),
+            Err(_) => {
+                self.state = state;
+                Ok(None)
+            }
+        }
     }
 
     #[inline(always)]
@@ -242,7 +286,8 @@ impl Drop for Instance {
         // its code may still use. So it is when somebody could still call it.
         if self.state == State::Fatal || Arc::strong_count(&self.kept) > 1 {
             self.fmu.abandoned.store(true, Ordering::Release);
-            std::mem::forget((self.callbacks.take(), self.log.clone()));
+            std::mem::forget(self.callbacks.take());
+            self.log.stay();
             return;
         }
         let follow = |function, call: &mut dyn FnMut()| {

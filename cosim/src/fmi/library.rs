@@ -218,10 +218,11 @@ impl Binary {
 pub(super) fn load(path: &Path, fmu: &Path, kind: InterfaceType) -> Result<Binary> {
     // SAFETY: loading runs the library's constructors: whoever runs an FMU trusts its code.
     let library = unsafe { open::library(path) }.map_err(|e| {
+        let help = remedy(&e);
         Error::new(Code::Library, "the library of the FMU cannot be loaded")
             .at(fmu)
             .why(e)
-            .help("it may be built for a newer system: look for GLIBC in the reason")
+            .maybe_help(help)
     })?;
     let functions = Functions::resolve(&library, fmu)?;
     let own = match kind {
@@ -238,7 +239,47 @@ pub(super) fn load(path: &Path, fmu: &Path, kind: InterfaceType) -> Result<Binar
         .why(format!("fmi2GetVersion returned '{version}'")))
 }
 
+/// What to do about what the dynamic linker said.
+fn remedy(why: &str) -> Option<String> {
+    if let Some((_, version)) = why.split_once("version `") {
+        let version = version.split('\'').next().unwrap_or_default();
+        return Some(format!(
+            "the FMU was built on a system with {version}, which this one does not have: run it on a \
+             newer one, or build it on one as old as this"
+        ));
+    }
+    if let Some((missing, _)) = why.split_once(": cannot open shared object file") {
+        return Some(format!(
+            "install the library {missing}, or put it beside the FMU's own and name its folder by \
+             LD_LIBRARY_PATH"
+        ));
+    }
+    let (_, symbol) = why.split_once("undefined symbol: ")?;
+    Some(format!(
+        "the FMU was linked without the library that has {symbol}: name that by LD_PRELOAD, or \
+         export the FMU again"
+    ))
+}
+
 /// Places of the library in the unpacked FMU, newest convention last (FMI 2.0.4, 2.3).
 pub(super) fn folders() -> &'static [&'static str] {
     if cfg!(target_os = "linux") { elf::of_machine(std::env::consts::ARCH) } else { &[] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::remedy;
+
+    #[test]
+    fn each_reason_has_its_own_remedy() {
+        let told = |why: &str| remedy(why).unwrap();
+        let new =
+            "/lib/x86_64-linux-gnu/libc.so.6: version `GLIBC_2.38' not found (required by x.so)";
+        assert!(told(new).contains("a system with GLIBC_2.38"));
+        let missing = "libgfortran.so.3: cannot open shared object file: No such file or directory";
+        assert!(told(missing).contains("install the library libgfortran.so.3"));
+        assert!(!told(missing).contains("GLIBC"));
+        assert!(told("x.so: undefined symbol: dgesv_").contains("has dgesv_"));
+        assert_eq!(remedy("invalid ELF header"), None);
+    }
 }

@@ -15,6 +15,9 @@ pub(crate) trait Drive {
     /// Makes every step that ends at or before `limit`.
     fn run_until(&mut self, limit: Time) -> Result<()>;
 
+    /// Makes the steps that have begun, and would end later, end at `now`, where the run ends.
+    fn conclude(&mut self, now: Time) -> Result<()>;
+
     /// The recorded values of the present instant `now`.
     fn sample(&mut self, now: Time, row: &mut [f64]) -> Result<()>;
 
@@ -38,6 +41,10 @@ impl Drive for Engine {
 
     fn run_until(&mut self, limit: Time) -> Result<()> {
         Engine::run_until(self, limit)
+    }
+
+    fn conclude(&mut self, now: Time) -> Result<()> {
+        Engine::conclude(self, now)
     }
 
     fn sample(&mut self, now: Time, row: &mut [f64]) -> Result<()> {

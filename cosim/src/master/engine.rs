@@ -12,7 +12,7 @@ use super::plan::{Node, Plan, Route};
 use super::slave::Slave;
 use super::trend::{Ramp, Trend};
 use crate::error::Result;
-use crate::time::Time;
+use crate::time::{Step, Time};
 
 pub(crate) struct Engine {
     pub(crate) plan: Plan,
@@ -30,6 +30,8 @@ pub(crate) struct Engine {
     /// When the first of the present steps ends.
     pub(super) next: Time,
     pub(super) start: Time,
+    /// Components whose step is no whole number of nanoseconds.
+    uneven: Vec<(usize, Step)>,
     /// Per loop of the plan.
     pub(super) efforts: Vec<Effort>,
     /// Per trend and per ramp of the plan.
@@ -58,7 +60,8 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    fn new(start: Time, length: Time) -> Self {
+    fn new(start: Time, step: Step) -> Self {
+        let length = step.rounded();
         Self { end: start + length, length, made: 0, read_at: Time::NEVER }
     }
 }
@@ -75,7 +78,15 @@ impl Engine {
             reading: those(&|node| !node.recorded.is_empty()),
             values: vec![0.0; plan.values],
             inputs: vec![0.0; plan.inputs],
-            next: plan.nodes.iter().map(|node| start + node.step).min().unwrap_or(Time::NEVER),
+            next: plan
+                .nodes
+                .iter()
+                .map(|node| start + node.step.rounded())
+                .min()
+                .unwrap_or(Time::NEVER),
+            uneven: (plan.nodes.iter().map(|node| node.step).enumerate())
+                .filter(|(_, step)| !step.is_whole())
+                .collect(),
             paces: plan.nodes.iter().map(|node| Pace::new(start, node.step)).collect(),
             efforts: vec![Effort::default(); plan.loops.len()],
             trends: vec![Trend::default(); plan.trends.len()],
@@ -103,6 +114,7 @@ impl Engine {
     pub(crate) fn enter(&mut self, stop: Time) -> Result<()> {
         for &c in &self.plan.sequence {
             self.slaves[c].enter_initialization(self.start, stop)?;
+            self.warnings.extend(self.slaves[c].warnings());
         }
         self.get_all()
     }
@@ -229,6 +241,9 @@ impl Engine {
             self.follow(now)?;
         }
         self.hold(now);
+        if !self.uneven.is_empty() {
+            self.measure(now);
+        }
         self.next = Time::NEVER;
         for pace in &mut self.paces {
             if pace.end == now {
@@ -237,6 +252,44 @@ impl Engine {
             self.next = self.next.min(pace.end);
         }
         Ok(())
+    }
+
+    /// How long the steps that begin now are, where that differs from step to step.
+    #[cold]
+    fn measure(&mut self, now: Time) {
+        for &(component, step) in &self.uneven {
+            let pace = &mut self.paces[component];
+            if pace.end == now {
+                pace.length = step.after(now - self.start) - now + self.start;
+            }
+        }
+    }
+
+    /// Sets when the present step of a component ends.
+    pub(super) fn ends_at(&mut self, component: usize, end: Time) {
+        let (step, pace) = (self.plan.nodes[component].step, &mut self.paces[component]);
+        let before = step.multiple(step.count(end - self.start) - 1);
+        (pace.end, pace.length) = (end, end - self.start - before);
+    }
+
+    /// Ends the run: who can makes a shorter step from the end of its last one.
+    pub(crate) fn conclude(&mut self, now: Time) -> Result<()> {
+        if self.control.is_some() {
+            return Ok(());
+        }
+        self.shorten(now);
+        self.limit = now;
+        self.instant(now)
+    }
+
+    /// Lets steps that would end later end now.
+    pub(crate) fn shorten(&mut self, now: Time) {
+        for (pace, node) in self.paces.iter_mut().zip(&self.plan.nodes) {
+            let begun = pace.end - pace.length;
+            if node.variable && pace.end > now && begun < now {
+                (pace.length, pace.end) = (now - begun, now);
+            }
+        }
     }
 
     /// Every step of `members` that ends now, with loops and the clock.

@@ -11,11 +11,12 @@ use super::fmu_slave::{assign, give, instantiate, look, tangent};
 use super::group::Group;
 use super::plan::Node;
 use super::slave::Slave;
+use super::start;
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Fmu, Instance, InterfaceType, Kind, Logging, Place, State, Value, Variability};
 use crate::solver::{Continuous, Settings};
 use crate::system::Component;
-use crate::time::Time;
+use crate::time::{Step, Time};
 
 pub(super) struct ExchangeSlave {
     instance: Instance,
@@ -30,6 +31,9 @@ pub(super) struct ExchangeSlave {
     /// The connected inputs in their own order, for derivatives.
     inputs: Group,
     tangents: bool,
+    step: Step,
+    start_values: Vec<(usize, Value)>,
+    warning: Option<String>,
 }
 
 /// Some of the inputs.
@@ -89,6 +93,9 @@ impl ExchangeSlave {
             recorded: Group::new(variables, &node.recorded),
             inputs: Group::new(variables, &node.inputs),
             tangents: interface.directional_derivative,
+            step: node.step,
+            start_values: component.start_values.clone(),
+            warning: None,
         })
     }
 }
@@ -96,7 +103,12 @@ impl ExchangeSlave {
 impl Slave for ExchangeSlave {
     fn enter_initialization(&mut self, start: Time, stop: Time) -> Result<()> {
         self.start = start;
-        self.instance.enter_initialization(start, stop)
+        self.warning = start::enter(&mut self.instance, &self.start_values, start, stop)?;
+        Ok(())
+    }
+
+    fn warnings(&mut self) -> Vec<String> {
+        self.warning.take().into_iter().collect()
     }
 
     fn exit_initialization(&mut self) -> Result<()> {
@@ -131,7 +143,8 @@ impl Slave for ExchangeSlave {
     }
 
     fn step(&mut self, start: Time, step: Time) -> Result<Time> {
-        self.solver.advance(&mut self.instance, start + step)?;
+        let end = self.step.seconds_at(self.start, start + step);
+        self.solver.advance(&mut self.instance, end)?;
         Ok(start + step)
     }
 

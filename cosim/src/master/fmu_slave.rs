@@ -5,11 +5,12 @@ use std::sync::Arc;
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Fmu, Instance, InterfaceType, Kind, Logging, Place, Unusual, Value};
 use crate::system::Component;
-use crate::time::Time;
+use crate::time::{Step, Time};
 
 use super::group::Group;
 use super::plan::Node;
 use super::slave::{DirectCalls, Slave};
+use super::start;
 
 /// What becomes of a step that the FMU discards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,6 +33,9 @@ pub(super) struct FmuSlave {
     instance: Instance,
     recorded: Group,
     rejected: u64,
+    step: Step,
+    start_values: Vec<(usize, Value)>,
+    warning: Option<String>,
     /// The inputs of this step and their slopes, if they have any.
     ramp: (Vec<f64>, Vec<f64>),
     /// It gives derivatives of its outputs, and with respect to its inputs.
@@ -57,6 +61,9 @@ impl FmuSlave {
             outputs: Group::new(variables, &node.outputs),
             recorded: Group::new(variables, &node.recorded),
             discards,
+            step: node.step,
+            start_values: component.start_values.clone(),
+            warning: None,
             rejected: 0,
             ramp: Default::default(),
             output_slopes: interface.output_derivative_order > 0,
@@ -135,15 +142,19 @@ pub(super) fn instantiate(
     logging: &Logging,
 ) -> Result<Instance> {
     let mut instance = Instance::of(fmu.clone(), component.interface, &component.name, logging)?;
-    for (position, value) in &component.start_values {
-        instance.set_value(&fmu.description().variables[*position], value)?;
-    }
+    start::give(&mut instance, &component.start_values)?;
     Ok(instance)
 }
 
 impl Slave for FmuSlave {
     fn enter_initialization(&mut self, start: Time, stop: Time) -> Result<()> {
-        self.instance.enter_initialization(start, stop)
+        self.instance.steps_by(start, self.step);
+        self.warning = start::enter(&mut self.instance, &self.start_values, start, stop)?;
+        Ok(())
+    }
+
+    fn warnings(&mut self) -> Vec<String> {
+        self.warning.take().into_iter().collect()
     }
 
     fn exit_initialization(&mut self) -> Result<()> {

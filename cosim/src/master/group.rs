@@ -2,14 +2,16 @@
 
 use crate::error::Result;
 use crate::fmi::{Instance, Kind, Variable};
+use crate::texts;
 
 /// Variables that are set or read together, one FMI call per type. A master's plan lists Reals
-/// first, then Integers, then Booleans ([`rank`]).
+/// first, then Integers, then Booleans, then Strings by their numbers ([`rank`], [`texts`]).
 #[repr(C)]
 pub(super) struct Group {
     reals: Vec<u32>,
     integers: Vec<u32>,
     booleans: Vec<u32>,
+    strings: Vec<u32>,
     /// Room for the values that are not Reals.
     buffer: Vec<i32>,
 }
@@ -30,9 +32,9 @@ impl Group {
             let chosen = positions.iter().map(|&p| &variables[p]);
             chosen.filter(|v| rank(&v.kind) == wanted).map(|v| v.value_reference).collect()
         };
-        let (reals, integers, booleans) = (of(0), of(1), of(2));
+        let (reals, integers, booleans, strings) = (of(0), of(1), of(2), of(3));
         let buffer = vec![0; integers.len().max(booleans.len())];
-        Self { reals, integers, booleans, buffer }
+        Self { reals, integers, booleans, strings, buffer }
     }
 
     /// The references of the Reals, which stand first.
@@ -42,7 +44,8 @@ impl Group {
 
     /// The references, if all are Reals.
     pub(super) fn only_reals(&self) -> Option<&[u32]> {
-        (self.integers.is_empty() && self.booleans.is_empty()).then_some(&self.reals)
+        let others = [&self.integers, &self.booleans, &self.strings];
+        others.iter().all(|references| references.is_empty()).then_some(&self.reals)
     }
 
     #[inline(always)]
@@ -55,7 +58,8 @@ impl Group {
     }
 
     fn set_rest(&mut self, instance: &mut Instance, rest: &[f64]) -> Result<()> {
-        let (integers, booleans) = rest.split_at(self.integers.len());
+        let (integers, rest) = rest.split_at(self.integers.len());
+        let (booleans, strings) = rest.split_at(self.booleans.len());
         if !integers.is_empty() {
             let buffer = fill(&mut self.buffer, integers);
             instance.set_integer(&self.integers, buffer)?;
@@ -63,6 +67,9 @@ impl Group {
         if !booleans.is_empty() {
             let buffer = fill(&mut self.buffer, booleans);
             instance.set_boolean(&self.booleans, buffer)?;
+        }
+        for (reference, number) in self.strings.iter().zip(strings) {
+            instance.set_string(*reference, &texts::text(*number))?;
         }
         Ok(())
     }
@@ -77,7 +84,8 @@ impl Group {
     }
 
     fn get_rest(&mut self, instance: &mut Instance, rest: &mut [f64]) -> Result<()> {
-        let (integers, booleans) = rest.split_at_mut(self.integers.len());
+        let (integers, rest) = rest.split_at_mut(self.integers.len());
+        let (booleans, strings) = rest.split_at_mut(self.booleans.len());
         if !integers.is_empty() {
             let buffer = &mut self.buffer[..integers.len()];
             instance.get_integer(&self.integers, buffer)?;
@@ -88,6 +96,9 @@ impl Group {
             instance.get_boolean(&self.booleans, buffer)?;
             // Any number but 0 is true in C.
             booleans.iter_mut().zip(buffer).for_each(|(to, from)| *to = f64::from(*from != 0));
+        }
+        for (reference, number) in self.strings.iter().zip(strings) {
+            *number = texts::number(&instance.get_string(*reference)?);
         }
         Ok(())
     }

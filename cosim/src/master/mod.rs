@@ -35,6 +35,7 @@ mod run;
 mod signal_slave;
 mod slave;
 mod snapshot;
+mod start;
 mod summary;
 mod trend;
 
@@ -126,7 +127,7 @@ impl System {
         }
         let control = self.step_control().map(|tolerance| {
             let steps = plan.nodes.iter().map(|node| node.step);
-            let largest = steps.min().unwrap_or(self.output_interval());
+            let largest = steps.min().unwrap_or(self.output_interval()).rounded();
             let linear = !plan.ramps.is_empty();
             Control::new(tolerance, largest, start, linear, self.nominals(&plan))
         });

@@ -9,8 +9,9 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use super::group::rank;
+use crate::fmi::Kind;
 use crate::system::{Connection, Port, System};
-use crate::time::Time;
+use crate::time::Step;
 
 /// Copies one value.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
@@ -54,7 +55,9 @@ pub(crate) struct RampWay {
 /// A component's part of the plan.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Node {
-    pub step: Time,
+    pub step: Step,
+    /// Its last step may be shorter.
+    pub variable: bool,
     /// Where its values are in the arrays.
     pub input_slots: Range<usize>,
     pub output_slots: Range<usize>,
@@ -100,6 +103,9 @@ pub(crate) struct Plan {
     pub inputs: usize,
     /// Slot of each recorded column.
     pub columns: Vec<usize>,
+    /// Slots in `values` and in `inputs` that hold Strings.
+    pub value_texts: Vec<usize>,
+    pub input_texts: Vec<usize>,
 }
 
 impl Plan {
@@ -113,6 +119,8 @@ impl Plan {
             values: 0,
             inputs: 0,
             columns: Vec::new(),
+            value_texts: Vec::new(),
+            input_texts: Vec::new(),
         };
         for component in 0..system.components().len() {
             plan.add(system, component);
@@ -236,11 +244,24 @@ impl Plan {
             *next += count;
             *next - count..*next
         };
+        let input_slots = take(&mut self.inputs, inputs.len());
+        let output_slots = take(&mut self.values, outputs.len());
+        let recorded_slots = take(&mut self.values, recorded.len());
+        let first = (input_slots.start, output_slots.start);
+        let description = system.components()[component].model.description();
+        let texts = |variables: &[usize], first: usize| -> Vec<usize> {
+            let is = |v: usize| description.is_some_and(|d| d.variables[v].kind == Kind::String);
+            let all = variables.iter().enumerate();
+            all.filter(|(_, v)| is(**v)).map(|(place, _)| first + place).collect()
+        };
+        self.input_texts.extend(texts(&inputs, first.0));
+        self.value_texts.extend(texts(&[&outputs[..], &recorded].concat(), first.1));
         self.nodes.push(Node {
             step: system.components()[component].step,
-            input_slots: take(&mut self.inputs, inputs.len()),
-            output_slots: take(&mut self.values, outputs.len()),
-            recorded_slots: take(&mut self.values, recorded.len()),
+            variable: system.components()[component].varies(),
+            input_slots,
+            output_slots,
+            recorded_slots,
             inputs,
             outputs,
             recorded,

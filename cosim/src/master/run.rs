@@ -7,7 +7,7 @@ use super::summary::Summary;
 use crate::error::{Code, Error, Result};
 use crate::observe::{Observer, RunInfo, Stop};
 use crate::system::System;
-use crate::time::Time;
+use crate::time::{Step, Time};
 
 /// Where snapshots go.
 type Keep<'a> = dyn FnMut(Snapshot) -> Result<()> + 'a;
@@ -118,6 +118,7 @@ impl<'a> Run<'a> {
 
     fn prepare(&mut self, resumed: Option<Time>) -> Result<()> {
         let system = self.system;
+        system.ready()?;
         let info = RunInfo {
             name: system.name(),
             columns: system.columns(),
@@ -144,11 +145,14 @@ impl<'a> Run<'a> {
     /// Where the run ended, and why when that was before the stop time.
     fn drive(&mut self, driven: &mut dyn Drive, begin: Time) -> Result<(Time, Option<Stop>)> {
         let (stop, interval) = (self.system.stop_time(), self.system.output_interval());
-        let mut output = self.system.start_time();
+        let start = self.system.start_time();
+        // The last step of a run that ends so is shorter, and no output instant.
+        let shortened = self.system.ends_by_shorter_steps();
+        let mut output = start;
         let mut acted = None;
         if let Some(snapshot) = self.resume {
             driven.resume(snapshot.state(), begin, stop)?;
-            output = next_multiple(begin, output, interval);
+            output = start + interval.after(begin - start);
             acted = Some(begin);
         } else {
             driven.initialize(stop)?;
@@ -156,7 +160,10 @@ impl<'a> Run<'a> {
         let mut row = vec![0.0; self.system.columns().len()];
         let (mut taken, mut before) = (acted, begin);
         loop {
-            let action = self.action(acted).map(|at| at.max(begin)).filter(|at| *at <= stop);
+            let action = self
+                .action(acted)
+                .map(|at| at.max(begin))
+                .filter(|at| *at < stop || (*at == stop && !shortened));
             // Until then nobody acts: there are only rows.
             while output <= stop && action.is_none_or(|action| output < action) {
                 if let Some(reason) = self.advance(driven, output)? {
@@ -171,7 +178,7 @@ impl<'a> Run<'a> {
                 if let Some(reason) = self.wish_to_stop() {
                     return Ok((output, Some(reason)));
                 }
-                output = output + interval;
+                output = start + interval.after(output - start);
             }
             let Some(now) = action else { break };
             if let Some(reason) = self.advance(driven, now)? {
@@ -185,7 +192,7 @@ impl<'a> Run<'a> {
             acted = Some(now);
             if now == output {
                 self.take_snapshots(driven, now, &mut taken)?;
-                output = output + interval;
+                output = start + interval.after(output - start);
                 ended = ended.or_else(|| self.wish_to_stop());
             }
             if now == stop {
@@ -197,7 +204,14 @@ impl<'a> Run<'a> {
         }
         // The part after the last output instant, when the interval does not divide the run.
         let ended = self.advance(driven, stop)?;
-        Ok((ended.map_or(stop, |_| before), ended))
+        if ended.is_some() || !shortened {
+            return Ok((ended.map_or(stop, |_| before), ended));
+        }
+        if let Some(reason) = self.until_ended(driven.conclude(stop))? {
+            return Ok((before, Some(reason)));
+        }
+        self.record(driven, stop, &mut row)?;
+        Ok((stop, None))
     }
 
     /// Shows the observers the values of the present instant.
@@ -219,7 +233,12 @@ impl<'a> Run<'a> {
     /// Makes the steps until `goal`. A component that ends the run does not fail; its step is not
     /// made, so what is known of the system is the instant before.
     fn advance(&mut self, driven: &mut dyn Drive, goal: Time) -> Result<Option<Stop>> {
-        match driven.run_until(goal) {
+        let outcome = driven.run_until(goal);
+        self.until_ended(outcome)
+    }
+
+    fn until_ended(&mut self, outcome: Result<()>) -> Result<Option<Stop>> {
+        match outcome {
             Err(ended) if ended.code() == Code::Ended => {
                 let why = ended.reason().unwrap_or_default();
                 self.warnings.push(format!("{}: {why}", ended.what()));
@@ -269,7 +288,7 @@ impl<'a> Run<'a> {
         let since = |at: Time| at <= now && taken.is_none_or(|taken| at > taken);
         let periodic = snapshots.every.is_some_and(|every| {
             let last = taken.unwrap_or(start);
-            next_multiple(last, start, every) <= now
+            start + Step::whole(every).after(last - start) <= now
         });
         if periodic || snapshots.at.iter().any(|&at| since(at)) {
             self.observers.iter_mut().try_for_each(|observer| observer.flush())?;
@@ -278,11 +297,4 @@ impl<'a> Run<'a> {
         *taken = Some(now);
         Ok(())
     }
-}
-
-/// The first of start, start + step, ... after `now`.
-fn next_multiple(now: Time, start: Time, step: Time) -> Time {
-    let step = step.nanoseconds().max(1);
-    let count = (now - start).nanoseconds().div_euclid(step) + 1;
-    start + Time::from_nanoseconds(count * step)
 }

@@ -73,6 +73,11 @@ pub trait Slave {
     /// The present value of any variable.
     fn look(&mut self, variable: usize) -> Result<Value>;
 
+    /// What is odd since this was asked last.
+    fn warnings(&mut self) -> Vec<String> {
+        Vec::new()
+    }
+
     /// What the slave had to say since this was asked last.
     fn messages(&mut self) -> Vec<String>;
 
@@ -152,6 +157,10 @@ macro_rules! passes_on {
 
         fn look(&mut self, variable: usize) -> Result<Value> {
             self.$inner.look(variable)
+        }
+
+        fn warnings(&mut self) -> Vec<String> {
+            self.$inner.warnings()
         }
 
         fn messages(&mut self) -> Vec<String> {

@@ -15,10 +15,11 @@ use super::patched_slave::Patches;
 use super::trend::{Ramp, Trend};
 use crate::error::{Code, Error, Result};
 use crate::system::{Model, System};
+use crate::texts;
 use crate::time::Time;
 
 const MAGIC: &[u8; 8] = b"COSIMSNP";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const HEADER: usize = 8 + 4 + 32;
 
 /// A running system at one instant.
@@ -34,6 +35,8 @@ pub struct Snapshot {
 pub(crate) struct EngineState {
     pub(crate) values: Vec<f64>,
     pub(crate) inputs: Vec<f64>,
+    /// The Strings among the values, then those among the inputs.
+    pub(crate) texts: Vec<String>,
     pub(crate) ends: Vec<Time>,
     pub(crate) trends: Vec<Trend>,
     pub(crate) ramps: Vec<Ramp>,
@@ -173,6 +176,7 @@ impl Engine {
         Ok(EngineState {
             values: self.values.clone(),
             inputs: self.inputs.clone(),
+            texts: self.texts(),
             ends: self.paces.iter().map(|pace| pace.end).collect(),
             trends: self.trends.clone(),
             ramps: self.ramps.clone(),
@@ -181,10 +185,18 @@ impl Engine {
         })
     }
 
+    /// Numbers of Strings are those of this process: a state has the Strings themselves.
+    fn texts(&self) -> Vec<String> {
+        let of_values = self.plan.value_texts.iter().map(|&slot| self.values[slot]);
+        let of_inputs = self.plan.input_texts.iter().map(|&slot| self.inputs[slot]);
+        of_values.chain(of_inputs).map(|number| texts::text(number).to_string()).collect()
+    }
+
     /// Goes on from a state of the instant `time`, after an initialization.
     pub(crate) fn restore(&mut self, state: &EngineState, time: Time) -> Result<()> {
         let fits = state.values.len() == self.values.len()
             && state.inputs.len() == self.inputs.len()
+            && state.texts.len() == self.plan.value_texts.len() + self.plan.input_texts.len()
             && state.ends.len() == self.paces.len()
             && state.trends.len() == self.trends.len()
             && state.ramps.len() == self.ramps.len()
@@ -195,8 +207,16 @@ impl Engine {
         }
         self.values.clone_from(&state.values);
         self.inputs.clone_from(&state.inputs);
-        for (pace, &end) in self.paces.iter_mut().zip(&state.ends) {
-            (pace.end, pace.read_at) = (end, Time::NEVER);
+        let (of_values, of_inputs) = state.texts.split_at(self.plan.value_texts.len());
+        for (&slot, text) in self.plan.value_texts.iter().zip(of_values) {
+            self.values[slot] = texts::number(text);
+        }
+        for (&slot, text) in self.plan.input_texts.iter().zip(of_inputs) {
+            self.inputs[slot] = texts::number(text);
+        }
+        for (component, &end) in state.ends.iter().enumerate() {
+            self.ends_at(component, end);
+            self.paces[component].read_at = Time::NEVER;
         }
         self.next = state.ends.iter().min().copied().unwrap_or(Time::NEVER);
         self.trends.clone_from(&state.trends);

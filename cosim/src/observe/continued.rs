@@ -58,7 +58,9 @@ impl Observer for Continued {
             last = Some(time);
         }
         self.old = Recording::new();
-        if last.is_some_and(|last| until - last < info.output_interval) {
+        if last
+            .is_some_and(|last| info.start + info.output_interval.after(last - info.start) > until)
+        {
             return self.rename();
         }
         if let Some((from, _)) = &self.renamed {

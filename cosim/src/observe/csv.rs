@@ -1,6 +1,6 @@
 //! Results as CSV in the format of FMPy: a header, first column `time`, comma, LF.
 //!
-//! Numbers are the shortest that read back to the same bits.
+//! Numbers are the shortest that read back to the same bits; Strings stand in quotes.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -9,16 +9,37 @@ use std::path::{Path, PathBuf};
 use super::{Observer, RunInfo, Stop};
 use crate::error::{Code, Error, Result};
 use crate::fmi::Kind;
+use crate::texts;
 use crate::time::Time;
 
 /// Writes results while they come.
 pub struct CsvRecorder<W: Write = BufWriter<File>> {
     target: PathBuf,
     output: W,
-    /// Per column: a Real; other types are written as whole numbers.
-    real: Vec<bool>,
+    /// Per column.
+    forms: Vec<Form>,
     /// The output is a pipe that its reader has closed.
     closed: bool,
+}
+
+/// How a value is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Form {
+    Real,
+    /// Integers, and Booleans as 0 and 1.
+    Whole,
+    /// By its number.
+    Text,
+}
+
+impl Form {
+    pub(super) fn of(kind: &Kind) -> Self {
+        match kind {
+            Kind::Real => Form::Real,
+            Kind::String => Form::Text,
+            Kind::Integer | Kind::Enumeration(_) | Kind::Boolean => Form::Whole,
+        }
+    }
 }
 
 impl CsvRecorder {
@@ -33,7 +54,7 @@ impl CsvRecorder {
 impl<W: Write> CsvRecorder<W> {
     /// Writes to `output`; `name` is what it is called in errors.
     pub fn new(output: W, name: impl Into<PathBuf>) -> Self {
-        Self { target: name.into(), output, real: Vec::new(), closed: false }
+        Self { target: name.into(), output, forms: Vec::new(), closed: false }
     }
 
     /// Writes one line.
@@ -56,22 +77,23 @@ impl<W: Write> CsvRecorder<W> {
     fn line(&mut self, time: f64, values: &[f64]) -> std::io::Result<()> {
         // {:?} is the shortest text that reads back to the same f64, with exponents.
         write!(self.output, "{time:?}")?;
-        for (value, &real) in values.iter().zip(&self.real) {
-            match real {
-                true => write!(self.output, ",{value:?}")?,
-                false => write!(self.output, ",{value}")?,
+        for (value, form) in values.iter().zip(&self.forms) {
+            match form {
+                Form::Real => write!(self.output, ",{value:?}")?,
+                Form::Whole => write!(self.output, ",{value}")?,
+                Form::Text => write!(self.output, ",{}", in_quotes(&texts::text(*value)))?,
             }
         }
         self.output.write_all(b"\n")
     }
 
-    /// Writes the header; `real` tells the columns that are Reals.
+    /// Writes the header.
     pub(super) fn header<'a>(
         &mut self,
         names: impl Iterator<Item = &'a str>,
-        real: Vec<bool>,
+        forms: Vec<Form>,
     ) -> Result<()> {
-        self.real = real;
+        self.forms = forms;
         let mut text = String::from("time");
         for name in names {
             text.push(',');
@@ -85,8 +107,8 @@ impl<W: Write> CsvRecorder<W> {
 
 impl<W: Write> Observer for CsvRecorder<W> {
     fn start(&mut self, info: &RunInfo<'_>) -> Result<()> {
-        let real = info.columns.iter().map(|c| c.kind == Kind::Real).collect();
-        self.header(info.columns.iter().map(|c| c.name.as_str()), real)
+        let forms = info.columns.iter().map(|c| Form::of(&c.kind)).collect();
+        self.header(info.columns.iter().map(|c| c.name.as_str()), forms)
     }
 
     fn sample(&mut self, time: Time, values: &[f64]) -> Result<()> {
@@ -110,9 +132,13 @@ impl<W: Write> Observer for CsvRecorder<W> {
 /// Quoted only where it must be: FMPy's reader knows no quotes.
 fn quoted(name: &str) -> String {
     match name.contains([',', '"', '\n']) {
-        true => format!("\"{}\"", name.replace('"', "\"\"")),
+        true => in_quotes(name),
         false => name.to_owned(),
     }
+}
+
+fn in_quotes(text: &str) -> String {
+    format!("\"{}\"", text.replace('"', "\"\""))
 }
 
 fn not_written(target: &Path, error: &std::io::Error) -> Error {

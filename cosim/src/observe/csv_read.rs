@@ -1,9 +1,13 @@
-//! Reading results and input signals: CSV with a header and the time in the first column.
+//! Reading results and input signals: CSV with a header and the time in the first column. A column
+//! whose first field stands in quotes holds Strings.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use super::Recording;
+use super::csv::Form;
 use crate::error::{Code, Error, Result};
+use crate::texts;
 
 /// Reads `file`.
 pub(super) fn read(file: &Path) -> Result<Recording> {
@@ -25,10 +29,10 @@ pub(super) fn read_unfinished(file: &Path) -> Result<Recording> {
 
 fn parse(text: &str, file: &Path) -> Result<Recording> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+    let mut lines = records(text).filter(|(_, line)| !line.trim().is_empty());
     let wrong = |line: usize, what: String| Error::new(Code::Results, what).at_line(file, line + 1);
     let (_, header) = lines.next().ok_or_else(|| wrong(0, "the file is empty".to_owned()))?;
-    let mut names = split(header);
+    let mut names = split(&header);
     if names.first().is_none_or(|first| first != "time") {
         return Err(wrong(0, format!("the first column is '{}'", names.first().map_or("", |n| n)))
             .why("results begin with a header line whose first name is: time"));
@@ -36,25 +40,82 @@ fn parse(text: &str, file: &Path) -> Result<Recording> {
     names.remove(0);
     let mut time = Vec::new();
     let mut columns = vec![Vec::new(); names.len()];
+    let mut forms = vec![Form::Real; names.len()];
     for (number, line) in lines {
+        let first = time.is_empty();
+        if line.contains('"') {
+            let mut fields = pieces(&line).into_iter();
+            let mut next = |name: &str| fields.next().ok_or_else(|| cut(wrong, number, name));
+            let numbered = |field: &str, name: &str| {
+                number_of(field.trim())
+                    .ok_or_else(|| wrong(number, format!("'{field}' in '{name}' is no number")))
+            };
+            time.push(numbered(&next("time")?, "time")?);
+            for ((column, name), form) in columns.iter_mut().zip(&names).zip(&mut forms) {
+                let field = next(name)?;
+                let quoted = field.trim().strip_prefix('"').and_then(|f| f.strip_suffix('"'));
+                if first && quoted.is_some() {
+                    *form = Form::Text;
+                }
+                column.push(match (quoted, *form) {
+                    (Some(text), Form::Text) => texts::number(&text.replace("\"\"", "\"")),
+                    (Some(text), _) => numbered(text, name)?,
+                    (None, _) => numbered(&field, name)?,
+                });
+            }
+            if fields.next().is_some() {
+                return Err(wrong(number, "the line has more fields than the header".to_owned()));
+            }
+            continue;
+        }
         let mut fields = line.split(',');
         let mut next = |name: &str| {
-            let field = fields.next().ok_or_else(|| {
-                wrong(number, format!("the line ends before the column '{name}'"))
-                    .why("the file may have been cut: the run was killed while writing")
-            })?;
+            let field = fields.next().ok_or_else(|| cut(wrong, number, name))?;
             number_of(field.trim())
                 .ok_or_else(|| wrong(number, format!("'{field}' in '{name}' is no number")))
         };
         time.push(next("time")?);
-        for (column, name) in columns.iter_mut().zip(&names) {
-            column.push(next(name)?);
+        for ((column, name), form) in columns.iter_mut().zip(&names).zip(&forms) {
+            let value = next(name)?;
+            if *form == Form::Text {
+                return Err(wrong(number, format!("{value} in '{name}' is not in quotes")));
+            }
+            column.push(value);
         }
         if fields.next().is_some() {
             return Err(wrong(number, "the line has more fields than the header".to_owned()));
         }
     }
-    Ok(Recording::from_columns(names, time, columns))
+    Ok(Recording::from_columns(names, time, columns).with_forms(forms))
+}
+
+fn cut(wrong: impl Fn(usize, String) -> Error, line: usize, name: &str) -> Error {
+    wrong(line, format!("the line ends before the column '{name}'"))
+        .why("the file may have been cut: the run was killed while writing")
+}
+
+/// The lines with their numbers from 0; what stands in quotes may be longer than a line.
+fn records(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
+    let mut lines = text.lines().enumerate();
+    std::iter::from_fn(move || {
+        let (number, line) = lines.next()?;
+        let mut record = Cow::from(line);
+        while record.matches('"').count() % 2 == 1 {
+            let Some((_, more)) = lines.next() else { break };
+            record = Cow::from(format!("{record}\n{more}"));
+        }
+        Some((number, record))
+    })
+}
+
+/// The fields of a line, with their quotes.
+fn pieces(line: &str) -> Vec<String> {
+    let mut quoted = false;
+    let parts = line.split(|c| {
+        quoted ^= c == '"';
+        c == ',' && !quoted
+    });
+    parts.map(str::to_owned).collect()
 }
 
 fn number_of(field: &str) -> Option<f64> {
@@ -106,6 +167,21 @@ mod tests {
     }
 
     #[test]
+    fn strings_stand_in_quotes_and_may_hold_anything() {
+        let text = "time,s,x\n0,\"a, \"\"b\"\"\nc\",1\n1,\"\",2\n";
+        let read = parse(text, Path::new("x.csv")).unwrap();
+        assert_eq!(
+            read.text("s").unwrap().iter().map(|s| &**s).collect::<Vec<_>>(),
+            ["a, \"b\"\nc", ""]
+        );
+        assert_eq!(read.column("x").unwrap(), [1.0, 2.0]);
+        assert!(read.text("x").is_err());
+        let file = tempfile::NamedTempFile::new().unwrap();
+        read.write_csv(file.path()).unwrap();
+        assert_eq!(super::read(file.path()).unwrap(), read);
+    }
+
+    #[test]
     fn errors_name_the_line() {
         for (text, place) in [
             ("", ":1"),
@@ -113,6 +189,8 @@ mod tests {
             ("time,a\n0,1\n0.1", ":3"),
             ("time,a\n0,x", ":2"),
             ("time,a\n0,1,2", ":2"),
+            ("time,a\n0,\"x\"\n1,2", ":3"),
+            ("time,a\n0,1\n1,\"x\"", ":3"),
         ] {
             let error = parse(text, Path::new("x.csv")).err().map(|e| e.to_string());
             assert!(error.as_ref().is_some_and(|e| e.contains(place)), "{text}: {error:?}");

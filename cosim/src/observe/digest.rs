@@ -5,7 +5,8 @@
 //! last sample at which their digests do.
 //!
 //! The octets are the names of the columns, each with a line feed after it; then per sample the
-//! time in ns (i64) and the values (f64), little-endian. All NaNs count as one: CSV has no other.
+//! time in ns (i64) and the values (f64), little-endian. All NaNs count as one: CSV has no other. A
+//! String is its length (u64) and its octets.
 
 use std::cell::RefCell;
 use std::fs::File;
@@ -18,6 +19,8 @@ use sha2::{Digest, Sha256};
 use super::{Observer, Recording, RunInfo, Stop};
 use crate::digest::hexadecimal;
 use crate::error::{Code, Error, Result};
+use crate::fmi::Kind;
+use crate::texts;
 use crate::time::Time;
 
 /// The digest of what was recorded so far.
@@ -25,6 +28,8 @@ use crate::time::Time;
 pub struct RunningDigest {
     hash: Sha256,
     samples: u64,
+    /// Positions of the columns that hold Strings.
+    texts: Vec<usize>,
 }
 
 impl RunningDigest {
@@ -38,10 +43,23 @@ impl RunningDigest {
         digest
     }
 
+    /// Those of these columns that hold Strings.
+    pub(super) fn with_texts(mut self, texts: impl IntoIterator<Item = bool>) -> Self {
+        let all = texts.into_iter().enumerate();
+        self.texts = all.filter(|(_, text)| *text).map(|(place, _)| place).collect();
+        self
+    }
+
     /// Takes a sample in.
     pub fn add(&mut self, time: Time, values: impl IntoIterator<Item = f64>) {
         self.hash.update(time.nanoseconds().to_le_bytes());
-        for value in values {
+        for (place, value) in values.into_iter().enumerate() {
+            if !self.texts.is_empty() && self.texts.contains(&place) {
+                let text = texts::text(value);
+                self.hash.update((text.len() as u64).to_le_bytes());
+                self.hash.update(text.as_bytes());
+                continue;
+            }
             let value = if value.is_nan() { f64::NAN } else { value };
             self.hash.update(value.to_le_bytes());
         }
@@ -62,7 +80,9 @@ impl RunningDigest {
 impl Recording {
     /// The digest of all that was recorded.
     pub fn digest(&self) -> Result<RunningDigest> {
-        let mut digest = RunningDigest::new(self.columns().map(|(name, _)| name));
+        let names = || self.columns().map(|(name, _)| name);
+        let mut digest =
+            RunningDigest::new(names()).with_texts(names().map(|name| self.is_text(name)));
         for (sample, &seconds) in self.time().iter().enumerate() {
             let time = Time::from_seconds(seconds, "a time of the results")?;
             digest.add(time, self.columns().map(|(_, values)| values[sample]));
@@ -108,7 +128,8 @@ impl Digested {
 impl Observer for Digested {
     fn start(&mut self, info: &RunInfo<'_>) -> Result<()> {
         let names = info.columns.iter().map(|column| column.name.as_str());
-        *self.digest.borrow_mut() = RunningDigest::new(names);
+        let texts = info.columns.iter().map(|column| column.kind == Kind::String);
+        *self.digest.borrow_mut() = RunningDigest::new(names).with_texts(texts);
         self.write(|file| file.write_all(b"time,digest\n"))?;
         self.recorder.start(info)
     }

@@ -17,6 +17,7 @@ use super::{Observer, RunInfo};
 use crate::error::{Code, Error, Result};
 use crate::fmi::Kind;
 use crate::system::Column;
+use crate::texts;
 use crate::time::Time;
 
 /// The metadata of a channel that holds its columns: a line `position type name` for each.
@@ -30,14 +31,16 @@ pub(super) enum Field {
     Float64,
     Int32,
     Bool,
+    Text,
 }
 
 impl Field {
-    pub(super) const ALL: [Field; 3] = [Field::Float64, Field::Int32, Field::Bool];
+    pub(super) const ALL: [Field; 4] = [Field::Float64, Field::Int32, Field::Bool, Field::Text];
 
     fn of(kind: &Kind) -> Self {
         match kind {
-            Kind::Real | Kind::String => Field::Float64,
+            Kind::Real => Field::Float64,
+            Kind::String => Field::Text,
             Kind::Integer | Kind::Enumeration(_) => Field::Int32,
             Kind::Boolean => Field::Bool,
         }
@@ -49,14 +52,16 @@ impl Field {
             Field::Float64 => "float64",
             Field::Int32 => "int32",
             Field::Bool => "bool",
+            Field::Text => "string",
         }
     }
 
-    /// Bytes, and what its place is a multiple of.
+    /// Bytes, and what its place is a multiple of; of a String, those of its length, which includes
+    /// a zero after it.
     pub(super) fn size(self) -> usize {
         match self {
             Field::Float64 => 8,
-            Field::Int32 => 4,
+            Field::Int32 | Field::Text => 4,
             Field::Bool => 1,
         }
     }
@@ -183,6 +188,12 @@ fn encode(message: &mut Vec<u8>, field: Field, value: f64) {
         Field::Float64 => message.extend(value.to_le_bytes()),
         Field::Int32 => message.extend((value as i32).to_le_bytes()),
         Field::Bool => message.push(u8::from(value != 0.0)),
+        Field::Text => {
+            let text = texts::text(value);
+            message.extend((text.len() as u32 + 1).to_le_bytes());
+            message.extend(text.as_bytes());
+            message.push(0);
+        }
     }
 }
 

@@ -3,15 +3,17 @@
 use std::path::Path;
 
 use super::Recording;
+use super::csv::Form;
 use super::mcap::{CDR_HEADER, COLUMNS, Field};
 use super::mcap_records::{MAGIC, Record, each};
 use crate::error::{Code, Error, Result};
+use crate::texts;
 
-/// A column being read: its position and name, and whether it is a Real.
+/// A column being read.
 struct Read {
     position: usize,
     name: String,
-    real: bool,
+    form: Form,
     values: Vec<f64>,
 }
 
@@ -64,9 +66,9 @@ pub(super) fn read(file: &Path) -> Result<Recording> {
     time.truncate(whole);
     columns.iter_mut().for_each(|column| column.values.truncate(whole));
     let time = time.into_iter().map(|ns| ns as f64 / 1e9).collect();
-    let real = columns.iter().map(|column| column.real).collect();
+    let forms = columns.iter().map(|column| column.form).collect();
     let (names, values) = columns.into_iter().map(|c| (c.name, c.values)).unzip();
-    Ok(Recording::from_columns(names, time, values).with_reals(real))
+    Ok(Recording::from_columns(names, time, values).with_forms(forms))
 }
 
 fn columns_of(listed: &str) -> Option<(Vec<Field>, Vec<Read>)> {
@@ -79,8 +81,12 @@ fn columns_of(listed: &str) -> Option<(Vec<Field>, Vec<Read>)> {
         let field = Field::ALL.into_iter().find(|field| field.name() == kind)?;
         let name = parts.next()?.to_owned();
         fields.push(field);
-        let real = field == Field::Float64;
-        columns.push(Read { position, name, real, values: Vec::new() });
+        let form = match field {
+            Field::Float64 => Form::Real,
+            Field::Int32 | Field::Bool => Form::Whole,
+            Field::Text => Form::Text,
+        };
+        columns.push(Read { position, name, form, values: Vec::new() });
     }
     Some((fields, columns))
 }
@@ -95,6 +101,13 @@ fn decode(data: &[u8], topic: &mut Topic) -> Option<()> {
             Field::Float64 => f64::from_le_bytes(bytes.try_into().ok()?),
             Field::Int32 => f64::from(i32::from_le_bytes(bytes.try_into().ok()?)),
             Field::Bool => f64::from(bytes[0]),
+            Field::Text => {
+                let length = u32::from_le_bytes(bytes.try_into().ok()?) as usize;
+                let text = data.get(place + 4..)?.get(..length)?;
+                place += length;
+                let text = text.strip_suffix(&[0]).unwrap_or(text);
+                texts::number(std::str::from_utf8(text).ok()?)
+            }
         });
         place += field.size();
     }

@@ -1,5 +1,6 @@
 //! What watches a run: recorders and progress. Observers read; nothing they do changes values.
 
+mod closeness;
 mod continued;
 mod csv;
 mod csv_read;
@@ -11,6 +12,7 @@ mod progress;
 mod recording;
 mod verify;
 
+pub use closeness::{Apart, Beyond, Closeness, Tolerance};
 pub use continued::Continued;
 pub use csv::CsvRecorder;
 pub use digest::{Digested, RunningDigest};
@@ -23,7 +25,7 @@ use std::path::Path;
 
 use crate::error::Result;
 use crate::system::Column;
-use crate::time::Time;
+use crate::time::{Step, Time};
 
 /// What a run is about to do.
 pub struct RunInfo<'a> {
@@ -36,7 +38,7 @@ pub struct RunInfo<'a> {
     /// Last instant.
     pub stop: Time,
     /// Time between samples.
-    pub output_interval: Time,
+    pub output_interval: Step,
     /// The run goes on from a snapshot of this instant: samples come after it.
     pub resumed: Option<Time>,
 }

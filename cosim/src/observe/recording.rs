@@ -1,19 +1,21 @@
 //! Results in memory, column by column.
 
 use std::path::Path;
+use std::sync::Arc;
 
+use super::csv::Form;
 use super::{CsvRecorder, Observer, RunInfo};
 use super::{csv_read, mcap_read};
 use crate::error::{Code, Error, Result};
-use crate::fmi::Kind;
 use crate::names;
+use crate::texts;
 use crate::time::Time;
 
 /// Recorded results: the time and one column per variable.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Recording {
     names: Vec<String>,
-    real: Vec<bool>,
+    forms: Vec<Form>,
     time: Vec<f64>,
     columns: Vec<Vec<f64>>,
     /// The newest rows, one after the other: columns grow by blocks, for each is a place of its own
@@ -32,7 +34,7 @@ impl Recording {
 
     /// From columns that are there already, all of the length of `time`.
     pub fn from_columns(names: Vec<String>, time: Vec<f64>, columns: Vec<Vec<f64>>) -> Self {
-        Self { real: vec![true; names.len()], names, time, columns, rows: Vec::new() }
+        Self { forms: vec![Form::Real; names.len()], names, time, columns, rows: Vec::new() }
     }
 
     /// Reads results: MCAP if the file's name ends in `.mcap`, else CSV.
@@ -48,10 +50,25 @@ impl Recording {
         if super::is_mcap(file) { mcap_read::read(file) } else { csv_read::read_unfinished(file) }
     }
 
-    /// Which of the columns are Reals; the others hold whole numbers.
-    pub(super) fn with_reals(mut self, real: Vec<bool>) -> Self {
-        self.real = real;
+    /// What the columns hold.
+    pub(super) fn with_forms(mut self, forms: Vec<Form>) -> Self {
+        self.forms = forms;
         self
+    }
+
+    /// Whether a column holds Strings, by their numbers ([`texts`]).
+    pub fn is_text(&self, name: &str) -> bool {
+        let position = self.names.iter().position(|own| own == name);
+        position.is_some_and(|position| self.forms[position] == Form::Text)
+    }
+
+    /// A column of Strings by its name.
+    pub fn text(&self, name: &str) -> Result<Vec<Arc<str>>> {
+        let values = self.column(name)?;
+        if self.is_text(name) {
+            return Ok(values.iter().map(|number| texts::text(*number)).collect());
+        }
+        Err(Error::new(Code::UnknownName, format!("'{name}' holds numbers, not Strings")))
     }
 
     /// Reads a CSV file with the time in its first column.
@@ -86,7 +103,7 @@ impl Recording {
     /// Writes CSV in the format of FMPy.
     pub fn write_csv(&self, file: impl AsRef<Path>) -> Result<()> {
         let mut csv = CsvRecorder::create(file)?;
-        csv.header(self.names.iter().map(String::as_str), self.real.clone())?;
+        csv.header(self.names.iter().map(String::as_str), self.forms.clone())?;
         let mut row = vec![0.0; self.columns.len()];
         for (sample, &time) in self.time.iter().enumerate() {
             for (value, column) in row.iter_mut().zip(&self.columns) {
@@ -114,9 +131,9 @@ impl Observer for Recording {
     fn start(&mut self, info: &RunInfo<'_>) -> Result<()> {
         let span = (info.stop - info.start).nanoseconds();
         // A hint only: a wrong guess costs a reallocation, a run of a year no memory at once.
-        let samples = (span / info.output_interval.nanoseconds().max(1) + 1).clamp(0, 1 << 20);
+        let samples = (span / info.output_interval.rounded().nanoseconds() + 2).clamp(0, 1 << 20);
         self.names = info.columns.iter().map(|c| c.name.clone()).collect();
-        self.real = info.columns.iter().map(|c| c.kind == Kind::Real).collect();
+        self.forms = info.columns.iter().map(|c| Form::of(&c.kind)).collect();
         self.rows.clear();
         self.time = Vec::with_capacity(samples as usize);
         self.columns = info.columns.iter().map(|_| Vec::with_capacity(samples as usize)).collect();

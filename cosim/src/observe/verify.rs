@@ -7,6 +7,7 @@ use std::fmt;
 
 use super::Recording;
 use crate::names;
+use crate::texts;
 
 /// What came of comparing recordings A and B.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -66,13 +67,15 @@ pub struct Differing {
     pub a: f64,
     /// Its value in B.
     pub b: f64,
+    /// The values are Strings, by their numbers.
+    pub text: bool,
 }
 
 impl Differing {
     /// How many representable numbers lie between the values, one of them counted (units in the
     /// last place); none if one is not a number.
     pub fn ulps(&self) -> Option<u64> {
-        if self.a.is_nan() || self.b.is_nan() {
+        if self.text || self.a.is_nan() || self.b.is_nan() {
             return None;
         }
         // Neighbouring numbers have neighbouring bits, but those of negative ones run backwards.
@@ -86,7 +89,10 @@ impl Differing {
 
 impl fmt::Display for Differing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { name, a, b } = self;
+        let Self { name, a, b, text } = self;
+        if *text {
+            return write!(f, "{name}: {:?} and {:?}", texts::text(*a), texts::text(*b));
+        }
         write!(f, "{name}: {a:?} and {b:?}")?;
         match self.ulps() {
             Some(ulps) => write!(f, ", {ulps} ULP apart"),
@@ -104,7 +110,10 @@ impl Comparison {
         };
         let pairs: Vec<Pair<'_>> = a
             .columns()
-            .filter_map(|(name, values)| Some(Pair { name, a: values, b: b.column(name).ok()? }))
+            .filter_map(|(name, values)| {
+                let text = a.is_text(name) && b.is_text(name);
+                Some(Pair { name, a: values, b: b.column(name).ok()?, text })
+            })
             .collect();
         let (only_a, only_b) = (missing(b, a), missing(a, b));
         let (samples, parting) = parting(a.time(), b.time(), &pairs);
@@ -130,6 +139,7 @@ struct Pair<'a> {
     name: &'a str,
     a: &'a [f64],
     b: &'a [f64],
+    text: bool,
 }
 
 /// The number of equal samples, and what is after them.
@@ -141,7 +151,12 @@ fn parting(a: &[f64], b: &[f64], pairs: &[Pair<'_>]) -> (usize, Option<Parting>)
         }
         let differ = pairs.iter().filter(|pair| !same(pair.a[sample], pair.b[sample]));
         let variables: Vec<Differing> = differ
-            .map(|p| Differing { name: p.name.to_owned(), a: p.a[sample], b: p.b[sample] })
+            .map(|p| Differing {
+                name: p.name.to_owned(),
+                a: p.a[sample],
+                b: p.b[sample],
+                text: p.text,
+            })
             .collect();
         if !variables.is_empty() {
             return (sample, Some(Parting::Values { sample, time: a[sample], variables }));
@@ -183,7 +198,7 @@ mod tests {
 
     #[test]
     fn ulps_are_counted_through_zero() {
-        let apart = |a, b| Differing { name: String::new(), a, b }.ulps();
+        let apart = |a, b| Differing { name: String::new(), a, b, text: false }.ulps();
         assert_eq!(apart(-5e-324, 5e-324), Some(3));
         assert_eq!(apart(f64::MIN, f64::MAX), Some(2 * f64::MAX.to_bits() + 1));
         assert_eq!(apart(f64::NAN, 0.0), None);

@@ -19,8 +19,15 @@ const BEFORE: [&str; 3] = ["CoSimulation", "UnitDefinitions", "TypeDefinitions"]
 /// What is taken over after them.
 const AFTER: [&str; 3] = ["DefaultExperiment", "ModelVariables", "ModelStructure"];
 
-/// The text for the description `root` of an FMU.
-pub(super) fn text(root: &Element, interface: &Interface, identifier: &str, guid: &str) -> String {
+/// The text for the description `root` of an FMU; `once`: there is one endpoint, and each instance
+/// needs one.
+pub(super) fn text(
+    root: &Element,
+    interface: &Interface,
+    once: bool,
+    identifier: &str,
+    guid: &str,
+) -> String {
     let mut xml = Xml::new();
     let tool = concat!("cosim ", env!("CARGO_PKG_VERSION"));
     let mut attributes = own(root, &["guid", "generationTool", "generationDateAndTime"]);
@@ -30,7 +37,7 @@ pub(super) fn text(root: &Element, interface: &Interface, identifier: &str, guid
     xml.start(&root.name, &attributes);
     for name in BEFORE {
         match (name, root.child(name)) {
-            ("CoSimulation", _) => co_simulation(&mut xml, interface, identifier),
+            ("CoSimulation", _) => co_simulation(&mut xml, interface, once, identifier),
             (_, Some(element)) => copy(&mut xml, element),
             _ => {}
         }
@@ -42,7 +49,7 @@ pub(super) fn text(root: &Element, interface: &Interface, identifier: &str, guid
 
 /// What is true of a library that speaks to a worker: it is nothing without one, keeps no state of
 /// its own, and each instance is a process of its own elsewhere.
-fn co_simulation(xml: &mut Xml, interface: &Interface, identifier: &str) {
+fn co_simulation(xml: &mut Xml, interface: &Interface, once: bool, identifier: &str) {
     let flag = |set: bool| if set { "true" } else { "false" };
     let state = flag(can_save(interface));
     let attributes = [
@@ -52,7 +59,7 @@ fn co_simulation(xml: &mut Xml, interface: &Interface, identifier: &str) {
         ("canInterpolateInputs", "false"),
         ("maxOutputDerivativeOrder", "0"),
         ("canRunAsynchronuously", "false"),
-        ("canBeInstantiatedOnlyOncePerProcess", "false"),
+        ("canBeInstantiatedOnlyOncePerProcess", flag(once)),
         ("canNotUseMemoryManagementFunctions", "true"),
         ("canGetAndSetFMUstate", state),
         ("canSerializeFMUstate", state),

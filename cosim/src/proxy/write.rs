@@ -176,9 +176,10 @@ impl Proxy {
         let root = xml::read(&fmu.folder().join("modelDescription.xml"), &shown)?;
         let identifier = identifier(&format!("{}_remote", interface.model_identifier));
         let mut manifest = Manifest::new(fmu.description(), interface, name, sha256);
-        let told = description::text(&root, interface, &identifier, "");
+        let once = self.settings.accesses().len() == 1;
+        let told = description::text(&root, interface, once, &identifier, "");
         manifest.guid = guid([told.as_bytes(), sha256.as_bytes()].into_iter());
-        let text = description::text(&root, interface, &identifier, &manifest.guid);
+        let text = description::text(&root, interface, once, &identifier, &manifest.guid);
         let mut entries = vec![("modelDescription.xml".to_owned(), Content::bytes(text))];
         entries.extend(files(for_people.path())?);
         entries.extend(libraries.into_iter().map(|library| {

@@ -26,7 +26,7 @@ pub(super) struct Group<'a> {
 /// The components in the order of their first signals.
 pub(super) fn components(recording: &Recording) -> Vec<Component<'_>> {
     let mut components: Vec<Component> = Vec::new();
-    for (name, values) in recording.columns() {
+    for (name, values) in recording.columns().filter(|(name, _)| !recording.is_text(name)) {
         let (component, rest) = name.split_once('.').unwrap_or(("", name));
         let place = components.iter().position(|c| c.name == component).unwrap_or_else(|| {
             components.push(Component { name: component.into(), groups: Vec::new() });

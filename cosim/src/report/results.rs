@@ -126,7 +126,7 @@ fn component_figure(recording: &Recording, component: &Component) -> Figure {
 fn range_table(recording: &Recording) -> Table {
     let header = ["signal", "first", "last", "least", "mean", "greatest", "not finite"];
     let mut table = Table::new("Signals", &header);
-    for (name, column) in recording.columns() {
+    for (name, column) in recording.columns().filter(|(name, _)| !recording.is_text(name)) {
         let finite: Vec<f64> = column.iter().copied().filter(|v| v.is_finite()).collect();
         let least = finite.iter().copied().fold(f64::NAN, f64::min);
         let greatest = finite.iter().copied().fold(f64::NAN, f64::max);

@@ -153,9 +153,8 @@ impl Continuous {
         Ok(())
     }
 
-    /// Integrates to `end`; events up to and at `end` are handled.
-    pub(crate) fn advance(&mut self, instance: &mut Instance, end: Time) -> Result<()> {
-        let end = end.seconds();
+    /// Integrates to `end`, in seconds; events up to and at `end` are handled.
+    pub(crate) fn advance(&mut self, instance: &mut Instance, end: f64) -> Result<()> {
         self.inputs_moved(instance)?;
         let mut at_once = 0;
         loop {

@@ -2,7 +2,7 @@
 
 use super::{Component, Model, System};
 use crate::error::{Code, Error, Result};
-use crate::fmi::{Fmu, InterfaceType};
+use crate::fmi::Fmu;
 
 /// Checks step control and retries.
 pub(super) fn check(system: &System) -> Result<()> {
@@ -42,7 +42,7 @@ fn fmus(system: &System) -> impl Iterator<Item = (&Component, &Fmu)> {
 /// Why a component cannot go back and make a step of another length.
 fn unable(component: &Component, fmu: &Fmu, what: &str) -> Option<Error> {
     let interface = fmu.interface(component.interface).ok()?;
-    let fixed = component.interface == InterfaceType::CoSimulation && !interface.variable_step;
+    let fixed = !fmu.varies(component.interface);
     let missing = match (interface.get_and_set_state, fixed) {
         (true, false) => return None,
         (true, true) => "canHandleVariableCommunicationStepSize",

@@ -47,10 +47,10 @@ impl System {
         Delay {
             late: match cause {
                 Cause::Fresh | Cause::Solved(_) => Time::ZERO,
-                Cause::Jacobi | Cause::NoFeedThrough | Cause::Cut(_) => receiver,
+                Cause::Jacobi | Cause::NoFeedThrough | Cause::Cut(_) => receiver.rounded(),
             },
             // Both count from the start, so they meet at every common multiple.
-            held: source - source.gcd(receiver),
+            held: source.rounded() - source.gcd(receiver).rounded(),
             cause,
         }
     }

@@ -8,7 +8,7 @@
 use super::order::Loop;
 use super::{Algorithm, Model, Port, System};
 use crate::error::{Code, Error, Result};
-use crate::fmi::Variability;
+use crate::fmi::{Kind, Variability};
 
 /// Adds the loops to the system's notes or warnings; an error if they cannot be solved.
 pub(super) fn tell(system: &mut System) -> Result<()> {
@@ -16,7 +16,7 @@ pub(super) fn tell(system: &mut System) -> Result<()> {
     for position in 0..system.order.loops.len() {
         let found = &system.order.loops[position];
         if sampled(system, found) {
-            system.notes.push(told(system, found));
+            system.sampled.push(told(system, found));
         } else if system.algorithm == Algorithm::Iterative {
             problems.extend(unable(system, found));
             let members = system.members(found);
@@ -39,6 +39,13 @@ fn unable(system: &System, found: &Loop) -> Vec<Error> {
         }
         Model::Signals(_) | Model::Function(_) => None,
     });
+    let texts = found.held.iter().map(|&c| &system.connections[c]);
+    let texts = texts.filter(|c| system.kind(c.from) == Some(&Kind::String)).map(|c| {
+        let what = format!("the loop through {} has a String", system.port_name(c.from));
+        Error::new(Code::Connection, what)
+            .why("what is solved by iteration are numbers")
+            .help("take --algorithm gauss-seidel, which cuts the loop")
+    });
     let problems = unable.map(|(component, fmu)| {
         let what = format!("the loop with '{}' cannot be solved by iteration", component.name);
         Error::new(Code::Connection, what)
@@ -46,7 +53,7 @@ fn unable(system: &System, found: &Loop) -> Vec<Error> {
             .why("its FMU does not declare canGetAndSetFMUstate")
             .help("take --algorithm gauss-seidel, which cuts the loop")
     });
-    problems.collect()
+    problems.chain(texts).collect()
 }
 
 /// Whether every value that is held is one that holds by its nature.

@@ -21,11 +21,11 @@ mod write;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::error::Result;
+use crate::error::{Code, Error, Result};
 use crate::fmi::{Causality, Description, Fmu, InterfaceType, Kind, Logging, Value};
 use crate::signals::Signals;
 use crate::solver;
-use crate::time::Time;
+use crate::time::{Step, Time};
 
 pub use conversion::Conversion;
 pub use delay::{Cause, Delay};
@@ -46,7 +46,9 @@ pub struct System {
     columns: Vec<Column>,
     start: Time,
     stop: Time,
-    output_interval: Time,
+    output_interval: Step,
+    shortened: bool,
+    unknown_steps: bool,
     algorithm: Algorithm,
     /// Per connection: whether its input is linear during a step.
     linear: Vec<bool>,
@@ -56,6 +58,7 @@ pub struct System {
     logging: Logging,
     warnings: Vec<String>,
     notes: Vec<String>,
+    sampled: Vec<String>,
 }
 
 /// Who gets which values when; see the module `master`.
@@ -80,7 +83,7 @@ pub struct Component {
     /// How its FMU is driven.
     pub interface: InterfaceType,
     /// Communication step.
-    pub step: Time,
+    pub step: Step,
     /// Start values: positions of variables and their values.
     pub start_values: Vec<(usize, Value)>,
     /// The worker that its file wants it on when the run is distributed.
@@ -105,6 +108,11 @@ impl Component {
             Model::Fmu(fmu) => Some(fmu),
             Model::Signals(_) | Model::Function(_) => None,
         }
+    }
+
+    /// Whether its steps may differ in length.
+    pub(crate) fn varies(&self) -> bool {
+        self.fmu().is_none_or(|fmu| fmu.varies(self.interface))
     }
 }
 
@@ -237,14 +245,47 @@ impl System {
         self.start
     }
 
-    /// Last instant.
+    /// Last instant; [`Time::NEVER`] if nobody says it.
     pub fn stop_time(&self) -> Time {
         self.stop
     }
 
     /// Time between recorded samples.
-    pub fn output_interval(&self) -> Time {
+    pub fn output_interval(&self) -> Step {
         self.output_interval
+    }
+
+    /// Whether the run is no whole number of steps, so that the last ones are shorter.
+    pub fn ends_by_shorter_steps(&self) -> bool {
+        self.shortened
+    }
+
+    /// What is missing to run it: a file may be valid without stop time and steps.
+    pub fn ready(&self) -> Result<()> {
+        let mut problems = Vec::new();
+        if self.components.is_empty() {
+            problems.push(
+                Error::new(Code::Ssd, "the system has no components")
+                    .help("an SSP has them in <ssd:Elements>, an OSP structure in <Simulators>"),
+            );
+        } else if self.unknown_steps {
+            problems.push(Error::new(Code::Timing, "no component has a step size").help(
+                "give one by --step-size SECONDS or --step COMPONENT=SECONDS, or in the file by \
+                 <cosim:Master stepSize=\"0.01\"/> (SSP) or <BaseStepSize> (OSP)",
+            ));
+        }
+        if self.stop == Time::NEVER {
+            problems.push(Error::new(Code::Timing, "there is no stop time").help(
+                "give --stop-time SECONDS, or in the file <ssd:DefaultExperiment stopTime=\"...\"/> \
+                 (SSP) or <EndTime> (OSP)",
+            ));
+        }
+        let file = self.raw.as_ref().map(|raw| raw.file.clone());
+        let place = |error: Error| match &file {
+            Some(file) => error.at(file),
+            None => error,
+        };
+        Error::all(problems.into_iter().map(place).collect())
     }
 
     /// The algorithm.
@@ -265,6 +306,12 @@ impl System {
     /// How often a step that an FMU discards is made smaller.
     pub fn retries(&self) -> u32 {
         self.retries
+    }
+
+    /// The type of a variable of an FMU or a function.
+    pub(crate) fn kind(&self, port: Port) -> Option<&Kind> {
+        let description = self.components[port.component].model.description()?;
+        Some(&description.variables[port.variable].kind)
     }
 
     /// The port of a variable by its name in the results.
@@ -291,6 +338,11 @@ impl System {
     /// What is neither odd nor wrong, and good to know.
     pub fn notes(&self) -> &[String] {
         &self.notes
+    }
+
+    /// The loops that are cut at sampled values, in words: they are well-defined.
+    pub fn sampled_loops(&self) -> &[String] {
+        &self.sampled
     }
 
     /// The inputs that no connection drives, component by component.

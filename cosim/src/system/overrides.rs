@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::{Algorithm, Input};
 use crate::error::{Code, Error, Result};
 use crate::fmi::{InterfaceType, Logging, Trace};
+use crate::names;
 use crate::solver::{Method, Settings};
 
 /// Changes to a system description, from the command line or from code.
@@ -195,7 +196,25 @@ impl Overrides {
 
     /// The interface type wanted for a component, if any.
     pub(super) fn interface_of(&self, component: &str) -> Option<InterfaceType> {
-        let wanted = self.interfaces.iter().rev().find(|(name, _)| name == component);
-        wanted.map(|(_, kind)| *kind)
+        of(&self.interfaces, component)
     }
+
+    pub(super) fn step_of(&self, component: &str) -> Option<f64> {
+        of(&self.steps, component)
+    }
+}
+
+/// What is wanted of a component: by its name, else by a pattern, else of all. Later ones win.
+fn of<T: Copy>(wishes: &[(String, T)], component: &str) -> Option<T> {
+    let last = |fits: &dyn Fn(&str) -> bool| {
+        wishes.iter().rev().find(|(name, _)| fits(name)).map(|(_, wanted)| *wanted)
+    };
+    last(&|name| name == component)
+        .or_else(|| last(&|name| names::is_pattern(name) && names::matches(name, component)))
+        .or_else(|| last(&str::is_empty))
+}
+
+/// Whether a wish is for one of these components.
+pub(super) fn is_for(wish: &str, component: &str) -> bool {
+    wish.is_empty() || wish == component || names::matches(wish, component)
 }

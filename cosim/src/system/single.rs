@@ -3,15 +3,15 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::check::{self, Names};
+use super::check::{self, Interval, Names, Span, Stepped};
 use super::order::Order;
 use super::{Algorithm, Component, Connection, Model, Overrides, Port, System, abilities, input};
 use crate::error::{Code, Error, Result};
-use crate::fmi::{Causality, Description, Fmu, Kind, Value, Variability};
+use crate::fmi::{Causality, Description, Fmu, InterfaceType, Kind, Value, Variability};
 use crate::names;
 use crate::observe::Recording;
 use crate::signals::{Signal, Signals};
-use crate::time::Time;
+use crate::time::{Step, Time};
 
 /// Steps per run when neither the FMU nor the user says a step size.
 const DEFAULT_STEPS: f64 = 500.0;
@@ -26,7 +26,7 @@ impl System {
         let solver = overrides.settings(fmu.description().experiment.tolerance)?;
         let names = Names::single(&fmu);
         let description = fmu.description();
-        let (start, stop, step, output_interval) = timing(description, overrides)?;
+        let (span, step) = timing(&fmu, interface, overrides)?;
         let mut problems = Vec::new();
         let start_values = start_values(&names, overrides, &mut problems);
         let columns = check::columns(&names, &overrides.output_variables);
@@ -65,14 +65,17 @@ impl System {
             step_control: overrides.step_control,
             retries: overrides.retries,
             columns,
-            start,
-            stop,
-            output_interval,
+            start: span.start,
+            stop: span.stop,
+            output_interval: span.output_interval,
+            shortened: span.shortened,
+            unknown_steps: false,
             algorithm,
             solver,
             logging: overrides.logging.clone(),
-            warnings: Vec::new(),
-            notes: Vec::new(),
+            warnings: span.warnings,
+            notes: span.notes,
+            sampled: Vec::new(),
         };
         input::apply(&mut system, &overrides.inputs)?;
         abilities::check(&system)?;
@@ -80,22 +83,34 @@ impl System {
     }
 }
 
-fn timing(description: &Description, overrides: &Overrides) -> Result<(Time, Time, Time, Time)> {
-    let default = description.experiment;
+fn timing(fmu: &Fmu, interface: InterfaceType, overrides: &Overrides) -> Result<(Span, Step)> {
+    let default = fmu.description().experiment;
     let start = overrides.start_time.or(default.start).unwrap_or(0.0);
-    let stop = overrides.stop_time.or(default.stop).unwrap_or(start + 1.0);
-    let step = overrides.steps.last().map(|(_, step)| *step).or(default.step);
+    let suggested = default.stop.filter(|stop| *stop > start).unwrap_or(start + 1.0);
+    let stop = overrides.stop_time.unwrap_or(suggested);
+    let name = "the step size";
+    let of = |seconds: f64| Step::from_seconds(seconds, name);
     let interval = overrides.output_interval;
-    let seconds = match (step, interval) {
-        // The FMU's own step is only a suggestion: a finer output makes finer steps.
-        (Some(step), Some(interval)) if overrides.steps.is_empty() => step.min(interval),
-        (step, interval) => step.or(interval).unwrap_or((stop - start) / DEFAULT_STEPS),
+    // A run that goes backwards is told as such.
+    let duration = if stop > start { stop - start } else { 1.0 };
+    let step = match (overrides.step_of(""), default.step, interval) {
+        (Some(step), _, _) => of(step)?,
+        // The FMU's own step is only a suggestion: what is recorded makes finer steps.
+        (None, Some(step), Some(interval)) => {
+            let (step, interval) = (of(step)?, of(interval)?);
+            match step.parts_of(interval) {
+                Some(_) => step,
+                None => interval.part(step.count(interval.rounded()) + 1),
+            }
+        }
+        (None, step, interval) => of(step.or(interval).unwrap_or(duration / DEFAULT_STEPS))?,
     };
-    let step = Time::positive(seconds, "the step size")?;
     let start = Time::from_seconds(start, "the start time")?;
     let stop = Time::from_seconds(stop, "the stop time")?;
-    let output_interval = check::check_span(&[step], start, stop, interval)?;
-    Ok((start, stop, step, output_interval))
+    let name = &fmu.description().model_name;
+    let stepped = Stepped { name, step, varies: fmu.varies(interface), fmu: true };
+    let interval = interval.map_or(Interval::Smallest, Interval::Asked);
+    Ok((check::check_span(&[stepped], start, stop, interval)?, step))
 }
 
 fn start_values(

@@ -151,7 +151,7 @@ fn signals_end_a_run_and_its_folder() {
     for signal in [1, 2, 15] {
         let mut run = Run::new();
         assert_eq!(run.unpacked().len(), 1);
-        assert_eq!(run.signal(signal).code(), Some(1), "{signal}");
+        assert_eq!(run.signal(signal).code(), Some(130), "{signal}");
         assert!(run.unpacked().is_empty(), "{signal}");
     }
 }

@@ -115,7 +115,7 @@ fn steps_loops_and_what_is_not_connected() {
     let line = line_of(&text(step, ""), "name='c'");
     assert_eq!((&problem["code"], &problem["line"]), (&"E205".into(), &line.into()), "{told}");
     assert!(problem["what"].as_str().unwrap().contains("do not fit together"));
-    folder.write("x.ssd", &text("", "stopTime='0.25'"));
+    folder.write("x.ssd", &text("", "stopTime='-1'"));
     let (_, told) = validate(&folder, "x.ssd");
     let problem = &told["problems"][0];
     let line = line_of(&text("", ""), "<ssd:DefaultExperiment");

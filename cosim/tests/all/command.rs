@@ -254,7 +254,7 @@ fn an_interrupted_run_keeps_its_results() {
     assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
     let mut stderr = String::new();
     std::io::Read::read_to_string(&mut child.stderr.take().unwrap(), &mut stderr).unwrap();
-    assert_eq!(child.wait().unwrap().code(), Some(1), "{stderr}");
+    assert_eq!(child.wait().unwrap().code(), Some(130), "{stderr}");
     assert!(stderr.contains("E303") && stderr.contains("kept.csv"), "{stderr}");
     assert!(cosim::Recording::read_csv(file).unwrap().time().len() > 1);
 }
@@ -307,4 +307,85 @@ fn completion_and_manual_know_every_verb() {
             assert!(text(&output.stdout).contains(verb), "{verb} in {arguments:?}");
         }
     }
+}
+
+#[test]
+fn results_are_compared_within_tolerances() {
+    let folder = TempDir::new().unwrap();
+    std::fs::write(folder.path().join("a.csv"), "time,m.x,m.y\n0,1,1\n1,2,5\n2,3,1\n").unwrap();
+    std::fs::write(folder.path().join("b.csv"), "time,m.x,m.y\n0,1,1\n1,2.001,5.5\n").unwrap();
+    let verify = |more: &[&str]| {
+        let output = cosim(folder.path(), &[&["verify", "a.csv", "b.csv"], more].concat());
+        (output.status.code().unwrap(), text(&output.stdout) + &text(&output.stderr))
+    };
+    let largest = "largest difference: m.y at t = 1: 5.0 and 5.5";
+    let (code, told) = verify(&[]);
+    assert!(code == 1 && told.contains(largest), "{told}");
+    let (code, told) = verify(&["--abs", "0.01", "--abs", "m.y=1"]);
+    assert!(code == 0 && told.contains("near enough: 2 samples of 2 variables"), "{told}");
+    assert!(
+        told.contains(largest) && told.contains("1 samples of a.csv have no partner"),
+        "{told}"
+    );
+    let (code, told) = verify(&["--rel", "0.05"]);
+    assert!(code == 1 && told.contains("1 of 2 variables are too far apart"), "{told}");
+    assert!(told.contains("at 1 of 2 samples, first at t = 1: m.y"), "{told}");
+}
+
+#[test]
+fn a_run_ends_when_its_condition_holds() {
+    let folder = TempDir::new().unwrap();
+    let fmu = Model::Clock.fmu();
+    let run = |condition: &str| {
+        let arguments = ["simulate", path(&fmu), "-o", "out.csv", "--stop-when", condition];
+        let output = cosim(folder.path(), &arguments);
+        (output.status.code().unwrap(), text(&output.stderr))
+    };
+    let (code, told) = run("y >= 0.45");
+    assert!(code == 0 && told.contains("ended by --stop-when: y >= 0.45 at t = 0.5"), "{told}");
+    let results = std::fs::read_to_string(folder.path().join("out.csv")).unwrap();
+    assert!(results.lines().last().unwrap().starts_with("0.5,"), "{results}");
+    let (code, told) = run("z = 1");
+    assert!(code == 3 && told.contains("'z' is not recorded"), "{told}");
+    let (code, told) = run("y");
+    assert!(code == 2 && told.contains("has no comparison"), "{told}");
+}
+
+#[test]
+fn a_system_is_drawn() {
+    let ssd = Ssd::new()
+        .add("clock", Model::Clock)
+        .add("g", Model::Gain)
+        .add("x", Model::Integrator)
+        .connect("clock.y", "g.u")
+        .connect("g.y", "x.u")
+        .connect("clock.n", "g.m");
+    let (file, folder) = (ssd.write(), TempDir::new().unwrap());
+    let draw = |format: &str| {
+        let output = cosim(folder.path(), &["inspect", path(&file), "--format", format]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let dot = draw("dot");
+    assert!(dot.contains("\"clock\" -> \"g\" [label=\"2 connections\""), "{dot}");
+    assert!(dot.contains("\"g\" -> \"x\" [label=\"y \u{2192} u\"") && dot.contains("style=dashed"));
+    let svg = draw("svg");
+    cosim::xml::parse(&svg, Path::new("x.svg")).unwrap();
+    assert_eq!(svg.matches("marker-end").count(), 2, "{svg}");
+    assert_eq!(svg.matches(">every 0.1 s</text>").count(), 3, "{svg}");
+}
+
+#[test]
+fn notes_on_sampled_loops_are_told_where_loops_are_looked_at() {
+    let folder = TempDir::new().unwrap();
+    let y = "name=\"y\" valueReference=\"2\" causality=\"output\"";
+    let sampled = Model::Gain.varied(folder.path(), y, &format!("{y} variability=\"discrete\""));
+    let ssd = Ssd::new().add("a", Model::Gain).add("b", Model::Gain);
+    let ssd = ssd.connect("b.y", "a.u").connect("a.y", "b.u");
+    let (file, replace) = (ssd.write(), format!("b={}", sampled.display()));
+    let told = |command: &str| {
+        text(&cosim(folder.path(), &[command, path(&file), "--replace", &replace]).stderr)
+    };
+    assert!(told("inspect").contains("sampled loop through a, b"));
+    assert!(!told("run").contains("sampled loop"));
 }

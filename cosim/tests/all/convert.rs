@@ -29,7 +29,7 @@ fn outline(system: &System) -> Outline {
         let model = c.model.description().map_or("", |d| &d.model_name).to_owned();
         (c.name.clone(), model, c.step.seconds(), c.start_values.clone())
     });
-    let experiment = [system.start_time(), system.stop_time(), system.output_interval()];
+    let experiment = [system.start_time(), system.stop_time(), system.output_interval().rounded()];
     Outline {
         components: components.collect(),
         connections: system.connections().to_vec(),

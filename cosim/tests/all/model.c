@@ -55,12 +55,23 @@ typedef struct {
   double first_step;
 } Model;
 
+/* What FMUs in the field pass to the logger instead of the environment that they were given. */
+#if defined ENVIRONMENT_IS_COMPONENT
+#define ENVIRONMENT(m) (m)
+#elif defined ENVIRONMENT_IS_ONE
+#define ENVIRONMENT(m) ((void *)1)
+#else
+#define ENVIRONMENT(m) (m)->callbacks->environment
+#endif
 #define SAY(STATUS, ...)                                                           \
-  m->callbacks->log(m->callbacks->environment, m->name, STATUS, __VA_ARGS__)
+  m->callbacks->log(ENVIRONMENT(m), m->name, STATUS, __VA_ARGS__)
 
 static void outputs(Model *m) {
 #if defined MODEL_GAIN || defined MODEL_FAILING || defined MODEL_LOGGING || defined MODEL_NOSY
   m->r[2] = m->r[1] * m->r[0];
+#ifdef UNDEFINED_AT_FIRST
+  if (!m->steps) m->r[2] = 0.0 / 0.0;
+#endif
 #elif defined MODEL_AFFINE
   m->r[2] = m->r[1] * m->r[0] + m->time;
 #elif defined MODEL_CUBIC
@@ -138,9 +149,19 @@ Status fmi2SetDebugLogging(Component c, int on, size_t n, const char *const *cat
 }
 Status fmi2SetupExperiment(Component c, int tol, double t, double start, int stop, double end) {
   ((Model *)c)->time = start;
+#ifdef FORGETS_IN_SETUP
+  ((Model *)c)->r[1] = 1;
+  ((Model *)c)->text[0] = 0;
+#endif
+#ifdef TELLS_TOLERANCE
+  ((Model *)c)->r[3] = tol ? t : -1;
+#endif
   return 0;
 }
 Status fmi2EnterInitializationMode(Component c) {
+#ifdef FORGETS_IN_ENTER
+  ((Model *)c)->r[1] = 1;
+#endif
 #if defined MODEL_MASS
   ((Model *)c)->x = ((Model *)c)->i[0];
 #elif defined MODEL_INERTIA
@@ -160,17 +181,43 @@ Status fmi2Terminate(Component c) { return 0; }
 #endif
 Status fmi2Reset(Component c) { return 0; }
 
+#ifdef IGNORES_K
+#define IGNORED(NAME, REF) (NAME[0] == 'R' && (REF) == 1)
+#else
+#define IGNORED(NAME, REF) 0
+#endif
+#ifdef HIGH_REFERENCES /* only their last bits count */
+#define PLACE(REF) ((REF) & 3)
+#else
+#define PLACE(REF) (REF)
+#endif
+#ifdef REFUSES_NOTHING /* a call about no variable is an error */
+#define CHECKED(N) \
+  if ((N) == 0) return 3
+#else
+#define CHECKED(N)
+#endif
+#ifdef CHATTERS
+#define TELL(...) SAY(0, "logAll", __VA_ARGS__)
+#else
+#define TELL(...)
+#endif
 #define GET(NAME, TYPE, FIELD)                                                    \
   Status fmi2Get##NAME(Component c, const Ref *refs, size_t n, TYPE *values) {    \
     Model *m = c;                                                                 \
+    CHECKED(n);                                                                   \
+    TELL("get " #NAME);                                                           \
     outputs(m);                                                                   \
-    for (size_t k = 0; k < n; k++) values[k] = m->FIELD[refs[k]];                 \
+    for (size_t k = 0; k < n; k++) values[k] = m->FIELD[PLACE(refs[k])];          \
     return 0;                                                                     \
   }
 #define SET(NAME, TYPE, FIELD)                                                    \
   Status fmi2Set##NAME(Component c, const Ref *refs, size_t n, const TYPE *values) { \
     Model *m = c;                                                                 \
-    for (size_t k = 0; k < n; k++) m->FIELD[refs[k]] = values[k];                 \
+    CHECKED(n);                                                                   \
+    TELL("set " #NAME);                                                           \
+    for (size_t k = 0; k < n; k++)                                                \
+      if (!IGNORED(#NAME, refs[k])) m->FIELD[PLACE(refs[k])] = values[k];         \
     m->slope = 0;                                                                 \
     return 0;                                                                     \
   }
@@ -183,6 +230,9 @@ GET(Boolean, int, b)
 SET(Boolean, int, b)
 #endif
 Status fmi2GetString(Component c, const Ref *refs, size_t n, const char **values) {
+#ifdef HIDES_STRINGS
+  return 3;
+#endif
   for (size_t k = 0; k < n; k++) values[k] = ((Model *)c)->text;
   return 0;
 }
@@ -278,6 +328,9 @@ Status fmi2DoStep(Component c, double t, double h, int no_set) {
   Model *m = c;
   if (t - m->time > 1e-9 || m->time - t > 1e-9 || h <= 0) return 3;
   if (!m->first_step) m->first_step = h;
+#ifdef THIRTIETHS /* no rounding of any instant is taken */
+  if (t != m->steps / 30.0 || h != 1 / 30.0) return 3;
+#endif
 #ifdef EQUAL_STEPS
   if (h != m->first_step) return 3;
 #endif
@@ -306,6 +359,9 @@ Status fmi2DoStep(Component c, double t, double h, int no_set) {
   }
 #endif
   m->time = t + h;
+#ifdef TELLS_TIME
+  snprintf(m->text, sizeof m->text, "%.1f s, \"said\"", m->time);
+#endif
 #if defined MODEL_INTEGRATOR || defined MODEL_PICKY
   m->r[2] += m->r[0] * h;
 #elif defined MODEL_MASS || defined MODEL_INERTIA

@@ -138,7 +138,7 @@ fn the_structure_is_a_system() {
     let system = System::load(folder.path(), &Overrides::new()).unwrap();
     let names: Vec<&str> = system.components().iter().map(|c| c.name.as_str()).collect();
     assert_eq!(names, ["a", "b", "c", "v"]);
-    assert_eq!(system.output_interval(), Time::from_nanoseconds(100_000_000));
+    assert_eq!(system.output_interval(), cosim::Step::whole(Time::from_nanoseconds(100_000_000)));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! A system for people and programs: what it is made of.
 
-use cosim::System;
 use cosim::system::{Component, Model};
+use cosim::{System, Time};
 use serde_json::{Value, json};
 
 /// The model's name and its file.
@@ -18,7 +18,10 @@ pub(super) fn text(system: &System) -> String {
         "{}: {} to {}, {}, recorded every {}",
         system.name(),
         system.start_time(),
-        system.stop_time(),
+        match system.stop_time() {
+            Time::NEVER => "no stop time".to_owned(),
+            stop => stop.to_string(),
+        },
         system.algorithm(),
         system.output_interval()
     )];
@@ -42,7 +45,7 @@ pub(super) fn json(system: &System) -> Value {
     json!({
         "name": system.name(),
         "startTime": system.start_time().seconds(),
-        "stopTime": system.stop_time().seconds(),
+        "stopTime": (system.stop_time() < Time::NEVER).then(|| system.stop_time().seconds()),
         "outputInterval": system.output_interval().seconds(),
         "algorithm": system.algorithm().to_string(),
         "components": system.components().iter().map(|component| {
@@ -59,6 +62,6 @@ pub(super) fn json(system: &System) -> Value {
             "to": system.port_name(c.to),
         })).collect::<Vec<_>>(),
         "warnings": system.warnings(),
-        "notes": system.notes(),
+        "notes": ([system.notes(), system.sampled_loops()].concat()),
     })
 }

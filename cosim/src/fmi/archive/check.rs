@@ -170,6 +170,10 @@ fn relative(name: &str) -> Result<PathBuf, &'static str> {
     if parts.contains(&"..") {
         return Err("its name has '..': it would be written outside of the unpacked folder");
     }
+    // Some tools pack the folder itself.
+    if name == "./" {
+        return Ok(PathBuf::new());
+    }
     if parts.is_empty() {
         return Err("its name is empty");
     }

@@ -144,7 +144,7 @@ fn quadruple(low: u64, high: u64) -> f64 {
 #[cfg(any(all(unix, target_arch = "x86_64"), all(target_os = "linux", target_arch = "aarch64")))]
 unsafe extern "C" fn found(
     log: *const Log,
-    _instance: *const c_char,
+    instance: *const c_char,
     status: RawStatus,
     category: *const c_char,
     format: *const c_char,
@@ -152,7 +152,9 @@ unsafe extern "C" fn found(
 ) {
     // SAFETY: `saved` lies in the frame of `logger`, which returns after this; the rest is what
     // the FMU passed.
-    unsafe { super::logged(log, status, category, format, Some(&mut Arguments::new(saved))) }
+    unsafe {
+        super::logged(log, instance, status, category, format, Some(&mut Arguments::new(saved)))
+    }
 }
 
 /// The logger on x86-64. 216 bytes keep the stack aligned: 48 for integers, 128 for doubles, 8
@@ -244,13 +246,13 @@ pub(super) unsafe extern "C" fn logger(
 )))]
 pub(super) unsafe extern "C" fn logger(
     log: *const Log,
-    _: *const c_char,
+    instance: *const c_char,
     status: RawStatus,
     category: *const c_char,
     format: *const c_char,
 ) {
     // SAFETY: what the FMU passed.
-    unsafe { super::logged(log, status, category, format, None) }
+    unsafe { super::logged(log, instance, status, category, format, None) }
 }
 
 #[cfg(test)]

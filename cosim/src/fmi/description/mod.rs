@@ -31,6 +31,8 @@ pub struct Description {
     pub model_exchange: Option<Interface>,
     /// Number of continuous states.
     pub states: usize,
+    /// A variable that is the derivative of a state, and its line, if no state is listed at all.
+    pub unlisted_derivative: Option<(String, usize)>,
     /// Number of event indicators.
     pub event_indicators: usize,
     /// Suggested experiment.
@@ -253,6 +255,7 @@ impl Description {
             co_simulation: None,
             model_exchange: None,
             states: 0,
+            unlisted_derivative: None,
             event_indicators: 0,
             experiment: Experiment::default(),
             units: Units::new(),

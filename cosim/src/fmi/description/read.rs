@@ -78,8 +78,9 @@ impl Reader<'_> {
         }
         let version = root.require("fmiVersion", self.file, Code::Description)?;
         if version != "2.0" {
-            return Err(self
-                .wrong(root, format!("the FMU is of FMI version {version}"))
+            let what = format!("the FMU is of FMI version {version}");
+            return Err(Error::new(Code::Version, what)
+                .at_line(self.file, root.line)
                 .help("export it for FMI 2.0: only that is supported"));
         }
         let variables = self.variables(root)?;
@@ -101,6 +102,7 @@ impl Reader<'_> {
             co_simulation: root.child("CoSimulation").map(|e| self.interface(e)).transpose()?,
             model_exchange: root.child("ModelExchange").map(|e| self.interface(e)).transpose()?,
             states: self.states(root, &variables)?,
+            unlisted_derivative: self.unlisted_derivative(root),
             event_indicators: root
                 .parse("numberOfEventIndicators", self.file, Code::Description)?
                 .unwrap_or(0),
@@ -157,6 +159,17 @@ impl Reader<'_> {
         Ok(derivatives.len())
     }
 
+    /// A derivative, where ModelStructure lists none at all.
+    fn unlisted_derivative(&self, root: &Element) -> Option<(String, usize)> {
+        let listed = root.child("ModelStructure").is_some_and(|s| s.child("Derivatives").is_some());
+        let is_derivative = |variable: &&Element| {
+            variable.child("Real").is_some_and(|real| real.get("derivative").is_some())
+        };
+        let found = root.grandchildren("ModelVariables").iter().find(is_derivative);
+        let named = |variable: &Element| Some((variable.get("name")?.to_owned(), variable.line));
+        found.filter(|_| !listed).and_then(named)
+    }
+
     fn experiment(&self, root: &Element) -> Result<Experiment> {
         let Some(element) = root.child("DefaultExperiment") else {
             return Ok(Experiment::default());
@@ -165,7 +178,8 @@ impl Reader<'_> {
         Ok(Experiment {
             start: number("startTime")?,
             stop: number("stopTime")?,
-            step: number("stepSize")?,
+            // 0 is written for no step.
+            step: number("stepSize")?.filter(|step| *step > 0.0),
             tolerance: number("tolerance")?,
         })
     }

@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 
 use super::{Followed, Instance, State};
 use crate::error::{Code, Error, Result};
-use crate::fmi::callbacks::Callbacks;
+use crate::fmi::callbacks::{Callbacks, Known};
 use crate::fmi::library::{Component, Functions, Hot};
 use crate::fmi::log::Log;
 use crate::fmi::status;
@@ -29,7 +29,8 @@ impl Instance {
                 .at(fmu.path())
                 .why("the FMU allows one instance per process, and there is one already"));
         }
-        let log = Arc::new(Log::new(logging.messages_of(name), logging.mailbox.clone(), name));
+        let log = Log::new(logging.messages_of(name), logging.mailbox.clone(), name);
+        let log = Known::new(log, name);
         let callbacks = Box::new(Callbacks::new(&log));
         let followed = Followed::of(logging, name, fmu.description()).map(Box::new);
         let mut instance = Self {
@@ -44,6 +45,7 @@ impl Instance {
             followed,
             hot: Hot::new(&functions, &own),
             kind,
+            grid: None,
             functions,
             own,
             kept: Arc::default(),
@@ -84,6 +86,7 @@ impl Instance {
                 i32::from(debug),
             )
         };
+        self.log.is_of(self.component.addr());
         let made = !self.component.is_null();
         if let Some(followed) = &self.followed {
             followed.end("fmi2Instantiate", if made { status::OK } else { status::ERROR }, false);

@@ -192,11 +192,13 @@ fn is_unusual(status: RawStatus) -> bool {
 
 impl Instance {
     /// The bare calls of its steps, once it is initialized. There are none when somebody follows
-    /// the calls, when a step may go on in the background, and in model exchange.
+    /// the calls, when a step may go on in the background or is a fraction of nanoseconds, and in
+    /// model exchange.
     pub(crate) fn direct(&self) -> Option<Direct> {
         let Hot { set_real, get_real, do_step } = self.hot;
         let asynchronous = self.fmu.interface(self.kind).is_ok_and(|own| own.asynchronous);
-        if self.state != State::Ready || self.followed.is_some() || asynchronous {
+        let special = self.followed.is_some() || asynchronous || self.grid.is_some();
+        if self.state != State::Ready || special {
             return None;
         }
         let calls = Calls { component: self.component, set_real, do_step: do_step?, get_real };

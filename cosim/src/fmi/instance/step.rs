@@ -10,7 +10,7 @@ use super::{Followed, Instance, State};
 use crate::error::{Code, Error, Result};
 use crate::fmi::library::{Component, Functions, Own, Stepping};
 use crate::fmi::status::{self, RawStatus};
-use crate::time::Time;
+use crate::time::{Step, Time};
 
 /// Between two questions to an FMU in the background; short at first, for most steps are.
 const FIRST_PAUSE: Duration = Duration::from_micros(20);
@@ -20,6 +20,14 @@ const LONGEST_PAUSE: Duration = Duration::from_millis(5);
 const DO_STEP_STATUS: i32 = 0;
 const LAST_SUCCESSFUL_TIME: i32 = 2;
 const TERMINATED: i32 = 3;
+
+/// Begin and length of a step in seconds.
+#[cold]
+fn unrounded((origin, grid): (Time, Step), begin: Time, end: Time) -> (f64, f64) {
+    let from = grid.seconds_at(origin, begin);
+    let whole = grid.divides(begin - origin) && grid.after(begin - origin) == end - origin;
+    (from, if whole { grid.seconds() } else { grid.seconds_at(origin, end) - from })
+}
 
 impl Instance {
     /// Advances from `start` by `step`; a step that is not made as a whole is an error.
@@ -43,7 +51,10 @@ impl Instance {
             // A division less per step, most of which have one length.
             self.step = (step, step.seconds());
         }
-        let (from, length) = (start.seconds(), self.step.1);
+        let (from, length) = match self.grid {
+            None => (start.seconds(), self.step.1),
+            Some(grid) => unrounded(grid, start, start + step),
+        };
         let call = |_: &Functions, c: Component| {
             // SAFETY: `c` is alive and the state allows the call.
             unsafe { do_step(c, from, length, 1) }

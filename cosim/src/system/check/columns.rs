@@ -1,4 +1,4 @@
-//! Which variables are recorded.
+//! Which variables are recorded; Strings only if they are asked for.
 
 use super::Names;
 use crate::error::{Code, Error, Result};
@@ -41,10 +41,6 @@ fn by_name(
     let Some((port, variable)) = names.find(name)? else {
         return Ok(());
     };
-    if variable.kind == Kind::String {
-        return Err(Error::new(Code::UnknownName, format!("'{name}' cannot be recorded"))
-            .why("it is a String, and results are numbers"));
-    }
     add(name.to_owned(), port, &variable.kind);
     Ok(())
 }
@@ -56,7 +52,7 @@ fn by_pattern(
 ) -> Result<()> {
     let mut found = false;
     for (name, port, variable) in names.all() {
-        if variable.kind != Kind::String && names::matches(pattern, &name) {
+        if names::matches(pattern, &name) {
             add(name, port, &variable.kind);
             found = true;
         }

@@ -7,6 +7,7 @@ use super::Findings;
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Causality, Description, Fmu, InterfaceType, Kind, Variable};
 use crate::names;
+use crate::system::overrides::is_for;
 use crate::system::raw::{RawComponent, RawConnector, RawModel, RawSystem};
 use crate::system::{Model, Overrides};
 
@@ -37,16 +38,9 @@ pub(super) fn open(raw: &RawSystem, overrides: &Overrides, findings: &mut Findin
     let known = || raw.components.iter().map(|c| c.name.as_str());
     let interfaces = overrides.interfaces.iter().map(|(name, _)| name);
     for name in overrides.replacements.iter().map(|(name, _)| name).chain(interfaces) {
-        if !known().any(|n| n == name) {
+        if !known().any(|n| is_for(name, n)) {
             findings.problems.push(unknown_component(name, known()).at(&raw.file));
         }
-    }
-    if raw.components.is_empty() {
-        findings.problems.push(
-            Error::new(Code::Ssd, "the system has no components")
-                .at(&raw.file)
-                .help("an SSP has them in <ssd:Elements>, an OSP structure in <Simulators>"),
-        );
     }
     let mut opened: Vec<Opened> = Vec::new();
     for component in &raw.components {

@@ -167,14 +167,16 @@ impl<'a> Checker<'a> {
         let integer = |kind: &Kind| matches!(kind, Kind::Integer | Kind::Enumeration(_));
         let (start, end) = (&from.variable.kind, &to.variable.kind);
         let same = start.name() == end.name() || (integer(start) && integer(end));
-        if same && *start != Kind::String {
+        if same {
             return Ok(());
         }
         let (from, to) = (&self.connection.from, &self.connection.to);
         Err(self
             .wrong(Code::Connection, format!("{}.{} -> {}.{}", from.0, from.1, to.0, to.1))
             .why(format!("it joins {} and {}", start.name(), end.name()))
-            .help("Real joins Real, Integer and Enumeration each other, Boolean Boolean"))
+            .help(
+                "Real joins Real, Integer and Enumeration each other, Boolean and String their own",
+            ))
     }
 
     fn convert(

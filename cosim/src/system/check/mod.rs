@@ -12,6 +12,8 @@ mod told;
 
 use std::sync::Arc;
 
+use timing::Timing;
+
 use super::order::Order;
 use super::raw::RawSystem;
 use super::{Component, Overrides, System, abilities, input, loops};
@@ -21,7 +23,7 @@ pub(super) use columns::columns;
 pub(super) use components::needs_no_tool;
 pub(super) use lookup::Names;
 pub(super) use parameters::start_value;
-pub(super) use timing::check_span;
+pub(super) use timing::{Interval, Span, Stepped, check_span};
 
 /// What is being collected while checking.
 struct Findings {
@@ -62,9 +64,10 @@ pub(super) fn check(
     let (Some(timing), Some(solver), Some(columns)) = (timing, solver, columns) else {
         return Err(Error::new(crate::Code::Ssd, "the system is not valid").at(&raw.file));
     };
+    let Timing { span, steps, unknown_steps } = timing;
     let components: Vec<Component> = opened
         .into_iter()
-        .zip(timing.steps)
+        .zip(steps)
         .zip(start_values)
         .filter_map(|((opened, step), start_values)| {
             let (name, interface, model) = (opened.name, opened.interface, opened.model?);
@@ -85,14 +88,17 @@ pub(super) fn check(
         step_control: overrides.step_control,
         retries: overrides.retries,
         columns,
-        start: timing.start,
-        stop: timing.stop,
-        output_interval: timing.output_interval,
+        start: span.start,
+        stop: span.stop,
+        output_interval: span.output_interval,
+        shortened: span.shortened,
+        unknown_steps,
         algorithm,
         solver,
         logging: overrides.logging.clone(),
-        warnings: findings.warnings,
-        notes: findings.notes,
+        warnings: [findings.warnings, span.warnings].concat(),
+        sampled: Vec::new(),
+        notes: [findings.notes, span.notes].concat(),
     };
     loops::tell(&mut system)?;
     input::apply(&mut system, &overrides.inputs)?;

@@ -5,6 +5,7 @@ use super::conversion::{self, Measured};
 use super::{Findings, Names};
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Causality, Value, Variability, Variable};
+use crate::system::overrides::is_for;
 use crate::system::raw::{RawParameter, RawSystem};
 use crate::system::{Conversion, Overrides, Port};
 
@@ -41,7 +42,7 @@ pub(super) fn check(
         keep(&mut values, found);
     }
     for (name, _) in &overrides.steps {
-        if !opened.iter().any(|o| o.name == *name) {
+        if !opened.iter().any(|o| is_for(name, &o.name)) {
             let known = opened.iter().map(|o| o.name.as_str());
             findings.problems.push(unknown_component(name, known));
         }

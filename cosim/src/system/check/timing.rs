@@ -5,17 +5,51 @@ use super::components::Opened;
 use crate::error::{Code, Error, Result};
 use crate::system::raw::RawSystem;
 use crate::system::{Model, Overrides};
-use crate::time::Time;
+use crate::time::{Step, Time};
+
+/// Stands for steps that nobody knows.
+const UNKNOWN: Time = Time::from_nanoseconds(1_000_000_000);
 
 /// Steps that share no common base longer than this part of the smallest are refused.
-const FINEST: i64 = 1000;
+const FINEST: f64 = 1000.0;
 
 pub(super) struct Timing {
-    pub start: Time,
-    pub stop: Time,
-    pub output_interval: Time,
+    pub span: Span,
     /// Per component.
-    pub steps: Vec<Time>,
+    pub steps: Vec<Step>,
+    /// Nobody said how long they are.
+    pub unknown_steps: bool,
+}
+
+/// When a run begins and ends, and what is recorded.
+pub(in crate::system) struct Span {
+    pub start: Time,
+    /// [`Time::NEVER`] if nobody says it.
+    pub stop: Time,
+    pub output_interval: Step,
+    /// The run ends by shorter steps.
+    pub shortened: bool,
+    pub warnings: Vec<String>,
+    pub notes: Vec<String>,
+}
+
+/// A component's step, and whether its last one may be shorter; a model that is no FMU always can.
+pub(in crate::system) struct Stepped<'a> {
+    pub name: &'a str,
+    pub step: Step,
+    pub varies: bool,
+    pub fmu: bool,
+}
+
+/// An output interval.
+#[derive(Clone, Copy)]
+pub(in crate::system) enum Interval {
+    /// Of the command line.
+    Asked(f64),
+    /// Of the file.
+    Suggested(f64),
+    /// The smallest step.
+    Smallest,
 }
 
 pub(super) fn check(
@@ -25,98 +59,111 @@ pub(super) fn check(
     findings: &mut Findings,
 ) -> Option<Timing> {
     let steps = steps(raw, overrides, opened, findings)?;
-    let rest = span(raw, overrides, opened).and_then(|(start, stop)| {
-        let wanted = overrides.output_interval.or(raw.master.output_interval);
-        let output_interval = check_span(&steps, start, stop, wanted)?;
-        Ok(Timing { start, stop, output_interval, steps: steps.clone() })
+    let unknown_steps = steps.is_none();
+    let steps = steps.unwrap_or_else(|| vec![Step::whole(UNKNOWN); opened.len()]);
+    let stepped: Vec<Stepped<'_>> = opened.iter().zip(&steps).map(stepped).collect();
+    let span = span(raw, overrides, opened).and_then(|(start, stop)| {
+        let wanted = match (overrides.output_interval, raw.master.output_interval) {
+            (Some(seconds), _) => Interval::Asked(seconds),
+            (None, Some(seconds)) => Interval::Suggested(seconds),
+            (None, None) => Interval::Smallest,
+        };
+        check_span(&stepped, start, stop, wanted)
     });
-    findings.note(rest.map_err(|e| match (misfit(&steps), &raw.experiment) {
+    let span = findings.note(span.map_err(|e| match (misfit(&steps), &raw.experiment) {
         (Some(component), _) => raw.components[component].place.mark(e),
         (None, Some(place)) => place.mark(e),
         (None, None) => e.at(&raw.file),
-    }))
+    }));
+    Some(Timing { span: span?, steps, unknown_steps })
+}
+
+fn stepped<'a>((opened, step): (&'a Opened, &Step)) -> Stepped<'a> {
+    let fmu = opened.fmu();
+    let varies = fmu.is_none_or(|fmu| fmu.varies(opened.interface));
+    Stepped { name: &opened.name, step: *step, varies, fmu: fmu.is_some() }
 }
 
 /// The first component whose step has no common base with those before it.
-fn misfit(steps: &[Time]) -> Option<usize> {
+fn misfit(steps: &[Step]) -> Option<usize> {
     let smallest = steps.iter().min().copied()?;
     let mut base = *steps.first()?;
     steps.iter().position(|&step| {
         base = base.gcd(step);
-        base.nanoseconds() < smallest.nanoseconds() / FINEST
+        !is_base(base, smallest)
     })
 }
 
+fn is_base(base: Step, smallest: Step) -> bool {
+    base.seconds() * FINEST >= smallest.seconds() * (1.0 - 1e-9)
+}
+
 /// A component's step: of the command line, of its annotation, of its FMU's default experiment,
-/// of the system's annotation, or the smallest of the others.
+/// of the system's annotation, or the smallest of the others. `None` inside: there is none at all.
 fn steps(
     raw: &RawSystem,
     overrides: &Overrides,
     opened: &[Opened],
     findings: &mut Findings,
-) -> Option<Vec<Time>> {
-    let mut steps: Vec<Option<Time>> = Vec::new();
+) -> Option<Option<Vec<Step>>> {
+    let mut steps: Vec<Option<Step>> = Vec::new();
     let mut sound = true;
     for (component, opened) in raw.components.iter().zip(opened) {
-        let named = overrides.steps.iter().rev().find(|(name, _)| *name == component.name);
         let default = || opened.description().and_then(|d| d.experiment.step);
-        let seconds =
-            named.map(|(_, step)| *step).or(component.step).or_else(default).or(raw.master.step);
+        let seconds = (overrides.step_of(&component.name).or(component.step))
+            .or_else(default)
+            .or(raw.master.step);
         let name = format!("the step of '{}'", component.name);
-        let step = seconds.map(|s| Time::positive(s, &name)).transpose();
+        let step = seconds.map(|s| Step::from_seconds(s, &name)).transpose();
         let step = step.map_err(|e| component.place.mark(e));
         let step = findings.note(step);
         sound &= step.is_some();
         steps.push(step.flatten());
     }
     let smallest = steps.iter().flatten().min().copied();
-    if !sound || opened.iter().any(|o| o.model.is_none()) || steps.is_empty() {
+    if !sound || opened.iter().any(|o| o.model.is_none()) {
         return None;
     }
-    if smallest.is_none() {
-        findings.problems.push(
-            Error::new(Code::Timing, "no component has a step size").at(&raw.file).help(
-                "give one by --step COMPONENT=SECONDS, or for all by the annotation \
-                 <cosim:Master stepSize=\"0.01\"/>",
-            ),
-        );
-    }
-    let smallest = smallest?;
+    let Some(smallest) = smallest else { return Some(None) };
     let base = steps.iter().flatten().fold(smallest, |base, &step| base.gcd(step));
     let functions = opened.iter().map(|o| matches!(o.model, Some(Model::Function(_))));
     // A function changes whenever one of its inputs does.
-    let step = |(step, function): (Option<Time>, bool)| match function {
+    let step = |(step, function): (Option<Step>, bool)| match function {
         true => base,
         false => step.unwrap_or(smallest),
     };
-    Some(steps.into_iter().zip(functions).map(step).collect())
+    Some(Some(steps.into_iter().zip(functions).map(step).collect()))
 }
 
 fn span(raw: &RawSystem, overrides: &Overrides, opened: &[Opened]) -> Result<(Time, Time)> {
     let start = overrides.start_time.or(raw.start).unwrap_or(0.0);
     let suggested =
         opened.iter().filter_map(|o| o.description()?.experiment.stop).max_by(f64::total_cmp);
-    let stop = overrides.stop_time.or(raw.stop).or(suggested).ok_or_else(|| {
-        Error::new(Code::Timing, "there is no stop time").help(
-            "give --stop-time SECONDS, or in the file <ssd:DefaultExperiment stopTime=\"...\"/> (SSP) \
-             or <EndTime> (OSP)",
-        )
-    })?;
-    Ok((Time::from_seconds(start, "the start time")?, Time::from_seconds(stop, "the stop time")?))
+    let suggested = suggested.filter(|stop| *stop > start);
+    let stop = overrides.stop_time.or(raw.stop).or(suggested);
+    let stop = stop.map(|stop| Time::from_seconds(stop, "the stop time")).transpose()?;
+    Ok((Time::from_seconds(start, "the start time")?, stop.unwrap_or(Time::NEVER)))
 }
 
-/// Checks that everything is a multiple of the common base; gives the output interval.
+/// Checks that the steps fit together, and finds how the run ends.
 pub(in crate::system) fn check_span(
-    steps: &[Time],
+    stepped: &[Stepped<'_>],
     start: Time,
     stop: Time,
-    wanted_interval: Option<f64>,
-) -> Result<Time> {
-    let Some(smallest) = steps.iter().min().copied() else {
-        return Ok(Time::ZERO);
+    wanted: Interval,
+) -> Result<Span> {
+    let steps = || stepped.iter().map(|component| component.step);
+    let smallest = steps().min().unwrap_or(Step::whole(UNKNOWN));
+    let base = steps().fold(smallest, Step::gcd);
+    let mut span = Span {
+        start,
+        stop,
+        output_interval: smallest,
+        shortened: false,
+        warnings: Vec::new(),
+        notes: Vec::new(),
     };
-    let base = steps.iter().fold(smallest, |base, &step| base.gcd(step));
-    if base.nanoseconds() < smallest.nanoseconds() / FINEST {
+    if !is_base(base, smallest) {
         return Err(Error::new(Code::Timing, "the step sizes do not fit together")
             .why(format!("their greatest common divisor is {base}, the smallest is {smallest}"))
             .help("choose steps that are multiples of one another, by --step COMPONENT=SECONDS"));
@@ -125,28 +172,77 @@ pub(in crate::system) fn check_span(
         return Err(Error::new(Code::Timing, format!("the run would go from {start} to {stop}"))
             .help("choose a stop time after the start time"));
     }
-    if !(stop - start).is_multiple_of(base) {
-        return Err(off_base("the duration", stop - start, base));
+    if stop < Time::NEVER && !base.divides(stop - start) {
+        end_between_steps(&mut span, stepped, base)?;
     }
-    let interval = match wanted_interval {
-        Some(seconds) => Time::positive(seconds, "the output interval")?,
-        None => smallest,
-    };
-    if !interval.is_multiple_of(base) {
-        return Err(off_base("the output interval", interval, base));
+    match wanted {
+        Interval::Smallest => {}
+        Interval::Asked(seconds) => {
+            let interval = Step::from_seconds(seconds, "the output interval")?;
+            if base.parts_of(interval).is_none() {
+                return Err(off_base(interval, base));
+            }
+            span.output_interval = interval;
+        }
+        Interval::Suggested(seconds) => {
+            let interval = Step::from_seconds(seconds, "the output interval")?;
+            span.output_interval = match base.parts_of(interval) {
+                Some(_) => interval,
+                None => base.times(base.count(interval.rounded()) + 1),
+            };
+            if span.output_interval != interval {
+                span.notes.push(format!(
+                    "recorded every {} instead of {interval}, which is no multiple of {base}, the \
+                     common base of the step sizes",
+                    span.output_interval
+                ));
+            }
+        }
     }
-    Ok(interval)
+    Ok(span)
 }
 
-fn off_base(what: &str, time: Time, base: Time) -> Error {
-    let below = time.nanoseconds() / base.nanoseconds() * base.nanoseconds();
-    let below = Time::from_nanoseconds(below);
-    let nearest = if below > Time::ZERO {
-        format!("take {below} or {}", below + base)
+/// The duration is no multiple of the steps: the last ones are shorter, or the run ends before.
+fn end_between_steps(span: &mut Span, stepped: &[Stepped<'_>], base: Step) -> Result<()> {
+    let (start, stop) = (span.start, span.stop);
+    let fmus = || stepped.iter().filter(|component| component.fmu);
+    if fmus().all(|component| !component.varies) && fmus().next().is_some() {
+        let last = start + base.multiple(base.count(stop - start));
+        if last <= start {
+            let what = format!("the run from {start} to {stop} is shorter than a step of {base}");
+            return Err(Error::new(Code::Timing, what)
+                .why("no FMU declares canHandleVariableCommunicationStepSize")
+                .help(format!(
+                    "take --stop-time {} or later",
+                    (start + base.rounded()).seconds()
+                )));
+        }
+        span.warnings.push(format!(
+            "the run ends at {last}, with the last whole step before {stop}: no FMU declares \
+             canHandleVariableCommunicationStepSize, which a shorter step needs"
+        ));
+        span.stop = last;
+        return Ok(());
+    }
+    span.shortened = true;
+    for Stepped { name, step, .. } in stepped.iter().filter(|component| !component.varies) {
+        span.warnings.push(format!(
+            "the last step of '{name}' ends at {}, its outputs stay from there to {stop}: its FMU \
+             does not declare canHandleVariableCommunicationStepSize, which a shorter step needs",
+            start + step.multiple(step.count(stop - start))
+        ));
+    }
+    Ok(())
+}
+
+fn off_base(interval: Step, base: Step) -> Error {
+    let below = base.count(interval.rounded());
+    let nearest = if below > 0 {
+        format!("take {} or {}", base.times(below), base.times(below + 1))
     } else {
         format!("take {base} or a multiple of it")
     };
-    Error::new(Code::Timing, format!("{what} is {time}"))
+    Error::new(Code::Timing, format!("the output interval is {interval}"))
         .why(format!("it is no multiple of {base}, the common base of the step sizes"))
         .help(nearest)
 }

@@ -37,7 +37,14 @@ impl Base {
     pub(super) fn follow(&self, source: &str, place: &Place) -> Result<PathBuf> {
         self.resolve(source).map_err(|why| {
             let what = format!("the source \"{source}\" is refused");
-            place.mark(Error::new(Code::Source, what)).why(why)
+            let error = place.mark(Error::new(Code::Source, what)).why(why);
+            match split_scheme(source).0 {
+                Some(scheme) if scheme.eq_ignore_ascii_case("proxyfmu") => error.help(
+                    "name the FMU's own file, source=\"x.fmu\"; to compute it in another process or \
+                     on another machine, take --distributed or write a remote FMU by cosim proxy",
+                ),
+                _ => error,
+            }
         })
     }
 

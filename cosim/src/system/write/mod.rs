@@ -55,6 +55,7 @@ impl System {
     /// FMUs; gives what is good to know about it.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<Vec<String>> {
         let path = path.as_ref();
+        self.ready()?;
         let mut notes = Vec::new();
         match Format::of(path)? {
             Format::Ssd => {

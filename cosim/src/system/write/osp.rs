@@ -246,9 +246,9 @@ pub(super) fn log_config(system: &System, notes: &mut Vec<String>) -> Option<Str
             continue;
         }
         let interval = system.output_interval;
-        let factor = match interval.is_multiple_of(component.step) {
-            true => interval.nanoseconds() / component.step.nanoseconds(),
-            false => {
+        let factor = match component.step.parts_of(interval) {
+            Some(factor) => factor,
+            None => {
                 notes.push(format!(
                     "LogConfig.xml records '{}' at every step: {interval} is no multiple of {}",
                     component.name, component.step

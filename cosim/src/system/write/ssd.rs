@@ -9,7 +9,7 @@ use super::{transformation, units, unsaid};
 use crate::error::Result;
 use crate::fmi::{Causality, InterfaceType, Kind, Value};
 use crate::system::{Connection, Conversion, Model, Port, System};
-use crate::time::Time;
+use crate::time::Step;
 use crate::units::Units;
 
 const OSP: &str = "com.opensimulationplatform";
@@ -224,9 +224,9 @@ fn annotation(xml: &mut Xml, kind: &str, inside: impl FnOnce(&mut Xml)) {
 }
 
 /// The common base of all steps.
-pub(crate) fn base_step(system: &System) -> Time {
+pub(crate) fn base_step(system: &System) -> Step {
     let steps = system.components().iter().map(|c| c.step);
-    steps.reduce(Time::gcd).unwrap_or(system.output_interval)
+    steps.reduce(Step::gcd).unwrap_or(system.output_interval)
 }
 
 impl System {

@@ -60,3 +60,24 @@ fn workers_that_were_there_before_serve_several_runs() {
         assert!(here == results(folder.path(), "there.csv"));
     }
 }
+
+#[test]
+fn an_endpoint_where_a_stranger_listens_does_not_end_the_service_of_others() {
+    let (file, folder) = (chain(2.0), TempDir::new().unwrap());
+    let file = file.write();
+    let path = file.to_str().unwrap();
+    let here = undisturbed(folder.path(), path);
+    let stranger = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let place = endpoint();
+    let both = format!("tcp/{},{place}", stranger.local_addr().unwrap());
+    // It answers every call by hanging up.
+    std::thread::spawn(move || stranger.incoming().for_each(drop));
+    let _worker = Kept::worker(folder.path(), "left", &both);
+    for _ in 0..2 {
+        let arguments = ["run", path, "-q", "-o", "there.csv", "--distributed", "--listen", &place];
+        let more = ["--min-workers", "1", "--wait", "20"];
+        let (code, stderr) = outcome(folder.path(), &[&arguments[..], &more].concat());
+        assert_eq!(code, 0, "{stderr}");
+        assert!(here == results(folder.path(), "there.csv"));
+    }
+}

@@ -3,10 +3,11 @@
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 
+use cosim::fmi::Fmu;
 use tempfile::TempDir;
 
 use super::{Made, proxy};
-use crate::locked::start;
+use crate::locked::{free_port, start};
 use crate::models::Model::{Ball, Gain, Integrator};
 use crate::models::pack;
 
@@ -114,4 +115,15 @@ fn a_held_fmu_is_not_packed_and_taken_from_the_worker() {
     let fmu = Integrator.fmu();
     let _worker = start(made.folder.path(), &[&own[..], &[fmu.to_str().unwrap()]].concat());
     drop(made.started(&[]));
+}
+
+#[test]
+fn one_endpoint_is_for_one_instance_and_the_description_says_so() {
+    let once = |made: &Made| {
+        let description = Fmu::open(&made.fmu).unwrap();
+        description.description().co_simulation.as_ref().unwrap().once_per_process
+    };
+    assert!(once(&Made::of(Gain, &[])));
+    let second = format!("tcp/127.0.0.1:{}", free_port());
+    assert!(!once(&Made::of(Gain, &["--listen", &second])));
 }

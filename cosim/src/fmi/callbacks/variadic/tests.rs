@@ -1,6 +1,7 @@
 //! The logger, called as C calls it.
 
 use super::*;
+use crate::fmi::callbacks::Known;
 
 type Variadic =
     unsafe extern "C" fn(*const Log, *const c_char, RawStatus, *const c_char, *const c_char, ...);
@@ -8,11 +9,11 @@ type Variadic =
 /// Calls the logger with a format and arguments; the line that was logged.
 macro_rules! logged {
     ($format:literal $(, $argument:expr)*) => {{
-        let log = Log::default();
+        let log = Known::new(Log::default(), "it");
         // SAFETY: to C the logger is a variadic function; the arguments are those of the format.
         unsafe {
             let call: Variadic = std::mem::transmute(logger as Logger);
-            call(&log, c"it".as_ptr(), 1, c"logAll".as_ptr(), $format.as_ptr() $(, $argument)*);
+            call(&*log, c"it".as_ptr(), 1, c"logAll".as_ptr(), $format.as_ptr() $(, $argument)*);
         }
         let line = log.take().remove(0);
         line.strip_prefix("Warning (logAll): ").unwrap().to_owned()
@@ -61,4 +62,36 @@ fn quadruple_precision() {
     assert_eq!(quadruple(0, 0x7fff << 48), f64::INFINITY);
     assert!(quadruple(1, 0x7fff << 48).is_nan());
     assert_eq!(quadruple(0, 0), 0.0);
+}
+
+#[test]
+fn whatever_is_passed_as_environment_a_message_finds_its_instance() {
+    let say = |environment: usize, name: *const c_char| {
+        // SAFETY: to C the logger is a variadic function.
+        unsafe {
+            let call: Variadic = std::mem::transmute(logger as Logger);
+            let environment = std::ptr::without_provenance(environment);
+            call(environment, name, 0, std::ptr::null(), c"said".as_ptr());
+        }
+    };
+    let (a, b) = (Known::new(Log::default(), "one a"), Known::new(Log::default(), "one b"));
+    b.is_of(0x1230);
+    let gone = {
+        let gone = Known::new(Log::default(), "one gone");
+        std::ptr::from_ref::<Log>(&gone).addr()
+    };
+    for (environment, name) in [
+        (1, c"one b".as_ptr()),
+        (0x1230, std::ptr::null()),
+        (0x1230, std::ptr::without_provenance(8)),
+        (0, c"one b".as_ptr()),
+        (gone, c"one b".as_ptr()),
+    ] {
+        say(environment, name);
+        assert_eq!((a.take().len(), b.take().len()), (0, 1), "{environment:#x}");
+    }
+    // Nobody's.
+    say(1, c"one c".as_ptr());
+    say(gone, std::ptr::null());
+    assert_eq!((a.take().len(), b.take().len()), (0, 0));
 }

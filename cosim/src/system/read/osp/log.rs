@@ -6,7 +6,7 @@
 use super::Reader;
 use crate::error::Code;
 use crate::system::raw::RawMaster;
-use crate::time::Time;
+use crate::time::Step;
 use crate::xml::{self, Element};
 
 /// The file beside the structure.
@@ -66,8 +66,8 @@ impl Reader {
     }
 }
 
-/// The greatest common divisor, in nanoseconds.
+/// The greatest common divisor.
 fn common(intervals: &[f64]) -> Option<f64> {
-    let times = intervals.iter().filter_map(|&i| Time::positive(i, "the interval").ok());
-    times.reduce(Time::gcd).map(Time::seconds)
+    let steps = intervals.iter().filter_map(|&i| Step::from_seconds(i, "the interval").ok());
+    steps.reduce(Step::gcd).map(Step::seconds)
 }

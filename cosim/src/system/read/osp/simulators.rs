@@ -28,7 +28,8 @@ impl Reader {
         let path = self.base.follow(source, &self.place(element));
         let path = self.gathered.take(path);
         let step = element.parse::<f64>("stepSize", &self.file, Code::Ssd);
-        let step = self.gathered.take(step).flatten();
+        // 0 stands for the default, as in libcosim.
+        let step = self.gathered.take(step).flatten().filter(|step| *step != 0.0);
         self.tell_of_rounding(element, &name, step, base_step);
         if let (Some(path), true) = (&path, self.base.folder.is_some()) {
             self.read_groups(&name, path);

@@ -42,7 +42,9 @@ impl Reader<'_> {
         }
         let end = |which: [&str; 2]| -> Result<End> {
             Ok(End {
-                element: element.get(which[0]).map(|name| join(path, name)),
+                // Empty as missing: some tools write it for the system itself.
+                element: (element.get(which[0]).filter(|name| !name.is_empty()))
+                    .map(|name| join(path, name)),
                 connector: element.require(which[1], &self.file, Code::Ssd)?.to_owned(),
             })
         };

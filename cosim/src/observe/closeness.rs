@@ -1,0 +1,300 @@
+//! Whether two recordings are near enough to each other.
+//!
+//! Samples are compared at the instants that both have; between its samples a recording may be
+//! interpolated. A value is near enough if |a - b| <= absolute + relative max(|a|, |b|).
+
+use std::fmt;
+
+use super::Recording;
+use crate::names;
+use crate::texts;
+
+/// Instants are one if they differ by no more than this part of 1 s + t.
+const SAME_TIME: f64 = 1e-9;
+
+/// How far values may be apart.
+#[derive(Debug, Clone, Default)]
+pub struct Tolerance {
+    absolute: Vec<(String, f64)>,
+    relative: Vec<(String, f64)>,
+    interpolate: bool,
+}
+
+impl Tolerance {
+    /// None: values must be the same.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The greatest difference of a variable, or of those that a pattern (`*`, `?`) matches. Names
+    /// come before patterns, later ones before earlier ones.
+    #[must_use]
+    pub fn absolute(mut self, variable: impl Into<String>, tolerance: f64) -> Self {
+        self.absolute.push((variable.into(), tolerance));
+        self
+    }
+
+    /// The same, as a part of the greater value.
+    #[must_use]
+    pub fn relative(mut self, variable: impl Into<String>, tolerance: f64) -> Self {
+        self.relative.push((variable.into(), tolerance));
+        self
+    }
+
+    /// At instants that only A has, B is the straight line between its samples.
+    #[must_use]
+    pub fn interpolate(mut self, wanted: bool) -> Self {
+        self.interpolate = wanted;
+        self
+    }
+
+    fn of(wishes: &[(String, f64)], name: &str) -> f64 {
+        let last = |fits: &dyn Fn(&str) -> bool| wishes.iter().rev().find(|(w, _)| fits(w));
+        let found = last(&|wish| wish == name).or_else(|| last(&|wish| names::matches(wish, name)));
+        found.map_or(0.0, |(_, tolerance)| *tolerance)
+    }
+}
+
+/// The values of a variable at an instant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Apart {
+    /// Its name.
+    pub name: String,
+    /// The instant (s).
+    pub time: f64,
+    /// The value in A.
+    pub a: f64,
+    /// The value in B.
+    pub b: f64,
+    /// The values are Strings, by their numbers.
+    pub text: bool,
+}
+
+/// A variable whose values are too far apart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Beyond {
+    /// At how many of the samples.
+    pub samples: usize,
+    /// First at this instant (s).
+    pub first: f64,
+    /// Where it is worst, as a multiple of what is permitted.
+    pub worst: Apart,
+}
+
+/// What came of comparing recordings A and B.
+#[derive(Debug, Clone, Default)]
+pub struct Closeness {
+    /// Columns that both have.
+    pub columns: usize,
+    /// Instants that were compared.
+    pub samples: usize,
+    /// Instants of A, and of B, that were not.
+    pub left_out: (usize, usize),
+    /// Columns that only A has, and that only B has.
+    pub only: (Vec<String>, Vec<String>),
+    /// The largest difference of all.
+    pub largest: Option<Apart>,
+    /// Variables that are too far apart, in the order of A.
+    pub beyond: Vec<Beyond>,
+}
+
+impl Apart {
+    /// The difference; infinite where one value is not a number, or no finite one.
+    pub fn difference(&self) -> f64 {
+        difference(self.a, self.b)
+    }
+}
+
+impl fmt::Display for Apart {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, time, a, b, text } = self;
+        if *text {
+            let (a, b) = (texts::text(*a), texts::text(*b));
+            return write!(f, "{name} at t = {time}: {a:?} and {b:?}");
+        }
+        write!(f, "{name} at t = {time}: {a:?} and {b:?}")?;
+        let (apart, size) = (self.difference(), a.abs().max(b.abs()));
+        match apart.is_finite() && size > 0.0 {
+            true => write!(f, ", {apart:.3e} apart, {:.2e} of the greater", apart / size),
+            false => Ok(()),
+        }
+    }
+}
+
+impl Closeness {
+    /// Compares two recordings.
+    pub fn of(a: &Recording, b: &Recording, tolerance: &Tolerance) -> Self {
+        let lacks = |names: &[String], name: &str| !names.iter().any(|own| own == name);
+        let only = |these: &[String], those: &[String]| {
+            these.iter().filter(|name| lacks(those, name)).cloned().collect()
+        };
+        let places = align(a.time(), b.time(), tolerance.interpolate);
+        let mut found = Self {
+            samples: places.len(),
+            left_out: (
+                a.time().len() - places.len(),
+                b.time().len() - places.iter().filter(|place| place.part == 0.0).count(),
+            ),
+            only: (only(a.names(), b.names()), only(b.names(), a.names())),
+            ..Self::default()
+        };
+        if tolerance.interpolate {
+            found.left_out.1 = 0;
+        }
+        for (name, of_a) in a.columns() {
+            let Ok(of_b) = b.column(name) else { continue };
+            found.columns += 1;
+            if a.is_text(name) || b.is_text(name) {
+                found.compare_texts(name, &places, (a.time(), of_a, of_b));
+                continue;
+            }
+            found.compare(name, &places, (a.time(), of_a, of_b), tolerance);
+        }
+        found
+    }
+
+    /// Whether all that was compared is near enough, and there was something to compare.
+    pub fn is_close(&self) -> bool {
+        let all = self.only.0.is_empty() && self.only.1.is_empty();
+        all && self.beyond.is_empty() && self.samples > 0
+    }
+
+    /// Strings are the same or not; of B those before count.
+    fn compare_texts(
+        &mut self,
+        name: &str,
+        places: &[Place],
+        (time, of_a, of_b): (&[f64], &[f64], &[f64]),
+    ) {
+        let mut differ = places.iter().filter(|p| of_a[p.a].to_bits() != of_b[p.b].to_bits());
+        let Some(first) = differ.next() else { return };
+        let (time, a, b) = (time[first.a], of_a[first.a], of_b[first.b]);
+        let worst = Apart { name: name.to_owned(), time, a, b, text: true };
+        self.beyond.push(Beyond { samples: 1 + differ.count(), first: time, worst });
+    }
+
+    fn compare(
+        &mut self,
+        name: &str,
+        places: &[Place],
+        (time, of_a, of_b): (&[f64], &[f64], &[f64]),
+        tolerance: &Tolerance,
+    ) {
+        let absolute = Tolerance::of(&tolerance.absolute, name);
+        let relative = Tolerance::of(&tolerance.relative, name);
+        let mut beyond: Option<(Beyond, f64)> = None;
+        for place in places {
+            let (a, b) = (of_a[place.a], place.value(of_b));
+            let apart = difference(a, b);
+            let here = || Apart { name: name.to_owned(), time: time[place.a], a, b, text: false };
+            let largest = self.largest.as_ref().map_or(0.0, Apart::difference);
+            if apart > largest {
+                self.largest = Some(here());
+            }
+            let permitted = absolute + relative * a.abs().max(b.abs());
+            if apart <= permitted {
+                continue;
+            }
+            let excess = apart / permitted;
+            match &mut beyond {
+                None => {
+                    let first = Beyond { samples: 1, first: time[place.a], worst: here() };
+                    beyond = Some((first, excess));
+                }
+                Some((beyond, worst)) => {
+                    beyond.samples += 1;
+                    // Where nothing is permitted every excess is infinite.
+                    if excess > *worst || (excess == *worst && apart > beyond.worst.difference()) {
+                        (*worst, beyond.worst) = (excess, here());
+                    }
+                }
+            }
+        }
+        self.beyond.extend(beyond.map(|(beyond, _)| beyond));
+    }
+}
+
+fn difference(a: f64, b: f64) -> f64 {
+    match a == b || (a.is_nan() && b.is_nan()) {
+        true => 0.0,
+        false if (a - b).is_nan() => f64::INFINITY,
+        false => (a - b).abs(),
+    }
+}
+
+/// A sample of A, and where that is in B: at a sample, or this part of the way to the next.
+struct Place {
+    a: usize,
+    b: usize,
+    part: f64,
+}
+
+impl Place {
+    fn value(&self, of_b: &[f64]) -> f64 {
+        match self.part {
+            0.0 => of_b[self.b],
+            part => of_b[self.b] + part * (of_b[self.b + 1] - of_b[self.b]),
+        }
+    }
+}
+
+/// Instants come more than once where events are recorded: the first is compared with the first.
+fn align(a: &[f64], b: &[f64], interpolate: bool) -> Vec<Place> {
+    let mut places = Vec::new();
+    let mut next = 0;
+    for (sample, &time) in a.iter().enumerate() {
+        let same = SAME_TIME * (1.0 + time.abs());
+        while next < b.len() && b[next] < time - same {
+            next += 1;
+        }
+        if next == b.len() {
+            break;
+        }
+        if b[next] <= time + same {
+            places.push(Place { a: sample, b: next, part: 0.0 });
+            next += 1;
+        } else if interpolate && next > 0 {
+            let (from, to) = (b[next - 1], b[next]);
+            places.push(Place { a: sample, b: next - 1, part: (time - from) / (to - from) });
+        }
+    }
+    places
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn recording(time: &[f64], x: &[f64]) -> Recording {
+        Recording::from_columns(vec!["m.x".to_owned()], time.to_vec(), vec![x.to_vec()])
+    }
+
+    #[test]
+    fn tolerances_are_absolute_plus_relative_and_names_come_before_patterns() {
+        let a = recording(&[0.0, 1.0, 2.0], &[0.0, 100.0, f64::NAN]);
+        let b = recording(&[0.0, 1.0, 2.0], &[1e-4, 101.0, f64::NAN]);
+        let close = |tolerance: Tolerance| Closeness::of(&a, &b, &tolerance).is_close();
+        let all = Tolerance::new().absolute("*", 1e-3).relative("*", 0.02);
+        assert!(close(all.clone()));
+        assert!(!close(all.clone().relative("m.x", 1e-3)));
+        assert!(!close(all.relative("m.?", 1e-3)));
+        let found = Closeness::of(&a, &b, &Tolerance::new());
+        assert_eq!(found.beyond[0].samples, 2);
+        assert_eq!((found.beyond[0].first, found.beyond[0].worst.time), (0.0, 1.0));
+        let told = found.largest.unwrap().to_string();
+        assert_eq!(told, "m.x at t = 1: 100.0 and 101.0, 1.000e0 apart, 9.90e-3 of the greater");
+        assert!(!Closeness::of(&a, &recording(&[5.0], &[0.0]), &Tolerance::new()).is_close());
+    }
+
+    #[test]
+    fn instants_are_aligned_or_interpolated() {
+        let a = recording(&[0.0, 0.5, 1.0, 1.5], &[0.0, 1.0, 2.0, 3.0]);
+        let b = recording(&[0.0, 1.0 + 1e-12, 1.2, 2.0], &[0.0, 2.0, 9.0, 1.0]);
+        let plain = Closeness::of(&a, &b, &Tolerance::new());
+        assert!(plain.is_close());
+        assert_eq!((plain.samples, plain.left_out), (2, (2, 2)));
+        let between = Closeness::of(&a, &b, &Tolerance::new().interpolate(true));
+        assert_eq!((between.samples, between.left_out), (4, (0, 0)));
+        assert_eq!(between.beyond[0].worst.b, 6.0);
+    }
+}

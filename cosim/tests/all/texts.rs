@@ -1,0 +1,124 @@
+//! Strings between components and in results.
+
+use cosim::observe::{Continued, CsvRecorder, McapRecorder};
+use cosim::{Algorithm, Observer, Overrides, Recording, Run, Snapshot, System};
+
+use crate::command::{cosim, text};
+use crate::formats::{Folder, component, connection, ssd, system};
+use crate::models::Model::Gain;
+
+/// What `said` tells the time to `heard` and that passes it on, with the length as k.
+fn talk(folder: &Folder) -> std::path::PathBuf {
+    let last = "</ModelVariables>";
+    let ports = "<ScalarVariable name=\"heard\" valueReference=\"1\" causality=\"input\" \
+                 variability=\"discrete\"><String start=\"\"/></ScalarVariable><ScalarVariable \
+                 name=\"said\" valueReference=\"2\" causality=\"output\" variability=\"discrete\">\
+                 <String/></ScalarVariable></ModelVariables>";
+    let with = |name: &str, define: &[&str]| {
+        Gain.variant(&folder.path(name), define, |text| text.replace(last, ports))
+    };
+    let (teller, listener) = (with("teller.fmu", &["TELLS_TIME"]), with("listener.fmu", &[]));
+    let ports = "heard:input:String said:output:String";
+    let elements = [component("a", &teller, ports, ""), component("b", &listener, ports, "")];
+    let wire = connection("a.said", "b.heard", "");
+    folder.write("talk.ssd", &ssd(&system(&elements.concat(), &wire), ""))
+}
+
+fn recorded() -> Overrides {
+    Overrides::new().output_variables(["b.said", "b.k", "a.said"]).start_value("a.text", "begin")
+}
+
+fn last(recording: &Recording, name: &str) -> String {
+    recording.text(name).unwrap().last().unwrap().to_string()
+}
+
+#[test]
+fn strings_pass_as_other_values_do() {
+    let folder = Folder::new();
+    let file = talk(&folder);
+    for (algorithm, heard) in [(Algorithm::GaussSeidel, "1.0 s"), (Algorithm::Jacobi, "0.9 s")] {
+        let system = System::load(&file, &recorded().algorithm(algorithm)).unwrap();
+        let mut recording = Recording::new();
+        system.run(&mut [&mut recording]).unwrap();
+        assert_eq!(&*recording.text("a.said").unwrap()[0], "begin");
+        assert_eq!(&*recording.text("b.said").unwrap()[0], "begin");
+        assert_eq!(last(&recording, "a.said"), "1.0 s, \"said\"");
+        assert_eq!(last(&recording, "b.said"), format!("{heard}, \"said\""));
+        assert_eq!(*recording.column("b.k").unwrap().last().unwrap(), 13.0);
+    }
+    // By a pattern, too; without being asked for no String is recorded.
+    let names = |overrides: &Overrides| {
+        let system = System::load(&file, overrides).unwrap();
+        system.columns().iter().map(|c| c.name.clone()).collect::<Vec<_>>()
+    };
+    assert_eq!(names(&Overrides::new().output_variable("?.said")), ["a.said", "b.said"]);
+    assert!(!names(&Overrides::new()).contains(&"a.said".to_owned()));
+}
+
+#[test]
+fn files_hold_strings_and_their_digest_is_one() {
+    let folder = Folder::new();
+    let system = System::load(talk(&folder), &recorded()).unwrap();
+    let mut recording = Recording::new();
+    let (csv, mcap) = (folder.path("x.csv"), folder.path("x.mcap"));
+    let mut to_csv = CsvRecorder::create(&csv).unwrap();
+    let mut to_mcap = McapRecorder::create(&mcap).unwrap();
+    system.run(&mut [&mut recording, &mut to_csv, &mut to_mcap]).unwrap();
+    let written = std::fs::read_to_string(&csv).unwrap();
+    assert!(written.contains("\n0.0,\"begin\",5.0,\"begin\"\n"), "{written}");
+    assert!(written.contains("0.1,\"0.1 s, \"\"said\"\"\",13.0,"), "{written}");
+    for file in [&csv, &mcap] {
+        let read = Recording::read(file).unwrap();
+        assert_eq!(read.text("b.said").unwrap(), recording.text("b.said").unwrap());
+        assert_eq!(read.digest().unwrap().text(), recording.digest().unwrap().text());
+    }
+    std::fs::write(folder.path("y.csv"), written.replace("begin", "start")).unwrap();
+    let output = cosim(folder.0.path(), &["verify", "x.csv", "y.csv"]);
+    assert_eq!(output.status.code(), Some(1));
+    let told = text(&output.stdout);
+    assert!(told.contains("b.said: \"begin\" and \"start\""), "{told}");
+    assert!(cosim(folder.0.path(), &["verify", "x.csv", "x.mcap"]).status.success());
+    assert!(cosim(folder.0.path(), &["report", "x.csv"]).status.success());
+}
+
+#[test]
+fn a_run_with_strings_goes_on_from_its_snapshots() {
+    let folder = Folder::new();
+    let system = System::load(talk(&folder), &recorded()).unwrap();
+    let (whole, resumed) = (folder.path("whole.csv"), folder.path("resumed.csv"));
+    let mut recorder = CsvRecorder::create(&whole).unwrap();
+    let mut kept = None;
+    let mut keep = |snapshot: Snapshot| {
+        kept = Some(snapshot);
+        Ok(())
+    };
+    let at = cosim::Time::from_seconds(0.5, "t").unwrap();
+    Run::new(&system).observe(&mut recorder).snapshots(None, &[at], &mut keep).go().unwrap();
+    let file = folder.path("x.snapshot");
+    kept.unwrap().write(&file).unwrap();
+    // Another process has other numbers: this one has given out more since then.
+    cosim::texts::number("something that nobody said before");
+    let old = Recording::read_csv(&whole).unwrap();
+    let recorder: Box<dyn Observer> = Box::new(CsvRecorder::create(&resumed).unwrap());
+    let mut continued = Continued::new(recorder, old);
+    let snapshot = Snapshot::read(&file).unwrap();
+    Run::new(&system).observe(&mut continued).resume(&snapshot).go().unwrap();
+    assert_eq!(std::fs::read(&whole).unwrap(), std::fs::read(&resumed).unwrap());
+    // In a process of its own.
+    let arguments = ["run", "talk.ssd", "-q", "-o", "other.csv", "--start-value", "a.text=begin"];
+    let columns = ["--output-variable=b.said", "--output-variable=b.k", "--output-variable=a.said"];
+    let more = ["--resume", "x.snapshot"];
+    std::fs::copy(&whole, folder.path("other.csv")).unwrap();
+    let output = cosim(folder.0.path(), &[&arguments[..], &columns, &more].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert_eq!(std::fs::read(&whole).unwrap(), std::fs::read(folder.path("other.csv")).unwrap());
+}
+
+#[test]
+fn strings_are_not_distributed() {
+    let folder = Folder::new();
+    talk(&folder);
+    let output = cosim(folder.0.path(), &["run", "talk.ssd", "-q", "--workers", "2"]);
+    let told = text(&output.stderr);
+    assert!(output.status.code() == Some(2) && told.contains("[E503] Strings"), "{told}");
+}
