@@ -10,7 +10,7 @@ use sha2::{Digest, Sha256};
 use crate::time::Time;
 
 /// Version of the protocol; both sides must have the same.
-pub(crate) const VERSION: u8 = 2;
+pub(crate) const VERSION: u8 = 1;
 const MAGIC: u8 = 0xC5;
 /// Octets of a header.
 pub(crate) const HEADER: usize = 32;

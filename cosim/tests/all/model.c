@@ -367,7 +367,7 @@ Status fmi2DoStep(Component c, double t, double h, int no_set) {
 #elif defined MODEL_MASS || defined MODEL_INERTIA
   oscillate(m, h);
 #endif
-  m->r[0] += m->slope * h;
+  if (m->slope) m->r[0] += m->slope * h; /* -0.0 + 0.0 would be 0.0 */
 #ifdef MODEL_COUNTER
   if (m->steps == 2 && m->text[0])
     m->callbacks->log(m->callbacks->environment, m->name, 1, "logAll", "%s", m->text);
