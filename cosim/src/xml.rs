@@ -160,7 +160,7 @@ impl Parser<'_> {
         let namespace = match namespace {
             ResolveResult::Bound(bound) => bound.into_inner().to_owned(),
             ResolveResult::Unbound => String::new(),
-            ResolveResult::Unknown(prefix) => match customary(&prefix) {
+            ResolveResult::Unknown(prefix) => match customary(prefix) {
                 Some(namespace) => namespace.to_owned(),
                 None => {
                     return Err(self

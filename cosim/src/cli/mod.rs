@@ -52,7 +52,7 @@ enum Verb {
     Inspect(inspect::Inspect),
     Validate(validate::Validate),
     Simulate(simulate::Simulate),
-    Run(run::Run),
+    Run(Box<run::Run>),
     Convert(convert::Convert),
     Export(export::Export),
     Proxy(proxy::Proxy),

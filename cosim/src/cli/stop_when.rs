@@ -5,17 +5,20 @@ use std::str::FromStr;
 use cosim::observe::{RunInfo, Stop};
 use cosim::{Code, Error, Observer, Result, Time, names};
 
+/// Whether a value and a number are so related.
+type Holds = fn(f64, f64) -> bool;
+
 /// Compared with a number.
 #[derive(Clone)]
 pub(crate) struct Condition {
     variable: String,
     relation: &'static str,
-    holds: fn(f64, f64) -> bool,
+    holds: Holds,
     number: f64,
 }
 
 /// Longer signs first: `<=` is no `<`.
-const RELATIONS: [(&str, fn(f64, f64) -> bool); 7] = [
+const RELATIONS: [(&str, Holds); 7] = [
     ("<=", |a, b| a <= b),
     (">=", |a, b| a >= b),
     ("!=", |a, b| a != b),
