@@ -36,8 +36,17 @@ pub(crate) fn output(command: &mut Command) -> Result<String> {
 }
 
 /// `cargo` as it runs us, in the workspace root, sharing its target folder.
+///
+/// Without what `cargo run` says of our own package: build scripts that look at it (of `ring`) would run
+/// again, and all that needs them be built again, whenever `cargo` is called by hand in between.
 pub(crate) fn cargo(arguments: &[&str]) -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()));
+    let own = |name: &str| name.starts_with("CARGO_PKG_") || name.starts_with("CARGO_MANIFEST_");
+    for (name, _) in std::env::vars_os() {
+        if name.to_str().is_some_and(own) {
+            command.env_remove(name);
+        }
+    }
     command
         .args(arguments)
         .current_dir(super::paths::root())
