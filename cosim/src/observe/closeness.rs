@@ -191,7 +191,11 @@ impl Closeness {
             if apart > largest {
                 self.largest = Some(here());
             }
-            let permitted = absolute + relative * a.abs().max(b.abs());
+            // Of values without end or number, nothing but the same is near enough.
+            let permitted = match apart.is_finite() && apart > 0.0 {
+                true => absolute + relative * a.abs().max(b.abs()),
+                false => 0.0,
+            };
             if apart <= permitted {
                 continue;
             }
@@ -277,6 +281,8 @@ mod tests {
         let all = Tolerance::new().absolute("*", 1e-3).relative("*", 0.02);
         assert!(close(all.clone()));
         assert!(!close(all.clone().relative("m.x", 1e-3)));
+        let endless = recording(&[0.0, 1.0, 2.0], &[0.0, f64::INFINITY, f64::NAN]);
+        assert!(!Closeness::of(&a, &endless, &all).is_close());
         assert!(!close(all.relative("m.?", 1e-3)));
         let found = Closeness::of(&a, &b, &Tolerance::new());
         assert_eq!(found.beyond[0].samples, 2);
