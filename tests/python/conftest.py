@@ -7,7 +7,20 @@ import csv
 from importlib.metadata import version
 from pathlib import Path
 
+import fmpy.simulation
 import pytest
+
+# FMPy hands all messages to the logger of the last simulation that had one, also when that is gone
+# (fmpy 0.3.32, `addLoggerProxy`): keep them.
+LOGGERS = []
+
+
+def kept(logger, make=fmpy.simulation.fmi2CallbackLoggerTYPE):
+    LOGGERS.append(make(logger))
+    return LOGGERS[-1]
+
+
+fmpy.simulation.fmi2CallbackLoggerTYPE = kept
 
 ROOT = Path(__file__).resolve().parents[2]
 FMUS = ROOT / "target" / "fmus"
