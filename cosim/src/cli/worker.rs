@@ -149,8 +149,8 @@ impl Worker {
 /// How long an endpoint that failed is left alone.
 const PAUSE: Duration = Duration::from_secs(1);
 
-/// Serves at each endpoint by a thread of its own. Where there are several, one that fails is told
-/// and does not end the others; one whose session fails is dialled again.
+/// Serves each endpoint in a thread of its own. If there are several, a failure of one is reported and
+/// does not end the others; a lost session is dialled again.
 fn serve_all(workers: &[distributed::Worker], ended: &(dyn Fn() -> bool + Sync)) -> Result<()> {
     if let [only] = workers {
         return only.serve(ended);

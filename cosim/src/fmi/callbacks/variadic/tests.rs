@@ -90,7 +90,7 @@ fn whatever_is_passed_as_environment_a_message_finds_its_instance() {
         say(environment, name);
         assert_eq!((a.take().len(), b.take().len()), (0, 1), "{environment:#x}");
     }
-    // Nobody's.
+    // These belong to no live instance.
     say(1, c"one c".as_ptr());
     say(gone, std::ptr::null());
     assert_eq!((a.take().len(), b.take().len()), (0, 0));
