@@ -12,9 +12,12 @@ use cosim::{Overrides, Recording, Snapshot, System};
 use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 
+#[path = "budget.rs"]
+mod budget;
 #[path = "samples.rs"]
 mod samples;
 
+pub use budget::within;
 pub use samples::*;
 
 /// Archives are unpacked, and what was unpacked is looked at.

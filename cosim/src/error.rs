@@ -6,6 +6,8 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use crate::shown::{one_line, set_in};
+
 mod code;
 mod remedy;
 pub use code::Code;
@@ -26,7 +28,12 @@ struct Detail {
     /// What an FMI function returned.
     status: Option<i32>,
     others: Vec<Error>,
+    /// So many more were found, and are not kept.
+    more: usize,
 }
+
+/// Problems that are kept of those found together: a file can have a million.
+const KEPT: usize = 100;
 
 impl Error {
     /// An error of the kind `code`; `what` is one sentence without a full stop.
@@ -40,6 +47,7 @@ impl Error {
             log: Vec::new(),
             status: None,
             others: Vec::new(),
+            more: 0,
         }))
     }
 
@@ -92,8 +100,9 @@ impl Error {
         self
     }
 
-    /// Several problems as one error; `Ok` when there is none.
+    /// Several problems as one error; `Ok` when there is none. Of many the first hundred are kept.
     pub fn all(problems: Vec<Error>) -> Result<()> {
+        let mut more: usize = problems.iter().map(|problem| problem.0.more).sum();
         let mut rest = problems.into_iter().flat_map(|mut problem| {
             let others = std::mem::take(&mut problem.0.others);
             std::iter::once(problem).chain(others)
@@ -101,7 +110,9 @@ impl Error {
         match rest.next() {
             None => Ok(()),
             Some(mut first) => {
-                first.0.others.extend(rest);
+                first.0.others.extend(rest.by_ref().take(KEPT - 1));
+                more += rest.count();
+                first.0.more = more;
                 Err(first)
             }
         }
@@ -167,21 +178,21 @@ impl Error {
 
     fn write_one(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let detail = &*self.0;
-        write!(f, "[{}] {}", detail.code, detail.what)?;
+        write!(f, "[{}] {}", detail.code, set_in(&detail.what))?;
         if let Some((file, line)) = &detail.place {
-            write!(f, "\n  at:   {}", file.display())?;
+            write!(f, "\n  at:   {}", one_line(&file.to_string_lossy()))?;
             if let Some(line) = line {
                 write!(f, ":{line}")?;
             }
         }
         if let Some(why) = &detail.why {
-            write!(f, "\n  why:  {why}")?;
+            write!(f, "\n  why:  {}", set_in(why))?;
         }
         for line in &detail.log {
-            write!(f, "\n  log:  {line}")?;
+            write!(f, "\n  log:  {}", set_in(line))?;
         }
         if let Some(help) = &detail.help {
-            write!(f, "\n  help: {help}")?;
+            write!(f, "\n  help: {}", set_in(help))?;
         }
         Ok(())
     }
@@ -195,7 +206,10 @@ impl fmt::Display for Error {
             other.write_one(f)?;
         }
         if !self.0.others.is_empty() {
-            write!(f, "\n{} problems", self.0.others.len() + 1)?;
+            write!(f, "\n{} problems", self.0.others.len() + 1 + self.0.more)?;
+        }
+        if self.0.more > 0 {
+            write!(f, ", of which the first {KEPT} are told")?;
         }
         Ok(())
     }

@@ -1,16 +1,31 @@
 //! Names as people type them: the nearest valid one, and patterns with `*` and `?`.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 /// Longest name that is compared: the comparison takes time and memory by the square.
 const MAX_COMPARED: usize = 256;
+/// Pairs of characters that are compared for one name, and in all by a process. Names come from
+/// files, too: one with many wrong names and many valid ones would keep it busy for hours.
+const MAX_PAIRS: u64 = 1 << 22;
+const MAX_PAIRS_IN_ALL: u64 = 1 << 28;
 
 /// The candidate nearest to `name`, when one is near enough to be meant.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    if name.len() > MAX_COMPARED {
+    static SPENT: AtomicU64 = AtomicU64::new(0);
+    if name.len() > MAX_COMPARED || SPENT.load(Ordering::Relaxed) > MAX_PAIRS_IN_ALL {
         return None;
     }
+    let mut pairs = 0;
+    let mut affordable = |candidate: &str| {
+        let more = ((name.len() + 1) * (candidate.len() + 1)) as u64;
+        pairs += more;
+        SPENT.fetch_add(more, Ordering::Relaxed);
+        pairs <= MAX_PAIRS
+    };
     candidates
         .into_iter()
         .filter(|candidate| candidate.len() <= MAX_COMPARED)
+        .take_while(|candidate| affordable(candidate))
         .map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate))
         .min_by_key(|&(distance, _)| distance)
         .filter(|&(distance, candidate)| distance <= (candidate.len().max(name.len()) / 2).max(1))

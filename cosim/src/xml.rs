@@ -2,10 +2,14 @@
 //!
 //! Both kinds of file read here (modelDescription.xml, SSP) are small enough for a tree, and a
 //! tree lets the readers be plain functions. Files come from strangers, so a DTD, entities other
-//! than the five predefined ones, great depth and great numbers are refused.
+//! than the five predefined ones, great depth and great numbers are refused, and a tree takes no
+//! more memory than [`MAX_TREE`], nor than 128 times its text: names and namespaces are kept once,
+//! however often they occur.
 
 use std::borrow::Cow;
+use std::collections::HashSet;
 use std::path::Path;
+use std::sync::Arc;
 
 use quick_xml::NsReader;
 use quick_xml::XmlVersion;
@@ -16,7 +20,7 @@ use quick_xml::name::ResolveResult;
 use crate::error::{Code, Error, Result};
 
 mod element;
-pub use element::{Attribute, Element};
+pub use element::{Attribute, Element, Name};
 
 const MAX_BYTES: u64 = 256 << 20;
 const MAX_DEPTH: usize = 64;
@@ -24,6 +28,12 @@ const MAX_ELEMENTS: usize = 2_000_000;
 const MAX_ATTRIBUTES: usize = 256;
 /// Of an element or attribute, in bytes.
 const MAX_NAME: usize = 1024;
+/// Bytes of memory for the tree of one file; where the process may have little, a quarter of that.
+const MAX_TREE: u64 = 768 << 20;
+/// What an element takes at most: the list that it is in doubles when it grows, and is copied then.
+const PER_ELEMENT: usize = 3 * size_of::<Element>();
+/// What a text on the heap takes beside itself.
+const PER_TEXT: usize = 32;
 
 /// Reads and parses `file`; `shown` is its name in messages (a file in an archive is unpacked
 /// somewhere the user has never seen).
@@ -56,7 +66,23 @@ pub fn decode(bytes: &[u8], file: &Path) -> Result<Element> {
 /// Parses `text`; `file` is its name in messages.
 pub fn parse(text: &str, file: &Path) -> Result<Element> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    Parser { file, text, counted_to: 0, line: 1, open: Vec::new(), elements: 0 }.document()
+    Parser {
+        file,
+        text,
+        counted_to: 0,
+        line: 1,
+        open: Vec::new(),
+        elements: 0,
+        names: HashSet::new(),
+        left: budget(),
+    }
+    .document()
+}
+
+/// The memory for a tree.
+fn budget() -> u64 {
+    let limit = rustix::process::getrlimit(rustix::process::Resource::As).current;
+    limit.map_or(MAX_TREE, |limit| MAX_TREE.min(limit / 4))
 }
 
 struct Parser<'a> {
@@ -68,6 +94,10 @@ struct Parser<'a> {
     /// The elements not yet closed, outermost first.
     open: Vec<Element>,
     elements: usize,
+    /// Names and namespaces met so far.
+    names: HashSet<Arc<str>>,
+    /// Bytes of memory that the tree may still take.
+    left: u64,
 }
 
 impl Parser<'_> {
@@ -119,7 +149,8 @@ impl Parser<'_> {
                 Event::Comment(_) | Event::PI(_) => None,
                 Event::Eof => break,
             };
-            if let Some(element) = closed {
+            if let Some(mut element) = closed {
+                element.children.shrink_to_fit();
                 match self.open.last_mut() {
                     Some(parent) => parent.children.push(element),
                     None if root.is_none() => root = Some(element),
@@ -158,10 +189,10 @@ impl Parser<'_> {
                 .why(format!("the limits are {MAX_DEPTH} levels and {MAX_ELEMENTS} elements")));
         }
         let namespace = match namespace {
-            ResolveResult::Bound(bound) => bound.into_inner().to_owned(),
-            ResolveResult::Unbound => String::new(),
+            ResolveResult::Bound(bound) => bound.into_inner(),
+            ResolveResult::Unbound => "",
             ResolveResult::Unknown(prefix) => match customary(prefix) {
-                Some(namespace) => namespace.to_owned(),
+                Some(namespace) => namespace,
                 None => {
                     return Err(self
                         .wrong(format!("the prefix '{prefix}:' is not declared"))
@@ -170,21 +201,18 @@ impl Parser<'_> {
             },
         };
         self.check_name(tag.name().into_inner())?;
+        self.spend(PER_ELEMENT)?;
         let attributes = self.attributes(tag)?;
-        self.open.push(Element {
-            namespace,
-            name: tag.local_name().into_inner().to_owned(),
-            line: self.line,
-            attributes,
-            children: Vec::new(),
-            text: String::new(),
-        });
+        let (namespace, name) = (self.name(namespace)?, self.name(tag.local_name().into_inner())?);
+        let (line, children, text) = (self.line, Vec::new(), String::new());
+        self.open.push(Element { namespace, name, line, attributes, children, text });
         Ok(())
     }
 
-    fn attributes(&self, tag: &BytesStart<'_>) -> Result<Vec<Attribute>> {
+    fn attributes(&mut self, tag: &BytesStart<'_>) -> Result<Vec<Attribute>> {
         let mut attributes = Vec::new();
-        for attribute in tag.attributes() {
+        // Names are compared below: the reader's own way takes the square of their number.
+        for attribute in tag.attributes().with_checks(false) {
             let attribute = attribute.map_err(|e| self.wrong("an attribute is wrong").why(e))?;
             if attributes.len() == MAX_ATTRIBUTES {
                 return Err(self.wrong(format!("more than {MAX_ATTRIBUTES} attributes")));
@@ -194,11 +222,42 @@ impl Parser<'_> {
                 .map_err(|e| self.wrong("an attribute's value is wrong").why(e))?;
             let name = attribute.key.into_inner();
             self.check_name(name)?;
-            if name != "xmlns" && !name.starts_with("xmlns:") {
-                attributes.push(Attribute { name: name.to_owned(), value: value.into_owned() });
-            }
+            self.spend(size_of::<Attribute>() + PER_TEXT + value.len())?;
+            let name = self.name(name)?;
+            attributes.push(Attribute { name, value: value.into_owned() });
         }
+        let mut names: Vec<&str> = attributes.iter().map(|a| a.name.as_str()).collect();
+        names.sort_unstable();
+        if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+            return Err(self.wrong(format!("the attribute '{}' stands there twice", pair[0])));
+        }
+        attributes.retain(|a| a.name != "xmlns" && !a.name.starts_with("xmlns:"));
+        attributes.shrink_to_fit();
         Ok(attributes)
+    }
+
+    /// A name of this document, kept once.
+    fn name(&mut self, text: &str) -> Result<Name> {
+        if let Some(known) = self.names.get(text) {
+            return Ok(Name::from(known.clone()));
+        }
+        self.spend(2 * PER_TEXT + 4 * size_of::<Arc<str>>() + text.len())?;
+        let name: Arc<str> = text.into();
+        self.names.insert(name.clone());
+        Ok(Name::from(name))
+    }
+
+    /// Refuses what would take more memory than there is for the tree.
+    fn spend(&mut self, bytes: usize) -> Result<()> {
+        match self.left.checked_sub(bytes as u64) {
+            Some(left) => {
+                self.left = left;
+                Ok(())
+            }
+            None => Err(self
+                .wrong("the file is refused: its content takes too much memory")
+                .why(format!("more than {} MiB up to this line", budget() >> 20))),
+        }
     }
 
     fn check_name(&self, name: &str) -> Result<()> {
@@ -209,6 +268,8 @@ impl Parser<'_> {
     }
 
     fn text(&mut self, text: &str) -> Result<()> {
+        // Texts grow by doubling.
+        self.spend(3 * text.len())?;
         match self.open.last_mut() {
             Some(element) => element.text.push_str(text),
             None if text.trim().is_empty() => (),

@@ -5,11 +5,12 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use cosim::Result;
 use cosim::System;
+use cosim::shown;
 use cosim::system::Delay;
 use serde_json::{Value, json};
 
 use super::changes::Changes;
-use super::output::print;
+use super::output::{print, print_lines};
 use super::{drawing, messages};
 
 /// How a system is shown.
@@ -44,7 +45,7 @@ impl Inspect {
             Shown::Text => {
                 messages::findings(&system, false);
                 system.sampled_loops().iter().for_each(|text| messages::note(text));
-                print(&text(&system))
+                print_lines(&text(&system))
             }
             Shown::Json => print(&json(&system).to_string()),
             Shown::Svg => print(drawing::svg(&system).trim_end()),
@@ -57,10 +58,10 @@ fn name(system: &System, component: usize) -> &str {
     &system.components()[component].name
 }
 
-fn text(system: &System) -> String {
+fn text(system: &System) -> Vec<String> {
     let mut lines = vec![format!("order of stepping ({})", system.algorithm())];
     let sequence = &system.order().sequence;
-    let width = sequence.iter().map(|&c| name(system, c).len()).max().unwrap_or(0);
+    let width = shown::width(sequence.iter().map(|&c| name(system, c)));
     for (place, &c) in sequence.iter().enumerate() {
         let (name, step) = (name(system, c), system.components()[c].step);
         lines.push(format!("  {:>3}  {name:width$}  every {step}", place + 1));
@@ -83,7 +84,7 @@ fn text(system: &System) -> String {
         let conversion = ends.conversion.as_ref().map_or(String::new(), |c| format!("  ({c})"));
         lines.push(format!("    {} -> {}{conversion}", variable(ends.from), variable(ends.to)));
     }
-    lines.join("\n")
+    lines
 }
 
 fn json(system: &System) -> Value {

@@ -2,6 +2,7 @@
 
 use std::io::{IsTerminal, Write};
 
+use cosim::shown::{set_in, visible};
 use cosim::{Error, System};
 
 /// Prints an error, and those reported with it.
@@ -11,28 +12,45 @@ pub(crate) fn error(error: &Error) {
 
 /// Prints what is odd but not wrong.
 pub(crate) fn warning(text: &str) {
-    tagged("warning", "33", text);
+    tagged("warning", "33", &set_in(text));
 }
 
 /// Prints what is neither odd nor wrong, and good to know.
 pub(crate) fn note(text: &str) {
-    tagged("note", "36", text);
+    tagged("note", "36", &set_in(text));
 }
 
-/// Prints what was done, and what components said.
+/// Prints what was done.
 pub(crate) fn tell(text: &str) {
-    line(text);
+    line(&visible(text));
+}
+
+/// Prints what a component said.
+pub(crate) fn said(text: &str) {
+    line(&set_in(text));
 }
 
 /// Prints what a system's check found: warnings always, notes unless `quiet`.
 pub(crate) fn findings(system: &System, quiet: bool) {
-    system.warnings().iter().for_each(|text| warning(text));
+    tell_some(system.warnings(), warning);
     if !quiet {
-        system.notes().iter().for_each(|text| note(text));
+        tell_some(system.notes(), note);
+    }
+}
+
+/// So many of one kind are told; a file can have a million.
+const TOLD: usize = 100;
+
+/// Tells the first of many.
+pub(crate) fn tell_some(texts: &[String], tell: fn(&str)) {
+    texts.iter().take(TOLD).for_each(|text| tell(text));
+    if texts.len() > TOLD {
+        tell(&format!("and {} more (--format json has them all)", texts.len() - TOLD));
     }
 }
 
 fn tagged(tag: &str, colour: &str, text: &str) {
+    let text = visible(text);
     let no_color = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
     if std::io::stderr().is_terminal() && !no_color {
         line(&format!("\x1b[1;{colour}m{tag}\x1b[0m: {text}"));

@@ -1,6 +1,7 @@
 //! The end of a run, for people and for programs.
 
 use cosim::pace::Overruns;
+use cosim::shown;
 use cosim::{Summary, System};
 use serde_json::{Value, json};
 
@@ -52,8 +53,7 @@ fn table(summary: &Summary) -> Vec<String> {
         components.sort_by(|a, b| b.share.total_cmp(&a.share));
     }
     let rest = components.split_off(components.len().min(TOLD));
-    let names = components.iter().map(|c| c.name.chars().count());
-    let width = names.max().unwrap_or(0).max(9);
+    let width = shown::width(components.iter().map(|c| c.name.as_str())).max(9);
     let head = ["component", "steps", "rejected", "us/step", "share"];
     let mut lines = vec![format!(
         "{:width$} {:>12} {:>9} {:>10} {:>7}",

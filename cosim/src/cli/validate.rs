@@ -35,8 +35,8 @@ impl Validate {
         }
         let findings = result?;
         if self.format == Format::Text {
-            findings.warnings.iter().for_each(|text| messages::warning(text));
-            findings.notes.iter().for_each(|text| messages::note(text));
+            messages::tell_some(&findings.warnings, messages::warning);
+            messages::tell_some(&findings.notes, messages::note);
             print(&format!("{} is valid", self.file.display()))?;
         }
         Ok(())

@@ -104,7 +104,10 @@ impl Verify {
     fn only(&self, (a, b): (&[String], &[String]), names: &[String; 2]) -> Result<()> {
         for (only, name) in [(a, &names[0]), (b, &names[1])] {
             if !only.is_empty() {
-                print(&format!("only {name} has: {}", only.join(", ")))?;
+                let told = only[..only.len().min(TOLD)].join(", ");
+                let more = only.len().saturating_sub(TOLD);
+                let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+                print(&format!("only {name} has: {told}{more}"))?;
             }
         }
         Ok(())
@@ -113,7 +116,7 @@ impl Verify {
     fn tell(&self, found: &Comparison, largest: Option<Apart>) -> Result<()> {
         let names = [&self.a, &self.b].map(|file| file.display().to_string());
         self.only((&found.only_a, &found.only_b), &names)?;
-        for (a, b) in found.renamed() {
+        for (a, b) in found.renamed().into_iter().take(TOLD) {
             print(&format!("is '{a}' called '{b}' in the other?"))?;
         }
         if let Some(Parting::Values { variables, .. }) = &found.parting {

@@ -5,6 +5,7 @@ use std::io::{IsTerminal, Write as _};
 
 use clap::Args;
 use cosim::distributed::{self, DEFAULT_ENDPOINT, GroupStatus, Status};
+use cosim::shown;
 use cosim::{Code, Error, Result};
 
 use super::Format;
@@ -77,7 +78,7 @@ fn waiting(group: &GroupStatus) -> Option<String> {
 /// A table, for terminals.
 fn table(status: &Status) -> String {
     let end = if status.ended { ", ended" } else { "" };
-    let mut text = format!("{}{end}\n", head(status));
+    let mut text = format!("{}{end}\n", shown::one_line(&head(status)));
     let title = ["place", "life", "answers", "mean ms", "longest", "waits ms", "components"];
     let [place, life, answers, mean, longest, waits, names] = title;
     let head =
@@ -89,12 +90,12 @@ fn table(status: &Status) -> String {
         let _ = writeln!(
             text,
             "{:<20} {:>4} {:>9} {:>8.3} {:>8.1} {waits:>8}  {}",
-            group.place,
+            shown::one_line(&group.place),
             group.generation,
             group.answers,
             group.mean * 1e3,
             group.longest * 1e3,
-            group.components.join(", "),
+            shown::one_line(&group.components.join(", ")),
         );
     }
     text

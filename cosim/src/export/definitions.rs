@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 use crate::system::{Xml, number};
 use crate::units::{BASES, Unit};
-use crate::xml::{Attribute, Element};
+use crate::xml::{Attribute, Element, Name};
 
 /// What the exposed variables refer to.
 #[derive(Default)]
@@ -48,7 +48,7 @@ impl Definitions {
                 "declaredType" => self.declared(root, value),
                 _ => Some(value.clone()),
             };
-            attributes.extend(value.map(|value| (name.clone(), value)));
+            attributes.extend(value.map(|value| (name.to_string(), value)));
         }
         // A display unit means something only with its unit.
         if !attributes.iter().any(|(name, _)| name == "unit") {
@@ -67,7 +67,7 @@ impl Definitions {
         let Some((name, Some(unit))) = unit else {
             return Vec::new();
         };
-        let attribute = |name: &str, value: String| Attribute { name: name.to_owned(), value };
+        let attribute = |name: &str, value: String| Attribute { name: name.into(), value };
         let bases = BASES.iter().zip(unit.exponents).filter(|(_, exponent)| *exponent != 0);
         let mut base: Vec<Attribute> =
             bases.map(|(base, exponent)| attribute(base, exponent.to_string())).collect();
@@ -88,7 +88,7 @@ impl Definitions {
             Some(unit) => add(&mut self.units, unit.clone(), &BTreeSet::new()),
             None if named(&self.units, name).is_some() => name.to_owned(),
             None => {
-                let own = vec![Attribute { name: "name".to_owned(), value: name.to_owned() }];
+                let own = vec![Attribute { name: "name".into(), value: name.to_owned() }];
                 add(&mut self.units, element("Unit", own, Vec::new()), &BTreeSet::new())
             }
         }
@@ -115,8 +115,8 @@ impl Definitions {
 }
 
 fn element(name: &str, attributes: Vec<Attribute>, children: Vec<Element>) -> Element {
-    let (namespace, text) = (String::new(), String::new());
-    Element { namespace, name: name.to_owned(), line: 0, attributes, children, text }
+    let text = String::new();
+    Element { namespace: "".into(), name: name.into(), line: 0, attributes, children, text }
 }
 
 fn named<'e>(elements: &'e [Element], name: &str) -> Option<&'e Element> {
@@ -147,7 +147,7 @@ fn add(list: &mut Vec<Element>, mut element: Element, taken: &BTreeSet<String>) 
 
 /// Whether two definitions say the same but for their names.
 fn same(a: &Element, b: &Element) -> bool {
-    let said = |element: &Element| -> BTreeSet<(String, String)> {
+    let said = |element: &Element| -> BTreeSet<(Name, String)> {
         let own = element.attributes.iter().filter(|a| a.name != "name");
         own.map(|a| (a.name.clone(), a.value.clone())).collect()
     };
@@ -173,7 +173,7 @@ fn copy(xml: &mut Xml, element: &Element) {
         "Enumeration",
         "Item",
     ];
-    let Some(name) = KNOWN.into_iter().find(|known| *known == element.name) else {
+    let Some(name) = KNOWN.into_iter().find(|known| element.name == *known) else {
         return;
     };
     let attributes: Vec<(&str, &str)> =

@@ -18,6 +18,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Fmu, LastCall, Mailbox};
 use crate::names;
+use crate::shown::one_line;
 
 /// What FMUs are asked to log, and who follows.
 #[derive(Debug, Clone, Default)]
@@ -70,7 +71,7 @@ impl Trace {
     pub(super) fn begin(&self, instance: &str, function: &'static str, arguments: &str) {
         self.write(|output| {
             output.end_line()?;
-            write!(output.writer, "{instance}: {function}({arguments})")?;
+            write!(output.writer, "{}: {function}({})", one_line(instance), one_line(arguments))?;
             output.open = Some(function);
             output.writer.flush()
         });
@@ -81,7 +82,7 @@ impl Trace {
         self.write(|output| {
             if output.open != Some(function) {
                 output.end_line()?;
-                write!(output.writer, "{instance}: ... {function}")?;
+                write!(output.writer, "{}: ... {function}", one_line(instance))?;
             }
             write!(output.writer, " -> {status}")?;
             output.open = Some(function);
@@ -92,7 +93,7 @@ impl Trace {
     /// The results of the call that ended last.
     pub(super) fn results(&self, results: &str) {
         self.write(|output| {
-            write!(output.writer, " ({results})")?;
+            write!(output.writer, " ({})", one_line(results))?;
             output.end_line()
         });
     }
@@ -101,7 +102,7 @@ impl Trace {
     pub(super) fn message(&self, instance: &str, text: &str) {
         self.write(|output| {
             output.end_line()?;
-            writeln!(output.writer, "{instance}: logger: {text}")
+            writeln!(output.writer, "{}: logger: {}", one_line(instance), one_line(text))
         });
     }
 

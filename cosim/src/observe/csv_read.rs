@@ -9,6 +9,9 @@ use super::csv::Form;
 use crate::error::{Code, Error, Result};
 use crate::texts;
 
+/// Each column takes some memory of its own, however short its name is.
+const MAX_COLUMNS: usize = 2_000_000;
+
 /// Reads `file`.
 pub(super) fn read(file: &Path) -> Result<Recording> {
     let text = std::fs::read_to_string(file)
@@ -32,6 +35,9 @@ fn parse(text: &str, file: &Path) -> Result<Recording> {
     let mut lines = records(text).filter(|(_, line)| !line.trim().is_empty());
     let wrong = |line: usize, what: String| Error::new(Code::Results, what).at_line(file, line + 1);
     let (_, header) = lines.next().ok_or_else(|| wrong(0, "the file is empty".to_owned()))?;
+    if header.bytes().filter(|byte| *byte == b',').count() > MAX_COLUMNS {
+        return Err(wrong(0, format!("more than {MAX_COLUMNS} columns are refused")));
+    }
     let mut names = split(&header);
     if names.first().is_none_or(|first| first != "time") {
         return Err(wrong(0, format!("the first column is '{}'", names.first().map_or("", |n| n)))

@@ -1,5 +1,6 @@
 //! Reading back what `mcap` wrote.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use super::Recording;
@@ -19,7 +20,6 @@ struct Read {
 
 /// The columns of one channel.
 struct Topic {
-    channel: u16,
     fields: Vec<Field>,
     columns: Vec<Read>,
 }
@@ -34,9 +34,10 @@ pub(super) fn read(file: &Path) -> Result<Recording> {
         .strip_prefix(MAGIC)
         .ok_or_else(|| wrong("the file is no MCAP: its first bytes are others".to_owned()))?;
     let mut topics: Vec<Topic> = Vec::new();
+    let mut by_channel: HashMap<u16, usize> = HashMap::new();
     let mut time: Vec<u64> = Vec::new();
     each(records, &mut |record| match record {
-        Record::Channel { id, .. } if topics.iter().any(|topic| topic.channel == id) => Ok(()),
+        Record::Channel { id, .. } if by_channel.contains_key(&id) => Ok(()),
         Record::Channel { id, topic, metadata } => {
             let listed = metadata.iter().find(|(key, _)| *key == COLUMNS).ok_or_else(|| {
                 format!(
@@ -45,11 +46,12 @@ pub(super) fn read(file: &Path) -> Result<Recording> {
             })?;
             let (fields, columns) = columns_of(listed.1)
                 .ok_or_else(|| format!("the channel {topic} lists no columns"))?;
-            topics.push(Topic { channel: id, fields, columns });
+            by_channel.insert(id, topics.len());
+            topics.push(Topic { fields, columns });
             Ok(())
         }
         Record::Message { channel, log_time, data } => {
-            let at = topics.iter().position(|topic| topic.channel == channel);
+            let at = by_channel.get(&channel).copied();
             let at = at.ok_or_else(|| format!("a message is of the unknown channel {channel}"))?;
             if at == 0 {
                 time.push(log_time);

@@ -3,6 +3,7 @@
 //! Values are compared bit by bit, so that -0 is not 0; all NaNs count as one, for CSV has no
 //! other. Columns are found by their names, samples by their number.
 
+use std::collections::HashMap;
 use std::fmt;
 
 use super::Recording;
@@ -104,18 +105,24 @@ impl fmt::Display for Differing {
 impl Comparison {
     /// Compares two recordings.
     pub fn of(a: &Recording, b: &Recording) -> Self {
-        let missing = |from: &Recording, of: &Recording| -> Vec<String> {
-            let lacks = |name: &&String| !from.names().contains(*name);
-            of.names().iter().filter(lacks).cloned().collect()
+        // Of columns of one name the first counts, as in `Recording::column`.
+        let index = |of: &Recording| -> HashMap<String, usize> {
+            let named = of.names().iter().cloned().enumerate().rev();
+            named.map(|(position, name)| (name, position)).collect()
         };
+        let (in_a, in_b) = (index(a), index(b));
+        let missing = |from: &HashMap<String, usize>, of: &Recording| -> Vec<String> {
+            of.names().iter().filter(|name| !from.contains_key(*name)).cloned().collect()
+        };
+        let columns: Vec<&[f64]> = b.columns().map(|(_, values)| values).collect();
         let pairs: Vec<Pair<'_>> = a
             .columns()
             .filter_map(|(name, values)| {
                 let text = a.is_text(name) && b.is_text(name);
-                Some(Pair { name, a: values, b: b.column(name).ok()?, text })
+                Some(Pair { name, a: values, b: columns[*in_b.get(name)?], text })
             })
             .collect();
-        let (only_a, only_b) = (missing(b, a), missing(a, b));
+        let (only_a, only_b) = (missing(&in_b, a), missing(&in_a, b));
         let (samples, parting) = parting(a.time(), b.time(), &pairs);
         let reordered = only_a.is_empty() && only_b.is_empty() && a.names() != b.names();
         Self { columns: pairs.len(), samples, only_a, only_b, reordered, parting }

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::shown;
+
 /// A table with a header; the first column is text, the others are numbers.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Table {
@@ -34,7 +36,7 @@ impl Table {
         let columns = lines().map(Vec::len).max().unwrap_or(0);
         let cell = |row: &[String], i: usize| row.get(i).cloned().unwrap_or_default();
         let widths: Vec<usize> = (0..columns)
-            .map(|i| lines().map(|row| cell(row, i).chars().count()).max().unwrap_or(0))
+            .map(|i| shown::width(lines().map(|row| row.get(i).map_or("", String::as_str))))
             .collect();
         let line = |row: &Vec<String>| {
             let cells = widths.iter().enumerate().map(|(i, &width)| match i {

@@ -18,6 +18,7 @@ mod read;
 mod single;
 mod write;
 
+use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -117,7 +118,7 @@ impl Component {
 }
 
 /// A variable of a component: positions in their lists.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Port {
     /// Position of the component.
     pub component: usize,
@@ -208,6 +209,12 @@ impl System {
                 format!("'{}' does not come from a system description", self.name),
             )),
         }
+    }
+
+    /// The files that it was read from: its description and its FMUs, as far as they are known.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let description = self.raw.iter().map(|raw| raw.file.as_path());
+        description.chain(self.components.iter().filter_map(|c| Some(c.fmu()?.path())))
     }
 
     /// Name of the system.
@@ -353,7 +360,8 @@ impl System {
             let inputs = inputs.filter(|(_, v)| v.causality == Causality::Input);
             inputs.map(move |(variable, _)| Port { component, variable })
         });
-        inputs.filter(|port| !self.connections.iter().any(|c| c.to == *port))
+        let driven: HashSet<Port> = self.connections.iter().map(|c| c.to).collect();
+        inputs.filter(move |port| !driven.contains(port))
     }
 
     /// The loops that are solved by iteration.

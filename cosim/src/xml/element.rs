@@ -1,6 +1,9 @@
 //! The tree: elements with their line, attributes and children.
 
+use std::fmt;
+use std::ops::Deref;
 use std::path::Path;
+use std::sync::Arc;
 
 use crate::error::{Code, Error, Result};
 use crate::names;
@@ -9,9 +12,9 @@ use crate::names;
 #[derive(Debug, Clone)]
 pub struct Element {
     /// The namespace's URI, empty when there is none.
-    pub namespace: String,
+    pub namespace: Name,
     /// The name without its prefix.
-    pub name: String,
+    pub name: Name,
     /// The line of its start tag.
     pub line: usize,
     /// Attributes in order, namespace declarations left out.
@@ -26,9 +29,64 @@ pub struct Element {
 #[derive(Debug, Clone)]
 pub struct Attribute {
     /// The name as written, with its prefix.
-    pub name: String,
+    pub name: Name,
     /// The value, unescaped.
     pub value: String,
+}
+
+/// A name or namespace. A document has each of them once in memory.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Name(Arc<str>);
+
+impl Name {
+    /// The text.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl From<Arc<str>> for Name {
+    fn from(text: Arc<str>) -> Self {
+        Self(text)
+    }
+}
+
+impl From<&str> for Name {
+    fn from(text: &str) -> Self {
+        Self(text.into())
+    }
+}
+
+impl Deref for Name {
+    type Target = str;
+
+    fn deref(&self) -> &str {
+        &self.0
+    }
+}
+
+impl PartialEq<str> for Name {
+    fn eq(&self, other: &str) -> bool {
+        &*self.0 == other
+    }
+}
+
+impl PartialEq<&str> for Name {
+    fn eq(&self, other: &&str) -> bool {
+        &*self.0 == *other
+    }
+}
+
+impl fmt::Display for Name {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(&self.0)
+    }
+}
+
+impl fmt::Debug for Name {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Debug::fmt(&self.0, f)
+    }
 }
 
 impl Element {

@@ -29,11 +29,16 @@ impl Room {
 
     /// Runs `cosim VERB FILE` for a file of these bytes: exit code and stderr.
     fn run(&self, verb: &str, name: &str, bytes: &[u8]) -> (i32, String) {
+        self.run_in(MEMORY, verb, name, bytes)
+    }
+
+    /// The same with other memory, in KiB.
+    fn run_in(&self, memory: u32, verb: &str, name: &str, bytes: &[u8]) -> (i32, String) {
         let inside = self.folder.path().join("a/b");
         std::fs::write(inside.join(name), bytes).unwrap();
         let before = self.files();
         let begun = Instant::now();
-        let limit = format!("ulimit -v {MEMORY}; exec \"$@\"");
+        let limit = format!("ulimit -v {memory}; exec \"$@\"");
         let output = Command::new("sh")
             .args(["-c", &limit, "sh", env!("CARGO_BIN_EXE_cosim")])
             .args(verb.split(' '))
@@ -445,4 +450,208 @@ fn results_that_lie_about_their_lengths() {
     let (code, shown) = room.run("verify r.mcap", "r.mcap", length);
     assert_eq!(code, 3, "{shown}");
     assert!(shown.contains("r.mcap") && shown.contains("a channel is damaged"), "{shown}");
+}
+
+/// A tree takes a bounded multiple of its text: a namespace that every element is in, names that
+/// occur a million times, attributes by the million. Where that is too much, it is refused in time.
+#[test]
+fn small_files_that_would_become_large_trees() {
+    let room = Room::new();
+    let root = "<fmiModelDescription fmiVersion='2.0'";
+    let children = "<b/>".repeat(250_000);
+    let namespaced =
+        format!("{root} xmlns='{}'>{children}</fmiModelDescription>", "n".repeat(60_000));
+    let deep = format!("<{0} xmlns:{0}='{0}'>", "p".repeat(1000)).repeat(60);
+    let prefixed = format!("{root}>{deep}");
+    let attributes: String = (0..250).map(|n| format!(" a{n}=''")).collect();
+    let wide = format!("<b{attributes}/>").repeat(60_000);
+    let wide = format!("{root}>{wide}</fmiModelDescription>");
+    let long = format!("{root} guid='{}'/>", "x".repeat(40 << 20));
+    for text in [&namespaced, &prefixed, &wide, &long] {
+        let (code, shown) = room.run_in(1 << 20, "info", "x.fmu", &described(text));
+        assert!(matches!(code, 0 | 3), "{code}: {}: {shown}", &text[..100]);
+    }
+    let (_, shown) = room.run_in(1 << 20, "info", "x.fmu", &described(&wide));
+    assert!(shown.contains("[E103]") && shown.contains("takes too much memory"), "{shown}");
+    // The same in a system, and in the parameters that it names.
+    let system = namespaced.replace("fmiModelDescription", "ssd:SystemStructureDescription");
+    let system = system.replacen(
+        "xmlns=",
+        "xmlns:ssd='http://ssp-standard.org/SSP1/SystemStructureDescription' xmlns=",
+        1,
+    );
+    let (code, shown) = room.run_in(1 << 20, "info", "x.ssd", system.as_bytes());
+    assert_eq!(code, 3, "{}", &shown[..shown.len().min(2000)]);
+}
+
+#[test]
+fn names_too_long_for_a_table() {
+    let room = Room::new();
+    let variable = |length: usize| {
+        let name = "v".repeat(length);
+        let inside = "causality='local'><Real start='1'/>";
+        let first =
+            format!("<ScalarVariable name='{name}' valueReference='90' {inside}</ScalarVariable>");
+        let text = Model::Gain.description();
+        described(text.replace("</ModelVariables>", &format!("{first}</ModelVariables>")))
+    };
+    for length in [65_535, 65_536, 1 << 20] {
+        for verb in ["info", "info --format json"] {
+            let (code, shown) = room.run(verb, "x.fmu", &variable(length));
+            assert_eq!(code, 0, "{length} {verb}: {shown}");
+        }
+    }
+}
+
+#[test]
+fn folders_that_are_only_parts_of_names() {
+    let room = Room::new();
+    let path = |n: usize| (0..28).map(|level| format!("{n}-{level}/")).collect::<String>() + "x";
+    let mut entries = vec![good()];
+    entries.extend((0..9_000).map(|n| Entry::new(path(n), b"")));
+    let parts = ["[E102]", "20000 files and folders"];
+    room.refuses("x.fmu", &archive(&entries), &parts);
+}
+
+#[test]
+fn a_million_columns_are_compared_in_time() {
+    let room = Room::new();
+    let mut table = String::from("time");
+    (0..1_000_000).for_each(|n| table.push_str(&format!(",c{n}")));
+    table.push_str("\n0");
+    table.push_str(&",1".repeat(1_000_000));
+    table.push('\n');
+    let other = table.replacen("c0,", "d0,", 1).replace("c999999\n", "d999999\n");
+    std::fs::write(room.folder.path().join("a/b/other.csv"), &other).unwrap();
+    let (code, shown) = room.run("verify other.csv", "r.csv", table.as_bytes());
+    assert_eq!(code, 1, "{shown}");
+    assert!(shown.contains("different variables"), "{shown}");
+    let header = format!("time{}\n", ",".repeat(2_000_001));
+    let (code, shown) = room.run("verify r.csv", "r.csv", header.as_bytes());
+    assert_eq!(code, 3, "{shown}");
+    assert!(shown.contains("2000000 columns"), "{shown}");
+}
+
+/// With a million wrong names and a thousand valid ones, looking for those that may be meant would
+/// take hours.
+#[test]
+fn wrong_names_by_the_thousand_are_told_in_time() {
+    let room = Room::new();
+    let name = |n: usize| format!("{}{n}", "variable_with_a_long_name_".repeat(6));
+    let variables: String = (0..2_000)
+        .map(|n| {
+            let name = name(n);
+            format!(
+                "<ScalarVariable name='{name}' valueReference='{}'><Real/></ScalarVariable>",
+                n + 50
+            )
+        })
+        .collect();
+    let description = Model::Gain.description();
+    let description =
+        description.replace("</ModelVariables>", &format!("{variables}</ModelVariables>"));
+    let inside = room.folder.path().join("a/b");
+    std::fs::write(inside.join("g.fmu"), described(description)).unwrap();
+    let connections: String = (0..20_000)
+        .map(|n| {
+            let wrong = name(n).replace("long", "lang");
+            format!(
+                "<ssd:Connection startElement='g' startConnector='{wrong}' endElement='g' endConnector='u'/>"
+            )
+        })
+        .collect();
+    let system = format!(
+        "<ssd:SystemStructureDescription xmlns:ssd='http://ssp-standard.org/SSP1/SystemStructureDescription' \
+         version='1.0' name='s'><ssd:System name='s'><ssd:Elements><ssd:Component name='g' \
+         type='application/x-fmu-sharedlibrary' source='g.fmu'/></ssd:Elements><ssd:Connections>\
+         {connections}</ssd:Connections></ssd:System></ssd:SystemStructureDescription>"
+    );
+    let (code, shown) = room.run("info", "x.ssd", system.as_bytes());
+    assert_eq!(code, 3, "{}", &shown[..shown.len().min(2000)]);
+    assert!(shown.len() < 1 << 20, "{} bytes are told", shown.len());
+}
+
+/// What a terminal obeys is shown, wherever it comes from: a name in an FMU, a scenario, a message.
+#[test]
+fn no_text_of_a_file_commands_the_terminal() {
+    let room = Room::new();
+    let inside = room.folder.path().join("a/b");
+    let hostile = "&#27;]0;owned&#7;&#x9b;2J\u{202e}&#10;error: forged";
+    let description = Model::Gain.description().replace("\"GAIN\"", "'GAIN'");
+    // The identifier names the library; only the model's name is free.
+    let description =
+        description.replacen("modelName='GAIN'", &format!("modelName='{hostile}'"), 1);
+    let description = description.replace("&#27;", "&#x1b;");
+    std::fs::write(inside.join("x.fmu"), described(&description)).unwrap();
+    std::fs::write(
+        inside.join("s.json"),
+        "{\"events\": [{\"time\": 0, \"model\": \"\\u001b[31m\"}]}",
+    )
+    .unwrap();
+    let fmu = Model::Gain.fmu();
+    let fmu = fmu.to_str().unwrap();
+    let talking = Model::Gain.variant(
+        &room.folder.path().join("talking.fmu"),
+        &["ATTACK=SAY(1, \"logAll\", \"a\\033]0;owned\\007\\033[2Jb\\nerror: forged\")"],
+        |description| description,
+    );
+    let talking = talking.to_str().unwrap();
+    let commands: [&[&str]; 8] = [
+        &["info", "x.fmu"],
+        &["info", "x.fmu", "--format", "json"],
+        &["validate", "x.fmu"],
+        &["simulate", "x.fmu", "-o", "-"],
+        &["simulate", fmu, "-o", "-", "--scenario", "s.json"],
+        &["simulate", talking, "-o", "talked.csv"],
+        &["simulate", talking, "-o", "talked.csv", "--debug-logging"],
+        &["simulate", talking, "-o", "talked.csv", "--log-fmi-calls"],
+    ];
+    for verb in commands {
+        let output = crate::command::cosim(&inside, verb);
+        let shown = text(&output.stdout) + &text(&output.stderr);
+        let verb = verb.join(" ");
+        for c in shown.chars() {
+            assert!(c == '\n' || !c.is_control() && c != '\u{202e}', "{verb}: {shown:?}");
+        }
+        assert!(!shown.contains("\nerror: forged"), "{verb}: {shown}");
+    }
+}
+
+#[test]
+fn results_never_take_the_place_of_an_input() {
+    let room = Room::new();
+    let inside = room.folder.path().join("a/b");
+    let fmu = std::fs::read(Model::Gain.fmu()).unwrap();
+    let ssd = crate::ssd::Ssd::new().add("g", Model::Gain);
+    let ssd = std::fs::read(ssd.write()).unwrap();
+    std::fs::write(inside.join("in.csv"), "time,u\n0,1\n1,1\n").unwrap();
+    std::fs::write(inside.join("other.ssv"), "<?xml version='1.0'?><x/>").unwrap();
+    for (verb, name, bytes, code) in [
+        ("simulate -o x.fmu", "x.fmu", &fmu, 2),
+        ("simulate -o ../b/x.fmu", "x.fmu", &fmu, 2),
+        ("simulate --digest-file x.fmu -o -", "x.fmu", &fmu, 2),
+        ("simulate --input-file in.csv -o in.csv", "x.fmu", &fmu, 2),
+        ("simulate -o other.ssv", "x.fmu", &fmu, 1),
+        ("run -o x.ssd", "x.ssd", &ssd, 2),
+    ] {
+        let (found, shown) = room.run(verb, name, bytes);
+        assert_eq!(found, code, "{verb}: {shown}");
+        assert_eq!(&std::fs::read(inside.join(name)).unwrap(), bytes, "{verb}");
+    }
+    let inputs = std::fs::read_to_string(inside.join("in.csv")).unwrap();
+    assert_eq!(inputs, "time,u\n0,1\n1,1\n");
+}
+
+#[test]
+fn a_missing_temporary_folder_is_named() {
+    let folder = TempDir::new().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_cosim"))
+        .args(["info", Model::Gain.fmu().to_str().unwrap()])
+        .env("TMPDIR", folder.path().join("missing"))
+        .output()
+        .unwrap();
+    let shown = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{shown}");
+    assert!(shown.contains("no temporary folder can be made"), "{shown}");
+    assert!(shown.contains("missing") && shown.contains("TMPDIR"), "{shown}");
 }

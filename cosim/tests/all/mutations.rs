@@ -97,14 +97,14 @@ fn mutate(good: &[u8], numbers: &mut Numbers) -> Vec<u8> {
     bytes
 }
 
-/// Feeds mutations of `good` to a reader; each must end soon.
+/// Feeds mutations of `good` to a reader; each must end soon, and keep to its memory.
 fn survive(seed: u64, good: &[u8], count: usize, reader: fn(&[u8])) {
     let mut numbers = Numbers(seed);
-    reader(good);
+    readers::within(reader, good);
     for round in 0..count {
         let bytes = mutate(good, &mut numbers);
         let begun = Instant::now();
-        let done = std::panic::catch_unwind(|| reader(&bytes));
+        let done = std::panic::catch_unwind(|| readers::within(reader, &bytes));
         let text = String::from_utf8_lossy(&bytes);
         assert!(done.is_ok(), "the reader panics in round {round} of {text}");
         assert!(begun.elapsed() < Duration::from_secs(10), "round {round} takes long: {text}");
@@ -197,4 +197,28 @@ fn snapshots() {
 #[test]
 fn messages() {
     survive(10, &readers::step(), 20_000, readers::message);
+}
+
+/// What makes much of little, in every format, keeps to the same budget.
+#[test]
+fn inflated_texts() {
+    let namespace = |inside: String| format!("<a xmlns='{}'>{inside}</a>", "n".repeat(4000));
+    let attributes: String = (0..250).map(|n| format!(" a{n}=''")).collect();
+    let texts = [
+        namespace("<b/>".repeat(100_000)),
+        namespace((0..20_000).map(|n| format!("<b{n}/>")).collect()),
+        format!("<a>{}</a>", format!("<b{attributes}/>").repeat(500)),
+        format!("<a>{}</a>", "&lt;".repeat(100_000)),
+        format!("<a>{}</a>", "<b>x</b>".repeat(50_000)),
+    ];
+    for text in &texts {
+        for reader in [readers::description, readers::ssd, readers::ssv, readers::osp] {
+            readers::within(reader, text.as_bytes());
+        }
+    }
+    readers::within(
+        readers::csv,
+        format!("time{}\n0{}\n", ",".repeat(50_000), ",1".repeat(50_000)).as_bytes(),
+    );
+    readers::within(readers::csv, format!("time,a\n{}", "0,1\n".repeat(50_000)).as_bytes());
 }

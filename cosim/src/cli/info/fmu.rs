@@ -2,9 +2,10 @@
 
 use cosim::fmi::description::Experiment;
 use cosim::fmi::{Causality, Description, Fmu, Kind, Variable};
+use cosim::shown;
 use serde_json::{Value, json};
 
-pub(super) fn text(fmu: &Fmu) -> String {
+pub(super) fn text(fmu: &Fmu) -> Vec<String> {
     let description = fmu.description();
     let mut lines = vec![description.model_name.clone()];
     if !description.description.is_empty() {
@@ -29,7 +30,7 @@ pub(super) fn text(fmu: &Fmu) -> String {
     ] {
         list(description, title, causality, &mut lines);
     }
-    lines.join("\n")
+    lines
 }
 
 fn list(description: &Description, title: &str, causality: Causality, lines: &mut Vec<String>) {
@@ -39,7 +40,7 @@ fn list(description: &Description, title: &str, causality: Causality, lines: &mu
         return;
     }
     lines.push(format!("{title} ({})", chosen.len()));
-    let width = chosen.iter().map(|v| v.name.len()).max().unwrap_or(0);
+    let width = shown::width(chosen.iter().map(|v| v.name.as_str()));
     for variable in chosen {
         let start = variable.start.as_ref().map_or(String::new(), |v| format!(" = {v}"));
         let unit = variable.unit.as_ref().map_or(String::new(), |u| format!(" {u}"));

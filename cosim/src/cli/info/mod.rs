@@ -9,7 +9,7 @@ use clap::Args;
 use cosim::fmi::Fmu;
 use cosim::{Overrides, Result, System};
 
-use super::output::print;
+use super::output::{print, print_lines};
 use super::{Format, messages};
 
 /// Show what an FMU or a system is; a system is checked wholly
@@ -28,13 +28,13 @@ impl Info {
             let system = System::load(&self.file, &Overrides::new())?;
             messages::findings(&system, false);
             return match self.format {
-                Format::Text => print(&system::text(&system)),
+                Format::Text => print_lines(&system::text(&system)),
                 Format::Json => print(&system::json(&system).to_string()),
             };
         }
         let fmu = Fmu::open(&self.file)?;
         match self.format {
-            Format::Text => print(&fmu::text(&fmu)),
+            Format::Text => print_lines(&fmu::text(&fmu)),
             Format::Json => print(&fmu::json(&fmu).to_string()),
         }
     }

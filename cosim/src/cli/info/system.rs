@@ -1,5 +1,6 @@
 //! A system for people and programs: what it is made of.
 
+use cosim::shown;
 use cosim::system::{Component, Model};
 use cosim::{System, Time};
 use serde_json::{Value, json};
@@ -13,7 +14,7 @@ fn model(component: &Component) -> (String, String) {
     }
 }
 
-pub(super) fn text(system: &System) -> String {
+pub(super) fn text(system: &System) -> Vec<String> {
     let mut lines = vec![format!(
         "{}: {} to {}, {}, recorded every {}",
         system.name(),
@@ -27,7 +28,7 @@ pub(super) fn text(system: &System) -> String {
     )];
     let components = system.components();
     lines.push(format!("components ({})", components.len()));
-    let width = components.iter().map(|c| c.name.len()).max().unwrap_or(0);
+    let width = shown::width(components.iter().map(|c| c.name.as_str()));
     for component in components {
         let (model, file) = model(component);
         lines
@@ -38,7 +39,7 @@ pub(super) fn text(system: &System) -> String {
         let (from, to) = (system.port_name(connection.from), system.port_name(connection.to));
         lines.push(format!("  {from} -> {to}"));
     }
-    lines.join("\n")
+    lines
 }
 
 pub(super) fn json(system: &System) -> Value {

@@ -17,6 +17,8 @@ use super::{broken, refused};
 use crate::error::{Code, Error, Result};
 
 const MAX_ENTRIES: usize = 10_000;
+/// Files and folders, with the folders that are there only as parts of names: making each takes time.
+const MAX_PLACES: usize = 20_000;
 const MAX_BYTES: u64 = 4 << 30;
 /// Ratio refused for entries above `RATIO_FROM` bytes; deflate reaches 1032 on zeros, and not
 /// this on real content.
@@ -116,7 +118,11 @@ impl Places<'_> {
                 return refuse("another entry is a file where this one needs a folder");
             }
         }
-        match self.seen.insert(key(path), (is_folder, true)) {
+        let earlier = self.seen.insert(key(path), (is_folder, true));
+        if self.seen.len() > MAX_PLACES {
+            return refuse("with it the archive has more than 20000 files and folders");
+        }
+        match earlier {
             None | Some((true, false)) if is_folder => Ok(()),
             None => Ok(()),
             Some((true, false)) => refuse("it is a file, and a folder of other entries"),

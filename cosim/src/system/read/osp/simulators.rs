@@ -82,7 +82,7 @@ impl Reader {
             typed.ok_or_else(|| self.wrong(element, format!("'{variable}' has no value")))?;
         Ok(RawParameter {
             name: format!("{simulator}.{variable}"),
-            kind: typed.name.clone(),
+            kind: typed.name.to_string(),
             value: typed.require("value", &self.file, Code::Ssd)?.to_owned(),
             unit: None,
             stages: vec![Stage::default()],

@@ -68,7 +68,7 @@ impl Reader<'_> {
             let signal = RawConnector {
                 name: name.to_owned(),
                 kind: "signal".to_owned(),
-                kind_of_value: typed.map(|typed| typed.name.clone()),
+                kind_of_value: typed.map(|typed| typed.name.to_string()),
                 unit: typed.and_then(|typed| self.unit(typed)),
                 place: self.place(entry),
             };
