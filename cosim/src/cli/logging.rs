@@ -1,13 +1,13 @@
 //! What FMUs log, and where their messages and calls are shown.
 
-use std::fs::File;
-use std::io::{BufWriter, stderr};
+use std::io::{BufWriter, Stderr, stderr};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
 use cosim::fmi::Trace;
-use cosim::{Code, Error, Overrides, Result};
+use cosim::shown::Terminal;
+use cosim::{Overrides, Result, files};
 
 #[derive(Args)]
 pub(crate) struct Logging {
@@ -26,6 +26,11 @@ pub(crate) struct Logging {
 }
 
 impl Logging {
+    /// The file that calls are written into.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        self.log_fmi_calls.as_deref().filter(|file| *file != Path::new("-"))
+    }
+
     /// Adds what is wanted.
     pub(crate) fn add_to(&self, overrides: Overrides) -> Result<Overrides> {
         let debug = self.debug_logging || !self.log_category.is_empty();
@@ -41,15 +46,17 @@ impl Logging {
 
     fn trace(&self, debug: bool) -> Result<Option<Trace>> {
         Ok(match &self.log_fmi_calls {
-            None if debug => Some(Trace::new(stderr(), false)),
+            None if debug => Some(Trace::new(terminal(), false)),
             None => None,
-            Some(file) if file == Path::new("-") => Some(Trace::new(stderr(), true)),
+            Some(file) if file == Path::new("-") => Some(Trace::new(terminal(), true)),
             Some(file) => {
-                let output = File::create(file).map_err(|e| {
-                    Error::new(Code::Output, "the log of calls cannot be written").at(file).why(e)
-                })?;
+                let output = files::create_plain(file, "the log of calls cannot be written")?;
                 Some(Trace::new(BufWriter::new(output), true))
             }
         })
     }
+}
+
+fn terminal() -> Terminal<Stderr> {
+    Terminal::new(stderr())
 }

@@ -1,18 +1,21 @@
 //! Where results go, and running with a recorder, the clock and snapshots.
 
 use std::cell::RefCell;
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use clap::Args;
 use cosim::distributed::Cluster;
+use cosim::files;
 use cosim::observe::{self, Continued, CsvRecorder, Digested, Progress, RunningDigest, Stop};
 use cosim::scenario::Scenario;
+use cosim::shown::{Terminal, one_line, visible};
 use cosim::{Code, Error, Observer, Overrides, Recording, Result, Run, Snapshot, Summary, System};
 
 use super::Format;
 use super::interrupt::Interrupt;
+use super::isolate::Written;
 use super::live::Live;
 use super::messages;
 use super::snapshots::Snapshots;
@@ -78,23 +81,71 @@ impl Output {
         }
     }
 
-    /// Runs `system` and writes what it records.
-    pub(crate) fn run(&self, system: &System, cluster: Option<&Cluster>) -> Result<()> {
+    /// Runs `system` and writes what it records; `inputs` are what is read besides its files, and
+    /// `shut` is called before FMUs are loaded.
+    pub(crate) fn run(
+        &self,
+        system: &System,
+        cluster: Option<&Cluster>,
+        inputs: &[&Path],
+        shut: &dyn Fn() -> Result<()>,
+    ) -> Result<()> {
         messages::findings(system, self.quiet);
-        let target = self.target(system.name())?;
+        let target = self.checked_target(system, inputs)?;
         let snapshot = self.snapshots.resumed(system)?;
+        if let Some(done) = snapshot.as_ref().filter(|s| s.time() == system.stop_time()) {
+            let when = done.time();
+            messages::note(&format!(
+                "the snapshot is of t = {when}, where the run ends: nothing is left"
+            ));
+        }
         let computed = Computed { system, cluster, snapshot };
         if target != Path::new("-") {
             let recorder = self.recorder(&target, system, computed.snapshot.as_ref())?;
-            return self.observe(computed, recorder, &target.display().to_string());
+            return self.observe(computed, recorder, &target.display().to_string(), shut);
         }
         if self.format == Format::Json {
             return Err(Error::new(Code::Usage, "results and summary cannot both go to stdout")
                 .help("give --output-file a file"));
         }
-        let recorder = CsvRecorder::new(io::BufWriter::new(io::stdout()), "stdout");
+        let stdout: Box<dyn Write> = match io::stdout().is_terminal() {
+            true => Box::new(Terminal::new(io::stdout())),
+            false => Box::new(io::stdout()),
+        };
+        let recorder = CsvRecorder::new(io::BufWriter::new(stdout), "stdout");
         let recorder = self.digested(Box::new(recorder))?;
-        self.observe(computed, recorder, "stdout")
+        self.observe(computed, recorder, "stdout", shut)
+    }
+
+    /// Where the results go: not where something is read.
+    fn checked_target(&self, system: &System, inputs: &[&Path]) -> Result<PathBuf> {
+        let target = self.target(system.name())?;
+        let read = system.files().chain(inputs.iter().copied());
+        let read = read.chain(self.scenario.as_deref()).chain(self.snapshots.file());
+        let read: Vec<&Path> = read.collect();
+        for written in [Some(target.as_path()), self.digest_file.as_deref()].into_iter().flatten() {
+            files::refuse_inputs(written, read.iter().copied())?;
+        }
+        Ok(target)
+    }
+
+    /// The files that a run writes, with a log if there is one.
+    pub(crate) fn written(
+        &self,
+        system: &System,
+        inputs: &[&Path],
+        log: Option<&Path>,
+    ) -> Result<Written> {
+        let target = self.checked_target(system, inputs)?;
+        let to_file = target != Path::new("-");
+        let continued = to_file && self.snapshots.file().is_some() && target.exists();
+        let created = [(to_file && !continued).then_some(target.as_path())];
+        let created = created.into_iter().chain([self.digest_file.as_deref(), log]).flatten();
+        Ok(Written {
+            created: created.map(Path::to_owned).collect(),
+            snapshot: self.snapshots.wanted()?.map(|_| self.snapshots.target(system)),
+            continued: continued.then_some(target),
+        })
     }
 
     /// A new file of results; a resumed run continues those that are there.
@@ -114,9 +165,9 @@ impl Output {
                 .why("their columns are not those of this run")
                 .help("give --output-file another file"));
         }
-        let unfinished = beside(target);
-        let (recorder, digest) = self.digested(observe::create(&unfinished)?)?;
-        let continued = Continued::new(recorder, old).replacing(unfinished, target.to_owned());
+        let (recorder, unfinished) = observe::create_unfinished(target)?;
+        let (recorder, digest) = self.digested(recorder)?;
+        let continued = Continued::new(recorder, old).replacing(unfinished);
         Ok((Box::new(continued), digest))
     }
 
@@ -134,6 +185,7 @@ impl Output {
         what: Computed<'_>,
         (mut recorder, digest): Recorder,
         target: &str,
+        shut: &dyn Fn() -> Result<()>,
     ) -> Result<()> {
         let Computed { system, cluster, snapshot } = what;
         let begun = std::time::Instant::now();
@@ -160,6 +212,8 @@ impl Output {
         if let Some((every, at)) = self.snapshots.wanted()? {
             run = run.snapshots(every, &at, &mut keep);
         }
+        // From here on FMUs run.
+        shut()?;
         let outcome = match cluster {
             Some(cluster) => cluster.go(system, run),
             None => run.go(),
@@ -194,7 +248,7 @@ impl Output {
         }
         if !self.quiet && summary.stopped != Some(Stop::ReaderGone) {
             summary.notes.iter().for_each(|note| messages::note(note));
-            summary.messages.iter().for_each(|message| messages::tell(message));
+            summary.messages.iter().for_each(|message| messages::said(message));
             messages::tell(&summary::text(told));
         }
         Ok(())
@@ -215,20 +269,21 @@ impl Output {
     }
 }
 
-/// A system's name as part of a file's.
+/// A system's name as part of a file's, which is listed in terminals.
 pub(crate) fn file_name(name: &str) -> String {
-    name.replace(['/', '\\', '\0'], "_")
+    let shown = one_line(name);
+    shown.replace(['/', '\\'], "_")
 }
 
-/// A file of the same kind in the same folder.
-fn beside(target: &Path) -> PathBuf {
-    let name = target.file_name().unwrap_or_default().to_string_lossy();
-    target.with_file_name(format!(".continued-{name}"))
+/// Prints these lines to stdout; a name with an end of a line in it begins none.
+pub(crate) fn print_lines(lines: &[String]) -> Result<()> {
+    let lines: Vec<_> = lines.iter().map(|line| one_line(line)).collect();
+    print(&lines.join("\n"))
 }
 
 /// Prints to stdout; a closed pipe (`| head`) ends quietly.
 pub(crate) fn print(text: &str) -> Result<()> {
-    match writeln!(io::stdout(), "{text}") {
+    match writeln!(io::stdout(), "{}", visible(text)) {
         Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
             Err(Error::new(Code::Output, "stdout cannot be written").why(e))
         }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use cosim::report::{Options, Plot, XyPlot, html, svg};
-use cosim::{Code, Error, Recording, Result};
+use cosim::{Code, Error, Recording, Result, files};
 
 use super::messages;
 use super::output::print;
@@ -41,7 +41,8 @@ impl Report {
         if target.as_os_str() == "-" {
             return print(&page);
         }
-        std::fs::write(&target, page).map_err(|e| {
+        files::refuse_inputs(&target, [self.file.as_path()])?;
+        files::replace(&target, page.as_bytes()).map_err(|e| {
             Error::new(Code::Output, "the page cannot be written").at(&target).why(e)
         })?;
         messages::tell(&format!("the report is in {}", target.display()));

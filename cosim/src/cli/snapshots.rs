@@ -1,6 +1,6 @@
 //! Snapshots: when, into which file, and going on from one.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use cosim::{Error, Result, Snapshot, Step, System, Time};
@@ -46,9 +46,19 @@ impl Snapshots {
         Ok(Some(snapshot))
     }
 
-    pub(crate) fn write(&self, system: &System, snapshot: &Snapshot) -> Result<()> {
+    /// What is resumed.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        self.resume.as_deref()
+    }
+
+    /// Where snapshots go; `{t}` in it stands for the time.
+    pub(crate) fn target(&self, system: &System) -> PathBuf {
         let default = || PathBuf::from(format!("{}.snapshot", file_name(system.name())));
-        let file = self.snapshot_file.clone().unwrap_or_else(default);
+        self.snapshot_file.clone().unwrap_or_else(default)
+    }
+
+    pub(crate) fn write(&self, system: &System, snapshot: &Snapshot) -> Result<()> {
+        let file = self.target(system);
         let time = snapshot.time().seconds().to_string();
         snapshot.write(file.to_string_lossy().replace("{t}", &time))
     }

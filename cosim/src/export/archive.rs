@@ -11,6 +11,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use crate::digest::sha256;
 use crate::error::{Code, Error, Result};
+use crate::files::Unfinished;
 
 /// Place in the archive, with `/` between the parts, and content.
 pub(crate) type Entry = (String, Content);
@@ -51,13 +52,9 @@ pub(crate) fn write(path: &Path, entries: &[Entry]) -> Result<()> {
     };
     let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
     fs::create_dir_all(folder).map_err(|e| unwritten(&e))?;
-    let mut unfinished = tempfile::Builder::new();
-    let unfinished = unfinished.prefix(".cosim-export-").suffix(".part");
-    let unfinished = unfinished.tempfile_in(folder).map_err(|e| unwritten(&e))?;
-    pack(unfinished.as_file(), entries).map_err(|e| unwritten(&e))?;
-    readable(unfinished.as_file()).map_err(|e| unwritten(&e))?;
-    unfinished.persist(path).map_err(|e| unwritten(&e.error))?;
-    Ok(())
+    let unfinished = Unfinished::new(path).map_err(|e| unwritten(&e))?;
+    pack(unfinished.file(), entries).map_err(|e| unwritten(&e))?;
+    unfinished.finish().map_err(|e| unwritten(&e))
 }
 
 fn pack(file: &File, entries: &[Entry]) -> Result<(), ZipError> {
@@ -78,10 +75,4 @@ fn pack(file: &File, entries: &[Entry]) -> Result<(), ZipError> {
     }
     zip.finish()?;
     Ok(())
-}
-
-/// A temporary file is its owner's alone; an FMU is as readable as others.
-fn readable(file: &File) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    file.set_permissions(fs::Permissions::from_mode(0o644))
 }

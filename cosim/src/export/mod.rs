@@ -28,6 +28,7 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256};
 
 use crate::error::{Code, Error, Result};
+use crate::files;
 use crate::fmi::Value;
 use crate::system::System;
 use archive::{Content, Entry};
@@ -106,6 +107,7 @@ impl Export {
                 .at(path)
                 .help("give it a name that ends with .fmu"));
         }
+        files::refuse_inputs(path, system.files())?;
         let libraries = library::find(&LIBRARY, &self.libraries)?;
         libraries.iter().try_for_each(|library| library::check(library, system))?;
         let chosen = choice::choose(system, &self.expose, &self.hide)?;

@@ -129,7 +129,8 @@ impl<'a> Run<'a> {
         };
         if let Some(snapshot) = self.resume {
             snapshot.check(system)?;
-            if snapshot.time() >= system.stop_time() {
+            // At the stop time nothing is left to do.
+            if snapshot.time() > system.stop_time() {
                 let what = format!("the snapshot is of t = {}", snapshot.time());
                 return Err(Error::new(Code::Timing, what)
                     .why(format!("the run ends at {}", system.stop_time()))

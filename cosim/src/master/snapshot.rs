@@ -14,6 +14,7 @@ use super::engine::Engine;
 use super::patched_slave::Patches;
 use super::trend::{Ramp, Trend};
 use crate::error::{Code, Error, Result};
+use crate::files;
 use crate::system::{Model, System};
 use crate::texts;
 use crate::time::Time;
@@ -68,7 +69,8 @@ impl Snapshot {
         &self.state
     }
 
-    /// Writes a file, and replaces it as a whole if it exists.
+    /// Writes a file, and replaces one that exists as a whole: after a power loss the old one is
+    /// there or the new one.
     pub fn write(&self, file: impl AsRef<Path>) -> Result<()> {
         let file = file.as_ref();
         let unwritten = |why: String| {
@@ -79,12 +81,8 @@ impl Snapshot {
         bytes.extend(VERSION.to_le_bytes());
         bytes.extend(Sha256::digest(&body));
         bytes.extend(body);
-        let folder = file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let written = tempfile::NamedTempFile::new_in(folder).and_then(|unfinished| {
-            std::fs::write(unfinished.path(), &bytes)?;
-            unfinished.persist(file).map_err(|e| e.error)
-        });
-        written.map(drop).map_err(|e| unwritten(e.to_string()))
+        files::refuse_others(file, "the snapshot cannot be written", None)?;
+        files::replace(file, &bytes).map_err(|e| unwritten(e.to_string()))
     }
 
     /// Reads a file that [`Snapshot::write`] wrote.

@@ -1,9 +1,8 @@
 //! Results that go on where a file of a run before ends.
 
-use std::path::PathBuf;
-
 use super::{Observer, Recording, RunInfo, Stop};
 use crate::error::{Code, Error, Result};
+use crate::files::Unfinished;
 use crate::time::Time;
 
 /// Passes on to a recorder what an older run recorded, and then what the resumed run does. So its
@@ -11,32 +10,32 @@ use crate::time::Time;
 pub struct Continued {
     recorder: Box<dyn Observer>,
     old: Recording,
-    /// What the recorder writes, and the name it gets when the old results are in it.
-    renamed: Option<(PathBuf, PathBuf)>,
+    /// What the recorder writes, which gets its name when the old results are in it.
+    unfinished: Option<Unfinished>,
 }
 
 impl Continued {
     /// `old` is what the run before recorded, of which the part up to the snapshot is used.
     pub fn new(recorder: Box<dyn Observer>, old: Recording) -> Self {
-        Self { recorder, old, renamed: None }
+        Self { recorder, old, unfinished: None }
     }
 
-    /// The recorder writes the file `from`, which takes the place of `to` as soon as what is
-    /// continued is in it: whoever is killed before that has lost nothing.
+    /// The recorder writes this file, which gets its name as soon as what is continued is in it:
+    /// whoever is killed before that has lost nothing.
     #[must_use]
-    pub fn replacing(mut self, from: PathBuf, to: PathBuf) -> Self {
-        self.renamed = Some((from, to));
+    pub fn replacing(mut self, unfinished: Unfinished) -> Self {
+        self.unfinished = Some(unfinished);
         self
     }
 
     fn rename(&mut self) -> Result<()> {
-        let Some((from, to)) = self.renamed.take() else {
+        let Some(unfinished) = self.unfinished.take() else {
             return Ok(());
         };
         self.recorder.flush()?;
-        std::fs::rename(from, &to).map_err(|why| {
-            Error::new(Code::Output, "the results cannot be replaced").at(to).why(why)
-        })
+        unfinished
+            .finish()
+            .map_err(|why| Error::new(Code::Output, "the results cannot be replaced").why(why))
     }
 }
 
@@ -63,10 +62,7 @@ impl Observer for Continued {
         {
             return self.rename();
         }
-        if let Some((from, _)) = &self.renamed {
-            // It would be in the way of nobody.
-            drop(std::fs::remove_file(from));
-        }
+        self.unfinished = None;
         let end = last.map_or("nothing".to_owned(), |last| format!("values up to t = {last}"));
         Err(Error::new(Code::Results, "the results cannot be continued")
             .why(format!("they have {end}, the snapshot is of t = {until}"))

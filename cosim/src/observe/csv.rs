@@ -2,22 +2,26 @@
 //!
 //! Numbers are the shortest that read back to the same bits; Strings stand in quotes.
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::{Observer, RunInfo, Stop};
 use crate::error::{Code, Error, Result};
+use crate::files::{self, Durable};
 use crate::fmi::Kind;
 use crate::texts;
 use crate::time::Time;
 
+pub(super) const UNWRITTEN: &str = "the results cannot be written";
+
 /// Writes results while they come.
-pub struct CsvRecorder<W: Write = BufWriter<File>> {
+pub struct CsvRecorder<W: Write = Durable> {
     target: PathBuf,
     output: W,
     /// Per column.
     forms: Vec<Form>,
+    /// The line that is being written.
+    text: Vec<u8>,
     /// The output is a pipe that its reader has closed.
     closed: bool,
 }
@@ -46,15 +50,20 @@ impl CsvRecorder {
     /// Creates `file`, and replaces it if it exists.
     pub fn create(file: impl AsRef<Path>) -> Result<Self> {
         let target = file.as_ref().to_owned();
-        let output = File::create(&target).map_err(|e| not_written(&target, &e))?;
-        Ok(Self::new(BufWriter::with_capacity(1 << 16, output), target))
+        Ok(Self::on(files::create(&target, UNWRITTEN)?, target))
+    }
+}
+
+impl CsvRecorder {
+    pub(super) fn on(output: Durable, target: PathBuf) -> Self {
+        Self::new(output, target)
     }
 }
 
 impl<W: Write> CsvRecorder<W> {
     /// Writes to `output`; `name` is what it is called in errors.
     pub fn new(output: W, name: impl Into<PathBuf>) -> Self {
-        Self { target: name.into(), output, forms: Vec::new(), closed: false }
+        Self { target: name.into(), output, forms: Vec::new(), text: Vec::new(), closed: false }
     }
 
     /// Writes one line.
@@ -76,15 +85,17 @@ impl<W: Write> CsvRecorder<W> {
 
     fn line(&mut self, time: f64, values: &[f64]) -> std::io::Result<()> {
         // {:?} is the shortest text that reads back to the same f64, with exponents.
-        write!(self.output, "{time:?}")?;
+        self.text.clear();
+        write!(self.text, "{time:?}")?;
         for (value, form) in values.iter().zip(&self.forms) {
             match form {
-                Form::Real => write!(self.output, ",{value:?}")?,
-                Form::Whole => write!(self.output, ",{value}")?,
-                Form::Text => write!(self.output, ",{}", in_quotes(&texts::text(*value)))?,
+                Form::Real => write!(self.text, ",{value:?}")?,
+                Form::Whole => write!(self.text, ",{value}")?,
+                Form::Text => write!(self.text, ",{}", in_quotes(&texts::text(*value)))?,
             }
         }
-        self.output.write_all(b"\n")
+        self.text.push(b'\n');
+        self.output.write_all(&self.text)
     }
 
     /// Writes the header.
@@ -142,5 +153,5 @@ fn in_quotes(text: &str) -> String {
 }
 
 fn not_written(target: &Path, error: &std::io::Error) -> Error {
-    Error::new(Code::Output, "the results cannot be written").at(target).why(error)
+    Error::new(Code::Output, UNWRITTEN).at(target).why(error)
 }

@@ -9,8 +9,7 @@
 //! String is its length (u64) and its octets.
 
 use std::cell::RefCell;
-use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -19,9 +18,12 @@ use sha2::{Digest, Sha256};
 use super::{Observer, Recording, RunInfo, Stop};
 use crate::digest::hexadecimal;
 use crate::error::{Code, Error, Result};
+use crate::files::{self, Durable};
 use crate::fmi::Kind;
 use crate::texts;
 use crate::time::Time;
+
+const UNWRITTEN: &str = "the list of digests cannot be written";
 
 /// The digest of what was recorded so far.
 #[derive(Debug, Clone, Default)]
@@ -96,7 +98,7 @@ pub struct Digested {
     recorder: Box<dyn Observer>,
     digest: Rc<RefCell<RunningDigest>>,
     /// Gets the digest after each sample.
-    list: Option<(BufWriter<File>, PathBuf)>,
+    list: Option<(Durable, PathBuf)>,
 }
 
 impl Digested {
@@ -109,15 +111,12 @@ impl Digested {
     /// Writes the digest after each sample as a line `time,digest` of this file.
     pub fn list(mut self, file: impl AsRef<Path>) -> Result<Self> {
         let target = file.as_ref().to_owned();
-        let file = File::create(&target).map_err(|why| not_written(&target, &why))?;
-        self.list = Some((BufWriter::new(file), target));
+        let file = files::create(&target, UNWRITTEN)?;
+        self.list = Some((file, target));
         Ok(self)
     }
 
-    fn write(
-        &mut self,
-        write: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
-    ) -> Result<()> {
+    fn write(&mut self, write: impl FnOnce(&mut Durable) -> std::io::Result<()>) -> Result<()> {
         match &mut self.list {
             Some((file, target)) => write(file).map_err(|why| not_written(target, &why)),
             None => Ok(()),
@@ -159,5 +158,5 @@ impl Observer for Digested {
 }
 
 fn not_written(target: &Path, why: &std::io::Error) -> Error {
-    Error::new(Code::Output, "the list of digests cannot be written").at(target).why(why)
+    Error::new(Code::Output, UNWRITTEN).at(target).why(why)
 }

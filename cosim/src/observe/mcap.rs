@@ -5,16 +5,17 @@
 //! in the channel's metadata, from where they are read back. Log time is simulated time. Chunks
 //! are not compressed: doubles of a simulation hardly shrink, and the reader needs no C library.
 
-use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::BufWriter;
+use std::collections::{BTreeMap, HashMap};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use ::mcap::records::MessageHeader;
 use ::mcap::{McapError, WriteOptions, Writer};
 
+use super::csv::UNWRITTEN;
 use super::{Observer, RunInfo};
 use crate::error::{Code, Error, Result};
+use crate::files::{self, Durable};
 use crate::fmi::Kind;
 use crate::system::Column;
 use crate::texts;
@@ -71,7 +72,7 @@ impl Field {
 pub struct McapRecorder {
     target: PathBuf,
     /// None after the end.
-    writer: Option<Writer<BufWriter<File>>>,
+    writer: Option<Writer<Durable>>,
     topics: Vec<Topic>,
     message: Vec<u8>,
     sequence: u32,
@@ -88,9 +89,12 @@ impl McapRecorder {
     /// Creates `file`, and replaces it if it exists.
     pub fn create(file: impl AsRef<Path>) -> Result<Self> {
         let target = file.as_ref().to_owned();
-        let output = File::create(&target).map_err(|e| not_written(&target, &e))?;
+        Self::on(files::create(&target, UNWRITTEN)?, target)
+    }
+
+    pub(super) fn on(output: Durable, target: PathBuf) -> Result<Self> {
         let options = WriteOptions::new().compression(None).profile("ros2").library("cosim");
-        let writer = options.create(BufWriter::new(output));
+        let writer = options.create(output);
         let writer = Some(writer.map_err(|e| not_written(&target, &e))?);
         Ok(Self { target, writer, topics: Vec::new(), message: Vec::new(), sequence: 0 })
     }
@@ -100,7 +104,7 @@ impl McapRecorder {
     }
 
     fn add_topic(&mut self, name: &str, columns: &[(usize, &Column)]) -> Result<()> {
-        let (mut schema, mut listed, mut taken) = (String::new(), String::new(), Vec::new());
+        let (mut schema, mut listed, mut taken) = (String::new(), String::new(), HashMap::new());
         let mut fields = Vec::new();
         for &(position, column) in columns {
             let field = Field::of(&column.kind);
@@ -136,12 +140,14 @@ impl Observer for McapRecorder {
                 .help("take a file whose name ends in .csv"));
         }
         let mut topics: Vec<(&str, Vec<(usize, &Column)>)> = Vec::new();
+        let mut known: HashMap<&str, usize> = HashMap::new();
         for (position, column) in info.columns.iter().enumerate() {
             let name = column.name.split_once('.').map_or(info.name, |(first, _)| first);
-            match topics.iter_mut().find(|(topic, _)| *topic == name) {
-                Some((_, columns)) => columns.push((position, column)),
-                None => topics.push((name, vec![(position, column)])),
-            }
+            let topic = *known.entry(name).or_insert_with(|| {
+                topics.push((name, Vec::new()));
+                topics.len() - 1
+            });
+            topics[topic].1.push((position, column));
         }
         topics.iter().try_for_each(|(name, columns)| self.add_topic(name, columns))
     }
@@ -175,8 +181,10 @@ impl Observer for McapRecorder {
     }
 
     fn finish(&mut self) -> Result<()> {
-        let finished = self.writer.take().map_or(Ok(()), |mut w| w.finish().map(drop));
-        self.wrote(finished)
+        let Some(mut writer) = self.writer.take() else { return Ok(()) };
+        let finished = writer.finish().map(drop);
+        self.wrote(finished)?;
+        writer.into_inner().flush().map_err(|e| not_written(&self.target, &e))
     }
 }
 
@@ -208,17 +216,19 @@ fn identifier(name: &str, otherwise: &str) -> String {
     }
 }
 
-fn unique(name: String, taken: &mut Vec<String>) -> String {
+/// The name, or one with a number behind it: numbers that the name has met already are not tried.
+fn unique(name: String, taken: &mut HashMap<String, usize>) -> String {
+    let mut number = taken.get(&name).copied().unwrap_or(0);
     let mut candidate = name.clone();
-    let mut number = 2;
-    while taken.contains(&candidate) {
-        candidate = format!("{name}_{number}");
+    while taken.contains_key(&candidate) {
         number += 1;
+        candidate = format!("{name}_{}", number + 1);
     }
-    taken.push(candidate.clone());
+    taken.insert(name, number);
+    taken.entry(candidate.clone()).or_insert(0);
     candidate
 }
 
 fn not_written(target: &Path, error: &dyn std::fmt::Display) -> Error {
-    Error::new(Code::Output, "the results cannot be written").at(target).why(error)
+    Error::new(Code::Output, UNWRITTEN).at(target).why(error)
 }

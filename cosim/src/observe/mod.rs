@@ -23,7 +23,8 @@ pub use verify::{Comparison, Differing, Parting};
 
 use std::path::Path;
 
-use crate::error::Result;
+use crate::error::{Code, Error, Result};
+use crate::files::Unfinished;
 use crate::system::Column;
 use crate::time::{Step, Time};
 
@@ -72,6 +73,18 @@ pub fn create(file: impl AsRef<Path>) -> Result<Box<dyn Observer>> {
         Box::new(McapRecorder::create(file)?)
     } else {
         Box::new(CsvRecorder::create(file)?)
+    })
+}
+
+/// Creates a file of results that gets its name when it is finished; see [`Continued`].
+pub fn create_unfinished(target: &Path) -> Result<(Box<dyn Observer>, Unfinished)> {
+    let unwritten = |why| Error::new(Code::Output, csv::UNWRITTEN).at(target).why(why);
+    let unfinished = Unfinished::new(target).map_err(unwritten)?;
+    let (output, name) = (unfinished.writer().map_err(unwritten)?, target.to_owned());
+    Ok(if is_mcap(target) {
+        (Box::new(McapRecorder::on(output, name)?), unfinished)
+    } else {
+        (Box::new(CsvRecorder::on(output, name)), unfinished)
     })
 }
 

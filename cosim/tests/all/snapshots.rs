@@ -172,7 +172,10 @@ fn what_is_damaged_or_of_another_system_is_refused() {
         let error = Run::new(&other).resume(&snapshots[0]).go().unwrap_err().to_string();
         assert!(error.contains("another system") && error.contains(part), "{error}");
     }
-    let late = system.with(&Overrides::new().stop_time(0.5)).unwrap();
+    // At the stop time nothing is left to do.
+    let over = system.with(&Overrides::new().stop_time(0.5)).unwrap();
+    assert_eq!(Run::new(&over).resume(&snapshots[0]).go().unwrap().steps, 0);
+    let late = system.with(&Overrides::new().stop_time(0.4)).unwrap();
     let error = Run::new(&late).resume(&snapshots[0]).go().unwrap_err();
     assert_eq!(error.code(), Code::Timing);
 }

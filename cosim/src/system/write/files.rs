@@ -10,6 +10,7 @@ use zip::{CompressionMethod, ZipWriter};
 
 use super::unwritten;
 use crate::error::Result;
+use crate::files::Unfinished;
 use crate::system::System;
 use crate::system::read::{SSD_FILE, write_source};
 
@@ -93,21 +94,16 @@ impl Files {
     /// Writes the package: the description first, then the FMUs as they are. The same system
     /// gives the same bytes.
     pub(super) fn pack(&self, path: &Path, description: &[u8]) -> Result<()> {
-        let unfinished = path.with_extension("ssp.part");
-        let packed = self.pack_into(&unfinished, description);
-        if let Err(error) = packed {
-            // The first error is the one to tell.
-            drop(fs::remove_file(&unfinished));
-            return Err(unwritten(path, error));
+        if let Some(parent) = path.parent() {
+            fs::create_dir_all(parent).map_err(|e| unwritten(parent, e))?;
         }
-        fs::rename(&unfinished, path).map_err(|e| unwritten(path, e))
+        let unfinished = Unfinished::new(path).map_err(|e| unwritten(path, e))?;
+        self.pack_into(unfinished.file(), description).map_err(|e| unwritten(path, e))?;
+        unfinished.finish().map_err(|e| unwritten(path, e))
     }
 
-    fn pack_into(&self, path: &Path, description: &[u8]) -> Result<(), zip::result::ZipError> {
-        if let Some(parent) = path.parent() {
-            fs::create_dir_all(parent)?;
-        }
-        let mut zip = ZipWriter::new(File::create(path)?);
+    fn pack_into(&self, file: &File, description: &[u8]) -> Result<(), zip::result::ZipError> {
+        let mut zip = ZipWriter::new(file);
         let deflated = SimpleFileOptions::default().compression_method(CompressionMethod::Deflated);
         zip.start_file(SSD_FILE, deflated)?;
         zip.write_all(description)?;

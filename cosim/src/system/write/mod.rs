@@ -17,6 +17,7 @@ use std::path::{Path, PathBuf};
 
 use super::{Model, System};
 use crate::error::{Code, Error, Result};
+use crate::files::replace;
 use files::Files;
 pub(crate) use ssd::base_step;
 pub(crate) use xml::{Xml, number};
@@ -139,7 +140,7 @@ fn parent(path: &Path) -> PathBuf {
 }
 
 fn store(path: &Path, bytes: &[u8]) -> Result<()> {
-    fs::write(path, bytes).map_err(|e| unwritten(path, e))
+    replace(path, bytes).map_err(|e| unwritten(path, e))
 }
 
 fn unwritten(path: &Path, error: impl std::fmt::Display) -> Error {

@@ -1,0 +1,467 @@
+//! Files that are written: never in the place of something else, whole or not at all, and still
+//! there after a power loss.
+//!
+//! What replaces a file as a whole is written to a file without a name, synced, and only then takes
+//! the name, which is synced with its folder. So a process that is killed leaves the old file or the
+//! new one, and nothing else. File systems without nameless files get a hidden one, locked by its
+//! writer; whoever writes there next removes those that nobody locks any more.
+
+use std::ffi::{CString, OsStr, OsString};
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Read, Seek, Write};
+use std::os::fd::{AsRawFd, RawFd};
+use std::os::unix::ffi::{OsStrExt, OsStringExt};
+use std::os::unix::fs::{MetadataExt, OpenOptionsExt, PermissionsExt};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
+
+use crate::error::{Code, Error, Result};
+
+/// Of hidden files that are being written: `.NAME.PROCESS-NUMBER.unfinished`.
+const UNFINISHED: &str = ".unfinished";
+
+/// How files begin that are no results, and what they are.
+const OTHERS: [(&[u8], &str); 6] = [
+    (b"PK\x03\x04", "an archive (.fmu, .ssp)"),
+    (b"PK\x05\x06", "an archive"),
+    (b"<", "an XML file"),
+    (b"{", "a JSON file"),
+    (b"\x7fELF", "a program or library"),
+    (b"-----BEGIN", "a certificate or key"),
+];
+const SNAPSHOT: (&[u8], &str) = (b"COSIMSNP", "a snapshot");
+
+/// Creates a file of results, of digests or a log, and empties one that is there; `what` is what
+/// cannot be written otherwise. A file that is clearly something else is never replaced.
+pub fn create(target: &Path, what: &str) -> Result<Durable> {
+    let folder = given(target).is_none().then(|| folder_of(target));
+    Ok(Durable::new(create_plain(target, what)?, folder))
+}
+
+/// The same for a log, which is not worth a sync.
+pub fn create_plain(target: &Path, what: &str) -> Result<File> {
+    if let Some(file) = given(target) {
+        return Ok(file);
+    }
+    refuse_others(target, what, Some(SNAPSHOT))?;
+    File::create(target).map_err(|why| Error::new(Code::Output, what).at(target).why(why))
+}
+
+/// Refuses a name under which there is a file of another kind; `more` is one that is refused here.
+pub(crate) fn refuse_others(target: &Path, what: &str, more: Option<(&[u8], &str)>) -> Result<()> {
+    if !target.metadata().is_ok_and(|metadata| metadata.is_file()) {
+        return Ok(());
+    }
+    let mut begin = [0; 16];
+    let read = File::open(target).and_then(|mut file| file.read(&mut begin)).unwrap_or(0);
+    let begin = begin[..read].trim_ascii_start();
+    let html = begin.len() > 4 && begin[..2] == *b"<!" || begin.starts_with(b"<html");
+    match OTHERS.into_iter().chain(more).find(|(start, _)| begin.starts_with(start)) {
+        Some((_, kind)) if !html => Err(Error::new(Code::Output, what)
+            .at(target)
+            .why(format!("the file that is there is {kind}, which would be lost"))
+            .help("give another name, or remove the file")),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a name under which one of the files lies that are read.
+pub fn refuse_inputs<'a>(target: &Path, inputs: impl IntoIterator<Item = &'a Path>) -> Result<()> {
+    let identity = |path: &Path| path.metadata().map(|m| (m.dev(), m.ino(), m.is_file())).ok();
+    let Some(there @ (.., true)) = identity(target) else { return Ok(()) };
+    match inputs.into_iter().find(|input| identity(input) == Some(there)) {
+        Some(input) => Err(Error::new(Code::Usage, "the output would take the place of an input")
+            .at(target)
+            .why(format!("{} is read by this command", input.display()))
+            .help("give the output another name")),
+        None => Ok(()),
+    }
+}
+
+/// A file whose content survives a power loss once it is flushed. What was written but not flushed is
+/// in a buffer that [`save_all`] finds.
+pub struct Durable {
+    shared: Arc<Mutex<Buffered>>,
+    /// Where its name was not synced yet.
+    folder: Option<PathBuf>,
+}
+
+struct Buffered {
+    file: File,
+    buffer: Vec<u8>,
+}
+
+/// Bytes written at once.
+const PIECE: usize = 1 << 16;
+
+/// The files that are being written.
+static OPEN: Mutex<Vec<Weak<Mutex<Buffered>>>> = Mutex::new(Vec::new());
+
+/// Writes what waits in buffers, as far as nobody is writing there: for a process that ends without
+/// coming back to those who write.
+pub fn save_all() {
+    let open = OPEN.try_lock();
+    for file in open.iter().flat_map(|open| open.iter()).filter_map(Weak::upgrade) {
+        if let Ok(mut file) = file.try_lock() {
+            // There is nobody to be told.
+            drop(file.save());
+        }
+    }
+}
+
+impl Durable {
+    fn new(file: File, folder: Option<PathBuf>) -> Self {
+        let shared = Arc::new(Mutex::new(Buffered { file, buffer: Vec::new() }));
+        let mut open = OPEN.lock().unwrap_or_else(PoisonError::into_inner);
+        open.retain(|file| file.strong_count() > 0);
+        open.push(Arc::downgrade(&shared));
+        Self { shared, folder }
+    }
+
+    fn buffered(&self) -> MutexGuard<'_, Buffered> {
+        self.shared.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Buffered {
+    fn save(&mut self) -> io::Result<()> {
+        let saved = self.file.write_all(&self.buffer);
+        self.buffer.clear();
+        saved
+    }
+}
+
+impl Write for Durable {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let mut own = self.buffered();
+        own.buffer.extend_from_slice(bytes);
+        if own.buffer.len() >= PIECE {
+            own.save()?;
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let mut own = self.buffered();
+        own.save()?;
+        synced(own.file.sync_data())?;
+        drop(own);
+        match self.folder.take() {
+            Some(folder) => sync_folder(&folder),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Seek for Durable {
+    fn seek(&mut self, to: io::SeekFrom) -> io::Result<u64> {
+        let mut own = self.buffered();
+        own.save()?;
+        own.file.seek(to)
+    }
+}
+
+impl Drop for Durable {
+    fn drop(&mut self) {
+        // Whoever wants to know whether it can be written flushes it.
+        drop(self.buffered().save());
+    }
+}
+
+/// Files that were opened by the process that confined this one, which may open none itself.
+struct Given {
+    files: Vec<(PathBuf, RawFd)>,
+    /// Where whole files are left for that process.
+    folder: PathBuf,
+}
+
+static GIVEN: OnceLock<Given> = OnceLock::new();
+
+/// From now on these files are written through the descriptors that this process was given, and files
+/// that are replaced as a whole are left in `folder` for the process around, by their [`outbox_name`].
+pub fn give(files: Vec<(PathBuf, RawFd)>, folder: PathBuf) {
+    // Once in a process.
+    drop(GIVEN.set(Given { files, folder }));
+}
+
+/// The descriptor that was given for a file.
+fn given(target: &Path) -> Option<File> {
+    let given = GIVEN.get()?;
+    let (_, file) = given.files.iter().find(|(path, _)| path == target)?;
+    // SAFETY: the descriptor was opened for this process and is never closed.
+    let borrowed = unsafe { std::os::fd::BorrowedFd::borrow_raw(*file) };
+    borrowed.try_clone_to_owned().ok().map(File::from)
+}
+
+/// The name of a file that was replaced as a whole, in the folder of [`give`]; it has no `/`.
+pub fn outbox_name(target: &Path) -> String {
+    target.as_os_str().as_bytes().iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// The file of such a name.
+pub fn of_outbox(name: &str) -> Option<PathBuf> {
+    let digits = name.as_bytes().chunks(2);
+    let bytes: Option<Vec<u8>> =
+        digits.map(|pair| u8::from_str_radix(std::str::from_utf8(pair).ok()?, 16).ok()).collect();
+    Some(OsString::from_vec(bytes?).into())
+}
+
+/// In that folder: the results that are continued are in the new file.
+pub const CONTINUED: &str = "continued";
+
+/// A file that has its name only when it is whole.
+pub struct Unfinished {
+    file: File,
+    target: PathBuf,
+    /// Where the file system knows no files without a name.
+    hidden: Option<Hidden>,
+}
+
+/// A file that goes with its value.
+struct Hidden(PathBuf);
+
+impl Drop for Hidden {
+    fn drop(&mut self) {
+        // It is gone already when it got its name.
+        drop(fs::remove_file(&self.0));
+    }
+}
+
+impl Unfinished {
+    /// For `target`, of which the folder must be there.
+    pub fn new(target: &Path) -> io::Result<Self> {
+        if let Some(file) = given(target) {
+            return Ok(Self { file, target: target.to_owned(), hidden: None });
+        }
+        let folder = folder_of(target);
+        sweep(&folder, target);
+        let nameless = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .mode(0o600)
+            .custom_flags(libc::O_TMPFILE)
+            .open(&folder);
+        let (file, hidden) = match nameless {
+            Ok(file) => (file, None),
+            Err(why) if is_unknown(&why) => {
+                let hidden = Hidden(hidden(&folder, target));
+                let mut options = OpenOptions::new();
+                options.read(true).write(true).create_new(true).mode(0o600);
+                (options.open(&hidden.0)?, Some(hidden))
+            }
+            Err(why) => return Err(why),
+        };
+        match file.try_lock() {
+            Err(fs::TryLockError::Error(why)) if why.kind() != io::ErrorKind::Unsupported => {
+                return Err(why);
+            }
+            _ => (),
+        }
+        Ok(Self { file, target: target.to_owned(), hidden })
+    }
+
+    /// Where it is written.
+    pub fn file(&self) -> &File {
+        &self.file
+    }
+
+    /// A second handle to write by.
+    pub fn writer(&self) -> io::Result<Durable> {
+        Ok(Durable::new(self.file.try_clone()?, None))
+    }
+
+    /// Gives the file its name, in the place of what has it.
+    pub fn finish(self) -> io::Result<()> {
+        if let Some(given) = GIVEN.get().filter(|_| given(&self.target).is_some()) {
+            synced(self.file.sync_all())?;
+            return fs::write(given.folder.join(CONTINUED), b"");
+        }
+        let folder = folder_of(&self.target);
+        // As readable as what it replaces, or as a new file would be.
+        let mode = fs::metadata(&self.target).map_or(0o666 & !umask(), |there| there.mode());
+        self.file.set_permissions(fs::Permissions::from_mode(mode & 0o777))?;
+        synced(self.file.sync_all())?;
+        let named = match self.hidden {
+            Some(hidden) => hidden,
+            None => {
+                let hidden = Hidden(hidden(&folder, &self.target));
+                link(&self.file, &hidden.0)?;
+                hidden
+            }
+        };
+        fs::rename(&named.0, &self.target)?;
+        std::mem::forget(named);
+        sync_folder(&folder)
+    }
+}
+
+/// Replaces `target` by these bytes, or leaves it as it is.
+pub fn replace(target: &Path, bytes: &[u8]) -> io::Result<()> {
+    if let Some(given) = GIVEN.get() {
+        // Under its name when it is whole; it is the process around that keeps it.
+        let (begun, whole) = (given.folder.join("begun"), given.folder.join(outbox_name(target)));
+        return fs::write(&begun, bytes).and_then(|()| fs::rename(begun, whole));
+    }
+    let unfinished = Unfinished::new(target)?;
+    unfinished.file().write_all(bytes)?;
+    unfinished.finish()
+}
+
+/// Removes what processes that were killed left beside `target`.
+fn sweep(folder: &Path, target: &Path) {
+    let prefix = hidden_prefix(target);
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let bytes = name.as_bytes();
+        let ours = bytes.starts_with(prefix.as_bytes()) && bytes.ends_with(UNFINISHED.as_bytes());
+        let plain = entry.file_type().is_ok_and(|kind| kind.is_file());
+        if ours && plain && File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok()) {
+            // What cannot be removed is somebody else's matter.
+            drop(fs::remove_file(entry.path()));
+        }
+    }
+}
+
+fn hidden_prefix(target: &Path) -> OsString {
+    let mut prefix = OsString::from(".");
+    prefix.push(target.file_name().unwrap_or(OsStr::new("file")));
+    prefix.push(".");
+    prefix
+}
+
+/// A name that nobody else takes: of this process, and of a number that it gives once.
+fn hidden(folder: &Path, target: &Path) -> PathBuf {
+    static NUMBER: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
+    let number = NUMBER.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+    let mut name = hidden_prefix(target);
+    name.push(format!("{}-{number}{UNFINISHED}", std::process::id()));
+    folder.join(name)
+}
+
+/// Gives a name to a file that has none.
+fn link(file: &File, name: &Path) -> io::Result<()> {
+    let from = CString::new(format!("/proc/self/fd/{}", file.as_raw_fd()))?;
+    let to = CString::new(name.as_os_str().as_bytes())?;
+    let (here, follow) = (libc::AT_FDCWD, libc::AT_SYMLINK_FOLLOW);
+    // SAFETY: both are C strings, alive until the call returns.
+    match unsafe { libc::linkat(here, from.as_ptr(), here, to.as_ptr(), follow) } {
+        0 => Ok(()),
+        _ => Err(io::Error::last_os_error()),
+    }
+}
+
+fn umask() -> u32 {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("Umask:"));
+    line.and_then(|mask| u32::from_str_radix(mask.trim(), 8).ok()).unwrap_or(0o077)
+}
+
+fn folder_of(target: &Path) -> PathBuf {
+    let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty());
+    folder.unwrap_or(Path::new(".")).to_owned()
+}
+
+fn sync_folder(folder: &Path) -> io::Result<()> {
+    synced(File::open(folder).and_then(|folder| folder.sync_all()))
+}
+
+/// Pipes, devices and some file systems have nothing to sync.
+fn synced(result: io::Result<()>) -> io::Result<()> {
+    match result {
+        Err(why) if matches!(why.raw_os_error(), Some(libc::EINVAL | libc::ENOTSUP)) => Ok(()),
+        other => other,
+    }
+}
+
+/// Whether a file system knows no files without a name.
+fn is_unknown(why: &io::Error) -> bool {
+    matches!(why.raw_os_error(), Some(libc::EOPNOTSUPP | libc::EISDIR | libc::EINVAL))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tempfile::TempDir;
+
+    fn names(folder: &TempDir) -> Vec<String> {
+        let entries = fs::read_dir(folder.path()).unwrap().flatten();
+        let mut names: Vec<String> =
+            entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_file_has_its_name_only_when_it_is_whole_and_leftovers_go() {
+        let folder = TempDir::new().unwrap();
+        let target = folder.path().join("a");
+        fs::write(&target, "old").unwrap();
+        // Of a process that was killed, and of one that writes.
+        fs::write(folder.path().join(".a.1-0.unfinished"), "cut").unwrap();
+        let busy = File::create(folder.path().join(".a.2-0.unfinished")).unwrap();
+        busy.lock().unwrap();
+        fs::write(folder.path().join(".ab.1-0.unfinished"), "another's").unwrap();
+        let unfinished = Unfinished::new(&target).unwrap();
+        unfinished.file().write_all(b"new").unwrap();
+        assert_eq!(fs::read(&target).unwrap(), b"old");
+        let others = [".a.2-0.unfinished", ".ab.1-0.unfinished"];
+        unfinished.finish().unwrap();
+        assert_eq!(fs::read(&target).unwrap(), b"new");
+        assert_eq!(names(&folder), [others[0], others[1], "a"]);
+        drop(Unfinished::new(&target).unwrap());
+        assert_eq!(names(&folder), [others[0], others[1], "a"]);
+    }
+
+    #[test]
+    fn a_hidden_file_does_where_there_are_none_without_a_name() {
+        let folder = TempDir::new().unwrap();
+        let target = folder.path().join("a");
+        let of = || {
+            let hidden = Hidden(hidden(folder.path(), &target));
+            let file = File::create(&hidden.0).unwrap();
+            Unfinished { file, target: target.clone(), hidden: Some(hidden) }
+        };
+        drop(of());
+        assert!(names(&folder).is_empty());
+        of().finish().unwrap();
+        assert_eq!(names(&folder), ["a"]);
+    }
+
+    #[test]
+    fn what_is_something_else_is_not_replaced() {
+        let folder = TempDir::new().unwrap();
+        let target = folder.path().join("a");
+        for (content, replaced) in [
+            (&b"PK\x03\x04..."[..], false),
+            (b"\n <?xml", false),
+            (b"{\"events\"", false),
+            (b"COSIMSNP...", false),
+            (b"-----BEGIN PRIVATE KEY", false),
+            (b"time,a\n", true),
+            (b"<!doctype html>", true),
+            (b"", true),
+        ] {
+            fs::write(&target, content).unwrap();
+            let created = create(&target, "it cannot be written");
+            assert_eq!(created.is_ok(), replaced, "{}", String::from_utf8_lossy(content));
+            assert_eq!(fs::read(&target).unwrap().is_empty(), replaced);
+        }
+    }
+
+    #[test]
+    fn an_input_is_known_by_every_name_it_has() {
+        let folder = TempDir::new().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        fs::write(path("input"), "x").unwrap();
+        fs::hard_link(path("input"), path("hard")).unwrap();
+        std::os::unix::fs::symlink(path("input"), path("soft")).unwrap();
+        fs::write(path("other"), "x").unwrap();
+        let input = path("input");
+        for (name, allowed) in
+            [("input", false), ("hard", false), ("soft", false), ("other", true), ("new", true)]
+        {
+            let refused = refuse_inputs(&path(name), [input.as_path()]);
+            assert_eq!(refused.is_ok(), allowed, "{name}");
+        }
+    }
+}
