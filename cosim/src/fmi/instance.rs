@@ -9,6 +9,7 @@ use std::sync::atomic::Ordering;
 use super::callbacks::{Callbacks, Known};
 use super::description::InterfaceType;
 use super::fmu::Fmu;
+use super::guard::{self, Float};
 use super::library::{Component, FmuState, Functions, Hot, Own};
 use super::status::{self, RawStatus};
 use crate::error::{Code, Error, Result};
@@ -137,6 +138,7 @@ impl Instance {
             // SAFETY: as above.
             unsafe { (f.enter_initialization)(c) }
         })?;
+        self.check_process("fmi2EnterInitializationMode");
         self.state = State::Initialization;
         Ok(())
     }
@@ -148,6 +150,7 @@ impl Instance {
             // SAFETY: `c` is alive and the state allows the call.
             unsafe { (f.exit_initialization)(c) }
         })?;
+        self.check_process("fmi2ExitInitializationMode");
         self.state = match self.kind {
             InterfaceType::CoSimulation => State::Ready,
             InterfaceType::ModelExchange => State::EventMode,
@@ -220,14 +223,21 @@ impl Instance {
         arguments: impl FnOnce(&Followed) -> String,
         call: impl FnOnce(&Functions, Component) -> RawStatus,
     ) -> Result<()> {
+        let float = Float::now();
         let status = match self.followed {
             None => call(&self.functions, self.component),
             Some(_) => self.followed_call::<RESULTS>(function, arguments, call),
         };
+        float.check(&self.log, function);
         if status == status::OK || status == status::WARNING {
             return Ok(());
         }
         Err(self.failed(function, status))
+    }
+
+    /// Sets back what the FMU changed of the process, and tells it.
+    pub(crate) fn check_process(&self, function: &str) {
+        guard::check(&self.log, function);
     }
 
     /// Apart, so that the usual way stays short.
@@ -291,10 +301,12 @@ impl Drop for Instance {
             return;
         }
         let follow = |function, call: &mut dyn FnMut()| {
+            let float = Float::now();
             if let Some(followed) = &self.followed {
                 followed.begin(function, self.time, nothing);
             }
             call();
+            float.check(&self.log, function);
             if let Some(followed) = &self.followed {
                 followed.end(function, status::OK, false);
             }
@@ -315,6 +327,7 @@ impl Drop for Instance {
             // SAFETY: the component is alive and not used afterwards.
             unsafe { (functions.free_instance)(self.component) };
         });
+        self.check_process("fmi2FreeInstance");
         self.fmu.taken.store(false, Ordering::Release);
     }
 }

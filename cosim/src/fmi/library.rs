@@ -8,6 +8,7 @@ use libloading::Library;
 use super::callbacks::{Callbacks, text};
 use super::description::InterfaceType;
 use super::elf;
+use super::guard;
 use super::open;
 use super::status::{self, RawStatus};
 use crate::error::{Code, Error, Result};
@@ -203,6 +204,8 @@ impl Hot {
 pub(super) struct Binary {
     pub functions: Functions,
     pub own: Own,
+    /// What it changed while it was loaded.
+    pub changed: Vec<String>,
     /// Keeps the code mapped; the pointers above are into it.
     library: Library,
 }
@@ -217,7 +220,9 @@ impl Binary {
 /// Loads the library at `path`, which belongs to the FMU `fmu`.
 pub(super) fn load(path: &Path, fmu: &Path, kind: InterfaceType) -> Result<Binary> {
     // SAFETY: loading runs the library's constructors: whoever runs an FMU trusts its code.
-    let library = unsafe { open::library(path) }.map_err(|e| {
+    let (library, changed) =
+        guard::around("loading the library", || unsafe { open::library(path) });
+    let library = library.map_err(|e| {
         let help = remedy(&e);
         Error::new(Code::Library, "the library of the FMU cannot be loaded")
             .at(fmu)
@@ -232,7 +237,7 @@ pub(super) fn load(path: &Path, fmu: &Path, kind: InterfaceType) -> Result<Binar
     // SAFETY: the function takes nothing and returns NULL or a C string that is never freed.
     let version = unsafe { text((functions.get_version)()) };
     if version == "2.0" {
-        return Ok(Binary { functions, own, library });
+        return Ok(Binary { functions, own, changed, library });
     }
     Err(Error::new(Code::Library, "the library of the FMU is not of FMI 2.0")
         .at(fmu)

@@ -2,6 +2,7 @@
 //! on as they come when a [`Trace`] asks for them.
 
 use std::collections::VecDeque;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::mailbox::Mailbox;
@@ -18,6 +19,8 @@ pub(super) struct Log {
     live: Option<(Arc<Trace>, String)>,
     /// Who passes them on, and the instance's name.
     mailbox: Option<(Arc<Mailbox>, String)>,
+    /// What the instance was told to have changed, a bit for each kind.
+    changed: AtomicU32,
 }
 
 #[derive(Default)]
@@ -37,12 +40,23 @@ impl Log {
             messages: Mutex::default(),
             live: live.map(|trace| (trace, instance.to_owned())),
             mailbox: mailbox.map(|mailbox| (mailbox, instance.to_owned())),
+            changed: AtomicU32::new(0),
         }
     }
 
     /// Whether messages were shown already when they came.
     pub(super) fn is_live(&self) -> bool {
         self.live.is_some()
+    }
+
+    /// Whether a change of this kind is the first of the instance.
+    pub(super) fn is_new(&self, kind: u32) -> bool {
+        self.changed.fetch_or(1 << kind, Ordering::Relaxed) & (1 << kind) == 0
+    }
+
+    /// Takes a message as it is shown.
+    pub(super) fn told(&self, line: &str) {
+        self.push(line.to_owned());
     }
 
     /// Takes a message as the FMU gave it.

@@ -1,14 +1,16 @@
 //! Import of FMI 2.0 FMUs for co-simulation and model exchange: archive, description, library, instances.
 //!
 //! [`Fmu::open`] gives one shared value per file and process; [`Instance`] is the safe handle of
-//! one `fmi2Component`; [`Logging`] says what instances log. All `unsafe` of this crate is here, in
-//! `open`, `library`, `last`, `callbacks`, `instance` and `temporary`, but for one call in `master::direct`.
+//! one `fmi2Component`; [`Logging`] says what instances log. The `unsafe` of this crate that
+//! touches FMUs is here, in `open`, `library`, `last`, `callbacks`, `guard`, `instance` and `temporary`; the rest is system calls in `files` and
+//! `confine`.
 
 pub mod archive;
 mod callbacks;
 pub mod description;
 pub(crate) mod elf;
 mod fmu;
+pub(crate) mod guard;
 mod instance;
 mod last;
 mod library;
@@ -23,6 +25,7 @@ pub use description::{
     Causality, Description, InterfaceType, Kind, Output, Value, Variability, Variable,
 };
 pub use fmu::{Fmu, forget};
+pub use guard::guard_process;
 pub(crate) use instance::{Direct, DirectSteps, Unusual};
 pub use instance::{Instance, NextEvent, Place, State};
 pub use last::{LastCall, Noted};

@@ -33,7 +33,7 @@ struct Folder(PathBuf);
 
 impl Unpacked {
     /// A fresh and empty folder.
-    pub(crate) fn new() -> Result<Self> {
+    pub fn new() -> Result<Self> {
         static SWEPT: Once = Once::new();
         SWEPT.call_once(|| sweep(&std::env::temp_dir()));
         Self::make().map_err(|e| {

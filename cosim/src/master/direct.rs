@@ -18,6 +18,7 @@ use super::plan::{Node, Plan, Route};
 use super::slave::{DirectCalls, Slave};
 use crate::error::Result;
 use crate::fmi::DirectSteps;
+use crate::fmi::guard::Float;
 use crate::time::Time;
 
 /// The steps of all components in their order, and the inputs that are held.
@@ -134,6 +135,7 @@ impl Engine {
     #[inline(always)]
     fn step_directly(&mut self, first: usize, now: Time) -> Result<usize> {
         let recording = now == self.limit;
+        let float = Float::now();
         // Instants in seconds, for components with the same step.
         let (mut length, mut seconds) = (Time::ZERO, (0.0, 0.0));
         let mut place = first;
@@ -159,7 +161,11 @@ impl Engine {
             }
             let own = &self.inputs[range(places.inputs, step.sets())];
             let results = &mut self.values[range(places.outputs, reads)];
-            if let Err(found) = step.advance(own, seconds, results) {
+            let advanced = step.advance(own, seconds, results);
+            if Float::now() != float {
+                self.slaves[c].changed_float(float);
+            }
+            if let Err(found) = advanced {
                 self.slaves[c].conclude(found, now - length, length)?;
             }
         }

@@ -40,11 +40,25 @@ pub(crate) struct Engine {
     /// Of the components that were manipulated.
     pub(super) patches: Vec<Option<SharedPatches>>,
     pub(super) meter: Meter,
+    watch: Watch,
     /// The error control, if steps have one.
     pub(super) control: Option<Control>,
     /// A component discarded the step being made, and came as far as this.
     pub(super) discarded: Option<Time>,
     pub(super) warnings: Vec<String>,
+}
+
+/// When the process is looked at (`fmi::guard`): after each of the first steps, which names who
+/// changed it, and then after so many.
+const WATCHED_FIRST: usize = 64;
+const WATCHED_EVERY: usize = 4096;
+
+#[derive(Default)]
+struct Watch {
+    first: usize,
+    since: usize,
+    /// The component that is asked next.
+    turn: usize,
 }
 
 /// Where a component is in time.
@@ -93,6 +107,7 @@ impl Engine {
             ramps: vec![Ramp::default(); plan.ramps.len()],
             patches,
             meter: Meter::new(plan.nodes.len()),
+            watch: Watch::default(),
             control: None,
             discarded: None,
             plan,
@@ -225,6 +240,7 @@ impl Engine {
     /// Makes the steps that end now.
     pub(super) fn instant(&mut self, now: Time) -> Result<()> {
         self.meter.instant();
+        self.watch(self.plan.nodes.len());
         if self.meter.timing || !self.plan.loops.is_empty() {
             self.with_sequence(|engine, sequence| engine.step_members(sequence, now))?;
         } else {
@@ -236,6 +252,7 @@ impl Engine {
     /// The first half of an instant: every step of `members` that ends now, in their order.
     pub(crate) fn end_steps(&mut self, members: &[usize], now: Time) -> Result<()> {
         self.meter.instant();
+        self.watch(members.len());
         self.step_members(members, now)
     }
 
@@ -329,7 +346,35 @@ impl Engine {
         let begun = Instant::now();
         self.step_untimed(c, now)?;
         self.meter.timed(c, begun.elapsed());
+        if self.watch.first < WATCHED_FIRST {
+            self.watch.first += 1;
+            self.slaves[c].check_process("a step");
+        }
         Ok(())
+    }
+
+    /// Now and then looks whether the process is as it was: of what steps cost, this is a part that
+    /// cannot be measured. The component that is named took part, others may have.
+    #[inline]
+    fn watch(&mut self, steps: usize) {
+        self.watch.since += steps;
+        if self.watch.since >= WATCHED_EVERY {
+            self.watch.since = 0;
+            self.watch_now();
+        }
+    }
+
+    #[cold]
+    fn watch_now(&mut self) {
+        self.watch.turn = (self.watch.turn + 1) % self.slaves.len().max(1);
+        let alone = self.slaves.len() == 1;
+        if let Some(slave) = self.slaves.get_mut(self.watch.turn) {
+            slave.check_process(if alone {
+                "a step"
+            } else {
+                "a step of this or another component"
+            });
+        }
     }
 
     pub(super) fn step_untimed(&mut self, c: usize, now: Time) -> Result<()> {

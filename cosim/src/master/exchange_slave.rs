@@ -199,6 +199,10 @@ impl Slave for ExchangeSlave {
         self.instance.messages()
     }
 
+    fn check_process(&mut self, function: &str) {
+        self.instance.check_process(function);
+    }
+
     fn save(&mut self, place: Place) -> Result<()> {
         self.instance.save(place)?;
         self.saved[place as usize] = Some((self.solver.clone(), self.discrete.values.clone()));

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::error::{Code, Error, Result};
+use crate::fmi::guard::Float;
 use crate::fmi::{Fmu, Instance, InterfaceType, Kind, Logging, Place, Unusual, Value};
 use crate::system::Component;
 use crate::time::{Step, Time};
@@ -263,6 +264,14 @@ impl Slave for FmuSlave {
     fn conclude(&mut self, found: Unusual, start: Time, step: Time) -> Result<()> {
         let reached = self.instance.conclude(found, start, step)?;
         self.discarded(start, step, reached).map(drop)
+    }
+
+    fn check_process(&mut self, function: &str) {
+        self.instance.check_process(function);
+    }
+
+    fn changed_float(&mut self, before: Float) {
+        self.instance.changed_float(before);
     }
 
     fn came_to(&mut self, now: Time) {

@@ -54,7 +54,7 @@ pub use snapshot::Snapshot;
 pub use summary::{ComponentSummary, Summary};
 
 use crate::error::Result;
-use crate::fmi::{InterfaceType, Kind, Logging, Variability};
+use crate::fmi::{InterfaceType, Kind, Logging, Variability, guard};
 use crate::solver;
 use crate::system::{Component, Model, System};
 use crate::time::Time;
@@ -119,6 +119,7 @@ impl System {
     pub(crate) fn engine_of(&self, components: &[Component], start: Time) -> Result<Engine> {
         let fmus = components.iter().filter_map(|c| Some((c.name.as_str(), c.fmu()?)));
         self.logging().check(fmus)?;
+        guard::begin();
         let plan = Plan::new(self);
         let mut made = Vec::with_capacity(plan.nodes.len());
         for (position, (component, node)) in components.iter().zip(&plan.nodes).enumerate() {

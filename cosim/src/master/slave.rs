@@ -1,6 +1,7 @@
 //! What the master steps: an FMU here, prepared signals, later something remote.
 
 use crate::error::Result;
+use crate::fmi::guard::Float;
 use crate::fmi::{Direct, Place, Unusual, Value};
 use crate::time::Time;
 
@@ -120,6 +121,13 @@ pub trait Slave {
     /// Direct calls have brought the slave to this instant.
     #[doc(hidden)]
     fn came_to(&mut self, _now: Time) {}
+
+    /// Sets back what the component changed of the process in `function`, and tells it in a message.
+    fn check_process(&mut self, _function: &str) {}
+
+    /// The same with the floating-point environment after a direct call.
+    #[doc(hidden)]
+    fn changed_float(&mut self, _before: Float) {}
 }
 
 /// The calls of a slave's step, and the value references of its inputs, its outputs and of the Reals
@@ -185,6 +193,10 @@ macro_rules! passes_on {
 
         fn debug(&mut self, on: bool) -> Result<()> {
             self.$inner.debug(on)
+        }
+
+        fn check_process(&mut self, function: &str) {
+            self.$inner.check_process(function)
         }
 
         fn rejected(&self) -> u64 {

@@ -7,6 +7,7 @@ use std::sync::atomic::Ordering;
 use super::{Followed, Instance, State};
 use crate::error::{Code, Error, Result};
 use crate::fmi::callbacks::{Callbacks, Known};
+use crate::fmi::guard::Float;
 use crate::fmi::library::{Component, Functions, Hot};
 use crate::fmi::log::Log;
 use crate::fmi::status;
@@ -51,6 +52,9 @@ impl Instance {
             kept: Arc::default(),
             fmu,
         };
+        for line in &instance.fmu.binary(kind)?.changed {
+            instance.log.told(line);
+        }
         instance.instantiate(logging)?;
         instance.choose_categories(logging)?;
         Ok(instance)
@@ -74,6 +78,7 @@ impl Instance {
         }
         let resources = text(&resources);
         let Some(callbacks) = self.callbacks.as_deref() else { return Ok(()) };
+        let float = Float::now();
         // SAFETY: the strings live during the call, callbacks and log as long as the instance.
         self.component = unsafe {
             (self.functions.instantiate)(
@@ -86,6 +91,8 @@ impl Instance {
                 i32::from(debug),
             )
         };
+        float.check(&self.log, "fmi2Instantiate");
+        self.check_process("fmi2Instantiate");
         self.log.is_of(self.component.addr());
         let made = !self.component.is_null();
         if let Some(followed) = &self.followed {

@@ -13,6 +13,7 @@ use std::sync::Arc;
 
 use super::{Instance, State};
 use crate::error::Result;
+use crate::fmi::guard::Float;
 use crate::fmi::library::{Component, Hot};
 use crate::fmi::status::{self, RawStatus};
 use crate::time::Time;
@@ -203,6 +204,12 @@ impl Instance {
         }
         let calls = Calls { component: self.component, set_real, do_step: do_step?, get_real };
         Some(Direct { calls, kept: self.kept.clone() })
+    }
+
+    /// Sets back what a direct step changed of the floating-point environment, which was `before`.
+    #[cold]
+    pub(crate) fn changed_float(&self, before: Float) {
+        before.changed(&self.log, "a step");
     }
 
     /// Direct calls have brought the instance to this instant: errors tell it.

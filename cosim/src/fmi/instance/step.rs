@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use super::{Followed, Instance, State};
 use crate::error::{Code, Error, Result};
+use crate::fmi::guard::Float;
 use crate::fmi::library::{Component, Functions, Own, Stepping};
 use crate::fmi::status::{self, RawStatus};
 use crate::time::{Step, Time};
@@ -59,6 +60,7 @@ impl Instance {
             // SAFETY: `c` is alive and the state allows the call.
             unsafe { do_step(c, from, length, 1) }
         };
+        let float = Float::now();
         let status = match self.followed {
             None => call(&self.functions, self.component),
             Some(_) => {
@@ -66,6 +68,7 @@ impl Instance {
                 self.followed_call::<false>("fmi2DoStep", shown, call)
             }
         };
+        float.check(&self.log, "fmi2DoStep");
         self.stepped(start, step, status)
     }
 

@@ -1,0 +1,303 @@
+//! What an FMU must leave as it found it: the floating-point environment of its thread, the signal
+//! mask and handlers, locale, working directory, umask, and where the standard streams go.
+//!
+//! All of that belongs to the process, so an FMU that changes it changes its neighbours, and a
+//! system computes something else in one process than in two. The floating-point environment is
+//! compared after every call, for the next FMU would compute with it. The rest costs system calls;
+//! it is compared after each call that makes, initializes or ends an instance, after the first
+//! steps, and then now and then (`master::engine`). What was changed is set back, and the
+//! messages of the instance tell what, and in which function.
+
+use std::ffi::{CStr, CString};
+use std::mem::MaybeUninit;
+use std::os::unix::ffi::OsStringExt;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use super::log::Log;
+use super::status;
+
+/// Rounding, flushing of subnormals to zero, and exceptions that trap.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Float {
+    /// MXCSR without its flags; on AArch64 FPCR.
+    control: u64,
+    /// The x87 control word.
+    x87: u16,
+}
+
+/// Of MXCSR: exceptions that have happened.
+#[cfg(target_arch = "x86_64")]
+const FLAGS: u32 = 0x3f;
+
+impl Float {
+    /// That of the calling thread.
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    pub(crate) fn now() -> Self {
+        let (mut control, mut x87) = (0_u32, 0_u16);
+        // SAFETY: both instructions store what they read to the place they are given.
+        unsafe {
+            std::arch::asm!(
+                "stmxcsr [{}]", "fnstcw [{}]", in(reg) &mut control, in(reg) &mut x87,
+                options(nostack, preserves_flags)
+            );
+        }
+        Self { control: u64::from(control & !FLAGS), x87 }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[cold]
+    fn set(self) {
+        let (control, x87) = (self.control as u32, self.x87);
+        // SAFETY: the values were read from the same registers; cleared flags hinder nobody.
+        unsafe {
+            std::arch::asm!(
+                "fnclex", "ldmxcsr [{}]", "fldcw [{}]", in(reg) &control, in(reg) &x87,
+                options(nostack, readonly)
+            );
+        }
+    }
+
+    /// That of the calling thread.
+    #[cfg(target_arch = "aarch64")]
+    #[inline(always)]
+    pub(crate) fn now() -> Self {
+        let control: u64;
+        // SAFETY: reads a register.
+        unsafe { std::arch::asm!("mrs {}, fpcr", out(reg) control, options(nomem, nostack)) };
+        Self { control, x87: 0 }
+    }
+
+    #[cfg(target_arch = "aarch64")]
+    #[cold]
+    fn set(self) {
+        // SAFETY: the value was read from the same register.
+        unsafe { std::arch::asm!("msr fpcr, {}", in(reg) self.control, options(nostack)) };
+    }
+
+    /// Not known on this machine.
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    #[inline(always)]
+    pub(crate) fn now() -> Self {
+        Self { control: 0, x87: 0 }
+    }
+
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    fn set(self) {}
+
+    /// Sets back what a call of `function` changed, and tells it.
+    #[inline(always)]
+    pub(super) fn check(self, log: &Log, function: &'static str) {
+        if Self::now() != self {
+            self.changed(log, function);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    pub(super) fn changed(self, log: &Log, function: &str) {
+        self.set();
+        tell(log, Kind::Float, function);
+    }
+}
+
+/// What can be changed; the bits of what an instance was told of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Float,
+    Mask,
+    Handlers,
+    Faults,
+    Locale,
+    Folder,
+    Umask,
+    Streams,
+}
+
+impl Kind {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Float => "the floating-point environment (rounding, subnormals or traps)",
+            Self::Mask => "the signal mask",
+            Self::Handlers => "a signal's handler",
+            Self::Faults => "the handler of a fault",
+            Self::Locale => "the locale",
+            Self::Folder => "the working directory",
+            Self::Umask => "the umask",
+            Self::Streams => "where a standard stream goes",
+        }
+    }
+
+    /// Whether it can be set back. Runtimes inside of FMUs (of Java, of Go) live from their handlers
+    /// for faults, and a stream that was closed is gone.
+    fn is_set_back(self) -> bool {
+        !matches!(self, Self::Faults | Self::Streams)
+    }
+}
+
+fn tell(log: &Log, kind: Kind, function: &str) {
+    if log.is_new(kind as u32) {
+        let name = kind.name();
+        let end = if kind.is_set_back() { "; it was set back" } else { "" };
+        let text = format!("{function} changed {name} of the whole process{end}");
+        log.message(status::WARNING, "cosim", &text);
+    }
+}
+
+/// Signals whose handlers are compared: the standard ones that can have one.
+const SIGNALS: std::ops::Range<usize> = 1..32;
+/// Of faults; runtimes inside of FMUs handle them, and must go on to.
+const FAULTS: [libc::c_int; 5] =
+    [libc::SIGSEGV, libc::SIGBUS, libc::SIGFPE, libc::SIGILL, libc::SIGTRAP];
+
+/// What is of the process, and of the calling thread.
+struct Process {
+    mask: libc::sigset_t,
+    handlers: [libc::sigaction; 32],
+    locale: CString,
+    thread_locale: libc::locale_t,
+    folder: Option<(u64, u64)>,
+    path: Option<CString>,
+    umask: libc::mode_t,
+    streams: [Option<(u64, u64)>; 3],
+}
+
+// SAFETY: the handle of a locale is compared and set, by the thread that has it.
+unsafe impl Send for Process {}
+
+/// What was there before the FMUs.
+static BEFORE: Mutex<Option<Process>> = Mutex::new(None);
+/// Whether the process is ours.
+static OWN: AtomicBool = AtomicBool::new(false);
+
+/// From now on FMUs must leave the process as it is, not only the floating-point environment of
+/// their threads. For programs that change nothing of it while systems run: of another program it
+/// cannot be known who changed something, it or an FMU.
+pub fn guard_process() {
+    OWN.store(true, Ordering::Relaxed);
+}
+
+/// Notes how things are now, before FMUs are made.
+pub(crate) fn begin() {
+    if OWN.load(Ordering::Relaxed) {
+        *BEFORE.lock().unwrap_or_else(PoisonError::into_inner) = Some(Process::now());
+    }
+}
+
+/// Sets back what is not as it was, and tells that `function` changed it.
+#[cold]
+#[inline(never)]
+pub(super) fn check(log: &Log, function: &str) {
+    if !OWN.load(Ordering::Relaxed) {
+        return;
+    }
+    let before = BEFORE.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(before) = &*before {
+        before.compare(log, function);
+    }
+}
+
+/// For the code of a library that runs while it is loaded: what it changed is told to the instances
+/// that are made of it.
+pub(super) fn around<T>(function: &str, call: impl FnOnce() -> T) -> (T, Vec<String>) {
+    let (log, float, before) = (Log::default(), Float::now(), Process::now());
+    let result = call();
+    if Float::now() != float {
+        float.changed(&log, function);
+    }
+    before.compare(&log, function);
+    (result, log.take())
+}
+
+impl Process {
+    fn now() -> Self {
+        let mut handlers = [const { MaybeUninit::<libc::sigaction>::zeroed() }; 32];
+        // SAFETY: each call writes to the structure that it is given, or only reads; the structures
+        // are plain data, for which all zeros are a value.
+        unsafe {
+            let mut mask = MaybeUninit::<libc::sigset_t>::zeroed();
+            libc::pthread_sigmask(libc::SIG_BLOCK, std::ptr::null(), mask.as_mut_ptr());
+            for signal in SIGNALS {
+                let handler = handlers[signal].as_mut_ptr();
+                libc::sigaction(signal as libc::c_int, std::ptr::null(), handler);
+            }
+            let umask = libc::umask(0o077);
+            libc::umask(umask);
+            let name = libc::setlocale(libc::LC_ALL, std::ptr::null());
+            let locale = if name.is_null() { c"C" } else { CStr::from_ptr(name) };
+            Self {
+                mask: mask.assume_init(),
+                handlers: handlers.map(|handler| handler.assume_init()),
+                locale: locale.to_owned(),
+                thread_locale: libc::uselocale(std::ptr::null_mut()),
+                folder: identity(|status| libc::stat(c".".as_ptr(), status)),
+                path: std::env::current_dir()
+                    .ok()
+                    .and_then(|folder| CString::new(folder.into_os_string().into_vec()).ok()),
+                umask,
+                streams: [0, 1, 2].map(|file| identity(|status| libc::fstat(file, status))),
+            }
+        }
+    }
+
+    fn compare(&self, log: &Log, function: &str) {
+        let now = Self::now();
+        // SAFETY: what is set was read by the same functions, of this process; the locale of a
+        // thread is that of the thread that calls.
+        unsafe {
+            if (1..65).any(|s| libc::sigismember(&self.mask, s) != libc::sigismember(&now.mask, s))
+            {
+                libc::pthread_sigmask(libc::SIG_SETMASK, &self.mask, std::ptr::null_mut());
+                tell(log, Kind::Mask, function);
+            }
+            for signal in SIGNALS {
+                let (before, after) = (&self.handlers[signal], &now.handlers[signal]);
+                // One that the user has sent is ours to set to its default.
+                let signal = signal as libc::c_int;
+                if !same(before, after) && after.sa_sigaction != libc::SIG_DFL {
+                    if FAULTS.contains(&signal) {
+                        tell(log, Kind::Faults, function);
+                    } else {
+                        libc::sigaction(signal, before, std::ptr::null_mut());
+                        tell(log, Kind::Handlers, function);
+                    }
+                }
+            }
+            if now.locale != self.locale {
+                libc::setlocale(libc::LC_ALL, self.locale.as_ptr());
+                tell(log, Kind::Locale, function);
+            }
+            if now.thread_locale != self.thread_locale {
+                libc::uselocale(self.thread_locale);
+                tell(log, Kind::Locale, function);
+            }
+            if now.folder != self.folder {
+                if let Some(path) = &self.path {
+                    libc::chdir(path.as_ptr());
+                }
+                tell(log, Kind::Folder, function);
+            }
+            if now.umask != self.umask {
+                libc::umask(self.umask);
+                tell(log, Kind::Umask, function);
+            }
+        }
+        if now.streams != self.streams {
+            tell(log, Kind::Streams, function);
+        }
+    }
+}
+
+fn same(a: &libc::sigaction, b: &libc::sigaction) -> bool {
+    a.sa_sigaction == b.sa_sigaction && a.sa_flags == b.sa_flags
+}
+
+/// Device and number of a file.
+fn identity(stat: impl FnOnce(*mut libc::stat) -> libc::c_int) -> Option<(u64, u64)> {
+    let mut status = MaybeUninit::<libc::stat>::zeroed();
+    let done = stat(status.as_mut_ptr());
+    // SAFETY: the structure is plain data, for which all zeros are a value.
+    let status = unsafe { status.assume_init() };
+    (done == 0).then_some((status.st_dev, status.st_ino))
+}
