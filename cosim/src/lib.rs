@@ -55,11 +55,14 @@
 // Without distributed runs nobody drives the engine in parts.
 #![cfg_attr(not(feature = "distributed"), allow(dead_code, unused_imports))]
 
+#[cfg(feature = "distributed")]
+pub mod confine;
 mod digest;
 #[cfg(feature = "distributed")]
 pub mod distributed;
 pub mod error;
 pub mod export;
+pub mod files;
 pub mod fmi;
 pub mod hosted;
 pub mod master;
@@ -69,6 +72,7 @@ pub mod pace;
 pub mod proxy;
 pub mod report;
 pub mod scenario;
+pub mod shown;
 pub mod signals;
 pub mod solver;
 pub mod system;

@@ -7,19 +7,45 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
+/// In the place of the C library's: see `cli::interrupt`. FMUs find it, for the program exports it.
+#[unsafe(no_mangle)]
+extern "C" fn _exit(code: libc::c_int) -> ! {
+    cli::interrupt::ended();
+    loop {
+        // SAFETY: ends the process.
+        unsafe { libc::syscall(libc::SYS_exit_group, code) };
+    }
+}
+
+/// The same under its name in C.
+#[unsafe(no_mangle)]
+extern "C" fn _Exit(code: libc::c_int) -> ! {
+    _exit(code)
+}
+
 fn main() -> ExitCode {
+    // Before there is a second thread: an isolated run goes on in a process behind namespaces.
+    match cli::isolate::enter() {
+        Ok(None) => (),
+        Ok(Some(status)) => return ExitCode::from(u8::try_from(status).unwrap_or(1)),
+        Err(error) => {
+            cli::messages::error(&error);
+            return ExitCode::from(error.code().exit_code());
+        }
+    }
     let arguments = cli::Arguments::parse();
     if let Some((name, value)) = arguments.threads().setting() {
         // SAFETY: there is no other thread yet that could read the environment meanwhile.
         unsafe { std::env::set_var(name, value) }
     }
     let code = match cli::run(arguments) {
-        Ok(()) => 0,
+        Ok(code) => code,
         Err(error) => {
             cli::messages::error(&error);
             error.code().exit_code()
         }
     };
+    cli::isolate::leave(code);
     if cosim::fmi::has_mapped_python() {
         // What cannot be written has nobody to be told to.
         drop(std::io::stdout().flush());

@@ -47,6 +47,11 @@ pub(crate) struct Changes {
 }
 
 impl Changes {
+    /// Whether FMUs may start their tools.
+    pub(crate) fn starts_tools(&self) -> bool {
+        self.execution_tool
+    }
+
     pub(crate) fn overrides(&self) -> Overrides {
         let mut overrides = Overrides::new().execution_tools(self.execution_tool);
         for (name, value) in &self.start_value {

@@ -12,7 +12,8 @@ mod explain;
 mod export;
 mod info;
 mod inspect;
-mod interrupt;
+pub(crate) mod interrupt;
+pub(crate) mod isolate;
 mod keys;
 mod live;
 mod logging;
@@ -88,14 +89,15 @@ impl Arguments {
     }
 }
 
-/// Does what was asked.
-pub(crate) fn run(arguments: Arguments) -> Result<()> {
-    match arguments.verb {
+/// Does what was asked; gives the exit code.
+pub(crate) fn run(arguments: Arguments) -> Result<u8> {
+    let done = match arguments.verb {
+        // What is isolated has its errors told already.
+        Verb::Simulate(verb) => return verb.run(),
+        Verb::Run(verb) => return verb.run(),
         Verb::Info(verb) => verb.run(),
         Verb::Inspect(verb) => verb.run(),
         Verb::Validate(verb) => verb.run(),
-        Verb::Simulate(verb) => verb.run(),
-        Verb::Run(verb) => verb.run(),
         Verb::Convert(verb) => verb.run(),
         Verb::Export(verb) => verb.run(),
         Verb::Proxy(verb) => verb.run(),
@@ -110,5 +112,6 @@ pub(crate) fn run(arguments: Arguments) -> Result<()> {
         Verb::Explain(verb) => verb.run(),
         Verb::Completion(verb) => verb.run(),
         Verb::Man(verb) => verb.run(),
-    }
+    };
+    done.map(|()| 0)
 }

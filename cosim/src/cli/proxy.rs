@@ -90,7 +90,7 @@ pub(crate) struct Remote {}
 
 impl Remote {
     pub(crate) fn run(self) -> Result<()> {
-        distributed::close_inherited();
+        distributed::close_inherited(&[]);
         let stdin = std::io::stdin().as_fd().try_clone_to_owned();
         let stream = stdin.map(UnixStream::from).and_then(|stream| {
             // A socket it is, or nothing that this verb is for.

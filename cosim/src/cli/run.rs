@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use cosim::{Result, System};
+use cosim::{Code, Error, Result, System};
 
 use super::changes::Changes;
 use super::distributed::Distributed;
 use super::interrupt;
+use super::isolate::{self, Isolation};
 use super::logging::Logging;
 use super::output::Output;
 use super::problems;
@@ -25,6 +26,8 @@ pub(crate) struct Run {
     output: Output,
     #[command(flatten)]
     distributed: Distributed,
+    #[command(flatten)]
+    isolation: Isolation,
 }
 
 impl Run {
@@ -33,16 +36,30 @@ impl Run {
         self.distributed.may_use_tls()
     }
 
-    pub(crate) fn run(self) -> Result<()> {
+    pub(crate) fn run(self) -> Result<u8> {
         interrupt::listen();
         problems::told(self.output.format, self.computed())
     }
 
-    fn computed(&self) -> Result<()> {
-        let overrides = self.logging.add_to(self.output.add_to(self.changes.overrides()))?;
+    fn computed(&self) -> Result<u8> {
+        let overrides = self.output.add_to(self.changes.overrides());
+        let overrides = match self.isolation.wanted() {
+            true => overrides,
+            false => self.logging.add_to(overrides)?,
+        };
         let system = System::load(&self.file, &overrides)?;
         system.ready()?;
         let cluster = self.distributed.cluster(self.output.quiet)?;
-        self.output.run(&system, cluster.as_ref())
+        if self.isolation.wanted() && cluster.is_some() {
+            return Err(Error::new(Code::Usage, "--isolate is for runs in this process")
+                .help("workers confine their FMUs anyway, unless --no-confine is said there"));
+        }
+        if self.isolation.wanted() {
+            let written = self.output.written(&system, &[&self.file], self.logging.file())?;
+            return isolate::supervise(written, self.changes.starts_tools());
+        }
+        let _watched = cluster.is_none().then(interrupt::watch);
+        let shut = || self.isolation.shut(self.changes.starts_tools());
+        self.output.run(&system, cluster.as_ref(), &[&self.file], &shut).map(|()| 0)
     }
 }

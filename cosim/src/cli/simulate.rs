@@ -1,12 +1,13 @@
 //! `cosim simulate`: one FMU.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use cosim::fmi::InterfaceType;
 use cosim::{Overrides, Recording, Result, System};
 
 use super::interrupt;
+use super::isolate::{self, Isolation};
 use super::logging::Logging;
 use super::output::Output;
 use super::problems;
@@ -48,19 +49,32 @@ pub(crate) struct Simulate {
     logging: Logging,
     #[command(flatten)]
     output: Output,
+    #[command(flatten)]
+    isolation: Isolation,
 }
 
 impl Simulate {
-    pub(crate) fn run(self) -> Result<()> {
+    pub(crate) fn run(self) -> Result<u8> {
         interrupt::listen();
         problems::told(self.output.format, self.computed())
     }
 
-    fn computed(&self) -> Result<()> {
-        let overrides = self.logging.add_to(self.overrides())?;
+    fn computed(&self) -> Result<u8> {
+        let overrides = match self.isolation.wanted() {
+            true => self.overrides(),
+            false => self.logging.add_to(self.overrides())?,
+        };
         let inputs = self.input_file.as_ref().map(Recording::read_csv).transpose()?;
         let system = System::single(&self.file, &overrides, inputs.as_ref())?;
-        self.output.run(&system, None)
+        let inputs: Vec<&Path> =
+            [&self.file].into_iter().chain(&self.input_file).map(PathBuf::as_path).collect();
+        if self.isolation.wanted() {
+            let written = self.output.written(&system, &inputs, self.logging.file())?;
+            return isolate::supervise(written, self.execution_tool);
+        }
+        let _watched = interrupt::watch();
+        let shut = || self.isolation.shut(self.execution_tool);
+        self.output.run(&system, None, &inputs, &shut).map(|()| 0)
     }
 
     fn overrides(&self) -> Overrides {

@@ -1,5 +1,6 @@
 //! `cosim worker`: lends this machine to runs; and the process for one group of components.
 
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::Args;
@@ -37,9 +38,12 @@ struct Lent {
     /// Load every FMU that a run sends
     #[arg(long)]
     allow_upload: bool,
-    /// Do not confine FMUs: they may write files and open connections as this user may
+    /// Do not confine FMUs: they may do whatever this user may
     #[arg(long)]
     no_confine: bool,
+    /// Let confined FMUs read this file or folder (repeatable)
+    #[arg(long, value_name = "PATH")]
+    allow_read: Vec<PathBuf>,
 }
 
 impl Lent {
@@ -49,6 +53,7 @@ impl Lent {
             allow: [self.allow, ours.allow.clone()].concat(),
             allow_upload: self.allow_upload || ours.allow_upload,
             no_confine: self.no_confine || ours.no_confine,
+            allow_read: self.allow_read,
         }
     }
 
@@ -57,7 +62,9 @@ impl Lent {
         let hashes = allowed.list().flat_map(|item| ["--allow".to_owned(), item]);
         let flags = [(allowed.all, "--allow-upload"), (self.no_confine, "--no-confine")];
         let flags = flags.into_iter().filter(|(is, _)| *is).map(|(_, flag)| flag.to_owned());
-        flags.chain(hashes).collect()
+        let readable = self.allow_read.iter().filter_map(|path| path.to_str());
+        let readable = readable.flat_map(|path| ["--allow-read".to_owned(), path.to_owned()]);
+        flags.chain(hashes).chain(readable).collect()
     }
 }
 
@@ -194,11 +201,13 @@ fn serve_again(worker: &distributed::Worker, ended: &(dyn Fn() -> bool + Sync)) 
 impl Group {
     pub(crate) fn run(self) -> Result<()> {
         end_with_parent()?;
-        distributed::close_inherited();
+        distributed::close_inherited(&[]);
+        cosim::fmi::guard_process();
         let order = Order { run: self.run, group: self.group, generation: self.generation };
         let access = self.reach.access(self.connect, &self.reach.ours()?);
         let allowed = Allowed::new(self.lent.allow_upload, &self.lent.allow)?;
-        serve_group(&access, &self.worker, &order, allowed, !self.lent.no_confine)
+        let readable = (!self.lent.no_confine).then_some(&self.lent.allow_read[..]);
+        serve_group(&access, &self.worker, &order, allowed, readable)
     }
 }
 

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use zenoh::{Session, Wait};
 
 use super::door::allowed::Allowed;
-use super::door::confine;
+use super::door::endpoint::Endpoint;
 use super::door::session::Access;
 use super::host::{Handled, Host};
 use super::inbox::Inbox;
@@ -16,23 +16,31 @@ use super::keys;
 use super::lanes::Lanes;
 use super::pool::Order;
 use super::setup::{FmuFile, FmuSource};
+use crate::confine;
 use crate::digest::sha256;
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Fmu, LastCall};
+use crate::shown::visible;
 
 /// How long the coordinator may take to be heard of.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// Computes a life of a group, for the worker of that name, until it is told to end.
+/// Computes a life of a group, for the worker of that name, until it is told to end; confined, its
+/// FMUs read only what is said here.
 pub fn serve(
     access: &Access,
     worker: &str,
     order: &Order,
     allowed: Allowed,
-    confined: bool,
+    confined: Option<&[PathBuf]>,
 ) -> Result<()> {
-    if confined {
-        confine::process(&access.endpoints, &std::env::temp_dir())?;
+    if confined.is_some() {
+        let ports =
+            access.endpoints.iter().filter_map(|endpoint| match Endpoint::parse(endpoint) {
+                Ok(Endpoint::Tcp(_, port) | Endpoint::Tls(_, port)) => Some(port),
+                _ => None,
+            });
+        confine::process(&ports.collect::<Vec<_>>(), &std::env::temp_dir(), false)?;
     }
     let [quick, session] = access.dial_lanes()?;
     let lanes = Lanes { quick: &quick, bulk: &session };
@@ -51,9 +59,12 @@ pub fn serve(
         std::thread::sleep(Duration::from_millis(2));
     }
     let _tokens = lanes.live(&format!("{life}/alive"))?;
-    let fmus = Delivered::new(&session, &order.run, allowed)?;
-    if confined {
-        confine::this_thread()?;
+    let allowed_files: Vec<PathBuf> = allowed.files().map(|(_, file)| file.to_owned()).collect();
+    let fmus = Delivered::new(&session, &order.run, worker, allowed)?;
+    if let Some(readable) = confined {
+        let held = allowed_files;
+        let readable: Vec<PathBuf> = readable.iter().cloned().chain(held).collect();
+        confine::this_thread(&std::env::temp_dir(), &readable, false, false)?;
     }
     let mut host = Host::new(order.generation, Box::new(fmus));
     while let Some(message) = inbox.next(1, Duration::MAX) {
@@ -61,7 +72,7 @@ pub fn serve(
             Handled::Answer(answer) => (answer, false),
             Handled::Last(answer) => (answer, true),
             Handled::Ignored(why) => {
-                eprintln!("group {}.{}: ignored: {why}", order.group, order.generation);
+                eprintln!("group {}.{}: ignored: {}", order.group, order.generation, visible(&why));
                 continue;
             }
         };
@@ -90,19 +101,21 @@ pub(super) const LAST_CALL: &str = "last-call";
 struct Delivered {
     session: Session,
     run: String,
+    worker: String,
     folder: tempfile::TempDir,
     last_call: Arc<LastCall>,
     allowed: Allowed,
 }
 
 impl Delivered {
-    fn new(session: &Session, run: &str, allowed: Allowed) -> Result<Self> {
+    fn new(session: &Session, run: &str, worker: &str, allowed: Allowed) -> Result<Self> {
         let unmade = |why| Error::new(Code::Output, "a temporary file could not be made").why(why);
         let folder = tempfile::Builder::new().prefix("cosim-").tempdir();
         let last_call = LastCall::create(std::env::temp_dir().join(LAST_CALL));
         Ok(Self {
             session: session.clone(),
             run: run.to_owned(),
+            worker: worker.to_owned(),
             folder: folder.map_err(|why: std::io::Error| unmade(why))?,
             last_call: Arc::new(last_call.map_err(unmade)?),
             allowed,
@@ -140,7 +153,7 @@ impl Delivered {
     fn ask_for(&self, file: &FmuFile) -> Result<Vec<u8>> {
         let (answers, inbox) = channel();
         self.session
-            .get(keys::fmu(&self.run, &file.sha256))
+            .get(keys::fmu(&self.run, &self.worker, &file.sha256))
             .timeout(Duration::from_secs(120))
             .callback(move |reply| {
                 let _ = answers.send(reply.into_result());

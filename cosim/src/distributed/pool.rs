@@ -45,7 +45,7 @@ impl WorkerInfo {
 
     /// Its FMUs are not confined, though nobody said that they should not be.
     pub(crate) fn is_loose(&self) -> bool {
-        self.confined == super::door::confine::LOOSE
+        self.confined == crate::confine::LOOSE
     }
 
     /// Of this process.
@@ -59,7 +59,7 @@ impl WorkerInfo {
             cpu: cpu(),
             library: super::library::describe(),
             process: std::process::id(),
-            confined: super::door::confine::describe(confined),
+            confined: crate::confine::describe(confined),
         }
     }
 }

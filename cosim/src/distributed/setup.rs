@@ -8,7 +8,7 @@ use sha2::{Digest, Sha256};
 use super::check::check_variables;
 use super::layout::Group;
 use crate::error::{Code, Error, Result};
-use crate::fmi::{Fmu, InterfaceType, LastCall, Logging, Value};
+use crate::fmi::{Fmu, InterfaceType, LastCall, Logging, Value, guard};
 use crate::master::{Converted, Engine, EngineState, Making, Plan, Tally, slave};
 use crate::signals::Signals;
 use crate::system::{Component, Function, Model};
@@ -92,6 +92,7 @@ impl Setup {
     /// of each.
     pub(crate) fn build(self, fmus: &mut dyn FmuSource) -> Result<(Engine, Group, Vec<usize>)> {
         self.check()?;
+        guard::begin();
         let (debug, categories) = (self.making.debug, self.making.categories.clone());
         // Messages are told at the end; nobody follows them here.
         let logging = Logging { debug, categories, last: fmus.last_call(), ..Logging::default() };

@@ -9,7 +9,7 @@ use super::check::check_file;
 use super::setup::{FmuFile, FmuSource};
 use super::wire::{Body, put_blob};
 use crate::error::{Code, Error, Result};
-use crate::fmi::{Instance, Logging, Mailbox};
+use crate::fmi::{Instance, Logging, Mailbox, guard};
 use crate::proxy::calls::{Ask, Outcome, Trouble};
 
 /// An instance to be made, from its start or from a state.
@@ -37,6 +37,7 @@ impl SingleSetup {
     /// Makes it.
     pub(super) fn build(self, fmus: &mut dyn FmuSource) -> Result<Single> {
         check_file(&self.file)?;
+        guard::begin();
         fmus.permit(&self.name, &self.file)?;
         let mailbox = Arc::new(Mailbox::default());
         let logging = Logging {

@@ -20,9 +20,11 @@ use super::fate::{Call, Fate, Process};
 use super::keys;
 use super::offer::Offer;
 use super::pool::{Order, WorkerInfo};
+use crate::confine::{forget, kill_descendants, kill_orphans, reap_descendants, spawn};
 use crate::error::{Code, Error, Result};
 use crate::fmi::LastCall;
 use crate::fmi::temporary::Unpacked;
+use crate::shown::visible;
 
 /// A worker to be run.
 pub struct Worker {
@@ -100,6 +102,7 @@ impl Worker {
             .wait()
             .map_err(refused)?;
         let _token = session.liveliness().declare_token(&key).wait().map_err(refused)?;
+        reap_descendants();
         let mut children = Children { worker: self, lives: BTreeMap::new() };
         children.serve(&inbox, ended);
         Ok(())
@@ -186,7 +189,11 @@ impl Children<'_> {
                 Err(RecvTimeoutError::Disconnected) => return,
             };
             if let Err(why) = answered {
-                eprintln!("worker {}: an answer was not sent: {why}", self.worker.name);
+                eprintln!(
+                    "worker {}: an answer was not sent: {}",
+                    self.worker.name,
+                    visible(&why.to_string())
+                );
             }
             self.reap();
         }
@@ -216,7 +223,8 @@ impl Children<'_> {
         let program = &self.worker.program;
         let (name, arguments) = program.split_first().ok_or(std::io::ErrorKind::InvalidInput)?;
         let folder = Unpacked::new().map_err(std::io::Error::other)?;
-        let child = Command::new(name)
+        let mut command = Command::new(name);
+        command
             .args(arguments)
             .args(["--run", &order.run])
             .args(["--worker", &self.worker.name])
@@ -225,8 +233,8 @@ impl Children<'_> {
             .env("TMPDIR", folder.path())
             .stdin(Stdio::null())
             // Ctrl-C at a terminal is for the process that the user started.
-            .process_group(0)
-            .spawn()?;
+            .process_group(0);
+        let child = spawn(&mut command)?;
         let life = Life { generation: order.generation, child, folder, ended: None };
         if let Some(former) = self.lives.insert((order.run.clone(), order.group), life) {
             end(former);
@@ -276,8 +284,13 @@ impl Children<'_> {
 
     /// Notes which children ended by themselves; they are asked after.
     fn reap(&mut self) {
+        let mut left = false;
         for life in self.lives.values_mut().filter(|life| life.ended.is_none()) {
             life.ended = life.child.try_wait().ok().flatten();
+            left |= life.ended.is_some();
+        }
+        if left {
+            kill_orphans();
         }
     }
 }
@@ -288,11 +301,18 @@ impl Drop for Children<'_> {
     }
 }
 
-/// Kills a child: an FMU that spins listens to nothing softer.
+/// Kills a child with all that it started: an FMU that spins listens to nothing softer.
 fn end(mut life: Life) {
+    // First those below it, which would otherwise be the worker's.
+    if let Ok(None) = life.child.try_wait() {
+        kill_descendants(life.child.id());
+    }
     // It may have ended already.
     let _ = life.child.kill();
     let _ = life.child.wait();
+    forget(life.child.id());
+    // What it left in its last moment.
+    kill_orphans();
 }
 
 fn answer<T: serde::Serialize>(query: &Query, value: &T) -> Result<(), zenoh::Error> {

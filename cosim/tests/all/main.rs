@@ -2,6 +2,7 @@
 
 mod algorithms;
 mod archives;
+mod attacks;
 mod checked;
 mod clock;
 mod command;
@@ -9,6 +10,7 @@ mod convert;
 mod converted;
 mod direct;
 mod distributed;
+mod durability;
 mod exchange;
 mod export;
 mod failures;

@@ -9,6 +9,19 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#ifdef ATTACK
+#include <arpa/inet.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <fenv.h>
+#include <locale.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#endif
 #ifdef MODEL_NOSY
 #include <arpa/inet.h>
 #include <errno.h>
@@ -65,6 +78,41 @@ typedef struct {
 #endif
 #define SAY(STATUS, ...)                                                           \
   m->callbacks->log(ENVIRONMENT(m), m->name, STATUS, __VA_ARGS__)
+
+#ifdef ATTACK
+/* What -DATTACK=... does in a step, and tells by TELL(what came of it). */
+static const char *outcome(long result) { return result < 0 ? strerror(errno) : "done"; }
+#define TELL(RESULT) SAY(0, "logAll", "attack: %s", outcome(RESULT))
+static const char *in_home(const char *name) {
+  static char path[512];
+  snprintf(path, sizeof path, "%s/%s", getenv("HOME") ? getenv("HOME") : "", name);
+  return path;
+}
+/* Writes the number of this process, which goes on when the run is over. */
+static void linger(const char *name) {
+  FILE *file = fopen(name, "w");
+  if (file) fprintf(file, "%d", (int)getpid()), fclose(file);
+  for (;;) pause();
+}
+static int send_udp(int port) {
+  struct sockaddr_in to = {.sin_family = AF_INET, .sin_port = htons(port)};
+  const int line = socket(AF_INET, SOCK_DGRAM, 0);
+  if (line < 0) return -1;
+  inet_pton(AF_INET, "127.0.0.1", &to.sin_addr);
+  return sendto(line, "x", 1, 0, (struct sockaddr *)&to, sizeof to);
+}
+static const char *in_proc(int process, const char *name) {
+  static char path[64];
+  snprintf(path, sizeof path, "/proc/%d/%s", process, name);
+  return path;
+}
+static int read_file(const char *name) {
+  char byte;
+  const int file = open(name, O_RDONLY);
+  return file < 0 ? -1 : (int)read(file, &byte, 1);
+}
+static void attack(Model *m) { ATTACK; }
+#endif
 
 static void outputs(Model *m) {
 #if defined MODEL_GAIN || defined MODEL_FAILING || defined MODEL_LOGGING || defined MODEL_NOSY
@@ -371,6 +419,9 @@ Status fmi2DoStep(Component c, double t, double h, int no_set) {
 #ifdef MODEL_COUNTER
   if (m->steps == 2 && m->text[0])
     m->callbacks->log(m->callbacks->environment, m->name, 1, "logAll", "%s", m->text);
+#endif
+#ifdef ATTACK
+  if (m->steps == 3) attack(m);
 #endif
 #ifdef ABORTS
   if (m->steps == 6) abort();

@@ -5,15 +5,14 @@
 //!   who has which role, `rights` what a role may do;
 //! * `diagnose` says why somebody is refused, `authority` makes certificates;
 //! * `runtime` says on which threads Zenoh works;
-//! * `allowed` says which FMUs a worker loads, `confine` what these may do there.
+//! * `allowed` says which FMUs a worker loads.
 
 pub(super) mod allowed;
 pub(super) mod authority;
 pub(super) mod configuration;
-pub(super) mod confine;
 pub(super) mod credentials;
 mod diagnose;
-mod endpoint;
+pub(super) mod endpoint;
 pub(super) mod members;
 pub(super) mod rights;
 pub(super) mod runtime;

@@ -66,7 +66,7 @@ fn is_over(process: u32) -> bool {
 }
 
 /// Waits until all of these are over; the ones that are not.
-fn remaining(processes: &[u32], patience: Duration) -> Vec<u32> {
+pub(crate) fn remaining(processes: &[u32], patience: Duration) -> Vec<u32> {
     let begun = Instant::now();
     loop {
         let left: Vec<u32> = processes.iter().copied().filter(|p| !is_over(*p)).collect();

@@ -1,0 +1,331 @@
+//! `--isolate`: a run with FMUs that nobody trusts.
+//!
+//! The program starts itself once more. The child computes, and may do nothing else: it has
+//! namespaces of its own where the kernel allows that, writes to nothing but a temporary folder and the
+//! files that were opened for it, reads libraries and what it was told, and has limits
+//! (`cosim::confine`). This process opens those files, passes on what the child says, keeps the
+//! snapshots it leaves, ends it, and knows an end that the child did not announce for one by an FMU.
+//! A step costs nothing more; the start does.
+
+use std::ffi::OsString;
+use std::fs::{self, File};
+use std::io::{self, IsTerminal, Read, Write};
+use std::os::fd::{AsRawFd, FromRawFd, OwnedFd, RawFd};
+use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use cosim::confine::{self, Apart};
+use cosim::files::{self, CONTINUED, Unfinished};
+use cosim::fmi::archive::Unpacked;
+use cosim::shown::Terminal;
+use cosim::{Code, Error, Result};
+use serde::{Deserialize, Serialize};
+
+use super::interrupt;
+
+#[derive(Args)]
+#[command(next_help_heading = "Isolation")]
+pub(crate) struct Isolation {
+    /// Run FMUs that you do not trust: in a process that writes nothing but the results, reads
+    /// libraries only, and has no network, no programs and limited memory
+    #[arg(long)]
+    isolate: bool,
+    /// Let isolated FMUs read this file or folder (repeatable)
+    #[arg(long, value_name = "PATH", requires = "isolate")]
+    allow_read: Vec<PathBuf>,
+}
+
+/// What the child is told.
+#[derive(Serialize, Deserialize)]
+struct Inside {
+    /// Files, and the descriptors by which they are written.
+    given: Vec<(PathBuf, RawFd)>,
+    /// Where it says that it ended in order.
+    done: RawFd,
+    folder: PathBuf,
+}
+
+/// Tells a child that it is one.
+const VARIABLE: &str = "COSIM_INSIDE";
+/// What else of the environment the child has: no secrets.
+const KEPT: [&str; 12] = [
+    "PATH",
+    "HOME",
+    "LANG",
+    "LC_ALL",
+    "LC_NUMERIC",
+    "TZ",
+    "LD_LIBRARY_PATH",
+    "PYTHONHOME",
+    "PYTHONPATH",
+    "COSIM_LIBPYTHON",
+    "NO_COLOR",
+    "OMP_NUM_THREADS",
+];
+/// The first descriptor of the child's own.
+const FIRST: RawFd = 64;
+const LOOK: Duration = Duration::from_millis(10);
+/// So long an interrupted child may take: longer than it gives its FMUs.
+const GRACE: Duration = Duration::from_secs(8);
+
+/// Files that the results of a run go to.
+#[derive(Default)]
+pub(crate) struct Written {
+    /// They go on from those that are there.
+    pub continued: Option<PathBuf>,
+    /// New ones.
+    pub created: Vec<PathBuf>,
+    /// Of this one a copy is kept at some times, with them for `{t}` in its name.
+    pub snapshot: Option<PathBuf>,
+}
+
+impl Isolation {
+    pub(crate) fn wanted(&self) -> bool {
+        self.isolate && std::env::var_os(VARIABLE).is_none()
+    }
+
+    /// In the child, before FMUs are loaded: from now on it may do no more than they may.
+    pub(crate) fn shut(&self, programs: bool) -> Result<()> {
+        match inside()? {
+            Some(inside) if self.isolate => {
+                confine::this_process_computes(&inside.folder, &self.allow_read, programs)
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn inside() -> Result<Option<Inside>> {
+    let told = std::env::var(VARIABLE).ok().map(|text| serde_json::from_str(&text));
+    told.transpose().map_err(|why| failed("the child cannot read what it was told").why(why))
+}
+
+/// In the child, at its very start: behind namespaces, and in one of them only. The status to end
+/// with, when this process is not the one that goes on.
+pub(crate) fn enter() -> Result<Option<i32>> {
+    let Some(inside) = inside()? else { return Ok(None) };
+    let kept: Vec<RawFd> =
+        inside.given.iter().map(|(_, file)| *file).chain([inside.done]).collect();
+    confine::close_inherited(&kept);
+    let apart = match Apart::go()? {
+        Apart::Outside(status) => return Ok(Some(status)),
+        Apart::Inside(apart) => apart,
+    };
+    confine::this_process_writes(&inside.folder, apart)?;
+    files::give(inside.given, inside.folder);
+    Ok(None)
+}
+
+/// In the child, at its end: its exit code is meant.
+pub(crate) fn leave(code: u8) {
+    if let Ok(Some(inside)) = inside() {
+        // SAFETY: the descriptor was made for this and nothing else.
+        let mut done = unsafe { File::from_raw_fd(inside.done) };
+        drop(done.write_all(&[code]));
+    }
+}
+
+fn failed(what: &str) -> Error {
+    Error::new(Code::Session, format!("the isolated run cannot be started: {what}"))
+}
+
+/// Runs the child to its end; its errors are told already when this gives its exit code.
+pub(crate) fn supervise(written: Written, programs: bool) -> Result<u8> {
+    if let Some(why) = confine::unconfined() {
+        return Err(failed("this kernel cannot confine it").why(why).help("leave --isolate out"));
+    }
+    let folder = Unpacked::new()?;
+    let outbox = folder.path().join("outbox");
+    fs::create_dir(&outbox).map_err(|why| failed("a folder").why(why))?;
+    let mut open: Vec<(PathBuf, OwnedFd)> = Vec::new();
+    let unwritten = |path: &Path, why: io::Error| {
+        Error::new(Code::Output, "the results cannot be written").at(path).why(why)
+    };
+    for path in &written.created {
+        let file = files::create_plain(path, "the results cannot be written")?;
+        open.push((path.clone(), file.into()));
+    }
+    let mut unfinished = None;
+    if let Some(path) = &written.continued {
+        let new = Unfinished::new(path).map_err(|why| unwritten(path, why))?;
+        let file = new.file().try_clone().map_err(|why| unwritten(path, why))?;
+        open.push((path.clone(), file.into()));
+        unfinished = Some(new);
+    }
+    let (mut done, told) = io::pipe().map_err(|why| failed("a pipe").why(why))?;
+    let told = OwnedFd::from(told);
+    let fds: Vec<RawFd> =
+        open.iter().map(|(_, file)| file.as_raw_fd()).chain([told.as_raw_fd()]).collect();
+    let places = FIRST..;
+    let given = open.iter().zip(places).map(|((path, _), place)| (path.clone(), place)).collect();
+    let inside = Inside { given, done: FIRST + open.len() as RawFd, folder: outbox.clone() };
+    let mut child = start(&inside, folder.path(), fds)?;
+    drop((open, told));
+    let relays = [
+        child.stdout.take().map(|from| relay(from, io::stdout(), io::stdout().is_terminal())),
+        child.stderr.take().map(|from| relay(from, io::stderr(), true)),
+    ];
+    let kept = Kept { outbox, snapshot: written.snapshot };
+    let status = watch(&mut child, &kept, &mut unfinished)?;
+    relays.into_iter().flatten().for_each(|relay| drop(relay.join()));
+    let mut code = [0];
+    match done.read(&mut code) {
+        Ok(1) => Ok(code[0]),
+        _ => Err(ended(status, programs)),
+    }
+}
+
+fn start(inside: &Inside, folder: &Path, fds: Vec<RawFd>) -> Result<Child> {
+    let text = serde_json::to_string(inside).map_err(|why| failed("what it is told").why(why))?;
+    let program = super::worker::this_program()?;
+    let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
+    let mut command = Command::new(program);
+    command
+        .args(arguments)
+        .env_clear()
+        .envs(KEPT.iter().filter_map(|name| Some((name, std::env::var_os(name)?))))
+        .env(VARIABLE, text)
+        .env("TMPDIR", folder.join("outbox"))
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .process_group(0);
+    let first = FIRST;
+    // SAFETY: between fork and exec only system calls are made.
+    unsafe {
+        command.pre_exec(move || {
+            libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL);
+            for (place, &file) in (first..).zip(&fds) {
+                if libc::dup2(file, place) < 0 {
+                    return Err(io::Error::last_os_error());
+                }
+            }
+            Ok(())
+        });
+    }
+    command.spawn().map_err(|why| failed("its process").why(why))
+}
+
+fn relay(
+    mut from: impl Read + Send + 'static,
+    to: impl Write + Send + 'static,
+    shown: bool,
+) -> JoinHandle<()> {
+    std::thread::spawn(move || {
+        let mut to: Box<dyn Write> = if shown { Box::new(Terminal::new(to)) } else { Box::new(to) };
+        let mut piece = [0; 4096];
+        while let Ok(count @ 1..) = from.read(&mut piece) {
+            // Nobody is left to be told that it is closed; the child must not wait for that.
+            drop(to.write_all(&piece[..count]).and_then(|()| to.flush()));
+        }
+    })
+}
+
+/// What the child leaves for this process to keep.
+struct Kept {
+    outbox: PathBuf,
+    snapshot: Option<PathBuf>,
+}
+
+impl Kept {
+    /// Keeps it. First the results, then the snapshots that need them.
+    fn take(&self, unfinished: &mut Option<Unfinished>) -> Result<()> {
+        if unfinished.is_some() && self.outbox.join(CONTINUED).exists() {
+            if let Some(whole) = unfinished.take() {
+                whole.finish().map_err(|why| {
+                    Error::new(Code::Output, "the results cannot be replaced").why(why)
+                })?;
+            }
+        }
+        let Some(pattern) = &self.snapshot else { return Ok(()) };
+        for entry in fs::read_dir(&self.outbox).into_iter().flatten().flatten() {
+            let name = entry.file_name();
+            let target = name.to_str().and_then(files::of_outbox);
+            let Some(target) = target.filter(|target| is_of(pattern, target)) else { continue };
+            let unwritten = |why: io::Error| {
+                Error::new(Code::Output, "the snapshot cannot be written").at(&target).why(why)
+            };
+            let plain = entry.file_type().is_ok_and(|kind| kind.is_file());
+            if plain {
+                let bytes = fs::read(entry.path()).map_err(unwritten)?;
+                files::replace(&target, &bytes).map_err(unwritten)?;
+                drop(fs::remove_file(entry.path()));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether a file is that of the pattern, in which `{t}` stands for a time.
+fn is_of(pattern: &Path, file: &Path) -> bool {
+    let (Some(pattern), Some(file)) = (pattern.to_str(), file.to_str()) else { return false };
+    let Some((before, after)) = pattern.split_once("{t}") else { return pattern == file };
+    let inner = file.strip_prefix(before).and_then(|rest| rest.strip_suffix(after));
+    inner.is_some_and(|time| time.parse::<f64>().is_ok())
+}
+
+/// Waits for the end of the child, and of all that it started.
+fn watch(
+    child: &mut Child,
+    kept: &Kept,
+    unfinished: &mut Option<Unfinished>,
+) -> Result<ExitStatus> {
+    let mut asked: Option<Instant> = None;
+    let failed = |why: io::Error| failed("its end is not known").why(why);
+    let status = loop {
+        if let Some(status) = child.try_wait().map_err(failed)? {
+            break status;
+        }
+        kept.take(unfinished)?;
+        match asked {
+            None if interrupt::interrupted() => {
+                asked = Some(Instant::now());
+                signal(child, libc::SIGTERM);
+            }
+            Some(since) if since.elapsed() > GRACE => {
+                drop(child.kill());
+                break child.wait().map_err(failed)?;
+            }
+            _ => std::thread::sleep(LOOK),
+        }
+    };
+    signal(child, libc::SIGKILL);
+    confine::kill_descendants(std::process::id());
+    kept.take(unfinished)?;
+    Ok(status)
+}
+
+/// To the group of the child.
+fn signal(child: &Child, signal: libc::c_int) {
+    if let Ok(group) = i32::try_from(child.id()) {
+        // SAFETY: a signal to the group that the child was made the first of.
+        unsafe { libc::kill(-group, signal) };
+    }
+}
+
+/// The child ended without saying so.
+fn ended(status: ExitStatus, programs: bool) -> Error {
+    let signal =
+        status.signal().or(status.code().filter(|code| *code > 128).map(|code| code - 128));
+    let how = match (signal, status.code()) {
+        (Some(libc::SIGKILL), _) if interrupt::interrupted() => {
+            return Error::new(Code::Interrupted, "the run was interrupted")
+                .why("an FMU did not come back, and was ended");
+        }
+        (Some(signal), _) => format!("was killed by signal {signal}"),
+        (None, code) => format!("ended with code {}", code.unwrap_or_default()),
+    };
+    let error = Error::new(Code::Fmu, "an FMU ended the process that computes it")
+        .why(format!("the process {how} before the run was over"))
+        .help("--log-fmi-calls tells the last call; the results until then are kept");
+    match programs {
+        true => error,
+        false => error.help(
+            "--log-fmi-calls tells the last call; an FMU that starts its tool needs --execution-tool",
+        ),
+    }
+}

@@ -1,0 +1,331 @@
+//! What FMUs try, in the three places where they run: in the process of `cosim`, isolated, and on
+//! workers. SECURITY.md shows the same table.
+
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Output, Stdio};
+use std::time::Duration;
+
+use tempfile::TempDir;
+
+use crate::distributed::{cosim, remaining, signal};
+use crate::locked::on_worker;
+use crate::models::Model;
+use crate::ssd::Ssd;
+
+/// What came of an attack.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Came {
+    /// It succeeded.
+    Done,
+    /// The kernel refused it.
+    Refused,
+    /// The run ended with an error that says so.
+    Ended,
+    /// It was set back, and told.
+    SetBack,
+}
+use Came::{Done, Ended, Refused, SetBack};
+
+/// An attack: in words, as C, and what comes of it in the process, isolated, and on a worker.
+const ATTACKS: [(&str, &str, [Came; 3]); 22] = [
+    (
+        "writes a file in the home folder",
+        "TELL(open(in_home(\"new\"), O_CREAT | O_WRONLY, 0600))",
+        [Done, Refused, Refused],
+    ),
+    ("reads a file of the user", "TELL(read_file(in_home(\"secret\")))", [Done, Refused, Refused]),
+    (
+        "changes the rights of a file",
+        "TELL(chmod(in_home(\"secret\"), 0644))",
+        [Done, Refused, Refused],
+    ),
+    (
+        "changes the owner of a file",
+        "TELL(chown(in_home(\"secret\"), getuid(), getgid()))",
+        [Done, Refused, Refused],
+    ),
+    (
+        "changes the times of a file",
+        "TELL(utimensat(AT_FDCWD, in_home(\"secret\"), NULL, 0))",
+        [Done, Refused, Refused],
+    ),
+    ("removes a file", "TELL(unlink(in_home(\"doomed\")))", [Done, Refused, Refused]),
+    ("sends a datagram", "TELL(send_udp(9))", [Done, Refused, Refused]),
+    ("opens a Unix socket", "TELL(socket(AF_UNIX, SOCK_STREAM, 0))", [Done, Refused, Refused]),
+    (
+        "starts a process that outlives the run",
+        "const int child = fork(); if (!child) { setsid(); if (fork()) _exit(0); linger(in_home(\"lingers\")); } TELL(child)",
+        [Done, Refused, Refused],
+    ),
+    (
+        "starts a program",
+        "TELL(fork() ? 0 : execl(\"/bin/true\", \"true\", NULL)); const int ended = wait(NULL); TELL(ended)",
+        [Done, Refused, Refused],
+    ),
+    (
+        "looks into the process that started it",
+        "TELL(read_file(in_proc(getppid(), \"environ\")))",
+        [Done, Refused, Refused],
+    ),
+    ("stops itself", "TELL(raise(SIGSTOP) ? -1 : 0)", [Done, Refused, Refused]),
+    ("ends the process with exit(0)", "exit(0)", [Ended, Ended, Ended]),
+    ("ends the process with _exit(0)", "_exit(0)", [Ended, Ended, Ended]),
+    ("ends the process by a system call", "syscall(SYS_exit_group, 0)", [Done, Ended, Ended]),
+    ("kills its process", "kill(getpid(), SIGKILL); TELL(-1)", [Ended, Refused, Refused]),
+    ("sets the rounding of its neighbours", "fesetround(FE_UPWARD)", [SetBack, SetBack, SetBack]),
+    (
+        "flushes their subnormals to zero",
+        "__builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | 0x8040)",
+        [SetBack, SetBack, SetBack],
+    ),
+    ("changes the locale", "setlocale(LC_ALL, \"C.UTF-8\")", [SetBack, SetBack, SetBack]),
+    ("changes the working folder", "if (chdir(\"/usr\")) TELL(-1)", [SetBack, SetBack, SetBack]),
+    (
+        "takes SIGTERM and blocks SIGINT",
+        "signal(SIGTERM, SIG_IGN); sigset_t s; sigemptyset(&s); sigaddset(&s, SIGINT); sigprocmask(SIG_BLOCK, &s, NULL)",
+        [SetBack, SetBack, SetBack],
+    ),
+    ("changes the umask", "umask(0)", [SetBack, SetBack, SetBack]),
+];
+
+const PLACES: [&str; 3] = ["in process", "`--isolate`", "worker"];
+
+/// A home folder with something to take.
+struct Home(TempDir);
+
+impl Home {
+    fn new() -> Self {
+        let folder = TempDir::new().unwrap();
+        for name in ["secret", "doomed"] {
+            std::fs::write(folder.path().join(name), "x").unwrap();
+        }
+        Self(folder)
+    }
+
+    fn path(&self) -> &Path {
+        self.0.path()
+    }
+}
+
+fn attacker(folder: &Path, attack: &str) -> std::path::PathBuf {
+    let define = format!("ATTACK={attack}");
+    Model::Gain.variant(&folder.join("attacker.fmu"), &[define.as_str()], |text| text)
+}
+
+/// Runs an FMU in one of the places.
+fn run_in(place: usize, folder: &Path, home: &Path, fmu: &Path) -> Output {
+    let fmu = fmu.to_str().unwrap();
+    let system = folder.join("s.ssd");
+    std::fs::write(&system, one_component(fmu)).unwrap();
+    let system = system.to_str().unwrap();
+    let arguments: &[&str] = match place {
+        0 => &["run", system, "-o", "out.csv"],
+        1 => &["run", system, "-o", "out.csv", "--isolate"],
+        _ => &["run", system, "-o", "out.csv", "--workers", "1", "--recoveries", "3"],
+    };
+    cosim(folder, arguments).env("HOME", home).output().unwrap()
+}
+
+fn one_component(fmu: &str) -> String {
+    format!(
+        "<ssd:SystemStructureDescription xmlns:ssd='http://ssp-standard.org/SSP1/SystemStructureDescription' \
+         version='1.0' name='s'><ssd:System name='s'><ssd:Elements><ssd:Component name='attacker' \
+         type='application/x-fmu-sharedlibrary' source='{fmu}'/></ssd:Elements></ssd:System>\
+         <ssd:DefaultExperiment startTime='0' stopTime='1'/></ssd:SystemStructureDescription>"
+    )
+}
+
+fn came(output: &Output) -> (Option<Came>, String) {
+    let shown = String::from_utf8_lossy(&output.stderr).into_owned();
+    let told: Vec<&str> =
+        shown.lines().filter_map(|line| Some(line.split_once("attack: ")?.1)).collect();
+    let came = if shown.contains("it was set back") {
+        Some(SetBack)
+    } else if told.iter().any(|told| *told != "done") {
+        Some(Refused)
+    } else if !output.status.success() {
+        Some(Ended)
+    } else {
+        Some(Done)
+    };
+    (came, shown)
+}
+
+#[test]
+fn what_comes_of_attacks_is_what_the_documentation_says() {
+    if cosim::confine::unconfined().is_some() {
+        eprintln!("skipped: this kernel has no Landlock that knows networks");
+        return;
+    }
+    let folder = TempDir::new().unwrap();
+    let mut wrong = Vec::new();
+    for (name, attack, wanted) in ATTACKS {
+        let fmu = attacker(folder.path(), attack);
+        for (place, wanted) in wanted.into_iter().enumerate() {
+            // A stopped process would have to be waited for.
+            if (name, place) == ("stops itself", 0) {
+                continue;
+            }
+            let home = Home::new();
+            let output = run_in(place, folder.path(), home.path(), &fmu);
+            let (found, shown) = came(&output);
+            if found != Some(wanted) {
+                wrong
+                    .push(format!("{name}, {}: {found:?}, not {wanted:?}\n{shown}", PLACES[place]));
+            }
+            let lingers = std::fs::read_to_string(home.path().join("lingers"));
+            let lingers: Vec<u32> = lingers.iter().filter_map(|id| id.parse().ok()).collect();
+            let left = remaining(&lingers, Duration::from_secs(10));
+            if !left.is_empty() {
+                wrong.push(format!("{name}, {}: {left:?} is left", PLACES[place]));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The table as the documentation has it.
+fn table() -> String {
+    let mut lines =
+        vec![format!("| an FMU | {} |", PLACES.join(" | ")), "|---|---|---|---|".to_owned()];
+    for (name, _, came) in ATTACKS {
+        let came = came.map(|came| match came {
+            Done => "succeeds",
+            Refused => "is refused",
+            Ended => "ends the run with an error",
+            SetBack => "is set back and told",
+        });
+        lines.push(format!("| {name} | {} |", came.join(" | ")));
+    }
+    lines.join("\n")
+}
+
+#[test]
+fn the_table_stands_in_security_md() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../SECURITY.md");
+    let text = std::fs::read_to_string(file).unwrap();
+    assert!(text.contains(&table()), "SECURITY.md should have:\n{}", table());
+}
+
+/// A neighbour computes the same, whatever an FMU does to the process, in one process and in two.
+#[test]
+fn a_neighbour_computes_the_same() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    let system = Ssd::new()
+        .add("clock", Model::Clock)
+        .add_with("first", Model::Gain, &[("k", 0.333_333_3)], None)
+        .add("second", Model::Integrator)
+        .connect("clock.y", "first.u")
+        .connect("first.y", "second.u")
+        .stop(5.0);
+    let text = std::fs::read_to_string(system.write()).unwrap();
+    let run = |fmu: &Path, more: &[&str]| {
+        let gain = Model::Gain.fmu();
+        let text = text.replace(gain.to_str().unwrap(), fmu.to_str().unwrap());
+        std::fs::write(at.join("three.ssd"), text).unwrap();
+        let arguments = [&["run", "three.ssd", "-o", "three.csv"][..], more].concat();
+        let output = cosim(at, &arguments).output().unwrap();
+        let shown = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{shown}");
+        (std::fs::read(at.join("three.csv")).unwrap(), shown)
+    };
+    let (wanted, _) = run(&attacker(at, "(void)m"), &[]);
+    for attack in [
+        "fesetround(FE_UPWARD)",
+        "fesetround(FE_TOWARDZERO)",
+        "unsigned short w; __asm__(\"fnstcw %0\" : \"=m\"(w)); w &= ~0x300; __asm__(\"fldcw %0\" :: \"m\"(w))",
+        "__builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | 0x8040)",
+        "feenableexcept(FE_INEXACT)",
+    ] {
+        let fmu = attacker(at, attack);
+        for more in [&[][..], &["--workers", "2"]] {
+            let (found, shown) = run(&fmu, more);
+            assert!(found == wanted, "{attack} {more:?}: {shown}");
+            let told = "changed the floating-point environment";
+            let line = shown.lines().find(|line| line.contains(told));
+            assert!(line.is_some_and(|line| line.contains("first")), "{attack} {more:?}: {shown}");
+        }
+    }
+}
+
+/// What an FMU starts ends with the run, also where nothing confines it.
+#[test]
+fn what_an_fmu_starts_ends_with_the_run() {
+    let folder = TempDir::new().unwrap();
+    let lingering = "if (!fork()) { setsid(); if (fork()) _exit(0); linger(in_home(\"lingers\")); } \
+                     for (int k = 0; k < 2000 && access(in_home(\"lingers\"), F_OK); k++) usleep(1000)";
+    let fmu = attacker(folder.path(), lingering);
+    let fmu = fmu.to_str().unwrap();
+    std::fs::write(folder.path().join("s.ssd"), one_component(fmu)).unwrap();
+    for arguments in [&["simulate", fmu, "-o", "out.csv"][..], &["run", "s.ssd", "-o", "out.csv"]] {
+        let home = Home::new();
+        let output = cosim(folder.path(), arguments).env("HOME", home.path()).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let lingers = std::fs::read_to_string(home.path().join("lingers")).unwrap();
+        let left = remaining(&[lingers.parse().unwrap()], Duration::from_secs(10));
+        assert!(left.is_empty(), "{arguments:?}");
+    }
+}
+
+/// A signal ends a run in an FMU that does not come back; its results are kept.
+#[test]
+fn one_signal_ends_a_run_in_an_fmu_that_spins() {
+    let folder = TempDir::new().unwrap();
+    let fmu = attacker(folder.path(), "TELL(0); for (;;) __asm__ volatile(\"\")");
+    for more in [&[][..], &["--isolate"]] {
+        let arguments = ["simulate", fmu.to_str().unwrap(), "-o", "out.csv", "--debug-logging"];
+        let mut command = cosim(folder.path(), &[&arguments, more].concat());
+        let mut child = command.stderr(Stdio::piped()).spawn().unwrap();
+        let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map_while(Result::ok);
+        assert!(lines.any(|line| line.contains("attack: done")));
+        signal(child.id(), "-TERM");
+        let shown: Vec<String> = lines.collect();
+        assert_eq!(child.wait().unwrap().code(), Some(1), "{shown:?}");
+        assert!(shown.iter().any(|line| line.contains("[E303]")), "{shown:?}");
+        let results = cosim::Recording::read_csv(folder.path().join("out.csv"));
+        assert!(!more.is_empty() || results.unwrap().time().len() >= 2, "{shown:?}");
+    }
+}
+
+/// Where nothing confines it, an FMU that stops its process looks as if somebody else had done it. It is not
+/// tried for ever.
+#[test]
+fn an_fmu_that_stops_itself_ends_the_run() {
+    let folder = TempDir::new().unwrap();
+    let fmu = attacker(folder.path(), "raise(SIGSTOP)");
+    let system = folder.path().join("s.ssd");
+    std::fs::write(&system, one_component(fmu.to_str().unwrap())).unwrap();
+    let lent = ["--allow-upload", "--no-confine"];
+    let (code, shown) = on_worker(folder.path(), &system, &lent, &[]);
+    assert_eq!(code, 1, "{shown}");
+    assert!(
+        shown.contains("[E502]") && shown.contains("stops or kills its own process"),
+        "{shown}"
+    );
+}
+
+/// A group whose process ends before it can be spoken to is not waited for.
+#[test]
+fn a_group_that_dies_while_it_begins_is_noticed() {
+    let folder = TempDir::new().unwrap();
+    let (source, library) = (folder.path().join("dies.c"), folder.path().join("dies.so"));
+    let text = "#include <stdio.h>\n#include <string.h>\n#include <unistd.h>\n\
+                __attribute__((constructor)) static void die(void) { char line[4096];\n\
+                FILE *file = fopen(\"/proc/self/cmdline\", \"r\");\n\
+                size_t count = file ? fread(line, 1, sizeof line - 1, file) : 0; line[count] = 0;\n\
+                if (count && !strcmp(line + strlen(line) + 1, \"group\")) _exit(7); }\n";
+    std::fs::write(&source, text).unwrap();
+    let mut compiler = std::process::Command::new("cc");
+    compiler.args(["-shared", "-fPIC", "-o"]).args([&library, &source]);
+    assert!(compiler.status().unwrap().success());
+    let system = folder.path().join("s.ssd");
+    let fmu = Model::Gain.fmu();
+    std::fs::write(&system, one_component(fmu.to_str().unwrap())).unwrap();
+    let environment = [("LD_PRELOAD", library.to_str().unwrap())];
+    let (code, shown) = on_worker(folder.path(), &system, &["--allow-upload"], &environment);
+    assert_eq!(code, 1, "{shown}");
+    assert!(shown.contains("ended before it could be spoken to"), "{shown}");
+    assert!(shown.contains("ended with code 7"), "{shown}");
+}
