@@ -15,8 +15,8 @@ pub(crate) struct Distribution {
     pub plan: Plan,
     pub layout: Layout,
     pub setups: Vec<Setup>,
-    /// The FMU files by their hash.
-    pub files: BTreeMap<String, PathBuf>,
+    /// The FMU files of each group, by their hash.
+    pub files: Vec<BTreeMap<String, PathBuf>>,
 }
 
 impl Distribution {
@@ -35,16 +35,26 @@ impl Distribution {
                 .why("its members are iterated together at every step")
                 .help("place them on the same worker, or take --algorithm gauss-seidel")
         })?;
-        let mut files = BTreeMap::new();
+        let mut known = BTreeMap::new();
         let mut blueprints = Vec::new();
         for (component, node) in system.components().iter().zip(&plan.nodes) {
             let converted = system.converted(blueprints.len(), node);
-            blueprints.push(blueprint(component, converted, &mut files)?);
+            blueprints.push(blueprint(component, converted, &mut known)?);
         }
         let setups = layout.groups.iter().map(|group| setup(system, &plan, group, &blueprints));
-        let setups = setups.collect();
+        let setups: Vec<Setup> = setups.collect();
+        let files = setups.iter().map(|setup| files_of(setup, &known)).collect();
         Ok(Self { plan, layout, setups, files })
     }
+}
+
+/// The files that a group needs.
+fn files_of(setup: &Setup, known: &BTreeMap<String, PathBuf>) -> BTreeMap<String, PathBuf> {
+    let needed = setup.components.iter().filter_map(|component| match &component.source {
+        Source::Fmu(file) => known.get_key_value(&file.sha256),
+        _ => None,
+    });
+    needed.map(|(hash, path)| (hash.clone(), path.clone())).collect()
 }
 
 /// What is refused because it needs to know more than one group does.

@@ -68,6 +68,11 @@ impl From<Noted> for Call {
 }
 
 impl Fate {
+    /// Its process is no more.
+    pub(crate) fn has_ended(&self) -> bool {
+        matches!(self.process, Process::Killed(_) | Process::Exited(_))
+    }
+
     /// The FMU is to blame, not somebody who killed or stopped its process: it would do it again.
     pub(crate) fn is_own_fault(&self) -> bool {
         let inside = self.call.as_ref().is_some_and(|call| call.inside);

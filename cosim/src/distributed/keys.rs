@@ -43,9 +43,10 @@ pub(crate) fn lives(worker: &str, what: &str) -> String {
     format!("{}/run/*/{worker}/*/{what}", root())
 }
 
-/// An FMU's bytes, asked for by a worker.
-pub(crate) fn fmu(run: &str, sha256: &str) -> String {
-    format!("{}/run/{run}/fmu/{sha256}", root())
+/// An FMU's bytes, asked for by the worker that one of its components is on: with the worker in the
+/// key, no other can ask.
+pub(crate) fn fmu(run: &str, worker: &str, sha256: &str) -> String {
+    format!("{}/run/{run}/{worker}/fmu/{sha256}", root())
 }
 
 /// Which rights somebody has: a query that everybody may send.

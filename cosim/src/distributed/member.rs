@@ -39,6 +39,8 @@ pub(super) struct Member {
     longest: Duration,
     /// The command at which the group failed by its own fault, and how often in a row.
     faults: (u64, u32),
+    /// The same of all its losses.
+    losses: (u64, u32),
 }
 
 /// What a group is waited for.
@@ -79,6 +81,7 @@ impl Member {
             lost: None,
             longest: Duration::ZERO,
             faults: (0, 0),
+            losses: (0, 0),
         }
     }
 
@@ -141,6 +144,14 @@ impl Member {
             _ => (at, 1),
         };
         self.faults.1
+    }
+
+    /// How often in a row it was lost at this command, this time included, by whosesoever fault.
+    pub(super) fn losses(&mut self) -> u32 {
+        let at = self.awaited_sequence().unwrap_or_default();
+        let (before, count) = self.losses;
+        self.losses = (at, if before == at { count + 1 } else { 1 });
+        self.losses.1
     }
 
     pub(super) fn is_launching(&self) -> bool {

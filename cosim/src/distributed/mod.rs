@@ -58,15 +58,16 @@ mod watch;
 mod wire;
 mod worker;
 
+pub use crate::confine::{close_inherited, unconfined};
 pub use child::serve as serve_group;
 #[doc(hidden)]
 pub use decode::decode;
 pub use door::allowed::Allowed;
 pub use door::authority::Authority;
 pub use door::configuration::{Configuration, Ours};
-pub use door::confine::{close_inherited, unconfined};
 pub use door::credentials::Credentials;
-pub use door::members::Members;
+#[doc(hidden)]
+pub use door::members::{Members, Verb, all_rights};
 pub use door::runtime::Threads;
 pub use door::session::{Access, DEFAULT_ENDPOINT};
 pub(crate) use offer::Offer;

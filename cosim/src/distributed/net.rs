@@ -22,6 +22,9 @@ use crate::error::{Code, Error, Result};
 /// How long a worker may take to tell how a life ended. It is local to it, and a run waits.
 const INQUIRY: Duration = Duration::from_millis(200);
 
+/// So often it is asked after lives that begin.
+const LOOK: Duration = Duration::from_millis(500);
+
 /// Groups on workers.
 pub(crate) struct Net {
     session: Session,
@@ -37,8 +40,12 @@ pub(crate) struct Net {
     /// How long to wait for a worker when none is left.
     patience: Duration,
     lives: BTreeMap<usize, Life>,
-    /// Subscribers and queryables end with this.
-    _declared: Vec<Box<dyn Any>>,
+    /// The FMUs of each group, by their hash.
+    files: Vec<BTreeMap<String, PathBuf>>,
+    /// Those that a worker may fetch, because a component of them is or was there.
+    offered: BTreeMap<(String, String), Box<dyn Any>>,
+    /// The subscriber to workers ends with this.
+    _present: Box<dyn Any>,
 }
 
 struct Life {
@@ -61,26 +68,15 @@ pub(super) enum News {
 }
 
 impl Net {
-    /// For a run whose FMUs are `files` by their hash. Groups get their homes by [`Net::settle`].
+    /// For a run whose groups have these FMUs, by their hash. Groups get their homes by
+    /// [`Net::settle`].
     pub(crate) fn new(
         session: Session,
         run: &str,
-        files: BTreeMap<String, PathBuf>,
+        files: Vec<BTreeMap<String, PathBuf>>,
     ) -> Result<Self> {
         let news = Inbox::new();
         let (present, subscriber) = Present::follow(&session, news.slot())?;
-        let mut declared = vec![subscriber];
-        for (hash, file) in files {
-            let queryable = session
-                .declare_queryable(keys::fmu(run, &hash))
-                .callback(move |query| {
-                    let file = file.clone();
-                    // Not here: whatever comes meanwhile would wait.
-                    std::thread::spawn(move || deliver(&query, &file));
-                })
-                .wait();
-            declared.push(Box::new(queryable.map_err(refused)?));
-        }
         Ok(Self {
             session,
             run: run.to_owned(),
@@ -91,7 +87,9 @@ impl Net {
             homes: Vec::new(),
             patience: Duration::ZERO,
             lives: BTreeMap::new(),
-            _declared: declared,
+            files,
+            offered: BTreeMap::new(),
+            _present: subscriber,
         })
     }
 
@@ -178,6 +176,55 @@ impl Net {
         Lanes { quick: &self.session, bulk: &self.session }
     }
 
+    /// Lets a worker fetch the FMUs of a group that is placed there.
+    fn offer(&mut self, group: usize, worker: &str) -> Result<()> {
+        for (hash, file) in self.files.get(group).into_iter().flatten() {
+            let place = (worker.to_owned(), hash.clone());
+            if self.offered.contains_key(&place) {
+                continue;
+            }
+            let file = file.clone();
+            let queryable = self
+                .session
+                .declare_queryable(keys::fmu(&self.run, worker, hash))
+                .callback(move |query| {
+                    let file = file.clone();
+                    // Not here: whatever comes meanwhile would wait.
+                    std::thread::spawn(move || deliver(&query, &file));
+                })
+                .wait();
+            self.offered.insert(place, Box::new(queryable.map_err(refused)?));
+        }
+        Ok(())
+    }
+
+    /// Whether a life that cannot be spoken to yet has ended: nobody else would tell.
+    fn look_after_launches(&self) {
+        for (&group, life) in self.lives.iter().filter(|(_, life)| !life.ready) {
+            let generation = life.generation;
+            let Ok(order) = postcard::to_stdvec(&self.order(group, generation)) else { continue };
+            let events = self.news.slot();
+            let asked = self
+                .session
+                .get(format!("{}/fate", keys::worker(&life.worker)))
+                .payload(order)
+                .timeout(LOOK)
+                .callback(move |reply| {
+                    let Ok(sample) = reply.result() else { return };
+                    let told = postcard::from_bytes(&sample.payload().to_bytes());
+                    if let Ok(Ok::<Fate, String>(fate)) = told
+                        && fate.has_ended()
+                    {
+                        let why = "it ended before it could be spoken to".to_owned();
+                        events.urge(News::Event(Event::Lost { group, generation, why }));
+                    }
+                })
+                .wait();
+            // A worker that is gone is noticed otherwise.
+            drop(asked);
+        }
+    }
+
     /// Hears the life of a group under its own key, which nobody else may use.
     fn hear(&self, key: &str, group: usize, generation: u32) -> Result<[Box<dyn Any>; 2]> {
         let answers = self.news.slot();
@@ -239,6 +286,7 @@ impl Fabric for Net {
                 .why(format!("none came within {:.0} s", self.patience.as_secs_f64()))
                 .help("start some: cosim worker")
         })?;
+        self.offer(group, &worker)?;
         let key = keys::life(&self.run, &worker, group, generation);
         let heard = self.hear(&key, group, generation)?;
         let commands = self.lanes().sender(&format!("{key}/cmd"))?;
@@ -261,7 +309,18 @@ impl Fabric for Net {
             if let Some(event) = self.due.pop_front() {
                 return Some(event);
             }
-            match self.news.next(awaited, patience.saturating_sub(begun.elapsed()))? {
+            let left = patience.saturating_sub(begun.elapsed());
+            let launching = self.lives.values().any(|life| !life.ready);
+            let news = match self.news.next(awaited, if launching { left.min(LOOK) } else { left })
+            {
+                Some(news) => news,
+                None if launching && left > LOOK => {
+                    self.look_after_launches();
+                    continue;
+                }
+                None => return None,
+            };
+            match news {
                 News::Event(event) => {
                     if let Event::Ready { group, generation } = event
                         && let Some(life) = self.lives.get_mut(&group)

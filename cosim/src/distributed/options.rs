@@ -36,6 +36,8 @@ pub struct Options {
     pub recoveries: u32,
     /// So many times in a row a group may be lost at the same command by a fault of its own.
     pub attempts: u32,
+    /// So many times in a row a group may be lost at the same command, by whosesoever fault.
+    pub losses: u32,
     /// What becomes of a run one of whose FMUs returns `fmi2Fatal`.
     pub on_fatal: OnFatal,
     /// A lost group that has no saved state is the end of the run, not computed again from the
@@ -57,6 +59,7 @@ impl Default for Options {
             give_up: Duration::MAX,
             recoveries: 1000,
             attempts: 3,
+            losses: 10,
             on_fatal: OnFatal::End,
             require_resume: false,
             tell: |_| (),

@@ -218,8 +218,12 @@ impl<'a> Crew<'a> {
         member.lost = Some((since, why.clone()));
         member.recoveries += 1;
         let faults = member.faults(at_fault || fate.is_some_and(|fate| fate.is_own_fault()));
+        let losses = member.losses();
         let help = if faults >= self.options.attempts {
             "it does so each time that it comes there: its FMU is at fault"
+        } else if losses >= self.options.losses {
+            "it is lost each time that it comes there: an FMU that stops or kills its own process \
+             looks as if somebody else had done it"
         } else if member.recoveries > self.options.recoveries {
             "--recoveries allows more new lives"
         } else if member.base.is_none() && self.options.require_resume {

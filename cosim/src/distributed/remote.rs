@@ -67,7 +67,7 @@ impl Remote {
         let running = running.map_err(refused)?;
         let held = manifest.held(folder);
         let files = held.map(|file| (manifest.sha256.clone(), file)).into_iter().collect();
-        let mut net = Net::new(session.clone(), &run, files)?;
+        let mut net = Net::new(session.clone(), &run, vec![files])?;
         net.settle(reached.worker.iter().cloned().collect(), reached.wait);
         let options = Options {
             save_every: None,

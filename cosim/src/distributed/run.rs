@@ -62,7 +62,7 @@ impl Cluster {
         // Workers end what they do for this run when it is gone.
         let _running = session.liveliness().declare_token(keys::running(&id)).wait();
         let _running = _running.map_err(super::net::refused)?;
-        let waiting = Net::new(session.clone(), &id, Default::default())?;
+        let waiting = Net::new(session.clone(), &id, Vec::new())?;
         let workers = waiting.gather(self.needed.max(self.own), &named, self.patience)?;
         let places = place(system, &wishes, &workers)?;
         drop(waiting);
@@ -151,7 +151,7 @@ fn apart(what: impl FnOnce() + Send + 'static) -> Receiver<()> {
 /// Lists the workers that dial `access` within `patience`.
 pub fn workers(access: &Access, patience: Duration) -> Result<Vec<WorkerInfo>> {
     let session = access.listen()?;
-    let net = Net::new(session.clone(), &session.zid().to_string(), Default::default())?;
+    let net = Net::new(session.clone(), &session.zid().to_string(), Vec::new())?;
     std::thread::sleep(patience);
     let infos = net.infos();
     drop(net);

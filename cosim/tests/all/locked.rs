@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::Duration;
 
+use cosim::distributed::Verb;
 use rcgen::{CertificateParams, DnType, Issuer, KeyPair};
 use tempfile::TempDir;
 use zenoh::Wait;
@@ -278,9 +279,15 @@ fn observe(endpoint: &str, credentials: &Path) -> zenoh::Session {
 }
 
 /// Runs `file` on one worker that is started with `lent`: the run's exit code and stderr.
-fn on_worker(at: &Path, file: &Path, lent: &[&str], environment: &[(&str, &str)]) -> (i32, String) {
+pub(crate) fn on_worker(
+    at: &Path,
+    file: &Path,
+    lent: &[&str],
+    environment: &[(&str, &str)],
+) -> (i32, String) {
     let endpoint = format!("tcp/127.0.0.1:{}", free_port());
     let run = ["run", file.to_str().unwrap(), "-o", "there.csv", "--distributed"];
+    let run = [&run[..], &["--deadline", "1"]].concat();
     let mut command = cosim(at, &[&run[..], &["--listen", &endpoint]].concat());
     let run = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
     let worker = ["worker", "--name", "w", "--connect", &endpoint];
@@ -376,5 +383,125 @@ fn a_configuration_file_opens_no_door() {
         let (found, stderr) = outcome(folder.path(), &arguments);
         assert_eq!(found, code, "{text}: {stderr}");
         assert!(stderr.contains(part), "{text}: {stderr}");
+    }
+}
+
+/// Every role tries every verb on keys of every kind, with real certificates: what it may do works, and
+/// nothing else does.
+#[test]
+fn every_cell_of_the_table_of_rights_is_as_it_says() {
+    let folder = keys();
+    let at = folder.path();
+    // A name of the authority that the list does not know.
+    let list = text(at, "keys/orchestrator/members.json");
+    std::fs::write(
+        at.join("keys/orchestrator/members.json"),
+        list.replace("\"right\"", "\"other\""),
+    )
+    .unwrap();
+    let endpoint = format!("tls/127.0.0.1:{}", free_port());
+    let listening = ["workers", "--wait", "600", "--listen", &endpoint];
+    let _listening = start(at, &[&listening[..], &["--credentials", "keys/orchestrator"]].concat());
+    let of = |member: &str| observe(&endpoint, &at.join("keys").join(member));
+    let orchestrator = of("orchestrator");
+    let life = |worker: &str, what: &str| format!("cosim/@1/run/r/{worker}/0.1/{what}/quick");
+    let mut sampled = vec!["cosim/@1/rights".to_owned(), "cosim/@1/running/r".to_owned()];
+    sampled.push("cosim/1/r/status".to_owned());
+    for worker in ["left", "other"] {
+        sampled.push(format!("cosim/@pool/1/{worker}"));
+        sampled.push(format!("cosim/@pool/1/{worker}/start"));
+        sampled.push(format!("cosim/@1/run/r/{worker}/fmu/00"));
+        sampled.extend(["cmd", "rep", "alive"].map(|what| life(worker, what)));
+    }
+    let rights = cosim::distributed::all_rights("left");
+    let mut wrong = Vec::new();
+    for (role, member) in [("worker", "left"), ("observer", "observer"), ("anybody", "right")] {
+        let session = of(member);
+        for key in &sampled {
+            for verb in Verb::ALL {
+                let may = rights.iter().any(|(who, does, keys)| {
+                    (*who == role || *who == "anybody") && *does == verb && includes(keys, key)
+                });
+                // The listening side itself answers there.
+                if key == "cosim/@1/rights" && matches!(verb, Verb::Ask | Verb::Serve) {
+                    continue;
+                }
+                let does = tries(&orchestrator, &session, verb, key, may);
+                if does != may {
+                    wrong.push(format!("{role} {verb:?} {key}: {does}, not {may}"));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+fn includes(keys: &str, key: &str) -> bool {
+    use zenoh::key_expr::KeyExpr;
+    KeyExpr::try_from(keys).unwrap().includes(&KeyExpr::try_from(key).unwrap())
+}
+
+/// What was sent before by the same session has arrived when this has its answer.
+fn fence(session: &zenoh::Session) {
+    let asked = session.get("cosim/@1/rights").payload("x").timeout(Duration::from_secs(10));
+    assert!(asked.wait().unwrap().recv().is_ok());
+}
+
+/// Whether `member` can do that, seen from the side of the orchestrator. What it `may` do is waited for.
+fn tries(
+    orchestrator: &zenoh::Session,
+    member: &zenoh::Session,
+    verb: Verb,
+    key: &str,
+    may: bool,
+) -> bool {
+    let patience = if may { Duration::from_secs(10) } else { Duration::from_millis(150) };
+    let answers = |session: &zenoh::Session| {
+        let asked = session.get(key).payload("x").timeout(patience).wait().unwrap();
+        asked.into_iter().any(|reply| reply.result().is_ok())
+    };
+    let lives = |session: &zenoh::Session| {
+        let asked = session.liveliness().get(key).timeout(patience).wait().unwrap();
+        asked.into_iter().any(|reply| reply.result().is_ok())
+    };
+    let serve = |session: &zenoh::Session| {
+        let queryable = session.declare_queryable(key).callback(|query| {
+            drop(query.reply(query.key_expr().clone(), "x").wait());
+        });
+        let queryable = queryable.wait().unwrap();
+        fence(session);
+        queryable
+    };
+    let hears = |from: &zenoh::Session, to: &zenoh::Session| {
+        let heard = to.declare_subscriber(key).wait().unwrap();
+        [to, from].map(fence);
+        from.put(key, "x").wait().unwrap();
+        [from, to].map(fence);
+        heard.recv_timeout(patience).unwrap().is_some()
+    };
+    let announce = |session: &zenoh::Session| {
+        let token = session.liveliness().declare_token(key).wait().unwrap();
+        fence(session);
+        token
+    };
+    match verb {
+        Verb::Publish => hears(member, orchestrator),
+        Verb::Hear => hears(orchestrator, member),
+        Verb::Announce => {
+            let _token = announce(member);
+            lives(orchestrator)
+        }
+        Verb::Follow => {
+            let _token = announce(orchestrator);
+            lives(member)
+        }
+        Verb::Serve => {
+            let _served = serve(member);
+            answers(orchestrator)
+        }
+        Verb::Ask => {
+            let _served = serve(orchestrator);
+            answers(member)
+        }
     }
 }

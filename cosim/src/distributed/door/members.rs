@@ -72,23 +72,21 @@ impl Members {
     /// not concerned.
     pub(crate) fn access_control(&self) -> Value {
         let mut list = Lists::default();
-        list.subject("anybody", None);
-        let ask = ["query", "reply", "declare_queryable"];
-        list.rule("ask", BOTH, &ask, &[keys::rights()]);
-        list.policy("anybody", &["ask"]);
+        list.member("anybody", None, &rights(None, ""));
         if !self.orchestrators.is_empty() {
-            list.subject("orchestrators", Some(&self.orchestrators));
-            list.rule("all", BOTH, &ALL, &keys::everything());
-            list.policy("orchestrators", &["all"]);
+            list.member(
+                "orchestrators",
+                Some(&self.orchestrators),
+                &rights(Some(Role::Orchestrator), ""),
+            );
         }
         if !self.observers.is_empty() {
-            list.subject("observers", Some(&self.observers));
-            let open = [keys::open("**")];
-            list.rule("watch", IN, &["declare_subscriber"], &open);
-            list.rule("show", OUT, &["put"], &open);
-            list.policy("observers", &["watch", "show"]);
+            list.member("observers", Some(&self.observers), &rights(Some(Role::Observer), ""));
         }
-        self.workers.iter().for_each(|worker| list.worker(worker));
+        for worker in &self.workers {
+            let own = std::slice::from_ref(worker);
+            list.member(worker, Some(own), &rights(Some(Role::Worker), worker));
+        }
         json!({
             "enabled": true,
             "default_permission": "deny",
@@ -99,20 +97,94 @@ impl Members {
     }
 }
 
-const IN: &[&str] = &["ingress"];
-const OUT: &[&str] = &["egress"];
-const BOTH: &[&str] = &["ingress", "egress"];
-const ALL: [&str; 9] = [
-    "put",
-    "delete",
-    "declare_subscriber",
-    "query",
-    "declare_queryable",
-    "reply",
-    "liveliness_token",
-    "declare_liveliness_subscriber",
-    "liveliness_query",
-];
+/// What is done with a key.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verb {
+    /// Tell those who hear it.
+    Publish,
+    /// Hear what is published.
+    Hear,
+    /// Be there, as long as a token is.
+    Announce,
+    /// Know who is there.
+    Follow,
+    /// Answer those who ask.
+    Serve,
+    /// Ask, and get answers.
+    Ask,
+}
+
+impl Verb {
+    /// All of them.
+    pub const ALL: [Self; 6] =
+        [Self::Publish, Self::Hear, Self::Announce, Self::Follow, Self::Serve, Self::Ask];
+
+    /// The verb in words.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Publish => "publish",
+            Self::Hear => "hear",
+            Self::Announce => "announce",
+            Self::Follow => "follow",
+            Self::Serve => "serve",
+            Self::Ask => "ask",
+        }
+    }
+
+    /// Zenoh's messages of it: those that come from a member, and those that go to it.
+    fn messages(self) -> [&'static [&'static str]; 2] {
+        const LISTEN: &[&str] = &["declare_liveliness_subscriber", "liveliness_query"];
+        match self {
+            Self::Publish => [&["put", "delete"], &["declare_subscriber"]],
+            Self::Hear => [&["declare_subscriber"], &["put", "delete"]],
+            Self::Announce => [&["liveliness_token"], LISTEN],
+            Self::Follow => [LISTEN, &["liveliness_token", "reply"]],
+            Self::Serve => [&["declare_queryable", "reply"], &["query"]],
+            Self::Ask => [&["query"], &["declare_queryable", "reply"]],
+        }
+    }
+}
+
+/// Who may do what, on the keys of a worker of that name: the one source of Zenoh's access control, of
+/// the table in the documentation, and of the test that tries all of it.
+pub(crate) fn rights(role: Option<Role>, name: &str) -> Vec<(Verb, String)> {
+    let own = keys::worker(name);
+    match role {
+        // Only the listening side answers there: whoever could serve it could tell others that they
+        // have no rights.
+        None => vec![(Verb::Ask, keys::rights())],
+        Some(Role::Orchestrator) => {
+            let all = keys::everything();
+            Verb::ALL.into_iter().flat_map(|verb| all.clone().map(|key| (verb, key))).collect()
+        }
+        Some(Role::Observer) => vec![(Verb::Hear, keys::open("**"))],
+        // It announces and serves itself, and speaks for the lives of groups that it has.
+        Some(Role::Worker) => vec![
+            (Verb::Announce, own.clone()),
+            (Verb::Follow, own.clone()),
+            (Verb::Serve, format!("{own}/*")),
+            (Verb::Follow, keys::running("*")),
+            (Verb::Announce, keys::lives(name, "alive/*")),
+            (Verb::Hear, keys::lives(name, "cmd/*")),
+            (Verb::Publish, keys::lives(name, "rep/*")),
+            (Verb::Ask, keys::fmu("*", name, "*")),
+        ],
+    }
+}
+
+/// Rights as text: role, verb and keys; of workers those of one called `name`.
+#[doc(hidden)]
+pub fn all_rights(name: &str) -> Vec<(&'static str, Verb, String)> {
+    let roles = [
+        ("anybody", None),
+        ("orchestrator", Some(Role::Orchestrator)),
+        ("worker", Some(Role::Worker)),
+        ("observer", Some(Role::Observer)),
+    ];
+    let of =
+        |(text, role)| rights(role, name).into_iter().map(move |(verb, key)| (text, verb, key));
+    roles.into_iter().flat_map(of).collect()
+}
 
 #[derive(Default)]
 struct Lists {
@@ -122,52 +194,23 @@ struct Lists {
 }
 
 impl Lists {
-    fn subject(&mut self, id: &str, names: Option<&[String]>) {
+    fn member(&mut self, id: &str, names: Option<&[String]>, rights: &[(Verb, String)]) {
         self.subjects.push(match names {
             Some(names) => json!({ "id": id, "cert_common_names": names }),
             None => json!({ "id": id }),
         });
-    }
-
-    fn rule(&mut self, id: &str, flows: &[&str], messages: &[&str], keys: &[String]) {
-        self.rules.push(json!({
-            "id": id, "permission": "allow", "flows": flows, "messages": messages,
-            "key_exprs": keys,
-        }));
-    }
-
-    fn policy(&mut self, subject: &str, rules: &[&str]) {
-        self.policies.push(json!({ "subjects": [subject], "rules": rules }));
-    }
-
-    /// A worker announces and serves itself, and speaks for the lives of groups that it has.
-    fn worker(&mut self, name: &str) {
-        let (own, root) = (keys::worker(name), keys::root());
-        let gives = [own.clone(), keys::lives(name, "rep/*"), keys::lives(name, "alive/*")];
-        let serves = [format!("{own}/*")];
-        let takes = [keys::lives(name, "cmd/*")];
-        let asks = [keys::fmu("*", "*")];
-        let follows = [own, format!("{root}/running/*")];
-        let listen = ["declare_liveliness_subscriber", "liveliness_query"];
-        let hear = ["declare_subscriber", listen[0], listen[1]];
-        let rules: [(&[&str], &[&str], &[String]); 10] = [
-            (IN, &["put", "liveliness_token"], &gives),
-            (OUT, &hear, &gives),
-            (IN, &["declare_queryable", "reply"], &serves),
-            (OUT, &["query"], &serves),
-            (IN, &["declare_subscriber"], &takes),
-            (OUT, &["put"], &takes),
-            (IN, &["query"], &asks),
-            (OUT, &["reply", "declare_queryable"], &asks),
-            (IN, &listen, &follows),
-            (OUT, &["liveliness_token", "reply"], &follows),
-        ];
-        self.subject(name, Some(&[name.to_owned()]));
-        let names: Vec<String> = (0..rules.len()).map(|n| format!("{name} {n}")).collect();
-        for (id, (flows, messages, keys)) in names.iter().zip(rules) {
-            self.rule(id, flows, messages, keys);
+        let mut own = Vec::new();
+        for (number, (verb, key)) in rights.iter().enumerate() {
+            for (flow, messages) in ["ingress", "egress"].into_iter().zip(verb.messages()) {
+                let rule = format!("{id} {number} {flow}");
+                self.rules.push(json!({
+                    "id": rule, "permission": "allow", "flows": [flow], "messages": messages,
+                    "key_exprs": [key],
+                }));
+                own.push(rule);
+            }
         }
-        self.policy(name, &names.iter().map(String::as_str).collect::<Vec<_>>());
+        self.policies.push(json!({ "subjects": [id], "rules": own }));
     }
 }
 
@@ -223,6 +266,7 @@ mod tests {
             ("orchestrators", "query", &format!("{left}/start"), true),
             ("left", "put", &answer, true),
             ("left", "put", &command, false),
+            ("left", "declare_queryable", &keys::rights(), false),
             ("right", "put", &answer, false),
             ("right", "liveliness_token", &format!("{life}/alive/quick"), false),
             ("right", "declare_subscriber", &command, false),
@@ -232,7 +276,10 @@ mod tests {
             ("right", "liveliness_token", &left, false),
             ("right", "declare_queryable", &format!("{left}/start"), false),
             ("left", "query", &format!("{left}/start"), false),
-            ("left", "query", &keys::fmu("r", "00"), true),
+            ("left", "query", &keys::fmu("r", "left", "00"), true),
+            ("left", "query", &keys::fmu("r", "right", "00"), false),
+            ("desk", "declare_queryable", &keys::rights(), false),
+            ("left", "reply", &keys::rights(), false),
             ("left", "put", &signals, false),
             ("observers", "declare_subscriber", &signals, true),
             ("observers", "put", &signals, false),
@@ -243,6 +290,20 @@ mod tests {
         ] {
             assert_eq!(may(&list, subject, message, key), wanted, "{subject} {message} {key}");
         }
+    }
+
+    #[test]
+    fn the_table_of_rights_stands_in_the_documentation() {
+        let mut table = String::from("| who | does | with |\n|---|---|---|\n");
+        for (role, verb, key) in all_rights("NAME") {
+            // An orchestrator does everything.
+            if role != "orchestrator" {
+                table += &format!("| {role} | {} | `{key}` |\n", verb.text());
+            }
+        }
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/distributed.md");
+        let text = std::fs::read_to_string(file).unwrap();
+        assert!(text.contains(&table), "docs/distributed.md should have:\n{table}");
     }
 
     #[test]

@@ -138,6 +138,7 @@ pub(super) struct Outcome {
 /// A run in the groups that `places` says.
 pub(super) fn apart(system: &System, places: &[usize], trial: Trial<'_>) -> Result<Outcome> {
     let Distribution { plan, layout, setups, files } = Distribution::new(system, places)?;
+    let files: BTreeMap<_, _> = files.into_iter().flatten().collect();
     let fabric = Local::new(Files(files.clone()), trial.faults);
     let told = fabric.told.clone();
     let fabric = Box::new(fabric);
