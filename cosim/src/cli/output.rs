@@ -93,7 +93,8 @@ impl Output {
         messages::findings(system, self.quiet);
         let target = self.checked_target(system, inputs)?;
         let snapshot = self.snapshots.resumed(system)?;
-        if let Some(done) = snapshot.as_ref().filter(|s| s.time() == system.stop_time()) {
+        let is_over = |s: &&Snapshot| s.time() == system.stop_time() && !self.quiet;
+        if let Some(done) = snapshot.as_ref().filter(is_over) {
             let when = done.time();
             messages::note(&format!(
                 "the snapshot is of t = {when}, where the run ends: nothing is left"

@@ -254,18 +254,31 @@ fn a_neighbour_computes_the_same() {
 #[test]
 fn what_an_fmu_starts_ends_with_the_run() {
     let folder = TempDir::new().unwrap();
+    let at = folder.path();
     let lingering = "if (!fork()) { setsid(); if (fork()) _exit(0); linger(in_home(\"lingers\")); } \
                      for (int k = 0; k < 2000 && access(in_home(\"lingers\"), F_OK); k++) usleep(1000)";
-    let fmu = attacker(folder.path(), lingering);
-    let fmu = fmu.to_str().unwrap();
-    std::fs::write(folder.path().join("s.ssd"), one_component(fmu)).unwrap();
-    for arguments in [&["simulate", fmu, "-o", "out.csv"][..], &["run", "s.ssd", "-o", "out.csv"]] {
+    let fmu = attacker(at, lingering);
+    let system = at.join("s.ssd");
+    std::fs::write(&system, one_component(fmu.to_str().unwrap())).unwrap();
+    for place in ["simulate", "run", "worker"] {
         let home = Home::new();
-        let output = cosim(folder.path(), arguments).env("HOME", home.path()).output().unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let (code, shown) = match place {
+            "worker" => {
+                let environment = [("HOME", home.path().to_str().unwrap())];
+                on_worker(at, &system, &["--allow-upload", "--no-confine"], &environment)
+            }
+            verb => {
+                let file = if verb == "run" { &system } else { &fmu };
+                let arguments = [verb, file.to_str().unwrap(), "-o", "out.csv"];
+                let output = cosim(at, &arguments).env("HOME", home.path()).output().unwrap();
+                let shown = String::from_utf8_lossy(&output.stderr).into_owned();
+                (output.status.code().unwrap_or(-1), shown)
+            }
+        };
+        assert_eq!(code, 0, "{place}: {shown}");
         let lingers = std::fs::read_to_string(home.path().join("lingers")).unwrap();
         let left = remaining(&[lingers.parse().unwrap()], Duration::from_secs(10));
-        assert!(left.is_empty(), "{arguments:?}");
+        assert!(left.is_empty(), "{place}");
     }
 }
 

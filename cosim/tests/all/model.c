@@ -90,8 +90,10 @@ static const char *in_home(const char *name) {
 }
 /* Writes the number of this process, which goes on when the run is over. */
 static void linger(const char *name) {
-  FILE *file = fopen(name, "w");
-  if (file) fprintf(file, "%d", (int)getpid()), fclose(file);
+  char unfinished[600];
+  snprintf(unfinished, sizeof unfinished, "%s.unfinished", name);
+  FILE *file = fopen(unfinished, "w");
+  if (file) fprintf(file, "%d", (int)getpid()), fclose(file), rename(unfinished, name);
   for (;;) pause();
 }
 static int send_udp(int port) {
