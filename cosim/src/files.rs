@@ -55,7 +55,7 @@ pub(crate) fn refuse_others(target: &Path, what: &str, more: Option<(&[u8], &str
     let mut begin = [0; 16];
     let read = File::open(target).and_then(|mut file| file.read(&mut begin)).unwrap_or(0);
     let begin = begin[..read].trim_ascii_start();
-    let html = begin.len() > 4 && begin[..2] == *b"<!" || begin.starts_with(b"<html");
+    let html = begin.get(..14).is_some_and(|b| b.eq_ignore_ascii_case(b"<!doctype html"));
     match OTHERS.into_iter().chain(more).find(|(start, _)| begin.starts_with(start)) {
         Some((_, kind)) if !html => Err(Error::new(Code::Output, what)
             .at(target)
