@@ -474,9 +474,9 @@ fn tries(
     };
     let hears = |from: &zenoh::Session, to: &zenoh::Session| {
         let heard = to.declare_subscriber(key).wait().unwrap();
-        [to, from].map(fence);
+        [to, from].into_iter().for_each(fence);
         from.put(key, "x").wait().unwrap();
-        [from, to].map(fence);
+        [from, to].into_iter().for_each(fence);
         heard.recv_timeout(patience).unwrap().is_some()
     };
     let announce = |session: &zenoh::Session| {
