@@ -3,6 +3,7 @@
 //! Samples are compared at the instants that both have; between its samples a recording may be
 //! interpolated. A value is near enough if |a - b| <= absolute + relative max(|a|, |b|).
 
+use std::collections::HashMap;
 use std::fmt;
 
 use super::Recording;
@@ -124,9 +125,9 @@ impl fmt::Display for Apart {
 impl Closeness {
     /// Compares two recordings.
     pub fn of(a: &Recording, b: &Recording, tolerance: &Tolerance) -> Self {
-        let lacks = |names: &[String], name: &str| !names.iter().any(|own| own == name);
-        let only = |these: &[String], those: &[String]| {
-            these.iter().filter(|name| lacks(those, name)).cloned().collect()
+        let (in_a, in_b) = (a.places(), b.places());
+        let only = |these: &[String], those: &HashMap<&str, usize>| -> Vec<String> {
+            these.iter().filter(|name| !those.contains_key(name.as_str())).cloned().collect()
         };
         let places = align(a.time(), b.time(), tolerance.interpolate);
         let mut found = Self {
@@ -135,16 +136,18 @@ impl Closeness {
                 a.time().len() - places.len(),
                 b.time().len() - places.iter().filter(|place| place.part == 0.0).count(),
             ),
-            only: (only(a.names(), b.names()), only(b.names(), a.names())),
+            only: (only(a.names(), &in_b), only(b.names(), &in_a)),
             ..Self::default()
         };
         if tolerance.interpolate {
             found.left_out.1 = 0;
         }
-        for (name, of_a) in a.columns() {
-            let Ok(of_b) = b.column(name) else { continue };
+        let columns: Vec<&[f64]> = b.columns().map(|(_, values)| values).collect();
+        for (place, (name, of_a)) in a.columns().enumerate() {
+            let Some(&place_b) = in_b.get(name) else { continue };
+            let of_b = columns[place_b];
             found.columns += 1;
-            if a.is_text(name) || b.is_text(name) {
+            if a.is_text_at(place) || b.is_text_at(place_b) {
                 found.compare_texts(name, &places, (a.time(), of_a, of_b));
                 continue;
             }

@@ -1,5 +1,6 @@
 //! Results in memory, column by column.
 
+use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -60,6 +61,17 @@ impl Recording {
     pub fn is_text(&self, name: &str) -> bool {
         let position = self.names.iter().position(|own| own == name);
         position.is_some_and(|position| self.forms[position] == Form::Text)
+    }
+
+    /// The place of each column by its name; of columns of one name that of the first.
+    pub(super) fn places(&self) -> HashMap<&str, usize> {
+        let named = self.names.iter().enumerate().rev();
+        named.map(|(place, name)| (name.as_str(), place)).collect()
+    }
+
+    /// Whether the column at a place holds Strings.
+    pub(super) fn is_text_at(&self, place: usize) -> bool {
+        self.forms.get(place) == Some(&Form::Text)
     }
 
     /// A column of Strings by its name.

@@ -105,21 +105,18 @@ impl fmt::Display for Differing {
 impl Comparison {
     /// Compares two recordings.
     pub fn of(a: &Recording, b: &Recording) -> Self {
-        // Of columns of one name the first counts, as in `Recording::column`.
-        let index = |of: &Recording| -> HashMap<String, usize> {
-            let named = of.names().iter().cloned().enumerate().rev();
-            named.map(|(position, name)| (name, position)).collect()
-        };
-        let (in_a, in_b) = (index(a), index(b));
-        let missing = |from: &HashMap<String, usize>, of: &Recording| -> Vec<String> {
-            of.names().iter().filter(|name| !from.contains_key(*name)).cloned().collect()
+        let (in_a, in_b) = (a.places(), b.places());
+        let missing = |from: &HashMap<&str, usize>, of: &Recording| -> Vec<String> {
+            of.names().iter().filter(|name| !from.contains_key(name.as_str())).cloned().collect()
         };
         let columns: Vec<&[f64]> = b.columns().map(|(_, values)| values).collect();
         let pairs: Vec<Pair<'_>> = a
             .columns()
-            .filter_map(|(name, values)| {
-                let text = a.is_text(name) && b.is_text(name);
-                Some(Pair { name, a: values, b: columns[*in_b.get(name)?], text })
+            .enumerate()
+            .filter_map(|(of_a, (name, values))| {
+                let of_b = *in_b.get(name)?;
+                let text = a.is_text_at(of_a) && b.is_text_at(of_b);
+                Some(Pair { name, a: values, b: columns[of_b], text })
             })
             .collect();
         let (only_a, only_b) = (missing(&in_b, a), missing(&in_a, b));
