@@ -130,7 +130,7 @@ fn a_stopped_observer_delays_no_step() {
     for group in groups {
         // One stalled line would hold a step up for the lease, or five seconds.
         let longest = group["longest"].as_f64().unwrap();
-        assert!(longest < 0.7, "{status}");
+        assert!(longest < 4.0, "{status}");
         assert_eq!(group["generation"], 1, "{status}");
     }
 }

@@ -2,23 +2,6 @@
 
 use super::*;
 
-/// A chain in which the FMU of `b` was compiled with `defines` and its description changed.
-fn with(folder: &Path, stop: f64, defines: &[&str], change: impl Fn(String) -> String) -> String {
-    let ssd = Ssd::new()
-        .add("clock", Model::Clock)
-        .add("b", Model::Gain)
-        .add("x", Model::Integrator)
-        .connect("clock.y", "b.u")
-        .connect("b.y", "x.u")
-        .stop(stop);
-    let clumsy = Model::Gain.variant(&folder.join("clumsy.fmu"), defines, change);
-    let good = Model::Gain.fmu();
-    let text = ssd.text().replace(good.to_str().unwrap(), clumsy.to_str().unwrap());
-    let file = folder.join("test.ssd");
-    std::fs::write(&file, text).unwrap();
-    file.to_str().unwrap().to_owned()
-}
-
 fn run(defines: &[&str], more: &[&str]) -> (i32, String) {
     let folder = TempDir::new().unwrap();
     let system = with(folder.path(), 2.0, defines, |description| description);
@@ -70,7 +53,7 @@ fn one_that_is_fatal_each_time_ends_the_run_that_was_to_be_resumed() {
 #[test]
 fn one_that_is_fatal_once_is_resumed_where_that_is_wanted() {
     let folder = TempDir::new().unwrap();
-    let system = with(folder.path(), 2.0, &["FATAL_FIRST"], |description| description);
+    let system = with(folder.path(), 2.0, &["FIRST_LIFE=return 4"], |description| description);
     let here = undisturbed(folder.path(), &system);
     for (more, code) in [(&["--on-fatal", "resume"][..], 0), (&["--on-fatal", "end"], 1)] {
         let arguments = ["run", &system, "-o", "there.csv", "--workers", "2"];
@@ -140,16 +123,11 @@ fn a_component_is_where_its_file_says_and_rather_where_the_command_line_says() {
 #[test]
 fn one_that_crashes_once_is_resumed() {
     let folder = TempDir::new().unwrap();
-    let system = with(folder.path(), 500.0, &[], |description| description);
+    let system = with(folder.path(), 2.0, &["FIRST_LIFE=abort()"], |description| description);
     let here = undisturbed(folder.path(), &system);
     let arguments = ["run", &system, "-o", "there.csv", "--workers", "2"];
-    let run = cosim(folder.path(), &arguments).stderr(Stdio::piped()).spawn().unwrap();
-    let groups = groups_below(&run, 2);
-    std::thread::sleep(Duration::from_millis(150));
-    signal(groups[0], "-ABRT");
-    let output = run.wait_with_output().unwrap();
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{stderr}");
+    let (code, stderr) = outcome(folder.path(), &arguments);
+    assert_eq!(code, 0, "{stderr}");
     assert!(stderr.contains("SIGABRT") && stderr.contains("went on at"), "{stderr}");
     assert!(here == results(folder.path(), "there.csv"));
 }
@@ -158,18 +136,13 @@ fn one_that_crashes_once_is_resumed() {
 fn one_that_cannot_be_saved_is_computed_again_unless_that_is_refused() {
     let folder = TempDir::new().unwrap();
     let mute = |description: String| description.replace("canSerializeFMUstate=\"true\"", "");
-    let system = with(folder.path(), 300.0, &[], mute);
+    let system = with(folder.path(), 2.0, &["FIRST_LIFE=abort()"], mute);
     let here = undisturbed(folder.path(), &system);
     for (more, code) in [(&[][..], 0), (&["--require-resume"], 1)] {
         let arguments = ["run", &system, "-o", "there.csv", "--workers", "1"];
-        let arguments = [&arguments[..], more].concat();
-        let run = cosim(folder.path(), &arguments).stderr(Stdio::piped()).spawn().unwrap();
-        let groups = groups_below(&run, 1);
-        std::thread::sleep(Duration::from_millis(150));
-        signal(groups[0], "-KILL");
-        let output = run.wait_with_output().unwrap();
-        let stderr = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(code), "{stderr}");
+        let (found, stderr) = outcome(folder.path(), &[&arguments[..], more].concat());
+        assert_eq!(found, code, "{stderr}");
+        assert!(stderr.contains("SIGABRT"), "{stderr}");
         match code {
             0 => assert!(here == results(folder.path(), "there.csv")),
             _ => assert!(stderr.contains("--require-resume"), "{stderr}"),

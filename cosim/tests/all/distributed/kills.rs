@@ -1,15 +1,15 @@
 //! Whoever is killed or stopped: the run goes on, with the same bytes, and leaves nothing.
 
+use std::io::{BufRead, BufReader};
+
 use super::*;
 
-/// A run that is disturbed by `disturb`: its messages. Its bytes are those of an ordinary run, and
-/// nothing of it is left.
-fn survives(stop: f64, more: &[&str], disturb: impl FnOnce(&mut Child)) -> String {
-    let (file, folder) = (chain(stop), TempDir::new().unwrap());
-    let file = file.write();
-    let path = file.to_str().unwrap();
-    let here = undisturbed(folder.path(), path);
-    let arguments = [&["run", path, "-o", "there.csv"], more].concat();
+/// A run of `system` that is disturbed by `disturb`: its messages. Its bytes are those of an ordinary
+/// run, and nothing of it is left.
+fn survives(system: &str, workers: &str, disturb: impl FnOnce(&mut Child)) -> String {
+    let folder = TempDir::new().unwrap();
+    let here = undisturbed(folder.path(), system);
+    let arguments = ["run", system, "-o", "there.csv", "--workers", workers];
     let mut run = cosim(folder.path(), &arguments).stderr(Stdio::piped()).spawn().unwrap();
     disturb(&mut run);
     let started = below(run.id());
@@ -22,9 +22,15 @@ fn survives(stop: f64, more: &[&str], disturb: impl FnOnce(&mut Child)) -> Strin
     stderr
 }
 
+/// A system of which one group waits in the middle of the run for what is done to it.
+fn waiting(folder: &TempDir) -> String {
+    with(folder.path(), 2.0, &["FIRST_LIFE=wait_for_the_end()"], |description| description)
+}
+
 #[test]
 fn killed_groups_and_workers_change_no_byte_and_leave_nothing() {
-    let told = survives(2000.0, &["--workers", "3"], |run| {
+    let file = chain(2000.0);
+    let told = survives(file.write().to_str().unwrap(), "3", |run| {
         let mut dice = Dice(3);
         for round in 0..12 {
             let groups = groups_below(run, 1);
@@ -41,51 +47,54 @@ fn killed_groups_and_workers_change_no_byte_and_leave_nothing() {
 
 #[test]
 fn the_only_worker_is_started_again() {
-    let told = survives(500.0, &["--workers", "1"], |run| {
+    let folder = TempDir::new().unwrap();
+    let told = survives(&waiting(&folder), "1", |run| {
         assert!(!groups_below(run, 1).is_empty());
-        std::thread::sleep(Duration::from_millis(100));
-        children(run.id()).into_iter().for_each(|worker| signal(worker, "-KILL"));
+        let workers = children(run.id());
+        waiting_below(&workers);
+        workers.into_iter().for_each(|worker| signal(worker, "-KILL"));
     });
     assert!(told.contains("went on at worker worker-1"), "{told}");
 }
 
 #[test]
 fn a_stopped_group_is_named_and_replaced() {
-    let told = survives(500.0, &["--workers", "2"], |run| {
-        let groups = groups_below(run, 2);
-        std::thread::sleep(Duration::from_millis(100));
-        signal(groups[0], "-STOP");
+    let folder = TempDir::new().unwrap();
+    let told = survives(&waiting(&folder), "2", |run| {
+        assert!(!groups_below(run, 2).is_empty());
+        signal(waiting_below(&children(run.id())), "-STOP");
     });
     assert!(told.contains("its process is stopped"), "{told}");
 }
 
 #[test]
 fn a_stopped_worker_is_harmless_when_it_comes_back() {
-    let (file, folder) = (chain(1000.0), TempDir::new().unwrap());
-    let file = file.write();
-    let path = file.to_str().unwrap();
-    let here = undisturbed(folder.path(), path);
+    let folder = TempDir::new().unwrap();
+    let system = waiting(&folder);
+    let here = undisturbed(folder.path(), &system);
     let place = endpoint();
-    let arguments = ["run", path, "-o", "there.csv", "--distributed", "--listen", &place];
+    let arguments = ["run", &system, "-o", "there.csv", "--distributed", "--listen", &place];
     let more = ["--min-workers", "2", "--wait", "20"];
     let arguments = [&arguments[..], &more].concat();
-    let run = cosim(folder.path(), &arguments).stderr(Stdio::piped()).spawn().unwrap();
+    let mut run = cosim(folder.path(), &arguments).stderr(Stdio::piped()).spawn().unwrap();
     let left = Kept::worker(folder.path(), "left", &place);
     let right = Kept::worker(folder.path(), "right", &place);
-    assert_eq!(groups_of(&[left.id(), right.id()], 2).len(), 2);
-    std::thread::sleep(Duration::from_millis(100));
+    let group = waiting_below(&[left.id(), right.id()]);
+    let (worker, other) = match status(group) {
+        Some((_, parent)) if parent == left.id() => (parent, "right"),
+        _ => (right.id(), "left"),
+    };
     // With what it started, as if its machine had been cut off.
-    let cut = [vec![left.id()], children(left.id())].concat();
+    let cut = [worker, group];
     cut.iter().for_each(|&process| signal(process, "-STOP"));
-    std::thread::sleep(Duration::from_millis(2500));
+    let mut messages = BufReader::new(run.stderr.take().unwrap()).lines().map(Result::unwrap);
+    assert!(messages.any(|line| line.contains(&format!("went on at worker {other}"))));
     cut.iter().for_each(|&process| signal(process, "-CONT"));
-    let output = run.wait_with_output().unwrap();
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{stderr}");
-    assert!(stderr.contains("went on at worker right"), "{stderr}");
-    assert!(here == results(folder.path(), "there.csv"), "{stderr}");
+    let rest: Vec<String> = messages.collect();
+    assert!(run.wait().unwrap().success(), "{rest:?}");
+    assert!(here == results(folder.path(), "there.csv"), "{rest:?}");
     // The worker has ended what it did for a run that is over.
-    assert!(remaining(&cut[1..], Duration::from_secs(3)).is_empty());
+    assert!(remaining(&[group], Duration::from_secs(3)).is_empty());
 }
 
 #[test]

@@ -29,6 +29,23 @@ pub(crate) fn chain(stop: f64) -> Ssd {
         .stop(stop)
 }
 
+/// A chain in which the FMU of `b` was compiled with `defines` and its description changed.
+fn with(folder: &Path, stop: f64, defines: &[&str], change: impl Fn(String) -> String) -> String {
+    let ssd = Ssd::new()
+        .add("clock", Model::Clock)
+        .add("b", Model::Gain)
+        .add("x", Model::Integrator)
+        .connect("clock.y", "b.u")
+        .connect("b.y", "x.u")
+        .stop(stop);
+    let clumsy = Model::Gain.variant(&folder.join("clumsy.fmu"), defines, change);
+    let good = Model::Gain.fmu();
+    let text = ssd.text().replace(good.to_str().unwrap(), clumsy.to_str().unwrap());
+    let file = folder.join("test.ssd");
+    std::fs::write(&file, text).unwrap();
+    file.to_str().unwrap().to_owned()
+}
+
 pub(crate) fn cosim(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_cosim"));
     command.args(arguments).current_dir(folder).env("NO_COLOR", "1").env("TMPDIR", folder);
@@ -122,6 +139,26 @@ fn groups_below(run: &Child, count: usize) -> Vec<u32> {
         std::thread::sleep(Duration::from_millis(20));
     }
     groups
+}
+
+/// Waits until a group below one of these workers is in the middle of its run, where its FMU was
+/// compiled to wait: the group.
+fn waiting_below(workers: &[u32]) -> u32 {
+    let waits = |group: &u32| {
+        let threads = std::fs::read_dir(format!("/proc/{group}/task")).into_iter().flatten();
+        threads.flatten().any(|thread| {
+            std::fs::read_to_string(thread.path().join("comm"))
+                .is_ok_and(|name| name == "waiting\n")
+        })
+    };
+    loop {
+        let mut groups = workers.iter().flat_map(|&worker| children(worker));
+        if let Some(group) = groups.find(waits) {
+            return group;
+        }
+        assert!(!workers.iter().all(|&worker| is_over(worker)), "no group waits");
+        std::thread::sleep(Duration::from_millis(5));
+    }
 }
 
 fn leftovers(folder: &Path) -> Vec<PathBuf> {
