@@ -234,12 +234,12 @@ struct Kept {
 impl Kept {
     /// Keeps it. First the results, then the snapshots that need them.
     fn take(&self, unfinished: &mut Option<Unfinished>) -> Result<()> {
-        if unfinished.is_some() && self.outbox.join(CONTINUED).exists() {
-            if let Some(whole) = unfinished.take() {
-                whole.finish().map_err(|why| {
-                    Error::new(Code::Output, "the results cannot be replaced").why(why)
-                })?;
-            }
+        if self.outbox.join(CONTINUED).exists()
+            && let Some(whole) = unfinished.take()
+        {
+            whole.finish().map_err(|why| {
+                Error::new(Code::Output, "the results cannot be replaced").why(why)
+            })?;
         }
         let Some(pattern) = &self.snapshot else { return Ok(()) };
         for entry in fs::read_dir(&self.outbox).into_iter().flatten().flatten() {

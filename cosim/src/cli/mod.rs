@@ -52,7 +52,7 @@ enum Verb {
     Info(info::Info),
     Inspect(inspect::Inspect),
     Validate(validate::Validate),
-    Simulate(simulate::Simulate),
+    Simulate(Box<simulate::Simulate>),
     Run(Box<run::Run>),
     Convert(convert::Convert),
     Export(export::Export),
