@@ -150,11 +150,11 @@ fn a_snapshot_and_the_results_before_it_survive_a_cut_at_every_write() {
         let mut needed: BTreeMap<u64, u64> = BTreeMap::new();
         for (at, operation) in operations.iter().enumerate() {
             disk.apply(operation);
-            if let (Rename(_, to), Some(&file)) = (operation, disk.names.get(&snapshot)) {
-                if *to == snapshot {
-                    let of = disk.names.get(&results).and_then(|file| disk.written.get(file));
-                    needed.insert(file, of.copied().unwrap_or_default());
-                }
+            if let (Rename(_, to), Some(&file)) = (operation, disk.names.get(&snapshot))
+                && *to == snapshot
+            {
+                let of = disk.names.get(&results).and_then(|file| disk.written.get(file));
+                needed.insert(file, of.copied().unwrap_or_default());
             }
             for (file, bytes) in disk.after_a_cut(&snapshot) {
                 let whole = disk.written[&file];
