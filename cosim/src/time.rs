@@ -55,8 +55,8 @@ impl Time {
 
 /// The length of steps: a positive number of nanoseconds, whole or not.
 ///
-/// Steps of 1/30 s and 1/60 s end together whenever they should: both are rational numbers, and an
-/// instant is the multiple of one, rounded.
+/// An instant is a multiple of this rational number, rounded once: steps of 1/30 s and 1/60 s meet at
+/// the same instants.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Step {
     /// Both positive, without a common divisor.
