@@ -6,6 +6,9 @@ use super::measurement::{Event, KINDS, Kind, Measurements, Reading};
 
 /// A stamp may be this far ahead of the filter's clock (s): an importer's step, a rounding.
 const AHEAD: f64 = 0.05;
+/// Values that differ by no more than this share of themselves are the same but for rounding: an importer
+/// that draws straight lines between two equal values gives others in the last digits.
+const ROUNDING: f64 = 1e-12;
 
 /// What is remembered of one instrument.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -57,16 +60,20 @@ impl Source {
     ) -> Option<Event> {
         let stamp = reading.stamp;
         let stamped = stamp >= 0.0;
-        if !reading.valid || stamp.is_nan() || (stamped && stamp == self.stamp) {
+        if !reading.valid || stamp.is_nan() || reading.is_of(self.stamp) {
             return None;
         }
         let value = core::array::from_fn(|i| if i < K { reading.value[i] } else { 0.0 });
-        let repeats = self.seen && value == self.value && kind.never_repeats();
+        let repeats = self.seen && kind.never_repeats() && is_same(&value, &self.value);
         if repeats && !stamped {
             return None;
         }
-        (self.stamp, self.value, self.seen) = (stamp, value, true);
-        // The same bits at another instant: the instrument is stuck.
+        (self.stamp, self.seen) = (stamp, true);
+        if !repeats {
+            // The first of those that are the same stays: a slow change adds up to another value.
+            self.value = value;
+        }
+        // The same value at another instant: the instrument is stuck.
         if repeats || !kind.is_plausible(&value) {
             self.invalid = self.invalid.saturating_add(1);
             return None;
@@ -92,6 +99,12 @@ impl Source {
     }
 }
 
+/// Whether values are the same but for rounding.
+fn is_same(a: &[f64; 8], b: &[f64; 8]) -> bool {
+    let close = |a: f64, b: f64| a == b || (a - b).abs() <= ROUNDING * a.abs().max(b.abs());
+    a.iter().zip(b).all(|(&a, &b)| close(a, b))
+}
+
 /// All instruments.
 pub(super) type Sources = [Source; KINDS];
 
@@ -113,4 +126,47 @@ pub(super) fn take_new(
         fix.accept(Kind::Fix, now, &measured.fix, latency),
     ];
     events.into_iter().flatten().for_each(take);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const VALUE: [f64; 3] = [0.31, -0.02, 1.7];
+
+    /// How many events these readings make, one a cycle of 0.1 s, and how many are refused.
+    fn events(readings: impl IntoIterator<Item = Reading<3>>) -> (usize, u32) {
+        let mut source = Source::default();
+        let readings = readings.into_iter().enumerate();
+        let taken =
+            readings.filter_map(|(i, r)| source.accept(Kind::Dvl, 0.1 * i as f64, &r, 2.0)).count();
+        (taken, source.invalid)
+    }
+
+    fn up(value: [f64; 3], ulps: usize) -> [f64; 3] {
+        (0..ulps).fold(value, |value, _| value.map(f64::next_up))
+    }
+
+    #[test]
+    fn a_stamp_that_differs_by_rounding_is_the_same_measurement() {
+        let stamp = |i: usize| (0..i).fold(0.3, |stamp: f64, _| stamp.next_up());
+        assert_eq!(events((3..9).map(|i| Reading::at(stamp(i), up(VALUE, i)))), (1, 0));
+        // However small the differences, a stamp that moves on is another measurement.
+        let creeping = |i: usize| 0.3 + 0.4e-9 * i as f64;
+        assert_eq!(events((0..9).map(|i| Reading::at(creeping(i), up(VALUE, 9999 * i)))), (3, 0));
+    }
+
+    #[test]
+    fn without_stamps_a_value_that_differs_by_rounding_is_the_same_measurement() {
+        assert_eq!(events((0..9).map(|i| Reading::at(-1.0, up(VALUE, i)))), (1, 0));
+        assert_eq!(
+            events((0..9).map(|i| Reading::at(-1.0, VALUE.map(|x| x + 1e-9 * i as f64)))),
+            (9, 0)
+        );
+    }
+
+    #[test]
+    fn an_instrument_whose_values_differ_by_rounding_is_stuck() {
+        assert_eq!(events((0..9).map(|i| Reading::at(0.1 * i as f64, up(VALUE, i)))), (1, 8));
+    }
 }

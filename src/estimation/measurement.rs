@@ -2,12 +2,16 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::interval::SAME;
+
 /// The latest value of an instrument, with the time it was measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading<const K: usize> {
     /// The value.
     pub value: [f64; K],
-    /// Time of measurement (s); negative: unknown, so the value counts as new in every cycle.
+    /// Time of measurement (s); one within 1e-9 s of the one before is the same measurement.
+    /// Negative: unknown, so the value counts as new in every cycle; where noise never lets a value
+    /// repeat, only if it differs from the one before by more than rounding (1e-12 of itself).
     pub stamp: f64,
     /// False while the instrument has not measured yet, or is not there at all.
     pub valid: bool,
@@ -25,6 +29,11 @@ impl<const K: usize> Reading<K> {
     #[must_use]
     pub fn at(stamp: f64, value: [f64; K]) -> Self {
         Self { value, stamp, valid: true }
+    }
+
+    /// Whether this is the measurement with a stamp (s), but for rounding.
+    pub(super) fn is_of(&self, stamp: f64) -> bool {
+        self.stamp >= 0.0 && (self.stamp - stamp).abs() < SAME
     }
 }
 
@@ -130,7 +139,7 @@ impl Kind {
         !all_zero && own.iter().all(|x| x.abs() <= self.bound())
     }
 
-    /// Whether a value that repeats the one before bit for bit shows an instrument that is stuck.
+    /// Whether a value that repeats the one before, but for rounding, shows an instrument that is stuck.
     /// A rotor can stand still, and a depth has a coarse resolution.
     pub(super) fn never_repeats(self) -> bool {
         !matches!(self, Self::Thrust | Self::Depth | Self::Effectiveness | Self::Displacement)

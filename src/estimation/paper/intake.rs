@@ -28,7 +28,7 @@ impl Source {
         now: f64,
         reading: &Reading<K>,
     ) -> Option<[f64; K]> {
-        if !reading.valid || (reading.stamp >= 0.0 && reading.stamp == self.stamp) {
+        if !reading.valid || reading.is_of(self.stamp) {
             return None;
         }
         self.stamp = reading.stamp;

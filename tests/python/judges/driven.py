@@ -5,12 +5,15 @@ import csv
 import numpy as np
 from fmpy import read_model_description
 
-# Samples of time and switches: what an importer leaves alone when nothing is connected.
-HELD = ("stamp", "off")
+# Switches: what an importer leaves alone when nothing is connected.
+HELD = "off"
 
 
 def inputs(fmu, times):
-    """A structured array with a column `time` and one per driven input, as FMPy wants it."""
+    """A structured array with a column `time` and one per driven input, as FMPy wants it.
+
+    What has a stamp is measured at the time of its row.
+    """
     driven = [
         variable
         for variable in read_model_description(fmu).modelVariables
@@ -21,6 +24,9 @@ def inputs(fmu, times):
     for number, variable in enumerate(driven):
         if variable.name.endswith("valid"):
             signals[variable.name] = 1.0
+            continue
+        if variable.name.endswith("stamp"):
+            signals[variable.name] = times
             continue
         amplitude = 0.1 * float(variable.nominal or 1.0)
         wave = np.sin((0.3 + 0.05 * number) * np.asarray(times) + number)

@@ -48,9 +48,6 @@ def test_co_simulation_gives_every_variable(fmu, name):
 @every_fmu
 def test_model_exchange_agrees_with_co_simulation(fmu, name):
     """For a minute under inputs that jump each second."""
-    if name.startswith("Nav"):
-        pytest.skip("FMPy's interpolated inputs differ in their last bits from each other, and each "
-                    "value that differs is a measurement; tests/navigation.rs of the components has this")
     held, stairs = staircase(fmu(name), 60.0, STEP)
     cs = simulate(fmu(name), 60.0, fmi_type="CoSimulation", input=held)
     me = simulate(fmu(name), 60.0, fmi_type="ModelExchange", solver="CVode", input=stairs,
