@@ -70,8 +70,19 @@ pub(crate) fn euler_of_rotation(r: &[Vec3; 3]) -> [f64; 3] {
 /// Dividing by the squared norm keeps R orthonormal while an integrator lets the norm drift.
 #[must_use]
 #[inline(always)]
-pub fn rotation([w, x, y, z]: [f64; 4]) -> [Vec3; 3] {
-    let s = 2.0 / (w * w + x * x + y * y + z * z);
+pub fn rotation(q: [f64; 4]) -> [Vec3; 3] {
+    let [w, x, y, z] = q;
+    rotation_by(2.0 / (w * w + x * x + y * y + z * z), q)
+}
+
+/// The same of a quaternion of unit length, without a division to wait for.
+#[inline(always)]
+pub(crate) fn rotation_of_unit(q: [f64; 4]) -> [Vec3; 3] {
+    rotation_by(2.0, q)
+}
+
+#[inline(always)]
+fn rotation_by(s: f64, [w, x, y, z]: [f64; 4]) -> [Vec3; 3] {
     let (sx, sy, sz) = (s * x, s * y, s * z);
     let (wx, wy, wz) = (w * sx, w * sy, w * sz);
     let (xx, xy, xz) = (x * sx, x * sy, x * sz);

@@ -19,9 +19,9 @@ use crate::vehicle::Parameters;
 
 /// Room for the states of the inertial, dynamic and constant-acceleration filters: 15 and those of
 /// the sensors.
-pub const BASIC_STATES: usize = 19;
+pub const BASIC_STATES: usize = 20;
 /// Room for those of the model-aided one.
-pub const AIDED_STATES: usize = 33;
+pub const AIDED_STATES: usize = 34;
 
 /// The dynamic filter with a watch on the thrusters.
 pub type DynamicFilter = Filter<PlanarDynamic, BASIC_STATES, ThrusterMonitor<BASIC_STATES>>;

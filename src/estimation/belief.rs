@@ -11,6 +11,7 @@ use core::ops::{Index, IndexMut};
 use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
+use super::lanes::{correlate, factorize, reduce, with_length};
 use super::transition::Transition;
 
 /// A column of numbers, one for each state: a mean, a gain.
@@ -32,18 +33,15 @@ impl<const N: usize> Row<N> {
     }
 
     /// The states that matter, each with the derivative by it.
+    #[inline(always)]
     pub fn iter(&self) -> impl Iterator<Item = (usize, f64)> {
-        let mut rest = self.support;
-        core::iter::from_fn(move || {
-            let state = rest.trailing_zeros() as usize;
-            rest &= rest.wrapping_sub(1);
-            self.values.as_slice().get(state).map(|&value| (state, value))
-        })
+        states_in(self.support).map(|state| (state, self.values[state]))
     }
 
     /// `h^T b`.
     #[must_use]
-    pub fn dot(&self, b: &Column<N>) -> f64 {
+    #[inline(always)]
+    pub fn dot(&self, b: &impl Index<usize, Output = f64>) -> f64 {
         self.iter().map(|(state, h)| h * b[state]).sum()
     }
 
@@ -69,11 +67,30 @@ impl<const N: usize> IndexMut<usize> for Row<N> {
     }
 }
 
+/// The states whose bits are set, in order.
+#[inline(always)]
+pub(super) fn states_in(mut set: u64) -> impl Iterator<Item = usize> {
+    core::iter::from_fn(move || {
+        let state = set.trailing_zeros() as usize;
+        set &= set.wrapping_sub(1);
+        (state < 64).then_some(state)
+    })
+}
+
 /// Variances stop growing here: the state is unknown anyway, and all arithmetic stays finite.
 const VARIANCE_LIMIT: f64 = 1e12;
 /// Below this ratio of measurement noise to predicted variance, cancellation would eat the digits of
 /// the short update, and Joseph's form is used.
 const ILL_CONDITIONED: f64 = 1e-6;
+
+/// A scalar measurement that was fused: its row h of derivatives, the variance R of its noise, the gain
+/// `K = P h / S`, and the variance S of its innovation.
+pub(super) struct Update<'a, const N: usize> {
+    pub(super) row: &'a Row<N>,
+    pub(super) noise: f64,
+    pub(super) gain: &'a Column<N>,
+    pub(super) s: f64,
+}
 
 /// Mean and covariance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -114,35 +131,31 @@ impl<const N: usize> Belief<N> {
     /// `P h`.
     #[must_use]
     pub fn correlate(&self, row: &Row<N>) -> Column<N> {
-        let mut sum: Column<N> = Column::zeros();
-        for (state, h) in row.iter() {
-            let column = &self.covariance.as_slice()[state * N..(state + 1) * N];
-            add_scaled(sum.as_mut_slice(), h, column);
-        }
+        let mut sum = Column::zeros();
+        self.correlate_all(core::slice::from_ref(row), core::slice::from_mut(&mut sum));
         sum
     }
 
-    /// The covariance after an update with a scalar measurement: its row h of derivatives, the variance
-    /// R of its noise, the gain `K = P h / S` and the variance S of its innovation.
-    ///
-    /// `P - K S K^T`, or where that would cancel, Joseph's `(I - K h^T) P (I - K h^T)^T + K R K^T`.
-    pub fn condense(&mut self, row: &Row<N>, noise: f64, gain: &Column<N>, s: f64) {
-        if noise < ILL_CONDITIONED * s {
-            return self.condense_by_joseph(row, noise, gain, s);
-        }
-        // With g = K sqrt(S), g_i g_j is the same for (i, j) and (j, i): symmetry is exact.
-        let g = gain * s.sqrt();
-        let g = &g.as_slice()[..self.order];
-        for (column, &own) in self.covariance.as_mut_slice().chunks_exact_mut(N).zip(g) {
-            if own != 0.0 {
-                for (p, other) in column.iter_mut().zip(g) {
-                    *p -= own * other;
-                }
-            }
-        }
+    /// `P h` of several rows; what is written to is zero before.
+    pub(super) fn correlate_all(&self, rows: &[Row<N>], into: &mut [Column<N>]) {
+        with_length!(self.order, N, correlate::<>(&self.covariance.data.0, rows, into));
     }
 
-    fn condense_by_joseph(&mut self, row: &Row<N>, noise: f64, gain: &Column<N>, s: f64) {
+    /// The covariance after updates with `K` scalar measurements, one after the other.
+    ///
+    /// `P - K S K^T`, or where that would cancel, Joseph's `(I - K h^T) P (I - K h^T)^T + K R K^T`.
+    pub(super) fn condense<const K: usize>(&mut self, updates: &[Update<'_, N>; K]) {
+        if updates.iter().any(|u| u.noise < ILL_CONDITIONED * u.s) {
+            return updates.iter().for_each(|u| self.condense_by_joseph(u));
+        }
+        let g = updates.each_ref().map(|u| {
+            let g = u.gain * u.s.sqrt();
+            g.data.0[0]
+        });
+        with_length!(self.order, N, reduce::<K>(&mut self.covariance.data.0, &g));
+    }
+
+    fn condense_by_joseph(&mut self, &Update { row, noise, gain, s }: &Update<'_, N>) {
         let correlation = gain * s;
         let reduced = self.covariance - gain * correlation.transpose();
         let rest = reduced * row.dense();
@@ -158,7 +171,8 @@ impl<const N: usize> Belief<N> {
     /// Variance of a linear combination of states.
     #[must_use]
     pub fn variance(&self, row: &Row<N>) -> f64 {
-        row.dot(&self.correlate(row))
+        let columns = &self.covariance.data.0;
+        row.iter().map(|(state, h)| h * row.dot(&columns[state])).sum()
     }
 
     /// Forgets what a state has to do with the others and gives it a variance.
@@ -175,6 +189,10 @@ impl<const N: usize> Belief<N> {
     ///
     /// Where a variance was either, gives the factors on the errors.
     pub fn confine(&mut self) -> Option<Transition<N>> {
+        let sound = 0.0..=VARIANCE_LIMIT;
+        if (0..self.order).all(|i| sound.contains(&self.covariance[(i, i)])) {
+            return None;
+        }
         let mut factors = None;
         let mut limited = false;
         for i in 0..self.order {
@@ -216,29 +234,9 @@ impl<const N: usize> Belief<N> {
     /// Cholesky's pivots of the correlation matrix may not be negative by more than rounding.
     #[must_use]
     pub fn is_positive(&self) -> bool {
-        let n = self.order;
-        let scale: Column<N> = Column::from_fn(|i, _| {
-            let variance = if i < n { self.covariance[(i, i)] } else { 0.0 };
-            if variance > 0.0 { 1.0 / variance.sqrt() } else { 0.0 }
-        });
-        let mut l = SMatrix::<f64, N, N>::zeros();
-        for j in 0..n {
-            let mut column = self.covariance.column(j).component_mul(&scale) * scale[j];
-            let column = &mut column.as_mut_slice()[j..n];
-            for earlier in l.as_slice().chunks_exact(N).take(j) {
-                add_scaled(column, -earlier[j], &earlier[j..n]);
-            }
-            let pivot = column[0];
-            if pivot.is_nan() || pivot < -1e-9 || self.covariance[(j, j)] < 0.0 {
-                return false;
-            }
-            let root = pivot.max(0.0).sqrt();
-            if root > 1e-7 {
-                let place = &mut l.as_mut_slice()[j * N..][j..n];
-                place.iter_mut().zip(column).for_each(|(l, value)| *l = *value / root);
-            }
-        }
-        true
+        let mut positive = true;
+        with_length!(self.order, N, factorize::<>(&self.covariance.data.0, &mut positive));
+        positive
     }
 
     /// Whether means and variances are numbers; what is not spreads to these with any measurement.

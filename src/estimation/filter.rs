@@ -5,10 +5,11 @@ use core::marker::PhantomData;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::belief::{Belief, Row};
+use super::belief::{Belief, Column, Row};
 use super::clocks::{Clocks, Displaced};
 use super::history::{Arrival, History};
 use super::intake::{Sources, take_new};
+use super::interval::Interval;
 use super::kinematics::{Kinematics, skew};
 use super::measurement::{Event, KINDS, Kind, Measurements};
 use super::monitor::Monitor;
@@ -219,8 +220,8 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Navigation for Filter<P, N, M
             *reset = now;
             history.reset(Track::lost(&self.setup, now));
         }
-        history.run(&self.setup, horizon, &mut ());
-        if !history.track.belief.is_finite() {
+        let changed = history.run(&self.setup, horizon, &mut ());
+        if changed && !history.track.belief.is_finite() {
             *reset = now;
             history.reset(Track::lost(&self.setup, now));
         }
@@ -346,15 +347,16 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
 pub(super) fn describe<P: Process<N>, const N: usize>(
     setup: &Setup<P>,
     belief: &Belief<N>,
-    motion: &Kinematics<N>,
+    interval: &Interval,
 ) -> Estimate {
+    let motion = setup.process.motion(belief, interval);
     Estimate {
-        position: motion.position.value.into(),
+        position: motion.position.into(),
         euler: euler(&motion.rotation),
-        velocity: motion.velocity.value.into(),
-        rate: motion.rate.value.into(),
-        acceleration: motion.acceleration.value.into(),
-        ..spread(setup, belief, motion, 0.0)
+        velocity: motion.velocity.into(),
+        rate: motion.rate.into(),
+        acceleration: motion.acceleration.into(),
+        ..spread(setup, belief, &setup.process.kinematics(belief, interval), 0.0)
     }
 }
 
@@ -367,21 +369,24 @@ fn spread<P: Process<N>, const N: usize>(
     lag: f64,
 ) -> Estimate {
     let angles = euler_by_turn(&motion.rotation);
-    let rows: [Row<N>; 6] = core::array::from_fn(|i| match i {
-        // The position moves on with the velocity, as a point of the body ahead.
-        0..3 if lag > setup.parameters.interval => {
-            let mut row = motion.point_row(&(motion.velocity.value * lag), i);
-            motion.velocity.add_to(&mut row, &(motion.rotation.row(i).transpose() * lag));
-            row
+    let mut rows = [Row::zeros(); 6];
+    for (i, row) in rows.iter_mut().enumerate() {
+        match i {
+            // The position moves on with the velocity, as a point of the body ahead.
+            0..3 if lag > setup.parameters.interval => {
+                motion.add_point_to(row, &(motion.velocity.value * lag), i);
+                motion.velocity.add_to(row, &(motion.rotation.row(i).transpose() * lag));
+            }
+            0..3 => motion.position.add_to(row, &Vector3::ith(i, 1.0)),
+            _ => motion.turn.add_to(row, &angles[i - 3]),
         }
-        0..3 => motion.position.row(i),
-        _ => motion.through_rotation(&angles[i - 3]),
-    });
+    }
+    let mut correlations = [Column::zeros(); 6];
+    belief.correlate_all(&rows, &mut correlations);
     let mut covariance = [[0.0; 6]; 6];
     for i in 0..6 {
-        let correlation = belief.correlate(&rows[i]);
         for j in 0..=i {
-            let value = rows[j].dot(&correlation);
+            let value = rows[j].dot(&correlations[i]);
             covariance[i][j] = value;
             covariance[j][i] = value;
         }

@@ -80,6 +80,12 @@ impl<const N: usize, M: Monitor<N>> History<N, M> {
 
     /// Puts an event in its place; a late one takes the track back to before it.
     pub(super) fn insert(&mut self, event: Event) -> Arrival {
+        // Nearly every event is the newest, and not before the track.
+        let is_newest = self.events.back().is_some_and(|newest| earlier(newest.key(), event.key()));
+        if is_newest && event.time >= self.track.time && self.events.len() < EVENTS {
+            self.events.push_back(event);
+            return Arrival::InTime;
+        }
         let place = self.place(event.key());
         let there = self.events.get(place).is_some_and(|e| e.key() == event.key());
         let oldest = self.copies.front().map_or(self.track.key, |copy| copy.key);
@@ -102,14 +108,9 @@ impl<const N: usize, M: Monitor<N>> History<N, M> {
         Arrival::Late
     }
 
-    /// Where an event belongs; nearly always it is the newest.
+    /// Where an event belongs.
     fn place(&self, key: Key) -> usize {
-        match self.events.back() {
-            Some(newest) if !earlier(newest.key(), key) => {
-                self.events.partition_point(|e| earlier(e.key(), key))
-            }
-            _ => self.events.len(),
-        }
+        self.events.partition_point(|e| earlier(e.key(), key))
     }
 
     fn copies_begin(&self) -> f64 {
@@ -130,41 +131,42 @@ impl<const N: usize, M: Monitor<N>> History<N, M> {
         self.taken = self.events.partition_point(|e| !earlier(key, e.key()));
     }
 
-    /// Takes all events up to an instant, and predicts to the grid before it.
+    /// Takes all events up to an instant, and predicts to the grid before it. Tells whether that
+    /// changed the belief.
     pub(super) fn run<P: Process<N>>(
         &mut self,
         setup: &Setup<P>,
         until: f64,
         witness: &mut impl Witness<N>,
-    ) {
-        let before = (self.track.time, self.fused());
+    ) -> bool {
+        let before = self.track.time;
+        let mut changed = false;
         let spacing = setup.parameters.latency / (COPIES - 2) as f64;
         while let Some(&event) = self.events.get(self.taken).filter(|e| e.time <= until) {
             if self.track.time >= self.copies.back().map_or(f64::NEG_INFINITY, |c| c.time) + spacing
             {
                 self.keep_copy(setup.parameters.latency);
             }
-            let ahead = self.ahead();
-            self.track.take(setup, &event, &ahead, witness);
-            self.taken += 1;
+            let Self { track, events, taken, .. } = self;
+            let ahead = || Ahead::among(events.range(*taken..));
+            track.take(setup, &event, ahead, witness);
+            *taken += 1;
+            changed |= !matches!(event.kind, Kind::Imu | Kind::Thrust);
         }
-        let ahead = self.ahead();
-        self.track.advance(setup, until + 2e-9, &ahead, witness);
-        if self.track.time - before.0 > 1.0 {
+        let Self { track, events, taken, .. } = self;
+        track.advance(setup, until + 2e-9, || Ahead::among(events.range(*taken..)), witness);
+        if track.time - before > 1.0 {
             // Copies keep the covariance positive; none is made where nothing is measured.
-            self.track.belief.restore_positive();
+            track.belief.restore_positive();
         }
-        self.changed |= before != (self.track.time, self.fused());
+        changed |= before != self.track.time;
+        self.changed |= changed;
+        changed
     }
 
     /// Whether the belief has changed since this was last asked.
     pub(super) fn take_changed(&mut self) -> bool {
         core::mem::take(&mut self.changed)
-    }
-
-    /// How many measurements are in the track.
-    fn fused(&self) -> u32 {
-        self.track.records.iter().fold(0, |sum, record| sum.wrapping_add(record.used))
     }
 
     fn keep_copy(&mut self, latency: f64) {
@@ -199,10 +201,6 @@ impl<const N: usize, M: Monitor<N>> History<N, M> {
             self.taken = 0;
             self.events.truncate(EVENTS - 1);
         }
-    }
-
-    fn ahead(&self) -> Ahead {
-        Ahead::among(self.events.range(self.taken.min(self.events.len())..))
     }
 }
 

@@ -114,18 +114,15 @@ pub(super) fn take_new(
     now: f64,
     measured: &Measurements,
     latency: f64,
-    take: impl FnMut(Event),
+    mut take: impl FnMut(Event),
 ) {
     let [imu, thrust, ahrs, depth, dvl, fix] = sources;
-    let events = [
-        imu.accept(Kind::Imu, now, &measured.imu, latency),
-        thrust.accept(Kind::Thrust, now, &measured.thrust, latency),
-        ahrs.accept(Kind::Ahrs, now, &measured.ahrs, latency),
-        depth.accept(Kind::Depth, now, &measured.depth, latency),
-        dvl.accept(Kind::Dvl, now, &measured.dvl, latency),
-        fix.accept(Kind::Fix, now, &measured.fix, latency),
-    ];
-    events.into_iter().flatten().for_each(take);
+    imu.accept(Kind::Imu, now, &measured.imu, latency).map(&mut take);
+    thrust.accept(Kind::Thrust, now, &measured.thrust, latency).map(&mut take);
+    ahrs.accept(Kind::Ahrs, now, &measured.ahrs, latency).map(&mut take);
+    depth.accept(Kind::Depth, now, &measured.depth, latency).map(&mut take);
+    dvl.accept(Kind::Dvl, now, &measured.dvl, latency).map(&mut take);
+    fix.accept(Kind::Fix, now, &measured.fix, latency).map(&mut take);
 }
 
 #[cfg(test)]

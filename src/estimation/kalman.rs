@@ -7,7 +7,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::belief::{Belief, Column, Row, add_scaled};
+use super::belief::{Belief, Column, Row, Update, add_scaled};
 use super::interval::Interval;
 use super::sensor::Observation;
 use super::transition::Transition;
@@ -106,33 +106,43 @@ pub fn fuse<const N: usize>(
     witness: &mut impl Witness<N>,
 ) -> Column<N> {
     let verdict = judge(belief, observation, gate);
-    absorb(belief, observation, &verdict, witness)
+    absorb(belief, observation, verdict, witness)
 }
 
 /// Fuses an observation that has been judged.
 pub fn absorb<const N: usize>(
     belief: &mut Belief<N>,
     observation: &Observation<N>,
-    verdict: &Verdict<N>,
+    verdict: Verdict<N>,
     witness: &mut impl Witness<N>,
 ) -> Column<N> {
-    let mut correction = Column::zeros();
-    let mut gains = [(Column::zeros(), 0.0); 3];
+    let mut correction: Column<N> = Column::zeros();
+    let Verdict { correlations: mut gains, inflation, .. } = verdict;
+    let mut variances = [(0.0, 0.0); 3];
     for i in 0..observation.size {
         let row = &observation.rows[i];
-        let variance = observation.variance[i] * verdict.inflation;
+        let noise = observation.variance[i] * inflation;
         // The covariance has lost K S K^T with each component before.
-        let mut gain = verdict.correlations[i];
-        for (earlier, s) in &gains[..i] {
+        let (before, rest) = gains.split_at_mut(i);
+        let gain = &mut rest[0];
+        for (earlier, (_, s)) in before.iter().zip(&variances) {
             add_scaled(gain.as_mut_slice(), -row.dot(earlier) * s, earlier.as_slice());
         }
         let innovation = observation.innovation[i] - row.dot(&correction);
-        let s = row.dot(&gain) + variance;
-        gain *= 1.0 / s;
-        belief.condense(row, variance, &gain, s);
+        let s = row.dot(gain) + noise;
+        *gain *= 1.0 / s;
         add_scaled(correction.as_mut_slice(), innovation, gain.as_slice());
-        witness.updated(row, &gain, innovation, s);
-        gains[i] = (gain, s);
+        witness.updated(row, gain, innovation, s);
+        variances[i] = (noise, s);
+    }
+    let update = |i: usize| {
+        let (noise, s) = variances[i];
+        Update { row: &observation.rows[i], noise, gain: &gains[i], s }
+    };
+    match observation.size {
+        1 => belief.condense(&[update(0)]),
+        2 => belief.condense(&[update(0), update(1)]),
+        _ => belief.condense(&[update(0), update(1), update(2)]),
     }
     correction
 }
@@ -149,8 +159,8 @@ pub fn judge<const N: usize>(
     let mut noise = Vector3::repeat(1.0);
     let mut innovation = Vector3::zeros();
     let mut correlations = [Column::zeros(); 3];
+    belief.correlate_all(&observation.rows[..n], &mut correlations);
     for i in 0..n {
-        correlations[i] = belief.correlate(&observation.rows[i]);
         for j in i..n {
             let covariance = observation.rows[j].dot(&correlations[i]);
             predicted[(i, j)] = covariance;

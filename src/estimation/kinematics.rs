@@ -140,7 +140,8 @@ pub struct Kinematics<const N: usize> {
     /// Variance of the error of a rate that was tracked from attitudes ((rad/s)^2). What it adds up to is
     /// no more than the noise of an attitude, so that no measurement counts less for it.
     pub tracking_variance: f64,
-    /// Time derivative of the velocity along body axes (m/s2).
+    /// Time derivative of the velocity along body axes (m/s2). It is for the delay of the velocity log, and
+    /// may be left out where that is no state.
     pub acceleration: Linearized<4>,
     /// States of the sensors, and their mean.
     pub sensors: SensorStates,
@@ -169,13 +170,11 @@ impl<const N: usize> Kinematics<N> {
         self.position.value + self.rotation * lever
     }
 
-    /// Derivatives of its component i.
-    #[must_use]
-    pub fn point_row(&self, lever: &Vector3<f64>, i: usize) -> Row<N> {
+    /// Adds the derivatives of its component i to a row.
+    pub fn add_point_to(&self, row: &mut Row<N>, lever: &Vector3<f64>, i: usize) {
         // R Exp(dtheta) l = R l - R [l]x dtheta, and -r^T [l]x = (l x r)^T.
-        let mut row = self.through_rotation(&lever.cross(&self.rotation.row(i).transpose()));
-        self.position.add_to(&mut row, &Vector3::ith(i, 1.0));
-        row
+        self.turn.add_to(row, &lever.cross(&self.rotation.row(i).transpose()));
+        self.position.add_to(row, &Vector3::ith(i, 1.0));
     }
 }
 

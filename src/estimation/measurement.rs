@@ -136,7 +136,8 @@ impl Kind {
             Self::Fix => own[..2].iter().all(|&x| x == 0.0),
             Self::Thrust | Self::Depth | Self::Effectiveness | Self::Displacement => false,
         };
-        !all_zero && own.iter().all(|x| x.abs() <= self.bound())
+        let bound = self.bound();
+        !all_zero && own.iter().fold(true, |all, x| all & (x.abs() <= bound))
     }
 
     /// Whether a value that repeats the one before, but for rounding, shows an instrument that is stuck.

@@ -17,6 +17,7 @@ mod intake;
 pub mod interval;
 pub mod kalman;
 pub mod kinematics;
+mod lanes;
 mod measurement;
 pub mod monitor;
 pub mod paper;

@@ -12,12 +12,13 @@
 //! The share is estimated as C/J, its log-likelihood ratio against no loss is C^2/(2 J). Willsky &
 //! Jones (1976); Basseville & Nikiforov (1993) ch. 7.2.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
 
-use super::belief::{Column, Row, add_scaled};
+use super::belief::{Column, Row};
 use super::interval::Interval;
 use super::kalman::Witness;
+use super::lanes::{CHUNK, Chunk, Heard, advance, hear};
 use super::transition::Transition;
 
 /// Restarts kept; one a second, so that losses up to this many seconds old are distinguished.
@@ -62,8 +63,8 @@ impl<const N: usize> Monitor<N> for () {}
 /// The bank.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ThrusterMonitor<const N: usize> {
-    /// Column i: error of state i under each hypothesis.
-    errors: SMatrix<f64, HYPOTHESES, N>,
+    /// Errors of the states under each hypothesis.
+    errors: [Chunk<N>; HYPOTHESES / CHUNK],
     c: Lanes,
     j: Lanes,
     restarted: f64,
@@ -75,7 +76,7 @@ pub struct ThrusterMonitor<const N: usize> {
 impl<const N: usize> Default for ThrusterMonitor<N> {
     fn default() -> Self {
         Self {
-            errors: SMatrix::zeros(),
+            errors: [Chunk::zeros(); HYPOTHESES / CHUNK],
             c: Lanes::zeros(),
             j: Lanes::zeros(),
             restarted: f64::NEG_INFINITY,
@@ -103,7 +104,7 @@ impl<const N: usize> Monitor<N> for ThrusterMonitor<N> {
             .filter(|&k| self.ratio(k) > THRESHOLD);
         if let Some(k) = best {
             let share = self.c[k] / self.j[k];
-            let error = Column::from_fn(|i, _| self.errors[(k, i)]);
+            let error = self.errors[k / CHUNK].row(k % CHUNK).transpose();
             let alarm = Alarm {
                 thruster: k % THRUSTERS,
                 share: share.min(1.0),
@@ -118,7 +119,7 @@ impl<const N: usize> Monitor<N> for ThrusterMonitor<N> {
             self.restarted = now;
             let from = self.next * THRUSTERS;
             self.next = (self.next + 1) % RESTARTS;
-            self.errors.rows_mut(from, THRUSTERS).fill(0.0);
+            self.errors[from / CHUNK].rows_mut(from % CHUNK, THRUSTERS).fill(0.0);
             self.c.rows_mut(from, THRUSTERS).fill(0.0);
             self.j.rows_mut(from, THRUSTERS).fill(0.0);
         }
@@ -127,11 +128,6 @@ impl<const N: usize> Monitor<N> for ThrusterMonitor<N> {
 }
 
 impl<const N: usize> ThrusterMonitor<N> {
-    /// Errors of a state under all hypotheses.
-    fn column(&self, state: usize) -> &[f64] {
-        &self.errors.as_slice()[state * HYPOTHESES..(state + 1) * HYPOTHESES]
-    }
-
     fn ratio(&self, k: usize) -> f64 {
         self.c[k] * self.c[k] / self.j[k]
     }
@@ -139,7 +135,7 @@ impl<const N: usize> ThrusterMonitor<N> {
 
 impl<const N: usize> Witness<N> for ThrusterMonitor<N> {
     fn predicted(&mut self, f: &Transition<N>) {
-        f.apply_to_columns(&mut self.errors);
+        advance(&mut self.errors, f);
     }
 
     fn driven(&mut self, interval: &Interval) {
@@ -148,10 +144,10 @@ impl<const N: usize> Witness<N> for ThrusterMonitor<N> {
             let change: [f64; THRUSTERS] =
                 core::array::from_fn(|i| self.effect[i][state] * thrusts.mean[i] * interval.dt);
             if change.iter().any(|&c| c != 0.0) {
-                let from = state * HYPOTHESES;
-                let column = &mut self.errors.as_mut_slice()[from..from + HYPOTHESES];
-                for restart in column.chunks_exact_mut(THRUSTERS) {
-                    add_scaled(restart, -1.0, &change);
+                for chunk in &mut self.errors {
+                    for restart in chunk.data.0[state].chunks_exact_mut(THRUSTERS) {
+                        restart.iter_mut().zip(&change).for_each(|(error, by)| *error -= by);
+                    }
                 }
             }
         }
@@ -162,25 +158,8 @@ impl<const N: usize> Witness<N> for ThrusterMonitor<N> {
     }
 
     fn updated(&mut self, row: &Row<N>, gain: &Column<N>, innovation: f64, s: f64) {
-        let mut response = Lanes::zeros();
-        for (k, value) in response.iter_mut().enumerate() {
-            *value = self.direct[k % THRUSTERS];
-        }
-        self.direct = [0.0; THRUSTERS];
-        for (state, h) in row.iter() {
-            add_scaled(response.as_mut_slice(), h, self.column(state));
-        }
-        let response = response.as_slice();
-        add_scaled(self.c.as_mut_slice(), innovation / s, response);
-        let per_s = 1.0 / s;
-        for (j, r) in self.j.as_mut_slice().iter_mut().zip(response) {
-            *j += r * r * per_s;
-        }
-        let columns = self.errors.as_mut_slice().chunks_exact_mut(HYPOTHESES);
-        for (column, &k) in columns.zip(gain.as_slice()) {
-            if k != 0.0 {
-                add_scaled(column, -k, response);
-            }
-        }
+        let direct = core::mem::take(&mut self.direct);
+        let heard = Heard { row, gain, innovation, s, direct: &direct };
+        hear(&mut self.errors, self.c.as_mut_slice(), self.j.as_mut_slice(), &heard);
     }
 }

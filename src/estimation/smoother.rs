@@ -122,8 +122,7 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Smoothing for Filter<P, N, M>
             player.play(setup, &events, &mut tape);
             adjoint.unwind(tape, |time, interval, belief, correction| {
                 setup.process.correct(belief, correction);
-                let motion = setup.process.kinematics(belief, interval);
-                path.push(Smoothed { time, estimate: describe(setup, belief, &motion) });
+                path.push(Smoothed { time, estimate: describe(setup, belief, interval) });
             });
         }
         path.reverse();
@@ -199,7 +198,7 @@ impl<const N: usize, M: Monitor<N>> Player<N, M> {
             (None, None) => return false,
         };
         let near = rest.partition_point(|event| event.time <= end + AHEAD);
-        let ahead = Ahead::among(&rest[..near]);
+        let ahead = || Ahead::among(&rest[..near]);
         let instant = self.tick * setup.parameters.interval;
         if instant < end {
             self.track.predict_to(setup, instant, &ahead, keeper);

@@ -159,7 +159,7 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         &mut self,
         setup: &Setup<P>,
         event: &Event,
-        ahead: &Ahead,
+        ahead: impl Fn() -> Ahead + Copy,
         witness: &mut impl Witness<N>,
     ) {
         self.advance(setup, event.time, ahead, witness);
@@ -209,9 +209,12 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         &mut self,
         setup: &Setup<P>,
         time: f64,
-        ahead: &Ahead,
+        ahead: impl Fn() -> Ahead + Copy,
         witness: &mut impl Witness<N>,
     ) {
+        if time - self.time <= SAME {
+            return;
+        }
         let grid = setup.parameters.interval;
         loop {
             let next = (libm::floor(self.time / grid + 1e-6) + 1.0) * grid;
@@ -227,7 +230,7 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         &mut self,
         setup: &Setup<P>,
         time: f64,
-        ahead: &Ahead,
+        ahead: impl Fn() -> Ahead + Copy,
         witness: &mut impl Witness<N>,
     ) {
         // An event at an instant of the grid is taken there, to the last bit, whichever comes first.
@@ -238,6 +241,7 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         if dt < SAME {
             return;
         }
+        let ahead = ahead();
         let imu = self.imu.close(time, ahead.imu);
         let thrust = self.thrust.close(time, ahead.thrust);
         self.before = self.interval;
@@ -364,7 +368,7 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
             // More likely a disturbed compass than a heading that is wrong: it will be handed to the bias.
             return;
         }
-        let correction = absorb(&mut self.belief, &observation, &verdict, &mut witness);
+        let correction = absorb(&mut self.belief, &observation, verdict, &mut witness);
         process.correct(&mut self.belief, &correction);
         if let Some(before) = &before {
             let after = observe(&process.kinematics(&self.belief, &self.interval));

@@ -5,24 +5,29 @@
 
 use nalgebra::{Matrix3, SMatrix};
 
-use super::belief::{Column, add_scaled};
+use super::belief::{Column, states_in};
+use super::lanes::{propagate, with_length};
 
-/// Elements off the diagonal that there is room for.
-const ELEMENTS: usize = 144;
-/// Rows with such elements.
-const ROWS: usize = 16;
+/// Elements in rows that there is room for.
+const ELEMENTS: usize = 160;
+/// Rows that are more than an element on the diagonal.
+pub(super) const ROWS: usize = 16;
+/// Numbers of such rows that code is made for: a change of one state, a prediction.
+const FEW: usize = 4;
+const MORE: usize = 12;
 
-/// F: a diagonal, and rows with elements beside it.
+/// F: a diagonal, and rows that are more than that.
 #[derive(Clone, Copy, Debug)]
 pub struct Transition<const N: usize> {
+    /// Zero for the states that have a row.
     diagonal: Column<N>,
     rows: [Row; ROWS],
     row_count: usize,
     columns: [u8; ELEMENTS],
     values: [f64; ELEMENTS],
     element_count: usize,
-    /// Whether a row without elements has a diagonal other than one.
-    scaled: bool,
+    /// Bit i: state i has no row, and its diagonal is not one.
+    scaled: u64,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -43,14 +48,14 @@ impl<const N: usize> Transition<N> {
             columns: [0; ELEMENTS],
             values: [0.0; ELEMENTS],
             element_count: 0,
-            scaled: false,
+            scaled: 0,
         }
     }
 
-    /// A state that depends on its own past alone: `x <- factor x`.
+    /// A state that depends on its own past alone, and has no row: `x <- factor x`.
     pub fn scale(&mut self, state: usize, factor: f64) {
         self.diagonal[state] = factor;
-        self.scaled = true;
+        self.scaled |= 1 << state;
     }
 
     /// Sets the rows of three states in a row: blocks of derivatives by three states in a row, each
@@ -60,40 +65,63 @@ impl<const N: usize> Transition<N> {
         state: usize,
         blocks: impl IntoIterator<Item = &'a (usize, Matrix3<f64>)> + Clone,
     ) {
-        for i in 0..3 {
-            let elements =
-                |(from, m): &'a (usize, Matrix3<f64>)| [0, 1, 2].map(|j| (from + j, m[(i, j)]));
-            self.set_row(state + i, blocks.clone().into_iter().flat_map(elements));
+        for i in state..state + 3 {
+            let from = self.element_count;
+            let mut own = 0.0;
+            for (first, by) in blocks.clone() {
+                for j in 0..3 {
+                    let value = by[(i - state, j)];
+                    if first + j == i { own += value } else { self.push(first + j, value) }
+                }
+            }
+            self.end_row(i, from, own);
         }
     }
 
     /// Sets the row of a state: pairs of a state and the derivative by it. Rows are set once each.
     pub fn set_row(&mut self, state: usize, row: impl IntoIterator<Item = (usize, f64)>) {
-        let from = self.element_count as u8;
+        let from = self.element_count;
+        let mut own = 0.0;
+        for (column, value) in row {
+            if column == state { own += value } else { self.push(column, value) }
+        }
+        self.end_row(state, from, own);
+    }
+
+    fn end_row(&mut self, state: usize, from: usize, own: f64) {
+        self.push(state, own);
         self.diagonal[state] = 0.0;
-        row.into_iter().for_each(|(column, value)| {
-            if column == state {
-                self.diagonal[state] += value;
-            } else if value != 0.0 && self.element_count < ELEMENTS {
-                self.columns[self.element_count] = column as u8;
-                self.values[self.element_count] = value;
-                self.element_count += 1;
-            }
-        });
         if self.row_count < ROWS {
-            let to = self.element_count as u8;
+            let (from, to) = (from as u8, self.element_count as u8);
             self.rows[self.row_count] = Row { state: state as u8, from, to };
             self.row_count += 1;
         }
     }
 
-    /// Each row with its elements off the diagonal.
-    fn rows(&self) -> impl Iterator<Item = (usize, impl Iterator<Item = (usize, f64)> + Clone)> {
+    fn push(&mut self, column: usize, value: f64) {
+        if value != 0.0 && self.element_count < ELEMENTS {
+            self.columns[self.element_count] = column as u8;
+            self.values[self.element_count] = value;
+            self.element_count += 1;
+        }
+    }
+
+    /// The states that have a row, each with its elements: a state and the derivative by it.
+    #[inline(always)]
+    pub(super) fn rows(
+        &self,
+    ) -> impl Iterator<Item = (usize, impl Iterator<Item = (usize, f64)> + Clone)> {
         self.rows[..self.row_count].iter().map(|row| {
             let range = row.from as usize..row.to as usize;
             let columns = self.columns[range.clone()].iter().map(|&column| column as usize);
             (row.state as usize, columns.zip(self.values[range].iter().copied()))
         })
+    }
+
+    /// The states that have no row, but a factor other than one.
+    #[inline(always)]
+    pub(super) fn scaled(&self) -> impl Iterator<Item = (usize, f64)> {
+        states_in(self.scaled).map(|state| (state, self.diagonal[state]))
     }
 
     /// The matrix with all its zeros.
@@ -102,7 +130,7 @@ impl<const N: usize> Transition<N> {
         let mut f = SMatrix::from_diagonal(&self.diagonal);
         for (i, elements) in self.rows() {
             for (j, value) in elements {
-                f[(i, j)] = value;
+                f[(i, j)] += value;
             }
         }
         f
@@ -130,72 +158,14 @@ impl<const N: usize> Transition<N> {
         result
     }
 
-    /// `v <- F v` of many vectors at once; column i of `v` holds their components i.
-    pub(super) fn apply_to_columns<const K: usize>(&self, v: &mut SMatrix<f64, K, N>) {
-        let mut changed = [[0.0; K]; ROWS];
-        let is_row = self.combine(v.as_slice(), K, &mut changed);
-        let v = v.as_mut_slice();
-        for ((i, _), column) in self.rows().zip(&changed) {
-            v[i * K..(i + 1) * K].copy_from_slice(column);
-        }
-        for i in (0..N).filter(|&i| self.scaled && !is_row[i] && self.diagonal[i] != 1.0) {
-            v[i * K..(i + 1) * K].iter_mut().for_each(|x| *x *= self.diagonal[i]);
-        }
-    }
-
-    /// `P <- F P F^T` of a symmetric P, of which the first `order` rows and columns count.
+    /// `P <- F P F^T` of a symmetric P, of which the first `order` rows and columns count; all others
+    /// are zero.
     pub(super) fn propagate(&self, p: &mut SMatrix<f64, N, N>, order: usize) {
-        let mut changed = [[0.0; N]; ROWS];
-        let is_row = self.combine(p.as_slice(), order, &mut changed);
-        let scaled = (0..order).filter(|&i| self.scaled && !is_row[i] && self.diagonal[i] != 1.0);
-        for i in scaled {
-            for j in 0..order {
-                p[(j, i)] *= self.diagonal[i];
-                p[(i, j)] *= self.diagonal[i];
-            }
+        let p = &mut p.data.0;
+        match self.row_count {
+            ..=FEW => with_length!(order, N, propagate::<FEW>(p, self)),
+            ..=MORE => with_length!(order, N, propagate::<MORE>(p, self)),
+            _ => with_length!(order, N, propagate::<ROWS>(p, self)),
         }
-        // `changed` holds columns of P F^T; F from the left matters in the rows that it changes.
-        for (a, (i, elements)) in self.rows().enumerate() {
-            for (b, row) in self.rows[..self.row_count].iter().enumerate().skip(a) {
-                let (j, column) = (row.state as usize, &changed[b]);
-                let mut sum = self.diagonal[i] * column[i];
-                for (k, value) in elements.clone() {
-                    sum += value * column[k];
-                }
-                p[(i, j)] = sum;
-                p[(j, i)] = sum;
-            }
-        }
-        for (a, row) in self.rows[..self.row_count].iter().enumerate() {
-            let i = row.state as usize;
-            for j in (0..order).filter(|&j| !is_row[j]) {
-                let value = self.diagonal[j] * changed[a][j];
-                p[(j, i)] = value;
-                p[(i, j)] = value;
-            }
-        }
-    }
-
-    /// The first `order` elements of the columns of `V F^T` for the rows of F that are not diagonal, V
-    /// of `K` rows; and which they are.
-    fn combine<const K: usize>(
-        &self,
-        v: &[f64],
-        order: usize,
-        into: &mut [[f64; K]; ROWS],
-    ) -> [bool; N] {
-        let column = |k: usize| &v[k * K..k * K + order];
-        let mut is_row = [false; N];
-        for ((i, elements), sum) in self.rows().zip(into) {
-            is_row[i] = true;
-            let own = self.diagonal[i];
-            for (s, value) in sum.iter_mut().zip(column(i)) {
-                *s = own * value;
-            }
-            for (k, factor) in elements {
-                add_scaled(sum, factor, column(k));
-            }
-        }
-        is_row
     }
 }

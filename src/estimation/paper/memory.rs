@@ -99,10 +99,10 @@ impl EkfMemory {
 
     pub(super) fn fuse(&mut self, channel: Channel, observation: &Observation<4>) {
         let verdict = judge(&self.belief, observation, f64::INFINITY);
-        let correction = absorb(&mut self.belief, observation, &verdict, &mut ());
+        self.records[channel as usize].note(observation, &verdict);
+        let correction = absorb(&mut self.belief, observation, verdict, &mut ());
         self.belief.mean += correction;
         self.belief.mean[3] = attitude::wrap(self.belief.mean[3]);
-        self.records[channel as usize].note(observation, &verdict);
     }
 
     pub(super) fn count(&mut self, channel: Channel) {

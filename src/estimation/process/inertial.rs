@@ -71,29 +71,33 @@ impl InertialProcess {
     }
 
     /// A prediction without inertial means: `p+ = p + R (I + T) u dt/2` with `T = Exp(omega dt)`.
-    fn coast<const N: usize>(&self, belief: &mut Belief<N>, interval: &Interval) -> Transition<N> {
+    fn coast<const N: usize>(
+        &self,
+        belief: &mut Belief<N>,
+        interval: &Interval,
+        f: &mut Transition<N>,
+    ) {
         let dt = interval.dt;
         let turn = Vector3::from(interval.turning.unwrap_or_default().mean) * dt;
         let (r, t) = (matrix(belief.attitude), exp(&turn));
         let u: Vector3<f64> = belief.mean.fixed_rows::<3>(U).into_owned();
         let by_velocity = r * (Matrix3::identity() + t) * (0.5 * dt);
         let by_attitude = -r * skew(&((u + t * u) * (0.5 * dt)));
-        let mut f = Transition::identity();
         f.set_rows(P, &[(P, Matrix3::identity()), (U, by_velocity), (THETA, by_attitude)]);
         f.set_rows(THETA, &[(THETA, t.transpose())]);
         let mut p = belief.mean.fixed_rows_mut::<3>(P);
         p += by_velocity * u;
         belief.attitude = turned(belief.attitude, &turn);
-        f
     }
 
-    /// A prediction with inertial means.
+    /// A prediction with inertial means; like the other sets F, which is the identity before.
     fn navigate<const N: usize>(
         &self,
         belief: &mut Belief<N>,
         imu: &Inertial,
         dt: f64,
-    ) -> Transition<N> {
+        f: &mut Transition<N>,
+    ) {
         let s = Strapdown::new(belief, imu);
         let half = s.rate * (0.5 * dt);
         let half_turn = exp(&half);
@@ -109,9 +113,8 @@ impl InertialProcess {
         let jacobian = right_jacobian(&(s.rate * dt)) * dt;
         let force_by_rate = half_turn * skew(&s.force) * right_jacobian(&half) * (0.5 * dt);
         let along = u * dt + force * (0.5 * dt * dt);
-        let mut f = Transition::identity();
         self.set_rows(
-            &mut f,
+            f,
             P,
             [
                 (P, Matrix3::identity()),
@@ -122,7 +125,7 @@ impl InertialProcess {
             ],
         );
         self.set_rows(
-            &mut f,
+            f,
             U,
             [
                 (U, back),
@@ -131,13 +134,12 @@ impl InertialProcess {
                 (B_G, back * force_by_rate * dt - skew(&next) * jacobian),
             ],
         );
-        self.set_rows(&mut f, THETA, [(THETA, back), (B_G, -jacobian)]);
+        self.set_rows(f, THETA, [(THETA, back), (B_G, -jacobian)]);
 
         let mut p = belief.mean.fixed_rows_mut::<3>(P);
         p += r * displacement;
         belief.mean.fixed_rows_mut::<3>(U).copy_from(&next);
         belief.attitude = turned(belief.attitude, &(s.rate * dt));
-        f
     }
 
     /// Rows of F; with a model aid the noise of an interval acts where a bias does.
@@ -218,10 +220,11 @@ impl<const N: usize> Process<N> for InertialProcess {
         if let Some(aid) = &self.aid {
             aid.renew_noise(belief, AidStates::at(BASE), dt, &self.parameters, witness);
         }
-        let mut f = match &interval.inertial {
-            Some(imu) => self.navigate(belief, imu, dt),
-            None => self.coast(belief, interval),
-        };
+        let mut f = Transition::identity();
+        match &interval.inertial {
+            Some(imu) => self.navigate(belief, imu, dt, &mut f),
+            None => self.coast(belief, interval, &mut f),
+        }
         let decays = self.aid.as_ref().map(|aid| (aid, aid.decays(dt)));
         if let Some((aid, decays)) = decays {
             aid.decay(&mut f, &mut belief.mean, AidStates::at(BASE), decays);
@@ -284,7 +287,7 @@ impl<const N: usize> Process<N> for InertialProcess {
             (None, None) => (square(self.parameters.maneuver_rate), 0.0),
         };
         let mut acceleration = Linearized::constant(motion.acceleration);
-        if interval.inertial.is_some() {
+        if interval.inertial.is_some() && self.sensors.dvl_delay.is_some() {
             let gravity = motion.rotation.transpose() * Vector3::z() * self.parameters.gravity;
             acceleration.set_block(U, &-skew(&motion.rate));
             acceleration.set_block(THETA, &skew(&gravity));

@@ -218,13 +218,14 @@ impl PlanarDynamic {
         j
     }
 
-    /// Midpoint step: the change of the moving states, and F.
+    /// Midpoint step: the change of the moving states; sets F, which is the identity before.
     fn step<const N: usize>(
         &self,
         mean: &Column<N>,
         drive: &Drive,
         [dt, decay]: [f64; 2],
-    ) -> (Rates, Transition<N>) {
+        f: &mut Transition<N>,
+    ) -> Rates {
         let first = Afloat::new(movers(mean), &drive.tilt);
         let mut middle = first.x;
         for (x, rate) in middle.iter_mut().zip(self.rates(&first, drive)) {
@@ -233,11 +234,11 @@ impl PlanarDynamic {
         let middle = Afloat::new(middle, &drive.tilt);
         let j_first = self.jacobian(&first, drive);
         let j_middle = self.jacobian(&middle, drive);
-        let mut f = Transition::identity();
         for i in 0..MOVING {
             // d/dx of x + dt g(x + dt/2 g(x)).
             let mut row = j_middle[i];
-            for k in 0..MOVING {
+            // No rate depends on the position.
+            for k in PSI..MOVING {
                 let factor = 0.5 * dt * j_middle[i][k];
                 if factor != 0.0 {
                     for (sum, value) in row.iter_mut().zip(&j_first[k]) {
@@ -246,10 +247,10 @@ impl PlanarDynamic {
                 }
             }
             let own = core::iter::once((i, 1.0));
-            f.set_row(i, own.chain(row.into_iter().enumerate().map(|(k, value)| (k, dt * value))));
+            f.set_row(i, own.chain((PSI..MOVERS).map(|k| (k, dt * row[k]))));
         }
         (0..4).for_each(|axis| f.scale(D + axis, decay));
-        (self.rates(&middle, drive).map(|rate| rate * dt), f)
+        self.rates(&middle, drive).map(|rate| rate * dt)
     }
 
     /// Adds half of the process noise of an interval.
@@ -348,7 +349,8 @@ impl<const N: usize> Process<N> for PlanarDynamic {
     fn predict(&self, belief: &mut Belief<N>, interval: &Interval, witness: &mut impl Witness<N>) {
         let drive = self.drive(interval);
         let decay = libm::exp(-interval.dt / self.disturbances.correlation_time);
-        let (change, f) = self.step(&belief.mean, &drive, [interval.dt, decay]);
+        let mut f = Transition::identity();
+        let change = self.step(&belief.mean, &drive, [interval.dt, decay], &mut f);
         for i in 0..MOVING {
             belief.mean[i] += change[i];
         }
@@ -397,26 +399,33 @@ impl<const N: usize> Process<N> for PlanarDynamic {
     }
 
     fn kinematics(&self, belief: &Belief<N>, interval: &Interval) -> Kinematics<N> {
-        let motion = <Self as Process<N>>::motion(self, belief, interval);
-        let mut position = Linearized::constant(motion.position);
+        let x = &belief.mean;
+        let mut position = Linearized::constant(x.fixed_rows::<3>(0).into_owned());
         position.set_block(0, &Matrix3::identity());
-        let mut velocity = Linearized::constant(motion.velocity);
+        let mut velocity = Linearized::constant(x.fixed_rows::<3>(U).into_owned());
         velocity.set_block(U, &Matrix3::identity());
-        let mut acceleration = Linearized::constant(motion.acceleration);
-        if self.sensors.dvl_delay.is_some() {
+        let mut rate = Linearized::constant(Vector3::new(0.0, 0.0, x[R]));
+        rate.set_block(R, &first_column(Vector3::z()));
+        let (rotation, acceleration) = if self.sensors.dvl_delay.is_some() {
             let drive = self.drive(interval);
-            let j = self.jacobian(&Afloat::new(movers(&belief.mean), &drive.tilt), &drive);
+            let now = Afloat::new(movers(x), &drive.tilt);
+            let rates = self.rates(&now, &drive);
+            let j = self.jacobian(&now, &drive);
+            let change = Vector3::new(rates[U], rates[U + 1], rates[U + 2]);
+            let mut acceleration = Linearized::constant(change);
             for state in (PSI..MOVERS).step_by(3) {
                 let by = Matrix3::from_fn(|i, k| j[U + i][state + k]);
                 acceleration.set_block(state, &by);
             }
-        }
-        let mut rate = Linearized::constant(motion.rate);
-        rate.set_block(R, &first_column(Vector3::z()));
-        let down = motion.rotation.row(2).transpose();
+            (now.rotation, acceleration)
+        } else {
+            let [roll, pitch] = interval.tilt;
+            (rotation([roll, pitch, x[PSI]]), Linearized::constant(Vector3::zeros()))
+        };
+        let down = rotation.row(2).transpose();
         Kinematics {
             position,
-            rotation: motion.rotation,
+            rotation,
             turn: Block::new(PSI, first_column(down)),
             velocity,
             rate,

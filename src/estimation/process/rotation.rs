@@ -9,8 +9,15 @@ use crate::estimation::transition::Transition;
 /// `sin x / x`, `(1 - cos x) / x^2` and `(x - sin x) / x^3` of `square` = x^2.
 ///
 /// The series, with terms below the last digit left out, where x < 1/4: a turn in the interval of a
-/// filter hardly is larger.
+/// filter hardly is larger, and most corrections are below 1/100.
 fn quotients(square: f64) -> [f64; 3] {
+    if square < 1e-4 {
+        // Without the nesting: the next steps wait for this.
+        let fourth = square * square;
+        let b = 0.5 - square * (1.0 / 24.0) + fourth * (1.0 / 720.0);
+        let c = 1.0 / 6.0 - square * (1.0 / 120.0) + fourth * (1.0 / 5040.0);
+        return [1.0 - square * c, b, c];
+    }
     if square < 0.0625 {
         let c = series(square, [6.0, 20.0, 42.0, 72.0, 110.0, 156.0]);
         return [1.0 - square * c, series(square, [2.0, 12.0, 30.0, 56.0, 90.0, 132.0]), c];
@@ -54,13 +61,13 @@ pub(crate) fn log(r: &Matrix3<f64>) -> Vector3<f64> {
     if sin < 1e-6 { axis * 0.5 } else { axis * (0.5 * angle / sin) }
 }
 
-/// Rotation matrix of a quaternion.
+/// Rotation matrix of a quaternion of unit length.
 pub(crate) fn matrix(q: [f64; 4]) -> Matrix3<f64> {
-    let r = crate::attitude::rotation(q);
+    let r = crate::attitude::rotation_of_unit(q);
     Matrix3::from_fn(|i, j| r[i][j])
 }
 
-/// `q Exp(phi)`, of unit length.
+/// `q Exp(phi)` of a quaternion of unit length.
 pub(crate) fn turned(q: [f64; 4], phi: &Vector3<f64>) -> [f64; 4] {
     let half = phi * 0.5;
     let square = half.norm_squared();
@@ -73,7 +80,9 @@ pub(crate) fn turned(q: [f64; 4], phi: &Vector3<f64>) -> [f64; 4] {
         a * v.y + y * b + z * v.x - x * v.z,
         a * v.z + z * b + x * v.y - y * v.x,
     ];
-    crate::attitude::normalised(product)
+    // Of unit length but for rounding, which a step of Newton's for 1/sqrt takes away.
+    let scale = 1.5 - 0.5 * product.iter().map(|c| c * c).sum::<f64>();
+    product.map(|c| c * scale)
 }
 
 /// Corrections of the attitude (rad) below which the frame of its error may be taken for unchanged.
@@ -102,7 +111,7 @@ mod tests {
 
     #[test]
     fn series_and_functions_agree() {
-        for angle in [0.01, 0.1, 0.2, 0.2499, 0.2501] {
+        for angle in [0.00999, 0.01001, 0.1, 0.2, 0.2499, 0.2501] {
             let [a, b, c] = quotients(angle * angle);
             let (sin, half) = (libm::sin(angle), libm::sin(0.5 * angle));
             let close = |got: f64, want: f64, error: f64| {

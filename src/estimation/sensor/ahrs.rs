@@ -8,7 +8,6 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::{Observation, Sensor};
 use crate::attitude::wrap;
-use crate::estimation::belief::Row;
 use crate::estimation::kinematics::Kinematics;
 
 /// Cosine of pitch below which roll and heading lose their meaning.
@@ -31,8 +30,12 @@ pub struct Heading {
 /// Roll, pitch and heading of a rotation.
 #[must_use]
 pub fn euler(rotation: &Matrix3<f64>) -> [f64; 3] {
-    let r = rotation;
-    [libm::atan2(r[(2, 1)], r[(2, 2)]), libm::asin((-r[(2, 0)]).clamp(-1.0, 1.0)), heading(r)]
+    let [roll, pitch] = tilt(rotation);
+    [roll, pitch, heading(rotation)]
+}
+
+fn tilt(r: &Matrix3<f64>) -> [f64; 2] {
+    [libm::atan2(r[(2, 1)], r[(2, 2)]), libm::asin((-r[(2, 0)]).clamp(-1.0, 1.0))]
 }
 
 fn heading(rotation: &Matrix3<f64>) -> f64 {
@@ -53,26 +56,29 @@ pub fn euler_by_turn(rotation: &Matrix3<f64>) -> [Vector3<f64>; 3] {
 
 impl Sensor<3> for Tilt {
     fn observe<const N: usize>(&self, value: &[f64; 3], motion: &Kinematics<N>) -> Observation<N> {
-        let angles = euler(&motion.rotation);
-        let [roll, pitch, _] = euler_by_turn(&motion.rotation);
-        let variance = self.sigma * self.sigma;
-        Observation::new(
-            2,
-            [wrap(value[0] - angles[0]), value[1] - angles[1], 0.0],
-            [motion.through_rotation(&roll), motion.through_rotation(&pitch), Row::zeros()],
-            [variance, variance, 1.0],
-        )
+        let [roll, pitch] = tilt(&motion.rotation);
+        let by_turn = euler_by_turn(&motion.rotation);
+        let mut o = Observation::empty(2);
+        (o.innovation[0], o.innovation[1]) = (wrap(value[0] - roll), value[1] - pitch);
+        for i in 0..2 {
+            o.variance[i] = self.sigma * self.sigma;
+            motion.turn.add_to(&mut o.rows[i], &by_turn[i]);
+        }
+        o
     }
 }
 
 impl Sensor<3> for Heading {
     fn observe<const N: usize>(&self, value: &[f64; 3], motion: &Kinematics<N>) -> Observation<N> {
         let [.., by_turn] = euler_by_turn(&motion.rotation);
-        let mut row = motion.through_rotation(&by_turn);
+        let mut o = Observation::empty(1);
+        motion.turn.add_to(&mut o.rows[0], &by_turn);
         if let Some(state) = motion.sensors.heading_bias {
-            row[state] = 1.0;
+            o.rows[0][state] = 1.0;
         }
         let predicted = heading(&motion.rotation) + motion.optional(motion.sensors.heading_bias);
-        Observation::scalar(wrap(value[2] - predicted), row, self.sigma * self.sigma)
+        o.innovation[0] = wrap(value[2] - predicted);
+        o.variance[0] = self.sigma * self.sigma;
+        o
     }
 }

@@ -20,8 +20,10 @@ impl Sensor<1> for Depth {
         &[depth]: &[f64; 1],
         motion: &Kinematics<N>,
     ) -> Observation<N> {
-        let innovation = depth - motion.point(&self.lever).z;
-        let row = motion.point_row(&self.lever, 2);
-        Observation::scalar(innovation, row, self.sigma * self.sigma)
+        let mut o = Observation::empty(1);
+        o.innovation[0] = depth - motion.point(&self.lever).z;
+        o.variance[0] = self.sigma * self.sigma;
+        motion.add_point_to(&mut o.rows[0], &self.lever, 2);
+        o
     }
 }

@@ -7,7 +7,6 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::{Observation, Sensor};
-use crate::estimation::belief::Row;
 use crate::estimation::kinematics::{Kinematics, skew};
 
 /// Velocity at the instrument (m/s).
@@ -32,19 +31,18 @@ impl Sensor<3> for Dvl {
         let aligned = turn * at_instrument;
         let through_velocity = turn * scale;
         let through_rate = -through_velocity * skew(&self.lever);
-        let mut rows = core::array::from_fn(|i| {
-            let mut row = Row::zeros();
+        let mut o = Observation::empty(3);
+        for (i, row) in o.rows.iter_mut().enumerate() {
             let by_velocity = through_velocity.row(i).transpose();
-            motion.velocity.add_to(&mut row, &by_velocity);
-            motion.rate.add_to(&mut row, &through_rate.row(i).transpose());
+            motion.velocity.add_to(row, &by_velocity);
+            motion.rate.add_to(row, &through_rate.row(i).transpose());
             if states.dvl_delay.is_some() {
-                motion.acceleration.add_to(&mut row, &(by_velocity * -delay));
+                motion.acceleration.add_to(row, &(by_velocity * -delay));
             }
-            row
-        });
+        }
         let by_misalignment = Vector3::new(aligned.y, -aligned.x, 0.0) * scale;
         let by_delay = -(through_velocity * motion.acceleration.value);
-        for (i, row) in rows.iter_mut().enumerate() {
+        for (i, row) in o.rows.iter_mut().enumerate() {
             for (state, derivative) in [
                 (states.dvl_scale, aligned[i]),
                 (states.dvl_misalignment, by_misalignment[i]),
@@ -57,11 +55,11 @@ impl Sensor<3> for Dvl {
         }
         // The rate's own noise acts through the lever arm, alike on the axes across it.
         let predicted = aligned * scale;
-        let innovation = core::array::from_fn(|i| value[i] - predicted[i]);
-        let variance = core::array::from_fn(|i| {
+        for i in 0..3 {
             let arm = through_rate.row(i).norm_squared();
-            self.sigma * self.sigma + arm * motion.rate_variance
-        });
-        Observation::new(3, innovation, rows, variance)
+            o.innovation[i] = value[i] - predicted[i];
+            o.variance[i] = self.sigma * self.sigma + arm * motion.rate_variance;
+        }
+        o
     }
 }

@@ -3,7 +3,6 @@
 use nalgebra::Vector3;
 
 use super::{Observation, Sensor};
-use crate::estimation::belief::Row;
 use crate::estimation::kinematics::Kinematics;
 
 /// Least standard deviation that a fix may report of itself (m).
@@ -27,11 +26,12 @@ impl Sensor<3> for Fix {
     ) -> Observation<N> {
         let point = motion.point(&self.lever);
         let sigma = if reported > 0.0 { reported.max(LEAST) } else { self.sigma };
-        Observation::new(
-            2,
-            [north - point.x, east - point.y, 0.0],
-            [motion.point_row(&self.lever, 0), motion.point_row(&self.lever, 1), Row::zeros()],
-            [sigma * sigma, sigma * sigma, 1.0],
-        )
+        let mut o = Observation::empty(2);
+        (o.innovation[0], o.innovation[1]) = (north - point.x, east - point.y);
+        for i in 0..2 {
+            o.variance[i] = sigma * sigma;
+            motion.add_point_to(&mut o.rows[i], &self.lever, i);
+        }
+        o
     }
 }

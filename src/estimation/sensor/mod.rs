@@ -27,6 +27,14 @@ pub struct Observation<const N: usize> {
 }
 
 impl<const N: usize> Observation<N> {
+    /// Of `size` components that do not depend on any state, with no innovation and unit variance; made
+    /// to be filled in its place.
+    #[must_use]
+    #[inline(always)]
+    pub(super) fn empty(size: usize) -> Self {
+        Self::new(size, [0.0; 3], [Row::zeros(); 3], [1.0; 3])
+    }
+
     /// Of the first `size` components.
     #[must_use]
     pub fn new(size: usize, innovation: [f64; 3], rows: [Row<N>; 3], variance: [f64; 3]) -> Self {

@@ -1,9 +1,11 @@
-//! What the filters cost: a cycle of the paper's, a prediction with its updates of the others, and a
-//! second of sensors at their usual rates.
+//! What the filters cost: a cycle of the paper's, a prediction with its updates of the others, as the mean
+//! over sensors at their usual rates and with an update of every sensor. FilterPy beside them, if
+//! `FILTERPY_PYTHON` names a Python that has it.
 
 use super::timer::{repeat, rounds};
 use super::{Bar, Row, row};
-use anyhow::Result;
+use crate::paths;
+use anyhow::{Context, Result, ensure};
 use rexrov::allocation::Allocation;
 use rexrov::estimation::paper::{Acceleration, Ekf, EkfParameters};
 use rexrov::estimation::{
@@ -12,7 +14,7 @@ use rexrov::estimation::{
     PlanarDynamic, Reading,
 };
 use rexrov::vehicle::{Parameters, ReducedModel};
-use std::hint::black_box;
+use std::{env, ffi::OsString, hint::black_box, process::Command};
 
 const TIMES: u32 = 1000;
 /// Inertial and thrust samples a second (Hz).
@@ -30,17 +32,22 @@ pub(super) fn measure() -> Result<Vec<Row>> {
     let inertial = InertialProcess::new(&p, None)?;
     let planar = PlanarDynamic::new(&p, &vehicle, &d)?;
     let aided = InertialProcess::new(&p, Some(ModelAid::new(&vehicle, &d)?))?;
-    let basic = "constant-acceleration filter";
-    rows.extend(navigation(basic, &Filter::<_, BASIC_STATES>::new(constant, &p)?, Bar::None)?);
+    let python = env::var_os("FILTERPY_PYTHON");
+    let python = python.as_ref();
+    let basic = Filter::<_, BASIC_STATES>::new(constant, &p)?;
+    rows.extend(navigation("constant-acceleration filter", &basic, Bar::None, None)?);
     let inertial = Filter::<_, BASIC_STATES>::new(inertial, &p)?;
-    rows.extend(navigation("inertial filter", &inertial, Bar::AtMost(1.2))?);
+    let peer = python.map(|python| (python, 16));
+    rows.extend(navigation("inertial filter", &inertial, Bar::AtMost(1.2), peer)?);
     let alone = Filter::<_, BASIC_STATES>::new(planar.clone(), &p)?;
-    rows.extend(navigation("dynamic filter without monitor", &alone, Bar::AtMost(1.5))?);
-    rows.extend(navigation("dynamic filter", &DynamicFilter::new(planar, &p)?, Bar::None)?);
+    rows.extend(navigation("dynamic filter without monitor", &alone, Bar::AtMost(1.5), peer)?);
+    let watched = DynamicFilter::new(planar, &p)?;
+    rows.extend(navigation("dynamic filter", &watched, Bar::AtMost(1.5), peer)?);
     let aided = Filter::<_, AIDED_STATES>::new(aided, &p)?;
-    rows.extend(navigation("model-aided filter without watch", &aided, Bar::AtMost(6.0))?);
+    let peer = python.map(|python| (python, 30));
+    rows.extend(navigation("model-aided filter without watch", &aided, Bar::AtMost(6.0), peer)?);
     let whole = AidedFilter::new(&p, &vehicle, &d)?;
-    rows.extend(navigation("model-aided filter", &whole, Bar::None)?);
+    rows.extend(navigation("model-aided filter", &whole, Bar::AtMost(6.0), peer)?);
     Ok(rows)
 }
 
@@ -73,11 +80,17 @@ fn paper() -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-/// A prediction of 0.1 s with its updates, five inertial samples and an estimate; and a second of
-/// sensors at their usual rates, with an estimate at each inertial sample.
-fn navigation(name: &str, filter: &impl Navigation, bar: Bar) -> Result<[Row; 2]> {
+/// A prediction with its updates: the mean over a second of sensors at their usual rates, with an estimate
+/// at each inertial sample; and one of 0.1 s with an update of every sensor, five inertial samples and an
+/// estimate, beside FilterPy's with as many states.
+fn navigation(
+    name: &str,
+    filter: &impl Navigation,
+    bar: Bar,
+    peer: Option<(&OsString, usize)>,
+) -> Result<Vec<Row>> {
     let mut all = Run::new(filter, |k| [5, 5, 5, 5].map(|every| k % every == 0))?;
-    // 50, 10, 7.1 and 1 Hz.
+    // 50, 10, 7.1 and 1 Hz: each attitude makes a prediction of its own, and nothing else does.
     let mut usual = Run::new(filter, |k| [1, 5, 7, 50].map(|every| k % every == 0))?;
     let times = rounds(
         20,
@@ -94,10 +107,27 @@ fn navigation(name: &str, filter: &impl Navigation, bar: Bar) -> Result<[Row; 2]
             }),
         ],
     );
-    Ok([
-        row(format!("{name}, prediction with its updates"), times.ns(0) / 1e3, "us", bar),
-        row("  a second of sensors", times.ns(1) / 1e3, "us", Bar::None),
-    ])
+    let (all, mean) = (times.ns(0) / 1e3, times.ns(1) / 1e3 / f64::from(RATE_HZ));
+    let mut rows = vec![
+        row(format!("{name}, prediction with its updates"), mean, "us", bar),
+        row("  one with an update of every sensor", all, "us", Bar::None),
+    ];
+    if let Some((python, states)) = peer {
+        let ratio = filterpy(python, states)? / all;
+        rows.push(row("  FilterPy's over this one", ratio, "", Bar::AtLeast(100.0)));
+    }
+    Ok(rows)
+}
+
+/// Microseconds of a prediction and five updates by FilterPy.
+fn filterpy(python: &OsString, states: usize) -> Result<f64> {
+    let script = paths::root().join("xtask/bench/filterpy_ekf.py");
+    let output = Command::new(python).arg(&script).arg(states.to_string()).output();
+    let output = output.with_context(|| format!("cannot start {}", python.display()))?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    ensure!(output.status.success(), "{}: {text}", script.display());
+    let median = text.split_whitespace().rev().nth(1).context("FilterPy's figure is missing")?;
+    Ok(median.parse()?)
 }
 
 /// A filter in a vehicle that goes north.

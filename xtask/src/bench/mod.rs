@@ -42,6 +42,9 @@ pub(crate) struct Options {
     /// Only what distributed runs cost, beside raw TCP, and remote FMUs, beside raw Zenoh
     #[arg(long)]
     distributed: bool,
+    /// Only what the filters cost, beside FilterPy if `FILTERPY_PYTHON` names a Python that has it
+    #[arg(long)]
+    filters: bool,
 }
 
 /// Measures everything and prints it.
@@ -51,23 +54,17 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         process::run(&mut bench("distributed"))?;
         return process::run(&mut bench("remote"));
     }
+    if options.filters {
+        print(&filter::measure()?);
+        return Ok(());
+    }
     package::for_this_machine()?;
     let mut rows = vehicle::measure()?;
     rows.extend(functions::bars()?);
     rows.extend(filter::measure()?);
     rows.extend(course::measure()?);
     rows.extend(command::measure()?);
-    let width = rows.iter().map(|row| row.what.chars().count()).max().unwrap_or(0);
-    for Row { what, value, unit, bar } in &rows {
-        let digits = if *value < 10.0 { 2 } else { 0 };
-        let (bar, met) = match bar {
-            Bar::None => (String::new(), true),
-            Bar::AtMost(most) => (format!("at most {most}"), value <= most),
-            Bar::AtLeast(least) => (format!("at least {least}"), value >= least),
-        };
-        let missed = if met { "" } else { "  MISSED" };
-        println!("{what:width$}  {value:>8.digits$} {unit:6}  {bar}{missed}");
-    }
+    print(&rows);
     println!();
     functions::print()?;
     if !options.third_party {
@@ -78,4 +75,19 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     process::run(bench("chain").env("COSIM_BENCH_PYTHON", &python))?;
     process::run(bench("exported").env("COSIM_BENCH_PYTHON", &python))?;
     process::run(&mut bench("runs"))
+}
+
+/// Prints the lines, with what is not as it should be.
+fn print(rows: &[Row]) {
+    let width = rows.iter().map(|row| row.what.chars().count()).max().unwrap_or(0);
+    for Row { what, value, unit, bar } in rows {
+        let digits = if *value < 10.0 { 2 } else { 0 };
+        let (bar, met) = match bar {
+            Bar::None => (String::new(), true),
+            Bar::AtMost(most) => (format!("at most {most}"), value <= most),
+            Bar::AtLeast(least) => (format!("at least {least}"), value >= least),
+        };
+        let missed = if met { "" } else { "  MISSED" };
+        println!("{what:width$}  {value:>8.digits$} {unit:6}  {bar}{missed}");
+    }
 }
