@@ -138,7 +138,7 @@ impl<const N: usize> Belief<N> {
 
     /// `P h` of several rows; what is written to is zero before.
     pub(super) fn correlate_all(&self, rows: &[Row<N>], into: &mut [Column<N>]) {
-        with_length!(self.order, N, correlate::<>(&self.covariance.data.0, rows, into));
+        with_length!(self.order, N, correlate(&self.covariance.data.0, rows, into));
     }
 
     /// The covariance after updates with `K` scalar measurements, one after the other.
@@ -235,7 +235,7 @@ impl<const N: usize> Belief<N> {
     #[must_use]
     pub fn is_positive(&self) -> bool {
         let mut positive = true;
-        with_length!(self.order, N, factorize::<>(&self.covariance.data.0, &mut positive));
+        with_length!(self.order, N, factorize(&self.covariance.data.0, &mut positive));
         positive
     }
 

@@ -47,11 +47,11 @@ macro_rules! for_any_width {
 ///
 /// The orders of the filters without optional states of the velocity log are 16 and 30.
 macro_rules! with_length {
-    ($order:expr, $n:ident, $call:ident::<$($more:ident),*>($($arg:expr),* $(,)?)) => {
+    ($order:expr, $n:ident, $call:ident $(::<$more:ident>)? ($($arg:expr),* $(,)?)) => {
         match $order {
-            ..=16 if $n > 16 => $call::<$n, 16, $($more),*>($($arg),*),
-            17..=30 if $n > 30 => $call::<$n, 30, $($more),*>($($arg),*),
-            _ => $call::<$n, $n, $($more),*>($($arg),*),
+            ..=16 if $n > 16 => $call::<$n, 16 $(, $more)?>($($arg),*),
+            17..=30 if $n > 30 => $call::<$n, 30 $(, $more)?>($($arg),*),
+            _ => $call::<$n, $n $(, $more)?>($($arg),*),
         }
     };
 }
@@ -269,7 +269,8 @@ mod tests {
     #[test]
     fn wide_vectors_give_the_bits_of_plain_loops() {
         let p = symmetric();
-        let g: [[f64; N]; 2] = core::array::from_fn(|k| core::array::from_fn(|i| number(i, k + 50)));
+        let g: [[f64; N]; 2] =
+            core::array::from_fn(|k| core::array::from_fn(|i| number(i, k + 50)));
         let mut reduced = p;
         reduce::<N, 16, 2>(&mut reduced, &g);
         let mut row = Row::zeros();
@@ -308,7 +309,8 @@ mod tests {
 
     #[test]
     fn a_matrix_is_positive_if_its_least_eigenvalue_is() {
-        let a = SMatrix::<f64, N, N>::from_fn(|i, j| number(i, j) * f64::from(1_u8 + (j % 3) as u8));
+        let a =
+            SMatrix::<f64, N, N>::from_fn(|i, j| number(i, j) * f64::from(1_u8 + (j % 3) as u8));
         for (least, positive) in [(1.0, true), (-1.0, false)] {
             let eigen = (a * a.transpose()).symmetric_eigen();
             let mut values = eigen.eigenvalues;

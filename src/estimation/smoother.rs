@@ -201,12 +201,12 @@ impl<const N: usize, M: Monitor<N>> Player<N, M> {
         let ahead = || Ahead::among(&rest[..near]);
         let instant = self.tick * setup.parameters.interval;
         if instant < end {
-            self.track.predict_to(setup, instant, &ahead, keeper);
+            self.track.predict_to(setup, instant, ahead, keeper);
             let Track { time, interval, belief, .. } = &self.track;
             keeper.keep(*time, interval, belief);
             self.tick += 1.0;
         } else if let Some(event) = rest.first() {
-            self.track.take(setup, event, &ahead, keeper);
+            self.track.take(setup, event, ahead, keeper);
             self.next += 1;
         } else {
             return false;

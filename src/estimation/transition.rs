@@ -162,10 +162,12 @@ impl<const N: usize> Transition<N> {
     /// are zero.
     pub(super) fn propagate(&self, p: &mut SMatrix<f64, N, N>, order: usize) {
         let p = &mut p.data.0;
-        match self.row_count {
-            ..=FEW => with_length!(order, N, propagate::<FEW>(p, self)),
-            ..=MORE => with_length!(order, N, propagate::<MORE>(p, self)),
-            _ => with_length!(order, N, propagate::<ROWS>(p, self)),
+        if self.row_count <= FEW {
+            with_length!(order, N, propagate::<FEW>(p, self));
+        } else if self.row_count <= MORE {
+            with_length!(order, N, propagate::<MORE>(p, self));
+        } else {
+            with_length!(order, N, propagate::<ROWS>(p, self));
         }
     }
 }
