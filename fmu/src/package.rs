@@ -110,12 +110,8 @@ pub fn fmu(
     let name = entry.info().name;
     let mut files = vec![("modelDescription.xml".to_owned(), entry.describe()?.into_bytes())];
     for (platform, library) in libraries {
-        let suffix = match platform {
-            name if name.starts_with("win") || name.ends_with("windows") => ".dll",
-            name if name.contains("darwin") => ".dylib",
-            _ => ".so",
-        };
-        files.push((format!("binaries/{platform}/{name}{suffix}"), library.clone()));
+        let file = format!("binaries/{platform}/{name}{}", suffix(platform));
+        files.push((file, library.clone()));
     }
     let page = entry.documentation(chapters).into_bytes();
     files.push(("documentation/index.html".to_owned(), page));
@@ -126,12 +122,33 @@ pub fn fmu(
 /// the tuple that 2.0.4 took over from FMI 3.0 (section 2.3.1).
 #[must_use]
 pub fn platform(os: &str, arch: &str) -> String {
-    match (os, arch) {
-        ("linux", "x86_64") => "linux64".to_owned(),
-        ("windows", "x86_64") => "win64".to_owned(),
-        ("macos", "x86_64") => "darwin64".to_owned(),
-        ("macos", arch) => format!("{arch}-darwin"),
-        (os, arch) => format!("{arch}-{os}"),
+    let bits = match arch {
+        "x86_64" => "64",
+        "x86" => "32",
+        _ => return tuple(os, arch),
+    };
+    match os {
+        "windows" => format!("win{bits}"),
+        "macos" => format!("darwin{bits}"),
+        os => format!("{os}{bits}"),
+    }
+}
+
+/// The platform tuple of FMI 3.0 (section 2.5.1.4.1), by the names in [`std::env::consts`].
+#[must_use]
+pub fn tuple(os: &str, arch: &str) -> String {
+    let arch = if arch == "arm" { "aarch32" } else { arch };
+    let os = if os == "macos" { "darwin" } else { os };
+    format!("{arch}-{os}")
+}
+
+/// How the names of libraries end in a folder of binaries.
+#[must_use]
+pub fn suffix(platform: &str) -> &'static str {
+    match platform {
+        name if name.starts_with("win") || name.ends_with("windows") => ".dll",
+        name if name.contains("darwin") => ".dylib",
+        _ => ".so",
     }
 }
 
@@ -180,4 +197,27 @@ fn files(folder: &Path, name: &str) -> Result<Vec<File>, String> {
 
 fn read(path: &Path) -> Result<Vec<u8>, String> {
     fs::read(path).map_err(|cause| format!("{}: {cause}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{platform, suffix, tuple};
+
+    #[test]
+    fn platforms_have_the_names_of_the_standards() {
+        for (os, arch, fmi2, fmi3, ending) in [
+            ("linux", "x86", "linux32", "x86-linux", ".so"),
+            ("linux", "x86_64", "linux64", "x86_64-linux", ".so"),
+            ("linux", "arm", "aarch32-linux", "aarch32-linux", ".so"),
+            ("linux", "aarch64", "aarch64-linux", "aarch64-linux", ".so"),
+            ("windows", "x86", "win32", "x86-windows", ".dll"),
+            ("windows", "x86_64", "win64", "x86_64-windows", ".dll"),
+            ("windows", "aarch64", "aarch64-windows", "aarch64-windows", ".dll"),
+            ("macos", "x86_64", "darwin64", "x86_64-darwin", ".dylib"),
+            ("macos", "aarch64", "aarch64-darwin", "aarch64-darwin", ".dylib"),
+        ] {
+            assert_eq!([platform(os, arch), tuple(os, arch)], [fmi2, fmi3]);
+            assert_eq!([suffix(fmi2), suffix(fmi3)], [ending; 2]);
+        }
+    }
 }

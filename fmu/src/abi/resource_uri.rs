@@ -2,7 +2,8 @@
 //!
 //! Importers write `file:///x/resources`, `file:/x/resources`, `file:////x/resources`, with a
 //! slash at the end or without, with spaces and umlauts percent-encoded or plain; a few pass a
-//! plain path.
+//! plain path. On Windows the path has a drive (`file:///C:/x`, `file:/C:/x`, `file:///C%3A/x`,
+//! `C:\x`, `C:/x`) or a server (`file://server/share/x`, `\\server\share\x`).
 
 use std::path::PathBuf;
 
@@ -10,28 +11,49 @@ use crate::author::Resources;
 
 /// The folder a URI names; none if it names none on this machine's file system.
 pub(super) fn resources(uri: &str) -> Resources {
-    let path = match uri.get(..5) {
-        Some(scheme) if scheme.eq_ignore_ascii_case("file:") => {
-            let rest = uri.get(5..).unwrap_or_default();
+    let path = if cfg!(windows) { on_windows(uri) } else { on_unix(uri) };
+    path.map_or_else(Resources::none, |path| Resources::in_folder(PathBuf::from(path)))
+}
+
+fn on_unix(uri: &str) -> Option<String> {
+    match after_scheme(uri) {
+        Some(rest) => {
             let rest = rest.strip_prefix("//localhost").unwrap_or(rest);
             decode(&format!("/{}", rest.trim_start_matches('/')))
         }
-        _ if uri.starts_with('/') => Some(uri.to_owned()),
-        _ => None,
-    };
-    match path {
-        Some(path) => Resources::in_folder(PathBuf::from(drive(&path))),
-        None => Resources::none(),
+        None => uri.starts_with('/').then(|| uri.to_owned()),
     }
 }
 
-/// `/C:/x` is `C:/x` where paths have drives.
-fn drive(path: &str) -> &str {
+fn on_windows(uri: &str) -> Option<String> {
+    let Some(rest) = after_scheme(uri) else {
+        let rooted = has_drive(uri) || uri.starts_with(['/', '\\']);
+        return rooted.then(|| uri.to_owned());
+    };
+    let rest = decode(rest)?.replace('\\', "/");
+    let rest = rest.strip_prefix("//localhost").unwrap_or(&rest);
+    let path = rest.trim_start_matches('/');
+    match rest.len() - path.len() {
+        _ if has_drive(path) => Some(path.to_owned()),
+        // A server, or as some write it, a path that begins with two slashes.
+        2 | 4.. => Some(format!(r"\\{}", path.replace('/', r"\"))),
+        // On the drive of the importer's working directory.
+        _ => Some(format!("/{path}")),
+    }
+}
+
+/// What follows `file:`; none if there is another scheme or none.
+fn after_scheme(uri: &str) -> Option<&str> {
+    let (scheme, rest) = uri.split_at_checked(5)?;
+    scheme.eq_ignore_ascii_case("file:").then_some(rest)
+}
+
+/// Whether a path begins `C:` and is not relative to that drive's working directory.
+fn has_drive(path: &str) -> bool {
     match path.as_bytes() {
-        [b'/', letter, b':', ..] if cfg!(windows) && letter.is_ascii_alphabetic() => {
-            path.get(1..).unwrap_or(path)
-        }
-        _ => path,
+        [letter, b':'] => letter.is_ascii_alphabetic(),
+        [letter, b':', b'/' | b'\\', ..] => letter.is_ascii_alphabetic(),
+        _ => false,
     }
 }
 
@@ -58,11 +80,7 @@ fn decode(text: &str) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-
-    fn folder(uri: &str) -> Option<String> {
-        resources(uri).folder().map(|path| path.to_str().unwrap().to_owned())
-    }
+    use super::{on_unix as folder, on_windows};
 
     #[test]
     fn all_spellings_name_the_same_folder() {
@@ -83,6 +101,47 @@ mod tests {
         assert_eq!(folder("https://example.com/r"), None);
         assert_eq!(folder(""), None);
         assert_eq!(folder("file:///%ff"), None);
+    }
+
+    #[test]
+    fn drives_are_understood_in_all_spellings() {
+        for uri in [
+            "file:///C:/x y/r\u{e4}",
+            "file:/C:/x%20y/r%C3%A4",
+            "file:C:/x%20y/r%C3%A4",
+            "file:////C:/x%20y/r%C3%A4",
+            "file:///C%3A/x%20y/r%C3%A4",
+            "file:///C:\\x y\\r\u{e4}",
+            "FILE://localhost/C:/x y/r\u{e4}",
+            "C:/x y/r\u{e4}",
+        ] {
+            assert_eq!(on_windows(uri).as_deref(), Some("C:/x y/r\u{e4}"), "{uri}");
+        }
+        assert_eq!(on_windows(r"C:\x y").as_deref(), Some(r"C:\x y"));
+        assert_eq!(on_windows("file:///C:/x/").as_deref(), Some("C:/x/"));
+    }
+
+    #[test]
+    fn servers_are_understood() {
+        for uri in ["file://server/share/r%20x", "file:////server/share/r%20x"] {
+            assert_eq!(on_windows(uri).as_deref(), Some(r"\\server\share\r x"), "{uri}");
+        }
+        for path in [r"\\server\share\r x", r"\\?\C:\r"] {
+            assert_eq!(on_windows(path).as_deref(), Some(path));
+        }
+    }
+
+    #[test]
+    fn a_percent_sign_in_a_plain_path_is_one() {
+        assert_eq!(on_windows(r"C:\100%41").as_deref(), Some(r"C:\100%41"));
+        assert_eq!(folder("/100%41").as_deref(), Some("/100%41"));
+    }
+
+    #[test]
+    fn what_is_no_file_of_windows_is_none() {
+        for uri in ["https://example.com/r", "", "C:relative", "relative", "file:///%ff"] {
+            assert_eq!(on_windows(uri), None, "{uri}");
+        }
     }
 
     #[test]
