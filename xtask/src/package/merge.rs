@@ -85,10 +85,13 @@ fn union(archives: Vec<(String, Vec<archive::Entry>)>) -> Result<Vec<archive::En
     Ok(rest)
 }
 
-/// A library lies in the folder of its machine.
+/// A library lies in the folder of its machine, under a name that is looked for there.
 fn check(name: &str, bytes: &[u8]) -> Result<()> {
     let folder = name.split('/').nth(1).unwrap_or_default();
-    Library::read(bytes)?.check(platform::named(folder)?)
+    Library::read(bytes)?.check(platform::named(folder)?)?;
+    let suffix = fmu_kit::package::suffix(folder);
+    ensure!(name.ends_with(suffix), "libraries in binaries/{folder} end in {suffix}");
+    Ok(())
 }
 
 fn conflict(name: &str, one: &str, other: &str) -> String {

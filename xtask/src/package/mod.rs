@@ -5,14 +5,15 @@
 //! |---|---|
 //! | `platform` | the platforms and their names |
 //! | `compile` | libraries and program, linked for any machine or for this one |
+//! | `toolchain` | the compiler that has Rust's standard library for a platform |
 //! | `library` | what a library exports and needs, checked before it is packed |
 //! | `contents`, `page`, `icon` | what lies in an FMU beside description and library |
 //! | `reference`, `stimulus` | the run whose result an FMU carries |
 //! | `archive`, `merge` | zip files; FMUs of several platforms in one |
 //! | `wheel` | FMUs, system and the programs as a Python package |
 
-mod archive;
-mod compile;
+pub(crate) mod archive;
+pub(crate) mod compile;
 pub(crate) mod contents;
 pub(crate) mod icon;
 mod library;
@@ -22,7 +23,8 @@ pub(crate) mod platform;
 pub(crate) mod reference;
 #[cfg(test)]
 mod shipped;
-mod stimulus;
+pub(crate) mod stimulus;
+pub(crate) mod toolchain;
 pub(crate) mod wheel;
 
 use crate::{paths, process};
@@ -34,13 +36,18 @@ use std::{
     fs,
     path::{Path, PathBuf},
 };
+use toolchain::Toolchain;
 
 /// What to package.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Options {
     /// Link with this machine's linker: needs no Python, starts only where glibc is as new
-    #[arg(long, conflicts_with_all = ["target", "merge"])]
+    #[arg(long, conflicts_with_all = ["target", "merge", "all"])]
     native: bool,
+    /// Build for every platform that is shipped, as far as this machine can: `cargo xtask toolchain`
+    /// gets what it takes
+    #[arg(long, conflicts_with_all = ["target", "merge"])]
+    all: bool,
     /// Platform to build for, may be repeated [default: the x86-64 or ARM Linux this runs on]
     #[arg(long, value_name = "PLATFORM", conflicts_with = "merge")]
     target: Vec<String>,
@@ -59,6 +66,9 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         let merged = merge::folders(&options.merge, output)?;
         return systems(&merged, output);
     }
+    if options.all {
+        return for_all(output);
+    }
     let linker = if options.native { Linker::Native } else { Linker::Zig };
     let platforms = match options.target.as_slice() {
         [] => vec![platform::host()?],
@@ -66,6 +76,25 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     };
     build(linker, &platforms, output)?;
     platforms.iter().try_for_each(|platform| libraries(linker, platform))
+}
+
+/// The platforms that this machine can build for; tells of the others what they lack.
+fn possible() -> Vec<&'static Platform> {
+    let can = |platform: &&Platform| match Toolchain::of(platform) {
+        Ok(_) => true,
+        Err(reason) => {
+            println!("{}: not built. {reason:#}", platform.folder());
+            false
+        }
+    };
+    platform::shipped().iter().filter(can).collect()
+}
+
+/// Packages the FMUs for all the platforms that this machine can build for; the libraries of the FMUs
+/// that `cosim` writes are for this one.
+pub(crate) fn for_all(output: &Path) -> Result<()> {
+    build(Linker::Zig, &possible(), output)?;
+    libraries(Linker::Zig, platform::host()?)
 }
 
 /// Packages as [`run`] does when nothing else is asked for.
@@ -85,7 +114,8 @@ fn build(linker: Linker, platforms: &[&'static Platform], output: &Path) -> Resu
     let mut libraries = Vec::new();
     for platform in platforms {
         let built = compile::build(linker, platform, &["-p", "rexrov-fmu"])?;
-        libraries.push((platform.folder(), library(linker, platform, &built, "librexrov_fmu.so")?));
+        let bytes = library(linker, platform, &built, &platform.library("rexrov-fmu"))?;
+        libraries.push((platform.folder(), bytes));
     }
     fs::create_dir_all(output)?;
     let licenses = contents::licenses()?;
@@ -101,7 +131,12 @@ fn build(linker: Linker, platforms: &[&'static Platform], output: &Path) -> Resu
 }
 
 /// Reads a library of those that were built, if it is fit for an FMU.
-fn library(linker: Linker, platform: &Platform, built: &Path, name: &str) -> Result<Vec<u8>> {
+pub(crate) fn library(
+    linker: Linker,
+    platform: &Platform,
+    built: &Path,
+    name: &str,
+) -> Result<Vec<u8>> {
     let (bytes, library) = checked(linker, platform, &built.join(name))?;
     library.check(platform).with_context(|| format!("{name} is not fit for an FMU"))?;
     Ok(bytes)
@@ -116,14 +151,19 @@ fn checked(linker: Linker, platform: &Platform, path: &Path) -> Result<(Vec<u8>,
         let unfit = || format!("{name} is not fit for other machines");
         library.check_portable().with_context(unfit)?;
     }
-    let (folder, glibc) = (platform.folder(), library.glibc());
-    println!("{folder}/{name}: {} bytes, glibc {glibc} or later", bytes.len());
+    let (folder, needs) = (platform.folder(), library.needs());
+    println!("{folder}/{name}: {} bytes, needs {needs}", bytes.len());
     Ok((bytes, library))
 }
 
 /// Builds the libraries of the FMUs that `cosim` writes where it finds them: under lib/cosim/ beside
-/// the folder of the program. They are without Zenoh, which takes longer to build than all the rest.
+/// the folder of the program. They are without Zenoh, which takes longer to build than all the rest,
+/// and for Linux only, as the master inside is.
 fn libraries(linker: Linker, platform: &Platform) -> Result<()> {
+    if platform.os != "linux" {
+        println!("{}: no libraries for `cosim export`, `cosim proxy`", platform.folder());
+        return Ok(());
+    }
     let folder = paths::libraries(&platform.folder());
     fs::create_dir_all(&folder)?;
     let built = compile::build(linker, platform, &["-p", "cosim-system", "-p", "cosim-proxy"])?;

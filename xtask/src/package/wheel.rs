@@ -36,9 +36,13 @@ const COPIED: [(&str, &str); 4] = [
 const COURSES: [(&str, &str); 3] =
     [("BE1", Course::BE1), ("BE2", Course::BE2), ("BE3", Course::BE3)];
 
-/// Packages the FMUs and builds the wheel for any machine.
-pub(crate) fn run() -> Result<()> {
-    super::for_shipping()?;
+/// Packages the FMUs, for all platforms if asked to, and builds the wheel for any machine.
+pub(crate) fn run(all: bool) -> Result<()> {
+    if all {
+        super::for_all(&paths::fmus())?
+    } else {
+        super::for_shipping()?
+    }
     build(Linker::Zig)
 }
 
@@ -56,7 +60,7 @@ fn build(linker: Linker) -> Result<()> {
     let glibc = match linker {
         Linker::Zig => GLIBC.to_owned(),
         // The larger one needs no less.
-        Linker::Native => library.glibc(),
+        Linker::Native => library.glibc()?,
     };
     lay_out(&stage, &[("cosim", &cosim), ("rexrov-smooth", &smooth)])?;
     let wheels = paths::target().join("wheels");

@@ -1,55 +1,25 @@
 //! Tests of merging FMUs of several platforms.
 
 use super::{library, packaged};
-use crate::{
-    package::{archive, library::Library, merge},
-    process,
-    python::ZIG,
+use crate::package::{
+    archive,
+    library::foreign::{self, PLATFORMS},
+    merge, platform,
 };
-use std::{fs, path::Path, process::Command};
+use std::{fs, path::Path};
 
 /// A library with all functions of FMI 2.0, which do nothing, for a machine that this is not.
-fn foreign(folder: &Path) -> Vec<u8> {
-    let functions = Library::read(&library("Gps")).unwrap();
-    let text: String = functions.exports().map(|f| format!("void {f}(void) {{}}\n")).collect();
-    aarch64(folder, &text)
-}
-
-/// A library in C for ARM.
-fn aarch64(folder: &Path, text: &str) -> Vec<u8> {
-    let (source, output) = (folder.join("foreign.c"), folder.join("foreign.so"));
-    fs::write(&source, text).unwrap();
-    process::run(
-        Command::new(ZIG.interpreter().unwrap())
-            .args(["-m", "ziglang", "cc", "-target", "aarch64-linux-gnu.2.17"])
-            .args(["-shared", "-nostdlib", "-o"])
-            .args([&output, &source])
-            .env("ZIG_GLOBAL_CACHE_DIR", ZIG.folder().join("cache"))
-            .env("ZIG_LOCAL_CACHE_DIR", ZIG.folder().join("cache")),
-    )
-    .unwrap();
-    fs::read(output).unwrap()
-}
-
-#[test]
-fn a_call_that_another_library_could_take_is_seen() {
-    let folder = tempfile::tempdir().unwrap();
-    let seen = |text: &str| {
-        let library = Library::read(&aarch64(folder.path(), text)).unwrap();
-        library.interposable().map(str::to_owned).collect::<Vec<_>>()
-    };
-    let own = "void callee(void) {} void caller(void) { callee(); }";
-    assert_eq!(seen(own), ["callee"]);
-    assert!(seen(&format!("__attribute__((visibility(\"hidden\"))) {own}")).is_empty());
+fn foreign(platform: &str) -> Vec<u8> {
+    foreign::library(platform, &foreign::functions(), &["-s"])
 }
 
 #[test]
 fn fmus_of_two_platforms_become_one() {
     let folder = tempfile::tempdir().unwrap();
     let [x86, arm, merged] = ["x86", "arm", "merged"].map(|name| folder.path().join(name));
-    let library = foreign(folder.path());
-    let files = packaged("Gps");
-    let other = exchange(&files, "binaries/aarch64-linux/Gps.so", library.clone());
+    let own = library("Gps");
+    let files = exchange(&packaged("Gps"), "binaries/linux64/Gps.so", own);
+    let other = exchange(&files, "binaries/aarch64-linux/Gps.so", foreign("aarch64-linux"));
     write(&x86, &files);
     write(&arm, &other);
     let paths = merge::folders(&[x86.clone(), arm.clone()], &merged).unwrap();
@@ -65,10 +35,32 @@ fn fmus_of_two_platforms_become_one() {
 }
 
 #[test]
+fn fmus_of_all_platforms_become_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = packaged("Gps");
+    let mut sources = Vec::new();
+    let mut expected = Vec::new();
+    for name in PLATFORMS {
+        let source = folder.path().join(name);
+        let suffix = fmu_kit::package::suffix(&platform::named(name).unwrap().folder());
+        let place = format!("binaries/{name}/Gps{suffix}");
+        write(&source, &exchange(&files, &place, foreign(name)));
+        sources.push(source);
+        expected.push(place);
+    }
+    expected.sort();
+    let paths = merge::folders(&sources, &folder.path().join("merged")).unwrap();
+    let merged = archive::read(&paths[0]).unwrap();
+    let listed: Vec<_> = merged.iter().map(|(name, _)| name.clone()).collect();
+    assert_eq!(listed[1..=PLATFORMS.len()], expected);
+}
+
+#[test]
 fn what_does_not_fit_is_not_merged() {
     let folder = tempfile::tempdir().unwrap();
     let [one, two, out] = ["one", "two", "out"].map(|name| folder.path().join(name));
-    let files = packaged("Gps");
+    let own = library("Gps");
+    let files = exchange(&packaged("Gps"), "binaries/linux64/Gps.so", own.clone());
     let arm = "binaries/aarch64-linux/Gps.so";
     let refused = |changed: &[archive::Entry], part: &str| {
         write(&one, &files);
@@ -78,15 +70,18 @@ fn what_does_not_fit_is_not_merged() {
         assert!(text.contains(part), "{text}");
         assert!(!out.exists());
     };
-    let own = library("Gps");
-    refused(&exchange(&files, arm, own.clone()), "built for machine");
-    let mut description = exchange(&files, arm, foreign(folder.path()));
+    refused(&exchange(&files, arm, own.clone()), "it is built for x86_64-linux");
+    let mut description = exchange(&files, arm, foreign("aarch64-linux"));
     description[0].1.push(b'\n');
     refused(&description, "modelDescription.xml differs");
     let mut grown = own;
     grown.push(0);
     refused(&exchange(&files, "binaries/linux64/Gps.so", grown), "both are for one platform");
-    refused(&exchange(&files, "binaries/win64/Gps.dll", Vec::new()), "binaries/win64/Gps.dll");
+    let dll = "binaries/win64/Gps.dll";
+    refused(&exchange(&files, dll, Vec::new()), dll);
+    refused(&exchange(&files, dll, foreign("win32")), "it is built for x86-windows");
+    refused(&exchange(&files, "binaries/win64/Gps.so", foreign("win64")), "end in .dll");
+    refused(&exchange(&files, "binaries/win128/Gps.dll", foreign("win64")), "\"win128\"");
     let mut short = files.clone();
     short.retain(|(name, _)| name != "model.png");
     refused(&short, "holds model.png");

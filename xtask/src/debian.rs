@@ -1,0 +1,251 @@
+//! Debian's packages, unpacked under target/debian: nothing is installed over the system, and
+//! nothing but `apt-get` and `dpkg-deb` is needed for it.
+//!
+//! The archives are those that the system's own apt knows, for its own and for ARM's packages; what
+//! it keeps of them lies under target/debian/apt. `xtask/debian.txt` pins versions.
+
+use crate::{paths, process};
+use anyhow::{Context, Result, bail, ensure};
+use std::{
+    collections::BTreeSet,
+    ffi::{OsStr, OsString},
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+    sync::Mutex,
+    time::{Duration, Instant},
+};
+
+/// Where all of it lies.
+pub(crate) fn folder() -> PathBuf {
+    paths::target().join("debian")
+}
+
+/// The folder of the compiler with its libraries.
+pub(crate) fn sysroot() -> PathBuf {
+    folder().join("rust/usr")
+}
+
+/// The compiler.
+pub(crate) fn rustc() -> PathBuf {
+    sysroot().join("bin/rustc")
+}
+
+/// Where the compiler's own shared libraries lie, as `LD_LIBRARY_PATH`.
+pub(crate) fn libraries() -> OsString {
+    let mut folders = sysroot().join("lib/x86_64-linux-gnu").into_os_string();
+    folders.push(":");
+    folders.push(folder().join("rust/lib/x86_64-linux-gnu"));
+    folders
+}
+
+/// The folder of the standard library's sources, where Cargo looks for it.
+pub(crate) fn library_sources() -> Result<PathBuf> {
+    let place = sysroot().join("lib/rustlib/src/rust");
+    if !place.join("library").is_dir() || place.is_symlink() {
+        // The package has a link there, which the compiler would follow and not recognize.
+        let sources = place.canonicalize().context("rust-web-src is not unpacked")?;
+        fs::remove_file(&place)?;
+        fs::create_dir(&place)?;
+        fs::rename(sources.join("library"), place.join("library"))?;
+    }
+    Ok(place.join("library"))
+}
+
+/// Unpacks the compiler and a package beside it, of the same version.
+pub(crate) fn install_compiler(beside: &str) -> Result<()> {
+    // What nearly every system has, and what a compiler that calls no linker of its own does without.
+    let present = ["libc6", "libgcc-s1", "libstdc++6", "gcc", "libc-dev", "binutils", "zlib1g"];
+    let mut packages = with_dependencies("rustc-web", &present)?;
+    packages.insert(beside.to_owned());
+    unpack(&packages, "rust", &[])?;
+    process::output(Command::new(rustc()).arg("--version").env("LD_LIBRARY_PATH", libraries()))
+        .context("Debian's compiler does not start here")?;
+    Ok(())
+}
+
+/// A program that runs programs for ARM, and the folder of ARM's glibc for it.
+pub(crate) fn install_qemu(offline: bool) -> Result<[PathBuf; 2]> {
+    let qemu = folder().join("qemu/usr/bin/qemu-aarch64-static");
+    let arm = folder().join("arm64");
+    if !offline {
+        unpack(&named(&["qemu-user-static"]), "qemu", &["usr/bin/qemu-aarch64-static"])?;
+        unpack(&named(&["libc6:arm64"]), "arm64", &[])?;
+    }
+    present([qemu, arm])
+}
+
+/// A program that runs programs for Windows, and a folder of libraries that it needs.
+pub(crate) fn install_wine(offline: bool) -> Result<[PathBuf; 2]> {
+    let wine = folder().join("wine/usr/lib");
+    let programs = wine.join("wine");
+    let libraries = wine.join("x86_64-linux-gnu");
+    if !offline {
+        let packages = ["wine64", "libwine", "libunwind8", "libz-mingw-w64"];
+        unpack(&named(&packages), "wine", &[])?;
+        // Links and scripts of the packages name places in the system, where they are not.
+        let zlib = folder().join("wine/usr/x86_64-w64-mingw32/lib/zlib1.dll");
+        replace(&zlib, &libraries.join("wine/x86_64-windows/zlib1.dll"))?;
+        replace(&programs.join("wineserver64"), &programs.join("wineserver"))?;
+    }
+    present([programs.join("wine64"), libraries])
+}
+
+fn replace(from: &Path, to: &Path) -> Result<()> {
+    let _ = fs::remove_file(to);
+    fs::copy(from, to).with_context(|| from.display().to_string())?;
+    Ok(())
+}
+
+fn present(paths: [PathBuf; 2]) -> Result<[PathBuf; 2]> {
+    if let Some(missing) = paths.iter().find(|path| !path.exists()) {
+        bail!("{} is missing: `cargo xtask platforms` unpacks it on Debian", missing.display());
+    }
+    Ok(paths)
+}
+
+/// When downloads must have ended.
+static END: Mutex<Option<Instant>> = Mutex::new(None);
+
+/// Does something whose downloads may take so long together.
+pub(crate) fn within<T>(time: Duration, work: impl FnOnce() -> Result<T>) -> Result<T> {
+    let set = |end| END.lock().map(|mut place| *place = end).unwrap_or_default();
+    set(Some(Instant::now() + time));
+    let done = work();
+    set(None);
+    done
+}
+
+/// A program that downloads, ended when the time for that is over.
+fn limited(program: &str) -> Command {
+    let Some(end) = END.lock().ok().and_then(|end| *end) else { return Command::new(program) };
+    let left = end.saturating_duration_since(Instant::now()).as_secs().max(1);
+    let mut command = Command::new("timeout");
+    command.arg(left.to_string()).arg(program);
+    command
+}
+
+fn named(packages: &[&str]) -> BTreeSet<String> {
+    packages.iter().map(|&name| name.to_owned()).collect()
+}
+
+/// Downloads packages and unpacks them in a folder, the parts named or all of it, unless that was done.
+fn unpack(packages: &BTreeSet<String>, into: &str, parts: &[&str]) -> Result<()> {
+    let into = folder().join(into);
+    for package in packages {
+        let done = into.join(format!("{}.done", package.replace(':', "_")));
+        if done.is_file() {
+            continue;
+        }
+        let archive = download(package)?;
+        fs::create_dir_all(&into)?;
+        let shown = archive.display();
+        // Parts are named as in the archive, which tar reads from dpkg-deb.
+        let mut contents = Command::new("dpkg-deb");
+        contents.arg("--fsys-tarfile").arg(&archive).stdout(std::process::Stdio::piped());
+        let mut contents = contents.spawn().context("dpkg-deb cannot be started")?;
+        let piped = contents.stdout.take().context("dpkg-deb writes nothing")?;
+        let mut tar = Command::new("tar");
+        tar.arg("-xC").arg(&into).args(parts.iter().map(|part| format!("./{part}"))).stdin(piped);
+        process::quietly(&mut tar).with_context(|| format!("{shown} cannot be unpacked"))?;
+        ensure!(contents.wait()?.success(), "{shown} cannot be read");
+        let version = archive.file_name().unwrap_or_default();
+        fs::write(done, version.as_encoded_bytes())?;
+        fs::remove_file(&archive)?;
+    }
+    Ok(())
+}
+
+/// A package's file: of the version that is pinned or, when the archives have it no more or none is
+/// pinned, of the newest they have.
+fn download(package: &str) -> Result<PathBuf> {
+    let name = package.split(':').next().unwrap_or_default();
+    let pin = PINS.lines().filter_map(|line| line.split_once(' ')).find(|(of, _)| *of == name);
+    let pinned = pin.map(|(_, version)| format!("{package}={version}"));
+    println!("downloading {}", pinned.as_deref().unwrap_or(package));
+    let taken = pinned.as_deref().map_or(Ok(()), fetch);
+    if let Err(gone) = &taken {
+        println!("  {gone:#}\n  taking the newest version of {package} instead");
+    }
+    if pinned.is_none() || taken.is_err() {
+        fetch(package)?;
+    }
+    let mut found = fs::read_dir(archives())?.flatten().map(|entry| entry.path());
+    let is_it = |path: &PathBuf| {
+        path.extension() == Some(OsStr::new("deb"))
+            && path.file_name().and_then(OsStr::to_str).is_some_and(|file| {
+                file.strip_prefix(name).is_some_and(|rest| rest.starts_with('_'))
+            })
+    };
+    found.find(is_it).with_context(|| format!("apt-get has left no file of {package}"))
+}
+
+/// The versions to take: a name and a version, in which `*` is any text.
+const PINS: &str = include_str!("../debian.txt");
+
+fn archives() -> PathBuf {
+    folder().join("apt/archives")
+}
+
+/// Downloads one package.
+fn fetch(package: &str) -> Result<()> {
+    let _ = fs::remove_dir_all(archives());
+    fs::create_dir_all(archives())?;
+    process::quietly(apt("apt-get")?.args(["--quiet", "download", package]).current_dir(archives()))
+        .with_context(|| format!("{package} is not to be had"))
+}
+
+/// A package with what it depends on, but without those that begin so and theirs.
+fn with_dependencies(package: &str, without: &[&str]) -> Result<BTreeSet<String>> {
+    let mut open = vec![package.to_owned()];
+    let mut found = BTreeSet::new();
+    while let Some(package) = open.pop() {
+        if !found.insert(package.clone()) {
+            continue;
+        }
+        let only =
+            "--no-recommends --no-suggests --no-conflicts --no-breaks --no-replaces --no-enhances";
+        let mut command = apt("apt-cache")?;
+        let listed = process::output(command.arg("depends").args(only.split(' ')).arg(&package))?;
+        let names = listed.lines().filter_map(|line| line.trim().strip_prefix("Depends: "));
+        let needed = names.filter(|name| !without.iter().any(|start| name.starts_with(start)));
+        open.extend(needed.filter(|name| !name.starts_with('<')).map(str::to_owned));
+    }
+    Ok(found)
+}
+
+/// apt with its lists and archives under target/, which it fetches at the first use.
+fn apt(program: &str) -> Result<Command> {
+    ensure!(cfg!(target_arch = "x86_64"), "Debian's packages are taken for x86-64 machines only");
+    let own = folder().join("apt");
+    let file = own.join("apt.conf");
+    let configured = |program: &str| {
+        let mut command = limited(program);
+        command.env("APT_CONFIG", &file);
+        command
+    };
+    if !file.is_file() {
+        let status = own.join("status");
+        for part in ["lists/partial", "cache/archives/partial"] {
+            fs::create_dir_all(own.join(part))?;
+        }
+        fs::write(&status, "")?;
+        fs::write(&file, configuration(&own, &status))?;
+        println!("reading the lists of Debian's packages");
+        process::quietly(configured("apt-get").args(["--quiet", "update"])).map_err(|reason| {
+            let _ = fs::remove_file(&file);
+            reason.context("Debian's packages cannot be had")
+        })?;
+    }
+    Ok(configured(program))
+}
+
+fn configuration(own: &Path, status: &Path) -> String {
+    let lists = own.join("lists");
+    let cache = own.join("cache");
+    format!(
+        "Dir::State::lists {lists:?};\nDir::State::status {status:?};\nDir::Cache {cache:?};\n\
+         APT::Architectures {{ \"amd64\"; \"arm64\"; }};\nAPT::Sandbox::User \"\";\n\
+         Acquire::Languages \"none\";\n"
+    )
+}
