@@ -4,6 +4,7 @@
 
 mod bench;
 mod book;
+mod debian;
 mod describe;
 mod examples;
 mod experiment;
@@ -13,6 +14,7 @@ mod mutants;
 mod navigate;
 mod package;
 mod paths;
+mod platforms;
 mod process;
 mod python;
 mod reproduce;
@@ -53,7 +55,16 @@ enum Task {
     /// Measure speed as ratios within one run.
     Bench(bench::Options),
     /// Build the Python package into target/wheels.
-    Wheel,
+    Wheel {
+        /// With FMUs for every platform that is shipped, as `package --all` builds them.
+        #[arg(long)]
+        all: bool,
+    },
+    /// On Debian: unpack under target/debian what compiles for Windows and ARM.
+    Toolchain,
+    /// Compare the components on Windows (under Wine) and ARM (under qemu) with this machine's, bit
+    /// for bit.
+    Platforms(platforms::Options),
     /// Ask FMPy, fmi-rs, fmutool and libcosim about the FMUs, and compare `cosim` with them.
     Judge,
     /// Fuzz the FMI functions, the reader of saved states and the readers of `cosim`, under
@@ -87,7 +98,9 @@ fn main() -> std::process::ExitCode {
         }
         Task::Book { check } => package::for_shipping().and_then(|()| book::run(check)),
         Task::Bench(options) => bench::run(&options),
-        Task::Wheel => package::wheel::run(),
+        Task::Wheel { all } => package::wheel::run(all),
+        Task::Toolchain => package::toolchain::install(),
+        Task::Platforms(options) => platforms::run(&options),
         Task::Judge => judge::run(),
         Task::Fuzz { seconds } => fuzz::run(seconds),
         Task::Mutants { filter } => mutants::run(filter.as_deref()),

@@ -1,0 +1,199 @@
+//! `cargo xtask platforms`: the components compute the same on every platform, bit for bit.
+//!
+//! A driver in C (`xtask/platforms/driver.c`) steps the library of each platform with the same random
+//! inputs, saves, serializes and restores states, makes calls that must be refused, and writes down all
+//! that it is answered: on this machine, under Wine, and under qemu-user. What it wrote is compared line by line.
+//!
+//! | file | what |
+//! |---|---|
+//! | `plan` | the inputs, the same for all platforms |
+//! | `machine` | how a program of another platform is run here |
+//! | `location` | places of files, as each system spells them |
+//! | `compare` | what is the same, and the first line that is not |
+//!
+//! `target/platforms/<platform>` holds library, driver and plans: copied to a real machine, `driver jobs.txt`
+//! there does the same, and `--results` compares what it wrote.
+
+mod compare;
+mod location;
+mod machine;
+mod plan;
+
+use crate::{
+    debian,
+    package::{
+        self,
+        compile::{self, Linker},
+        platform::{self, Platform},
+        toolchain::{self, Toolchain},
+    },
+    paths, process,
+};
+use anyhow::{Context, Result, bail};
+use compare::Findings;
+use machine::Machine;
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    time::{Duration, Instant},
+};
+
+/// What to compare.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Options {
+    /// Steps of each component
+    #[arg(long, default_value_t = 3000)]
+    steps: u32,
+    /// Seed of the inputs
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Download nothing: only what is at hand already
+    #[arg(long)]
+    offline: bool,
+    /// Prepare `target/platforms/<platform>` for other machines, and run nothing but this machine's own
+    #[arg(long)]
+    prepare: bool,
+    /// Compare what the driver wrote on a real machine: a platform and the folder brought back from
+    /// there, `win64=FOLDER`
+    #[arg(long, value_name = "PLATFORM=FOLDER")]
+    results: Vec<String>,
+}
+
+/// Time that downloads may take in continuous integration, where what is not to be had is left out.
+const PATIENCE: Duration = Duration::from_secs(240);
+/// Steps in continuous integration.
+const SHORT: u32 = 300;
+
+/// Compares and prints the table; fails when anything differs, not when something could not be run.
+pub(crate) fn run(options: &Options) -> Result<()> {
+    if !options.offline
+        && let Err(reason) = toolchain::install()
+    {
+        println!("no other compiler: {reason:#}");
+    }
+    compare(options)
+}
+
+/// The short form of continuous integration.
+pub(crate) fn in_short() -> Result<()> {
+    let begun = Instant::now();
+    let fetched = debian::within(PATIENCE, || {
+        toolchain::fetch()?;
+        debian::install_wine(false)?;
+        debian::install_qemu(false)
+    });
+    let seconds = begun.elapsed().as_secs();
+    if let Err(reason) = fetched {
+        println!("skipped: other platforms, after {seconds} s of downloads: {reason:#}");
+        return Ok(());
+    }
+    toolchain::install()?;
+    let results = Vec::new();
+    compare(&Options { steps: SHORT, seed: 1, offline: true, prepare: false, results })
+}
+
+fn compare(options: &Options) -> Result<()> {
+    let host = platform::host()?;
+    let mut foreign = Vec::new();
+    for text in &options.results {
+        let (name, folder) = text.split_once('=').with_context(|| {
+            format!("--results {text}: PLATFORM=FOLDER is wanted, as in win64=results")
+        })?;
+        foreign.push((platform::named(name)?, PathBuf::from(folder)));
+    }
+    let mut reference = None;
+    let mut all = Vec::new();
+    let others = platform::shipped().iter().filter(|platform| *platform != host);
+    for platform in [host].into_iter().chain(others) {
+        let brought = foreign.iter().find(|(of, _)| *of == platform).map(|(_, folder)| folder);
+        let results = match brought {
+            Some(folder) => Ok(("a real machine".to_owned(), folder.clone())),
+            None => on(platform, options),
+        };
+        match results {
+            Ok((machine, folder)) => {
+                let own = folder.clone();
+                let reference = reference.get_or_insert(own);
+                let findings = compare::folders(reference, &folder)?;
+                all.push((platform.folder(), machine, findings));
+            }
+            Err(reason) if platform == host => return Err(reason),
+            Err(reason) => println!("not run: {}. {reason:#}", platform.folder()),
+        }
+    }
+    print(&all);
+    let differing = all.iter().find_map(|(platform, _, findings)| {
+        findings.iter().find_map(|f| Some((platform, f, f.difference.as_ref()?)))
+    });
+    if let Some((platform, findings, difference)) = differing {
+        bail!("{} on {platform}: {difference}", findings.component);
+    }
+    Ok(())
+}
+
+/// Builds for a platform, lays all out in its folder and runs it; gives what ran it and where the results are.
+fn on(platform: &Platform, options: &Options) -> Result<(String, PathBuf)> {
+    let folder = paths::target().join("platforms").join(platform.folder());
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder)?;
+    // Without Zig there is this machine's own compiler, for this machine.
+    let linker = match *platform == *platform::host()? {
+        true => Linker::at_hand(),
+        false => Linker::Zig,
+    };
+    if linker == Linker::Zig {
+        Toolchain::of(platform)?;
+    }
+    let built = compile::build(linker, platform, &["-p", "rexrov-fmu", "-p", "clumsy"])?;
+    for package in ["rexrov-fmu", "clumsy"] {
+        let name = platform.library(package);
+        fs::write(folder.join(&name), package::library(linker, platform, &built, &name)?)?;
+    }
+    driver(linker, platform, &folder)?;
+    plan::lay_out(platform, &folder, options)?;
+    if options.prepare && *platform != *platform::host()? {
+        bail!("{} is ready for a machine of that platform", folder.display());
+    }
+    let machine = Machine::of(platform, options.offline)?;
+    location::lay_out(platform, &machine, &folder)?;
+    machine.run(&folder, &platform.program("driver"), "jobs.txt")?;
+    Ok((machine.name(), folder))
+}
+
+/// Compiles the driver. Products and sums stay apart, though it computes none.
+fn driver(linker: Linker, platform: &Platform, folder: &Path) -> Result<()> {
+    let mut command = match linker {
+        Linker::Zig => compile::c_compiler(platform)?,
+        Linker::Native => std::process::Command::new("cc"),
+    };
+    let sources = paths::root().join("xtask/platforms");
+    command.args(["-O1", "-ffp-contract=off", "-std=gnu11", "-s", "-o"]);
+    command.arg(folder.join(platform.program("driver"))).arg(sources.join("driver.c"));
+    if platform.os == "linux" {
+        command.arg("-ldl");
+    }
+    process::run(&mut command)
+}
+
+fn print(all: &[(String, String, Vec<Findings>)]) {
+    println!(
+        "\n| platform | component | steps | outputs | bytes of state | log lines | other lines | verdict |\n\
+         |---|---|--:|--:|--:|--:|--:|---|"
+    );
+    for (platform, machine, findings) in all {
+        for f in findings {
+            let verdict = if f.difference.is_some() { "DIFFERS" } else { "same" };
+            println!(
+                "| {platform}, {machine} | {} | {} | {} | {} | {} | {} | {verdict} |",
+                f.component, f.steps, f.outputs, f.state_bytes, f.log_lines, f.other_lines
+            );
+        }
+    }
+}
+
+/// The registry's component of a name, or the one that panics.
+fn guid(name: &str) -> Result<String> {
+    let entry = rexrov_fmu::REGISTRY.named(name);
+    let entry = entry.with_context(|| format!("no component is called {name}"))?;
+    Ok(entry.guid().to_owned())
+}
