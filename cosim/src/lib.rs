@@ -55,6 +55,9 @@
 // Without distributed runs nobody drives the engine in parts.
 #![cfg_attr(not(feature = "distributed"), allow(dead_code, unused_imports))]
 
+#[cfg(feature = "campaign")]
+pub mod campaign;
+pub mod condition;
 #[cfg(feature = "distributed")]
 pub mod confine;
 mod digest;
@@ -62,6 +65,7 @@ mod digest;
 pub mod distributed;
 pub mod error;
 pub mod export;
+pub mod fault;
 pub mod files;
 pub mod fmi;
 pub mod hosted;
@@ -76,6 +80,7 @@ pub mod shown;
 pub mod signals;
 pub mod solver;
 pub mod system;
+mod table;
 pub mod texts;
 pub mod time;
 pub mod units;

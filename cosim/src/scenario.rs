@@ -1,6 +1,19 @@
 //! Scenarios: what happens to a system when, from a file.
 //!
-//! The format is the JSON of the Open Simulation Platform:
+//! A file whose name ends in `.toml` lists faults (see [`crate::fault`]):
+//!
+//! ```toml
+//! seed = 1
+//!
+//! [[fault]]
+//! kind = "white-noise"
+//! on = ["dvl.velocity.u", "dvl.velocity.v"]
+//! sigma = 0.02
+//! from = 60
+//! for = 30
+//! ```
+//!
+//! Any other is JSON of the Open Simulation Platform:
 //!
 //! ```json
 //! { "description": "the DVL fails for half a minute",
@@ -15,16 +28,19 @@
 //! ends either. `defaults` stand in for what an event leaves out; `end` ends the run early.
 //! Events at one instant happen in the order of the file.
 
+mod faults;
+
 use std::path::Path;
 
 use serde_json::{Map, Value};
 
 use crate::error::{Code, Error, Result};
+use crate::fault::{Begin, End, Fault};
 use crate::master::{Controls, Manipulator};
 use crate::names;
 use crate::observe::Stop;
 use crate::system::System;
-use crate::time::Time;
+use crate::time::{Step, Time};
 
 /// A scenario as a manipulator.
 #[derive(Debug, Clone)]
@@ -32,6 +48,17 @@ pub struct Scenario {
     events: Vec<Event>,
     /// How many of the events have happened.
     done: usize,
+    faults: Vec<Fault>,
+    seed: u64,
+    /// Per fault: its variables by their full names.
+    targets: Vec<Vec<String>>,
+    /// When the faults are put in their places.
+    install: Option<Time>,
+    /// Faults whose condition has not held yet, and when it is looked at next.
+    waiting: Vec<usize>,
+    look: Time,
+    start: Time,
+    interval: Step,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -56,7 +83,89 @@ impl Scenario {
         let file = file.as_ref();
         let text = std::fs::read_to_string(file)
             .map_err(|e| Error::new(Code::File, "the scenario cannot be read").at(file).why(e))?;
+        if file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
+            return faults::parse(&text, file);
+        }
         parse(&text, file)
+    }
+
+    /// Draws all random numbers of the faults from another root seed than the file's.
+    #[must_use]
+    pub fn seeded(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    /// The variables that conditions of faults look at: they must be recorded.
+    pub fn watched(&self) -> impl Iterator<Item = &str> {
+        self.faults.iter().filter_map(|fault| match &fault.begin {
+            Begin::When(condition) => Some(condition.variable.as_str()),
+            _ => None,
+        })
+    }
+
+    fn new(mut events: Vec<Event>, faults: Vec<Fault>, seed: u64) -> Self {
+        // Stable: events of one instant stay in the order of the file.
+        events.sort_by_key(|event| event.time);
+        Self {
+            events,
+            done: 0,
+            faults,
+            seed,
+            targets: Vec::new(),
+            install: None,
+            waiting: Vec::new(),
+            look: Time::NEVER,
+            start: Time::ZERO,
+            interval: Step::whole(Time::from_nanoseconds(1)),
+        }
+    }
+
+    /// The variables of the faults, and what is wrong with their times.
+    fn aim(&mut self, system: &System) -> Vec<Error> {
+        let mut problems = Vec::new();
+        self.targets.clear();
+        for (position, fault) in self.faults.iter().enumerate() {
+            let wrong = |what: String| {
+                Error::new(Code::Scenario, format!("fault {}: {what}", position + 1))
+            };
+            let mut targets = Vec::new();
+            for name in &fault.variables {
+                match system.manipulables(name) {
+                    Ok(found) => targets.extend(found),
+                    Err(problem) => problems.push(problem),
+                }
+            }
+            self.targets.push(targets);
+            let stop = system.stop_time();
+            let first = match &fault.begin {
+                Begin::Start => system.start_time(),
+                Begin::At(time) | Begin::Between(time, _) => *time,
+                Begin::When(condition) => {
+                    let columns = || system.columns().iter().map(|column| column.name.as_str());
+                    let name = condition.variable.as_str();
+                    if !columns().any(|column| column == name) {
+                        let help = names::did_you_mean(name, columns());
+                        problems.push(
+                            Error::new(Code::UnknownName, format!("'{name}' is not recorded"))
+                                .why(format!("fault {} begins when {condition}", position + 1))
+                                .help(help.unwrap_or_else(|| {
+                                    format!("record it, too: --output-variable '{name}'")
+                                })),
+                        );
+                    }
+                    continue;
+                }
+            };
+            if first >= stop {
+                let what = format!("it begins at {first}, and the run ends at {stop}");
+                problems.push(wrong(what).help("an earlier beginning, or a later stop time"));
+            }
+            if matches!(fault.end, End::At(end) if end <= system.start_time()) {
+                problems.push(wrong("it ends before the run begins".to_owned()));
+            }
+        }
+        problems
     }
 }
 
@@ -90,9 +199,7 @@ fn parse(text: &str, file: &Path) -> Result<Scenario> {
         }
     }
     Error::all(problems)?;
-    // Stable: events of one instant stay in the order of the file.
-    events.sort_by_key(|event| event.time);
-    Ok(Scenario { events, done: 0 })
+    Ok(Scenario::new(events, Vec::new(), 0))
 }
 
 fn read_event(event: &Value, defaults: &Map<String, Value>) -> Result<Event, String> {
@@ -143,18 +250,40 @@ impl Manipulator for Scenario {
             Action::Override(name, _) | Action::Bias(name, _) | Action::Reset(name) => Some(name),
             Action::End => None,
         });
-        let problems = names.filter_map(|name| system.manipulable(name).err());
-        Error::all(problems.collect())?;
+        let mut problems: Vec<Error> =
+            names.filter_map(|name| system.manipulable(name).err()).collect();
+        problems.extend(self.aim(system));
+        Error::all(problems)?;
         let happened = |event: &&Event| resumed.is_some_and(|resumed| event.time <= resumed);
         self.done = self.events.iter().take_while(happened).count();
+        (self.start, self.interval) = (system.start_time(), system.output_interval());
+        // A snapshot has them in their places.
+        let none = self.faults.is_empty() || resumed.is_some();
+        self.install = (!none).then_some(self.start);
+        let waits = |fault: &usize| matches!(self.faults[*fault].begin, Begin::When(_));
+        self.waiting = (0..self.faults.len()).filter(waits).collect();
+        self.look = match (self.waiting.is_empty(), resumed) {
+            (true, _) => Time::NEVER,
+            (false, None) => self.start,
+            (false, Some(resumed)) => self.start + self.interval.after(resumed - self.start),
+        };
         Ok(())
     }
 
     fn next(&self) -> Option<Time> {
-        self.events.get(self.done).map(|event| event.time)
+        let event = self.events.get(self.done).map(|event| event.time);
+        let look = (self.look != Time::NEVER).then_some(self.look);
+        event.into_iter().chain(self.install).chain(look).min()
     }
 
     fn act(&mut self, now: Time, controls: &mut Controls<'_>) -> Result<()> {
+        if self.install.take_if(|install| *install <= now).is_some() {
+            for ((fault, targets), number) in self.faults.iter().zip(&self.targets).zip(0..) {
+                for (target, place) in targets.iter().zip(0..) {
+                    controls.install(target, fault.acting(self.seed, number, place, self.start))?;
+                }
+            }
+        }
         while let Some(event) = self.events.get(self.done).filter(|event| event.time <= now) {
             match &event.what {
                 Action::Override(name, value) => controls.set(name, *value)?,
@@ -164,7 +293,37 @@ impl Manipulator for Scenario {
             }
             self.done += 1;
         }
+        if self.look <= now {
+            self.look_at_conditions(controls)?;
+            let next = self.start + self.interval.after(now - self.start);
+            self.look = if self.waiting.is_empty() { Time::NEVER } else { next };
+        }
         Ok(())
+    }
+}
+
+impl Scenario {
+    /// Begins the faults whose condition holds. After a resumption that is told again to faults that
+    /// have begun; they know.
+    fn look_at_conditions(&mut self, controls: &mut Controls<'_>) -> Result<()> {
+        let mut waiting = std::mem::take(&mut self.waiting);
+        let mut outcome = Ok(());
+        waiting.retain(|&fault| {
+            let Begin::When(condition) = &self.faults[fault].begin else { return false };
+            let value = controls.recorded(&condition.variable);
+            if !value.is_some_and(|value| condition.holds(value)) {
+                return true;
+            }
+            for target in &self.targets[fault] {
+                let told = controls.trigger(target, fault as u32);
+                if outcome.is_ok() {
+                    outcome = told;
+                }
+            }
+            false
+        });
+        self.waiting = waiting;
+        outcome
     }
 }
 

@@ -1,8 +1,9 @@
 //! Verbs of the command line, one file each.
 //!
 //! Results and what was asked for go to stdout or files, everything else to stderr. Exit codes:
-//! 0 ok, 1 the run failed, 2 usage, 3 the input is not valid, 130 interrupted (`cosim::Code::exit_code`).
+//! 0 ok, 1 the run failed, 2 usage, 3 the input is not valid, 4 undecided, 130 interrupted (`cosim::Code::exit_code`).
 
+mod campaign;
 mod changes;
 mod completion;
 mod convert;
@@ -21,6 +22,7 @@ pub(crate) mod messages;
 mod output;
 mod problems;
 mod proxy;
+mod replay;
 mod report;
 mod run;
 mod simulate;
@@ -54,6 +56,10 @@ enum Verb {
     Validate(validate::Validate),
     Simulate(Box<simulate::Simulate>),
     Run(Box<run::Run>),
+    Campaign(campaign::Campaign),
+    Replay(replay::Replay),
+    #[command(hide = true)]
+    CampaignWorker(campaign::CampaignWorker),
     Convert(convert::Convert),
     Export(export::Export),
     Proxy(proxy::Proxy),
@@ -98,6 +104,9 @@ pub(crate) fn run(arguments: Arguments) -> Result<u8> {
         Verb::Info(verb) => verb.run(),
         Verb::Inspect(verb) => verb.run(),
         Verb::Validate(verb) => verb.run(),
+        Verb::Campaign(verb) => verb.run(),
+        Verb::Replay(verb) => verb.run(),
+        Verb::CampaignWorker(verb) => verb.run(),
         Verb::Convert(verb) => verb.run(),
         Verb::Export(verb) => verb.run(),
         Verb::Proxy(verb) => verb.run(),

@@ -9,6 +9,7 @@ use clap::Args;
 use cosim::distributed::Cluster;
 use cosim::files;
 use cosim::observe::{self, Continued, CsvRecorder, Digested, Progress, RunningDigest, Stop};
+use cosim::condition::Condition;
 use cosim::scenario::Scenario;
 use cosim::shown::{Terminal, one_line, visible};
 use cosim::{Code, Error, Observer, Overrides, Recording, Result, Run, Snapshot, Summary, System};
@@ -19,7 +20,7 @@ use super::isolate::Written;
 use super::live::Live;
 use super::messages;
 use super::snapshots::Snapshots;
-use super::stop_when::{Condition, StopWhen};
+use super::stop_when::StopWhen;
 use super::summary::{self, Told};
 
 #[derive(Args)]

@@ -19,7 +19,8 @@ macro_rules! codes {
                 match self { $(Code::$name => $text),* }
             }
 
-            /// The exit code of the command line: 1 run failed, 2 usage, 3 not valid, 130 interrupted.
+            /// The exit code of the command line: 1 run failed, 2 usage, 3 not valid, 4
+            /// undecided, 130 interrupted.
             pub fn exit_code(self) -> u8 {
                 match self { $(Code::$name => $exit),* }
             }
@@ -51,6 +52,7 @@ codes! {
     Source "E208" 3 "A path in a system description is refused: it leaves the archive that the description came in, or it is no path on this machine."
     Unit "E209" 3 "A connection or a value joins units of different dimensions."
     Format "E210" 3 "The format that a system is to be written in has no word for a part of it."
+    Campaign "E211" 3 "The file of a campaign cannot be understood, or the results that are there are of another one."
     Fmu "E301" 1 "A function of an FMU returned an error while the system ran."
     Output "E302" 1 "Results could not be written."
     Interrupted "E303" 130 "The user ended the run by ctrl-C; the results until then are kept."
@@ -62,6 +64,8 @@ codes! {
     Results "E401" 3 "A file of recorded results cannot be read."
     Report "E402" 1 "A report could not be made."
     Parted "E403" 1 "Two recordings that were compared are not the same."
+    Missed "E404" 1 "A threshold of a campaign is not kept, with the confidence asked for."
+    Undecided "E405" 4 "The runs of a campaign leave a threshold open: more seeds are needed."
     Protocol "E501" 1 "The coordinator and a worker did not understand each other, or a message came out of turn."
     Lost "E502" 1 "A worker, or the process with its components, ended or fell silent, and no other could take over."
     Placement "E503" 2 "A component cannot be where it was placed, or the run cannot be distributed like this."

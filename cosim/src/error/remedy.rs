@@ -64,8 +64,9 @@ impl Code {
                  to. `cosim info` of both shows where they differ."
             }
             Code::Scenario => {
-                "A scenario is JSON as in OSP: a list `events` of time, model, variable, action \
-                 and value. The error names the event."
+                "A scenario is a list of faults in TOML (`cosim explain faults` shows every kind), or \
+                 JSON as in OSP: a list `events` of time, model, variable, action and value. The error \
+                 names the line or the event."
             }
             Code::Source => {
                 "Put the file into the archive, or beside the description, and name it by a \
@@ -77,6 +78,18 @@ impl Code {
             }
             Code::Format => {
                 "Choose the other format, or take out of the system what the error names."
+            }
+            Code::Campaign => {
+                "The page on campaigns shows every part of such a file. Results of another campaign \
+                 stay as they are: give --output-dir another folder."
+            }
+            Code::Missed => {
+                "The table names the cells; `cosim replay` makes one of their runs again and records \
+                 all of it."
+            }
+            Code::Undecided => {
+                "Raise `seeds` in the file by what the table says and give the command again: runs \
+                 that are there are kept."
             }
             Code::Fmu => {
                 "The FMU's own messages follow the error; `--debug-logging` asks it for more, and \

@@ -4,7 +4,7 @@
 
 use super::patched_slave::{PatchedSlave, SharedPatches};
 use super::plan::Node;
-use super::slave::{Slave, passes_on};
+use super::slave::{Slave, passes_on, passes_steps_on};
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Place, Value};
 use crate::system::{Conversion, System};
@@ -79,6 +79,7 @@ impl ConvertingSlave {
 
 impl Slave for ConvertingSlave {
     passes_on!(inner);
+    passes_steps_on!(inner);
 
     fn set(&mut self, values: &[f64]) -> Result<()> {
         self.convert(values)?;

@@ -9,9 +9,11 @@ use serde::{Deserialize, Serialize};
 
 use super::drive::Drive;
 use super::engine::Engine;
-use super::patched_slave::{Patch, PatchedSlave, SharedPatches};
+use super::patched_slave::{Patch, Patched, PatchedSlave, SharedPatches};
 use crate::error::{Code, Error, Result};
+use crate::fault::{Acting, Way};
 use crate::fmi::{Causality, Kind, Value, Variability, Variable};
+use crate::names;
 use crate::observe::Stop;
 use crate::system::{Port, System};
 use crate::time::Time;
@@ -36,23 +38,43 @@ pub struct Controls<'a> {
     pub(super) system: &'a System,
     pub(super) driven: &'a mut dyn Drive,
     pub(super) now: Time,
+    /// The values recorded last.
+    pub(super) row: &'a [f64],
     pub(super) stop: Option<Stop>,
 }
 
 impl Controls<'_> {
     /// From now on the variable has this value, whatever computes or drives it.
     pub fn set(&mut self, variable: &str, value: f64) -> Result<()> {
-        self.change(variable, Some(Patch::Override(value)))
+        self.change(variable, Act::Patch(Patch::Override(value)))
     }
 
     /// From now on this is added to the variable.
     pub fn bias(&mut self, variable: &str, bias: f64) -> Result<()> {
-        self.change(variable, Some(Patch::Bias(bias)))
+        self.change(variable, Act::Patch(Patch::Bias(bias)))
     }
 
-    /// The variable is again what it was; one that nothing drives gets its start value.
+    /// The variable is again what it was; one that nothing drives gets its start value. Faults stay.
     pub fn release(&mut self, variable: &str) -> Result<()> {
-        self.change(variable, None)
+        self.change(variable, Act::Release)
+    }
+
+    /// Puts a fault at a variable, after those that are there.
+    pub(crate) fn install(&mut self, variable: &str, fault: Acting) -> Result<()> {
+        let way = self.system.way(self.system.manipulable(variable)?);
+        let fault = Patch::Fault(Box::new(fault.installed(way, self.now)));
+        self.change(variable, Act::Patch(fault))
+    }
+
+    /// The condition for the fault with this number holds.
+    pub(crate) fn trigger(&mut self, variable: &str, number: u32) -> Result<()> {
+        self.change(variable, Act::Trigger(number, self.now))
+    }
+
+    /// What a recorded variable was at the last output instant, which may be now.
+    pub fn recorded(&self, variable: &str) -> Option<f64> {
+        let place = self.system.columns().iter().position(|column| column.name == variable)?;
+        self.row.get(place).copied()
     }
 
     /// Ends the run here.
@@ -60,44 +82,87 @@ impl Controls<'_> {
         self.stop = Some(reason);
     }
 
-    fn change(&mut self, name: &str, patch: Option<Patch>) -> Result<()> {
+    fn change(&mut self, name: &str, act: Act) -> Result<()> {
         let port = self.system.manipulable(name)?;
-        let start = start_of(self.system, port);
-        let change = Change { variable: port.variable, patch, start };
+        let (start, way) = (start_of(self.system, port), self.system.way(port));
+        let change = Change { variable: port.variable, way, act, start };
         self.driven.change(port.component, change, self.now)
     }
 }
 
 /// A manipulation of one variable of a component.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Change {
     /// Position of the variable.
     pub variable: usize,
-    /// What is done to it; nothing any more without.
-    pub patch: Option<Patch>,
+    /// How its value gets to the component or from it.
+    pub way: Way,
+    /// What is done to it.
+    pub act: Act,
     /// What it was at the start.
     pub start: f64,
+}
+
+/// What is done to a variable.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) enum Act {
+    /// This, in place of an override or a bias that is there; faults are added to one another.
+    Patch(Patch),
+    /// No override and no bias any more.
+    Release,
+    /// The condition for the fault with this number holds now.
+    Trigger(u32, Time),
 }
 
 impl Engine {
     /// Changes a variable from now on.
     pub(crate) fn change(&mut self, component: usize, change: Change) -> Result<()> {
-        let Change { variable, patch, start } = change;
-        if !self.plan.nodes[component].exchanges(variable) {
-            self.slaves[component]
-                .assign(variable, patch.map_or(start, |patch| patch.of(start)))?;
+        let Change { variable, way, act, start } = change;
+        let shared = self.patches_of(component);
+        let mut patches = shared.borrow_mut();
+        let own = |patched: &Patched| patched.variable == variable;
+        let fault = match act {
+            Act::Trigger(number, now) => {
+                for patched in patches.iter_mut().filter(|patched| own(patched)) {
+                    if let Patch::Fault(fault) = &mut patched.patch {
+                        fault.trigger(number, now);
+                    }
+                }
+                return Ok(());
+            }
+            Act::Patch(patch) => Some(patch),
+            Act::Release => None,
+        };
+        if let Some(patch @ Patch::Fault(_)) = fault {
+            // It is given with the next step.
+            patches.push(Patched { variable, way, start, given: start, patch });
+            return Ok(());
+        }
+        patches.retain(|patched| !own(patched) || patched.patch.is_fault());
+        let value = match fault {
+            Some(Patch::Override(value)) => value,
+            Some(Patch::Bias(bias)) => start + bias,
+            _ => start,
+        };
+        if way == Way::Free {
+            // The slave borrows nothing to be assigned.
+            self.slaves[component].assign(variable, value)?;
+            patches.iter_mut().filter(|p| own(p)).for_each(|patched| patched.given = value);
         }
         // What was assigned is kept in the list too, for a snapshot.
-        self.patch(component, variable, patch);
+        let patched = |patch| Patched { variable, way, start, given: value, patch };
+        let place = patches.iter().position(own).unwrap_or(patches.len());
+        if let Some(patch) = fault {
+            patches.insert(place, patched(patch));
+        }
         Ok(())
     }
 
-    /// Replaces what is done to a variable.
-    pub(super) fn patch(&mut self, component: usize, variable: usize, patch: Option<Patch>) {
-        let shared = self.patches_of(component);
-        let mut patches = shared.borrow_mut();
-        patches.retain(|(patched, _)| *patched != variable);
-        patches.extend(patch.map(|patch| (variable, patch)));
+    /// Replaces everything that is done to the variables of a component.
+    pub(super) fn replace_patches(&mut self, component: usize, patches: &[Patched]) {
+        if !patches.is_empty() {
+            *self.patches_of(component).borrow_mut() = patches.to_vec();
+        }
     }
 
     fn patches_of(&mut self, component: usize) -> SharedPatches {
@@ -115,6 +180,29 @@ impl Engine {
 }
 
 impl System {
+    /// The variables that may be manipulated and that a name or a pattern (`*`, `?`) means.
+    pub(crate) fn manipulables(&self, name: &str) -> Result<Vec<String>> {
+        if !names::is_pattern(name) {
+            return self.manipulable(name).map(|_| vec![name.to_owned()]);
+        }
+        let mut found = Vec::new();
+        for (component, own) in self.components().iter().enumerate() {
+            let variables = own.model.description().map_or(&[][..], |d| &d.variables);
+            for (variable, described) in variables.iter().enumerate() {
+                let full = self.port_name(Port { component, variable });
+                let fits = described.kind != Kind::String && may_change(described);
+                if fits && names::matches(name, &full) {
+                    found.push(full);
+                }
+            }
+        }
+        if found.is_empty() {
+            return Err(Error::new(Code::UnknownName, format!("'{name}' matches no variable"))
+                .why("only inputs, outputs and tunable parameters are set while a system runs"));
+        }
+        Ok(found)
+    }
+
     /// The port of a variable that may be manipulated, or why it may not.
     pub(crate) fn manipulable(&self, name: &str) -> Result<Port> {
         let port = self.port(name)?;
@@ -134,6 +222,21 @@ impl System {
     }
 }
 
+impl System {
+    /// How the values of a variable get to its component, or from it.
+    fn way(&self, port: Port) -> Way {
+        let description = self.components()[port.component].model.description();
+        let causality = description.map(|d| d.variables[port.variable].causality);
+        if causality == Some(Causality::Output) {
+            Way::Output
+        } else if self.connections().iter().any(|connection| connection.to == port) {
+            Way::Input
+        } else {
+            Way::Free
+        }
+    }
+}
+
 fn may_change(variable: &Variable) -> bool {
     match variable.causality {
         Causality::Input | Causality::Output => true,
@@ -148,10 +251,15 @@ fn start_of(system: &System, port: Port) -> f64 {
     let given = component.start_values.iter().rev().find(|(v, _)| *v == port.variable);
     let description = component.model.description();
     let declared = description.and_then(|d| d.variables[port.variable].start.as_ref());
-    match given.map(|(_, value)| value).or(declared) {
-        Some(Value::Real(value)) => *value,
-        Some(Value::Integer(value)) => f64::from(*value),
-        Some(Value::Boolean(value)) => f64::from(u8::from(*value)),
-        Some(Value::String(_)) | None => 0.0,
+    given.map(|(_, value)| value).or(declared).map_or(0.0, number)
+}
+
+/// A value as a number; a String is 0.
+pub(super) fn number(value: &Value) -> f64 {
+    match value {
+        Value::Real(value) => *value,
+        Value::Integer(value) => f64::from(*value),
+        Value::Boolean(value) => f64::from(u8::from(*value)),
+        Value::String(_) => 0.0,
     }
 }

@@ -1,4 +1,4 @@
-//! A slave some of whose variables are manipulated: overridden or biased.
+//! A slave some of whose variables are manipulated: overridden, biased, or with faults.
 //!
 //! Only manipulated components are wrapped, so the others cost nothing more. A connected input is
 //! changed on its way into the slave, an output on its way out of it; a parameter or an input
@@ -9,30 +9,58 @@ use std::rc::Rc;
 
 use serde::{Deserialize, Serialize};
 
+use super::manipulate::number;
 use super::plan::Node;
 use super::slave::{Slave, passes_on};
 use crate::error::Result;
+use crate::fault::{Acting, Way};
 use crate::fmi::{Place, Value};
 use crate::time::Time;
 
 /// What is done to a value.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Patch {
     Override(f64),
     Bias(f64),
+    Fault(Box<Acting>),
 }
 
 impl Patch {
-    pub(super) fn of(self, value: f64) -> f64 {
+    pub(super) fn apply(&mut self, value: f64) -> f64 {
         match self {
-            Patch::Override(instead) => instead,
-            Patch::Bias(bias) => value + bias,
+            Patch::Override(instead) => *instead,
+            Patch::Bias(bias) => value + *bias,
+            Patch::Fault(fault) => fault.apply(value),
         }
+    }
+
+    fn slope(&self) -> f64 {
+        match self {
+            Patch::Override(_) => 0.0,
+            Patch::Bias(_) => 1.0,
+            Patch::Fault(fault) => fault.slope(),
+        }
+    }
+
+    pub(super) fn is_fault(&self) -> bool {
+        matches!(self, Patch::Fault(_))
     }
 }
 
-/// The patches of one component, by position of the variable.
-pub(crate) type Patches = Vec<(usize, Patch)>;
+/// A variable of a component and one of the things that are done to it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Patched {
+    /// Position of the variable.
+    pub variable: usize,
+    pub way: Way,
+    /// What a free variable is without this, and what it was given last.
+    pub start: f64,
+    pub given: f64,
+    pub patch: Patch,
+}
+
+/// The patches of one component; those of one variable act in their order.
+pub(crate) type Patches = Vec<Patched>;
 
 /// They are shared with the engine, which changes them between steps.
 pub(crate) type SharedPatches = Rc<RefCell<Patches>>;
@@ -43,6 +71,8 @@ pub(super) struct PatchedSlave {
     outputs: Vec<usize>,
     recorded: Vec<usize>,
     patches: SharedPatches,
+    /// Those of the states that are kept.
+    kept: [Patches; Place::COUNT],
     /// Room for inputs and slopes.
     values: Vec<f64>,
     slopes: Vec<f64>,
@@ -52,41 +82,110 @@ impl PatchedSlave {
     pub(super) fn new(inner: Box<dyn Slave>, node: &Node, patches: SharedPatches) -> Self {
         let (inputs, outputs, recorded) =
             (node.inputs.clone(), node.outputs.clone(), node.recorded.clone());
-        Self { inner, inputs, outputs, recorded, patches, values: Vec::new(), slopes: Vec::new() }
+        let (values, slopes, kept) = (Vec::new(), Vec::new(), Default::default());
+        Self { inner, inputs, outputs, recorded, patches, kept, values, slopes }
     }
 
     fn places<'a>(
-        patches: &'a Patches,
+        patches: &'a mut Patches,
+        way: Way,
         variables: &'a [usize],
-    ) -> impl Iterator<Item = (usize, Patch)> + 'a {
-        patches.iter().filter_map(|&(variable, patch)| {
-            Some((variables.iter().position(|&v| v == variable)?, patch))
+    ) -> impl Iterator<Item = (usize, &'a mut Patch)> {
+        patches.iter_mut().filter(move |patched| patched.way == way).filter_map(|patched| {
+            Some((variables.iter().position(|&v| v == patched.variable)?, &mut patched.patch))
         })
     }
 
-    fn patch(patches: &Patches, variables: &[usize], values: &mut [f64]) {
-        for (place, patch) in Self::places(patches, variables) {
-            values[place] = patch.of(values[place]);
+    fn patch(patches: &mut Patches, way: Way, variables: &[usize], values: &mut [f64]) {
+        for (place, patch) in Self::places(patches, way, variables) {
+            values[place] = patch.apply(values[place]);
         }
     }
 
     /// What has slopes is patched too: an overridden value stays where it is.
-    fn flatten(patches: &Patches, variables: &[usize], slopes: &mut [f64]) {
-        for (place, patch) in Self::places(patches, variables) {
-            if matches!(patch, Patch::Override(_)) {
-                slopes[place] = 0.0;
+    fn slope(patches: &mut Patches, way: Way, variables: &[usize], slopes: &mut [f64]) {
+        for (place, patch) in Self::places(patches, way, variables) {
+            let factor = patch.slope();
+            slopes[place] = if factor == 0.0 { 0.0 } else { slopes[place] * factor };
+        }
+    }
+
+    fn has_faults(&self) -> bool {
+        self.patches.borrow().iter().any(|patched| patched.patch.is_fault())
+    }
+
+    /// Gives free variables with faults what they are during the step that begins.
+    fn give_free(&mut self) -> Result<()> {
+        let mut patches = self.patches.borrow_mut();
+        for place in 0..patches.len() {
+            let Patched { variable, way, start, given, .. } = patches[place];
+            let own = |patched: &Patched| patched.variable == variable;
+            let first = patches.iter().position(own) == Some(place);
+            if way != Way::Free || !first {
+                continue;
+            }
+            let all = patches.iter_mut().filter(|patched| own(patched));
+            let value = all.fold(start, |value, patched| patched.patch.apply(value));
+            if value.to_bits() != given.to_bits() {
+                self.inner.assign(variable, value)?;
+                patches.iter_mut().filter(|p| own(p)).for_each(|p| p.given = value);
             }
         }
+        Ok(())
+    }
+
+    /// A step was made: the faults go on.
+    fn advance_faults(&mut self, begin: Time, end: Time) -> Result<()> {
+        let mut patches = self.patches.borrow_mut();
+        for patched in patches.iter_mut() {
+            if let Patch::Fault(fault) = &mut patched.patch {
+                fault.advance(begin, end);
+            }
+        }
+        // What looks back sees each value, also of outputs that are read now and then only.
+        for place in 0..patches.len() {
+            let Patched { variable, way, .. } = patches[place];
+            let looks_back =
+                matches!(&patches[place].patch, Patch::Fault(fault) if fault.remembers());
+            if way == Way::Output && looks_back && !self.outputs.contains(&variable) {
+                let value = number(&self.inner.look(variable)?);
+                let all = patches.iter_mut().filter(|patched| patched.variable == variable);
+                all.fold(value, |value, patched| patched.patch.apply(value));
+            }
+        }
+        Ok(())
     }
 }
 
 impl Slave for PatchedSlave {
     passes_on!(inner);
 
+    fn step(&mut self, start: Time, step: Time) -> Result<Time> {
+        if !self.has_faults() {
+            return self.inner.step(start, step);
+        }
+        self.give_free()?;
+        let reached = self.inner.step(start, step)?;
+        if reached == start + step {
+            self.advance_faults(start, reached)?;
+        }
+        Ok(reached)
+    }
+
+    fn save(&mut self, place: Place) -> Result<()> {
+        self.kept[place as usize].clone_from(&self.patches.borrow());
+        self.inner.save(place)
+    }
+
+    fn restore(&mut self, place: Place, time: Time) -> Result<()> {
+        self.patches.borrow_mut().clone_from(&self.kept[place as usize]);
+        self.inner.restore(place, time)
+    }
+
     fn set(&mut self, values: &[f64]) -> Result<()> {
         self.values.clear();
         self.values.extend_from_slice(values);
-        Self::patch(&self.patches.borrow(), &self.inputs, &mut self.values);
+        Self::patch(&mut self.patches.borrow_mut(), Way::Input, &self.inputs, &mut self.values);
         self.inner.set(&self.values)
     }
 
@@ -95,35 +194,35 @@ impl Slave for PatchedSlave {
         self.values.extend_from_slice(values);
         self.slopes.clear();
         self.slopes.extend_from_slice(slopes);
-        Self::patch(&self.patches.borrow(), &self.inputs, &mut self.values);
-        Self::flatten(&self.patches.borrow(), &self.inputs, &mut self.slopes);
+        Self::patch(&mut self.patches.borrow_mut(), Way::Input, &self.inputs, &mut self.values);
+        Self::slope(&mut self.patches.borrow_mut(), Way::Input, &self.inputs, &mut self.slopes);
         self.inner.ramp(&self.values, &self.slopes)
     }
 
     fn get(&mut self, values: &mut [f64]) -> Result<()> {
         self.inner.get(values)?;
-        Self::patch(&self.patches.borrow(), &self.outputs, values);
+        Self::patch(&mut self.patches.borrow_mut(), Way::Output, &self.outputs, values);
         Ok(())
     }
 
     fn slopes(&mut self, slopes: &mut [f64]) -> Result<bool> {
         let told = self.inner.slopes(slopes)?;
-        Self::flatten(&self.patches.borrow(), &self.outputs, slopes);
+        Self::slope(&mut self.patches.borrow_mut(), Way::Output, &self.outputs, slopes);
         Ok(told)
     }
 
     fn tangent(&mut self, seed: &[f64], outputs: &mut [f64]) -> Result<bool> {
         self.slopes.clear();
         self.slopes.extend_from_slice(seed);
-        Self::flatten(&self.patches.borrow(), &self.inputs, &mut self.slopes);
+        Self::slope(&mut self.patches.borrow_mut(), Way::Input, &self.inputs, &mut self.slopes);
         let told = self.inner.tangent(&self.slopes, outputs)?;
-        Self::flatten(&self.patches.borrow(), &self.outputs, outputs);
+        Self::slope(&mut self.patches.borrow_mut(), Way::Output, &self.outputs, outputs);
         Ok(told)
     }
 
     fn read(&mut self, values: &mut [f64]) -> Result<()> {
         self.inner.read(values)?;
-        Self::patch(&self.patches.borrow(), &self.recorded, values);
+        Self::patch(&mut self.patches.borrow_mut(), Way::Output, &self.recorded, values);
         Ok(())
     }
 }

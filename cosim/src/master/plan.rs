@@ -80,13 +80,6 @@ pub(crate) struct Node {
     pub trends: Vec<usize>,
 }
 
-impl Node {
-    /// Whether a variable is a connected input, or read by somebody.
-    pub(super) fn exchanges(&self, variable: usize) -> bool {
-        [&self.inputs, &self.outputs, &self.recorded].iter().any(|own| own.contains(&variable))
-    }
-}
-
 /// The layout of a system.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Plan {

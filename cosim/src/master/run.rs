@@ -189,7 +189,7 @@ impl<'a> Run<'a> {
             if now == output {
                 self.record(driven, output, &mut row)?;
             }
-            let mut ended = self.act(driven, now, acted)?;
+            let mut ended = self.act(driven, now, acted, &row)?;
             acted = Some(now);
             if now == output {
                 self.take_snapshots(driven, now, &mut taken)?;
@@ -254,8 +254,9 @@ impl<'a> Run<'a> {
         driven: &mut dyn Drive,
         now: Time,
         acted: Option<Time>,
+        row: &[f64],
     ) -> Result<Option<Stop>> {
-        let mut controls = Controls { system: self.system, driven, now, stop: None };
+        let mut controls = Controls { system: self.system, driven, now, row, stop: None };
         for manipulator in &mut self.manipulators {
             let due = |at: Time| at <= now && acted.is_none_or(|acted| at > acted);
             if manipulator.next().is_some_and(due) {

@@ -139,8 +139,8 @@ pub struct DirectCalls<'a> {
     pub(super) recorded: &'a [u32],
 }
 
-/// What a slave around another one leaves to it; `Place`, `Result`, `Time` and `Value` are the
-/// caller's.
+/// What a slave around another one leaves to it, but its steps and the states that it keeps; `Result`,
+/// `Time` and `Value` are the caller's.
 macro_rules! passes_on {
     ($inner:ident) => {
         fn enter_initialization(&mut self, start: Time, stop: Time) -> Result<()> {
@@ -149,10 +149,6 @@ macro_rules! passes_on {
 
         fn exit_initialization(&mut self) -> Result<()> {
             self.$inner.exit_initialization()
-        }
-
-        fn step(&mut self, start: Time, step: Time) -> Result<Time> {
-            self.$inner.step(start, step)
         }
 
         fn assign(&mut self, variable: usize, value: f64) -> Result<()> {
@@ -173,14 +169,6 @@ macro_rules! passes_on {
 
         fn messages(&mut self) -> Vec<String> {
             self.$inner.messages()
-        }
-
-        fn save(&mut self, place: Place) -> Result<()> {
-            self.$inner.save(place)
-        }
-
-        fn restore(&mut self, place: Place, time: Time) -> Result<()> {
-            self.$inner.restore(place, time)
         }
 
         fn serialize(&mut self) -> Result<Vec<u8>> {
@@ -204,4 +192,21 @@ macro_rules! passes_on {
         }
     };
 }
-pub(super) use passes_on;
+
+/// Steps and the states that it keeps, too; `Place` is the caller's.
+macro_rules! passes_steps_on {
+    ($inner:ident) => {
+        fn step(&mut self, start: Time, step: Time) -> Result<Time> {
+            self.$inner.step(start, step)
+        }
+
+        fn save(&mut self, place: Place) -> Result<()> {
+            self.$inner.save(place)
+        }
+
+        fn restore(&mut self, place: Place, time: Time) -> Result<()> {
+            self.$inner.restore(place, time)
+        }
+    };
+}
+pub(super) use {passes_on, passes_steps_on};

@@ -20,7 +20,7 @@ use crate::texts;
 use crate::time::Time;
 
 const MAGIC: &[u8; 8] = b"COSIMSNP";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 const HEADER: usize = 8 + 4 + 32;
 
 /// A running system at one instant.
@@ -224,9 +224,7 @@ impl Engine {
         }
         for (component, saved) in state.components.iter().enumerate() {
             self.slaves[component].deserialize(&saved.state, time)?;
-            for &(variable, patch) in &saved.patches {
-                self.patch(component, variable, Some(patch));
-            }
+            self.replace_patches(component, &saved.patches);
         }
         Ok(())
     }

@@ -14,6 +14,7 @@ mod durability;
 mod exchange;
 mod export;
 mod failures;
+mod faults;
 mod field;
 mod flags;
 mod formats;

@@ -206,7 +206,8 @@ fn a_change_of_a_variable_that_is_not_there_is_refused() {
     host.handle(&outcome.told[0]);
     let mut message = outcome.told[1].clone();
     message[2] = Kind::Change as u8;
-    let change = crate::master::Change { variable: 8, patch: None, start: 0.0 };
+    let (way, act) = (crate::fault::Way::Free, crate::master::Act::Release);
+    let change = crate::master::Change { variable: 8, way, act, start: 0.0 };
     message.extend(postcard::to_stdvec(&(0_usize, change)).unwrap());
     let Handled::Answer(answer) = host.handle(&message) else { panic!("no answer") };
     assert!(String::from_utf8_lossy(&answer).contains("no variable 8 of 8"));

@@ -1,0 +1,350 @@
+//! Makes runs of a campaign: any of them, in any order.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use sha2::{Digest, Sha256};
+
+use super::design::Points;
+use super::row::{Row, Status};
+use super::{Campaign, file::Cell};
+use crate::condition::Condition;
+use crate::digest::sha256;
+use crate::error::{Code, Error, Result};
+use crate::fault::Random;
+use crate::fmi::{Causality, Kind};
+use crate::master::{Manipulator, Run};
+use crate::names;
+use crate::observe::{Observer, Recording, RunInfo, RunningDigest, Stop};
+use crate::scenario::Scenario;
+use crate::system::{Overrides, Port, System};
+use crate::time::Time;
+
+/// The first numbers of the addresses of random streams, after the root seed.
+const SEEDS: u64 = 0x7365_6564_73;
+const FAULTS: u64 = 0x6661_756c_7473;
+
+/// A campaign with its systems: each is read once, and its FMUs are mapped once.
+pub struct Bench {
+    campaign: Campaign,
+    points: Points,
+    /// Per system of the file.
+    systems: Vec<System>,
+    /// Per system and replacement: the parameters that get seeds.
+    seeds: HashMap<(usize, usize), Vec<String>>,
+    scenarios: Vec<Option<Scenario>>,
+}
+
+impl Bench {
+    /// Reads the systems and scenarios of a campaign.
+    pub fn open(campaign: Campaign) -> Result<Self> {
+        let (mut systems, mut scenarios, mut problems) = (Vec::new(), Vec::new(), Vec::new());
+        for (_, file) in &campaign.systems {
+            match System::load(file, &Overrides::new()) {
+                Ok(system) => systems.push(system),
+                Err(problem) => problems.push(problem),
+            }
+        }
+        for (_, file) in &campaign.scenarios {
+            match file.as_ref().map(Scenario::read).transpose() {
+                Ok(scenario) => scenarios.push(scenario),
+                Err(problem) => problems.push(problem),
+            }
+        }
+        Error::all(problems)?;
+        let points =
+            Points::new(campaign.design, campaign.seed, campaign.dispersions.len(), campaign.seeds);
+        let mut bench = Self { campaign, points, systems, seeds: HashMap::new(), scenarios };
+        let mut problems = Vec::new();
+        for system in 0..bench.campaign.systems.len() {
+            for replacement in 0..bench.campaign.replacements.len() {
+                match bench.find_seeds(system, replacement) {
+                    Ok(seeds) => drop(bench.seeds.insert((system, replacement), seeds)),
+                    Err(problem) => problems.push(problem),
+                }
+            }
+        }
+        Error::all(problems)?;
+        Ok(bench)
+    }
+
+    /// The campaign.
+    pub fn campaign(&self) -> &Campaign {
+        &self.campaign
+    }
+
+    /// Checks the first run of every cell without making it.
+    pub fn check(&self) -> Result<()> {
+        let problems = (0..self.campaign.cells.len()).filter_map(|cell| {
+            let system = self.system(cell as u64, &[]).and_then(|system| {
+                system.ready()?;
+                self.scenario(cell as u64)
+                    .map_or(Ok(()), |mut scenario| scenario.start(&system, None))
+            });
+            system.err()
+        });
+        let problems: Vec<Error> = problems.collect();
+        // One mistake is often in many cells.
+        let mut told: Vec<String> = Vec::new();
+        let new = problems.into_iter().filter(|problem| {
+            let text = problem.to_string();
+            let new = !told.contains(&text);
+            told.push(text);
+            new
+        });
+        Error::all(new.collect())
+    }
+
+    /// Everything that decides what the runs are, as lines of text: files by their hashes.
+    pub fn identity(&self) -> Result<Vec<String>> {
+        let mut lines = self.campaign.identity();
+        let hash = |name: &str, file: &Path| -> Result<String> {
+            let octets = std::fs::read(file)
+                .map_err(|e| Error::new(Code::File, "a file cannot be read").at(file).why(e))?;
+            Ok(format!("{name} is {}", sha256(octets)))
+        };
+        for ((name, file), system) in self.campaign.systems.iter().zip(&self.systems) {
+            lines.push(hash(&format!("system {name}"), file)?);
+            for component in system.components() {
+                if let Some(fmu) = component.fmu() {
+                    let digest = fmu.digest(component.interface)?;
+                    lines.push(format!("component {name}.{} is {digest}", component.name));
+                }
+            }
+        }
+        for replacement in &self.campaign.replacements {
+            for (component, file) in &replacement.components {
+                lines.push(hash(&format!("{}.{component}", replacement.name), file)?);
+            }
+        }
+        for (name, file) in &self.campaign.scenarios {
+            if let Some(file) = file {
+                lines.push(hash(&format!("scenario {name}"), file)?);
+            }
+        }
+        lines.push(format!("cosim {}", env!("CARGO_PKG_VERSION")));
+        Ok(lines)
+    }
+
+    /// What a replacement changes.
+    fn replaced(&self, replacement: usize) -> Overrides {
+        let components = self.campaign.replacements[replacement].components.iter();
+        components.fold(Overrides::new(), |overrides, (name, fmu)| overrides.replace(name, fmu))
+    }
+
+    /// The parameters that get a seed of their own in each run.
+    fn find_seeds(&self, system: usize, replacement: usize) -> Result<Vec<String>> {
+        let system = self.systems[system].with(&self.replaced(replacement))?;
+        let fixed: Vec<&str> = self.campaign.inputs().collect();
+        let fixed = |name: &str| {
+            fixed.contains(&name) || self.campaign.start_values.iter().any(|(n, _)| n == name)
+        };
+        let mut seeds = Vec::new();
+        for (component, own) in system.components().iter().enumerate() {
+            let variables = own.model.description().map_or(&[][..], |d| &d.variables);
+            for (variable, described) in variables.iter().enumerate() {
+                let name = system.port_name(Port { component, variable });
+                let settable =
+                    described.causality == Causality::Parameter && described.kind == Kind::Integer;
+                let patterns = &self.campaign.seed_parameters;
+                let wanted = patterns.iter().any(|pattern| names::matches(pattern, &name));
+                if settable && wanted && !fixed(&name) {
+                    seeds.push(name);
+                }
+            }
+        }
+        Ok(seeds)
+    }
+
+    /// The values of the parameters that the file lets vary, for a run.
+    fn inputs(&self, run: u64) -> Vec<String> {
+        let campaign = &self.campaign;
+        let (cell, point) = (&campaign.cells[campaign.cell_of(run)], campaign.replicate_of(run));
+        let factors = campaign.factors.iter().zip(&cell.levels);
+        let factors = factors.map(|((_, values), level)| values[*level].clone());
+        let list = cell.row.map(|row| campaign.list.1[row].clone()).unwrap_or_default();
+        let drawn = campaign.dispersions.iter().enumerate().map(|(coordinate, (_, spread))| {
+            spread.quantile(self.points.at(point, coordinate))
+        });
+        factors.chain(list).chain(drawn).collect()
+    }
+
+    /// The seed of a stream of a run: the same in all cells, so that these are compared by pairs.
+    fn seed(&self, run: u64, kind: u64, name: &str) -> Random {
+        let hash = Sha256::digest(name);
+        let name = u64::from_le_bytes(std::array::from_fn(|place| hash[place]));
+        let replicate = self.campaign.replicate_of(run) as u64;
+        Random::new(&[self.campaign.seed, kind, replicate, name])
+    }
+
+    fn cell(&self, run: u64) -> &Cell {
+        &self.campaign.cells[self.campaign.cell_of(run)]
+    }
+
+    /// The system of a run; `more` is recorded beside what the figures need.
+    fn system(&self, run: u64, more: &[String]) -> Result<System> {
+        let (campaign, cell) = (&self.campaign, self.cell(run));
+        let mut overrides = self.replaced(cell.replacement);
+        for (name, value) in &campaign.start_values {
+            overrides = overrides.start_value(name, value);
+        }
+        for (name, value) in campaign.inputs().zip(self.inputs(run)) {
+            overrides = overrides.start_value(name, value);
+        }
+        for name in &self.seeds[&(cell.system, cell.replacement)] {
+            let seed = self.seed(run, SEEDS, name).below(i32::MAX as usize);
+            overrides = overrides.start_value(name, seed);
+        }
+        if let Some(seconds) = campaign.stop_time {
+            overrides = overrides.stop_time(seconds);
+        }
+        if let Some(seconds) = campaign.output_interval {
+            overrides = overrides.output_interval(seconds);
+        }
+        overrides = overrides.output_variables(self.columns(cell)).output_variables(more);
+        self.systems[cell.system].with(&overrides)
+    }
+
+    /// What must be recorded in a cell, each once.
+    fn columns(&self, cell: &Cell) -> Vec<String> {
+        let campaign = &self.campaign;
+        let figures = campaign.figures.iter().flat_map(|(_, figure)| figure.columns());
+        let stops = campaign.stop_when.iter().map(|condition| condition.variable.clone());
+        let scenario = self.scenarios[cell.scenario].iter();
+        let watched = scenario.flat_map(|scenario| scenario.watched().map(str::to_owned));
+        let mut columns: Vec<String> = figures.chain(stops).chain(watched).collect();
+        columns.sort();
+        columns.dedup();
+        columns
+    }
+
+    fn scenario(&self, run: u64) -> Option<Scenario> {
+        let scenario = self.scenarios[self.cell(run).scenario].clone()?;
+        let seed = self.seed(run, FAULTS, "").below(usize::MAX) as u64;
+        Some(scenario.seeded(seed))
+    }
+
+    /// The row of a run that came to nothing where it was made.
+    pub fn lost(&self, run: u64, status: Status, reason: impl Into<String>) -> Row {
+        Row { inputs: self.inputs(run), ..Row::without_figures(run, status, reason) }
+    }
+
+    /// Makes a run: its row.
+    pub fn run(&self, run: u64) -> Row {
+        self.row(run, &[], &mut Recording::new())
+    }
+
+    /// Makes a run again and records these variables (`*` and `?` make a pattern) as well.
+    pub fn replay(&self, run: u64, variables: &[String], results: &mut dyn Observer) -> Row {
+        self.row(run, variables, results)
+    }
+
+    fn row(&self, run: u64, more: &[String], results: &mut dyn Observer) -> Row {
+        let begun = processor_time();
+        let outcome = self.made(run, more, results);
+        let mut row =
+            outcome.unwrap_or_else(|problem| self.lost(run, Status::Failed, problem.line()));
+        row.cpu_ms = format!("{:.1}", (processor_time() - begun) * 1e3);
+        row
+    }
+
+    fn made(&self, run: u64, more: &[String], results: &mut dyn Observer) -> Result<Row> {
+        let system = self.system(run, more)?;
+        let mut scenario = self.scenario(run);
+        let mut kept = Kept::new(self.columns(self.cell(run)), &self.campaign.stop_when);
+        let mut making = Run::new(&system).observe(&mut kept).observe(results);
+        if let Some(scenario) = &mut scenario {
+            making = making.manipulate(scenario);
+        }
+        let summary = making.go()?;
+        let figures = self.campaign.figures.iter();
+        let figures = figures.map(|(_, figure)| figure.compute(&kept.recording));
+        let figures: Result<Vec<f64>> = figures.collect();
+        let ended = kept.held.map(|held| format!("ended when {held}"));
+        let mut reason: Vec<String> = ended.into_iter().collect();
+        if summary.stopped == Some(Stop::Component) {
+            reason.extend(summary.warnings.iter().cloned());
+        }
+        Ok(Row {
+            run,
+            status: Status::Ok,
+            reason: reason.join("; "),
+            inputs: self.inputs(run),
+            simulated: summary.simulated.to_string(),
+            figures: figures?.iter().map(f64::to_string).collect(),
+            digest: kept.digest.text(),
+            cpu_ms: String::new(),
+        })
+    }
+}
+
+/// The processor time of this process (s).
+fn processor_time() -> f64 {
+    let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
+    // SAFETY: the pointer is to a structure of this type, which is written.
+    unsafe { libc::clock_gettime(libc::CLOCK_PROCESS_CPUTIME_ID, &mut time) };
+    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
+}
+
+/// Keeps what the figures need, whatever else is recorded, with its digest; ends the run.
+struct Kept<'a> {
+    recording: Recording,
+    digest: RunningDigest,
+    names: Vec<String>,
+    /// Their places among all columns.
+    places: Vec<usize>,
+    row: Vec<f64>,
+    stop_when: &'a [Condition],
+    /// Per condition: the place of its variable among all columns.
+    looked_at: Vec<usize>,
+    held: Option<String>,
+}
+
+impl<'a> Kept<'a> {
+    fn new(names: Vec<String>, stop_when: &'a [Condition]) -> Self {
+        let digest = RunningDigest::new(names.iter().map(String::as_str));
+        Self {
+            recording: Recording::new(),
+            digest,
+            names,
+            places: Vec::new(),
+            row: Vec::new(),
+            stop_when,
+            looked_at: Vec::new(),
+            held: None,
+        }
+    }
+}
+
+impl Observer for Kept<'_> {
+    fn start(&mut self, info: &RunInfo<'_>) -> Result<()> {
+        let place = |name: &str| {
+            info.columns.iter().position(|column| column.name == name).ok_or_else(|| {
+                Error::new(Code::UnknownName, format!("'{name}' is not recorded"))
+            })
+        };
+        self.places = self.names.iter().map(|name| place(name)).collect::<Result<_>>()?;
+        self.looked_at =
+            self.stop_when.iter().map(|c| place(&c.variable)).collect::<Result<_>>()?;
+        let columns: Vec<_> = self.places.iter().map(|&p| info.columns[p].clone()).collect();
+        self.recording.start(&RunInfo { columns: &columns, ..*info })
+    }
+
+    fn sample(&mut self, time: Time, values: &[f64]) -> Result<()> {
+        self.row.clear();
+        self.row.extend(self.places.iter().map(|&place| values[place]));
+        self.digest.add(time, self.row.iter().copied());
+        let held = self.stop_when.iter().zip(&self.looked_at);
+        let held = held.clone().find(|(condition, place)| condition.holds(values[**place]));
+        self.held = held.map(|(condition, _)| format!("{condition} at t = {time}"));
+        self.recording.sample(time, &self.row)
+    }
+
+    fn finish(&mut self) -> Result<()> {
+        self.recording.finish()
+    }
+
+    fn stop(&self) -> Option<Stop> {
+        self.held.is_some().then_some(Stop::Enough)
+    }
+}

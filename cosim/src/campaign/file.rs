@@ -1,0 +1,438 @@
+//! The file of a campaign.
+
+use std::path::{Path, PathBuf};
+
+use super::design::{DESIGNS, Design, Distribution, Points};
+use super::figure::Figure;
+use crate::condition::Condition;
+use crate::error::{Code, Error, Result};
+use crate::names;
+use crate::table::{Document, Table};
+
+/// Which runs there are, and what is asked of them.
+#[derive(Debug)]
+pub struct Campaign {
+    /// The file.
+    pub file: PathBuf,
+    /// The number that all random numbers come from.
+    pub seed: u64,
+    /// How many runs each cell has.
+    pub seeds: usize,
+    pub(super) systems: Vec<(String, PathBuf)>,
+    pub(super) replacements: Vec<Replacement>,
+    pub(super) scenarios: Vec<(String, Option<PathBuf>)>,
+    pub(super) factors: Vec<(String, Vec<String>)>,
+    /// The columns of the list, and its rows.
+    pub(super) list: (Vec<String>, Vec<Vec<String>>),
+    pub(super) dispersions: Vec<(String, Distribution)>,
+    pub(super) design: Design,
+    pub(super) start_values: Vec<(String, String)>,
+    pub(super) seed_parameters: Vec<String>,
+    pub(super) stop_time: Option<f64>,
+    pub(super) output_interval: Option<f64>,
+    pub(super) stop_when: Vec<Condition>,
+    /// How many seconds a run may take; then it has failed.
+    pub time_limit: f64,
+    pub(super) figures: Vec<(String, Figure)>,
+    pub(super) verdicts: Vec<Threshold>,
+    pub(super) cells: Vec<Cell>,
+}
+
+/// What is put in the place of components.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Replacement {
+    pub(super) name: String,
+    pub(super) components: Vec<(String, PathBuf)>,
+}
+
+/// A bound on a figure.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Threshold {
+    pub(super) figure: usize,
+    pub(super) quantile: f64,
+    pub(super) least: Option<f64>,
+    pub(super) most: Option<f64>,
+    pub(super) confidence: f64,
+    /// A pattern for the cells that it is for.
+    pub(super) cells: String,
+}
+
+/// A combination of everything that is not random: places in the lists of the campaign.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Cell {
+    pub(super) system: usize,
+    pub(super) replacement: usize,
+    pub(super) scenario: usize,
+    pub(super) levels: Vec<usize>,
+    pub(super) row: Option<usize>,
+    pub(super) name: String,
+}
+
+const KEYS: [&str; 18] = [
+    "description",
+    "seed",
+    "seeds",
+    "systems",
+    "replacements",
+    "scenarios",
+    "factors",
+    "list",
+    "dispersions",
+    "design",
+    "start-values",
+    "seed-parameters",
+    "stop-time",
+    "output-interval",
+    "stop-when",
+    "time-limit",
+    "figures",
+    "verdict",
+];
+
+impl Campaign {
+    /// Reads a file; paths in it are relative to its folder.
+    pub fn read(file: impl AsRef<Path>) -> Result<Self> {
+        let file = file.as_ref();
+        let unread =
+            |e| Error::new(Code::File, "the campaign cannot be read").at(file).why(e);
+        let file = std::path::absolute(file).map_err(unread)?;
+        let text = std::fs::read_to_string(&file).map_err(unread)?;
+        Self::parse(&text, &file)
+    }
+
+    pub(super) fn parse(text: &str, file: &Path) -> Result<Self> {
+        let document = Document::new(text, file, Code::Campaign);
+        let parsed = document.parse()?;
+        let root = document.root(&parsed);
+        root.allow(&KEYS);
+        root.text("description");
+        let folder = file.parent().unwrap_or(Path::new("")).to_owned();
+        let path = |text: &str| folder.join(text);
+        let mut campaign = Self {
+            file: file.to_owned(),
+            seed: root.count("seed").unwrap_or(0),
+            seeds: root.count("seeds").unwrap_or(1) as usize,
+            systems: named(&root, "systems", |entry| entry.text().map(path)),
+            replacements: named(&root, "replacements", |entry| {
+                let table = entry.table()?;
+                let parts = table.entries();
+                let parts = parts.map(|(name, e)| Some((name.to_owned(), path(e.text()?))));
+                parts.collect::<Option<Vec<_>>>()
+            })
+            .into_iter()
+            .map(|(name, components)| Replacement { name, components })
+            .collect(),
+            scenarios: named(&root, "scenarios", |entry| {
+                entry.text().map(|text| (!text.is_empty()).then(|| path(text)))
+            }),
+            factors: named(&root, "factors", |entry| {
+                if !entry.is_list() || entry.list().is_empty() {
+                    entry.wrong("a list of values is wanted");
+                }
+                entry.list().iter().map(|value| value.start_value()).collect()
+            }),
+            list: (Vec::new(), Vec::new()),
+            dispersions: named(&root, "dispersions", |e| Distribution::read(&e.table()?)),
+            design: design(&root),
+            start_values: named(&root, "start-values", |entry| entry.start_value()),
+            seed_parameters: match root.get("seed-parameters") {
+                Some(entry) => entry.texts().into_iter().map(str::to_owned).collect(),
+                None => vec!["*.seed".to_owned()],
+            },
+            stop_time: root.number("stop-time"),
+            output_interval: root.positive("output-interval"),
+            stop_when: conditions(&root),
+            time_limit: root.positive("time-limit").unwrap_or(300.0),
+            figures: named(&root, "figures", |entry| Figure::read(&entry.table()?)),
+            verdicts: Vec::new(),
+            cells: Vec::new(),
+        };
+        if campaign.seeds == 0 {
+            document.wrong(root.get("seeds").map_or(1, |e| e.line), "'seeds' is 0: there is no run");
+        }
+        if campaign.systems.is_empty() {
+            root.wrong("[systems] is missing: names and files of systems");
+        }
+        if let Some(list) = root.text("list") {
+            match read_list(&path(list)) {
+                Ok(read) => campaign.list = read,
+                Err(problem) => document.note(problem),
+            }
+        }
+        campaign.check_names(&root);
+        campaign.verdicts =
+            root.tables("verdict").iter().filter_map(|table| campaign.threshold(table)).collect();
+        document.finish()?;
+        campaign.fill();
+        Ok(campaign)
+    }
+
+    /// No parameter may be set by two.
+    fn check_names(&self, root: &Table<'_>) {
+        let mut seen: Vec<(&str, &str)> = Vec::new();
+        let factors = self.factors.iter().map(|(name, _)| (name.as_str(), "factors"));
+        let dispersions = self.dispersions.iter().map(|(name, _)| (name.as_str(), "dispersions"));
+        let list = self.list.0.iter().map(|name| (name.as_str(), "list"));
+        for (name, by) in factors.chain(dispersions).chain(list) {
+            if let Some((_, before)) = seen.iter().find(|(seen, _)| *seen == name) {
+                root.wrong(format!("'{name}' is set by {before} and by {by}"));
+            }
+            seen.push((name, by));
+        }
+        let most = Points::most(self.design);
+        if self.dispersions.len() > most {
+            root.wrong(format!(
+                "the design has at most {most} dispersions, and there are {}",
+                self.dispersions.len()
+            ));
+        }
+    }
+
+    fn threshold(&self, table: &Table<'_>) -> Option<Threshold> {
+        table.allow(&["figure", "quantile", "at-most", "at-least", "confidence", "cells"]);
+        let name = table.needed_text("figure")?;
+        let figure = self.figures.iter().position(|(known, _)| known == name);
+        if figure.is_none() {
+            let known = || self.figures.iter().map(|(name, _)| name.as_str());
+            let help = names::did_you_mean(name, known()).unwrap_or_else(|| {
+                format!("computed are {}", known().collect::<Vec<_>>().join(", "))
+            });
+            table.get("figure")?.wrong(format!("'{name}' is not computed; {help}"));
+        }
+        let within = |key: &str, usual: f64| {
+            let value = table.number(key).unwrap_or(usual);
+            if !(value > 0.0 && value < 1.0) {
+                table.wrong(format!("'{key}' {value} is not between 0 and 1"));
+            }
+            value
+        };
+        let (quantile, confidence) = (within("quantile", 0.5), within("confidence", 0.95));
+        let (least, most) = (table.number("at-least"), table.number("at-most"));
+        if least.is_some() == most.is_some() {
+            table.wrong("one of 'at-most' and 'at-least' must be the bound");
+        }
+        let cells = table.text("cells").unwrap_or("*").to_owned();
+        Some(Threshold { figure: figure?, quantile, least, most, confidence, cells })
+    }
+
+    /// The cells, and what a file leaves out.
+    fn fill(&mut self) {
+        if self.replacements.is_empty() {
+            self.replacements.push(Replacement { name: String::new(), components: Vec::new() });
+        }
+        if self.scenarios.is_empty() {
+            self.scenarios.push((String::new(), None));
+        }
+        let rows: Vec<Option<usize>> = match self.list.1.len() {
+            0 => vec![None],
+            count => (0..count).map(Some).collect(),
+        };
+        let mut levels = vec![Vec::new()];
+        for (_, values) in &self.factors {
+            let longer = levels.iter().flat_map(|before: &Vec<usize>| {
+                (0..values.len()).map(move |level| [&before[..], &[level]].concat())
+            });
+            levels = longer.collect();
+        }
+        for system in 0..self.systems.len() {
+            for replacement in 0..self.replacements.len() {
+                for scenario in 0..self.scenarios.len() {
+                    for levels in &levels {
+                        for row in &rows {
+                            let (levels, row) = (levels.clone(), *row);
+                            let mut cell = Cell {
+                                system,
+                                replacement,
+                                scenario,
+                                levels,
+                                row,
+                                name: String::new(),
+                            };
+                            cell.name = self.name_of(&cell);
+                            self.cells.push(cell);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// What distinguishes a cell from others.
+    fn name_of(&self, cell: &Cell) -> String {
+        let mut parts = vec![self.systems[cell.system].0.clone()];
+        parts.push(self.replacements[cell.replacement].name.clone());
+        parts.push(self.scenarios[cell.scenario].0.clone());
+        for ((name, values), level) in self.factors.iter().zip(&cell.levels) {
+            parts.push(format!("{name}={}", values[*level]));
+        }
+        parts.extend(cell.row.map(|row| format!("row {}", row + 1)));
+        parts.retain(|part| !part.is_empty());
+        parts.join("/")
+    }
+
+    /// How many runs there are.
+    pub fn runs(&self) -> u64 {
+        (self.cells.len() * self.seeds) as u64
+    }
+
+    /// How many cells there are: combinations of all that is not random.
+    pub fn cells(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// The name of a cell.
+    pub fn cell_name(&self, cell: usize) -> &str {
+        &self.cells[cell].name
+    }
+
+    /// The cell of a run: all cells have their first run before any has its second.
+    pub(super) fn cell_of(&self, run: u64) -> usize {
+        (run % self.cells.len() as u64) as usize
+    }
+
+    /// Which of the runs of its cell a run is.
+    pub(super) fn replicate_of(&self, run: u64) -> usize {
+        (run / self.cells.len() as u64) as usize
+    }
+
+    /// Names of the figures.
+    pub fn figures(&self) -> impl Iterator<Item = &str> {
+        self.figures.iter().map(|(name, _)| name.as_str())
+    }
+
+    /// Names of the parameters that differ from run to run or from cell to cell, without seeds.
+    pub(super) fn inputs(&self) -> impl Iterator<Item = &str> {
+        let factors = self.factors.iter().map(|(name, _)| name.as_str());
+        let list = self.list.0.iter().map(String::as_str);
+        factors.chain(list).chain(self.dispersions.iter().map(|(name, _)| name.as_str()))
+    }
+
+    /// Everything of the file that decides what a run is, as lines of text. What is left out may
+    /// change between two parts of a campaign: thresholds, time limits, and how many seeds there are
+    /// where that moves no point.
+    pub(super) fn identity(&self) -> Vec<String> {
+        let mut lines = vec![format!("seed = {}, design = {:?}", self.seed, self.design)];
+        if self.design == Design::LatinHypercube {
+            lines.push(format!("seeds = {}", self.seeds));
+        }
+        lines.extend(self.cells.iter().map(|cell| format!("cell {}", cell.name)));
+        lines.extend(self.list.1.iter().map(|row| format!("list {:?} = {row:?}", self.list.0)));
+        lines.extend(self.dispersions.iter().map(|(n, d)| format!("dispersion {n} = {d:?}")));
+        lines.extend(self.start_values.iter().map(|(n, v)| format!("start value {n} = {v}")));
+        lines.push(format!("seed-parameters = {:?}", self.seed_parameters));
+        lines.push(format!("stop-time = {:?}", self.stop_time));
+        lines.push(format!("output-interval = {:?}", self.output_interval));
+        let conditions: Vec<String> = self.stop_when.iter().map(Condition::to_string).collect();
+        lines.push(format!("stop-when = {conditions:?}"));
+        lines.extend(self.figures.iter().map(|(name, figure)| format!("figure {name} = {figure:?}")));
+        lines
+    }
+}
+
+/// The entries of a table of the file, each read by `read`.
+fn named<T>(
+    root: &Table<'_>,
+    key: &str,
+    read: impl Fn(&crate::table::Entry<'_>) -> Option<T>,
+) -> Vec<(String, T)> {
+    let Some(table) = root.table(key) else { return Vec::new() };
+    let entries = table.entries().filter_map(|(name, mut entry)| {
+        entry.name = format!("{key}.{name}");
+        Some((name.to_owned(), read(&entry)?))
+    });
+    entries.collect()
+}
+
+fn design(root: &Table<'_>) -> Design {
+    let Some(name) = root.text("design") else { return Design::default() };
+    let found = DESIGNS.iter().find(|(known, _)| *known == name);
+    if found.is_none() {
+        let names = DESIGNS.map(|(name, _)| name);
+        let help = names::did_you_mean(name, names)
+            .unwrap_or_else(|| format!("known are {}", names.join(", ")));
+        root.wrong(format!("there is no design '{name}'; {help}"));
+    }
+    found.map_or(Design::default(), |(_, design)| *design)
+}
+
+fn conditions(root: &Table<'_>) -> Vec<Condition> {
+    let texts = root.texts("stop-when").into_iter();
+    let read = texts.filter_map(|text| text.parse().map_err(|e: String| root.wrong(e)).ok());
+    read.collect()
+}
+
+/// A list of parameters: names in the first line of a CSV file, values in the others.
+fn read_list(file: &Path) -> Result<(Vec<String>, Vec<Vec<String>>)> {
+    let text = std::fs::read_to_string(file)
+        .map_err(|e| Error::new(Code::File, "the list cannot be read").at(file).why(e))?;
+    let cells = |line: &str| -> Vec<String> {
+        line.split(',').map(|cell| cell.trim().trim_matches('"').to_owned()).collect()
+    };
+    let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+    let names = lines.next().map(|(_, line)| cells(line)).unwrap_or_default();
+    let (mut rows, mut problems) = (Vec::new(), Vec::new());
+    for (number, line) in lines {
+        let row = cells(line);
+        if row.len() == names.len() {
+            rows.push(row);
+        } else {
+            let what = format!("{} values, and {} names", row.len(), names.len());
+            problems.push(Error::new(Code::Campaign, what).at_line(file, number + 1));
+        }
+    }
+    if rows.is_empty() && problems.is_empty() {
+        problems.push(Error::new(Code::Campaign, "the list is empty").at(file));
+    }
+    Error::all(problems)?;
+    Ok((names, rows))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Campaign> {
+        Campaign::parse(text, Path::new("/c/c.toml"))
+    }
+
+    #[test]
+    fn cells_are_all_combinations_and_a_run_has_a_place_in_one() {
+        let campaign = read(
+            "seeds = 3\n[systems]\na = 'a.ssd'\nb = 'b.ssd'\n[scenarios]\nnone = ''\noff = 'o.toml'\n\
+             [factors]\n'p.x' = [1, 2.5]\n",
+        )
+        .unwrap();
+        assert_eq!((campaign.cells(), campaign.runs()), (8, 24));
+        assert_eq!(campaign.cell_name(0), "a/none/p.x=1");
+        assert_eq!(campaign.cell_name(7), "b/off/p.x=2.5");
+        assert_eq!((campaign.cell_of(17), campaign.replicate_of(17)), (1, 2));
+        assert_eq!(campaign.scenarios[1].1.as_deref(), Some(Path::new("/c/o.toml")));
+    }
+
+    #[test]
+    fn every_mistake_is_told_at_once_with_its_line() {
+        let text = "seeds = 0\ndesing = 'sobol'\n[systems]\n[dispersions]\n\
+            'p.a' = { kind = 'normal', mean = 0, sigma = 0 }\n'p.b' = { kind = 'uniform', min = 2, max = 2 }\n\
+            'p.c' = { kind = 'uniforn' }\n[figures.ate]\nkind = 'ate'\ntruth = 't'\nestimat = 'e'\n\
+            [[verdict]]\nfigure = 'ade'\nat-most = 1\n[[verdict]]\nfigure = 'ate'\nquantile = 95\n";
+        let error = read(text).unwrap_err();
+        let found: Vec<(usize, &str)> =
+            error.problems().map(|p| (p.place().unwrap().1.unwrap(), p.what())).collect();
+        for (line, part) in [
+            (1, "'seeds' is 0"),
+            (2, "'desing' is unknown; did you mean 'design'"),
+            (1, "[systems] is missing"),
+            (5, "0 is not greater than 0"),
+            (6, "it has no spread"),
+            (7, "did you mean 'uniform'"),
+            (11, "'estimat' is unknown; did you mean 'estimate'"),
+            (8, "'estimate' is missing"),
+            (13, "'ade' is not computed"),
+            (15, "'quantile' 95 is not between 0 and 1"),
+            (15, "one of 'at-most' and 'at-least'"),
+        ] {
+            let named = |(at, what): &(usize, &str)| *at == line && what.contains(part);
+            assert!(found.iter().any(named), "{line} {part}: {found:#?}");
+        }
+    }
+}

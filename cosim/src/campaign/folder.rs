@@ -1,0 +1,256 @@
+//! The folder of a campaign: a log with a line for each run that is over, and what is made of it.
+//!
+//! A line is written by one call once its run is over, so that whatever ends the process loses
+//! the runs in flight and no other; a line cut short, by a full disk or a lost machine, is cut off and its
+//! run made again. The other files are made anew from the log, each as a whole.
+
+use std::fs::{File, OpenOptions};
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::{Campaign, Row};
+use crate::error::{Code, Error, Result};
+
+/// The results of a campaign.
+pub struct Folder {
+    path: PathBuf,
+    log: File,
+    rows: Vec<Row>,
+}
+
+/// What the results are of.
+#[derive(Serialize, Deserialize)]
+struct Manifest {
+    file: PathBuf,
+    identity: Vec<String>,
+}
+
+const MANIFEST: &str = "campaign.json";
+const LOG: &str = "runs.jsonl";
+
+impl Folder {
+    /// The results of a campaign with this identity: new ones, or those that are there already. Those
+    /// of another campaign are refused.
+    pub fn open(path: impl AsRef<Path>, campaign: &Campaign, identity: &[String]) -> Result<Self> {
+        let path = path.as_ref().to_owned();
+        let unwritten = |what: &Path, e: std::io::Error| {
+            Error::new(Code::Output, "the results cannot be written").at(what).why(e)
+        };
+        std::fs::create_dir_all(&path).map_err(|e| unwritten(&path, e))?;
+        let file = path.join(LOG);
+        let mut log = OpenOptions::new().read(true).append(true).create(true).open(&file);
+        let log = log.as_mut().map_err(|e| unwritten(&file, std::mem::replace(e, e.kind().into())))?;
+        let log = log.try_clone().map_err(|e| unwritten(&file, e))?;
+        log.try_lock().map_err(|_| {
+            Error::new(Code::Output, "the results are being written by another process").at(&file)
+        })?;
+        let manifest = path.join(MANIFEST);
+        if manifest.exists() {
+            fits(&Manifest::read(&path)?.identity, identity, &path)?;
+        }
+        let mut folder = Self { path, log, rows: Vec::new() };
+        folder.read_log()?;
+        // The number of seeds, or the place of the file, may be another one than before.
+        let new = Manifest { file: campaign.file.clone(), identity: identity.to_vec() };
+        folder.write(MANIFEST, &serde_json::to_string_pretty(&new).unwrap_or_default())?;
+        Ok(folder)
+    }
+
+    /// The file of the campaign whose results are in a folder.
+    pub fn campaign(path: impl AsRef<Path>) -> Result<PathBuf> {
+        Ok(Manifest::read(path.as_ref())?.file)
+    }
+
+    /// The row of a run in a folder, whose campaign has this identity.
+    pub fn row(path: impl AsRef<Path>, run: u64, identity: &[String]) -> Result<Row> {
+        let path = path.as_ref();
+        fits(&Manifest::read(path)?.identity, identity, path)?;
+        let file = path.join(LOG);
+        let text = std::fs::read_to_string(&file)
+            .map_err(|e| Error::new(Code::Results, "the rows cannot be read").at(&file).why(e))?;
+        let mut rows = text.lines().filter_map(|line| serde_json::from_str::<Row>(line).ok());
+        rows.find(|row| row.run == run).ok_or_else(|| {
+            Error::new(Code::Results, format!("run {run} is not among the results")).at(&file)
+        })
+    }
+
+    fn read_log(&mut self) -> Result<()> {
+        let file = self.path.join(LOG);
+        let unread =
+            |e| Error::new(Code::Results, "the rows cannot be read").at(&file).why(e);
+        let mut octets = Vec::new();
+        self.log.read_to_end(&mut octets).map_err(unread)?;
+        let whole = octets.iter().rposition(|octet| *octet == b'\n').map_or(0, |last| last + 1);
+        if whole < octets.len() {
+            self.log.set_len(whole as u64).map_err(unread)?;
+        }
+        for (line, text) in octets[..whole].split(|octet| *octet == b'\n').enumerate() {
+            if text.is_empty() {
+                continue;
+            }
+            let row = serde_json::from_slice(text).map_err(|e| {
+                Error::new(Code::Results, "a row cannot be read").at_line(&file, line + 1).why(e)
+            })?;
+            self.rows.push(row);
+        }
+        Ok(())
+    }
+
+    /// The rows that are there, as they came.
+    pub fn rows(&self) -> &[Row] {
+        &self.rows
+    }
+
+    /// Keeps a row.
+    pub fn add(&mut self, row: Row) -> Result<()> {
+        let file = self.path.join(LOG);
+        let unwritten = |e: String| {
+            Error::new(Code::Output, "a row cannot be written").at(&file).why(e).help(
+                "make room and give the same command again: rows that are there are kept",
+            )
+        };
+        let mut line = serde_json::to_vec(&row).map_err(|e| unwritten(e.to_string()))?;
+        line.push(b'\n');
+        self.log.write_all(&line).map_err(|e| unwritten(e.to_string()))?;
+        self.rows.push(row);
+        Ok(())
+    }
+
+    /// Writes a file of this folder as a whole.
+    pub fn write(&self, name: &str, text: &str) -> Result<()> {
+        let file = self.path.join(name);
+        let written = tempfile::NamedTempFile::new_in(&self.path).and_then(|mut unfinished| {
+            unfinished.write_all(text.as_bytes())?;
+            unfinished.persist(&file).map_err(|e| e.error)
+        });
+        written.map(drop).map_err(|e| {
+            Error::new(Code::Output, "a file of results cannot be written").at(&file).why(e)
+        })
+    }
+
+    /// Writes `runs.csv`: a row a run, in their order, each with what it is and what it gave.
+    pub fn write_table(&self, campaign: &Campaign) -> Result<()> {
+        let mut rows: Vec<&Row> = self.rows.iter().collect();
+        rows.sort_by_key(|row| row.run);
+        let inputs: Vec<&str> = campaign.inputs().collect();
+        let names = ["run", "cell", "replicate"].into_iter().chain(inputs.iter().copied());
+        let names = names.chain(["status", "reason", "simulated"]).chain(campaign.figures());
+        let names: Vec<String> = names.chain(["digest", "cpu_ms"]).map(quoted).collect();
+        let mut text = names.join(",") + "\n";
+        for row in rows.into_iter().filter(|row| row.run < campaign.runs()) {
+            let cell = campaign.cell_name(campaign.cell_of(row.run));
+            let filled = |values: &[String], count: usize| -> Vec<String> {
+                (0..count).map(|place| values.get(place).cloned().unwrap_or_default()).collect()
+            };
+            let mut cells = vec![
+                row.run.to_string(),
+                quoted(cell),
+                campaign.replicate_of(row.run).to_string(),
+            ];
+            cells.extend(filled(&row.inputs, inputs.len()).iter().map(|value| quoted(value)));
+            cells.extend([
+                row.status.word().to_owned(),
+                quoted(&row.reason),
+                row.simulated.clone(),
+            ]);
+            cells.extend(filled(&row.figures, campaign.figures.len()));
+            cells.extend([row.digest.clone(), row.cpu_ms.clone()]);
+            text += &(cells.join(",") + "\n");
+        }
+        self.write("runs.csv", &text)
+    }
+}
+
+impl Manifest {
+    fn read(path: &Path) -> Result<Self> {
+        let file = path.join(MANIFEST);
+        let unread = |e: String| {
+            Error::new(Code::Results, "the folder holds no results of a campaign").at(&file).why(e)
+        };
+        let text = std::fs::read_to_string(&file).map_err(|e| unread(e.to_string()))?;
+        serde_json::from_str(&text).map_err(|e| unread(e.to_string()))
+    }
+}
+
+/// An error with the first differences when results are of another campaign.
+fn fits(before: &[String], now: &[String], path: &Path) -> Result<()> {
+    let missing = |of: &[String], from: &[String]| -> Vec<String> {
+        of.iter().filter(|line| !from.contains(line)).take(3).cloned().collect()
+    };
+    let (gone, new) = (missing(before, now), missing(now, before));
+    if gone.is_empty() && new.is_empty() {
+        return Ok(());
+    }
+    let told = |lines: Vec<String>| {
+        if lines.is_empty() { "nothing instead".to_owned() } else { lines.join("; ") }
+    };
+    Err(Error::new(Code::Campaign, "the results that are there are of another campaign")
+        .at(path)
+        .why(format!("they have: {}. Now there is: {}", told(gone), told(new)))
+        .help("undo the change, or give another --output-dir"))
+}
+
+/// As a cell of a table.
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n']) {
+        format!("\"{}\"", text.replace('"', "\"\"").replace('\n', " "))
+    } else {
+        text.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::campaign::Status;
+
+    fn campaign() -> Campaign {
+        let text = "seeds = 3\n[systems]\na = 'a.ssd'\n[figures.f]\nkind = 'max'\nof = 'x'\n";
+        Campaign::parse(text, Path::new("/c/c.toml")).unwrap()
+    }
+
+    fn row(run: u64) -> Row {
+        let mut row = Row::without_figures(run, Status::Ok, "said \"a, b\"");
+        (row.figures, row.cpu_ms) = (vec![(0.1 + 0.2).to_string()], "1".into());
+        row
+    }
+
+    #[test]
+    fn rows_outlive_the_process_and_a_line_cut_short_is_made_again() {
+        let (folder, campaign) = (tempfile::tempdir().unwrap(), campaign());
+        let identity = campaign.identity();
+        let open = || Folder::open(folder.path(), &campaign, &identity);
+        let mut first = open().unwrap();
+        first.add(row(2)).unwrap();
+        first.add(row(0)).unwrap();
+        assert!(open().err().unwrap().to_string().contains("another process"));
+        drop(first);
+        let log = folder.path().join(LOG);
+        let whole = std::fs::read(&log).unwrap();
+        std::fs::write(&log, [&whole[..], b"{\"run\":1,\"sta"].concat()).unwrap();
+        let mut second = open().unwrap();
+        assert_eq!(second.rows(), [row(2), row(0)]);
+        second.add(row(1)).unwrap();
+        second.write_table(&campaign).unwrap();
+        let table = std::fs::read_to_string(folder.path().join("runs.csv")).unwrap();
+        let lines: Vec<&str> = table.lines().collect();
+        assert_eq!(lines[0], "run,cell,replicate,status,reason,simulated,f,digest,cpu_ms");
+        assert_eq!(lines[1], "0,a,0,ok,\"said \"\"a, b\"\"\",,0.30000000000000004,,1");
+        assert_eq!(lines.len(), 4);
+        drop(second);
+        assert_eq!(Folder::row(folder.path(), 1, &identity).unwrap(), row(1));
+    }
+
+    #[test]
+    fn results_of_another_campaign_are_refused_with_what_changed() {
+        let (folder, campaign) = (tempfile::tempdir().unwrap(), campaign());
+        let mut identity = campaign.identity();
+        drop(Folder::open(folder.path(), &campaign, &identity).unwrap());
+        identity.push("stop when = soon".to_owned());
+        let error = Folder::open(folder.path(), &campaign, &identity).err().unwrap().to_string();
+        assert!(error.contains("stop when = soon"), "{error}");
+        assert!(Folder::row(folder.path(), 1, &identity).is_err());
+    }
+}

@@ -1,0 +1,232 @@
+//! What the rows of a campaign say: figures of each cell, verdicts, differences between cells.
+
+use serde::Serialize;
+
+use super::statistics::{Answer, Estimate, decide, quantile};
+use super::{Campaign, Row, Status};
+use crate::names;
+
+/// What the rows say.
+#[derive(Debug, Serialize)]
+pub struct Judgement {
+    /// Runs that are over, and that did not end well.
+    pub runs: u64,
+    /// Of these, how many have no figures.
+    pub failed: u64,
+    /// Figures of each cell.
+    pub figures: Vec<FigureOfCell>,
+    /// Thresholds in each cell.
+    pub verdicts: Vec<Verdict>,
+    /// Differences between the first replacement and the others, by pairs of runs with equal chances.
+    pub compared: Vec<Compared>,
+}
+
+/// A figure in a cell, with 95 % confidence.
+#[derive(Debug, Serialize)]
+pub struct FigureOfCell {
+    /// The cell.
+    pub cell: String,
+    /// The figure.
+    pub figure: String,
+    /// Runs that have it.
+    pub runs: usize,
+    /// Its median.
+    pub median: Estimate,
+    /// Its 95th percentile.
+    pub percentile_95: Estimate,
+}
+
+/// A threshold in a cell.
+#[derive(Debug, Serialize)]
+pub struct Verdict {
+    /// The cell.
+    pub cell: String,
+    /// The figure.
+    pub figure: String,
+    /// The threshold in words.
+    pub threshold: String,
+    /// What is said of it.
+    pub answer: Answer,
+    /// The quantile that is bounded, with its interval.
+    pub quantile: Estimate,
+    /// Runs of the cell that are over, and how many of them keep the bound; one without figures does
+    /// not.
+    pub runs: u64,
+    /// How many keep the bound.
+    pub kept: u64,
+}
+
+/// A figure of two replacements, run by run.
+#[derive(Debug, Serialize)]
+pub struct Compared {
+    /// The cell of the first replacement.
+    pub cell: String,
+    /// The cell of the other one.
+    pub with: String,
+    /// The figure.
+    pub figure: String,
+    /// Pairs of runs.
+    pub pairs: usize,
+    /// The median of the other's minus the first's.
+    pub difference: Estimate,
+}
+
+const CONFIDENCE: f64 = 0.95;
+
+impl Judgement {
+    /// Of all rows of a campaign that are there; in which order they came is of no matter.
+    pub fn new(campaign: &Campaign, rows: &[Row]) -> Self {
+        let mut cells: Vec<Vec<&Row>> = vec![Vec::new(); campaign.cells()];
+        let rows = rows.iter().filter(|row| row.run < campaign.runs());
+        rows.clone().for_each(|row| cells[campaign.cell_of(row.run)].push(row));
+        let mut judgement = Self {
+            runs: rows.clone().count() as u64,
+            failed: rows.filter(|row| row.status != Status::Ok).count() as u64,
+            figures: Vec::new(),
+            verdicts: Vec::new(),
+            compared: Vec::new(),
+        };
+        for (cell, rows) in cells.iter().enumerate() {
+            for (place, figure) in campaign.figures().enumerate() {
+                let good = rows.iter().filter(|row| row.status == Status::Ok);
+                let values: Vec<f64> = good.map(|row| row.figure(place)).collect();
+                judgement.figures.push(FigureOfCell {
+                    cell: campaign.cell_name(cell).to_owned(),
+                    figure: figure.to_owned(),
+                    runs: values.len(),
+                    median: quantile(&values, 0.5, CONFIDENCE),
+                    percentile_95: quantile(&values, 0.95, CONFIDENCE),
+                });
+            }
+            judgement.verdicts.extend(verdicts(campaign, cell, rows));
+            judgement.compared.extend(compared(campaign, cell, &cells));
+        }
+        judgement
+    }
+
+    /// Whether some verdict is this.
+    pub fn has(&self, wanted: impl Fn(&Answer) -> bool) -> bool {
+        self.verdicts.iter().any(|verdict| wanted(&verdict.answer))
+    }
+}
+
+fn verdicts(campaign: &Campaign, cell: usize, rows: &[&Row]) -> Vec<Verdict> {
+    let name = campaign.cell_name(cell);
+    let own = campaign.verdicts.iter().filter(|t| names::matches(&t.cells, name));
+    let verdict = |threshold: &super::file::Threshold| {
+        let (least, most) = (threshold.least, threshold.most);
+        let lowest = least.unwrap_or(f64::NEG_INFINITY);
+        let keeps = |value: &f64| *value >= lowest && most.is_none_or(|most| *value <= most);
+        // A run without figures is as bad as can be.
+        let worst = if most.is_some() { f64::INFINITY } else { f64::NEG_INFINITY };
+        let values: Vec<f64> = rows
+            .iter()
+            .map(|row| row.figure(threshold.figure))
+            .map(|value| if value.is_nan() { worst } else { value })
+            .collect();
+        let kept = values.iter().filter(|value| keeps(value)).count() as u64;
+        // The quantile p is at most a bound if a share p of all is; at least, if 1 - p is.
+        let p = threshold.quantile;
+        let wanted = if most.is_some() { p } else { 1.0 - p };
+        let sign = if most.is_some() { "at most" } else { "at least" };
+        let bound = most.or(least).unwrap_or(f64::NAN);
+        let what = if p == 0.5 { "median".to_owned() } else { format!("quantile {p}") };
+        Verdict {
+            cell: name.to_owned(),
+            figure: campaign.figures[threshold.figure].0.clone(),
+            threshold: format!("{what} {sign} {bound}"),
+            answer: decide(kept, values.len() as u64, wanted, threshold.confidence),
+            quantile: quantile(&values, p, threshold.confidence),
+            runs: values.len() as u64,
+            kept,
+        }
+    };
+    own.map(verdict).collect()
+}
+
+/// The differences of a cell from that with the first replacement and all else equal.
+fn compared(campaign: &Campaign, cell: usize, cells: &[Vec<&Row>]) -> Vec<Compared> {
+    let own = &campaign.cells[cell];
+    if own.replacement == 0 {
+        return Vec::new();
+    }
+    let alike = |other: &&super::file::Cell| {
+        let all = |c: &super::file::Cell| (c.system, c.scenario, c.levels.clone(), c.row);
+        other.replacement == 0 && all(other) == all(own)
+    };
+    let Some(first) = campaign.cells.iter().find(alike) else { return Vec::new() };
+    let Some(place) = campaign.cells.iter().position(|c| c == first) else { return Vec::new() };
+    let figures = campaign.figures().enumerate().map(|(figure, name)| {
+        let differences: Vec<f64> = cells[cell]
+            .iter()
+            .filter_map(|row| {
+                let replicate = campaign.replicate_of(row.run);
+                let same = |other: &&&Row| campaign.replicate_of(other.run) == replicate;
+                let other = cells[place].iter().find(same)?;
+                let difference = row.figure(figure) - other.figure(figure);
+                (!difference.is_nan()).then_some(difference)
+            })
+            .collect();
+        Compared {
+            cell: first.name.clone(),
+            with: own.name.clone(),
+            figure: name.to_owned(),
+            pairs: differences.len(),
+            difference: quantile(&differences, 0.5, CONFIDENCE),
+        }
+    });
+    figures.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    /// Two replacements of 40 runs each: the second is worse by 1, and one of its runs fails.
+    fn judged(thresholds: &str) -> Judgement {
+        let text = format!(
+            "seeds = 40\n[systems]\na = 'a.ssd'\n[replacements]\none = {{}}\n\
+             two = {{ c = 'c.fmu' }}\n[figures.f]\nkind = 'max'\nof = 'x'\n{thresholds}"
+        );
+        let campaign = Campaign::parse(&text, Path::new("/c/c.toml")).unwrap();
+        let mut rows: Vec<Row> = (0..campaign.runs())
+            .map(|run| {
+                let value = campaign.replicate_of(run) as f64 + campaign.cell_of(run) as f64;
+                let mut row = Row::without_figures(run, Status::Ok, "");
+                row.figures = vec![value.to_string()];
+                row
+            })
+            .collect();
+        rows[1] = Row::without_figures(1, Status::Crashed, "ended by signal 11");
+        rows.reverse();
+        Judgement::new(&campaign, &rows)
+    }
+
+    #[test]
+    fn verdicts_pass_fail_or_stay_open_and_a_failed_run_keeps_no_bound() {
+        let judgement = judged(
+            "[[verdict]]\nfigure = 'f'\nat-most = 35\n[[verdict]]\nfigure = 'f'\nat-most = 5\n\
+             cells = '*two'\n[[verdict]]\nfigure = 'f'\nat-most = 22\ncells = '*/one'\n\
+             [[verdict]]\nfigure = 'f'\nat-least = 40\nquantile = 0.9\ncells = '*two'\n",
+        );
+        let told: Vec<(&str, Answer, u64)> =
+            judgement.verdicts.iter().map(|v| (v.cell.as_str(), v.answer, v.kept)).collect();
+        assert_eq!(told[0], ("a/one", Answer::Pass, 36));
+        assert!(matches!(told[1], ("a/one", Answer::Undecided(Some(_)), 23)), "{:?}", told[1]);
+        assert_eq!(told[2], ("a/two", Answer::Pass, 34));
+        assert_eq!(told[3], ("a/two", Answer::Fail, 4));
+        assert!(matches!(told[4], ("a/two", Answer::Undecided(_), 1)), "{:?}", told[4]);
+        assert_eq!((judgement.runs, judgement.failed), (80, 1));
+    }
+
+    #[test]
+    fn replacements_are_compared_run_by_run() {
+        let judgement = judged("");
+        let [compared] = &judgement.compared[..] else { panic!() };
+        assert_eq!((compared.pairs, compared.difference.value), (39, 1.0));
+        assert_eq!(compared.difference.interval, [1.0, 1.0]);
+        assert_eq!(judgement.figures[0].median.value, 19.5);
+    }
+}

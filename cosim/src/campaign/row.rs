@@ -1,0 +1,71 @@
+//! What is kept of a run.
+
+use serde::{Deserialize, Serialize};
+
+/// A run as a row of the results. Numbers are texts that read back to the same bits.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// Its number.
+    pub run: u64,
+    /// How it ended.
+    pub status: Status,
+    /// Why it has no figures, or what ended it early; empty otherwise.
+    pub reason: String,
+    /// The values of the parameters of the file's factors, list and dispersions.
+    pub inputs: Vec<String>,
+    /// How long it simulated (s).
+    pub simulated: String,
+    /// The figures of merit, in the order of the alphabet.
+    pub figures: Vec<String>,
+    /// The digest of what was recorded for the figures.
+    pub digest: String,
+    /// The processor time that it took (ms).
+    pub cpu_ms: String,
+}
+
+/// How a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Status {
+    /// It was simulated.
+    Ok,
+    /// It failed with an error.
+    Failed,
+    /// The process that made it ended.
+    Crashed,
+    /// It took longer than its time limit.
+    TimedOut,
+}
+
+impl Status {
+    /// In a word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Status::Ok => "ok",
+            Status::Failed => "failed",
+            Status::Crashed => "crashed",
+            Status::TimedOut => "timed-out",
+        }
+    }
+}
+
+impl Row {
+    /// Of a run that came to nothing.
+    pub fn without_figures(run: u64, status: Status, reason: impl Into<String>) -> Self {
+        Self {
+            run,
+            status,
+            reason: reason.into(),
+            inputs: Vec::new(),
+            simulated: String::new(),
+            figures: Vec::new(),
+            digest: String::new(),
+            cpu_ms: String::new(),
+        }
+    }
+
+    /// A figure by its place; NaN for one that is not there.
+    pub(super) fn figure(&self, place: usize) -> f64 {
+        self.figures.get(place).and_then(|text| text.parse().ok()).unwrap_or(f64::NAN)
+    }
+}

@@ -1,0 +1,180 @@
+//! What runs say of all runs there could be: shares and quantiles with confidence intervals.
+
+use serde::Serialize;
+
+/// The probability of at most `k` successes in `n` trials of the probability `p`.
+fn binomial(k: u64, n: u64, p: f64) -> f64 {
+    if k >= n || p <= 0.0 {
+        return 1.0;
+    }
+    if p >= 1.0 {
+        return 0.0;
+    }
+    let (n_f, ln_p, ln_q) = (n as f64, libm::log(p), libm::log1p(-p));
+    let term = |i: u64| {
+        let i = i as f64;
+        let ways = libm::lgamma(n_f + 1.0) - libm::lgamma(i + 1.0) - libm::lgamma(n_f - i + 1.0);
+        libm::exp(ways + i * ln_p + (n_f - i) * ln_q)
+    };
+    // The shorter sum; its greatest terms are next to k.
+    if (k as f64) < n_f * p {
+        (0..=k).rev().map(term).sum::<f64>().min(1.0)
+    } else {
+        (1.0 - (k + 1..=n).map(term).sum::<f64>()).max(0.0)
+    }
+}
+
+/// The interval of a share of which `k` of `n` are known (Clopper & Pearson 1934): it holds the
+/// share with at least this confidence.
+pub(super) fn share(k: u64, n: u64, confidence: f64) -> [f64; 2] {
+    let tail = (1.0 - confidence) / 2.0;
+    let solve = |above: &dyn Fn(f64) -> bool| {
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if above(middle) { high = middle } else { low = middle }
+        }
+        0.5 * (low + high)
+    };
+    let low = if k == 0 { 0.0 } else { solve(&|p| 1.0 - binomial(k - 1, n, p) >= tail) };
+    let high = if k == n { 1.0 } else { solve(&|p| binomial(k, n, p) <= tail) };
+    [low, high]
+}
+
+/// A number of the distribution that runs are drawn from.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Estimate {
+    /// As these runs have it.
+    pub value: f64,
+    /// Where it lies with the confidence asked for; infinite ends where too few runs are known.
+    pub interval: [f64; 2],
+}
+
+/// The quantile `p` and its interval by order statistics (David & Nagaraja 2003, 7.1): whatever the
+/// distribution is, it holds the quantile with at least this confidence. NaN counts as infinite.
+pub(super) fn quantile(values: &[f64], p: f64, confidence: f64) -> Estimate {
+    let mut sorted: Vec<f64> =
+        values.iter().map(|v| if v.is_nan() { f64::INFINITY } else { *v }).collect();
+    sorted.sort_by(f64::total_cmp);
+    let n = sorted.len() as u64;
+    if n == 0 {
+        return Estimate { value: f64::NAN, interval: [f64::NEG_INFINITY, f64::INFINITY] };
+    }
+    let tail = (1.0 - confidence) / 2.0;
+    // The greatest rank below which the quantile lies with at most the probability of the tail.
+    let low = (0..n).take_while(|rank| binomial(*rank, n, p) <= tail).last();
+    let high = (0..n).find(|rank| binomial(*rank, n, p) >= 1.0 - tail);
+    let interval = [
+        low.map_or(f64::NEG_INFINITY, |rank| sorted[rank as usize]),
+        high.map_or(f64::INFINITY, |rank| sorted[rank as usize]),
+    ];
+    let place = p * (n - 1) as f64;
+    let (below, above) = (place.floor() as usize, place.ceil() as usize);
+    let value = if sorted[below] == sorted[above] {
+        sorted[below]
+    } else {
+        sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
+    };
+    Estimate { value, interval }
+}
+
+/// What is said of a threshold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Answer {
+    /// It is kept, with confidence.
+    Pass,
+    /// It is not, with confidence.
+    Fail,
+    /// These runs leave it open; so many more, if they go on in the same way, would tell. `None`:
+    /// more than a million.
+    Undecided(Option<u64>),
+}
+
+/// Whether the share of which `k` of `n` are known is at least `wanted`.
+pub(super) fn decide(k: u64, n: u64, wanted: f64, confidence: f64) -> Answer {
+    let told = |k: u64, n: u64| {
+        let [low, high] = share(k, n, confidence);
+        if low >= wanted {
+            Some(Answer::Pass)
+        } else if high < wanted {
+            Some(Answer::Fail)
+        } else {
+            None
+        }
+    };
+    if let Some(answer) = (n > 0).then(|| told(k, n)).flatten() {
+        return answer;
+    }
+    const MOST: u64 = 1_000_000;
+    // As a share of one more: without a failure there may still be one.
+    let so_far = if n == 0 { 1.0 } else { k as f64 / n as f64 };
+    let would = |n: u64| told((so_far * n as f64).round() as u64, n).is_some();
+    let mut more = n.max(8);
+    while !would(more) {
+        more = more + more / 4;
+        if more > MOST {
+            return Answer::Undecided(None);
+        }
+    }
+    let (mut low, mut high) = (n.max(more - more / 4), more);
+    while high - low > 1 {
+        let middle = low + (high - low) / 2;
+        if would(middle) { high = middle } else { low = middle }
+    }
+    Answer::Undecided(Some(high - n))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_have_the_intervals_of_scipy() {
+        // scipy.stats.beta.ppf
+        for (k, n, low, high) in [
+            (9, 10, 0.554_983_882_971_804_7, 0.997_471_421_455_538_2),
+            (50, 100, 0.398_321_129_503_300_95, 0.601_678_870_496_699),
+            (198, 200, 0.964_345_331_602_760_3, 0.998_786_650_986_264),
+        ] {
+            let [found_low, found_high] = share(k, n, 0.95);
+            assert!((found_low - low).abs() < 1e-9 && (found_high - high).abs() < 1e-9);
+        }
+        assert_eq!(share(0, 10, 0.95)[0], 0.0);
+        assert_eq!(share(10, 10, 0.95)[1], 1.0);
+    }
+
+    #[test]
+    fn the_interval_of_a_median_is_that_of_the_tables() {
+        // David & Nagaraja 2003: of 10 values the 2nd and the 9th hold the median with 97.9 %, the
+        // 3rd and the 8th with 89.1 %.
+        let values: Vec<f64> = (1..=10).map(f64::from).collect();
+        let median = quantile(&values, 0.5, 0.95);
+        assert_eq!(median, Estimate { value: 5.5, interval: [2.0, 9.0] });
+        assert_eq!(quantile(&values, 0.5, 0.89).interval, [3.0, 8.0]);
+        // 10 values say nothing of the upper end of the 95th percentile.
+        assert_eq!(quantile(&values, 0.95, 0.95).interval[1], f64::INFINITY);
+        assert_eq!(quantile(&[1.0, f64::NAN], 1.0, 0.95).value, f64::INFINITY);
+    }
+
+    #[test]
+    fn intervals_hold_what_they_should_as_often_as_they_should() {
+        let (mut random, mut held) = (crate::fault::Random::new(&[7]), 0);
+        for _ in 0..2000 {
+            let values: Vec<f64> = (0..40).map(|_| random.uniform()).collect();
+            let [low, high] = quantile(&values, 0.8, 0.9).interval;
+            held += u32::from(low <= 0.8 && 0.8 <= high);
+        }
+        assert!((1800..1960).contains(&held), "{held}");
+    }
+
+    #[test]
+    fn verdicts_are_open_until_the_runs_tell_and_say_how_many_more_would() {
+        assert_eq!(decide(100, 100, 0.95, 0.95), Answer::Pass);
+        assert_eq!(decide(50, 100, 0.95, 0.95), Answer::Fail);
+        let Answer::Undecided(Some(more)) = decide(20, 20, 0.95, 0.95) else { panic!() };
+        assert_eq!(decide(20 + more, 20 + more, 0.95, 0.95), Answer::Pass);
+        assert_ne!(decide(19 + more, 19 + more, 0.95, 0.95), Answer::Pass);
+        assert_eq!(decide(500, 1000, 0.5, 0.95), Answer::Undecided(None));
+    }
+}

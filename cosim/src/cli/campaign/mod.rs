@@ -1,0 +1,177 @@
+//! `cosim campaign`: many runs, kept one by one, and what they say.
+
+mod pool;
+mod told;
+mod worker;
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use cosim::campaign::{self, Answer, Bench, Folder, Judgement};
+use cosim::{Code, Error, Result};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::output::print;
+use super::{Format, interrupt, messages, problems};
+
+pub(crate) use worker::CampaignWorker;
+
+/// Make many runs with other seeds, parameters, components and faults, and judge them
+#[derive(Args)]
+pub(crate) struct Campaign {
+    /// The campaign (TOML)
+    file: PathBuf,
+    /// Keep the results there; those that are there already are gone on from (default:
+    /// NAME_campaign in the present folder)
+    #[arg(long, value_name = "FOLDER")]
+    output_dir: Option<PathBuf>,
+    /// So many runs at once (default: one per core)
+    #[arg(long, short, value_name = "N")]
+    jobs: Option<std::num::NonZeroUsize>,
+    /// Check everything and say how many runs there are, how long they take and how large the
+    /// results are; one run is made to know
+    #[arg(long)]
+    dry_run: bool,
+    /// How the summary is told: for people, or as JSON; both on stdout
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+    /// No progress and no summary
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// The verdicts so far are looked at so often.
+const LOOK: Duration = Duration::from_secs(5);
+
+impl Campaign {
+    pub(crate) fn run(self) -> Result<()> {
+        interrupt::listen();
+        problems::told(self.format, self.computed())
+    }
+
+    fn computed(&self) -> Result<()> {
+        let bench = Bench::open(campaign::Campaign::read(&self.file)?)?;
+        bench.check()?;
+        let identity = bench.identity()?;
+        let cores = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        let jobs = self.jobs.map_or_else(cores, std::num::NonZero::get);
+        let pool = pool::Pool::new(&bench, &identity, jobs)?;
+        if self.dry_run {
+            return self.estimate(&bench, &pool, jobs);
+        }
+        let folder = self.output_dir.clone().unwrap_or_else(|| {
+            let name = self.file.file_stem().unwrap_or_default().to_string_lossy();
+            PathBuf::from(format!("{name}_campaign"))
+        });
+        let mut results = Folder::open(&folder, bench.campaign(), &identity)?;
+        let outcome = self.make(&bench, &pool, &mut results);
+        let judgement = self.conclude(&bench, &results)?;
+        outcome?;
+        if interrupt::interrupted() {
+            return Err(Error::new(Code::Interrupted, "the campaign was interrupted")
+                .why(format!("{} of {} runs are over", judgement.runs, bench.campaign().runs()))
+                .help("give the same command again to go on"));
+        }
+        verdict(&judgement)
+    }
+
+    fn make(&self, bench: &Bench, pool: &pool::Pool<'_>, results: &mut Folder) -> Result<()> {
+        let campaign = bench.campaign();
+        let mut over = vec![false; campaign.runs() as usize];
+        for row in results.rows() {
+            if let Some(over) = over.get_mut(row.run as usize) {
+                *over = true;
+            }
+        }
+        let left: Vec<u64> = (0..campaign.runs()).filter(|run| !over[*run as usize]).collect();
+        if left.len() < over.len() && !self.quiet {
+            let there = over.len() - left.len();
+            messages::note(&format!("{there} of {} runs are there already", over.len()));
+        }
+        let bar = if self.quiet { ProgressBar::hidden() } else { bar(left.len() as u64) };
+        let (mut failed, mut looked) = (0, Instant::now());
+        let outcome = pool.make(&left, &mut |row| {
+            failed += u64::from(row.status != campaign::Status::Ok);
+            results.add(row)?;
+            bar.inc(1);
+            if looked.elapsed() > LOOK {
+                looked = Instant::now();
+                let judgement = Judgement::new(campaign, results.rows());
+                bar.set_message(format!("{failed} failed; {}", told::counted(&judgement)));
+            }
+            Ok(())
+        });
+        bar.finish_and_clear();
+        outcome
+    }
+
+    /// Writes what follows from the rows, and tells it.
+    fn conclude(&self, bench: &Bench, results: &Folder) -> Result<Judgement> {
+        let campaign = bench.campaign();
+        let judgement = Judgement::new(campaign, results.rows());
+        results.write_table(campaign)?;
+        let json = told::json(&judgement)?;
+        results.write("summary.json", &json)?;
+        results.write("junit.xml", &told::junit(&judgement))?;
+        if self.format == Format::Json {
+            print(&json)?;
+        } else if !self.quiet {
+            print(&told::text(&judgement))?;
+        }
+        Ok(judgement)
+    }
+
+    fn estimate(&self, bench: &Bench, pool: &pool::Pool<'_>, jobs: usize) -> Result<()> {
+        let campaign = bench.campaign();
+        let mut first = None;
+        pool.make(&[0], &mut |row| {
+            first = Some(row);
+            Ok(())
+        })?;
+        let Some(row) = first else {
+            return Err(Error::new(Code::Interrupted, "the campaign was interrupted"));
+        };
+        if row.status != campaign::Status::Ok {
+            return Err(Error::new(Code::Fmu, "the first run comes to nothing").why(row.reason));
+        }
+        let seconds = row.cpu_ms.parse().unwrap_or(0.0) / 1e3 * campaign.runs() as f64;
+        let octets = serde_json::to_vec(&row).map_or(0, |row| row.len()) as u64 * campaign.runs();
+        print(&format!(
+            "{} cells of {} runs: {} runs\nabout {} on {jobs} cores ({} ms of processor time for \
+             the first run)\nabout {:.1} MB of results",
+            campaign.cells(),
+            campaign.seeds,
+            campaign.runs(),
+            told::span(seconds / jobs as f64),
+            row.cpu_ms,
+            // The log and the table.
+            1.6 * octets as f64 / 1e6
+        ))
+    }
+}
+
+fn bar(count: u64) -> ProgressBar {
+    let style = ProgressStyle::with_template("{wide_bar} {pos}/{len} runs, {eta} left; {msg}");
+    let bar = ProgressBar::new(count);
+    style.map_or(bar.clone(), |style| bar.with_style(style))
+}
+
+fn verdict(judgement: &Judgement) -> Result<()> {
+    let count = |wanted: fn(&Answer) -> bool| {
+        judgement.verdicts.iter().filter(|verdict| wanted(&verdict.answer)).count()
+    };
+    let all = judgement.verdicts.len();
+    let missed = count(|answer| *answer == Answer::Fail);
+    if missed > 0 {
+        let what = format!("{missed} of {all} thresholds are not kept");
+        return Err(Error::new(Code::Missed, what));
+    }
+    let open = count(|answer| matches!(answer, Answer::Undecided(_)));
+    if open > 0 {
+        let what = format!("{open} of {all} thresholds are undecided");
+        return Err(Error::new(Code::Undecided, what)
+            .help("raise `seeds` in the file and give the same command again"));
+    }
+    Ok(())
+}

@@ -1,0 +1,171 @@
+//! Processes that make runs. Each makes many, so that FMUs are loaded once; one that ends, or takes
+//! too long, costs its run only, and another takes its place.
+
+use std::io::{Read, Write};
+use std::os::unix::process::CommandExt;
+use std::path::PathBuf;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
+
+use cosim::campaign::{Bench, Row, Status};
+use cosim::{Code, Error, Result};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+
+use super::worker::fingerprint;
+use crate::cli::interrupt::interrupted;
+
+/// What is needed to make runs.
+pub(super) struct Pool<'a> {
+    bench: &'a Bench,
+    program: PathBuf,
+    identity: String,
+    jobs: usize,
+}
+
+impl<'a> Pool<'a> {
+    pub(super) fn new(bench: &'a Bench, identity: &[String], jobs: usize) -> Result<Self> {
+        let program = std::env::current_exe()
+            .map_err(|e| Error::new(Code::File, "this program cannot be found").why(e))?;
+        Ok(Self { bench, program, identity: fingerprint(identity), jobs })
+    }
+
+    /// Makes these runs, as many at once as there are jobs, and hands over each row as it comes. After
+    /// a signal, or an error of `keep`, no other run is begun.
+    pub(super) fn make(
+        &self,
+        runs: &[u64],
+        keep: &mut dyn FnMut(Row) -> Result<()>,
+    ) -> Result<()> {
+        let (next, enough) = (AtomicUsize::new(0), AtomicBool::new(false));
+        let (send, receive) = mpsc::channel();
+        std::thread::scope(|scope| {
+            for _ in 0..self.jobs.min(runs.len()) {
+                let (send, next, enough) = (send.clone(), &next, &enough);
+                scope.spawn(move || {
+                    let mut maker = None;
+                    while !enough.load(Ordering::Relaxed) && !interrupted() {
+                        let Some(&run) = runs.get(next.fetch_add(1, Ordering::Relaxed)) else {
+                            break;
+                        };
+                        if send.send(self.row(&mut maker, run)).is_err() {
+                            break;
+                        }
+                    }
+                });
+            }
+            drop(send);
+            let mut outcome = Ok(());
+            for row in receive {
+                if outcome.is_ok() {
+                    outcome = row.and_then(&mut *keep);
+                    enough.store(outcome.is_err(), Ordering::Relaxed);
+                }
+            }
+            outcome
+        })
+    }
+
+    /// Makes a run by a process that is there, or a new one.
+    fn row(&self, maker: &mut Option<Maker>, run: u64) -> Result<Row> {
+        let mut at_work = match maker.take() {
+            Some(maker) => maker,
+            None => self.start()?,
+        };
+        let limit = Duration::try_from_secs_f64(self.bench.campaign().time_limit);
+        match at_work.ask(run, limit.unwrap_or(Duration::MAX)) {
+            Ok(row) => {
+                *maker = Some(at_work);
+                Ok(row)
+            }
+            Err(Status::TimedOut) => {
+                let limit = self.bench.campaign().time_limit;
+                let reason = format!("it took longer than {limit} s");
+                Ok(self.bench.lost(run, Status::TimedOut, reason))
+            }
+            Err(status) => {
+                let reason = format!("the process that made it ended: {}", at_work.end());
+                Ok(self.bench.lost(run, status, reason))
+            }
+        }
+    }
+
+    fn start(&self) -> Result<Maker> {
+        let mut command = Command::new(&self.program);
+        command.arg("campaign-worker").arg(&self.bench.campaign().file);
+        command.args(["--identity", &self.identity]);
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
+        // Ctrl-C is for this process: the runs in flight are finished.
+        command.process_group(0);
+        let wrong = |why: String| Error::new(Code::Lost, "no process can make runs").why(why);
+        let mut process = command.spawn().map_err(|e| wrong(e.to_string()))?;
+        match (process.stdin.take(), process.stdout.take()) {
+            (Some(input), Some(output)) => {
+                Ok(Maker { process, input: Some(input), output, read: Vec::new() })
+            }
+            _ => Err(wrong("it has no pipes".to_owned())),
+        }
+    }
+}
+
+/// A process that makes runs.
+struct Maker {
+    process: Child,
+    input: Option<ChildStdin>,
+    output: ChildStdout,
+    read: Vec<u8>,
+}
+
+impl Maker {
+    /// The row of a run, or what became of it.
+    fn ask(&mut self, run: u64, limit: Duration) -> Result<Row, Status> {
+        let begun = Instant::now();
+        let input = self.input.as_mut().ok_or(Status::Crashed)?;
+        input.write_all(format!("{run}\n").as_bytes()).map_err(|_| Status::Crashed)?;
+        loop {
+            if let Some(end) = self.read.iter().position(|octet| *octet == b'\n') {
+                let row = serde_json::from_slice(&self.read[..end]).map_err(|_| Status::Crashed);
+                self.read.drain(..=end);
+                return row;
+            }
+            let left = limit.saturating_sub(begun.elapsed());
+            let mut look = [PollFd::new(&self.output, PollFlags::IN)];
+            let left = Timespec::try_from(left.min(Duration::from_secs(3600)));
+            match poll(&mut look, left.ok().as_ref()) {
+                Ok(0) if begun.elapsed() >= limit => return Err(Status::TimedOut),
+                Ok(0) | Err(rustix::io::Errno::INTR) => continue,
+                Ok(_) => {}
+                Err(_) => return Err(Status::Crashed),
+            }
+            let mut part = [0; 4096];
+            match self.output.read(&mut part) {
+                Ok(0) | Err(_) => return Err(Status::Crashed),
+                Ok(count) => self.read.extend_from_slice(&part[..count]),
+            }
+        }
+    }
+
+    /// How a process that is over ended.
+    fn end(&mut self) -> String {
+        self.process.wait().map_or_else(|e| e.to_string(), |status| status.to_string())
+    }
+}
+
+impl Drop for Maker {
+    fn drop(&mut self) {
+        // One that waits for its next run ends by itself: what it has unpacked is removed. One that
+        // hangs does not.
+        self.input = None;
+        let patience = Instant::now();
+        while patience.elapsed() < Duration::from_secs(2) {
+            if !matches!(self.process.try_wait(), Ok(None)) {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        // What cannot be killed is over already.
+        drop(self.process.kill());
+        drop(self.process.wait());
+    }
+}

@@ -1,0 +1,153 @@
+//! What a campaign says: for people, for programs, for continuous integration.
+
+use std::fmt::Write;
+
+use cosim::campaign::{Answer, Estimate, Judgement};
+use cosim::{Code, Error, Result};
+
+/// As JSON; what is infinite is null there.
+pub(super) fn json(judgement: &Judgement) -> Result<String> {
+    serde_json::to_string_pretty(judgement)
+        .map_err(|e| Error::new(Code::Output, "the summary cannot be written").why(e))
+}
+
+/// How many verdicts there are of each kind.
+pub(super) fn counted(judgement: &Judgement) -> String {
+    let count = |wanted: fn(&Answer) -> bool| {
+        judgement.verdicts.iter().filter(|verdict| wanted(&verdict.answer)).count()
+    };
+    format!(
+        "{} pass, {} fail, {} undecided",
+        count(|answer| *answer == Answer::Pass),
+        count(|answer| *answer == Answer::Fail),
+        count(|answer| matches!(answer, Answer::Undecided(_)))
+    )
+}
+
+/// A duration for people.
+pub(super) fn span(seconds: f64) -> String {
+    if seconds < 90.0 {
+        format!("{seconds:.0} s")
+    } else if seconds < 5400.0 {
+        format!("{:.0} min", seconds / 60.0)
+    } else {
+        format!("{:.1} h", seconds / 3600.0)
+    }
+}
+
+fn word(answer: &Answer) -> String {
+    match answer {
+        Answer::Pass => "pass".to_owned(),
+        Answer::Fail => "FAIL".to_owned(),
+        Answer::Undecided(Some(more)) => format!("undecided: {more} more seeds"),
+        Answer::Undecided(None) => "undecided: it lies too near to the threshold".to_owned(),
+    }
+}
+
+fn number(value: f64) -> String {
+    match value {
+        v if v == f64::INFINITY => "inf".to_owned(),
+        v if v == f64::NEG_INFINITY => "-inf".to_owned(),
+        v if v != 0.0 && !(1e-3..1e6).contains(&v.abs()) => format!("{v:.3e}"),
+        v => format!("{v:.4}"),
+    }
+}
+
+fn estimate(estimate: &Estimate) -> String {
+    let [low, high] = estimate.interval.map(number);
+    format!("{} [{low}, {high}]", number(estimate.value))
+}
+
+/// As tables for people.
+pub(super) fn text(judgement: &Judgement) -> String {
+    let mut text = format!("{} runs, {} without figures\n", judgement.runs, judgement.failed);
+    let figures = judgement.figures.iter().map(|f| {
+        [
+            f.cell.clone(),
+            f.figure.clone(),
+            f.runs.to_string(),
+            estimate(&f.median),
+            estimate(&f.percentile_95),
+        ]
+    });
+    text += &table(["cell", "figure", "runs", "median [95 %]", "95th percentile [95 %]"], figures);
+    if !judgement.compared.is_empty() {
+        let compared = judgement.compared.iter().map(|c| {
+            let (pairs, difference) = (c.pairs.to_string(), estimate(&c.difference));
+            [c.with.clone(), c.cell.clone(), c.figure.clone(), pairs, difference]
+        });
+        text += &table(["cell", "minus", "figure", "pairs", "median difference [95 %]"], compared);
+    }
+    if !judgement.verdicts.is_empty() {
+        let verdicts = judgement.verdicts.iter().map(|v| {
+            [
+                v.cell.clone(),
+                v.figure.clone(),
+                v.threshold.clone(),
+                format!("{} of {}", v.kept, v.runs),
+                word(&v.answer),
+            ]
+        });
+        text += &table(["cell", "figure", "threshold", "runs that keep it", "verdict"], verdicts);
+        text += &format!("\n{}", counted(judgement));
+    }
+    text.trim_end().to_owned()
+}
+
+fn table(head: [&str; 5], rows: impl Iterator<Item = [String; 5]>) -> String {
+    let rows: Vec<[String; 5]> = std::iter::once(head.map(str::to_owned)).chain(rows).collect();
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max();
+    let widths: [usize; 5] = std::array::from_fn(|column| width(column).unwrap_or(0));
+    let mut text = String::from("\n");
+    for row in &rows {
+        let cells = row.iter().zip(widths).map(|(cell, width)| format!("{cell:width$}"));
+        text += cells.collect::<Vec<_>>().join("  ").trim_end();
+        text.push('\n');
+    }
+    text
+}
+
+/// As JUnit's XML: a test for each threshold of each cell; one that is undecided is an error.
+pub(super) fn junit(judgement: &Judgement) -> String {
+    let count = |wanted: fn(&Answer) -> bool| {
+        judgement.verdicts.iter().filter(|verdict| wanted(&verdict.answer)).count()
+    };
+    let (failures, errors) = (
+        count(|answer| *answer == Answer::Fail),
+        count(|answer| matches!(answer, Answer::Undecided(_))),
+    );
+    let mut text = format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"campaign\" tests=\"{}\" \
+         failures=\"{failures}\" errors=\"{errors}\">\n",
+        judgement.verdicts.len()
+    );
+    for verdict in &judgement.verdicts {
+        let (cell, name) = (escaped(&verdict.cell), format!("{} {}", verdict.figure, verdict.threshold));
+        _ = write!(text, "  <testcase classname=\"{cell}\" name=\"{}\"", escaped(&name));
+        let told = format!(
+            "{} of {} runs keep it; it is {}",
+            verdict.kept,
+            verdict.runs,
+            estimate(&verdict.quantile)
+        );
+        let element = match verdict.answer {
+            Answer::Pass => {
+                text += "/>\n";
+                continue;
+            }
+            Answer::Fail => "failure",
+            Answer::Undecided(_) => "error",
+        };
+        _ = writeln!(
+            text,
+            "><{element} message=\"{}\">{}</{element}></testcase>",
+            escaped(&word(&verdict.answer)),
+            escaped(&told)
+        );
+    }
+    text + "</testsuite>\n"
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}

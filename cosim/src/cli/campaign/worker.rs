@@ -1,0 +1,48 @@
+//! A process that makes runs of a campaign, one after the other, for the process that keeps them.
+
+use std::io::{BufRead, Write};
+use std::path::PathBuf;
+
+use clap::Args;
+use cosim::campaign::{Bench, Campaign};
+use cosim::{Code, Error, Result};
+
+/// Make the runs whose numbers come on stdin, a line each; give their rows on stdout
+#[derive(Args)]
+pub(crate) struct CampaignWorker {
+    /// The campaign
+    file: PathBuf,
+    /// What it must be
+    #[arg(long)]
+    identity: String,
+}
+
+/// What a campaign is, in a word.
+pub(super) fn fingerprint(identity: &[String]) -> String {
+    cosim::campaign::fingerprint(identity)
+}
+
+impl CampaignWorker {
+    pub(crate) fn run(self) -> Result<()> {
+        let broken = |e: std::io::Error| Error::new(Code::Output, "a row cannot be given").why(e);
+        // FMUs may print: what they print does not go between the rows.
+        let rows = rustix::io::dup(rustix::stdio::stdout()).map_err(|e| broken(e.into()))?;
+        rustix::stdio::dup2_stdout(rustix::stdio::stderr()).map_err(|e| broken(e.into()))?;
+        let mut rows = std::fs::File::from(rows);
+        let bench = Bench::open(Campaign::read(&self.file)?)?;
+        if fingerprint(&bench.identity()?) != self.identity {
+            return Err(Error::new(Code::Campaign, "the campaign has changed while it ran")
+                .at(&self.file));
+        }
+        for line in std::io::stdin().lock().lines() {
+            let line = line.map_err(broken)?;
+            let run = line.trim().parse().map_err(|e| {
+                Error::new(Code::Usage, format!("'{line}' is no number of a run")).why(e)
+            })?;
+            let mut row = serde_json::to_vec(&bench.run(run)).unwrap_or_default();
+            row.push(b'\n');
+            rows.write_all(&row).map_err(broken)?;
+        }
+        Ok(())
+    }
+}

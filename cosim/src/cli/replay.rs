@@ -1,0 +1,63 @@
+//! `cosim replay`: a run of a campaign again, whole.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use cosim::campaign::{Bench, Campaign, Folder, Status};
+use cosim::{Code, Error, Result, observe};
+
+use super::interrupt;
+use super::messages;
+
+/// Make a run of a campaign again, record everything, and prove that it is the same
+#[derive(Args)]
+pub(crate) struct Replay {
+    /// The folder of the campaign's results
+    folder: PathBuf,
+    /// The run's number
+    run: u64,
+    /// Write the results there: as MCAP if the name ends in .mcap, else as CSV (default: runN.csv)
+    #[arg(long, short, value_name = "FILE")]
+    output_file: Option<PathBuf>,
+    /// Record this variable; * and ? make a pattern (repeatable; default: all)
+    #[arg(long, value_name = "NAME", default_value = "*")]
+    output_variable: Vec<String>,
+}
+
+impl Replay {
+    pub(crate) fn run(self) -> Result<()> {
+        interrupt::listen();
+        let bench = Bench::open(Campaign::read(Folder::campaign(&self.folder)?)?)?;
+        let row = Folder::row(&self.folder, self.run, &bench.identity()?)?;
+        let target =
+            self.output_file.unwrap_or_else(|| PathBuf::from(format!("run{}.csv", self.run)));
+        let mut results = observe::create(&target)?;
+        let again = bench.replay(self.run, &self.output_variable, &mut *results);
+        if again.status == Status::Failed {
+            let what = format!("run {} fails", self.run);
+            let same = row.status == Status::Failed && row.reason == again.reason;
+            let before = if same { "as before" } else { "otherwise than before" };
+            return Err(Error::new(Code::Fmu, what).why(again.reason).help(format!(
+                "{before}; the results until then are in {}",
+                target.display()
+            )));
+        }
+        if again.digest != row.digest || again.figures != row.figures {
+            let before = if row.digest.is_empty() {
+                format!("it was {}: {}", row.status.word(), row.reason)
+            } else {
+                format!("the digest was {}, and is {}", row.digest, again.digest)
+            };
+            return Err(Error::new(Code::Parted, format!("run {} is another one", self.run))
+                .why(before)
+                .help(format!("the results are in {}", target.display())));
+        }
+        messages::tell(&format!(
+            "run {}: the same to the last bit ({}); the results are in {}",
+            self.run,
+            row.digest,
+            target.display()
+        ));
+        Ok(())
+    }
+}

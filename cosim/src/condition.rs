@@ -1,0 +1,85 @@
+//! Conditions on recorded variables, `VARIABLE RELATION NUMBER`: they end runs and begin faults.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// Whether a value and a number are so related.
+type Holds = fn(f64, f64) -> bool;
+
+/// A variable compared with a number.
+#[derive(Debug, Clone)]
+pub struct Condition {
+    /// Its name in the results.
+    pub variable: String,
+    relation: &'static str,
+    holds: Holds,
+    number: f64,
+}
+
+/// Longer signs first: `<=` is no `<`.
+const RELATIONS: [(&str, Holds); 7] = [
+    ("<=", |a, b| a <= b),
+    (">=", |a, b| a >= b),
+    ("!=", |a, b| a != b),
+    ("==", |a, b| a == b),
+    ("<", |a, b| a < b),
+    (">", |a, b| a > b),
+    ("=", |a, b| a == b),
+];
+
+impl Condition {
+    /// Whether it holds for this value of the variable.
+    pub fn holds(&self, value: f64) -> bool {
+        (self.holds)(value, self.number)
+    }
+}
+
+impl fmt::Display for Condition {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {} {}", self.variable, self.relation, self.number)
+    }
+}
+
+impl FromStr for Condition {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wanted =
+            "a condition is VARIABLE, one of = != < <= > >=, and a number or true or false";
+        let place = |(sign, _): &(&str, _)| text.find(sign).map(|place| (place, sign.len()));
+        let first = RELATIONS.iter().filter_map(|r| Some((place(r)?, r)));
+        let first = first.min_by_key(|((place, length), _)| (*place, std::cmp::Reverse(*length)));
+        let Some(((place, length), &(relation, holds))) = first else {
+            return Err(format!("'{text}' has no comparison; {wanted}"));
+        };
+        let (variable, value) = (text[..place].trim(), text[place + length..].trim());
+        let number = match value {
+            "true" => 1.0,
+            "false" => 0.0,
+            _ => value.parse().map_err(|_| format!("'{value}' is no number; {wanted}"))?,
+        };
+        if variable.is_empty() {
+            return Err(format!("'{text}' names no variable; {wanted}"));
+        }
+        Ok(Self { variable: variable.to_owned(), relation, holds, number })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn conditions_are_read_as_they_are_written() {
+        let read =
+            |text: &str| text.parse::<Condition>().map(|c| (c.variable, c.relation, c.number));
+        let is = |variable: &str, relation, number| Ok((variable.to_owned(), relation, number));
+        assert_eq!(read("a.b = 1"), is("a.b", "=", 1.0));
+        assert_eq!(read("a.b<=-2.5e1"), is("a.b", "<=", -25.0));
+        assert_eq!(read("x[1] != true"), is("x[1]", "!=", 1.0));
+        assert_eq!(read("x > 0"), is("x", ">", 0.0));
+        for wrong in ["x", "x = much", "= 1", "x =="] {
+            assert!(read(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,249 @@
+//! Faults from a file of TOML.
+
+use std::path::Path;
+
+use super::{Action, Event, Scenario};
+use crate::error::{Code, Result};
+use crate::fault::{Begin, End, Fault, KINDS, Kind, Meanwhile, Spread, Word};
+use crate::names;
+use crate::table::{Document, Table};
+use crate::time::Time;
+
+/// What every fault can say.
+const COMMON: [&str; 9] =
+    ["kind", "on", "from", "until", "for", "between", "when", "ramp-in", "ramp-out"];
+
+pub(super) fn parse(text: &str, file: &Path) -> Result<Scenario> {
+    let document = Document::new(text, file, Code::Scenario);
+    let parsed = document.parse()?;
+    let root = document.root(&parsed);
+    root.allow(&["description", "seed", "end", "fault"]);
+    root.text("description");
+    let faults = root.tables("fault").iter().filter_map(fault).collect();
+    let end = root.time("end").map(|time| Event { time, what: Action::End });
+    let seed = root.count("seed").unwrap_or(0);
+    document.finish()?;
+    Ok(Scenario::new(end.into_iter().collect(), faults, seed))
+}
+
+fn fault(table: &Table<'_>) -> Option<Fault> {
+    let name = table.needed_text("kind");
+    let word = name.and_then(|name| {
+        let word = KINDS.iter().find(|word| word.name == name);
+        if word.is_none() {
+            let all = || KINDS.iter().map(|word| word.name);
+            let help = names::did_you_mean(name, all()).unwrap_or_else(|| {
+                format!("known are {}", all().collect::<Vec<_>>().join(", "))
+            });
+            table.get("kind")?.wrong(format!("there is no fault '{name}'; {help}"));
+        }
+        word
+    });
+    if let Some(word) = word {
+        let own = word.keys.iter().map(|meant| meant.key);
+        table.allow(&COMMON.into_iter().chain(own).collect::<Vec<_>>());
+    }
+    let variables: Vec<String> = table.texts("on").into_iter().map(str::to_owned).collect();
+    if variables.is_empty() {
+        table.wrong("'on' is missing: the variables that the fault acts on");
+    }
+    let (begin, end) = (begin(table), end(table));
+    if let (Some(Begin::At(from)), Some(End::At(until))) = (&begin, end) {
+        if until <= *from {
+            table.wrong(format!("it ends at {until}, and begins at {from}"));
+        }
+    }
+    let ramp = |key: &str| duration(table, key).unwrap_or(Time::ZERO);
+    Some(Fault {
+        variables,
+        kind: kind(table, word?)?,
+        begin: begin?,
+        end: end?,
+        ramp_in: ramp("ramp-in"),
+        ramp_out: ramp("ramp-out"),
+    })
+}
+
+/// Nothing if that is wrong.
+fn begin(table: &Table<'_>) -> Option<Begin> {
+    let given = ["from", "between", "when"].into_iter().filter(|key| table.get(key).is_some());
+    let given: Vec<&str> = given.collect();
+    match given[..] {
+        [] => Some(Begin::Start),
+        ["from"] => table.time("from").map(Begin::At),
+        ["between"] => {
+            let entry = table.get("between")?;
+            let numbers = entry.list().iter().map(|part| part.number()).collect::<Option<Vec<_>>>();
+            let [first, last] = numbers?[..] else {
+                entry.wrong("a list of two instants is wanted");
+                return None;
+            };
+            if last < first {
+                entry.wrong(format!("{last} is before {first}"));
+                return None;
+            }
+            Some(Begin::Between(entry.seconds(first)?, entry.seconds(last)?))
+        }
+        ["when"] => match table.text("when")?.parse() {
+            Ok(condition) => Some(Begin::When(condition)),
+            Err(what) => {
+                let what: String = what;
+                table.get("when")?.wrong(what);
+                None
+            }
+        },
+        _ => {
+            table.wrong(format!("only one of {} can say when it begins", given.join(", ")));
+            None
+        }
+    }
+}
+
+/// Nothing if that is wrong.
+fn end(table: &Table<'_>) -> Option<End> {
+    match (table.get("until"), table.get("for")) {
+        (None, None) => Some(End::Never),
+        (Some(_), None) => table.time("until").map(End::At),
+        (None, Some(_)) if ["from", "between", "when"].iter().all(|key| table.get(key).is_none()) => {
+            table.wrong("'for' needs a beginning; an end is said by 'until'");
+            None
+        }
+        (None, Some(_)) => duration(table, "for").map(End::After),
+        (Some(_), Some(_)) => {
+            table.wrong("'until' and 'for' exclude one another");
+            None
+        }
+    }
+}
+
+fn duration(table: &Table<'_>, key: &str) -> Option<Time> {
+    table.positive(key).and(table.time(key))
+}
+
+fn kind(table: &Table<'_>, word: &Word) -> Option<Kind> {
+    let number = |key: &str| table.needed_number(key);
+    let positive = |key: &str| table.needed_positive(key);
+    Some(match word.name {
+        "override" => Kind::Override(number("value")?),
+        "bias" => Kind::Bias(number("value")?),
+        "scale" => Kind::Scale(number("factor")?),
+        "drift" => Kind::Drift(number("rate")?),
+        "ramp" => {
+            let (size, over) = (number("value"), positive("over"));
+            Kind::Ramp { size: size?, over: over? }
+        }
+        "white-noise" => Kind::WhiteNoise(positive("sigma")?),
+        "gauss-markov" => {
+            let (sigma, tau) = (positive("sigma"), positive("tau"));
+            Kind::GaussMarkov { sigma: sigma?, tau: tau? }
+        }
+        "outliers" => outliers(table)?,
+        "stuck" => Kind::Stuck,
+        "zero" => Kind::Override(0.0),
+        "nan" => Kind::NotANumber,
+        "quantization" => Kind::Quantization(positive("step")?),
+        "saturation" => {
+            let (low, high) = (number("min"), number("max"));
+            if low? > high? {
+                table.wrong("'min' is above 'max'");
+            }
+            Kind::Saturation(low?, high?)
+        }
+        "drop-out" => drop_out(table)?,
+        "latency" => {
+            let jitter = table.get("jitter").map_or(Some(0.0), |_| table.positive("jitter"));
+            let delay = number("delay")?;
+            if delay < 0.0 {
+                table.get("delay")?.wrong(format!("{delay} is negative"));
+            }
+            Kind::Latency { delay, jitter: jitter? }
+        }
+        _ => return None,
+    })
+}
+
+fn outliers(table: &Table<'_>) -> Option<Kind> {
+    let share = table.needed_positive("share");
+    if share.is_some_and(|share| share > 1.0) {
+        table.get("share")?.wrong("a probability is at most 1");
+    }
+    let size = match (table.get("sigma"), table.get("size")) {
+        (Some(_), None) => Spread::Normal(table.positive("sigma")?),
+        (None, Some(_)) => Spread::Uniform(table.positive("size")?),
+        _ => {
+            table.wrong("one of 'sigma' and 'size' must say how large they are");
+            return None;
+        }
+    };
+    Some(Kind::Outliers { share: share?, size })
+}
+
+fn drop_out(table: &Table<'_>) -> Option<Kind> {
+    let turns = match (table.get("up"), table.get("down")) {
+        (None, None) => None,
+        _ => {
+            let (up, down) = (table.needed_positive("up"), table.needed_positive("down"));
+            Some((up?, down?))
+        }
+    };
+    let meanwhile = match table.text("meanwhile") {
+        None | Some("last") => Meanwhile::Last,
+        Some("zero") => Meanwhile::Zero,
+        Some("nan") => Meanwhile::NotANumber,
+        Some(other) => {
+            let entry = table.get("meanwhile")?;
+            entry.wrong(format!("'{other}' is none of last, zero, nan"));
+            return None;
+        }
+    };
+    Some(Kind::DropOut { turns, meanwhile })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Scenario> {
+        parse(text, Path::new("s.toml"))
+    }
+
+    #[test]
+    fn every_kind_is_read_as_its_example_says() {
+        for word in &KINDS {
+            let text = format!("[[fault]]\nkind = \"{}\"\non = \"a.x\"\n{}", word.name, word.example);
+            let scenario = read(&text).unwrap_or_else(|e| panic!("{text}\n{e}"));
+            assert_eq!(scenario.faults.len(), 1);
+            for meant in word.keys {
+                let named = word.example.contains(&format!("{} =", meant.key));
+                assert!(named || ["size", "meanwhile"].contains(&meant.key), "{}", meant.key);
+            }
+        }
+    }
+
+    #[test]
+    fn every_mistake_is_told_with_its_line_and_a_typo_with_the_nearest_key() {
+        let text = "sed = 1\n[[fault]]\nkind = \"wite-noise\"\non = \"a.x\"\n\n[[fault]]\n\
+                    kind = \"white-noise\"\nsigma = 0\nfron = 2\n\n[[fault]]\nkind = \"stuck\"\n\
+                    on = \"a.x\"\nfrom = 5\nuntil = 4\n[[fault]]\nkind = \"ramp\"\non = \"b.y\"\n\
+                    value = \"much\"\nwhen = \"b.y\"\n";
+        let error = read(text).unwrap_err();
+        let found: Vec<(usize, &str)> =
+            error.problems().map(|p| (p.place().unwrap().1.unwrap(), p.what())).collect();
+        for (line, part) in [
+            (1, "did you mean 'seed'"),
+            (3, "did you mean 'white-noise'"),
+            (9, "'fron' is unknown; did you mean 'from'"),
+            (6, "'on' is missing"),
+            (8, "0 is not greater than 0"),
+            (11, "it ends at 4"),
+            (19, "no number but a string"),
+            (16, "'over' is missing"),
+            (20, "has no comparison"),
+        ] {
+            let named = |(at, what): &(usize, &str)| *at == line && what.contains(part);
+            assert!(found.iter().any(named), "{line} {part}: {found:#?}");
+        }
+        assert_eq!(found.len(), 9, "{found:#?}");
+        assert!(read("x = ").unwrap_err().to_string().contains("s.toml:1"));
+    }
+}
