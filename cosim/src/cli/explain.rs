@@ -1,14 +1,15 @@
-//! `cosim explain`: what an error code means, and what to do about it.
+//! `cosim explain`: what an error code means, and what to do about it; what faults there are.
 
 use clap::Args;
+use cosim::fault::{KINDS, Word};
 use cosim::{Code, Error, Result, names};
 
 use super::output::print;
 
-/// Explain an error code such as E203
+/// Explain an error code such as E203, or the faults of scenarios
 #[derive(Args)]
 pub(crate) struct Explain {
-    /// The code; without one all are listed
+    /// The code, `faults`, or the name of a fault; without one all codes are listed
     code: Option<String>,
 }
 
@@ -18,12 +19,29 @@ impl Explain {
             let lines: Vec<String> = Code::ALL.iter().map(|&code| line(code)).collect();
             return print(&lines.join("\n"));
         };
+        if wanted == "faults" {
+            let all: Vec<String> = KINDS.iter().map(fault).collect();
+            return print(all.join("\n").trim_end());
+        }
+        if let Some(word) = KINDS.iter().find(|word| word.name == wanted) {
+            return print(fault(word).trim_end());
+        }
         match Code::ALL.iter().find(|code| code.as_str().eq_ignore_ascii_case(&wanted)) {
             Some(&code) => print(&format!("{}\n{}", line(code), code.remedy())),
             None => Err(Error::new(Code::Usage, format!("there is no error code '{wanted}'"))
                 .maybe_help(names::did_you_mean(&wanted, Code::ALL.iter().map(|c| c.as_str())))),
         }
     }
+}
+
+/// A fault as a scenario has it, with comments.
+fn fault(word: &Word) -> String {
+    let mut text = format!("# {}: {}\n", word.name, word.meaning);
+    for meant in word.keys {
+        text += &format!("#   {}: {}\n", meant.key, meant.meaning);
+    }
+    text += &format!("[[fault]]\nkind = \"{}\"\non = \"component.variable\"\n", word.name);
+    text + word.example + if word.example.is_empty() { "" } else { "\n" }
 }
 
 fn line(code: Code) -> String {

@@ -3,6 +3,7 @@
 mod algorithms;
 mod archives;
 mod attacks;
+mod campaign;
 mod checked;
 mod clock;
 mod command;

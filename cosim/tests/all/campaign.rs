@@ -1,0 +1,199 @@
+//! Campaigns as a user sees them: the same rows however they are made, nothing lost, verdicts.
+
+use std::path::Path;
+use std::process::Stdio;
+
+use tempfile::TempDir;
+
+use crate::distributed::{cosim, outcome, results};
+use crate::models::Model;
+use crate::models::Model::{Clock, Gain, Integrator};
+use crate::ssd::Ssd;
+
+/// Clock -> gain -> integrator, of which the gain may be another FMU, in a folder with a campaign.
+fn campaign(folder: &Path, more: &str) {
+    let ssd = Ssd::new()
+        .add("clock", Clock)
+        .add("g", Gain)
+        .add("x", Integrator)
+        .connect("clock.y", "g.u")
+        .connect("g.y", "x.u")
+        .stop(1.0);
+    std::fs::write(folder.join("chain.ssd"), ssd.text()).unwrap();
+    std::fs::write(folder.join("noise.toml"), NOISE).unwrap();
+    std::fs::write(folder.join("c.toml"), format!("{HEAD}{more}")).unwrap();
+}
+
+const NOISE: &str = "[[fault]]\nkind = \"white-noise\"\non = \"g.y\"\nsigma = 0.1\n";
+
+const HEAD: &str = r#"
+seed = 3
+seeds = 12
+[systems]
+chain = "chain.ssd"
+[scenarios]
+clean = ""
+noisy = "noise.toml"
+[dispersions]
+"g.k" = { kind = "normal", mean = 1, sigma = 0.1 }
+[figures]
+last = { kind = "final", of = "x.y" }
+"#;
+
+/// The rows, without the time that they took.
+fn rows(folder: &Path, name: &str) -> Vec<String> {
+    let text = String::from_utf8(results(folder, name)).unwrap();
+    text.lines().map(|line| line.rsplit_once(',').unwrap().0.to_owned()).collect()
+}
+
+fn run(folder: &Path, more: &[&str]) -> (i32, String) {
+    outcome(folder, &[&["campaign", "c.toml", "-q"], more].concat())
+}
+
+#[test]
+fn rows_are_the_same_however_many_processes_made_them_and_after_kills() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    campaign(folder, "");
+    for (jobs, name) in [("1", "one"), ("3", "three")] {
+        let (code, stderr) = run(folder, &["--jobs", jobs, "--output-dir", name]);
+        assert_eq!(code, 0, "{stderr}");
+    }
+    let wanted = rows(folder, "one/runs.csv");
+    assert_eq!(wanted.len(), 25);
+    assert_eq!(rows(folder, "three/runs.csv"), wanted);
+    let mut kills = 0;
+    loop {
+        let mut again = cosim(folder, &["campaign", "c.toml", "-q", "--output-dir", "killed"]);
+        let mut process = again.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        // Another row is there: that is when it is killed, if it is not over.
+        let log = folder.join("killed/runs.jsonl");
+        let length = || std::fs::metadata(&log).map_or(0, |log| log.len());
+        let before = length();
+        while length() == before && process.try_wait().unwrap().is_none() {
+            std::thread::yield_now();
+        }
+        if process.try_wait().unwrap().is_some_and(|status| status.success()) {
+            break;
+        }
+        drop(process.kill());
+        if process.wait().unwrap().success() {
+            break;
+        }
+        kills += 1;
+    }
+    assert!(kills > 3, "{kills}");
+    assert_eq!(rows(folder, "killed/runs.csv"), wanted);
+}
+
+#[test]
+fn a_run_is_made_again_to_the_last_bit_and_a_changed_campaign_is_refused() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    campaign(folder, "");
+    assert_eq!(run(folder, &[]).0, 0);
+    let (code, stderr) = outcome(folder, &["replay", "c_campaign", "5"]);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(stderr.contains("the same to the last bit"), "{stderr}");
+    // Everything is recorded, and what the figure is of as well.
+    let recorded = String::from_utf8(results(folder, "run5.csv")).unwrap();
+    assert!(recorded.lines().next().unwrap().contains("g.k"), "{recorded}");
+    let last = rows(folder, "c_campaign/runs.csv")[6].split(',').nth(7).unwrap().to_owned();
+    let place = recorded.lines().next().unwrap().split(',').position(|name| name == "x.y");
+    let end = recorded.lines().last().unwrap().split(',').nth(place.unwrap()).unwrap();
+    assert_eq!(end.parse::<f64>().unwrap(), last.parse::<f64>().unwrap());
+    // More seeds are more of the same; another distribution is another campaign.
+    let text = format!("{HEAD}").replace("seeds = 12", "seeds = 13");
+    std::fs::write(folder.join("c.toml"), &text).unwrap();
+    let before = rows(folder, "c_campaign/runs.csv");
+    assert_eq!(run(folder, &[]).0, 0);
+    let after = rows(folder, "c_campaign/runs.csv");
+    assert_eq!((after.len(), &after[..25]), (27, &before[..]));
+    std::fs::write(folder.join("c.toml"), text.replace("sigma = 0.1", "sigma = 0.2")).unwrap();
+    let (code, stderr) = run(folder, &[]);
+    assert_eq!(code, 3, "{stderr}");
+    assert!(stderr.contains("E211") && stderr.contains("sigma: 0.2"), "{stderr}");
+    assert_eq!(rows(folder, "c_campaign/runs.csv"), after);
+}
+
+#[test]
+fn an_fmu_that_crashes_or_hangs_costs_its_runs_and_no_other() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    for (name, define) in [("aborts", "ABORTS"), ("spins", "SPINS"), ("fatal", "FATAL")] {
+        Model::Gain.variant(&folder.join(format!("{name}.fmu")), &[define], |text| text);
+    }
+    let more = "[replacements]\na_good = {}\nb_aborts = { g = \"aborts.fmu\" }\n\
+                c_spins = { g = \"spins.fmu\" }\nd_fatal = { g = \"fatal.fmu\" }\n";
+    campaign(folder, more);
+    let text = std::fs::read_to_string(folder.join("c.toml")).unwrap();
+    let text = text.replace("seeds = 12", "seeds = 2\ntime-limit = 2");
+    std::fs::write(folder.join("c.toml"), text).unwrap();
+    let (code, stderr) = run(folder, &[]);
+    assert_eq!(code, 0, "{stderr}");
+    let rows = rows(folder, "c_campaign/runs.csv");
+    for (cell, status, reason) in [
+        ("a_good", "ok", ""),
+        ("b_aborts", "crashed", "SIGABRT"),
+        ("c_spins", "timed-out", "longer than 2 s"),
+        ("d_fatal", "failed", "returned Fatal"),
+    ] {
+        let own: Vec<&String> = rows.iter().filter(|row| row.contains(cell)).collect();
+        assert_eq!(own.len(), 4, "{rows:#?}");
+        let told = |row: &&&String| row.contains(&format!(",{status},")) && row.contains(reason);
+        assert_eq!(own.iter().filter(told).count(), 4, "{own:#?}");
+    }
+}
+
+#[test]
+fn thresholds_decide_the_exit_code() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let verdict = |bound: &str| format!("[[verdict]]\nfigure = \"last\"\nat-most = {bound}\n");
+    for (bound, wanted, word) in [("9", 0, "<testcase"), ("0", 1, "<failure"), ("0.45", 4, "<error")]
+    {
+        campaign(folder, &verdict(bound));
+        let (code, stderr) = run(folder, &[]);
+        assert_eq!(code, wanted, "{bound}: {stderr}");
+        let junit = String::from_utf8(results(folder, "c_campaign/junit.xml")).unwrap();
+        assert!(junit.contains(word), "{junit}");
+    }
+}
+
+#[test]
+fn a_dry_run_says_how_much_there_is_and_mistakes_are_told_before_it() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    campaign(folder, "");
+    let output = cosim(folder, &["campaign", "c.toml", "--dry-run"]).output().unwrap();
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(text.contains("2 cells of 12 runs: 24 runs"), "{text}");
+    assert!(!folder.join("c_campaign").exists());
+    campaign(folder, "wrong = { kind = \"max\", of = \"x.z\" }\n[start-values]\n\"g.kk\" = 1\n");
+    let (code, stderr) = run(folder, &[]);
+    assert_eq!(code, 3, "{stderr}");
+    for part in ["'x.y'", "'g.k'", "did you mean"] {
+        assert!(stderr.contains(part), "{part}: {stderr}");
+    }
+}
+
+#[test]
+fn an_interrupted_campaign_says_how_to_go_on() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    campaign(folder, "");
+    let text = std::fs::read_to_string(folder.join("c.toml")).unwrap();
+    std::fs::write(folder.join("c.toml"), text.replace("seeds = 12", "seeds = 4000")).unwrap();
+    let mut command = cosim(folder, &["campaign", "c.toml", "-q"]);
+    let process = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let log = folder.join("c_campaign/runs.jsonl");
+    while std::fs::metadata(&log).map_or(0, |log| log.len()) == 0 {
+        std::thread::yield_now();
+    }
+    crate::distributed::signal(process.id(), "INT");
+    let output = process.wait_with_output().unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{stderr}");
+    assert!(stderr.contains("of 8000 runs are over"), "{stderr}");
+    assert!(rows(folder, "c_campaign/runs.csv").len() > 1);
+}
