@@ -84,11 +84,6 @@ impl<'d> Table<'d> {
         self.document.wrong(self.line, format!("{}: {what}", self.name));
     }
 
-    /// Where it begins.
-    pub(crate) fn line(&self) -> usize {
-        self.line
-    }
-
     /// Its name in messages from now on.
     pub(crate) fn named(mut self, name: impl Into<String>) -> Self {
         self.name = name.into();
@@ -267,11 +262,6 @@ impl<'d> Entry<'d> {
     /// Whether it is a list.
     pub(crate) fn is_list(&self) -> bool {
         matches!(self.value, DeValue::Array(_))
-    }
-
-    /// Whether it is a table.
-    pub(crate) fn is_table(&self) -> bool {
-        matches!(self.value, DeValue::Table(_))
     }
 
     /// As a table.

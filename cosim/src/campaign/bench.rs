@@ -163,9 +163,10 @@ impl Bench {
         let factors = campaign.factors.iter().zip(&cell.levels);
         let factors = factors.map(|((_, values), level)| values[*level].clone());
         let list = cell.row.map(|row| campaign.list.1[row].clone()).unwrap_or_default();
-        let drawn = campaign.dispersions.iter().enumerate().map(|(coordinate, (_, spread))| {
-            spread.quantile(self.points.at(point, coordinate))
-        });
+        let drawn =
+            campaign.dispersions.iter().enumerate().map(|(coordinate, (_, spread))| {
+                spread.quantile(self.points.at(point, coordinate))
+            });
         factors.chain(list).chain(drawn).collect()
     }
 
@@ -319,9 +320,10 @@ impl<'a> Kept<'a> {
 impl Observer for Kept<'_> {
     fn start(&mut self, info: &RunInfo<'_>) -> Result<()> {
         let place = |name: &str| {
-            info.columns.iter().position(|column| column.name == name).ok_or_else(|| {
-                Error::new(Code::UnknownName, format!("'{name}' is not recorded"))
-            })
+            info.columns
+                .iter()
+                .position(|column| column.name == name)
+                .ok_or_else(|| Error::new(Code::UnknownName, format!("'{name}' is not recorded")))
         };
         self.places = self.names.iter().map(|name| place(name)).collect::<Result<_>>()?;
         self.looked_at =

@@ -10,13 +10,27 @@ use crate::table::Table;
 /// How the numbers of a parameter are spread.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Distribution {
-    Normal { mean: f64, sigma: f64, min: f64, max: f64 },
-    Uniform { min: f64, max: f64 },
-    LogUniform { min: f64, max: f64 },
+    Normal {
+        mean: f64,
+        sigma: f64,
+        min: f64,
+        max: f64,
+    },
+    Uniform {
+        min: f64,
+        max: f64,
+    },
+    LogUniform {
+        min: f64,
+        max: f64,
+    },
     /// One of these texts with equal chances.
     Choice(Vec<String>),
     /// A whole number with equal chances, both ends included.
-    Discrete { min: i64, max: i64 },
+    Discrete {
+        min: i64,
+        max: i64,
+    },
 }
 
 /// At which points the distributions are asked.
@@ -167,9 +181,8 @@ impl Points {
 
     /// A coordinate of a point.
     pub(super) fn at(&self, point: usize, coordinate: usize) -> f64 {
-        let own = |number: u64| {
-            Random::new(&[self.seed, POINTS, number, coordinate as u64]).uniform()
-        };
+        let own =
+            |number: u64| Random::new(&[self.seed, POINTS, number, coordinate as u64]).uniform();
         match self.design {
             Design::Random => own(point as u64 + 2),
             Design::LatinHypercube => {

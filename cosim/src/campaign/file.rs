@@ -93,8 +93,7 @@ impl Campaign {
     /// Reads a file; paths in it are relative to its folder.
     pub fn read(file: impl AsRef<Path>) -> Result<Self> {
         let file = file.as_ref();
-        let unread =
-            |e| Error::new(Code::File, "the campaign cannot be read").at(file).why(e);
+        let unread = |e| Error::new(Code::File, "the campaign cannot be read").at(file).why(e);
         let file = std::path::absolute(file).map_err(unread)?;
         let text = std::fs::read_to_string(&file).map_err(unread)?;
         Self::parse(&text, &file)
@@ -148,7 +147,8 @@ impl Campaign {
             cells: Vec::new(),
         };
         if campaign.seeds == 0 {
-            document.wrong(root.get("seeds").map_or(1, |e| e.line), "'seeds' is 0: there is no run");
+            document
+                .wrong(root.get("seeds").map_or(1, |e| e.line), "'seeds' is 0: there is no run");
         }
         if campaign.systems.is_empty() {
             root.wrong("[systems] is missing: names and files of systems");
@@ -324,7 +324,9 @@ impl Campaign {
         lines.push(format!("output-interval = {:?}", self.output_interval));
         let conditions: Vec<String> = self.stop_when.iter().map(Condition::to_string).collect();
         lines.push(format!("stop-when = {conditions:?}"));
-        lines.extend(self.figures.iter().map(|(name, figure)| format!("figure {name} = {figure:?}")));
+        lines.extend(
+            self.figures.iter().map(|(name, figure)| format!("figure {name} = {figure:?}")),
+        );
         lines
     }
 }

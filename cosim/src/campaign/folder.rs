@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Campaign, Row};
 use crate::error::{Code, Error, Result};
+use crate::files;
 
 /// The results of a campaign.
 pub struct Folder {
@@ -40,9 +41,8 @@ impl Folder {
         };
         std::fs::create_dir_all(&path).map_err(|e| unwritten(&path, e))?;
         let file = path.join(LOG);
-        let mut log = OpenOptions::new().read(true).append(true).create(true).open(&file);
-        let log = log.as_mut().map_err(|e| unwritten(&file, std::mem::replace(e, e.kind().into())))?;
-        let log = log.try_clone().map_err(|e| unwritten(&file, e))?;
+        let log = OpenOptions::new().read(true).append(true).create(true).open(&file);
+        let log = log.map_err(|e| unwritten(&file, e))?;
         log.try_lock().map_err(|_| {
             Error::new(Code::Output, "the results are being written by another process").at(&file)
         })?;
@@ -78,8 +78,7 @@ impl Folder {
 
     fn read_log(&mut self) -> Result<()> {
         let file = self.path.join(LOG);
-        let unread =
-            |e| Error::new(Code::Results, "the rows cannot be read").at(&file).why(e);
+        let unread = |e| Error::new(Code::Results, "the rows cannot be read").at(&file).why(e);
         let mut octets = Vec::new();
         self.log.read_to_end(&mut octets).map_err(unread)?;
         let whole = octets.iter().rposition(|octet| *octet == b'\n').map_or(0, |last| last + 1);
@@ -107,9 +106,10 @@ impl Folder {
     pub fn add(&mut self, row: Row) -> Result<()> {
         let file = self.path.join(LOG);
         let unwritten = |e: String| {
-            Error::new(Code::Output, "a row cannot be written").at(&file).why(e).help(
-                "make room and give the same command again: rows that are there are kept",
-            )
+            Error::new(Code::Output, "a row cannot be written")
+                .at(&file)
+                .why(e)
+                .help("make room and give the same command again: rows that are there are kept")
         };
         let mut line = serde_json::to_vec(&row).map_err(|e| unwritten(e.to_string()))?;
         line.push(b'\n');
@@ -121,11 +121,7 @@ impl Folder {
     /// Writes a file of this folder as a whole.
     pub fn write(&self, name: &str, text: &str) -> Result<()> {
         let file = self.path.join(name);
-        let written = tempfile::NamedTempFile::new_in(&self.path).and_then(|mut unfinished| {
-            unfinished.write_all(text.as_bytes())?;
-            unfinished.persist(&file).map_err(|e| e.error)
-        });
-        written.map(drop).map_err(|e| {
+        files::replace(&file, text.as_bytes()).map_err(|e| {
             Error::new(Code::Output, "a file of results cannot be written").at(&file).why(e)
         })
     }
@@ -144,11 +140,8 @@ impl Folder {
             let filled = |values: &[String], count: usize| -> Vec<String> {
                 (0..count).map(|place| values.get(place).cloned().unwrap_or_default()).collect()
             };
-            let mut cells = vec![
-                row.run.to_string(),
-                quoted(cell),
-                campaign.replicate_of(row.run).to_string(),
-            ];
+            let mut cells =
+                vec![row.run.to_string(), quoted(cell), campaign.replicate_of(row.run).to_string()];
             cells.extend(filled(&row.inputs, inputs.len()).iter().map(|value| quoted(value)));
             cells.extend([
                 row.status.word().to_owned(),

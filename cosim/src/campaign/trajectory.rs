@@ -74,9 +74,7 @@ pub(super) enum Pairs {
 pub(super) fn relative(truth: &Trajectory, estimate: &Trajectory, pairs: Pairs) -> Vec<f64> {
     let count = truth.positions.len();
     let ids: Vec<(usize, usize)> = match pairs {
-        Pairs::Samples(delta) => {
-            (0..count.saturating_sub(delta)).map(|i| (i, i + delta)).collect()
-        }
+        Pairs::Samples(delta) => (0..count.saturating_sub(delta)).map(|i| (i, i + delta)).collect(),
         Pairs::Metres(delta) => {
             let (mut ends, mut way) = (vec![0], 0.0);
             for i in 1..count {
@@ -110,9 +108,9 @@ mod tests {
     fn helix(planar: bool) -> (Trajectory, Trajectory) {
         let times: Vec<f64> = (0..40).map(f64::from).collect();
         let height = |z: f64| if planar { 0.0 } else { z };
-        let truth = times.iter().map(|t| {
-            Vector3::new(5.0 * (0.1 * t).cos(), 5.0 * (0.1 * t).sin(), height(0.3 * t))
-        });
+        let truth = times
+            .iter()
+            .map(|t| Vector3::new(5.0 * (0.1 * t).cos(), 5.0 * (0.1 * t).sin(), height(0.3 * t)));
         let truth: Vec<_> = truth.collect();
         let estimate = times.iter().zip(&truth).map(|(t, p)| {
             let (x, y) = (1.01 * p.x + 0.2 * t.sin(), p.y + 0.1 * (2.0 * t).cos() + 0.05 * t);
@@ -136,7 +134,8 @@ mod tests {
         // evo 1.38.1: metrics.APE and RPE of the translation part, PoseTrajectory3D.align, pairs
         // from the reference.
         let (truth, estimate) = helix(false);
-        let near = |found: f64, wanted: f64| assert!((found - wanted).abs() < 1e-9, "{found} {wanted}");
+        let near =
+            |found: f64, wanted: f64| assert!((found - wanted).abs() < 1e-9, "{found} {wanted}");
         let apart = |align| distances(&truth, &estimate, align);
         near(rmse(&apart(Alignment::None)), 1.446_490_190_867_457);
         near(max(&apart(Alignment::None)), 2.127_537_124_448_056);

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use clap::Args;
+use cosim::condition::Condition;
 use cosim::distributed::Cluster;
 use cosim::files;
 use cosim::observe::{self, Continued, CsvRecorder, Digested, Progress, RunningDigest, Stop};
-use cosim::condition::Condition;
 use cosim::scenario::Scenario;
 use cosim::shown::{Terminal, one_line, visible};
 use cosim::{Code, Error, Observer, Overrides, Recording, Result, Run, Snapshot, Summary, System};

@@ -37,10 +37,9 @@ impl Replay {
             let what = format!("run {} fails", self.run);
             let same = row.status == Status::Failed && row.reason == again.reason;
             let before = if same { "as before" } else { "otherwise than before" };
-            return Err(Error::new(Code::Fmu, what).why(again.reason).help(format!(
-                "{before}; the results until then are in {}",
-                target.display()
-            )));
+            return Err(Error::new(Code::Fmu, what)
+                .why(again.reason)
+                .help(format!("{before}; the results until then are in {}", target.display())));
         }
         if again.digest != row.digest || again.figures != row.figures {
             let before = if row.digest.is_empty() {

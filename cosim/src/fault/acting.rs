@@ -338,9 +338,7 @@ mod tests {
 
     #[test]
     fn each_kind_without_chance_does_what_it_says() {
-        let with = |faulty: [f64; 3]| {
-            vec![0.0, 10.0, 20.0, faulty[0], faulty[1], faulty[2], 60.0]
-        };
+        let with = |faulty: [f64; 3]| vec![0.0, 10.0, 20.0, faulty[0], faulty[1], faulty[2], 60.0];
         assert_eq!(output(Kind::Override(7.0)), with([7.0; 3]));
         assert_eq!(output(Kind::Bias(0.5)), with([30.5, 40.5, 50.5]));
         assert_eq!(output(Kind::Scale(2.0)), with([60.0, 80.0, 100.0]));
@@ -359,7 +357,8 @@ mod tests {
 
     #[test]
     fn an_input_is_acted_on_from_the_step_that_begins_then() {
-        let mut acting = fault(Kind::Bias(1.0)).acting(1, 0, 0, Time::ZERO).installed(Way::Input, Time::ZERO);
+        let mut acting =
+            fault(Kind::Bias(1.0)).acting(1, 0, 0, Time::ZERO).installed(Way::Input, Time::ZERO);
         let mut seen = Vec::new();
         for step in 0..6 {
             seen.push(acting.apply(0.0));
@@ -387,7 +386,10 @@ mod tests {
         let long = |kind: Kind, place| {
             let mut fault = fault(kind);
             (fault.begin, fault.end) = (Begin::At(Time::ZERO), End::Never);
-            let seen = course(fault.acting(5, 1, place, Time::ZERO).installed(Way::Output, Time::ZERO), 20_000);
+            let seen = course(
+                fault.acting(5, 1, place, Time::ZERO).installed(Way::Output, Time::ZERO),
+                20_000,
+            );
             let errors = seen.iter().zip(0..).map(|(v, step)| v - 10.0 * f64::from(step));
             errors.skip(1).collect::<Vec<f64>>()
         };
@@ -408,10 +410,8 @@ mod tests {
 
     #[test]
     fn a_connection_that_comes_and_goes_is_lost_for_its_share_of_the_time() {
-        let mut fault = fault(Kind::DropOut {
-            turns: Some((30.0, 10.0)),
-            meanwhile: Meanwhile::NotANumber,
-        });
+        let mut fault =
+            fault(Kind::DropOut { turns: Some((30.0, 10.0)), meanwhile: Meanwhile::NotANumber });
         (fault.begin, fault.end) = (Begin::At(Time::ZERO), End::Never);
         let of = |place| {
             let acting = fault.acting(3, 0, place, Time::ZERO).installed(Way::Output, Time::ZERO);
@@ -449,7 +449,8 @@ mod tests {
             Kind::Latency { delay: 1.5, jitter: 1.0 },
             Kind::DropOut { turns: Some((2.0, 2.0)), meanwhile: Meanwhile::Last },
         ] {
-            let mut one = fault(kind).acting(9, 0, 0, Time::ZERO).installed(Way::Output, Time::ZERO);
+            let mut one =
+                fault(kind).acting(9, 0, 0, Time::ZERO).installed(Way::Output, Time::ZERO);
             one.until = Time::NEVER;
             for step in 1..8 {
                 one.advance(seconds(f64::from(step - 1)), seconds(f64::from(step)));

@@ -42,7 +42,9 @@ mod trend;
 pub(crate) use converting_slave::Converted;
 pub(crate) use drive::Drive;
 pub(crate) use engine::{Engine, UNSETTLED, passes};
-pub(crate) use manipulate::{Act, Change};
+#[cfg(test)]
+pub(crate) use manipulate::Act;
+pub(crate) use manipulate::Change;
 pub(crate) use plan::{Node, Plan, Route};
 pub(crate) use snapshot::{EngineState, Saved};
 pub(crate) use summary::{Report, Tally};

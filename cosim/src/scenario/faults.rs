@@ -32,9 +32,8 @@ fn fault(table: &Table<'_>) -> Option<Fault> {
         let word = KINDS.iter().find(|word| word.name == name);
         if word.is_none() {
             let all = || KINDS.iter().map(|word| word.name);
-            let help = names::did_you_mean(name, all()).unwrap_or_else(|| {
-                format!("known are {}", all().collect::<Vec<_>>().join(", "))
-            });
+            let help = names::did_you_mean(name, all())
+                .unwrap_or_else(|| format!("known are {}", all().collect::<Vec<_>>().join(", ")));
             table.get("kind")?.wrong(format!("there is no fault '{name}'; {help}"));
         }
         word
@@ -104,7 +103,9 @@ fn end(table: &Table<'_>) -> Option<End> {
     match (table.get("until"), table.get("for")) {
         (None, None) => Some(End::Never),
         (Some(_), None) => table.time("until").map(End::At),
-        (None, Some(_)) if ["from", "between", "when"].iter().all(|key| table.get(key).is_none()) => {
+        (None, Some(_))
+            if ["from", "between", "when"].iter().all(|key| table.get(key).is_none()) =>
+        {
             table.wrong("'for' needs a beginning; an end is said by 'until'");
             None
         }
@@ -210,7 +211,8 @@ mod tests {
     #[test]
     fn every_kind_is_read_as_its_example_says() {
         for word in &KINDS {
-            let text = format!("[[fault]]\nkind = \"{}\"\non = \"a.x\"\n{}", word.name, word.example);
+            let text =
+                format!("[[fault]]\nkind = \"{}\"\non = \"a.x\"\n{}", word.name, word.example);
             let scenario = read(&text).unwrap_or_else(|e| panic!("{text}\n{e}"));
             assert_eq!(scenario.faults.len(), 1);
             for meant in word.keys {

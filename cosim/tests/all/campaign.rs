@@ -150,7 +150,8 @@ fn thresholds_decide_the_exit_code() {
     let folder = TempDir::new().unwrap();
     let folder = folder.path();
     let verdict = |bound: &str| format!("[[verdict]]\nfigure = \"last\"\nat-most = {bound}\n");
-    for (bound, wanted, word) in [("9", 0, "<testcase"), ("0", 1, "<failure"), ("0.45", 4, "<error")]
+    for (bound, wanted, word) in
+        [("9", 0, "<testcase"), ("0", 1, "<failure"), ("0.45", 4, "<error")]
     {
         campaign(folder, &verdict(bound));
         let (code, stderr) = run(folder, &[]);

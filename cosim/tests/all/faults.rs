@@ -145,8 +145,7 @@ fn how_often_is_recorded_changes_nothing() {
     // The condition is looked at at output instants, so it goes without.
     let text = &MANY[..MANY.rfind("[[fault]]").unwrap()];
     let often_without = play(&chain(2.0).load(&Overrides::new()).unwrap(), text);
-    let seldom =
-        play(&chain(2.0).load(&Overrides::new().output_interval(0.5)).unwrap(), text);
+    let seldom = play(&chain(2.0).load(&Overrides::new().output_interval(0.5)).unwrap(), text);
     for (name, values) in seldom.columns() {
         let wanted: Vec<f64> =
             often_without.column(name).unwrap().iter().step_by(5).copied().collect();

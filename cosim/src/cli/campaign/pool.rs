@@ -33,11 +33,7 @@ impl<'a> Pool<'a> {
 
     /// Makes these runs, as many at once as there are jobs, and hands over each row as it comes. After
     /// a signal, or an error of `keep`, no other run is begun.
-    pub(super) fn make(
-        &self,
-        runs: &[u64],
-        keep: &mut dyn FnMut(Row) -> Result<()>,
-    ) -> Result<()> {
+    pub(super) fn make(&self, runs: &[u64], keep: &mut dyn FnMut(Row) -> Result<()>) -> Result<()> {
         let (next, enough) = (AtomicUsize::new(0), AtomicBool::new(false));
         let (send, receive) = mpsc::channel();
         std::thread::scope(|scope| {

@@ -122,7 +122,8 @@ pub(super) fn junit(judgement: &Judgement) -> String {
         judgement.verdicts.len()
     );
     for verdict in &judgement.verdicts {
-        let (cell, name) = (escaped(&verdict.cell), format!("{} {}", verdict.figure, verdict.threshold));
+        let (cell, name) =
+            (escaped(&verdict.cell), format!("{} {}", verdict.figure, verdict.threshold));
         _ = write!(text, "  <testcase classname=\"{cell}\" name=\"{}\"", escaped(&name));
         let told = format!(
             "{} of {} runs keep it; it is {}",

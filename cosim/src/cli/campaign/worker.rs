@@ -31,8 +31,9 @@ impl CampaignWorker {
         let mut rows = std::fs::File::from(rows);
         let bench = Bench::open(Campaign::read(&self.file)?)?;
         if fingerprint(&bench.identity()?) != self.identity {
-            return Err(Error::new(Code::Campaign, "the campaign has changed while it ran")
-                .at(&self.file));
+            return Err(
+                Error::new(Code::Campaign, "the campaign has changed while it ran").at(&self.file)
+            );
         }
         for line in std::io::stdin().lock().lines() {
             let line = line.map_err(broken)?;
