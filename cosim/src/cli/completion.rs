@@ -42,7 +42,10 @@ impl Man {
         let mut command = Arguments::command();
         command.build();
         clap_mangen::Man::new(command.clone()).render(page)?;
-        for verb in command.get_subcommands().filter(|verb| !verb.is_hide_set() && verb.get_name() != "help") {
+        for verb in command
+            .get_subcommands()
+            .filter(|verb| !verb.is_hide_set() && verb.get_name() != "help")
+        {
             writeln!(page, ".SH {}", verb.get_name().to_uppercase())?;
             let man = clap_mangen::Man::new(verb.clone());
             man.render_description_section(page)?;

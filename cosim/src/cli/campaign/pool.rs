@@ -9,11 +9,10 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
-use cosim::campaign::{Bench, Row, Status};
+use cosim::campaign::{Bench, Row, Status, fingerprint};
 use cosim::{Code, Error, Result};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
-use super::worker::fingerprint;
 use crate::cli::interrupt::interrupted;
 
 /// What is needed to make runs.
@@ -76,6 +75,8 @@ impl<'a> Pool<'a> {
                 Ok(row)
             }
             Err(Status::TimedOut) => {
+                // What cannot be killed is over already.
+                drop(at_work.process.kill());
                 let limit = self.bench.campaign().time_limit;
                 let reason = format!("it took longer than {limit} s");
                 Ok(self.bench.lost(run, Status::TimedOut, reason))

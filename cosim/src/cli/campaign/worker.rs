@@ -4,7 +4,7 @@ use std::io::{BufRead, Write};
 use std::path::PathBuf;
 
 use clap::Args;
-use cosim::campaign::{Bench, Campaign};
+use cosim::campaign::{Bench, Campaign, fingerprint};
 use cosim::{Code, Error, Result};
 
 /// Make the runs whose numbers come on stdin, a line each; give their rows on stdout
@@ -15,11 +15,6 @@ pub(crate) struct CampaignWorker {
     /// What it must be
     #[arg(long)]
     identity: String,
-}
-
-/// What a campaign is, in a word.
-pub(super) fn fingerprint(identity: &[String]) -> String {
-    cosim::campaign::fingerprint(identity)
 }
 
 impl CampaignWorker {
