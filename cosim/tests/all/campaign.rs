@@ -105,7 +105,7 @@ fn a_run_is_made_again_to_the_last_bit_and_a_changed_campaign_is_refused() {
     let end = recorded.lines().last().unwrap().split(',').nth(place.unwrap()).unwrap();
     assert_eq!(end.parse::<f64>().unwrap(), last.parse::<f64>().unwrap());
     // More seeds are more of the same; another distribution is another campaign.
-    let text = format!("{HEAD}").replace("seeds = 12", "seeds = 13");
+    let text = HEAD.replace("seeds = 12", "seeds = 13");
     std::fs::write(folder.join("c.toml"), &text).unwrap();
     let before = rows(folder, "c_campaign/runs.csv");
     assert_eq!(run(folder, &[]).0, 0);
@@ -175,7 +175,7 @@ fn a_dry_run_says_how_much_there_is_and_mistakes_are_told_before_it() {
     campaign(folder, "wrong = { kind = \"max\", of = \"x.z\" }\n[start-values]\n\"g.kk\" = 1\n");
     let (code, stderr) = run(folder, &[]);
     assert_eq!(code, 3, "{stderr}");
-    for part in ["'x.y'", "'g.k'", "did you mean"] {
+    for part in ["did you mean 'y'", "did you mean 'k'"] {
         assert!(stderr.contains(part), "{part}: {stderr}");
     }
 }
