@@ -1,5 +1,7 @@
 //! What the rows of a campaign say: figures of each cell, verdicts, differences between cells.
 
+use std::collections::HashMap;
+
 use serde::Serialize;
 
 use super::statistics::{Answer, Estimate, decide, quantile};
@@ -156,13 +158,13 @@ fn compared(campaign: &Campaign, cell: usize, cells: &[Vec<&Row>]) -> Vec<Compar
     };
     let Some(first) = campaign.cells.iter().find(alike) else { return Vec::new() };
     let Some(place) = campaign.cells.iter().position(|c| c == first) else { return Vec::new() };
+    let others: HashMap<usize, &Row> =
+        cells[place].iter().map(|row| (campaign.replicate_of(row.run), *row)).collect();
     let figures = campaign.figures().enumerate().map(|(figure, name)| {
         let differences: Vec<f64> = cells[cell]
             .iter()
             .filter_map(|row| {
-                let replicate = campaign.replicate_of(row.run);
-                let same = |other: &&&Row| campaign.replicate_of(other.run) == replicate;
-                let other = cells[place].iter().find(same)?;
+                let other = others.get(&campaign.replicate_of(row.run))?;
                 let difference = row.figure(figure) - other.figure(figure);
                 (!difference.is_nan()).then_some(difference)
             })

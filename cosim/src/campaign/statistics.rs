@@ -10,18 +10,40 @@ fn binomial(k: u64, n: u64, p: f64) -> f64 {
     if p >= 1.0 {
         return 0.0;
     }
-    let (n_f, ln_p, ln_q) = (n as f64, libm::log(p), libm::log1p(-p));
     let term = |i: u64| {
-        let i = i as f64;
-        let ways = libm::lgamma(n_f + 1.0) - libm::lgamma(i + 1.0) - libm::lgamma(n_f - i + 1.0);
-        libm::exp(ways + i * ln_p + (n_f - i) * ln_q)
+        let (i, n) = (i as f64, n as f64);
+        let ways = libm::lgamma(n + 1.0) - libm::lgamma(i + 1.0) - libm::lgamma(n - i + 1.0);
+        libm::exp(ways + i * libm::log(p) + (n - i) * libm::log1p(-p))
     };
-    // The shorter sum; its greatest terms are next to k.
-    if (k as f64) < n_f * p {
-        (0..=k).rev().map(term).sum::<f64>().min(1.0)
+    // The side away from the mean: there, terms become smaller from one to the next.
+    let odds = p / (1.0 - p);
+    let sum = |first: u64, next: &dyn Fn(u64) -> Option<(u64, f64)>| {
+        let (mut at, mut part, mut sum) = (first, term(first), 0.0);
+        loop {
+            sum += part;
+            match next(at) {
+                Some((after, ratio)) if part > 1e-18 * sum => (at, part) = (after, part * ratio),
+                _ => return sum,
+            }
+        }
+    };
+    if (k as f64) < n as f64 * p {
+        let down = |i: u64| (i > 0).then(|| (i - 1, i as f64 / ((n - i + 1) as f64 * odds)));
+        sum(k, &down).min(1.0)
     } else {
-        (1.0 - (k + 1..=n).map(term).sum::<f64>()).max(0.0)
+        let up = |i: u64| (i < n).then(|| (i + 1, (n - i) as f64 * odds / (i + 1) as f64));
+        (1.0 - sum(k + 1, &up)).max(0.0)
     }
+}
+
+/// The first number below `count` from which on something holds, if there is one.
+fn first(count: u64, holds: impl Fn(u64) -> bool) -> Option<u64> {
+    let (mut low, mut high) = (0, count);
+    while low < high {
+        let middle = low + (high - low) / 2;
+        if holds(middle) { high = middle } else { low = middle + 1 }
+    }
+    (low < count).then_some(low)
 }
 
 /// The interval of a share of which `k` of `n` are known (Clopper & Pearson 1934): it holds the
@@ -62,8 +84,8 @@ pub(super) fn quantile(values: &[f64], p: f64, confidence: f64) -> Estimate {
     }
     let tail = (1.0 - confidence) / 2.0;
     // The greatest rank below which the quantile lies with at most the probability of the tail.
-    let low = (0..n).take_while(|rank| binomial(*rank, n, p) <= tail).last();
-    let high = (0..n).find(|rank| binomial(*rank, n, p) >= 1.0 - tail);
+    let low = first(n, |rank| binomial(rank, n, p) > tail).unwrap_or(n).checked_sub(1);
+    let high = first(n, |rank| binomial(rank, n, p) >= 1.0 - tail);
     let interval = [
         low.map_or(f64::NEG_INFINITY, |rank| sorted[rank as usize]),
         high.map_or(f64::INFINITY, |rank| sorted[rank as usize]),

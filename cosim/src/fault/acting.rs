@@ -459,7 +459,7 @@ mod tests {
             let octets = postcard::to_stdvec(&one).unwrap();
             let mut other: Acting = postcard::from_bytes(&octets).unwrap();
             for step in 8..50 {
-                let mut next = |acting: &mut Acting| {
+                let next = |acting: &mut Acting| {
                     acting.advance(seconds(f64::from(step - 1)), seconds(f64::from(step)));
                     acting.apply(f64::from(step)).to_bits()
                 };

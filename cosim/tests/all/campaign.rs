@@ -47,7 +47,7 @@ fn rows(folder: &Path, name: &str) -> Vec<String> {
 }
 
 fn run(folder: &Path, more: &[&str]) -> (i32, String) {
-    outcome(folder, &[&["campaign", "c.toml", "-q"], more].concat())
+    outcome(folder, &[&["campaign", "c.toml", "-q"][..], more].concat())
 }
 
 #[test]
