@@ -207,10 +207,10 @@ impl Figure {
         };
         let known = ["kind", "from", "until", "of", "minus", "absolute"];
         table.allow(&known.into_iter().chain(own).collect::<Vec<_>>());
-        if let Some(Take::Percentile(p)) = take {
-            if !(0.0..=100.0).contains(&p) {
-                table.get("p")?.wrong(format!("{p} is not between 0 and 100"));
-            }
+        if let Some(Take::Percentile(p)) = take
+            && !(0.0..=100.0).contains(&p)
+        {
+            table.get("p")?.wrong(format!("{p} is not between 0 and 100"));
         }
         let variable = table.needed_text("of").map(str::to_owned);
         let minus = table.text("minus").map(str::to_owned);

@@ -264,11 +264,11 @@ impl Acting {
 
     /// A value sets out.
     fn send(&mut self, value: f64) {
-        if let Some((of, _, newest)) = self.late.back_mut() {
-            if *of == self.now {
-                *newest = value;
-                return;
-            }
+        if let Some((of, _, newest)) = self.late.back_mut()
+            && *of == self.now
+        {
+            *newest = value;
+            return;
         }
         let delay = Time::from_nanoseconds(libm::rint(self.delay * 1e9) as i64);
         let last = self.late.back().map_or(self.now, |(_, due, _)| *due);

@@ -47,10 +47,10 @@ fn fault(table: &Table<'_>) -> Option<Fault> {
         table.wrong("'on' is missing: the variables that the fault acts on");
     }
     let (begin, end) = (begin(table), end(table));
-    if let (Some(Begin::At(from)), Some(End::At(until))) = (&begin, end) {
-        if until <= *from {
-            table.wrong(format!("it ends at {until}, and begins at {from}"));
-        }
+    if let (Some(Begin::At(from)), Some(End::At(until))) = (&begin, end)
+        && until <= *from
+    {
+        table.wrong(format!("it ends at {until}, and begins at {from}"));
     }
     let ramp = |key: &str| duration(table, key).unwrap_or(Time::ZERO);
     Some(Fault {
