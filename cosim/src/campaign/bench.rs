@@ -336,8 +336,8 @@ impl Observer for Kept<'_> {
         self.row.clear();
         self.row.extend(self.places.iter().map(|&place| values[place]));
         self.digest.add(time, self.row.iter().copied());
-        let held = self.stop_when.iter().zip(&self.looked_at);
-        let held = held.clone().find(|(condition, place)| condition.holds(values[**place]));
+        let mut all = self.stop_when.iter().zip(&self.looked_at);
+        let held = all.find(|(condition, place)| condition.holds(values[**place]));
         self.held = held.map(|(condition, _)| format!("{condition} at t = {time}"));
         self.recording.sample(time, &self.row)
     }
