@@ -21,7 +21,7 @@ use crate::system::{Overrides, Port, System};
 use crate::time::Time;
 
 /// The first numbers of the addresses of random streams, after the root seed.
-const SEEDS: u64 = 0x7365_6564_73;
+const SEEDS: u64 = 0x0073_6565_6473;
 const FAULTS: u64 = 0x6661_756c_7473;
 
 /// A campaign with its systems: each is read once, and its FMUs are mapped once.
