@@ -1,0 +1,61 @@
+//! Figures of recordings made by hand.
+
+use super::*;
+use crate::error::Code;
+use crate::table::Document;
+
+fn compute(text: &str, columns: &[(&str, &[f64])]) -> f64 {
+    let document = Document::new(text, std::path::Path::new("c.toml"), Code::Scenario);
+    let parsed = document.parse().unwrap();
+    let figure = Figure::read(&document.root(&parsed));
+    document.finish().unwrap();
+    let figure = figure.unwrap();
+    let names = columns.iter().map(|(name, _)| (*name).to_owned()).collect();
+    let time = (0..columns[0].1.len()).map(|row| row as f64 * 0.5).collect();
+    let values = columns.iter().map(|(_, values)| values.to_vec()).collect();
+    let recording = Recording::from_columns(names, time, values);
+    assert!(figure.columns().iter().all(|name| recording.column(name).is_ok()));
+    figure.compute(&recording).unwrap()
+}
+
+#[test]
+fn figures_of_a_variable_are_what_they_say() {
+    let x: &[(&str, &[f64])] = &[("x", &[1.0, -2.0, 5.0, 4.0]), ("y", &[0.0, 0.0, 1.0, 1.0])];
+    let of = |more: &str| compute(&format!("of = \"x\"\n{more}"), x);
+    assert_eq!(of("kind = 'final'"), 4.0);
+    assert_eq!(of("kind = 'min'"), -2.0);
+    assert_eq!(of("kind = 'max'"), 5.0);
+    assert_eq!(of("kind = 'mean'"), 2.0);
+    assert_eq!(of("kind = 'max'\nminus = 'y'"), 4.0);
+    assert_eq!(of("kind = 'mean'\nabsolute = true"), 3.0);
+    assert_eq!(of("kind = 'rms'"), (46.0_f64 / 4.0).sqrt());
+    assert_eq!(of("kind = 'percentile'\np = 50"), 2.5);
+    assert_eq!(of("kind = 'time-above'\nabove = 0.5"), 1.0);
+    assert_eq!(of("kind = 'first-above'\nabove = 3"), 1.0);
+    assert_eq!(of("kind = 'first-above'\nabove = 9"), f64::INFINITY);
+    assert_eq!(of("kind = 'max'\nfrom = 0.4\nuntil = 0.6"), -2.0);
+    assert!(of("kind = 'max'\nfrom = 7").is_nan());
+    assert!(compute("kind = 'max'\nof = 'x'", &[("x", &[1.0, f64::NAN, 3.0])]).is_nan());
+}
+
+#[test]
+fn nees_and_nis_weigh_errors_by_their_covariance() {
+    let columns: &[(&str, &[f64])] = &[
+        ("t.x", &[0.0]),
+        ("t.yaw", &[3.1]),
+        ("e.x", &[2.0]),
+        ("e.yaw", &[-3.1]),
+        ("s.x", &[1.0]),
+        ("s.yaw", &[0.1]),
+        ("c.x_yaw", &[0.0]),
+    ];
+    let text = "kind = 'nees'\ntruth = 't'\nestimate = 'e'\nsigma = 's'\naxes = ['x', 'yaw']";
+    let turn = std::f64::consts::TAU - 6.2;
+    let wanted = 4.0 + turn * turn / 0.01;
+    assert!((compute(text, columns) - wanted).abs() < 1e-9);
+    let with = compute(&format!("{text}\ncovariance = 'c'"), columns);
+    assert!((with - wanted).abs() < 1e-9);
+    let columns: &[(&str, &[f64])] =
+        &[("n", &[9.0, 9.0, 2.0, 2.0, 4.0]), ("c", &[0.0, 0.0, 1.0, 1.0, 2.0])];
+    assert_eq!(compute("kind = 'nis'\nnis = 'n'\ncount = 'c'", columns), 3.0);
+}
