@@ -71,8 +71,9 @@ impl Toolchain {
 
 /// Unpacks Debian's compiler, as far as the one that runs this lacks libraries.
 pub(crate) fn fetch() -> Result<()> {
-    let lacking = platform::shipped().iter().filter(|platform| Toolchain::of(platform).is_err());
-    lacking.map(|platform| debian::install_compiler(sources(platform))).collect()
+    let mut lacking =
+        platform::shipped().iter().filter(|platform| Toolchain::of(platform).is_err());
+    lacking.try_for_each(|platform| debian::install_compiler(sources(platform)))
 }
 
 /// [`fetch`], and compiles the library for Windows from Debian's sources.
