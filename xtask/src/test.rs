@@ -1,8 +1,6 @@
 //! `cargo xtask test`: every check and every test, in the order of what fails fastest.
 
-use crate::{
-    book, describe, judge, navigate, package, paths, platforms, process, python, reproduce,
-};
+use crate::{book, describe, judge, navigate, package, paths, process, python, reproduce};
 use anyhow::Result;
 use std::process::Command;
 
@@ -25,7 +23,6 @@ pub(crate) fn run() -> Result<()> {
     package::for_shipping()?;
     judge::export_loop()?;
     process::run(&mut process::cargo(&["test", "--release", "--workspace", "--no-fail-fast"]))?;
-    platforms::in_short()?;
     book::run(true)?;
     reproduce::run(&reproduce::Options { seeds: SMOKE_SEEDS, threads: None, paper_only: false })?;
     let cells = SMOKE_CELLS.map(str::to_owned).to_vec();
