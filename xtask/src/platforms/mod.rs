@@ -14,6 +14,11 @@
 //! `target/platforms/<platform>` holds library, driver and plans: copied to a real machine, `driver jobs.txt`
 //! there does the same, and `--results` compares what it wrote.
 
+/// The component that panics on command.
+#[allow(unreachable_pub, reason = "public in the library that it is a part of")]
+#[path = "../../../fmu/tests/clumsy/src/component.rs"]
+pub(crate) mod clumsy;
+
 mod compare;
 mod location;
 mod machine;

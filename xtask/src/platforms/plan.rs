@@ -1,6 +1,6 @@
 //! What the driver does with each component: random inputs, the same for all platforms.
 
-use super::Options;
+use super::{Options, clumsy::Clumsy};
 use crate::package::{platform::Platform, stimulus};
 use anyhow::Result;
 use fmu_kit::{
@@ -8,11 +8,6 @@ use fmu_kit::{
     kernel::{Entry, Group, Table, Variable},
 };
 use std::{fs, path::Path};
-
-/// The component that panics on command.
-#[allow(unreachable_pub, reason = "public in the library that it is a part of")]
-#[path = "../../../fmu/tests/clumsy/src/component.rs"]
-pub(super) mod clumsy;
 
 /// Communication step, s.
 const STEP_S: f64 = 0.05;
@@ -34,7 +29,7 @@ pub(super) fn lay_out(platform: &Platform, folder: &Path, options: &Options) -> 
     for entry in rexrov_fmu::REGISTRY.entries() {
         job("steps", "rexrov-fmu", entry)?;
     }
-    job("panic", "clumsy", &Entry::of::<clumsy::Clumsy>())?;
+    job("panic", "clumsy", &Entry::of::<Clumsy>())?;
     fs::write(folder.join("jobs.txt"), jobs)?;
     Ok(())
 }

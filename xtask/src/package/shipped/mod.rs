@@ -4,17 +4,12 @@ mod loaded;
 mod merging;
 
 use super::{archive, compile, compile::Linker, library::Library, platform};
-use crate::paths;
+use crate::{paths, platforms::clumsy::Clumsy};
 use fmu_kit::{
     abi::types::fmi2Component,
     kernel::{Entry, Status},
 };
 use loaded::Loaded;
-
-/// The component of the clumsy library.
-#[allow(unreachable_pub, reason = "public in the library that it is a part of")]
-#[path = "../../../../fmu/tests/clumsy/src/component.rs"]
-mod clumsy_component;
 
 fn packaged(name: &str) -> Vec<archive::Entry> {
     let path = paths::fmus().join(format!("{name}.fmu"));
@@ -93,7 +88,7 @@ fn libraries_in_one_process_keep_to_themselves() {
 fn a_panic_in_a_shipped_library_ends_the_instance_and_not_the_host() {
     let folder = tempfile::tempdir().unwrap();
     let library = Loaded::global(folder.path(), "Panicking", &clumsy());
-    let component = Entry::of::<clumsy_component::Clumsy>();
+    let component = Entry::of::<Clumsy>();
     let reference = |name| component.table().named(name).unwrap().reference;
     let (panic, echo) = (reference("panic"), reference("echo"));
     let (one, other) =
