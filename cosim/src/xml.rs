@@ -3,7 +3,7 @@
 //! Both kinds of file read here (modelDescription.xml, SSP) are small enough for a tree, and a
 //! tree lets the readers be plain functions. Files come from strangers, so a DTD, entities other
 //! than the five predefined ones, great depth and great numbers are refused, and a tree takes no
-//! more memory than [`MAX_TREE`], nor than 128 times its text: names and namespaces are kept once,
+//! more memory than `MAX_TREE`, nor than 128 times its text: names and namespaces are kept once,
 //! however often they occur.
 
 use std::borrow::Cow;

@@ -5,13 +5,13 @@
 //! * Landlock for the whole process, before it does anything else: nothing outside of its temporary
 //!   folder is written, TCP goes nowhere but to the port of the coordinator, and signals reach nobody
 //!   outside;
-//! * limits of memory, files and their sizes ([`limits`]);
+//! * limits of memory, files and their sizes (`limits`);
 //! * for the thread that computes, and for those that FMUs start: no TCP at all, and nothing is read
 //!   but programs, libraries and what was said to be readable;
-//! * a filter of system calls for all threads ([`calls`]): no rights, owners or times of files are
+//! * a filter of system calls for all threads (`calls`): no rights, owners or times of files are
 //!   changed, no sockets opened, no programs started, no processes stopped.
 //!
-//! [`apart`] puts a process behind namespaces as well.
+//! `apart` puts a process behind namespaces as well.
 
 mod apart;
 mod calls;
