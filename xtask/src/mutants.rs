@@ -124,8 +124,8 @@ const MUTANTS: &[Mutant] = &[
     Mutant { name: "stamps ignored", file: "intake.rs", test: by::LATE,
         old: "if stamped { self.anchor(now, stamp, latency) } else { now }", new: "{ let _ = latency; now }" },
     Mutant { name: "measurements fused twice", file: "track.rs", test: by::BOUND,
-        old: "let correction = absorb(&mut self.belief, &observation, &verdict, &mut witness);",
-        new: "let correction = absorb(&mut self.belief, &observation, &verdict, &mut witness);\n        let _ = fuse(&mut self.belief, &observation, gate, &mut witness);" },
+        old: "let correction = absorb(&mut self.belief, &observation, verdict, &mut witness);",
+        new: "let correction = absorb(&mut self.belief, &observation, verdict, &mut witness);\n        let _ = fuse(&mut self.belief, &observation, gate, &mut witness);" },
     // Angles, outliers, biases, losses.
     Mutant { name: "heading not wrapped", file: "sensor/ahrs.rs", test: by::SOUTH,
         old: "wrap(value[2] - predicted)", new: "value[2] - predicted" },
@@ -134,11 +134,11 @@ const MUTANTS: &[Mutant] = &[
     Mutant { name: "compass: sign of the bias", file: "sensor/ahrs.rs", test: by::COMPASS,
         old: "heading(&motion.rotation) + motion.optional", new: "heading(&motion.rotation) - motion.optional" },
     Mutant { name: "compass: sign of the bias's derivative", file: "sensor/ahrs.rs", test: by::COMPASS,
-        old: "row[state] = 1.0;", new: "row[state] = -1.0;" },
+        old: "o.rows[0][state] = 1.0;", new: "o.rows[0][state] = -1.0;" },
     Mutant { name: "sign of the gyro's bias", file: INERTIAL, test: by::BOUND,
         old: "rate.set_block(B_G, &-Matrix3::identity());", new: "rate.set_block(B_G, &Matrix3::identity());" },
     Mutant { name: "bank: errors not carried on", file: "monitor.rs", test: by::PROPELLER,
-        old: "f.apply_to_columns(&mut self.errors);", new: "let _ = f;" },
+        old: "advance(&mut self.errors, f);", new: "let _ = f;" },
 ];
 
 /// Tries the mutants whose names contain `filter`, all without one.
