@@ -94,7 +94,8 @@ fn told() -> (TempDir, String, Running) {
     assert_eq!(code, 0, "{stderr}");
     let endpoint = format!("tcp/127.0.0.1:{}", free_port());
     let run = ["run", "wide.ssd", "-q", "-o", "there.csv", "--workers", "2", "--telemetry"];
-    let run = start(at, &[&run[..], &["--listen", &endpoint]].concat());
+    // Slow enough not to be over before its observers are there.
+    let run = start(at, &[&run[..], &["--listen", &endpoint, "--real-time=150"]].concat());
     (folder, endpoint, run)
 }
 
