@@ -57,6 +57,8 @@
 
 #[cfg(feature = "campaign")]
 pub mod campaign;
+#[cfg(feature = "campaign")]
+mod columns;
 pub mod condition;
 #[cfg(feature = "distributed")]
 pub mod confine;

@@ -35,7 +35,7 @@ use std::path::Path;
 use serde_json::{Map, Value};
 
 use crate::error::{Code, Error, Result};
-use crate::fault::{Begin, End, Fault};
+use crate::fault::{Begin, End, Fault, Kind};
 use crate::master::{Controls, Manipulator};
 use crate::names;
 use crate::observe::Stop;
@@ -50,8 +50,12 @@ pub struct Scenario {
     done: usize,
     faults: Vec<Fault>,
     seed: u64,
-    /// Per fault: its variables by their full names.
+    /// Per fault: its variables by their full names, or its components.
     targets: Vec<Vec<String>>,
+    /// The resets that are still to come, with their faults, the next one last.
+    resets: Vec<(Time, usize)>,
+    /// Per fault: when it began, or begins, as far as that is known.
+    begun: Vec<Option<Time>>,
     /// When the faults are put in their places.
     install: Option<Time>,
     /// Faults whose condition has not held yet, and when it is looked at next.
@@ -104,6 +108,28 @@ impl Scenario {
         })
     }
 
+    /// When the first fault of the run that was made began, and when the last one ended (s); infinite if
+    /// one went on. Nothing if there was none.
+    pub(crate) fn span(&self) -> Option<[f64; 2]> {
+        let faults = self.faults.iter().zip(&self.begun);
+        let faults = faults.filter_map(|(fault, begun)| {
+            let begun = (*begun)?;
+            let end = match fault.end {
+                End::At(end) => end,
+                End::After(lasts) => begun + lasts,
+                End::Never if fault.kind == Kind::Reset => begun,
+                End::Never => Time::NEVER,
+            };
+            Some([begun, end])
+        });
+        let changes = self.events.iter().filter(|event| event.what != Action::End);
+        let [begin, end] = faults
+            .chain(changes.map(|event| [event.time; 2]))
+            .reduce(|one, other| [one[0].min(other[0]), one[1].max(other[1])])?;
+        let end = if end == Time::NEVER { f64::INFINITY } else { end.seconds() };
+        Some([begin.seconds(), end])
+    }
+
     fn new(mut events: Vec<Event>, faults: Vec<Fault>, seed: u64) -> Self {
         // Stable: events of one instant stay in the order of the file.
         events.sort_by_key(|event| event.time);
@@ -113,6 +139,8 @@ impl Scenario {
             faults,
             seed,
             targets: Vec::new(),
+            resets: Vec::new(),
+            begun: Vec::new(),
             install: None,
             waiting: Vec::new(),
             look: Time::NEVER,
@@ -131,7 +159,11 @@ impl Scenario {
             };
             let mut targets = Vec::new();
             for name in &fault.variables {
-                match system.manipulables(name) {
+                let found = match fault.kind {
+                    Kind::Reset => system.resettable(name).map(|_| vec![name.clone()]),
+                    _ => system.manipulables(name),
+                };
+                match found {
                     Ok(found) => targets.extend(found),
                     Err(problem) => problems.push(problem),
                 }
@@ -260,6 +292,14 @@ impl Manipulator for Scenario {
         // A snapshot has them in their places.
         let none = self.faults.is_empty() || resumed.is_some();
         self.install = (!none).then_some(self.start);
+        let faults = self.faults.iter().zip(0..);
+        self.begun = faults.map(|(f, number)| f.beginning(self.seed, number, self.start)).collect();
+        let reset = |(number, fault): (usize, &Fault)| {
+            self.begun[number].filter(|_| fault.kind == Kind::Reset).map(|time| (time, number))
+        };
+        self.resets = self.faults.iter().enumerate().filter_map(reset).collect();
+        self.resets.retain(|(time, _)| resumed.is_none_or(|resumed| *time > resumed));
+        self.resets.sort_by(|one, other| other.cmp(one));
         let waits = |fault: &usize| matches!(self.faults[*fault].begin, Begin::When(_));
         self.waiting = (0..self.faults.len()).filter(waits).collect();
         self.look = match (self.waiting.is_empty(), resumed) {
@@ -273,13 +313,15 @@ impl Manipulator for Scenario {
     fn next(&self) -> Option<Time> {
         let event = self.events.get(self.done).map(|event| event.time);
         let look = (self.look != Time::NEVER).then_some(self.look);
-        event.into_iter().chain(self.install).chain(look).min()
+        let reset = self.resets.last().map(|(time, _)| *time);
+        event.into_iter().chain(self.install).chain(look).chain(reset).min()
     }
 
     fn act(&mut self, now: Time, controls: &mut Controls<'_>) -> Result<()> {
         if self.install.take_if(|install| *install <= now).is_some() {
             for ((fault, targets), number) in self.faults.iter().zip(&self.targets).zip(0..) {
-                for (target, place) in targets.iter().zip(0..) {
+                for (target, place) in targets.iter().zip(0..).filter(|_| fault.kind != Kind::Reset)
+                {
                     controls.install(target, fault.acting(self.seed, number, place, self.start))?;
                 }
             }
@@ -292,6 +334,9 @@ impl Manipulator for Scenario {
                 Action::End => controls.end(Stop::Enough),
             }
             self.done += 1;
+        }
+        while let Some((_, fault)) = self.resets.pop_if(|(time, _)| *time <= now) {
+            self.targets[fault].iter().try_for_each(|name| controls.reset(name))?;
         }
         if self.look <= now {
             self.look_at_conditions(controls)?;
@@ -314,6 +359,7 @@ impl Scenario {
             if !value.is_some_and(|value| condition.holds(value)) {
                 return true;
             }
+            self.begun[fault] = Some(controls.now());
             for target in &self.targets[fault] {
                 let told = controls.trigger(target, fault as u32);
                 if outcome.is_ok() {

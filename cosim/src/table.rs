@@ -264,6 +264,11 @@ impl<'d> Entry<'d> {
         matches!(self.value, DeValue::Array(_))
     }
 
+    /// Whether it is a table.
+    pub(crate) fn is_table(&self) -> bool {
+        matches!(self.value, DeValue::Table(_))
+    }
+
     /// As a table.
     pub(crate) fn table(&self) -> Option<Table<'d>> {
         match self.value {

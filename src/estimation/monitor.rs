@@ -88,7 +88,7 @@ impl<const N: usize> Default for ThrusterMonitor<N> {
 }
 
 /// Twice the log-likelihood ratio of an alarm: none in 8 h of healthy missions.
-const THRESHOLD: f64 = 25.0;
+const THRESHOLD: f64 = 50.0;
 /// Shares that a loss of a propeller can be told from a disturbance by.
 const SHARES: core::ops::Range<f64> = 0.35..1.4;
 

@@ -46,7 +46,7 @@ impl Bench {
             }
         }
         for (_, file) in &campaign.scenarios {
-            match file.as_ref().map(Scenario::read).transpose() {
+            match file.faults.as_ref().map(Scenario::read).transpose() {
                 Ok(scenario) => scenarios.push(scenario),
                 Err(problem) => problems.push(problem),
             }
@@ -118,7 +118,7 @@ impl Bench {
             }
         }
         for (name, file) in &self.campaign.scenarios {
-            if let Some(file) = file {
+            if let Some(file) = &file.faults {
                 lines.push(hash(&format!("scenario {name}"), file)?);
             }
         }
@@ -137,7 +137,9 @@ impl Bench {
         let system = self.systems[system].with(&self.replaced(replacement))?;
         let fixed: Vec<&str> = self.campaign.inputs().collect();
         let fixed = |name: &str| {
-            fixed.contains(&name) || self.campaign.start_values.iter().any(|(n, _)| n == name)
+            let scenes = self.campaign.scenarios.iter().flat_map(|(_, s)| &s.start_values);
+            let mut given = self.campaign.start_values.iter().chain(scenes);
+            fixed.contains(&name) || given.any(|(known, _)| known == name)
         };
         let mut seeds = Vec::new();
         for (component, own) in system.components().iter().enumerate() {
@@ -186,7 +188,8 @@ impl Bench {
     fn system(&self, run: u64, more: &[String]) -> Result<System> {
         let (campaign, cell) = (&self.campaign, self.cell(run));
         let mut overrides = self.replaced(cell.replacement);
-        for (name, value) in &campaign.start_values {
+        let (_, scene) = &campaign.scenarios[cell.scenario];
+        for (name, value) in campaign.start_values.iter().chain(&scene.start_values) {
             overrides = overrides.start_value(name, value);
         }
         for (name, value) in campaign.inputs().zip(self.inputs(run)) {
@@ -259,7 +262,8 @@ impl Bench {
         }
         let summary = making.go()?;
         let figures = self.campaign.figures.iter();
-        let figures = figures.map(|(_, figure)| figure.compute(&kept.recording));
+        let faults = scenario.as_ref().and_then(Scenario::span);
+        let figures = figures.map(|(_, figure)| figure.compute(&kept.recording, faults));
         let figures: Result<Vec<f64>> = figures.collect();
         let ended = kept.held.map(|held| format!("ended when {held}"));
         let mut reason: Vec<String> = ended.into_iter().collect();

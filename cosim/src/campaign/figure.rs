@@ -1,38 +1,57 @@
 //! Figures of merit: a number from what was recorded in a run.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+mod compute;
+mod expression;
 
-use super::trajectory::{self, ALIGNMENTS, Alignment, Pairs, Trajectory};
-use crate::error::Result;
+use self::expression::Expression;
+use super::trajectory::{ALIGNMENTS, Alignment};
 use crate::names;
-use crate::observe::Recording;
-use crate::report::{mean, quantile, root_mean_square};
-use crate::table::Table;
+use crate::table::{Entry, Table};
 
 /// A figure of merit.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Figure {
     what: What,
-    /// The part of the run that counts (s).
+    /// The part of the run that counts (s), and its part with regard to the scenario's faults.
     from: f64,
     until: f64,
+    window: Window,
 }
+
+/// A part of a run with regard to its faults, from the beginning of the first to the end of the last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Window {
+    All,
+    Before,
+    During,
+    After,
+}
+
+const WINDOWS: [(&str, Window); 3] =
+    [("before", Window::Before), ("during", Window::During), ("after", Window::After)];
 
 /// What is computed.
 #[derive(Debug, Clone, PartialEq)]
 enum What {
-    /// Of a variable, or of how far it is above another one.
-    Of { variable: String, minus: Option<String>, absolute: bool, take: Take },
+    /// Of a variable or an expression, or of how far it is above another one.
+    Of { of: Expression, minus: Option<Expression>, absolute: bool, angle: bool, take: Take },
     /// Absolute trajectory error.
     Ate { poses: Poses, align: Alignment, greatest: bool },
     /// Relative pose error, root mean square.
     Rpe { poses: Poses, heading: String, over: Over },
     /// The distance in the end, in % of the way.
     Drift(Poses),
-    /// Mean normalised estimation error squared.
-    Nees { poses: Poses, sigma: String, covariance: Option<String> },
-    /// Mean normalised innovation squared, over the samples at which `count` grew.
-    Nis { nis: String, count: String },
+    /// Distance of the estimate from the line along which the truth moves, in the first two axes.
+    CrossTrack { poses: Poses, greatest: bool },
+    /// Share of the errors, axis by axis, that are larger than so many standard deviations.
+    Beyond { poses: Poses, sigma: String, sigmas: f64 },
+    /// Normalised estimation error squared: its mean, or its value at an instant (s).
+    Nees { poses: Poses, sigma: String, covariance: Option<String>, at: Option<f64> },
+    /// Normalised innovation squared, of the samples at which `count` grew: their mean, or the last
+    /// one at an instant (s).
+    Nis { nis: String, count: String, at: Option<f64> },
+    /// Correlation of successive innovations, normalised (Bar-Shalom et al. 2001, eq 5.4.2-19).
+    Whiteness { innovation: String, count: String },
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,6 +64,7 @@ enum Take {
     Percentile(f64),
     TimeAbove(f64),
     FirstAbove(f64),
+    SettledBelow(f64),
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,7 +81,7 @@ struct Poses {
     axes: Vec<String>,
 }
 
-pub(super) const KINDS: [&str; 13] = [
+pub(super) const KINDS: [&str; 17] = [
     "final",
     "min",
     "max",
@@ -70,11 +90,15 @@ pub(super) const KINDS: [&str; 13] = [
     "percentile",
     "time-above",
     "first-above",
+    "settled-below",
     "ate",
     "rpe",
     "drift",
+    "cross-track",
+    "beyond",
     "nees",
     "nis",
+    "whiteness",
 ];
 
 impl Poses {
@@ -91,37 +115,32 @@ impl Poses {
         let both = [&self.truth, &self.estimate].into_iter();
         both.flat_map(|of| self.axes.iter().map(move |axis| format!("{of}.{axis}"))).collect()
     }
+}
 
-    fn trajectory(
-        &self,
-        of: &str,
-        heading: Option<&str>,
-        from: &Recording,
-        rows: &[usize],
-    ) -> Result<Trajectory> {
-        let mut positions = vec![Vector3::zeros(); rows.len()];
-        for (axis, place) in self.axes.iter().zip(0..3) {
-            let column = from.column(&format!("{of}.{axis}"))?;
-            rows.iter().zip(&mut positions).for_each(|(row, p)| p[place] = column[*row]);
+/// What every figure can say.
+const PART: [&str; 4] = ["kind", "from", "until", "window"];
+/// And those that compare an estimate with the truth.
+const POSES: [&str; 3] = ["truth", "estimate", "axes"];
+
+/// Whether the greatest value is taken, and not the root mean square.
+fn greatest(table: &Table<'_>) -> Option<bool> {
+    match table.text("take") {
+        None | Some("rmse") => Some(false),
+        Some("max") => Some(true),
+        Some(other) => {
+            table.get("take")?.wrong(format!("'{other}' is none of rmse, max"));
+            None
         }
-        let headings = match heading {
-            Some(heading) => {
-                let column = from.column(&format!("{of}.{heading}"))?;
-                rows.iter().map(|row| column[*row]).collect()
-            }
-            None => vec![0.0; rows.len()],
-        };
-        Ok(Trajectory { positions, headings })
     }
+}
 
-    fn both(
-        &self,
-        heading: Option<&str>,
-        from: &Recording,
-        rows: &[usize],
-    ) -> Result<(Trajectory, Trajectory)> {
-        let of = |of| self.trajectory(of, heading, from, rows);
-        Ok((of(&self.truth)?, of(&self.estimate)?))
+fn expression(entry: &Entry<'_>) -> Option<Expression> {
+    match Expression::read(entry.text()?) {
+        Ok(expression) => Some(expression),
+        Err(why) => {
+            entry.wrong(why);
+            None
+        }
     }
 }
 
@@ -129,8 +148,7 @@ impl Figure {
     /// From a table of the file; nothing if that is wrong.
     pub(super) fn read(table: &Table<'_>) -> Option<Self> {
         let kind = table.needed_text("kind")?;
-        const POSES: [&str; 6] = ["kind", "from", "until", "truth", "estimate", "axes"];
-        let allow = |own: &[&str]| table.allow(&[&POSES, own].concat());
+        let allow = |own: &[&str]| table.allow(&[&PART[..], &POSES, own].concat());
         let what = match kind {
             "ate" => {
                 allow(&["align", "take"]);
@@ -139,14 +157,7 @@ impl Figure {
                 if found.is_none() {
                     table.get("align")?.wrong(format!("'{align}' is none of none, se2, se3"));
                 }
-                let greatest = match table.text("take") {
-                    None | Some("rmse") => false,
-                    Some("max") => true,
-                    Some(other) => {
-                        table.get("take")?.wrong(format!("'{other}' is none of rmse, max"));
-                        return None;
-                    }
-                };
+                let greatest = greatest(table)?;
                 What::Ate { poses: Poses::read(table)?, align: found?.1, greatest }
             }
             "rpe" => {
@@ -166,16 +177,32 @@ impl Figure {
                 allow(&[]);
                 What::Drift(Poses::read(table)?)
             }
+            "cross-track" => {
+                allow(&["take"]);
+                What::CrossTrack { greatest: greatest(table)?, poses: Poses::read(table)? }
+            }
+            "beyond" => {
+                allow(&["sigma", "sigmas"]);
+                let (poses, sigma) = (Poses::read(table), table.needed_text("sigma"));
+                let sigmas = table.positive("sigmas").unwrap_or(3.0);
+                What::Beyond { poses: poses?, sigma: sigma?.to_owned(), sigmas }
+            }
             "nees" => {
-                allow(&["sigma", "covariance"]);
+                allow(&["sigma", "covariance", "every"]);
                 let (poses, sigma) = (Poses::read(table), table.needed_text("sigma"));
                 let covariance = table.text("covariance").map(str::to_owned);
-                What::Nees { poses: poses?, sigma: sigma?.to_owned(), covariance }
+                What::Nees { poses: poses?, sigma: sigma?.to_owned(), covariance, at: None }
             }
             "nis" => {
-                table.allow(&["kind", "from", "until", "nis", "count"]);
+                table.allow(&[&PART[..], &["nis", "count", "every", "dimension"]].concat());
                 let (nis, count) = (table.needed_text("nis"), table.needed_text("count"));
-                What::Nis { nis: nis?.to_owned(), count: count?.to_owned() }
+                What::Nis { nis: nis?.to_owned(), count: count?.to_owned(), at: None }
+            }
+            "whiteness" => {
+                table.allow(&[&PART[..], &["innovation", "count"]].concat());
+                let innovation = table.needed_text("innovation").map(str::to_owned);
+                let count = table.needed_text("count").map(str::to_owned);
+                What::Whiteness { innovation: innovation?, count: count? }
             }
             _ => Self::read_of(table, kind)?,
         };
@@ -184,7 +211,44 @@ impl Figure {
         if until <= from {
             table.wrong(format!("'until' {until} is not after 'from' {from}"));
         }
-        Some(Self { what, from, until })
+        let window = match table.text("window") {
+            None => Window::All,
+            Some(name) => {
+                let found = WINDOWS.iter().find(|(known, _)| *known == name);
+                if found.is_none() {
+                    let what = format!("'{name}' is none of before, during, after");
+                    table.get("window")?.wrong(what);
+                }
+                found?.1
+            }
+        };
+        Some(Self { what, from, until, window })
+    }
+
+    /// The same at an instant (s), if it is one of those that are looked at one by one over time.
+    pub(super) fn at(&self, instant: f64) -> Option<Self> {
+        let mut what = self.what.clone();
+        match &mut what {
+            What::Nees { at, .. } | What::Nis { at, .. } => *at = Some(instant),
+            _ => return None,
+        }
+        Some(Self { what, ..self.clone() })
+    }
+
+    /// The instant that it is of (s).
+    pub(super) fn instant(&self) -> Option<f64> {
+        match self.what {
+            What::Nees { at, .. } | What::Nis { at, .. } => at,
+            _ => None,
+        }
+    }
+
+    /// How many axes a normalised error squared is of.
+    pub(super) fn axes(&self) -> Option<usize> {
+        match &self.what {
+            What::Nees { poses, .. } => Some(poses.axes.len()),
+            _ => None,
+        }
     }
 
     fn read_of(table: &Table<'_>, kind: &str) -> Option<What> {
@@ -198,6 +262,7 @@ impl Figure {
             "percentile" => (number("p").map(Take::Percentile), Some("p")),
             "time-above" => (number("above").map(Take::TimeAbove), Some("above")),
             "first-above" => (number("above").map(Take::FirstAbove), Some("above")),
+            "settled-below" => (number("below").map(Take::SettledBelow), Some("below")),
             other => {
                 let help = names::did_you_mean(other, KINDS)
                     .unwrap_or_else(|| format!("known are {}", KINDS.join(", ")));
@@ -205,32 +270,45 @@ impl Figure {
                 return None;
             }
         };
-        let known = ["kind", "from", "until", "of", "minus", "absolute"];
-        table.allow(&known.into_iter().chain(own).collect::<Vec<_>>());
+        let known = PART.into_iter().chain(["of", "minus", "absolute", "angle"]);
+        table.allow(&known.chain(own).collect::<Vec<_>>());
         if let Some(Take::Percentile(p)) = take
             && !(0.0..=100.0).contains(&p)
         {
             table.get("p")?.wrong(format!("{p} is not between 0 and 100"));
         }
-        let variable = table.needed_text("of").map(str::to_owned);
-        let minus = table.text("minus").map(str::to_owned);
-        let absolute = table.number("absolute").is_some_and(|absolute| absolute != 0.0);
-        Some(What::Of { variable: variable?, minus, absolute, take: take? })
+        let of = table.get("of").map_or_else(
+            || {
+                table.wrong("'of' is missing");
+                None
+            },
+            |entry| expression(&entry),
+        );
+        let minus = table.get("minus").map_or(Some(None), |entry| expression(&entry).map(Some));
+        let flag = |key: &str| table.number(key).is_some_and(|value| value != 0.0);
+        let (absolute, angle) = (flag("absolute"), flag("angle"));
+        Some(What::Of { of: of?, minus: minus?, absolute, angle, take: take? })
     }
 
     /// The variables that it needs.
     pub(super) fn columns(&self) -> Vec<String> {
         match &self.what {
-            What::Of { variable, minus, .. } => {
-                [variable.clone()].into_iter().chain(minus.clone()).collect()
+            What::Of { of, minus, .. } => {
+                [of].into_iter().chain(minus).flat_map(|of| of.variables().to_vec()).collect()
             }
-            What::Ate { poses, .. } | What::Drift(poses) => poses.columns(),
+            What::Ate { poses, .. } | What::CrossTrack { poses, .. } | What::Drift(poses) => {
+                poses.columns()
+            }
+            What::Beyond { poses, sigma, .. } => {
+                let deviations = poses.axes.iter().map(|axis| format!("{sigma}.{axis}"));
+                poses.columns().into_iter().chain(deviations).collect()
+            }
             What::Rpe { poses, heading, .. } => {
                 let mut columns = poses.columns();
                 columns.extend([&poses.truth, &poses.estimate].map(|of| format!("{of}.{heading}")));
                 columns
             }
-            What::Nees { poses, sigma, covariance } => {
+            What::Nees { poses, sigma, covariance, .. } => {
                 let mut columns = poses.columns();
                 columns.extend(poses.axes.iter().map(|axis| format!("{sigma}.{axis}")));
                 if let Some(covariance) = covariance {
@@ -241,125 +319,10 @@ impl Figure {
                 }
                 columns
             }
-            What::Nis { nis, count } => vec![nis.clone(), count.clone()],
+            What::Nis { nis, count, .. } => vec![nis.clone(), count.clone()],
+            What::Whiteness { innovation, count } => vec![innovation.clone(), count.clone()],
         }
     }
-
-    /// The number; NaN if the run has none.
-    pub(super) fn compute(&self, recording: &Recording) -> Result<f64> {
-        let time = recording.time();
-        let counts = |row: &usize| time[*row] >= self.from && time[*row] <= self.until;
-        let rows: Vec<usize> = (0..time.len()).filter(counts).collect();
-        if rows.is_empty() {
-            return Ok(f64::NAN);
-        }
-        Ok(match &self.what {
-            What::Of { variable, minus, absolute, take } => {
-                let column = recording.column(variable)?;
-                let minus = minus.as_ref().map(|minus| recording.column(minus)).transpose()?;
-                let value = |row: &usize| {
-                    let value = column[*row] - minus.map_or(0.0, |minus| minus[*row]);
-                    if *absolute { value.abs() } else { value }
-                };
-                let values: Vec<f64> = rows.iter().map(value).collect();
-                let times: Vec<f64> = rows.iter().map(|row| time[*row]).collect();
-                take.of(&times, &values)
-            }
-            What::Ate { poses, align, greatest } => {
-                let (truth, estimate) = poses.both(None, recording, &rows)?;
-                let apart = trajectory::distances(&truth, &estimate, *align);
-                if *greatest { extreme(&apart, f64::max) } else { root_mean_square(&apart) }
-            }
-            What::Rpe { poses, heading, over } => {
-                let (truth, estimate) = poses.both(Some(heading), recording, &rows)?;
-                let pairs = match over {
-                    Over::Metres(metres) => Pairs::Metres(*metres),
-                    Over::Seconds(seconds) => {
-                        let interval = time.get(1).map_or(f64::NAN, |next| next - time[0]);
-                        Pairs::Samples(((seconds / interval).round() as usize).max(1))
-                    }
-                };
-                root_mean_square(&trajectory::relative(&truth, &estimate, pairs))
-            }
-            What::Drift(poses) => {
-                let (truth, estimate) = poses.both(None, recording, &rows)?;
-                let apart = trajectory::distances(&truth, &estimate, Alignment::None);
-                100.0 * apart.last().copied().unwrap_or(f64::NAN) / trajectory::length(&truth)
-            }
-            What::Nees { poses, sigma, covariance } => {
-                let all: Result<Vec<f64>> = rows
-                    .iter()
-                    .map(|row| nees(poses, sigma, covariance.as_deref(), recording, *row))
-                    .collect();
-                mean(&all?)
-            }
-            What::Nis { nis, count } => {
-                let (nis, count) = (recording.column(nis)?, recording.column(count)?);
-                let came = |row: &&usize| **row > 0 && count[**row] > count[**row - 1];
-                mean(&rows.iter().filter(came).map(|row| nis[*row]).collect::<Vec<_>>())
-            }
-        })
-    }
-}
-
-impl Take {
-    fn of(self, times: &[f64], values: &[f64]) -> f64 {
-        match self {
-            Take::Final => values.last().copied().unwrap_or(f64::NAN),
-            Take::Min => extreme(values, f64::min),
-            Take::Max => extreme(values, f64::max),
-            Take::Mean => mean(values),
-            Take::Rms => root_mean_square(values),
-            Take::Percentile(p) if values.iter().all(|v| v.is_finite()) => {
-                quantile(values, p / 100.0)
-            }
-            Take::Percentile(_) => f64::NAN,
-            // A sample stands for the time until the next one.
-            Take::TimeAbove(bound) => {
-                let spans = times.windows(2).zip(values);
-                spans.filter(|(_, v)| **v > bound).map(|(pair, _)| pair[1] - pair[0]).sum()
-            }
-            Take::FirstAbove(bound) => {
-                let first = values.iter().position(|value| *value > bound);
-                first.map_or(f64::INFINITY, |place| times[place])
-            }
-        }
-    }
-}
-
-/// The least or the greatest; NaN if one is.
-fn extreme(values: &[f64], of: fn(f64, f64) -> f64) -> f64 {
-    let both = |a: f64, b: f64| if a.is_nan() || b.is_nan() { f64::NAN } else { of(a, b) };
-    values.iter().copied().reduce(both).unwrap_or(f64::NAN)
-}
-
-/// Of one sample; NaN without a covariance that is one. Of axes called `yaw` the nearest turn counts.
-fn nees(
-    poses: &Poses,
-    sigma: &str,
-    covariance: Option<&str>,
-    recording: &Recording,
-    row: usize,
-) -> Result<f64> {
-    use std::f64::consts::{PI, TAU};
-    let value = |name: String| recording.column(&name).map(|column| column[row]);
-    let count = poses.axes.len();
-    let mut errors = DVector::zeros(count);
-    let mut matrix = DMatrix::zeros(count, count);
-    for (place, axis) in poses.axes.iter().enumerate() {
-        let truth = value(format!("{}.{axis}", poses.truth))?;
-        let error = value(format!("{}.{axis}", poses.estimate))? - truth;
-        errors[place] = if axis == "yaw" { (error + PI).rem_euclid(TAU) - PI } else { error };
-        let deviation = value(format!("{sigma}.{axis}"))?;
-        matrix[(place, place)] = deviation * deviation;
-        for (other, second) in poses.axes.iter().enumerate().skip(place + 1) {
-            if let Some(covariance) = covariance {
-                let element = value(format!("{covariance}.{axis}_{second}"))?;
-                (matrix[(place, other)], matrix[(other, place)]) = (element, element);
-            }
-        }
-    }
-    Ok(matrix.cholesky().map_or(f64::NAN, |factor| errors.dot(&factor.solve(&errors))))
 }
 
 #[cfg(test)]

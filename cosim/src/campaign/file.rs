@@ -20,7 +20,7 @@ pub struct Campaign {
     pub seeds: usize,
     pub(super) systems: Vec<(String, PathBuf)>,
     pub(super) replacements: Vec<Replacement>,
-    pub(super) scenarios: Vec<(String, Option<PathBuf>)>,
+    pub(super) scenarios: Vec<(String, Scene)>,
     pub(super) factors: Vec<(String, Vec<String>)>,
     /// The columns of the list, and its rows.
     pub(super) list: (Vec<String>, Vec<Vec<String>>),
@@ -34,6 +34,12 @@ pub struct Campaign {
     /// How many seconds a run may take; then it has failed.
     pub time_limit: f64,
     pub(super) figures: Vec<(String, Figure)>,
+    /// Figures that are looked at over time: their names, and of how many axes they are.
+    pub(super) over_time: Vec<(String, usize)>,
+    /// Which runs are made again and kept whole.
+    pub(super) keep: Keep,
+    /// Cells are left alone when their thresholds are decided.
+    pub(super) sequential: bool,
     pub(super) verdicts: Vec<Threshold>,
     pub(super) cells: Vec<Cell>,
 }
@@ -43,6 +49,26 @@ pub struct Campaign {
 pub(super) struct Replacement {
     pub(super) name: String,
     pub(super) components: Vec<(String, PathBuf)>,
+}
+
+/// Runs of each cell whose trajectories are kept.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Keep {
+    /// So many with the worst value of a figure, by its place.
+    pub(super) worst: usize,
+    pub(super) figure: usize,
+    /// So many others, the first ones.
+    pub(super) sample: usize,
+    /// And those that failed.
+    pub(super) failed: bool,
+}
+
+/// What happens in a scenario.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Scene {
+    /// The file with its faults.
+    pub(super) faults: Option<PathBuf>,
+    pub(super) start_values: Vec<(String, String)>,
 }
 
 /// A bound on a figure.
@@ -68,10 +94,14 @@ pub(super) struct Cell {
     pub(super) name: String,
 }
 
-const KEYS: [&str; 18] = [
+/// A sequential campaign looks at its thresholds first after so many seeds.
+const FIRST_LOOK: usize = 10;
+
+const KEYS: [&str; 20] = [
     "description",
     "seed",
     "seeds",
+    "sequential",
     "systems",
     "replacements",
     "scenarios",
@@ -85,6 +115,7 @@ const KEYS: [&str; 18] = [
     "output-interval",
     "stop-when",
     "time-limit",
+    "keep",
     "figures",
     "verdict",
 ];
@@ -122,7 +153,14 @@ impl Campaign {
             .map(|(name, components)| Replacement { name, components })
             .collect(),
             scenarios: named(&root, "scenarios", |entry| {
-                entry.text().map(|text| (!text.is_empty()).then(|| path(text)))
+                let file = |text: &str| (!text.is_empty()).then(|| path(text));
+                if !entry.is_table() {
+                    return Some(Scene { faults: file(entry.text()?), start_values: Vec::new() });
+                }
+                let table = entry.table()?;
+                table.allow(&["faults", "start-values"]);
+                let start_values = named(&table, "start-values", |entry| entry.start_value());
+                Some(Scene { faults: table.text("faults").and_then(file), start_values })
             }),
             factors: named(&root, "factors", |entry| {
                 if !entry.is_list() || entry.list().is_empty() {
@@ -142,7 +180,10 @@ impl Campaign {
             output_interval: root.positive("output-interval"),
             stop_when: conditions(&root),
             time_limit: root.positive("time-limit").unwrap_or(300.0),
-            figures: named(&root, "figures", |entry| Figure::read(&entry.table()?)),
+            figures: read_figures(&root),
+            over_time: Vec::new(),
+            keep: Keep::default(),
+            sequential: root.number("sequential").is_some_and(|value| value != 0.0),
             verdicts: Vec::new(),
             cells: Vec::new(),
         };
@@ -159,12 +200,48 @@ impl Campaign {
                 Err(problem) => document.note(problem),
             }
         }
+        campaign.follow_over_time(&root);
         campaign.check_names(&root);
+        if let Some(table) = root.table("keep") {
+            campaign.keep = campaign.read_keep(&table);
+        }
         campaign.verdicts =
             root.tables("verdict").iter().filter_map(|table| campaign.threshold(table)).collect();
         document.finish()?;
         campaign.fill();
         Ok(campaign)
+    }
+
+    /// Adds the figures at single instants of those that say `every`.
+    fn follow_over_time(&mut self, root: &Table<'_>) {
+        let Some(tables) = root.table("figures") else { return };
+        for (name, entry) in tables.entries() {
+            let Some(table) = entry.table().filter(|table| table.get("every").is_some()) else {
+                continue;
+            };
+            let Some((_, figure)) = self.figures.iter().find(|(known, _)| known == name) else {
+                continue;
+            };
+            let (Some(every), Some(stop)) = (table.positive("every"), self.stop_time) else {
+                table.wrong("'every' needs the campaign's stop-time");
+                continue;
+            };
+            let axes = match figure.axes() {
+                Some(axes) => axes,
+                None => table.count("dimension").unwrap_or(0) as usize,
+            };
+            if axes == 0 || stop / every > 1000.0 {
+                table.wrong(
+                    "'every' needs the 'dimension' of the innovation, and at most 1000 instants",
+                );
+                continue;
+            }
+            self.over_time.push((name.to_owned(), axes));
+            let instants = (1..=(stop / every + 1e-9) as u32).map(|count| f64::from(count) * every);
+            let at = instants.filter_map(|at| Some((at_instant(name, at), figure.at(at)?)));
+            let at: Vec<_> = at.collect();
+            self.figures.extend(at);
+        }
     }
 
     /// No parameter may be set by two.
@@ -188,8 +265,19 @@ impl Campaign {
         }
     }
 
-    fn threshold(&self, table: &Table<'_>) -> Option<Threshold> {
-        table.allow(&["figure", "quantile", "at-most", "at-least", "confidence", "cells"]);
+    fn read_keep(&self, table: &Table<'_>) -> Keep {
+        table.allow(&["worst", "figure", "sample", "failed"]);
+        let count = |key: &str| table.count(key).unwrap_or(0) as usize;
+        Keep {
+            worst: count("worst"),
+            figure: table.get("figure").and_then(|_| self.figure(table)).unwrap_or(0),
+            sample: count("sample"),
+            failed: table.number("failed").is_some_and(|value| value != 0.0),
+        }
+    }
+
+    /// The place of the figure that a table names.
+    fn figure(&self, table: &Table<'_>) -> Option<usize> {
         let name = table.needed_text("figure")?;
         let figure = self.figures.iter().position(|(known, _)| known == name);
         if figure.is_none() {
@@ -199,6 +287,12 @@ impl Campaign {
             });
             table.get("figure")?.wrong(format!("'{name}' is not computed; {help}"));
         }
+        figure
+    }
+
+    fn threshold(&self, table: &Table<'_>) -> Option<Threshold> {
+        table.allow(&["figure", "quantile", "at-most", "at-least", "confidence", "cells"]);
+        let figure = self.figure(table);
         let within = |key: &str, usual: f64| {
             let value = table.number(key).unwrap_or(usual);
             if !(value > 0.0 && value < 1.0) {
@@ -221,7 +315,7 @@ impl Campaign {
             self.replacements.push(Replacement { name: String::new(), components: Vec::new() });
         }
         if self.scenarios.is_empty() {
-            self.scenarios.push((String::new(), None));
+            self.scenarios.push((String::new(), Scene::default()));
         }
         let rows: Vec<Option<usize>> = match self.list.1.len() {
             0 => vec![None],
@@ -275,6 +369,14 @@ impl Campaign {
         (self.cells.len() * self.seeds) as u64
     }
 
+    /// After how many seeds of each cell the thresholds are looked at: once in the end, or, in a
+    /// sequential campaign, whenever their number has doubled.
+    pub fn looks(&self) -> Vec<usize> {
+        let first = if self.sequential { FIRST_LOOK } else { self.seeds };
+        let doubled = std::iter::successors(Some(first), |looked| looked.checked_mul(2));
+        doubled.take_while(|looked| *looked < self.seeds).chain([self.seeds]).collect()
+    }
+
     /// How many cells there are: combinations of all that is not random.
     pub fn cells(&self) -> usize {
         self.cells.len()
@@ -319,16 +421,29 @@ impl Campaign {
         lines.extend(self.list.1.iter().map(|row| format!("list {:?} = {row:?}", self.list.0)));
         lines.extend(self.dispersions.iter().map(|(n, d)| format!("dispersion {n} = {d:?}")));
         lines.extend(self.start_values.iter().map(|(n, v)| format!("start value {n} = {v}")));
+        let scenes = self.scenarios.iter().filter(|(_, scene)| !scene.start_values.is_empty());
+        lines.extend(scenes.map(|(name, scene)| format!("{name}: {:?}", scene.start_values)));
+        lines.push(format!("sequential = {}", self.sequential));
         lines.push(format!("seed-parameters = {:?}", self.seed_parameters));
         lines.push(format!("stop-time = {:?}", self.stop_time));
         lines.push(format!("output-interval = {:?}", self.output_interval));
         let conditions: Vec<String> = self.stop_when.iter().map(Condition::to_string).collect();
         lines.push(format!("stop-when = {conditions:?}"));
-        lines.extend(
-            self.figures.iter().map(|(name, figure)| format!("figure {name} = {figure:?}")),
-        );
+        let figures = self.figures.iter().filter(|(_, figure)| figure.instant().is_none());
+        lines.extend(figures.map(|(name, figure)| format!("figure {name} = {figure:?}")));
+        lines.push(format!("over time = {:?}", self.over_time));
         lines
     }
+}
+
+/// The figures of a file.
+pub(super) fn read_figures(root: &Table<'_>) -> Vec<(String, Figure)> {
+    named(root, "figures", |entry| Figure::read(&entry.table()?))
+}
+
+/// The name of a figure at an instant.
+pub(super) fn at_instant(name: &str, instant: f64) -> String {
+    format!("{name}@{instant}")
 }
 
 /// The entries of a table of the file, each read by `read`.

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Campaign, Row};
+use super::{Campaign, Row, table};
 use crate::error::{Code, Error, Result};
 use crate::files;
 
@@ -26,6 +26,18 @@ pub struct Folder {
 struct Manifest {
     file: PathBuf,
     identity: Vec<String>,
+    cells: Vec<String>,
+    figures: Vec<String>,
+}
+
+/// The results of a campaign that is over, by themselves.
+pub struct Past {
+    /// The names of the cells: the run `n` is of the cell `n` modulo their number.
+    pub cells: Vec<String>,
+    /// The names of the figures, in the order in which rows have them.
+    pub figures: Vec<String>,
+    /// What is there.
+    pub rows: Vec<Row>,
 }
 
 const MANIFEST: &str = "campaign.json";
@@ -53,8 +65,13 @@ impl Folder {
         let mut folder = Self { path, log, rows: Vec::new() };
         folder.read_log()?;
         // The number of seeds, or the place of the file, may be another one than before.
-        let new = Manifest { file: campaign.file.clone(), identity: identity.to_vec() };
-        folder.write(MANIFEST, &serde_json::to_string_pretty(&new).unwrap_or_default())?;
+        let new = Manifest {
+            file: campaign.file.clone(),
+            identity: identity.to_vec(),
+            cells: campaign.cells.iter().map(|cell| cell.name.clone()).collect(),
+            figures: campaign.figures().map(str::to_owned).collect(),
+        };
+        folder.write(MANIFEST, serde_json::to_string_pretty(&new).unwrap_or_default())?;
         Ok(folder)
     }
 
@@ -63,13 +80,19 @@ impl Folder {
         Ok(Manifest::read(path.as_ref())?.file)
     }
 
+    /// What a folder holds, whatever became of the files that it was made from.
+    pub fn past(path: impl AsRef<Path>) -> Result<Past> {
+        let path = path.as_ref();
+        let Manifest { cells, figures, .. } = Manifest::read(path)?;
+        let rows = log(path)?.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
+        Ok(Past { cells, figures, rows })
+    }
+
     /// The row of a run in a folder, whose campaign has this identity.
     pub fn row(path: impl AsRef<Path>, run: u64, identity: &[String]) -> Result<Row> {
         let path = path.as_ref();
         fits(&Manifest::read(path)?.identity, identity, path)?;
-        let file = path.join(LOG);
-        let text = std::fs::read_to_string(&file)
-            .map_err(|e| Error::new(Code::Results, "the rows cannot be read").at(&file).why(e))?;
+        let (file, text) = (path.join(LOG), log(path)?);
         let mut rows = text.lines().filter_map(|line| serde_json::from_str::<Row>(line).ok());
         rows.find(|row| row.run == run).ok_or_else(|| {
             Error::new(Code::Results, format!("run {run} is not among the results")).at(&file)
@@ -119,41 +142,31 @@ impl Folder {
     }
 
     /// Writes a file of this folder as a whole.
-    pub fn write(&self, name: &str, text: &str) -> Result<()> {
+    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> Result<()> {
         let file = self.path.join(name);
-        files::replace(&file, text.as_bytes()).map_err(|e| {
+        files::replace(&file, content.as_ref()).map_err(|e| {
             Error::new(Code::Output, "a file of results cannot be written").at(&file).why(e)
         })
     }
 
-    /// Writes `runs.csv`: a row a run, in their order, each with what it is and what it gave.
-    pub fn write_table(&self, campaign: &Campaign) -> Result<()> {
-        let mut rows: Vec<&Row> = self.rows.iter().collect();
-        rows.sort_by_key(|row| row.run);
-        let inputs: Vec<&str> = campaign.inputs().collect();
-        let names = ["run", "cell", "replicate"].into_iter().chain(inputs.iter().copied());
-        let names = names.chain(["status", "reason", "simulated"]).chain(campaign.figures());
-        let names: Vec<String> = names.chain(["digest", "cpu_ms"]).map(quoted).collect();
-        let mut text = names.join(",") + "\n";
-        for row in rows.into_iter().filter(|row| row.run < campaign.runs()) {
-            let cell = campaign.cell_name(campaign.cell_of(row.run));
-            let filled = |values: &[String], count: usize| -> Vec<String> {
-                (0..count).map(|place| values.get(place).cloned().unwrap_or_default()).collect()
-            };
-            let mut cells =
-                vec![row.run.to_string(), quoted(cell), campaign.replicate_of(row.run).to_string()];
-            cells.extend(filled(&row.inputs, inputs.len()).iter().map(|value| quoted(value)));
-            cells.extend([
-                row.status.word().to_owned(),
-                quoted(&row.reason),
-                row.simulated.clone(),
-            ]);
-            cells.extend(filled(&row.figures, campaign.figures.len()));
-            cells.extend([row.digest.clone(), row.cpu_ms.clone()]);
-            text += &(cells.join(",") + "\n");
+    /// Writes `runs.parquet`, and `runs.csv` if that is wanted: a row a run, in their order, each with
+    /// what it is and what it gave.
+    pub fn write_table(&self, campaign: &Campaign, identity: &[String], csv: bool) -> Result<()> {
+        let parquet = table::parquet(campaign, &self.rows, identity).map_err(|e| {
+            Error::new(Code::Output, "the table of runs cannot be made").at(&self.path).why(e)
+        })?;
+        self.write("runs.parquet", parquet)?;
+        if csv {
+            self.write("runs.csv", table::csv(campaign, &self.rows))?;
         }
-        self.write("runs.csv", &text)
+        Ok(())
     }
+}
+
+fn log(path: &Path) -> Result<String> {
+    let file = path.join(LOG);
+    std::fs::read_to_string(&file)
+        .map_err(|e| Error::new(Code::Results, "the rows cannot be read").at(&file).why(e))
 }
 
 impl Manifest {
@@ -185,19 +198,11 @@ fn fits(before: &[String], now: &[String], path: &Path) -> Result<()> {
         .help("undo the change, or give another --output-dir"))
 }
 
-/// As a cell of a table.
-fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n']) {
-        format!("\"{}\"", text.replace('"', "\"\"").replace('\n', " "))
-    } else {
-        text.to_owned()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::campaign::Status;
+    use crate::observe::Recording;
 
     fn campaign() -> Campaign {
         let text = "seeds = 3\n[systems]\na = 'a.ssd'\n[figures.f]\nkind = 'max'\nof = 'x'\n";
@@ -226,7 +231,9 @@ mod tests {
         let mut second = open().unwrap();
         assert_eq!(second.rows(), [row(2), row(0)]);
         second.add(row(1)).unwrap();
-        second.write_table(&campaign).unwrap();
+        second.write_table(&campaign, &identity, true).unwrap();
+        let read = Recording::read(folder.path().join("runs.parquet"));
+        assert!(read.unwrap_err().to_string().contains("not called 'time'"));
         let table = std::fs::read_to_string(folder.path().join("runs.csv")).unwrap();
         let lines: Vec<&str> = table.lines().collect();
         assert_eq!(lines[0], "run,cell,replicate,status,reason,simulated,f,digest,cpu_ms");

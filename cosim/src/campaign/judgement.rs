@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use serde::Serialize;
 
-use super::statistics::{Answer, Estimate, decide, quantile};
+use super::statistics::{Answer, Estimate, chi_square_quantile, decide, quantile};
 use super::{Campaign, Row, Status};
 use crate::names;
 
@@ -21,6 +21,26 @@ pub struct Judgement {
     pub verdicts: Vec<Verdict>,
     /// Differences between the first replacement and the others, by pairs of runs with equal chances.
     pub compared: Vec<Compared>,
+    /// Normalised errors squared over time, averaged over the runs of a cell.
+    pub consistency: Vec<Consistency>,
+}
+
+/// The mean of a normalised error or innovation squared over the runs of a cell at an instant (Bar-Shalom
+/// et al. 2001, section 5.4.2).
+#[derive(Debug, Serialize)]
+pub struct Consistency {
+    /// The cell.
+    pub cell: String,
+    /// The figure.
+    pub figure: String,
+    /// The instant (s).
+    pub time: f64,
+    /// Runs that have it.
+    pub runs: usize,
+    /// The mean, which is the number of axes where the filter is consistent.
+    pub mean: f64,
+    /// Where it lies then with 95 % probability: of chi-square, both sides.
+    pub band: [f64; 2],
 }
 
 /// A figure in a cell, with 95 % confidence.
@@ -87,14 +107,16 @@ impl Judgement {
             figures: Vec::new(),
             verdicts: Vec::new(),
             compared: Vec::new(),
+            consistency: Vec::new(),
         };
         for (cell, rows) in cells.iter().enumerate() {
-            for (place, figure) in campaign.figures().enumerate() {
+            let listed = campaign.figures.iter().enumerate();
+            for (place, (figure, _)) in listed.filter(|(_, (_, f))| f.instant().is_none()) {
                 let good = rows.iter().filter(|row| row.status == Status::Ok);
                 let values: Vec<f64> = good.map(|row| row.figure(place)).collect();
                 judgement.figures.push(FigureOfCell {
                     cell: campaign.cell_name(cell).to_owned(),
-                    figure: figure.to_owned(),
+                    figure: figure.clone(),
                     runs: values.len(),
                     median: quantile(&values, 0.5, CONFIDENCE),
                     percentile_95: quantile(&values, 0.95, CONFIDENCE),
@@ -102,8 +124,19 @@ impl Judgement {
             }
             judgement.verdicts.extend(verdicts(campaign, cell, rows));
             judgement.compared.extend(compared(campaign, cell, &cells));
+            judgement.consistency.extend(consistency(campaign, cell, rows));
         }
         judgement
+    }
+
+    /// The cells of which some threshold is undecided, or that have none.
+    pub fn open_cells(&self, campaign: &Campaign) -> Vec<usize> {
+        let open = |cell: &usize| {
+            let name = campaign.cell_name(*cell);
+            let own: Vec<&Verdict> = self.verdicts.iter().filter(|v| v.cell == name).collect();
+            own.is_empty() || own.iter().any(|v| matches!(v.answer, Answer::Undecided(_)))
+        };
+        (0..campaign.cells()).filter(open).collect()
     }
 
     /// Whether some verdict is this.
@@ -132,13 +165,15 @@ fn verdicts(campaign: &Campaign, cell: usize, rows: &[&Row]) -> Vec<Verdict> {
         let wanted = if most.is_some() { p } else { 1.0 - p };
         let sign = if most.is_some() { "at most" } else { "at least" };
         let bound = most.or(least).unwrap_or(f64::NAN);
+        // Each look at the rows gets its part of the chance to be wrong (Bonferroni).
+        let confidence = 1.0 - (1.0 - threshold.confidence) / campaign.looks().len() as f64;
         let what = if p == 0.5 { "median".to_owned() } else { format!("quantile {p}") };
         Verdict {
             cell: name.to_owned(),
             figure: campaign.figures[threshold.figure].0.clone(),
             threshold: format!("{what} {sign} {bound}"),
-            answer: decide(kept, values.len() as u64, wanted, threshold.confidence),
-            quantile: quantile(&values, p, threshold.confidence),
+            answer: decide(kept, values.len() as u64, wanted, confidence),
+            quantile: quantile(&values, p, confidence),
             runs: values.len() as u64,
             kept,
         }
@@ -160,7 +195,9 @@ fn compared(campaign: &Campaign, cell: usize, cells: &[Vec<&Row>]) -> Vec<Compar
     let Some(place) = campaign.cells.iter().position(|c| c == first) else { return Vec::new() };
     let others: HashMap<usize, &Row> =
         cells[place].iter().map(|row| (campaign.replicate_of(row.run), *row)).collect();
-    let figures = campaign.figures().enumerate().map(|(figure, name)| {
+    let listed = campaign.figures.iter().enumerate();
+    let listed = listed.filter(|(_, (_, figure))| figure.instant().is_none());
+    let figures = listed.map(|(figure, (name, _))| {
         let differences: Vec<f64> = cells[cell]
             .iter()
             .filter_map(|row| {
@@ -172,12 +209,30 @@ fn compared(campaign: &Campaign, cell: usize, cells: &[Vec<&Row>]) -> Vec<Compar
         Compared {
             cell: first.name.clone(),
             with: own.name.clone(),
-            figure: name.to_owned(),
+            figure: name.clone(),
             pairs: differences.len(),
             difference: quantile(&differences, 0.5, CONFIDENCE),
         }
     });
     figures.collect()
+}
+
+fn consistency(campaign: &Campaign, cell: usize, rows: &[&Row]) -> Vec<Consistency> {
+    let instants = campaign.figures.iter().enumerate();
+    let of = |(place, (name, figure)): (usize, &(String, super::figure::Figure))| {
+        let time = figure.instant()?;
+        let of = |known: &&(String, usize)| *name == super::file::at_instant(&known.0, time);
+        let (base, axes) = campaign.over_time.iter().find(of)?;
+        let values = rows.iter().map(|row| row.figure(place)).filter(|value| !value.is_nan());
+        let values: Vec<f64> = values.collect();
+        let count = values.len() as f64;
+        let freedom = count * *axes as f64;
+        let band = [0.025, 0.975].map(|p| chi_square_quantile(p, freedom) / count);
+        let mean = values.iter().sum::<f64>() / count;
+        let (cell, figure) = (campaign.cell_name(cell).to_owned(), base.clone());
+        Some(Consistency { cell, figure, time, runs: values.len(), mean, band })
+    };
+    instants.filter_map(of).collect()
 }
 
 #[cfg(test)]

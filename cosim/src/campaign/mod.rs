@@ -6,20 +6,27 @@
 //! Who makes runs at the same time, and in which order, decides nothing.
 
 mod bench;
+mod change;
 mod design;
 mod figure;
 mod file;
 mod folder;
 mod judgement;
+mod keep;
 mod row;
+mod score;
 mod statistics;
+mod table;
 mod trajectory;
 
 pub use bench::Bench;
+pub use change::{Change, Meaning, changes};
 pub use file::Campaign;
-pub use folder::Folder;
-pub use judgement::{Compared, FigureOfCell, Judgement, Verdict};
+pub use folder::{Folder, Past};
+pub use judgement::{Compared, Consistency, FigureOfCell, Judgement, Verdict};
+pub use keep::kept;
 pub use row::{Row, Status};
+pub use score::Figures;
 pub use statistics::{Answer, Estimate};
 
 /// What a campaign is, in a word: of its [`Bench::identity`].

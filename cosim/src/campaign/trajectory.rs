@@ -94,6 +94,23 @@ pub(super) fn relative(truth: &Trajectory, estimate: &Trajectory, pairs: Pairs) 
     ids.into_iter().map(|pair| (moved(truth, pair) - moved(estimate, pair)).norm()).collect()
 }
 
+/// How far an estimate is beside the line along which the truth moves, in the horizontal plane.
+pub(super) fn across(truth: &Trajectory, estimate: &Trajectory) -> Vec<f64> {
+    let mut along = Vector3::zeros();
+    let pairs = truth.positions.iter().zip(&estimate.positions).enumerate();
+    let beside = pairs.map(|(row, (t, e))| {
+        // The direction of the step that begins here; that before it where it stands still.
+        let next = truth.positions.get(row + 1).map_or(Vector3::zeros(), |next| next - t);
+        let step = Vector3::new(next.x, next.y, 0.0);
+        if step.norm() > 0.0 {
+            along = step.normalize();
+        }
+        let apart = e - t;
+        (along.x * apart.y - along.y * apart.x).abs()
+    });
+    beside.collect()
+}
+
 /// The length of a way.
 pub(super) fn length(of: &Trajectory) -> f64 {
     of.positions.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()

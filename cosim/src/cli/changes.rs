@@ -52,6 +52,12 @@ impl Changes {
         self.execution_tool
     }
 
+    /// Start values that are files, such as courses.
+    pub(crate) fn files(&self) -> impl Iterator<Item = String> {
+        let values = self.start_value.iter().map(|(_, value)| value);
+        values.filter(|value| std::path::Path::new(value).is_file()).cloned()
+    }
+
     pub(crate) fn overrides(&self) -> Overrides {
         let mut overrides = Overrides::new().execution_tools(self.execution_tool);
         for (name, value) in &self.start_value {

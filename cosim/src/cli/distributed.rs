@@ -129,8 +129,18 @@ impl Distributed {
         self.reach.has_credentials()
     }
 
-    /// Where the run is computed; nothing when in this process.
-    pub(crate) fn cluster(&self, quiet: bool) -> Result<Option<Cluster>> {
+    /// Whether the run has workers of its own.
+    pub(crate) fn starts_workers(&self) -> bool {
+        self.workers.is_some()
+    }
+
+    /// Where the run is computed; nothing when in this process. FMUs in workers of our own may read
+    /// `readable`.
+    pub(crate) fn cluster(
+        &self,
+        quiet: bool,
+        readable: impl Iterator<Item = String>,
+    ) -> Result<Option<Cluster>> {
         if !self.distributed && self.workers.is_none() {
             return Ok(None);
         }
@@ -138,6 +148,7 @@ impl Distributed {
         let mut program = vec![super::worker::this_program()?, "worker".to_owned()];
         // They are this user's own, and what they are sent is what this user runs.
         program.extend(["--with-parent", "--allow-upload"].map(str::to_owned));
+        program.extend(readable.flat_map(|path| ["--allow-read".to_owned(), path]));
         program.extend(self.reach.arguments());
         let ours = self.reach.ours()?;
         let listen = self.listen.clone().or_else(|| ours.listen.clone());

@@ -9,7 +9,8 @@ use super::output::print;
 /// Explain an error code such as E203, or the faults of scenarios
 #[derive(Args)]
 pub(crate) struct Explain {
-    /// The code, `faults`, or the name of a fault; without one all codes are listed
+    /// The code, `faults`, the name of a fault, or `schema` for the JSON Schema of scenarios;
+    /// without one all codes are listed
     code: Option<String>,
 }
 
@@ -19,6 +20,9 @@ impl Explain {
             let lines: Vec<String> = Code::ALL.iter().map(|&code| line(code)).collect();
             return print(&lines.join("\n"));
         };
+        if wanted == "schema" {
+            return print(&format!("{:#}", cosim::fault::schema()));
+        }
         if wanted == "faults" {
             let all: Vec<String> = KINDS.iter().map(fault).collect();
             return print(all.join("\n").trim_end());

@@ -34,8 +34,8 @@ pub(crate) struct Isolation {
     /// libraries only, and has no network, no programs and limited memory
     #[arg(long)]
     isolate: bool,
-    /// Let isolated FMUs read this file or folder (repeatable)
-    #[arg(long, value_name = "PATH", requires = "isolate")]
+    /// Let isolated FMUs, and those in workers of the run's own, read this file or folder (repeatable)
+    #[arg(long, value_name = "PATH")]
     allow_read: Vec<PathBuf>,
 }
 
@@ -86,6 +86,20 @@ pub(crate) struct Written {
 impl Isolation {
     pub(crate) fn wanted(&self) -> bool {
         self.isolate && std::env::var_os(VARIABLE).is_none()
+    }
+
+    /// Refuses what means nothing: rights of FMUs that are not confined.
+    pub(crate) fn check(&self, workers: bool) -> Result<()> {
+        if self.allow_read.is_empty() || self.isolate || workers {
+            return Ok(());
+        }
+        Err(Error::new(Code::Usage, "--allow-read is for FMUs that are confined")
+            .help("give --isolate, or --workers"))
+    }
+
+    /// What confined FMUs may read.
+    pub(crate) fn readable(&self) -> impl Iterator<Item = String> {
+        self.allow_read.iter().map(|path| path.display().to_string())
     }
 
     /// In the child, before FMUs are loaded: from now on it may do no more than they may.

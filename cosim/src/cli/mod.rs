@@ -25,6 +25,7 @@ mod proxy;
 mod replay;
 mod report;
 mod run;
+mod score;
 mod simulate;
 mod snapshots;
 mod solver;
@@ -58,6 +59,7 @@ enum Verb {
     Run(Box<run::Run>),
     Campaign(campaign::Campaign),
     Replay(replay::Replay),
+    Score(score::Score),
     #[command(hide = true)]
     CampaignWorker(campaign::CampaignWorker),
     Convert(convert::Convert),
@@ -106,6 +108,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<u8> {
         Verb::Validate(verb) => verb.run(),
         Verb::Campaign(verb) => verb.run(),
         Verb::Replay(verb) => verb.run(),
+        Verb::Score(verb) => verb.run(),
         Verb::CampaignWorker(verb) => verb.run(),
         Verb::Convert(verb) => verb.run(),
         Verb::Export(verb) => verb.run(),

@@ -31,8 +31,8 @@ pub(crate) struct Output {
     /// Seconds between recorded samples (default: the smallest step)
     #[arg(long, value_name = "SECONDS", value_parser = super::values::seconds)]
     output_interval: Option<f64>,
-    /// Write the results there: as MCAP if the name ends in .mcap, else as CSV; - for CSV to
-    /// stdout (default: NAME_out.csv)
+    /// Write the results there: as CSV, MCAP or Parquet, by the ending .csv, .mcap or .parquet; -
+    /// for CSV to stdout (default: NAME_out.csv)
     #[arg(long, short, value_name = "FILE")]
     output_file: Option<PathBuf>,
     /// Write the results as NAME_out.csv into this folder, which is made if missing

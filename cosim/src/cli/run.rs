@@ -42,6 +42,7 @@ impl Run {
     }
 
     fn computed(&self) -> Result<u8> {
+        self.isolation.check(self.distributed.starts_workers())?;
         let overrides = self.output.add_to(self.changes.overrides());
         let overrides = match self.isolation.wanted() {
             true => overrides,
@@ -49,7 +50,9 @@ impl Run {
         };
         let system = System::load(&self.file, &overrides)?;
         system.ready()?;
-        let cluster = self.distributed.cluster(self.output.quiet)?;
+        // What the user names here, not what the system's file does.
+        let readable = self.changes.files().chain(self.isolation.readable());
+        let cluster = self.distributed.cluster(self.output.quiet, readable)?;
         if self.isolation.wanted() && cluster.is_some() {
             return Err(Error::new(Code::Usage, "--isolate is for runs in this process")
                 .help("workers confine their FMUs anyway, unless --no-confine is said there"));

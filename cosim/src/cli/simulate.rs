@@ -60,6 +60,7 @@ impl Simulate {
     }
 
     fn computed(&self) -> Result<u8> {
+        self.isolation.check(false)?;
         let overrides = match self.isolation.wanted() {
             true => self.overrides(),
             false => self.logging.add_to(self.overrides())?,

@@ -1,6 +1,5 @@
 //! Running a system on workers.
 
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
@@ -19,7 +18,6 @@ use super::pool::WorkerInfo;
 use super::status::{Board, Watched};
 use super::telemetry::{self, Fed};
 use crate::error::Result;
-use crate::fmi::Value;
 use crate::fmi::temporary::Unpacked;
 use crate::master::{Run, Summary};
 use crate::system::System;
@@ -58,8 +56,7 @@ impl Cluster {
         let mut named: Vec<String> = wishes.iter().map(|(_, worker)| worker.clone()).collect();
         named.dedup();
         let own = own_names(self.own, system);
-        let program = [&self.program[..], &permissions(system)].concat();
-        let own = OwnWorkers::start(&program, &own, endpoint, folder.path())?;
+        let own = OwnWorkers::start(&self.program, &own, endpoint, folder.path())?;
         // The plan needs the workers' names, and the session the FMUs of the plan.
         let id = session.zid().to_string();
         // Workers end what they do for this run when it is gone.
@@ -105,16 +102,6 @@ impl Cluster {
         close(session);
         outcome
     }
-}
-
-/// Arguments of a worker that let FMUs read the files that String start values name: courses, maps.
-fn permissions(system: &System) -> Vec<String> {
-    let values = system.components().iter().flat_map(|component| &component.start_values);
-    let files = values.filter_map(|(_, value)| match value {
-        Value::String(text) if Path::new(text).is_file() => Some(text.clone()),
-        _ => None,
-    });
-    files.flat_map(|file| ["--allow-read".to_owned(), file]).collect()
 }
 
 impl Cluster {

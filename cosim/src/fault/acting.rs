@@ -32,6 +32,13 @@ pub(crate) struct Acting {
     lasts: Option<Time>,
     ramp_in: Time,
     ramp_out: Time,
+    /// The time between samples; 0 if each step is one.
+    every: Time,
+    /// When the next sample is due, and of when the last one is.
+    next: Time,
+    taken: Option<Time>,
+    /// A fault after this one has ended it.
+    released: bool,
     random: Random,
     way: Way,
     /// The instant of the present values.
@@ -73,6 +80,10 @@ impl Acting {
             lasts,
             ramp_in: Time::ZERO,
             ramp_out: Time::ZERO,
+            every: Time::ZERO,
+            next: Time::ZERO,
+            taken: None,
+            released: false,
             random,
             way: Way::Output,
             now: Time::ZERO,
@@ -88,6 +99,11 @@ impl Acting {
 
     pub(super) fn ramped(mut self, ramp_in: Time, ramp_out: Time) -> Self {
         (self.ramp_in, self.ramp_out) = (ramp_in, ramp_out);
+        self
+    }
+
+    pub(super) fn sampled(mut self, every: Time) -> Self {
+        self.every = every;
         self
     }
 
@@ -124,9 +140,37 @@ impl Acting {
 
     fn acts(&self) -> bool {
         match (self.begun, self.from) {
-            (Some(begun), Some(from)) => from <= begun && begun < self.until,
+            (Some(begun), Some(from)) => !self.released && from <= begun && begun < self.until,
             _ => false,
         }
+    }
+
+    /// Whether it ends the faults before it.
+    pub(crate) fn releases(&self) -> bool {
+        self.kind == Kind::Release && self.acts()
+    }
+
+    /// Whether a fault after it has ended it.
+    pub(crate) fn release(&mut self, released: bool) {
+        self.released = released;
+    }
+
+    /// Whether a sample is due; of when the one before it is.
+    fn sample(&mut self) -> Option<Option<Time>> {
+        if self.acted && self.every > Time::ZERO {
+            if self.now < self.next {
+                return None;
+            }
+        } else {
+            self.next = self.from.unwrap_or(self.now);
+        }
+        // Samples stay on their grid, however long the steps are.
+        while self.every > Time::ZERO && self.next <= self.now {
+            self.next = self.next + self.every;
+        }
+        let before = if self.acted { self.taken } else { None };
+        self.taken = Some(self.now);
+        Some(before)
     }
 
     /// The random numbers of a step, which is so long.
@@ -138,16 +182,21 @@ impl Acting {
                 self.delay += jitter * self.random.uniform();
             }
         }
+        if let (&Kind::Lag(tau), Some((_, value))) = (&self.kind, self.good) {
+            let kept = libm::exp(-step.seconds() / tau);
+            self.level = kept * self.level + (1.0 - kept) * value;
+        }
         if !self.acts() {
             (self.acted, self.lost) = (false, false);
             return;
         }
+        let Some(before) = self.sample() else { return };
         match self.kind {
             Kind::WhiteNoise(sigma) => self.level = sigma * self.random.normal(),
             Kind::GaussMarkov { sigma, tau } => {
                 let normal = sigma * self.random.normal();
-                self.level = if self.acted {
-                    let kept = libm::exp(-step.seconds() / tau);
+                self.level = if let Some(before) = before {
+                    let kept = libm::exp(-(self.now - before).seconds() / tau);
                     kept * self.level + libm::sqrt(1.0 - kept * kept) * normal
                 } else {
                     normal
@@ -168,6 +217,7 @@ impl Acting {
                 let turns = self.random.uniform() >= libm::exp(-step.seconds() / mean);
                 self.lost ^= turns;
             }
+            Kind::Reordering { share, .. } => self.lost = self.random.uniform() < share,
             _ => {}
         }
         self.acted = true;
@@ -219,7 +269,9 @@ impl Acting {
             Kind::WhiteNoise(_) | Kind::GaussMarkov { .. } | Kind::Outliers { .. } => {
                 value + self.level
             }
-            Kind::Stuck => self.good.map_or(value, |(_, good)| good),
+            Kind::Stuck | Kind::Sampling => self.good.map_or(value, |(_, good)| good),
+            Kind::Lag(_) => self.level,
+            Kind::Release | Kind::Reset => value,
             Kind::NotANumber => f64::NAN,
             Kind::Quantization(step) => libm::rint(value / step) * step,
             Kind::Saturation(low, high) => {
@@ -242,6 +294,12 @@ impl Acting {
                 // Before anything has come, what there was at first.
                 come.or(self.late.front()).map_or(value, |(_, _, late)| *late)
             }
+            Kind::Reordering { .. } => {
+                let come = self.late.iter().filter(|(_, due, _)| *due <= self.now);
+                // Of two that come at once the older one is seen: it is the one that is late.
+                let last = come.max_by_key(|(of, due, _)| (*due, std::cmp::Reverse(*of)));
+                last.map_or(value, |(_, _, late)| *late)
+            }
         }
     }
 
@@ -258,7 +316,37 @@ impl Acting {
                 }
             }
             Kind::Latency { .. } => self.send(value),
+            Kind::Lag(_) => {
+                if !self.acts() {
+                    self.level = value;
+                }
+                self.good = Some((self.now, value));
+            }
+            Kind::Sampling if !self.acts() || self.taken == Some(self.now) => {
+                self.good = Some((self.now, value));
+            }
+            Kind::Reordering { .. } if !self.acts() => self.late.clear(),
+            Kind::Reordering { delay, again, .. } if self.taken == Some(self.now) => {
+                self.late.retain(|(of, ..)| *of != self.now);
+                let late = Time::from_nanoseconds(libm::rint(delay * 1e9) as i64);
+                if !self.lost || again {
+                    self.late.push_back((self.now, self.now, value));
+                }
+                if self.lost {
+                    self.late.push_back((self.now, self.now + late, value));
+                }
+                self.forget();
+            }
             _ => {}
+        }
+    }
+
+    /// Drops what has come and is not the last that came.
+    fn forget(&mut self) {
+        let now = self.now;
+        let come = self.late.iter().filter(|(_, due, _)| *due <= now).map(|(_, due, _)| *due);
+        if let Some(last) = come.max() {
+            self.late.retain(|(of, due, _)| *due >= last || *of == now);
         }
     }
 
@@ -290,6 +378,9 @@ impl Acting {
             | Kind::Stuck
             | Kind::NotANumber
             | Kind::Quantization(_)
+            | Kind::Lag(_)
+            | Kind::Sampling
+            | Kind::Reordering { .. }
             | Kind::Latency { .. } => 0.0,
             Kind::DropOut { .. } if self.lost => 0.0,
             _ => 1.0,

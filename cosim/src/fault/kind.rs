@@ -59,6 +59,24 @@ pub enum Kind {
         /// What is added to it at most (s).
         jitter: f64,
     },
+    /// The value follows with a lag of first order of this time constant (s).
+    Lag(f64),
+    /// Samples are taken at this period (s) only; the last one is held.
+    Sampling,
+    /// With probability `share`, a sample comes `delay` seconds late, after younger ones; with
+    /// `again` it also comes in time, so it is seen twice.
+    Reordering {
+        /// Probability per sample.
+        share: f64,
+        /// How late it comes (s).
+        delay: f64,
+        /// It comes in time, too.
+        again: bool,
+    },
+    /// The faults before this one in the file stop acting on its variables.
+    Release,
+    /// The component is reset (`fmi2Reset`) and initialized anew with its start values.
+    Reset,
 }
 
 /// How large outliers are.
@@ -99,14 +117,16 @@ pub struct Meant {
     pub key: &'static str,
     /// What its value is.
     pub meaning: &'static str,
+    /// The words that it may be; none if it is a number.
+    pub words: &'static [&'static str],
 }
 
 const fn key(key: &'static str, meaning: &'static str) -> Meant {
-    Meant { key, meaning }
+    Meant { key, meaning, words: &[] }
 }
 
 /// Every kind that a file can name.
-pub const KINDS: [Word; 15] = [
+pub const KINDS: [Word; 21] = [
     Word {
         name: "override",
         meaning: "the value is another one",
@@ -140,8 +160,8 @@ pub const KINDS: [Word; 15] = [
     Word {
         name: "white-noise",
         meaning: "an independent normal number is added at each step",
-        keys: &[key("sigma", "its standard deviation")],
-        example: "sigma = 0.02",
+        keys: &[key("sigma", "its standard deviation"), EVERY],
+        example: "sigma = 0.02\nevery = 0.2",
     },
     Word {
         name: "gauss-markov",
@@ -149,8 +169,9 @@ pub const KINDS: [Word; 15] = [
         keys: &[
             key("sigma", "its standard deviation"),
             key("tau", "seconds in which its correlation falls to 1/e"),
+            EVERY,
         ],
-        example: "sigma = 0.05\ntau = 60",
+        example: "sigma = 0.05\ntau = 60\nevery = 0.2",
     },
     Word {
         name: "outliers",
@@ -159,8 +180,9 @@ pub const KINDS: [Word; 15] = [
             key("share", "probability per step"),
             key("sigma", "standard deviation of normal errors"),
             key("size", "or: the greatest size of errors with equal chances"),
+            EVERY,
         ],
-        example: "share = 0.05\nsigma = 5",
+        example: "share = 0.05\nsigma = 5\nevery = 1",
     },
     Word { name: "stuck", meaning: "the value stays what it was", keys: &[], example: "" },
     Word { name: "zero", meaning: "the value is 0", keys: &[], example: "" },
@@ -183,7 +205,11 @@ pub const KINDS: [Word; 15] = [
         keys: &[
             key("up", "mean seconds until it is lost"),
             key("down", "mean seconds until it is back"),
-            key("meanwhile", "what is seen then: last (the default), zero or nan"),
+            Meant {
+                key: "meanwhile",
+                meaning: "what is seen then: last (the default), zero or nan",
+                words: &["last", "zero", "nan"],
+            },
         ],
         example: "up = 20\ndown = 3",
     },
@@ -196,16 +222,70 @@ pub const KINDS: [Word; 15] = [
         ],
         example: "delay = 0.5\njitter = 0.1",
     },
+    Word {
+        name: "lag",
+        meaning: "the value follows with a lag of first order",
+        keys: &[key("tau", "its time constant in seconds")],
+        example: "tau = 0.5",
+    },
+    Word {
+        name: "rate-change",
+        meaning: "samples are taken more rarely; the last one is held",
+        keys: &[EVERY],
+        example: "every = 2",
+    },
+    Word {
+        name: "reordering",
+        meaning: "some samples come late, after younger ones; all variables of the fault together",
+        keys: &[key("share", "probability per sample"), key("delay", "seconds"), EVERY],
+        example: "share = 0.2\ndelay = 1.5\nevery = 1",
+    },
+    Word {
+        name: "duplicates",
+        meaning: "some samples come a second time, after younger ones; all variables together",
+        keys: &[key("share", "probability per sample"), key("delay", "seconds"), EVERY],
+        example: "share = 0.2\ndelay = 1.5\nevery = 1",
+    },
+    Word {
+        name: "release",
+        meaning: "the faults before this one in the file stop acting on its variables",
+        keys: &[],
+        example: "",
+    },
+    Word {
+        name: "reset",
+        meaning: "the components named by 'on' are reset and initialized anew, with their start values",
+        keys: &[],
+        example: "",
+    },
 ];
+
+/// Of kinds that draw a number for each sample.
+const EVERY: Meant =
+    key("every", "seconds between samples (default: each step of the component is one)");
 
 impl Kind {
     /// Whether all variables of a fault share its chances: they are lost or late together.
     pub(crate) fn is_common(&self) -> bool {
-        matches!(self, Kind::DropOut { .. } | Kind::Latency { .. } | Kind::Outliers { .. })
+        matches!(
+            self,
+            Kind::DropOut { .. }
+                | Kind::Latency { .. }
+                | Kind::Outliers { .. }
+                | Kind::Reordering { .. }
+        )
     }
 
-    /// Whether it looks at values before its beginning.
+    /// Whether what it does depends on earlier values.
     pub(crate) fn remembers(&self) -> bool {
-        matches!(self, Kind::Stuck | Kind::DropOut { .. } | Kind::Latency { .. })
+        matches!(
+            self,
+            Kind::Stuck
+                | Kind::DropOut { .. }
+                | Kind::Latency { .. }
+                | Kind::Lag(_)
+                | Kind::Sampling
+                | Kind::Reordering { .. }
+        )
     }
 }

@@ -8,11 +8,13 @@
 mod acting;
 mod kind;
 mod random;
+mod schema;
 
 pub(crate) use acting::{Acting, Way};
 pub(crate) use random::{Random, normal_quantile};
 
 pub use kind::{KINDS, Kind, Meant, Meanwhile, Spread, Word};
+pub use schema::schema;
 
 use crate::condition::Condition;
 use crate::time::Time;
@@ -32,6 +34,8 @@ pub struct Fault {
     pub ramp_in: Time,
     /// During so long before its end it fades.
     pub ramp_out: Time,
+    /// The time between samples, of kinds that act on samples; 0 if each step is one.
+    pub every: Time,
 }
 
 /// When a fault begins.
@@ -62,20 +66,26 @@ impl Fault {
     /// The fault with this number in its list, acting on the `place`th of its variables, with the
     /// random stream that belongs to `seed`, in a run that begins at `start`.
     pub(crate) fn acting(&self, seed: u64, number: u32, place: u32, start: Time) -> Acting {
-        // The instant is the same for all variables.
-        let mut instant = Random::new(&[seed, u64::from(number), 0]);
-        let from = match &self.begin {
-            Begin::Start => Some(start),
-            Begin::At(time) => Some(*time),
-            Begin::Between(first, last) => {
-                let span = (*last - *first).nanoseconds() as f64;
-                Some(*first + Time::from_nanoseconds((instant.uniform() * span) as i64))
-            }
-            Begin::When(_) => None,
-        };
+        let from = self.beginning(seed, number, start);
         let own = if self.kind.is_common() { 1 } else { 2 + u64::from(place) };
         let random = Random::new(&[seed, u64::from(number), own]);
         Acting::new(number, self.kind.clone(), from, self.end, random)
             .ramped(self.ramp_in, self.ramp_out)
+            .sampled(self.every)
+    }
+
+    /// The instant at which the fault begins, the same for all of its variables; none while that
+    /// depends on a condition.
+    pub(crate) fn beginning(&self, seed: u64, number: u32, start: Time) -> Option<Time> {
+        match &self.begin {
+            Begin::Start => Some(start),
+            Begin::At(time) => Some(*time),
+            Begin::Between(first, last) => {
+                let span = (*last - *first).nanoseconds() as f64;
+                let part = Random::new(&[seed, u64::from(number), 0]).uniform();
+                Some(*first + Time::from_nanoseconds((part * span) as i64))
+            }
+            Begin::When(_) => None,
+        }
     }
 }

@@ -158,6 +158,18 @@ impl Instance {
         Ok(())
     }
 
+    /// Takes the instance back to where it was after its instantiation.
+    pub fn reset(&mut self) -> Result<()> {
+        self.require("fmi2Reset", RUNNING)?;
+        self.call("fmi2Reset", nothing, |f, c| {
+            // SAFETY: `c` is alive and the state allows the call.
+            unsafe { (f.reset)(c) }
+        })?;
+        self.check_process("fmi2Reset");
+        self.state = State::Instantiated;
+        Ok(())
+    }
+
     /// What the FMU logged since this was asked last; only the newest messages are kept.
     /// Nothing when they were shown as they came ([`Logging`](super::Logging)).
     pub fn messages(&self) -> Vec<String> {

@@ -116,6 +116,15 @@ impl Slave for ExchangeSlave {
         self.solver.begin(&mut self.instance, self.start)
     }
 
+    fn reset(&mut self, now: Time, stop: Time) -> Result<()> {
+        self.instance.reset()?;
+        start::give(&mut self.instance, &self.start_values)?;
+        // The FMU has the values of its description again, which nobody knows here.
+        self.discrete.values.fill(f64::NAN);
+        self.enter_initialization(now, stop)?;
+        self.exit_initialization()
+    }
+
     fn set(&mut self, values: &[f64]) -> Result<()> {
         self.solver.ramp(&[], &[], &[]);
         let jump = self.discrete.take(values);

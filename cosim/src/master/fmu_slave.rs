@@ -162,6 +162,13 @@ impl Slave for FmuSlave {
         self.instance.exit_initialization()
     }
 
+    fn reset(&mut self, now: Time, stop: Time) -> Result<()> {
+        self.instance.reset()?;
+        start::give(&mut self.instance, &self.start_values)?;
+        self.enter_initialization(now, stop)?;
+        self.exit_initialization()
+    }
+
     #[inline(always)]
     fn set(&mut self, values: &[f64]) -> Result<()> {
         self.inputs.set(&mut self.instance, values)

@@ -53,6 +53,10 @@ impl Slave for FunctionSlave {
         Ok(())
     }
 
+    fn reset(&mut self, _now: Time, _stop: Time) -> Result<()> {
+        Ok(())
+    }
+
     fn set(&mut self, values: &[f64]) -> Result<()> {
         for (&position, &value) in self.inputs.iter().zip(values) {
             self.values[position] = value;

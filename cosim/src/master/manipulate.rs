@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::drive::Drive;
 use super::engine::Engine;
-use super::patched_slave::{Patch, Patched, PatchedSlave, SharedPatches};
+use super::patched_slave::{Patch, Patched, PatchedSlave, SharedPatches, release};
 use crate::error::{Code, Error, Result};
 use crate::fault::{Acting, Way};
 use crate::fmi::{Causality, Kind, Value, Variability, Variable};
@@ -44,6 +44,11 @@ pub struct Controls<'a> {
 }
 
 impl Controls<'_> {
+    /// The instant.
+    pub fn now(&self) -> Time {
+        self.now
+    }
+
     /// From now on the variable has this value, whatever computes or drives it.
     pub fn set(&mut self, variable: &str, value: f64) -> Result<()> {
         self.change(variable, Act::Patch(Patch::Override(value)))
@@ -69,6 +74,15 @@ impl Controls<'_> {
     /// The condition for the fault with this number holds.
     pub(crate) fn trigger(&mut self, variable: &str, number: u32) -> Result<()> {
         self.change(variable, Act::Trigger(number, self.now))
+    }
+
+    /// Resets a component: it begins anew with its start values, now.
+    pub(crate) fn reset(&mut self, component: &str) -> Result<()> {
+        let component = self.system.resettable(component)?;
+        let stop = self.system.stop_time();
+        let act = Act::Reset(self.now, stop);
+        let change = Change { variable: 0, way: Way::Free, act, start: 0.0 };
+        self.driven.change(component, change, self.now)
     }
 
     /// What a recorded variable was at the last output instant, which may be now.
@@ -112,12 +126,18 @@ pub(crate) enum Act {
     Release,
     /// The condition for the fault with this number holds now.
     Trigger(u32, Time),
+    /// The component begins anew at this instant, in a run that ends at that one; its variable is of
+    /// no matter.
+    Reset(Time, Time),
 }
 
 impl Engine {
     /// Changes a variable from now on.
     pub(crate) fn change(&mut self, component: usize, change: Change) -> Result<()> {
         let Change { variable, way, act, start } = change;
+        if let Act::Reset(now, stop) = act {
+            return self.reset(component, now, stop);
+        }
         let shared = self.patches_of(component);
         let mut patches = shared.borrow_mut();
         let own = |patched: &Patched| patched.variable == variable;
@@ -128,14 +148,16 @@ impl Engine {
                         fault.trigger(number, now);
                     }
                 }
+                release(&mut patches);
                 return Ok(());
             }
             Act::Patch(patch) => Some(patch),
-            Act::Release => None,
+            Act::Release | Act::Reset(..) => None,
         };
         if let Some(patch @ Patch::Fault(_)) = fault {
             // It is given with the next step.
             patches.push(Patched { variable, way, start, given: start, patch });
+            release(&mut patches);
             return Ok(());
         }
         patches.retain(|patched| !own(patched) || patched.patch.is_fault());
@@ -154,6 +176,20 @@ impl Engine {
         let place = patches.iter().position(own).unwrap_or(patches.len());
         if let Some(patch) = fault {
             patches.insert(place, patched(patch));
+        }
+        Ok(())
+    }
+
+    /// Resets a component; what is done to its variables is done to them again.
+    fn reset(&mut self, component: usize, now: Time, stop: Time) -> Result<()> {
+        self.slaves[component].reset(now, stop)?;
+        let Some(shared) = self.patches[component].clone() else { return Ok(()) };
+        for patched in shared.borrow_mut().iter_mut().filter(|p| p.way == Way::Free) {
+            match patched.patch {
+                // It is given with the next step.
+                Patch::Fault(_) => patched.given = patched.start,
+                _ => self.slaves[component].assign(patched.variable, patched.given)?,
+            }
         }
         Ok(())
     }
@@ -201,6 +237,22 @@ impl System {
                 .why("only inputs, outputs and tunable parameters are set while a system runs"));
         }
         Ok(found)
+    }
+
+    /// The component of this name if it can be reset, or why not.
+    pub(crate) fn resettable(&self, name: &str) -> Result<usize> {
+        let names = || self.components().iter().map(|component| component.name.as_str());
+        let Some(component) = names().position(|known| known == name) else {
+            let what = format!("there is no component '{name}'");
+            let help = names::did_you_mean(name, names())
+                .unwrap_or_else(|| format!("there are {}", names().collect::<Vec<_>>().join(", ")));
+            return Err(Error::new(Code::UnknownName, what).help(help));
+        };
+        if self.components()[component].fmu().is_none() {
+            return Err(Error::new(Code::Parameter, format!("'{name}' cannot be reset"))
+                .why("it is a file of signals"));
+        }
+        Ok(component)
     }
 
     /// The port of a variable that may be manipulated, or why it may not.

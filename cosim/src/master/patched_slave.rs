@@ -65,6 +65,22 @@ pub(crate) type Patches = Vec<Patched>;
 /// They are shared with the engine, which changes them between steps.
 pub(crate) type SharedPatches = Rc<RefCell<Patches>>;
 
+/// Tells faults whether one after them, of the same variable, has ended them.
+pub(super) fn release(patches: &mut Patches) {
+    for place in 0..patches.len() {
+        let (before, after) = patches.split_at_mut(place + 1);
+        let own = &mut before[place];
+        let ends = |later: &Patched| {
+            later.variable == own.variable
+                && matches!(&later.patch, Patch::Fault(fault) if fault.releases())
+        };
+        let released = after.iter().any(ends);
+        if let Patch::Fault(fault) = &mut own.patch {
+            fault.release(released);
+        }
+    }
+}
+
 pub(super) struct PatchedSlave {
     inner: Box<dyn Slave>,
     inputs: Vec<usize>,
@@ -142,6 +158,7 @@ impl PatchedSlave {
                 fault.advance(begin, end);
             }
         }
+        release(&mut patches);
         // What looks back sees each value, also of outputs that are read now and then only.
         for place in 0..patches.len() {
             let Patched { variable, way, .. } = patches[place];

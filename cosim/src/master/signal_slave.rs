@@ -38,6 +38,10 @@ impl Slave for SignalSlave {
         Ok(())
     }
 
+    fn reset(&mut self, _now: Time, _stop: Time) -> Result<()> {
+        Ok(())
+    }
+
     fn set(&mut self, _values: &[f64]) -> Result<()> {
         Ok(())
     }

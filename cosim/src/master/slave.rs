@@ -63,6 +63,9 @@ pub trait Slave {
     /// Reads the variables that are only recorded.
     fn read(&mut self, values: &mut [f64]) -> Result<()>;
 
+    /// Begins anew with its start values at `now`, between two steps of a run that ends at `stop`.
+    fn reset(&mut self, now: Time, stop: Time) -> Result<()>;
+
     /// Sets an input that is not connected, or a parameter, between two steps. The variable is a
     /// position in the component's description.
     fn assign(&mut self, variable: usize, value: f64) -> Result<()>;
@@ -149,6 +152,10 @@ macro_rules! passes_on {
 
         fn exit_initialization(&mut self) -> Result<()> {
             self.$inner.exit_initialization()
+        }
+
+        fn reset(&mut self, now: Time, stop: Time) -> Result<()> {
+            self.$inner.reset(now, stop)
         }
 
         fn assign(&mut self, variable: usize, value: f64) -> Result<()> {

@@ -8,6 +8,8 @@ mod digest;
 mod mcap;
 mod mcap_read;
 mod mcap_records;
+#[cfg(feature = "campaign")]
+mod parquet;
 mod progress;
 mod recording;
 mod verify;
@@ -17,6 +19,8 @@ pub use continued::Continued;
 pub use csv::CsvRecorder;
 pub use digest::{Digested, RunningDigest};
 pub use mcap::McapRecorder;
+#[cfg(feature = "campaign")]
+pub use parquet::ParquetRecorder;
 pub use progress::Progress;
 pub use recording::Recording;
 pub use verify::{Comparison, Differing, Parting};
@@ -66,30 +70,68 @@ pub trait Observer {
     }
 }
 
-/// Creates a file of results: MCAP if its name ends in `.mcap`, else CSV.
+/// The format of a file of results: the ending of its name says which.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Csv,
+    Mcap,
+    #[cfg(feature = "campaign")]
+    Parquet,
+}
+
+impl Format {
+    /// CSV for any ending that is not another format's.
+    fn of(file: &Path) -> Self {
+        let ending = file.extension().and_then(|ending| ending.to_str()).unwrap_or("");
+        match ending.to_ascii_lowercase().as_str() {
+            "mcap" => Self::Mcap,
+            #[cfg(feature = "campaign")]
+            "parquet" => Self::Parquet,
+            _ => Self::Csv,
+        }
+    }
+
+    /// The format of a file that is to be written. An ending that promises another format is refused.
+    fn to_write(file: &Path) -> Result<Self> {
+        let format = Self::of(file);
+        let ending = file.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+        match ending.as_deref() {
+            // Devices and pipes have no ending.
+            None | Some("csv" | "txt") => Ok(format),
+            _ if format != Self::Csv => Ok(format),
+            Some(ending) => {
+                let what = format!("results cannot be written as .{ending}");
+                Err(Error::new(Code::Output, what).at(file).help(ENDINGS))
+            }
+        }
+    }
+}
+
+const ENDINGS: &str = "the endings are .csv (or .txt, or none), .mcap and .parquet";
+
+/// Creates a file of results: CSV, MCAP or Parquet, as the ending of its name says.
 pub fn create(file: impl AsRef<Path>) -> Result<Box<dyn Observer>> {
     let file = file.as_ref();
-    Ok(if is_mcap(file) {
-        Box::new(McapRecorder::create(file)?)
-    } else {
-        Box::new(CsvRecorder::create(file)?)
+    Ok(match Format::to_write(file)? {
+        Format::Csv => Box::new(CsvRecorder::create(file)?),
+        Format::Mcap => Box::new(McapRecorder::create(file)?),
+        #[cfg(feature = "campaign")]
+        Format::Parquet => Box::new(ParquetRecorder::create(file)?),
     })
 }
 
 /// Creates a file of results that gets its name when it is finished; see [`Continued`].
 pub fn create_unfinished(target: &Path) -> Result<(Box<dyn Observer>, Unfinished)> {
     let unwritten = |why| Error::new(Code::Output, csv::UNWRITTEN).at(target).why(why);
+    let format = Format::to_write(target)?;
     let unfinished = Unfinished::new(target).map_err(unwritten)?;
     let (output, name) = (unfinished.writer().map_err(unwritten)?, target.to_owned());
-    Ok(if is_mcap(target) {
-        (Box::new(McapRecorder::on(output, name)?), unfinished)
-    } else {
-        (Box::new(CsvRecorder::on(output, name)), unfinished)
+    Ok(match format {
+        Format::Csv => (Box::new(CsvRecorder::on(output, name)), unfinished),
+        Format::Mcap => (Box::new(McapRecorder::on(output, name)?), unfinished),
+        #[cfg(feature = "campaign")]
+        Format::Parquet => (Box::new(ParquetRecorder::on(output, name)), unfinished),
     })
-}
-
-fn is_mcap(file: &Path) -> bool {
-    file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mcap"))
 }
 
 /// Why a run ends before its stop time.

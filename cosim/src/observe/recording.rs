@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::csv::Form;
-use super::{CsvRecorder, Observer, RunInfo};
+use super::{CsvRecorder, Format, Observer, RunInfo};
 use super::{csv_read, mcap_read};
 use crate::error::{Code, Error, Result};
 use crate::names;
@@ -38,17 +38,24 @@ impl Recording {
         Self { forms: vec![Form::Real; names.len()], names, time, columns, rows: Vec::new() }
     }
 
-    /// Reads results: MCAP if the file's name ends in `.mcap`, else CSV.
+    /// Reads results: MCAP if the file's name ends in `.mcap`, Parquet if in `.parquet`, else CSV.
     pub fn read(file: impl AsRef<Path>) -> Result<Self> {
         let file = file.as_ref();
-        if super::is_mcap(file) { mcap_read::read(file) } else { csv_read::read(file) }
+        match Format::of(file) {
+            Format::Csv => csv_read::read(file),
+            Format::Mcap => mcap_read::read(file),
+            #[cfg(feature = "campaign")]
+            Format::Parquet => super::parquet::read(file),
+        }
     }
 
     /// Reads results whose writer may have been killed: of the last sample all is there, or it is
     /// left out.
     pub fn read_unfinished(file: impl AsRef<Path>) -> Result<Self> {
-        let file = file.as_ref();
-        if super::is_mcap(file) { mcap_read::read(file) } else { csv_read::read_unfinished(file) }
+        match Format::of(file.as_ref()) {
+            Format::Csv => csv_read::read_unfinished(file.as_ref()),
+            _ => Self::read(file),
+        }
     }
 
     /// What the columns hold.

@@ -60,6 +60,7 @@ fn fault(table: &Table<'_>) -> Option<Fault> {
         end: end?,
         ramp_in: ramp("ramp-in"),
         ramp_out: ramp("ramp-out"),
+        every: duration(table, "every").unwrap_or(Time::ZERO),
     })
 }
 
@@ -159,15 +160,39 @@ fn kind(table: &Table<'_>, word: &Word) -> Option<Kind> {
             }
             Kind::Latency { delay, jitter: jitter? }
         }
+        "lag" => Kind::Lag(positive("tau")?),
+        "rate-change" => {
+            positive("every")?;
+            Kind::Sampling
+        }
+        "reordering" | "duplicates" => {
+            let (share, delay) = (probability(table, "share"), positive("delay"));
+            Kind::Reordering { share: share?, delay: delay?, again: word.name == "duplicates" }
+        }
+        "release" => Kind::Release,
+        "reset" => {
+            if let Some(entry) = ["until", "for", "when"].iter().find_map(|key| table.get(key)) {
+                entry.wrong("a reset has no duration and no condition");
+            }
+            if table.get("from").is_none() && table.get("between").is_none() {
+                table.wrong("'from' or 'between' must say when the reset happens");
+            }
+            Kind::Reset
+        }
         _ => return None,
     })
 }
 
-fn outliers(table: &Table<'_>) -> Option<Kind> {
-    let share = table.needed_positive("share");
-    if share.is_some_and(|share| share > 1.0) {
-        table.get("share")?.wrong("a probability is at most 1");
+fn probability(table: &Table<'_>, key: &str) -> Option<f64> {
+    let share = table.needed_positive(key)?;
+    if share > 1.0 {
+        table.get(key)?.wrong("a probability is at most 1");
     }
+    Some(share)
+}
+
+fn outliers(table: &Table<'_>) -> Option<Kind> {
+    let share = probability(table, "share");
     let size = match (table.get("sigma"), table.get("size")) {
         (Some(_), None) => Spread::Normal(table.positive("sigma")?),
         (None, Some(_)) => Spread::Uniform(table.positive("size")?),
@@ -211,8 +236,10 @@ mod tests {
     #[test]
     fn every_kind_is_read_as_its_example_says() {
         for word in &KINDS {
-            let text =
-                format!("[[fault]]\nkind = \"{}\"\non = \"a.x\"\n{}", word.name, word.example);
+            let text = format!(
+                "[[fault]]\nkind = \"{}\"\non = \"a.x\"\nfrom = 1\n{}",
+                word.name, word.example
+            );
             let scenario = read(&text).unwrap_or_else(|e| panic!("{text}\n{e}"));
             assert_eq!(scenario.faults.len(), 1);
             for meant in word.keys {

@@ -153,6 +153,44 @@ fn came(output: &Output) -> (Option<Came>, String) {
 }
 
 #[test]
+fn on_workers_the_user_decides_which_files_are_read_and_the_system_does_not() {
+    if cosim::confine::unconfined().is_some() {
+        eprintln!("skipped: this kernel has no Landlock that knows networks");
+        return;
+    }
+    let (folder, home) = (TempDir::new().unwrap(), Home::new());
+    let secret = home.path().join("secret");
+    let secret = secret.to_str().unwrap();
+    let fmu = attacker(folder.path(), "TELL(read_file(in_home(\"secret\")))");
+    let named = format!(
+        "><ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues>\
+         <ssv:ParameterSet xmlns:ssv='http://ssp-standard.org/SSP1/SystemStructureParameterValues' \
+         version='1.0' name='p'><ssv:Parameters><ssv:Parameter name='text'>\
+         <ssv:String value='{secret}'/></ssv:Parameter></ssv:Parameters></ssv:ParameterSet>\
+         </ssd:ParameterValues></ssd:ParameterBinding></ssd:ParameterBindings></ssd:Component>"
+    );
+    let system = one_component(fmu.to_str().unwrap()).replacen(
+        "/></ssd:Elements>",
+        &format!("{named}</ssd:Elements>"),
+        1,
+    );
+    std::fs::write(folder.path().join("s.ssd"), system).unwrap();
+    let run = |more: &[&str]| {
+        let arguments = [&["run", "s.ssd", "-o", "out.csv", "--workers", "1"][..], more].concat();
+        came(&cosim(folder.path(), &arguments).env("HOME", home.path()).output().unwrap())
+    };
+    let by_name = format!("attacker.text={secret}");
+    for (more, wanted) in [
+        (&[][..], Refused),
+        (&["--start-value", &by_name], Done),
+        (&["--allow-read", secret], Done),
+    ] {
+        let (found, shown) = run(more);
+        assert_eq!(found, Some(wanted), "{more:?}: {shown}");
+    }
+}
+
+#[test]
 fn what_comes_of_attacks_is_what_the_documentation_says() {
     if cosim::confine::unconfined().is_some() {
         eprintln!("skipped: this kernel has no Landlock that knows networks");

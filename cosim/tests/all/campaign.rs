@@ -47,7 +47,7 @@ fn rows(folder: &Path, name: &str) -> Vec<String> {
 }
 
 fn run(folder: &Path, more: &[&str]) -> (i32, String) {
-    outcome(folder, &[&["campaign", "c.toml", "-q"][..], more].concat())
+    outcome(folder, &[&["campaign", "c.toml", "-q", "--csv"][..], more].concat())
 }
 
 #[test]
@@ -66,7 +66,8 @@ fn rows_are_the_same_however_many_processes_made_them_and_after_kills() {
     assert_eq!(rows(folder, "three/runs.csv"), wanted);
     let mut kills = 0;
     loop {
-        let mut again = cosim(folder, &["campaign", "c.toml", "-q", "--output-dir", "killed"]);
+        let mut again =
+            cosim(folder, &["campaign", "c.toml", "-q", "--csv", "--output-dir", "killed"]);
         let mut process = again.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
         // It is killed when some more rows are there, if it is not over.
         let log = folder.join("killed/runs.jsonl");
@@ -163,6 +164,94 @@ fn thresholds_decide_the_exit_code() {
     }
 }
 
+/// What a file of JSON in the results has at this place.
+fn json(folder: &Path, name: &str, pointer: &str) -> serde_json::Value {
+    let json: serde_json::Value = serde_json::from_slice(&results(folder, name)).unwrap();
+    json.pointer(pointer).unwrap_or_else(|| panic!("{pointer} of {json:#}")).clone()
+}
+
+#[test]
+fn a_sequential_campaign_leaves_cells_alone_that_are_decided() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    campaign(folder, "[[verdict]]\nfigure = \"last\"\nat-most = 9\ncells = \"*/clean\"\n");
+    let text = std::fs::read_to_string(folder.join("c.toml")).unwrap();
+    let text = text.replace("seeds = 12", "seeds = 40\nsequential = true");
+    std::fs::write(folder.join("c.toml"), text).unwrap();
+    assert_eq!(run(folder, &["--jobs", "3"]).0, 0);
+    let rows = rows(folder, "c_campaign/runs.csv");
+    let count = |cell: &str| rows.iter().filter(|row| row.contains(cell)).count();
+    assert_eq!((count("chain/clean"), count("chain/noisy")), (10, 40));
+    // Three looks share what the verdict may be wrong.
+    assert_eq!(json(folder, "c_campaign/summary.json", "/verdicts/0/answer"), "pass");
+}
+
+#[test]
+fn what_became_better_or_worse_is_named() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    campaign(folder, "");
+    assert_eq!(run(folder, &["--output-dir", "old"]).0, 0);
+    let louder = NOISE.replace("white-noise", "bias").replace("sigma = 0.1", "value = 0.2");
+    std::fs::write(folder.join("noise.toml"), louder).unwrap();
+    assert_eq!(run(folder, &["--output-dir", "new", "--compare", "old"]).0, 0);
+    let meaning = |cell| json(folder, "new/changes.json", &format!("/{cell}/meaning"));
+    assert_eq!((meaning(0), meaning(1)), ("unclear".into(), "worse".into()));
+    assert_eq!(json(folder, "new/changes.json", "/1/pairs"), 12);
+}
+
+#[test]
+fn figures_of_results_that_exist_are_those_of_the_campaign() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let more = "grown = { kind = \"max\", of = \"2 * {x.y} - {g.y}\" }\n[keep]\nworst = 1\n\
+                figure = \"grown\"\nsample = 1\n";
+    campaign(folder, more);
+    assert_eq!(run(folder, &[]).0, 0);
+    let names = std::fs::read_dir(folder.join("c_campaign/trajectories")).unwrap();
+    let names: Vec<_> = names.map(|entry| entry.unwrap().file_name()).collect();
+    assert!(names.contains(&"run0.mcap".into()) && (2..=4).contains(&names.len()), "{names:?}");
+    for name in ["r.csv", "r.parquet", "r.mcap"] {
+        assert_eq!(outcome(folder, &["replay", "c_campaign", "3", "-o", name]).0, 0);
+    }
+    let score = ["score", "--figures", "c.toml", "r.csv", "r.parquet", "r.mcap"];
+    let output = cosim(folder, &[&score[..], &["--format", "json"]].concat()).output().unwrap();
+    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let row = &rows(folder, "c_campaign/runs.csv")[4];
+    let wanted: Vec<f64> = row.split(',').skip(7).take(2).map(|v| v.parse().unwrap()).collect();
+    for file in 0..3 {
+        let figures = &told[file]["figures"];
+        assert_eq!([&figures["grown"], &figures["last"]], [&wanted[0], &wanted[1]].map(|v| v));
+    }
+    let (code, stderr) = outcome(folder, &["replay", "c_campaign", "3", "-o", "r.parq"]);
+    assert_eq!(code, 3, "{stderr}");
+    assert!(
+        stderr.contains("cannot be written as .parq") && stderr.contains(".parquet"),
+        "{stderr}"
+    );
+}
+
+#[test]
+fn normalised_errors_are_held_against_chi_square_over_time() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    // The error of x is that of the gain, standard deviation 0.1 times the time squared over two.
+    let nees = "nis = { kind = \"nis\", nis = \"x.y\", count = \"clock.y\", dimension = 1, every = 0.5 }\n";
+    campaign(folder, nees);
+    let text = std::fs::read_to_string(folder.join("c.toml")).unwrap();
+    std::fs::write(folder.join("c.toml"), format!("stop-time = 1\n{text}")).unwrap();
+    assert_eq!(run(folder, &[]).0, 0);
+    let of =
+        |place: &str| json(folder, "c_campaign/summary.json", &format!("/consistency/{place}"));
+    assert_eq!((of("0/time"), of("1/time"), of("0/runs")), (0.5.into(), 1.0.into(), 12.into()));
+    // scipy.stats.chi2.ppf([0.025, 0.975], 12) / 12
+    let band = [of("0/band/0"), of("0/band/1")].map(|value| value.as_f64().unwrap());
+    assert!(
+        (band[0] - 0.366_982_375_6).abs() < 1e-9 && (band[1] - 1.944_722_013_2).abs() < 1e-9,
+        "{band:?}"
+    );
+}
+
 #[test]
 fn a_dry_run_says_how_much_there_is_and_mistakes_are_told_before_it() {
     let folder = TempDir::new().unwrap();
@@ -187,7 +276,7 @@ fn an_interrupted_campaign_says_how_to_go_on() {
     campaign(folder, "");
     let text = std::fs::read_to_string(folder.join("c.toml")).unwrap();
     std::fs::write(folder.join("c.toml"), text.replace("seeds = 12", "seeds = 20000")).unwrap();
-    let mut command = cosim(folder, &["campaign", "c.toml", "-q"]);
+    let mut command = cosim(folder, &["campaign", "c.toml", "-q", "--csv"]);
     let process = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
     let log = folder.join("c_campaign/runs.jsonl");
     while std::fs::metadata(&log).map_or(0, |log| log.len()) == 0 {

@@ -68,6 +68,25 @@ on = "free.u"
 rate = 2
 ramp-in = 0.5
 [[fault]]
+kind = "reordering"
+on = ["g.y", "x.y"]
+share = 0.3
+delay = 0.25
+every = 0.2
+[[fault]]
+kind = "lag"
+on = "g.u"
+tau = 0.3
+[[fault]]
+kind = "reset"
+on = "x"
+from = 1.1
+[[fault]]
+kind = "release"
+on = "x.y"
+from = 1.4
+for = 0.3
+[[fault]]
 kind = "bias"
 value = 3
 on = "g.y"
@@ -117,6 +136,28 @@ fn a_free_input_that_is_recorded_is_set_all_the_same() {
     let results = play(&system, text);
     assert_near(results.column("free.u").unwrap(), &[0.0, 0.0, 5.0, 5.0]);
     assert_near(results.column("free.y").unwrap(), &[0.0, 0.0, 5.0, 5.0]);
+}
+
+#[test]
+fn a_component_that_is_reset_begins_anew_and_a_release_ends_what_is_before_it() {
+    let system = chain(0.6).load(&Overrides::new()).unwrap();
+    let text = "[[fault]]\nkind = \"reset\"\non = \"x\"\nfrom = 0.3\n\
+                [[fault]]\nkind = \"bias\"\nvalue = 10\non = \"g.y\"\nfrom = 0.1\n\
+                [[fault]]\nkind = \"release\"\non = \"g.y\"\nfrom = 0.2\nfor = 0.2";
+    let results = play(&system, text);
+    assert_near(results.column("g.y").unwrap(), &[0.0, 0.1, 10.2, 0.3, 0.4, 10.5, 10.6]);
+    let x = results.column("x.y").unwrap();
+    // At 0.3 it is recorded, then reset: what came before is gone.
+    assert_near(x, &[0.0, 0.0, 0.01, 1.03, 0.03, 0.07, 1.12]);
+    let wrong = |text: &str, part: &str| {
+        let folder = text.replace("KIND", "kind = \"reset\"");
+        let error = scenario(&folder).and_then(|mut s| Run::new(&system).manipulate(&mut s).go());
+        let error = error.unwrap_err().to_string();
+        assert!(error.contains(part), "{part}: {error}");
+    };
+    wrong("[[fault]]\nKIND\non = \"y\"\nfrom = 0.1", "there is no component 'y'");
+    wrong("[[fault]]\nKIND\non = \"x\"\nfrom = 0.1\nfor = 1", "no duration");
+    wrong("[[fault]]\nKIND\non = \"x\"", "'from' or 'between'");
 }
 
 #[test]

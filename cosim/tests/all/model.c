@@ -172,6 +172,11 @@ static void oscillate(Model *m, double h) {
 const char *fmi2GetTypesPlatform(void) { return "default"; }
 const char *fmi2GetVersion(void) { return "2.0"; }
 
+static void defaults(Model *m) {
+  m->r[1] = 1;
+  m->r[3] = 1e9;
+}
+
 Component fmi2Instantiate(const char *name, int type, const char *guid, const char *resources,
                           const Callbacks *callbacks, int visible, int logging) {
   if (strcmp(guid, "{test}") || type != 1 || strncmp(resources, "file:///", 8)) {
@@ -186,8 +191,7 @@ Component fmi2Instantiate(const char *name, int type, const char *guid, const ch
   if (!m) return NULL;
   m->debug = logging;
   m->callbacks = callbacks;
-  m->r[1] = 1;
-  m->r[3] = 1e9;
+  defaults(m);
   snprintf(m->name, sizeof m->name, "%s", name);
   return m;
 }
@@ -235,7 +239,13 @@ Status fmi2ExitInitializationMode(Component c) {
 #ifndef LACKS_OPTIONAL
 Status fmi2Terminate(Component c) { return 0; }
 #endif
-Status fmi2Reset(Component c) { return 0; }
+Status fmi2Reset(Component c) {
+  Model *m = c, fresh = {.callbacks = m->callbacks, .debug = m->debug};
+  memcpy(fresh.name, m->name, sizeof fresh.name);
+  *m = fresh;
+  defaults(m);
+  return 0;
+}
 
 #ifdef IGNORES_K
 #define IGNORED(NAME, REF) (NAME[0] == 'R' && (REF) == 1)

@@ -115,8 +115,9 @@ pub(crate) fn row(time: f64) -> usize {
 
 fn overrides(cell: &Cell, seed: u32) -> anyhow::Result<Overrides> {
     let stop = match cell.window {
-        Some([_, end]) => end,
-        None => (4.0 / 3.0 * course(cell.course)?.length() / 0.3).ceil(),
+        // A smoother looks back at the window from after it.
+        Some([_, end]) if !cell.smoothed => end,
+        _ => (4.0 / 3.0 * course(cell.course)?.length() / 0.3).ceil(),
     };
     let filters = || cell.filters.iter().map(|filter| filter.component());
     let inputs: &[&str] = if cell.smoothed { &INPUTS } else { &[] };

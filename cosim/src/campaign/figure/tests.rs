@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::error::Code;
+use crate::observe::Recording;
 use crate::table::Document;
 
 fn compute(text: &str, columns: &[(&str, &[f64])]) -> f64 {
@@ -15,7 +16,7 @@ fn compute(text: &str, columns: &[(&str, &[f64])]) -> f64 {
     let values = columns.iter().map(|(_, values)| values.to_vec()).collect();
     let recording = Recording::from_columns(names, time, values);
     assert!(figure.columns().iter().all(|name| recording.column(name).is_ok()));
-    figure.compute(&recording).unwrap()
+    figure.compute(&recording, Some([0.5, 1.0])).unwrap()
 }
 
 #[test]
@@ -34,6 +35,11 @@ fn figures_of_a_variable_are_what_they_say() {
     assert_eq!(of("kind = 'first-above'\nabove = 3"), 1.0);
     assert_eq!(of("kind = 'first-above'\nabove = 9"), f64::INFINITY);
     assert_eq!(of("kind = 'max'\nfrom = 0.4\nuntil = 0.6"), -2.0);
+    assert_eq!(of("kind = 'settled-below'\nbelow = 4.5"), 1.5);
+    assert_eq!(of("kind = 'settled-below'\nbelow = 2"), f64::INFINITY);
+    assert_eq!(of("kind = 'settled-below'\nbelow = 9\nfrom = 0.5"), 0.0);
+    let window = |window: &str| of(&format!("kind = 'max'\nwindow = '{window}'"));
+    assert_eq!([window("before"), window("during"), window("after")], [1.0, 5.0, 5.0]);
     assert!(of("kind = 'max'\nfrom = 7").is_nan());
     assert!(compute("kind = 'max'\nof = 'x'", &[("x", &[1.0, f64::NAN, 3.0])]).is_nan());
 }
@@ -58,4 +64,29 @@ fn nees_and_nis_weigh_errors_by_their_covariance() {
     let columns: &[(&str, &[f64])] =
         &[("n", &[9.0, 9.0, 2.0, 2.0, 4.0]), ("c", &[0.0, 0.0, 1.0, 1.0, 2.0])];
     assert_eq!(compute("kind = 'nis'\nnis = 'n'\ncount = 'c'", columns), 3.0);
+}
+
+#[test]
+fn errors_beside_the_way_beyond_their_deviation_and_correlated_are_found() {
+    let columns: &[(&str, &[f64])] = &[
+        ("t.x", &[0.0, 1.0, 2.0, 2.0]),
+        ("t.y", &[0.0, 0.0, 0.0, 1.0]),
+        ("e.x", &[5.0, 1.0, 2.5, 2.5]),
+        ("e.y", &[1.0, -2.0, 9.0, 1.0]),
+        ("s.x", &[1.0, 1.0, 1.0, 1.0]),
+        ("s.y", &[1.0, 1.0, 3.0, 1.0]),
+        ("v", &[1.0, 1.0, -1.0, 1.0]),
+        ("c", &[0.0, 1.0, 2.0, 3.0]),
+    ];
+    let poses = "truth = 't'\nestimate = 'e'\naxes = ['x', 'y']\n";
+    let of = |text: &str| compute(&format!("{poses}{text}"), columns);
+    // 1 and 2 beside the way north, then 0.5 beside the way east.
+    assert_eq!(of("kind = 'cross-track'\ntake = 'max'"), 2.0);
+    assert!(
+        (of("kind = 'cross-track'") - ((1.0 + 4.0 + 0.25 + 0.25) / 4.0_f64).sqrt()).abs() < 1e-12
+    );
+    assert_eq!(of("kind = 'beyond'\nsigma = 's'"), 1.0 / 8.0);
+    assert_eq!(of("kind = 'beyond'\nsigma = 's'\nsigmas = 1.5"), 3.0 / 8.0);
+    let white = compute("kind = 'whiteness'\ninnovation = 'v'\ncount = 'c'", columns);
+    assert_eq!(white, -2.0 / 2.0 * 2.0_f64.sqrt());
 }

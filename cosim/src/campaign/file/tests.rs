@@ -17,7 +17,7 @@ fn cells_are_all_combinations_and_a_run_has_a_place_in_one() {
     assert_eq!(campaign.cell_name(0), "a/none/p.x=1");
     assert_eq!(campaign.cell_name(7), "b/off/p.x=2.5");
     assert_eq!((campaign.cell_of(17), campaign.replicate_of(17)), (1, 2));
-    assert_eq!(campaign.scenarios[1].1.as_deref(), Some(Path::new("/c/o.toml")));
+    assert_eq!(campaign.scenarios[1].1.faults.as_deref(), Some(Path::new("/c/o.toml")));
 }
 
 #[test]

@@ -4,11 +4,11 @@ mod pool;
 mod told;
 mod worker;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use cosim::campaign::{self, Answer, Bench, Folder, Judgement};
+use cosim::campaign::{self, Answer, Bench, Folder, Judgement, Row};
 use cosim::{Code, Error, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -33,7 +33,13 @@ pub(crate) struct Campaign {
     /// results are; one run is made to know
     #[arg(long)]
     dry_run: bool,
-    /// How the summary is told: for people, or as JSON; both on stdout
+    /// Tell which figures became significantly better or worse than in the results in this folder
+    #[arg(long, value_name = "FOLDER")]
+    compare: Option<PathBuf>,
+    /// Write runs.csv beside runs.parquet
+    #[arg(long)]
+    csv: bool,
+    /// Format of the summary on stdout
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
     /// No progress and no summary
@@ -53,6 +59,7 @@ impl Campaign {
     fn computed(&self) -> Result<()> {
         let bench = Bench::open(campaign::Campaign::read(&self.file)?)?;
         bench.check()?;
+        let past = self.compare.as_ref().map(Folder::past).transpose()?;
         let identity = bench.identity()?;
         let cores = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         let jobs = self.jobs.map_or_else(cores, std::num::NonZero::get);
@@ -66,8 +73,16 @@ impl Campaign {
         });
         let mut results = Folder::open(&folder, bench.campaign(), &identity)?;
         let outcome = self.make(&bench, &pool, &mut results);
-        let judgement = self.conclude(&bench, &results)?;
+        let judgement = self.conclude(&bench, &identity, &results)?;
+        if let Some(past) = past {
+            let changes = campaign::changes(bench.campaign(), results.rows(), &past);
+            results.write("changes.json", told::json(&changes)?)?;
+            if self.format == Format::Text && !self.quiet {
+                print(&told::changes(&changes))?;
+            }
+        }
         outcome?;
+        self.keep(&bench, &folder, results)?;
         if interrupt::interrupted() {
             return Err(Error::new(Code::Interrupted, "the campaign was interrupted")
                 .why(format!("{} of {} runs are over", judgement.runs, bench.campaign().runs()))
@@ -84,42 +99,90 @@ impl Campaign {
                 *over = true;
             }
         }
-        let left: Vec<u64> = (0..campaign.runs()).filter(|run| !over[*run as usize]).collect();
-        if left.len() < over.len() && !self.quiet {
-            let there = over.len() - left.len();
+        let there = over.iter().filter(|over| **over).count();
+        if there > 0 && !self.quiet {
             messages::note(&format!("{there} of {} runs are there already", over.len()));
         }
-        let bar = if self.quiet { ProgressBar::hidden() } else { bar(left.len() as u64) };
+        let left = (over.len() - there) as u64;
+        let bar = if self.quiet { ProgressBar::hidden() } else { bar(left) };
         let (mut failed, mut looked) = (0, Instant::now());
-        let outcome = pool.make(&left, &mut |row| {
-            failed += u64::from(row.status != campaign::Status::Ok);
-            results.add(row)?;
-            bar.inc(1);
-            if looked.elapsed() > LOOK {
-                looked = Instant::now();
-                let judgement = Judgement::new(campaign, results.rows());
-                bar.set_message(format!("{failed} failed; {}", told::counted(&judgement)));
+        let mut cells: Vec<usize> = (0..campaign.cells()).collect();
+        let (mut outcome, mut begin) = (Ok(()), 0);
+        for end in campaign.looks() {
+            // What other blocks have, such as those of a run before this one, counts later.
+            let block = (begin..end).flat_map(|replicate| {
+                cells.iter().map(move |cell| (replicate * campaign.cells() + cell) as u64)
+            });
+            let block: Vec<u64> = block.filter(|run| !over[*run as usize]).collect();
+            outcome = pool.make(&block, &mut |row| {
+                failed += u64::from(row.status != campaign::Status::Ok);
+                results.add(row)?;
+                bar.inc(1);
+                if looked.elapsed() > LOOK {
+                    looked = Instant::now();
+                    let judgement = Judgement::new(campaign, results.rows());
+                    bar.set_message(format!("{failed} failed; {}", told::counted(&judgement)));
+                }
+                Ok(())
+            });
+            if outcome.is_err() || interrupt::interrupted() {
+                break;
             }
-            Ok(())
-        });
+            let until = (end * campaign.cells()) as u64;
+            let known: Vec<Row> =
+                results.rows().iter().filter(|row| row.run < until).cloned().collect();
+            let open = Judgement::new(campaign, &known).open_cells(campaign);
+            cells.retain(|cell| open.contains(cell));
+            begin = end;
+        }
         bar.finish_and_clear();
         outcome
     }
 
     /// Writes what follows from the rows, and tells it.
-    fn conclude(&self, bench: &Bench, results: &Folder) -> Result<Judgement> {
+    fn conclude(&self, bench: &Bench, identity: &[String], results: &Folder) -> Result<Judgement> {
         let campaign = bench.campaign();
         let judgement = Judgement::new(campaign, results.rows());
-        results.write_table(campaign)?;
+        results.write_table(campaign, identity, self.csv)?;
         let json = told::json(&judgement)?;
         results.write("summary.json", &json)?;
-        results.write("junit.xml", &told::junit(&judgement))?;
+        results.write("junit.xml", told::junit(&judgement))?;
         if self.format == Format::Json {
             print(&json)?;
         } else if !self.quiet {
             print(&told::text(&judgement))?;
         }
         Ok(judgement)
+    }
+
+    /// Makes the runs again whose trajectories are wanted, each in a process of its own: one that crashed
+    /// crashes again.
+    fn keep(&self, bench: &Bench, folder: &Path, results: Folder) -> Result<()> {
+        let kept = campaign::kept(bench.campaign(), results.rows());
+        // Whoever replays a run reads the folder.
+        drop(results);
+        let program = super::worker::this_program()?;
+        for run in kept {
+            let place = folder.join("trajectories");
+            let file = place.join(format!("run{run}.mcap"));
+            if file.exists() || interrupt::interrupted() {
+                continue;
+            }
+            let unmade =
+                |e| Error::new(Code::Output, "the folder cannot be made").at(&place).why(e);
+            std::fs::create_dir_all(&place).map_err(unmade)?;
+            let mut replay = std::process::Command::new(&program);
+            replay.arg("replay").arg(folder).arg(run.to_string()).arg("--output-file").arg(&file);
+            let output = replay.output().map_err(|e| {
+                Error::new(Code::Lost, format!("run {run} cannot be made again")).why(e)
+            })?;
+            // What a failed run left is kept; the row says why it failed.
+            if !output.status.success() && !file.exists() {
+                let said = String::from_utf8_lossy(&output.stderr).trim().to_owned();
+                messages::warning(&format!("run {run} has left no trajectory: {said}"));
+            }
+        }
+        Ok(())
     }
 
     fn estimate(&self, bench: &Bench, pool: &pool::Pool<'_>, jobs: usize) -> Result<()> {

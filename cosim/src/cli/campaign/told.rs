@@ -2,12 +2,13 @@
 
 use std::fmt::Write;
 
-use cosim::campaign::{Answer, Estimate, Judgement};
+use cosim::campaign::{Answer, Change, Estimate, Judgement, Meaning};
 use cosim::{Code, Error, Result};
+use serde::Serialize;
 
 /// As JSON; what is infinite is null there.
-pub(super) fn json(judgement: &Judgement) -> Result<String> {
-    serde_json::to_string_pretty(judgement)
+pub(super) fn json(what: &impl Serialize) -> Result<String> {
+    serde_json::to_string_pretty(what)
         .map_err(|e| Error::new(Code::Output, "the summary cannot be written").why(e))
 }
 
@@ -78,6 +79,11 @@ pub(super) fn text(judgement: &Judgement) -> String {
         });
         text += &table(["cell", "minus", "figure", "pairs", "median difference [95 %]"], compared);
     }
+    let consistent = consistent(judgement);
+    if !consistent.is_empty() {
+        let head = ["cell", "over time", "mean", "instants within the 95 % band", ""];
+        text += &table(head, consistent.into_iter());
+    }
     if !judgement.verdicts.is_empty() {
         let verdicts = judgement.verdicts.iter().map(|v| {
             [
@@ -92,6 +98,49 @@ pub(super) fn text(judgement: &Judgement) -> String {
         text += &format!("\n{}", counted(judgement));
     }
     text.trim_end().to_owned()
+}
+
+/// What has changed, as a table for people: only what is significant.
+pub(super) fn changes(changes: &[Change]) -> String {
+    let clear = changes.iter().filter(|change| change.meaning != Meaning::Unclear);
+    let rows: Vec<[String; 5]> = clear
+        .map(|change| {
+            let word = if change.meaning == Meaning::Better { "better" } else { "WORSE" };
+            [
+                change.cell.clone(),
+                change.figure.clone(),
+                change.pairs.to_string(),
+                estimate(&change.difference),
+                word.to_owned(),
+            ]
+        })
+        .collect();
+    let told = format!("{} of {} figures have changed significantly", rows.len(), changes.len());
+    if rows.is_empty() {
+        return told;
+    }
+    let head = ["cell", "figure", "pairs", "median difference [95 %]", ""];
+    format!("{}\n{told}", table(head, rows.into_iter()))
+}
+
+/// How many instants lie within their band, per cell and figure.
+fn consistent(judgement: &Judgement) -> Vec<[String; 5]> {
+    let mut rows: Vec<([String; 2], usize, usize, f64)> = Vec::new();
+    for at in &judgement.consistency {
+        let key = [at.cell.clone(), at.figure.clone()];
+        let inside = usize::from(at.band[0] <= at.mean && at.mean <= at.band[1]);
+        match rows.last_mut().filter(|(known, ..)| *known == key) {
+            Some((_, within, all, sum)) => {
+                (*within, *all, *sum) = (*within + inside, *all + 1, *sum + at.mean);
+            }
+            None => rows.push((key, inside, 1, at.mean)),
+        }
+    }
+    let row = |([cell, figure], within, all, sum): ([String; 2], usize, usize, f64)| {
+        let share = format!("{within} of {all}");
+        [cell, figure, number(sum / all as f64), share, String::new()]
+    };
+    rows.into_iter().map(row).collect()
 }
 
 fn table(head: [&str; 5], rows: impl Iterator<Item = [String; 5]>) -> String {

@@ -15,6 +15,7 @@ fn fault(kind: Kind) -> Fault {
         end: End::At(seconds(5.0)),
         ramp_in: Time::ZERO,
         ramp_out: Time::ZERO,
+        every: Time::ZERO,
     }
 }
 
@@ -54,6 +55,47 @@ fn each_kind_without_chance_does_what_it_says() {
     assert!(lost(Meanwhile::NotANumber)[3..6].iter().all(|v| v.is_nan()));
     assert!(output(Kind::NotANumber)[3..6].iter().all(|v| v.is_nan()));
     assert_eq!(output(Kind::Latency { delay: 2.0, jitter: 0.0 }), with([10.0, 20.0, 30.0]));
+    let half = 10.0 * (1.0 - (-1.0_f64).exp());
+    assert_eq!(output(Kind::Lag(1.0))[3], 20.0);
+    assert_eq!(output(Kind::Lag(1.0))[4], 20.0 + half);
+    assert_eq!(output(Kind::Release), with([30.0, 40.0, 50.0]));
+}
+
+#[test]
+fn samples_are_taken_late_or_again_on_their_grid() {
+    let sampled = |kind: Kind, every: f64, steps| {
+        let mut fault = fault(kind);
+        (fault.begin, fault.end, fault.every) =
+            (Begin::At(seconds(2.0)), End::Never, seconds(every));
+        let seen =
+            course(fault.acting(1, 0, 0, Time::ZERO).installed(Way::Output, Time::ZERO), steps);
+        seen.iter().map(|value| value / 10.0).collect::<Vec<f64>>()
+    };
+    // Samples at 3 s (the first step), 4 s, 6 s, 8 s; and at 3, 4.5, 6 and 7.5 s.
+    let [two, uneven] = [2.0, 1.5].map(|every| sampled(Kind::Sampling, every, 8));
+    assert_eq!(two, [0.0, 1.0, 2.0, 3.0, 4.0, 4.0, 6.0, 6.0, 8.0]);
+    assert_eq!(uneven, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 5.0, 7.0, 8.0]);
+    let late = |again| sampled(Kind::Reordering { share: 0.3, delay: 2.0, again }, 0.0, 400);
+    let (reordered, doubled) = (late(false), late(true));
+    let back = |seen: &[f64]| seen.windows(2).filter(|pair| pair[1] < pair[0]).count();
+    assert!(back(&reordered) > 50 && back(&doubled) > 50);
+    // Nothing is older than the delay, and what is late is so by just that.
+    assert!(reordered.iter().zip(0..).skip(5).all(|(v, step)| *v >= f64::from(step) - 3.0));
+    assert!(doubled.iter().zip(0..).skip(5).all(|(v, step)| {
+        let old = f64::from(step) - v;
+        old == 0.0 || old == 2.0
+    }));
+}
+
+#[test]
+fn noise_is_drawn_once_a_sample() {
+    let mut fault = fault(Kind::WhiteNoise(1.0));
+    (fault.begin, fault.end, fault.every) = (Begin::Start, End::Never, seconds(5.0));
+    let seen = course(fault.acting(1, 0, 0, Time::ZERO).installed(Way::Output, Time::ZERO), 40);
+    let errors: Vec<f64> =
+        seen.iter().zip(0..).map(|(v, step)| v - 10.0 * f64::from(step)).collect();
+    let changes = errors.windows(2).filter(|pair| (pair[1] - pair[0]).abs() > 1e-9).count();
+    assert_eq!(changes, 9, "{errors:?}");
 }
 
 #[test]
@@ -148,6 +190,8 @@ fn a_state_that_was_saved_goes_on_in_the_same_way() {
         Kind::GaussMarkov { sigma: 1.0, tau: 3.0 },
         Kind::Latency { delay: 1.5, jitter: 1.0 },
         Kind::DropOut { turns: Some((2.0, 2.0)), meanwhile: Meanwhile::Last },
+        Kind::Reordering { share: 0.5, delay: 3.0, again: false },
+        Kind::Lag(2.0),
     ] {
         let mut one = fault(kind).acting(9, 0, 0, Time::ZERO).installed(Way::Output, Time::ZERO);
         one.until = Time::NEVER;

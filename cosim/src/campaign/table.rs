@@ -1,0 +1,122 @@
+//! The rows of a campaign as tables: Parquet and CSV, a row a run, in the order of the runs.
+
+use parquet::data_type::ByteArray;
+use parquet::errors::Result as Written;
+
+use super::{Campaign, Row};
+use crate::columns::{Holds, Table, Values};
+
+/// Rows of a group.
+const GROUP: usize = 1 << 16;
+
+/// The rows that are of the campaign, in their order.
+fn in_order<'r>(campaign: &Campaign, rows: &'r [Row]) -> Vec<&'r Row> {
+    let mut rows: Vec<&Row> = rows.iter().filter(|row| row.run < campaign.runs()).collect();
+    rows.sort_by_key(|row| row.run);
+    rows
+}
+
+/// As Parquet; `identity` is kept with it.
+pub(super) fn parquet(campaign: &Campaign, rows: &[Row], identity: &[String]) -> Written<Vec<u8>> {
+    let rows = in_order(campaign, rows);
+    let inputs: Vec<(&str, bool)> = campaign
+        .inputs()
+        .enumerate()
+        .map(|(place, name)| {
+            (name, rows.iter().all(|row| at(&row.inputs, place).parse::<f64>().is_ok()))
+        })
+        .collect();
+    let named = |name: &str| (name.to_owned(), Holds::Text);
+    let mut columns = vec![("run".to_owned(), Holds::Whole)];
+    columns.extend(["cell", "system", "replacement", "scenario"].map(named));
+    columns.push(("replicate".to_owned(), Holds::Whole));
+    columns.extend(inputs.iter().map(|(name, numbers)| {
+        ((*name).to_owned(), if *numbers { Holds::Real } else { Holds::Text })
+    }));
+    columns.extend(["status", "reason"].map(named));
+    columns.push(("simulated".to_owned(), Holds::OptionalReal));
+    columns.extend(campaign.figures().map(|name| (name.to_owned(), Holds::OptionalReal)));
+    columns.push(named("digest"));
+    columns.push(("cpu_ms".to_owned(), Holds::OptionalReal));
+    let about = [
+        ("cosim.version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("cosim.campaign", campaign.file.display().to_string()),
+        ("cosim.seed", campaign.seed.to_string()),
+        ("cosim.identity", identity.join("\n")),
+    ];
+    let about = about.into_iter().map(|(key, value)| (key.to_owned(), value));
+    let mut table = Table::new(Vec::new(), columns, about)?;
+    for rows in rows.chunks(GROUP) {
+        let cells = || rows.iter().map(|row| &campaign.cells[campaign.cell_of(row.run)]);
+        let input = |place| rows.iter().map(move |row| at(&row.inputs, place));
+        let figure = |place| rows.iter().map(move |row| at(&row.figures, place));
+        let mut values = vec![
+            whole(rows.iter().map(|row| row.run)),
+            text(cells().map(|cell| &*cell.name)),
+            text(cells().map(|cell| &*campaign.systems[cell.system].0)),
+            text(cells().map(|cell| &*campaign.replacements[cell.replacement].name)),
+            text(cells().map(|cell| &*campaign.scenarios[cell.scenario].0)),
+            whole(rows.iter().map(|row| campaign.replicate_of(row.run) as u64)),
+        ];
+        values.extend(inputs.iter().enumerate().map(|(place, (_, numbers))| match numbers {
+            true => Values::Real(input(place).filter_map(|text| text.parse().ok()).collect()),
+            false => text(input(place)),
+        }));
+        values.push(text(rows.iter().map(|row| row.status.word())));
+        values.push(text(rows.iter().map(|row| &*row.reason)));
+        values.push(real(rows.iter().map(|row| &*row.simulated)));
+        values.extend((0..campaign.figures.len()).map(|place| real(figure(place))));
+        values.push(text(rows.iter().map(|row| &*row.digest)));
+        values.push(real(rows.iter().map(|row| &*row.cpu_ms)));
+        table.group(values)?;
+    }
+    table.finish()?;
+    Ok(std::mem::take(table.output()))
+}
+
+fn at(values: &[String], place: usize) -> &str {
+    values.get(place).map_or("", String::as_str)
+}
+
+fn whole(values: impl Iterator<Item = u64>) -> Values {
+    Values::Whole(values.map(|value| value as i64).collect())
+}
+
+fn text<'a>(values: impl Iterator<Item = &'a str>) -> Values {
+    Values::Text(values.map(ByteArray::from).collect())
+}
+
+/// What is no number, or NaN, is missing.
+fn real<'a>(values: impl Iterator<Item = &'a str>) -> Values {
+    let number = |text: &str| text.parse().ok().filter(|value: &f64| !value.is_nan());
+    Values::OptionalReal(values.map(number).collect())
+}
+
+/// As CSV.
+pub(super) fn csv(campaign: &Campaign, rows: &[Row]) -> String {
+    let inputs: Vec<&str> = campaign.inputs().collect();
+    let names = ["run", "cell", "replicate"].into_iter().chain(inputs.iter().copied());
+    let names = names.chain(["status", "reason", "simulated"]).chain(campaign.figures());
+    let names: Vec<String> = names.chain(["digest", "cpu_ms"]).map(quoted).collect();
+    let mut text = names.join(",") + "\n";
+    for row in in_order(campaign, rows) {
+        let cell = campaign.cell_name(campaign.cell_of(row.run));
+        let mut cells =
+            vec![row.run.to_string(), quoted(cell), campaign.replicate_of(row.run).to_string()];
+        cells.extend((0..inputs.len()).map(|place| quoted(at(&row.inputs, place))));
+        cells.extend([row.status.word().to_owned(), quoted(&row.reason), row.simulated.clone()]);
+        cells.extend((0..campaign.figures.len()).map(|place| at(&row.figures, place).to_owned()));
+        cells.extend([row.digest.clone(), row.cpu_ms.clone()]);
+        text += &(cells.join(",") + "\n");
+    }
+    text
+}
+
+/// As a cell of a table.
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n']) {
+        format!("\"{}\"", text.replace('"', "\"\"").replace('\n', " "))
+    } else {
+        text.to_owned()
+    }
+}

@@ -1,0 +1,117 @@
+//! Tables of columns as Apache Parquet: results of runs, and rows of campaigns.
+//!
+//! Rows come in groups, each a block of every column, compressed by Snappy. The index of the
+//! groups is the end of the file, so a file that was not closed cannot be read.
+
+use std::io::Write;
+use std::sync::Arc;
+
+use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
+use parquet::column::writer::ColumnWriter;
+use parquet::data_type::ByteArray;
+use parquet::errors::Result;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
+use parquet::schema::types::Type;
+
+/// What a column holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Holds {
+    /// `DOUBLE`.
+    Real,
+    /// `DOUBLE` that may be missing.
+    OptionalReal,
+    /// `INT64`.
+    Whole,
+    /// `BYTE_ARRAY` of UTF-8.
+    Text,
+}
+
+/// The values of a column in a group of rows.
+pub(crate) enum Values {
+    Real(Vec<f64>),
+    /// What is not there is `None`.
+    OptionalReal(Vec<Option<f64>>),
+    Whole(Vec<i64>),
+    Text(Vec<ByteArray>),
+}
+
+/// Writes a table, group by group.
+pub(crate) struct Table<W: Write + Send>(SerializedFileWriter<W>);
+
+impl<W: Write + Send> Table<W> {
+    /// Begins a table with these columns; `about` is kept with it, by keys.
+    pub(crate) fn new(
+        output: W,
+        columns: impl IntoIterator<Item = (String, Holds)>,
+        about: impl IntoIterator<Item = (String, String)>,
+    ) -> Result<Self> {
+        let fields = columns.into_iter().map(|(name, holds)| {
+            let (physical, logical, repetition) = match holds {
+                Holds::Real => (Physical::DOUBLE, None, Repetition::REQUIRED),
+                Holds::OptionalReal => (Physical::DOUBLE, None, Repetition::OPTIONAL),
+                Holds::Whole => (Physical::INT64, None, Repetition::REQUIRED),
+                Holds::Text => {
+                    (Physical::BYTE_ARRAY, Some(LogicalType::String), Repetition::REQUIRED)
+                }
+            };
+            Type::primitive_type_builder(&name, physical)
+                .with_logical_type(logical)
+                .with_repetition(repetition)
+                .build()
+                .map(Arc::new)
+        });
+        let fields = fields.collect::<Result<Vec<_>>>()?;
+        let schema = Type::group_type_builder("table").with_fields(fields).build()?;
+        let about = about.into_iter().map(|(key, value)| KeyValue::new(key, value)).collect();
+        let properties = WriterProperties::builder()
+            .set_compression(Compression::SNAPPY)
+            .set_created_by(format!("cosim {}", env!("CARGO_PKG_VERSION")))
+            .set_key_value_metadata(Some(about));
+        SerializedFileWriter::new(output, Arc::new(schema), Arc::new(properties.build())).map(Self)
+    }
+
+    /// Writes a group of rows: all columns in their order, equally long.
+    pub(crate) fn group(&mut self, columns: impl IntoIterator<Item = Values>) -> Result<()> {
+        let mut group = self.0.next_row_group()?;
+        for values in columns {
+            if let Some(mut column) = group.next_column()? {
+                write(&mut column, values)?;
+                column.close()?;
+            }
+        }
+        group.close().map(drop)
+    }
+
+    /// What is written to.
+    pub(crate) fn output(&mut self) -> &mut W {
+        self.0.inner_mut()
+    }
+
+    /// Writes the end.
+    pub(crate) fn finish(&mut self) -> Result<()> {
+        self.0.finish().map(drop)
+    }
+}
+
+fn write(column: &mut SerializedColumnWriter<'_>, values: Values) -> Result<()> {
+    match (values, column.untyped()) {
+        (Values::Real(values), ColumnWriter::DoubleColumnWriter(column)) => {
+            column.write_batch(&values, None, None)
+        }
+        (Values::OptionalReal(values), ColumnWriter::DoubleColumnWriter(column)) => {
+            let there: Vec<i16> = values.iter().map(|value| i16::from(value.is_some())).collect();
+            let values: Vec<f64> = values.into_iter().flatten().collect();
+            column.write_batch(&values, Some(&there), None)
+        }
+        (Values::Whole(values), ColumnWriter::Int64ColumnWriter(column)) => {
+            column.write_batch(&values, None, None)
+        }
+        (Values::Text(values), ColumnWriter::ByteArrayColumnWriter(column)) => {
+            column.write_batch(&values, None, None)
+        }
+        _ => return Err(parquet::errors::ParquetError::General("another type of column".into())),
+    }
+    .map(drop)
+}

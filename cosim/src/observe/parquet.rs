@@ -1,0 +1,190 @@
+//! Results as Apache Parquet: the column `time` (s) and one for each variable, as DuckDB, pandas and
+//! polars read it.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use ::parquet::column::reader::ColumnReader;
+use ::parquet::data_type::ByteArray;
+use ::parquet::errors::{ParquetError, Result as Written};
+use ::parquet::file::reader::{FileReader, SerializedFileReader};
+
+use super::csv::{Form, UNWRITTEN};
+use super::{Observer, Recording, RunInfo};
+use crate::columns::{Holds, Table, Values};
+use crate::error::{Code, Error, Result};
+use crate::files::{self, Durable};
+use crate::texts;
+use crate::time::Time;
+
+/// Values of a group of rows: a group is what is kept in memory.
+const GROUP: usize = 1 << 20;
+
+/// Writes results while they come, a group of rows at a time. A file whose run was killed cannot be
+/// read; one of a run that failed can.
+pub struct ParquetRecorder {
+    target: PathBuf,
+    output: Option<Durable>,
+    table: Option<Table<Durable>>,
+    forms: Vec<Form>,
+    /// The newest rows: the time and the values.
+    rows: Vec<f64>,
+}
+
+impl ParquetRecorder {
+    /// Creates `file`, and replaces it if it exists.
+    pub fn create(file: impl AsRef<Path>) -> Result<Self> {
+        let target = file.as_ref().to_owned();
+        Ok(Self::on(files::create(&target, UNWRITTEN)?, target))
+    }
+
+    pub(super) fn on(output: Durable, target: PathBuf) -> Self {
+        let output = Some(output);
+        Self { target, output, table: None, forms: Vec::new(), rows: Vec::new() }
+    }
+
+    fn written(&self, outcome: Written<()>) -> Result<()> {
+        outcome.map_err(|e| Error::new(Code::Output, UNWRITTEN).at(&self.target).why(e))
+    }
+
+    fn group(&mut self) -> Written<()> {
+        let width = self.forms.len() + 1;
+        let Some(table) = self.table.as_mut().filter(|_| !self.rows.is_empty()) else {
+            return Ok(());
+        };
+        let rows = &self.rows;
+        let column = |place: usize| rows.iter().skip(place).step_by(width).copied();
+        let time = Values::Real(column(0).collect());
+        let others = self.forms.iter().zip(1..).map(|(form, place)| match form {
+            Form::Real => Values::Real(column(place).collect()),
+            Form::Whole => Values::Whole(column(place).map(|value| value as i64).collect()),
+            Form::Text => Values::Text(
+                column(place).map(|value| ByteArray::from(&*texts::text(value))).collect(),
+            ),
+        });
+        table.group([time].into_iter().chain(others))?;
+        self.rows.clear();
+        Ok(())
+    }
+}
+
+impl Observer for ParquetRecorder {
+    fn start(&mut self, info: &RunInfo<'_>) -> Result<()> {
+        self.forms = info.columns.iter().map(|column| Form::of(&column.kind)).collect();
+        let Some(output) = self.output.take() else { return Ok(()) };
+        let others = info.columns.iter().zip(&self.forms).map(|(column, form)| {
+            let holds = match form {
+                Form::Real => Holds::Real,
+                Form::Whole => Holds::Whole,
+                Form::Text => Holds::Text,
+            };
+            (column.name.clone(), holds)
+        });
+        let columns = [("time".to_owned(), Holds::Real)].into_iter().chain(others);
+        let about = [("system".to_owned(), info.name.to_owned())];
+        let table = Table::new(output, columns, about)
+            .map_err(|e| Error::new(Code::Output, UNWRITTEN).at(&self.target).why(e))?;
+        self.table = Some(table);
+        Ok(())
+    }
+
+    fn sample(&mut self, time: Time, values: &[f64]) -> Result<()> {
+        self.rows.push(time.seconds());
+        self.rows.extend_from_slice(values);
+        if self.rows.len() < GROUP {
+            return Ok(());
+        }
+        let outcome = self.group();
+        self.written(outcome)
+    }
+
+    fn finish(&mut self) -> Result<()> {
+        let mut outcome = self.group();
+        if let (Ok(()), Some(table)) = (&outcome, &mut self.table) {
+            outcome =
+                table.finish().and_then(|()| table.output().flush().map_err(ParquetError::from));
+        }
+        self.written(outcome)
+    }
+}
+
+/// Reads results; those of other programs, too, if their first column is `time` and all are flat and
+/// numbers or Strings.
+pub(super) fn read(path: &Path) -> Result<Recording> {
+    let unread =
+        |why: String| Error::new(Code::Results, "the results cannot be read").at(path).why(why);
+    let broken = |e: ParquetError| unread(e.to_string());
+    let file = std::fs::File::open(path).map_err(|e| unread(e.to_string()))?;
+    let reader = SerializedFileReader::new(file).map_err(broken)?;
+    let schema = reader.metadata().file_metadata().schema_descr_ptr();
+    let all = schema.columns();
+    let mut names: Vec<String> = all.iter().map(|column| column.name().to_owned()).collect();
+    if names.first().is_none_or(|name| name != "time") {
+        return Err(unread("its first column is not called 'time'".to_owned()));
+    }
+    if let Some(nested) = all.iter().find(|column| column.max_rep_level() > 0) {
+        return Err(unread(format!("column '{}' holds lists", nested.name())));
+    }
+    let mut forms = vec![Form::Real; all.len()];
+    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); all.len()];
+    for group in 0..reader.num_row_groups() {
+        let group = reader.get_row_group(group).map_err(broken)?;
+        let rows = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
+        for (place, column) in columns.iter_mut().enumerate() {
+            let own = group.get_column_reader(place).map_err(broken)?;
+            let (form, values) = column_of(own, rows, all[place].max_def_level())
+                .map_err(|e| unread(format!("column '{}': {e}", names[place])))?;
+            forms[place] = form;
+            column.extend(values);
+        }
+    }
+    let length = columns[0].len();
+    if let Some(place) = columns.iter().position(|column| column.len() != length) {
+        return Err(unread(format!("column '{}' has another length than 'time'", names[place])));
+    }
+    let time = columns.remove(0);
+    names.remove(0);
+    forms.remove(0);
+    Ok(Recording::from_columns(names, time, columns).with_forms(forms))
+}
+
+/// The values of a column in a group; NaN where there is none.
+fn column_of(reader: ColumnReader, rows: usize, depth: i16) -> Written<(Form, Vec<f64>)> {
+    /// A value as it is recorded.
+    macro_rules! read {
+        ($reader:ident, $form:expr, $number:expr) => {{
+            let (mut values, mut levels, mut left) = (Vec::new(), Vec::new(), rows);
+            while left > 0 {
+                let (records, ..) =
+                    $reader.read_records(left, Some(&mut levels), None, &mut values)?;
+                if records == 0 {
+                    break;
+                }
+                left -= records;
+            }
+            let mut values = values.into_iter().map($number);
+            let values = match depth {
+                0 => values.collect(),
+                _ => {
+                    let there = levels.iter().map(|level| *level == depth);
+                    let value = |there| if there { values.next() } else { None };
+                    there.map(value).map(|value| value.unwrap_or(f64::NAN)).collect()
+                }
+            };
+            Ok(($form, values))
+        }};
+    }
+    match reader {
+        ColumnReader::DoubleColumnReader(mut r) => read!(r, Form::Real, |v| v),
+        ColumnReader::FloatColumnReader(mut r) => read!(r, Form::Real, f64::from),
+        ColumnReader::Int64ColumnReader(mut r) => read!(r, Form::Whole, |v| v as f64),
+        ColumnReader::Int32ColumnReader(mut r) => read!(r, Form::Whole, f64::from),
+        ColumnReader::BoolColumnReader(mut r) => {
+            read!(r, Form::Whole, |v| f64::from(u8::from(v)))
+        }
+        ColumnReader::ByteArrayColumnReader(mut r) => {
+            read!(r, Form::Text, |v: ByteArray| texts::number(v.as_utf8().unwrap_or_default()))
+        }
+        _ => Err(ParquetError::General("it holds neither numbers nor Strings".to_owned())),
+    }
+}
