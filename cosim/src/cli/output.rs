@@ -31,8 +31,8 @@ pub(crate) struct Output {
     /// Seconds between recorded samples (default: the smallest step)
     #[arg(long, value_name = "SECONDS", value_parser = super::values::seconds)]
     output_interval: Option<f64>,
-    /// Write the results there: as MCAP if the name ends in .mcap, else as CSV; - for CSV to
-    /// stdout (default: NAME_out.csv)
+    /// Write the results there: as CSV if the name ends in .csv or has no ending, as MCAP if it
+    /// ends in .mcap; - for CSV to stdout (default: NAME_out.csv)
     #[arg(long, short, value_name = "FILE")]
     output_file: Option<PathBuf>,
     /// Write the results as NAME_out.csv into this folder, which is made if missing
@@ -122,6 +122,7 @@ impl Output {
     /// Where the results go: not where something is read.
     fn checked_target(&self, system: &System, inputs: &[&Path]) -> Result<PathBuf> {
         let target = self.target(system.name())?;
+        observe::check_ending(&target)?;
         let read = system.files().chain(inputs.iter().copied());
         let read = read.chain(self.scenario.as_deref()).chain(self.snapshots.file());
         let read: Vec<&Path> = read.collect();

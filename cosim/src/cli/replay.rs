@@ -16,7 +16,7 @@ pub(crate) struct Replay {
     folder: PathBuf,
     /// The run's number
     run: u64,
-    /// Write the results there: as MCAP if the name ends in .mcap, else as CSV (default: runN.csv)
+    /// Write the results there, as CSV or MCAP by the ending of the name (default: runN.csv)
     #[arg(long, short, value_name = "FILE")]
     output_file: Option<PathBuf>,
     /// Record this variable; * and ? make a pattern (repeatable; default: all)

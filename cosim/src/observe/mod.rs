@@ -66,9 +66,26 @@ pub trait Observer {
     }
 }
 
-/// Creates a file of results: MCAP if its name ends in `.mcap`, else CSV.
+/// Endings of files of results; a name without one is CSV's.
+const ENDINGS: [&str; 2] = ["csv", "mcap"];
+
+/// Refuses a file of results whose ending names no format that can be written.
+pub fn check_ending(file: &Path) -> Result<()> {
+    let Some(ending) = file.extension().map(|ending| ending.to_string_lossy()) else {
+        return Ok(());
+    };
+    if ENDINGS.iter().any(|known| ending.eq_ignore_ascii_case(known)) {
+        return Ok(());
+    }
+    Err(Error::new(Code::Usage, format!("results cannot be written as '.{ending}'"))
+        .at(file)
+        .help("let the name end in .csv or .mcap"))
+}
+
+/// Creates a file of results: MCAP if its name ends in `.mcap`, CSV if in `.csv` or nothing.
 pub fn create(file: impl AsRef<Path>) -> Result<Box<dyn Observer>> {
     let file = file.as_ref();
+    check_ending(file)?;
     Ok(if is_mcap(file) {
         Box::new(McapRecorder::create(file)?)
     } else {
@@ -78,6 +95,7 @@ pub fn create(file: impl AsRef<Path>) -> Result<Box<dyn Observer>> {
 
 /// Creates a file of results that gets its name when it is finished; see [`Continued`].
 pub fn create_unfinished(target: &Path) -> Result<(Box<dyn Observer>, Unfinished)> {
+    check_ending(target)?;
     let unwritten = |why| Error::new(Code::Output, csv::UNWRITTEN).at(target).why(why);
     let unfinished = Unfinished::new(target).map_err(unwritten)?;
     let (output, name) = (unfinished.writer().map_err(unwritten)?, target.to_owned());
