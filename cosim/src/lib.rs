@@ -91,3 +91,8 @@ pub use master::{Controls, Manipulator, Run, Snapshot, Summary};
 pub use observe::{Observer, Recording};
 pub use system::{Algorithm, Input, Overrides, System};
 pub use time::{Step, Time};
+
+/// The code of the README, for the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
