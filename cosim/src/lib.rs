@@ -78,6 +78,8 @@ pub mod report;
 pub mod scenario;
 pub mod shown;
 pub mod signals;
+#[cfg(feature = "distributed")]
+pub mod signature;
 pub mod solver;
 pub mod system;
 mod table;
