@@ -224,6 +224,12 @@ mod tests {
     }
 
     #[test]
+    fn every_name_in_the_pages_exists() {
+        // Asks `cosim` for its options, which `cargo test --workspace` has built.
+        check(&Pages::reached().unwrap()).unwrap();
+    }
+
+    #[test]
     fn what_exists_passes() {
         for text in [
             "E105 and SE105, E1055, `cosim/src/xml.rs`, `cosim/src/`, `xml.rs`, `src/main.rs`",

@@ -59,6 +59,9 @@ mod tests {
                 no_file_outside(&path, package);
                 continue;
             }
+            if path.extension().is_none_or(|ending| ending != "rs") {
+                continue;
+            }
             let text = fs::read_to_string(&path).unwrap();
             for part in text.split("include_str!(\"").skip(1) {
                 let name = part.split('"').next().unwrap();
