@@ -40,7 +40,8 @@ for filter in ("EkfDynamic", "EkfKinematic"):
         errors[name] = np.hypot(*(loop[f"ekf.pose.{axis}"] - loop[f"vehicle.pose.{axis}"] for axis in "xy"))
     page |= {f"{filter}.{axis}": loop[f"ekf.pose.{axis}"] for axis in "xy"}
     page |= {f"{filter}.true_{axis}": loop[f"vehicle.pose.{axis}"] for axis in "xy"}
-    paths[f"Path with {filter}, faulty"] = [(f"{filter}.{x}", f"{filter}.{y}") for x, y in (("true_x", "true_y"), "xy")]
+    # East to the right, north up.
+    paths[f"Path with {filter}, faulty"] = [(f"{filter}.{y}", f"{filter}.{x}") for y, x in (("true_y", "true_x"), "yx")]
 
 print(f"{'horizontal error, m (RMS)':26}", *(f"{name:>19}" for name in errors))
 rms = {}

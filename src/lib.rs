@@ -22,3 +22,8 @@ mod error;
 mod vector;
 
 pub use error::ParameterError;
+
+/// The code of the README, for the tests.
+#[cfg(doctest)]
+#[doc = include_str!("README.md")]
+struct Readme;

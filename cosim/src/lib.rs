@@ -80,6 +80,8 @@ pub mod report;
 pub mod scenario;
 pub mod shown;
 pub mod signals;
+#[cfg(feature = "distributed")]
+pub mod signature;
 pub mod solver;
 pub mod system;
 mod table;
@@ -93,3 +95,8 @@ pub use master::{Controls, Manipulator, Run, Snapshot, Summary};
 pub use observe::{Observer, Recording};
 pub use system::{Algorithm, Input, Overrides, System};
 pub use time::{Step, Time};
+
+/// The code of the README, for the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

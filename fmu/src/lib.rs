@@ -115,3 +115,8 @@ pub mod package;
 
 pub use author::*;
 pub use fmu_kit_derive::{Enumeration, Variables};
+
+/// The code of the README, for the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

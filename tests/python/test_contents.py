@@ -1,6 +1,7 @@
 """What an FMU carries beside description and library, and that its reference result is true."""
 
 import io
+import re
 import struct
 import xml.etree.ElementTree as ET
 import zipfile
@@ -12,6 +13,13 @@ from fmpy import read_model_description, simulate_fmu
 from fmpy.util import read_csv
 
 REFERENCE = "extra/org.fmi-standard.fmi-ls-ref"
+MANIFEST = "{http://fmi-standard.org/fmi-ls-manifest}"
+# The roles of FMI-LS-REF, section "Related Files".
+ROLES = re.compile(
+    "document|requirement|specification|model|parameter|system|testcase|result|method|rationale|report|request|delivery"
+    "|configuration|signature|meta-data|other|experiment(/(smoke-test|validation|uncertainty-analysis))?"
+    "|serialized-state(/.*)?"
+)
 
 
 def read(path, name):
@@ -56,9 +64,19 @@ def test_fmpy_gets_the_reference_result_from_the_reference_inputs(fmu, name, tmp
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_the_manifest_lists_what_is_there(fmu, name):
+def test_the_manifest_fits_its_standard_and_lists_what_is_there(fmu, name):
     path = fmu(name)
     manifest = ET.fromstring(read(path, f"{REFERENCE}/fmi-ls-manifest.xml"))
+    assert manifest.tag == "fmiReferences"
+    assert manifest.attrib == {
+        f"{MANIFEST}fmi-ls-name": "org.fmi-standard.fmi-ls-ref",
+        f"{MANIFEST}fmi-ls-version": "1.0.0-alpha.1",
+        f"{MANIFEST}fmi-ls-description": "Layered Standard providing information on related files included in an FMU.",
+    }
+    for related in manifest:
+        assert related.tag == "Related" and {"source", "role"} <= related.keys()
+        assert set(related.keys()) <= {"type", "source", "role", "description"}
+        assert ROLES.fullmatch(related.get("role")), related.get("role")
     sources = {related.get("source") for related in manifest.iter("Related")}
     expected = {f"{name}_in.csv", f"{name}_out.csv"} if has_inputs(path) else {f"{name}_out.csv"}
     assert sources == expected

@@ -19,6 +19,7 @@ mod process;
 mod python;
 mod reproduce;
 mod soak;
+mod supply;
 mod test;
 
 use clap::{Parser, Subcommand};
@@ -81,6 +82,14 @@ enum Task {
     },
     /// Kill the processes of distributed runs hundreds of times; every byte must stay the same.
     Soak(soak::Options),
+    /// Check licences and sources of the dependencies by deny.toml.
+    Deny {
+        /// Known defects, too: downloads the database of RustSec.
+        #[arg(long)]
+        advisories: bool,
+    },
+    /// Write target/sbom.cdx.json, the crates in what is shipped, as CycloneDX.
+    Sbom,
     /// Run every check and every test of the project.
     Test,
 }
@@ -90,9 +99,9 @@ fn main() -> std::process::ExitCode {
         Task::Package(options) => package::run(&options),
         Task::Describe { check: true } => describe::check(),
         Task::Describe { check: false } => describe::write(),
-        Task::Reproduce(options) => {
-            package::for_this_machine().and_then(|()| reproduce::run(&options))
-        }
+        Task::Reproduce(options) => package::for_this_machine()
+            .and_then(|()| package::program_for_this_machine())
+            .and_then(|()| reproduce::run(&options)),
         Task::Navigate(options) => {
             package::for_this_machine().and_then(|()| navigate::run(&options))
         }
@@ -105,6 +114,8 @@ fn main() -> std::process::ExitCode {
         Task::Fuzz { seconds } => fuzz::run(seconds),
         Task::Mutants { filter } => mutants::run(filter.as_deref()),
         Task::Soak(options) => soak::run(&options),
+        Task::Deny { advisories } => supply::deny::run(advisories),
+        Task::Sbom => supply::sbom::run(),
         Task::Test => test::run(),
     };
     match outcome {

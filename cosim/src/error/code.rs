@@ -42,6 +42,7 @@ codes! {
     Library "E105" 3 "The shared library of an FMU is missing, cannot be loaded or lacks an FMI function."
     Version "E106" 3 "An FMU is of another version of FMI than 2.0."
     States "E107" 3 "An FMU for model exchange has derivatives, but does not list them: no state would be integrated."
+    Signature "E108" 3 "A file that must be signed has no signature, or one of another key or of other bytes."
     Ssd "E201" 3 "A system description breaks its format (SSP or OSP), or uses a part of it that is not supported."
     UnknownName "E202" 3 "A component or variable is named that does not exist."
     Connection "E203" 3 "A connection joins what cannot be joined: causality, type, or two drivers of one input."

@@ -34,6 +34,10 @@ impl Code {
                  (FMI 2.0.5, 2.2.8). Export the FMU again with a newer version of its tool, or for \
                  co-simulation, or add an <Unknown index=\"...\"/> for each derivative."
             }
+            Code::Signature => {
+                "Get file and signature (FILE.sig) once more, and see that the public key is that \
+                 of whoever made the file. Do not run what does not verify."
+            }
             Code::Library => {
                 "`cosim info` lists the platforms of an FMU. A library that cannot be loaded \
                  mostly misses another one: `ldd` on the .so file in binaries/ shows which."

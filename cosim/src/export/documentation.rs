@@ -16,8 +16,8 @@ use crate::xml::Element;
 
 /// Where an FMU has its licences (FMI 2.0, 2.3).
 const LICENSES: &str = "documentation/licenses";
-const LICENSE_MIT: &str = include_str!("../../../LICENSE-MIT");
-const LICENSE_APACHE: &str = include_str!("../../../LICENSE-APACHE");
+const LICENSE_MIT: &str = include_str!("../../LICENSE-MIT");
+const LICENSE_APACHE: &str = include_str!("../../LICENSE-APACHE");
 /// Linked components; drawn from `icon.svg` beside it.
 const ICON: &[u8] = include_bytes!("icon.png");
 

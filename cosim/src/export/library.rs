@@ -73,7 +73,7 @@ fn search(kind: &Kind) -> Result<PathBuf> {
     let places: Vec<String> = places.iter().map(|place| place.display().to_string()).collect();
     Err(Error::new(Code::Library, format!("the library of {of} is not here"))
         .why(format!("there is none of {}", places.join(", ")))
-        .help(format!("name it by --library or {variable}; cargo build --release makes it")))
+        .help(format!("name it by --library or {variable}; cargo xtask package makes it")))
 }
 
 fn read(kind: &Kind, path: &Path) -> Result<Library> {

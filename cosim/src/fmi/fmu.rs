@@ -110,6 +110,19 @@ impl Fmu {
         self.folder.path().join("binaries").join(folder).is_dir()
     }
 
+    /// The platforms that it has binaries for, in FMI's names, sorted.
+    pub fn platforms(&self) -> Vec<String> {
+        let folders = fs::read_dir(self.folder.path().join("binaries"));
+        let mut names: Vec<String> = folders
+            .into_iter()
+            .flatten()
+            .flatten()
+            .map(|folder| folder.file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+
     /// The file.
     pub fn path(&self) -> &Path {
         &self.path
@@ -211,19 +224,15 @@ impl Fmu {
                 .why(why)
                 .help("export the FMU for this machine"));
         }
-        Err(self.no_binary(&binaries, &name))
+        Err(self.no_binary(&name))
     }
 
-    fn no_binary(&self, binaries: &Path, name: &str) -> Error {
-        let entries = fs::read_dir(binaries).into_iter().flatten().flatten();
-        let mut present: Vec<String> =
-            entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
-        present.sort();
+    fn no_binary(&self, name: &str) -> Error {
         let wanted: Vec<String> =
             library::folders().iter().map(|f| format!("binaries/{f}/{name}")).collect();
         Error::new(Code::Library, "the FMU has no binary for this machine")
             .at(&self.path)
-            .why(format!("it has binaries for: {}", present.join(", ")))
+            .why(format!("it has binaries for: {}", self.platforms().join(", ")))
             .help(format!("export it so that it contains {}", wanted.join(" or ")))
     }
 

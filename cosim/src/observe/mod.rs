@@ -93,21 +93,24 @@ impl Format {
 
     /// The format of a file that is to be written. An ending that promises another format is refused.
     fn to_write(file: &Path) -> Result<Self> {
+        let Some(ending) = file.extension().map(|ending| ending.to_string_lossy()) else {
+            // Devices and pipes, too.
+            return Ok(Self::Csv);
+        };
         let format = Self::of(file);
-        let ending = file.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
-        match ending.as_deref() {
-            // Devices and pipes have no ending.
-            None | Some("csv" | "txt") => Ok(format),
-            _ if format != Self::Csv => Ok(format),
-            Some(ending) => {
-                let what = format!("results cannot be written as .{ending}");
-                Err(Error::new(Code::Output, what).at(file).help(ENDINGS))
-            }
+        if format != Self::Csv || ending.eq_ignore_ascii_case("csv") {
+            return Ok(format);
         }
+        Err(Error::new(Code::Usage, format!("results cannot be written as '.{ending}'"))
+            .at(file)
+            .help("let the name end in .csv, .mcap or .parquet"))
     }
 }
 
-const ENDINGS: &str = "the endings are .csv (or .txt, or none), .mcap and .parquet";
+/// Refuses a file of results whose ending names no format that can be written.
+pub fn check_ending(file: &Path) -> Result<()> {
+    Format::to_write(file).map(drop)
+}
 
 /// Creates a file of results: CSV, MCAP or Parquet, as the ending of its name says.
 pub fn create(file: impl AsRef<Path>) -> Result<Box<dyn Observer>> {

@@ -224,9 +224,9 @@ fn figures_of_results_that_exist_are_those_of_the_campaign() {
         assert_eq!([&figures["grown"], &figures["last"]], [&wanted[0], &wanted[1]].map(|v| v));
     }
     let (code, stderr) = outcome(folder, &["replay", "c_campaign", "3", "-o", "r.parq"]);
-    assert_eq!(code, 3, "{stderr}");
+    assert_eq!(code, 2, "{stderr}");
     assert!(
-        stderr.contains("cannot be written as .parq") && stderr.contains(".parquet"),
+        stderr.contains("cannot be written as '.parq'") && stderr.contains(".parquet"),
         "{stderr}"
     );
 }

@@ -112,6 +112,7 @@ fn exit_codes_tell_what_kind_of_failure() {
         (&["run", path(&file), "--step", "g=0"], 3, "at least one nanosecond"),
         (&["run", path(&file), "--algorithm", "magic"], 2, "jacobi"),
         (&["run", path(&file), "--output-file", "no/such/folder.csv"], 1, "no/such/folder.csv"),
+        (&["run", path(&file), "--output-file", "x.parq"], 2, "end in .csv, .mcap or .parquet"),
         (&["run", path(&failing)], 1, "the results until then are in test_out.csv"),
         (&["simulate", path(&file)], 3, "ZIP"),
         (&["nonsense"], 2, "nonsense"),
@@ -150,6 +151,23 @@ fn info_is_readable_by_programs() {
     assert_eq!(json["connections"][0]["from"], "c.y");
     let output = cosim(folder.path(), &["info", path(&file)]);
     assert!(text(&output.stdout).contains("c.y -> g.u"));
+}
+
+#[test]
+fn info_tells_platforms_and_what_can_be_done_with_states() {
+    let folder = TempDir::new().unwrap();
+    let fmu = Model::Gain.varied(folder.path(), "canSerializeFMUstate=\"true\"", "");
+    let output = cosim(folder.path(), &["info", path(&fmu)]);
+    let shown = text(&output.stdout);
+    assert!(shown.contains("binaries for linux64\n"), "{shown}");
+    assert!(shown.contains("co-simulation: its state can be saved, but not serialized"), "{shown}");
+    let output = cosim(folder.path(), &["info", path(&fmu), "--format", "json"]);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["platforms"], serde_json::json!(["linux64"]));
+    let capabilities = &json["capabilities"]["coSimulation"];
+    assert_eq!(capabilities["canGetAndSetFMUstate"], true);
+    assert_eq!(capabilities["canSerializeFMUstate"], false);
+    assert!(json["capabilities"]["modelExchange"].is_null());
 }
 
 #[test]

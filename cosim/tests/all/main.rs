@@ -34,6 +34,7 @@ mod rawzip;
 mod remote;
 mod results;
 mod scheduler;
+mod signed;
 mod snapshots;
 mod ssd;
 mod ssp;

@@ -56,27 +56,38 @@ fn component_page(component: &Entry) -> Result<String> {
     ))
 }
 
-/// What `cosim help` says of each command.
-fn command_line() -> Result<String> {
-    let help = |arguments: &[&str]| {
-        let program = paths::target().join("release/cosim");
-        process::output(Command::new(program).args(arguments).env("COLUMNS", "100"))
-    };
+/// What `cosim help` says of each command, and of the commands of a command.
+pub(super) fn command_line() -> Result<String> {
     let overview = help(&["--help"])?;
-    let listed = overview.split_once("Commands:\n").map_or("", |(_, listed)| listed);
     let mut text = format!("```text\n{}\n```\n", overview.trim_end());
-    for line in listed.lines().take_while(|line| line.starts_with("  ")) {
-        match line.split_whitespace().next() {
-            // Continued descriptions are indented further.
-            Some(verb) if verb != "help" && !line.starts_with("   ") => {
-                let page = help(&["help", verb])?;
-                // Writing to a String cannot fail.
-                let _ = write!(text, "\n## cosim {verb}\n\n```text\n{}\n```\n", page.trim_end());
-            }
-            _ => (),
+    for verb in commands(&overview) {
+        let page = help(&["help", verb])?;
+        section(&mut text, &format!("## cosim {verb}"), &page);
+        for below in commands(&page) {
+            let page = help(&["help", verb, below])?;
+            section(&mut text, &format!("### cosim {verb} {below}"), &page);
         }
     }
     Ok(text)
+}
+
+fn help(arguments: &[&str]) -> Result<String> {
+    let program = paths::target().join("release/cosim");
+    process::output(Command::new(program).args(arguments).env("COLUMNS", "100"))
+}
+
+/// The commands that a help text lists.
+fn commands(help: &str) -> impl Iterator<Item = &str> {
+    let listed = help.split_once("Commands:\n").map_or("", |(_, listed)| listed);
+    // Continued descriptions are indented further.
+    let own = |line: &&str| !line.starts_with("   ");
+    let lines = listed.lines().take_while(|line| line.starts_with("  ")).filter(own);
+    lines.filter_map(|line| line.split_whitespace().next()).filter(|verb| *verb != "help")
+}
+
+fn section(text: &mut String, title: &str, help: &str) {
+    // Writing to a String cannot fail.
+    let _ = write!(text, "\n{title}\n\n```text\n{}\n```\n", help.trim_end());
 }
 
 /// Every code with what it means and what helps.

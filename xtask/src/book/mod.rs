@@ -5,12 +5,14 @@
 //! | `pages` | which documents belong to it: those that links lead to |
 //! | `stage` | their copies under target/, in the form that Sphinx reads |
 //! | `generated` | what the pages of reference say: from the code |
+//! | `names` | files, options, variables and error codes that pages name, and that must exist |
 //! | `pictures` | the pictures that the pages' own commands make |
 //!
 //! Sphinx checks the anchors of links; all of its warnings are errors. How it looks is said by
 //! `docs/conf.py` and `docs/static/`.
 
 mod generated;
+mod names;
 pub(crate) mod pages;
 mod pictures;
 mod stage;
@@ -29,6 +31,7 @@ const ENTRY: &str = "<!DOCTYPE html><meta charset=\"utf-8\"><title>RexROV and co
 /// builds the book.
 pub(crate) fn run(check: bool) -> Result<()> {
     examples::run()?;
+    names::check(&Pages::reached()?)?;
     pictures::settle(check)?;
     build()
 }

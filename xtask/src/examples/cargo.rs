@@ -1,10 +1,10 @@
 //! The `cargo` commands of the documents: running them would build everything again, so tasks are
 //! parsed by the task runner itself, and packages, benches and examples looked up.
 
-use crate::{Arguments, process};
+use crate::Arguments;
+use crate::supply::{array, metadata, text};
 use anyhow::{Context, Result, bail};
 use clap::Parser;
-use serde_json::Value;
 use std::collections::BTreeSet;
 
 /// What `cargo` can be told to do here.
@@ -17,17 +17,14 @@ pub(super) struct Commands {
 impl Commands {
     /// Asks cargo for the packages of the workspace and their targets.
     pub(super) fn known() -> Result<Self> {
-        let arguments = ["metadata", "--no-deps", "--format-version", "1"];
-        let metadata: Value =
-            serde_json::from_str(&process::output(&mut process::cargo(&arguments))?)
-                .context("cargo metadata")?;
+        let metadata = metadata(&["--no-deps"])?;
         let (mut packages, mut targets) = (BTreeSet::new(), BTreeSet::new());
-        for package in metadata["packages"].as_array().into_iter().flatten() {
-            packages.insert(package["name"].as_str().unwrap_or_default().to_owned());
-            for target in package["targets"].as_array().into_iter().flatten() {
-                let name = target["name"].as_str().unwrap_or_default();
-                for kind in target["kind"].as_array().into_iter().flatten() {
-                    targets.insert(format!("{} {name}", kind.as_str().unwrap_or_default()));
+        for package in array(&metadata, "packages") {
+            packages.insert(text(package, "name").to_owned());
+            for target in array(package, "targets") {
+                for kind in array(target, "kind") {
+                    let kind = kind.as_str().unwrap_or_default();
+                    targets.insert(format!("{kind} {}", text(target, "name")));
                 }
             }
         }

@@ -32,7 +32,9 @@ impl Linker {
 pub(crate) fn build(linker: Linker, platform: &Platform, selection: &[&str]) -> Result<PathBuf> {
     match linker {
         Linker::Native => {
-            process::run(process::cargo(&["build", "--release", "--quiet"]).args(selection))?;
+            process::run(
+                process::cargo(&["build", "--release", "--locked", "--quiet"]).args(selection),
+            )?;
             Ok(paths::released(None))
         }
         Linker::Zig => {
@@ -59,7 +61,7 @@ pub(super) fn zig(platform: &Platform, toolchain: Toolchain) -> Result<Command> 
     }
     let mut command = Command::new(programs.join("cargo-zigbuild"));
     command
-        .args(["zigbuild", "--release", "--quiet", "--target", &target])
+        .args(["zigbuild", "--release", "--locked", "--quiet", "--target", &target])
         .current_dir(paths::root())
         .env("PATH", path)
         .env("CARGO_ENCODED_RUSTFLAGS", flags(&more)?)

@@ -10,6 +10,7 @@
 //! | `contents`, `page`, `icon` | what lies in an FMU beside description and library |
 //! | `reference`, `stimulus` | the run whose result an FMU carries |
 //! | `archive`, `merge` | zip files; FMUs of several platforms in one |
+//! | `sums` | the SHA-256 of each file |
 //! | `wheel` | FMUs, system and the programs as a Python package |
 
 pub(crate) mod archive;
@@ -24,11 +25,12 @@ pub(crate) mod reference;
 #[cfg(test)]
 mod shipped;
 pub(crate) mod stimulus;
+mod sums;
 pub(crate) mod toolchain;
 pub(crate) mod wheel;
 
 use crate::{paths, process};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use compile::Linker;
 use library::Library;
 use platform::Platform;
@@ -104,9 +106,27 @@ pub(crate) fn for_shipping() -> Result<()> {
     libraries(Linker::Zig, host)
 }
 
+/// Packages for shipping once more, elsewhere; fails when a byte differs.
+pub(crate) fn check_reproducible() -> Result<()> {
+    let again = paths::target().join("fmus-again");
+    build(Linker::Zig, &[platform::host()?], &again)?;
+    let sums = |folder: &Path| fs::read_to_string(folder.join(sums::NAME)).context(sums::NAME);
+    ensure!(
+        sums(&paths::fmus())? == sums(&again)?,
+        "packaged twice, target/fmus and target/fmus-again differ: compare their {}",
+        sums::NAME
+    );
+    Ok(())
+}
+
 /// Packages the FMUs for use on this machine, which needs no more than Rust and a C compiler.
 pub(crate) fn for_this_machine() -> Result<()> {
     build(Linker::at_hand(), &[platform::host()?], &paths::fmus())
+}
+
+/// Builds `cosim` for use on this machine: target/release/cosim.
+pub(crate) fn program_for_this_machine() -> Result<()> {
+    compile::build(Linker::Native, platform::host()?, &["-p", "cosim"]).map(|_| ())
 }
 
 /// Builds the library for all platforms, writes the FMUs and the systems.
@@ -196,6 +216,7 @@ const SYSTEMS: [&str; 2] = ["baseline", "paper"];
 fn systems(fmus: &[PathBuf], output: &Path) -> Result<()> {
     let mut fmus = fmus.to_vec();
     fmus.sort();
+    let mut written = fmus.clone();
     for system in SYSTEMS {
         let text = system_with_fmus_in(system, "resources")?;
         let mut files = vec![("SystemStructure.ssd".to_owned(), text.clone().into_bytes())];
@@ -206,8 +227,11 @@ fn systems(fmus: &[PathBuf], output: &Path) -> Result<()> {
                 files.push((place, fs::read(path)?));
             }
         }
-        archive::write(&output.join(format!("{system}.ssp")), &files)?;
+        let path = output.join(format!("{system}.ssp"));
+        archive::write(&path, &files)?;
+        written.push(path);
     }
+    sums::write(output, &written)?;
     println!("{} FMUs, {}.ssp in {}", fmus.len(), SYSTEMS.join(".ssp, "), output.display());
     Ok(())
 }

@@ -113,7 +113,7 @@ impl Recording {
 }
 
 impl Run {
-    /// What the files are, as the Reference FMUs say it.
+    /// What the files are: the manifest of the layered standard FMI-LS-REF, which fixes its texts and roles.
     pub(crate) fn manifest(&self, name: &str) -> String {
         let related = |recording: &Recording, suffix: &str, role: &str, what: &str| {
             if recording.names.is_empty() {
@@ -132,8 +132,10 @@ impl Run {
             "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiReferences\n    \
              xmlns:fmi-ls=\"http://fmi-standard.org/fmi-ls-manifest\"\n    \
              fmi-ls:fmi-ls-name=\"org.fmi-standard.fmi-ls-ref\"\n    \
-             fmi-ls:fmi-ls-version=\"1.0.0-alpha.1\">\n{}{}</fmiReferences>\n",
-            related(&self.inputs, "in", "stimulus", "Inputs, constant during each step"),
+             fmi-ls:fmi-ls-version=\"1.0.0-alpha.1\"\n    \
+             fmi-ls:fmi-ls-description=\"Layered Standard providing information on related \
+             files included in an FMU.\">\n{}{}</fmiReferences>\n",
+            related(&self.inputs, "in", "testcase", "Inputs, constant during each step"),
             related(&self.outputs, "out", "result", &result),
         )
     }

@@ -12,7 +12,7 @@
 
 use super::{
     compile::{GLIBC, Linker},
-    contents, platform, system_with_fmus_in,
+    contents, platform, sums, system_with_fmus_in,
 };
 use crate::{paths, process, python};
 use anyhow::{Context, Result};
@@ -72,7 +72,8 @@ fn build(linker: Linker) -> Result<()> {
             .current_dir(&stage)
             .env("REXROV_VERSION", env!("CARGO_PKG_VERSION"))
             .env("REXROV_TAG", tag(&glibc)?),
-    )
+    )?;
+    sums::write(&wheels, &[built()?])
 }
 
 /// Puts the newest wheel, without what it depends on, into the environment of the tests.
@@ -91,8 +92,9 @@ pub(crate) fn install() -> Result<()> {
 fn built() -> Result<PathBuf> {
     let folder = paths::target().join("wheels");
     let missing = || format!("no wheel in {}: run `cargo xtask wheel`", folder.display());
-    let mut entries = fs::read_dir(&folder).with_context(missing)?;
-    Ok(entries.next().with_context(missing)??.path())
+    let entries = fs::read_dir(&folder).with_context(missing)?.flatten();
+    let mut wheels = entries.map(|entry| entry.path());
+    wheels.find(|path| path.extension().is_some_and(|end| end == "whl")).with_context(missing)
 }
 
 fn lay_out(stage: &Path, programs: &[(&str, &[u8])]) -> Result<()> {

@@ -64,6 +64,18 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     conclude(&campaign, &verdicts)
 }
 
+/// Fails when the picture of the README is not the figure that the last run wrote; any number of seeds
+/// gives the same.
+pub(crate) fn check_picture() -> anyhow::Result<()> {
+    let (picture, figure) = ("examples/be3.svg", "reproduce/figures/path-BE3.svg");
+    let read =
+        |file: std::path::PathBuf| std::fs::read(&file).with_context(|| file.display().to_string());
+    if read(paths::root().join(picture))? != read(paths::target().join(figure))? {
+        bail!("{picture} is not what `cargo xtask reproduce` draws: copy target/{figure} there");
+    }
+    Ok(())
+}
+
 /// The tables and verdicts as text.
 fn print(campaign: &Campaign, verdicts: &[Verdict]) {
     for course in Course::ALL {

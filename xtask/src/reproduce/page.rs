@@ -205,15 +205,18 @@ fn signals(figures: &Figures) -> anyhow::Result<Section> {
     Ok(section)
 }
 
+/// Where `cargo xtask reproduce` puts `cosim`, for a shell in the root of the workspace.
+const PROGRAM: &str = "export PATH=$PWD/target/release:$PATH\n";
+
 fn repeat() -> anyhow::Result<Section> {
     let mut section = Section::new("Repeat one run");
     section.text(format!(
         "Runs of the tables are kept in target/reproduce/runs, up to seed {FILED_SEEDS}. One of \
-         them, from the packaged FMUs:"
+         them, by the program that was built with this report:"
     ));
     let filter = Filter::Kinematic;
     let case = Case { course: Course::Be3, filter, fix: filter.paper_fix(), seed: SHOWN_SEED };
-    section.blocks.push(Block::Code(format!("cargo xtask package\n{}", settings::command(&case)?)));
+    section.blocks.push(Block::Code(format!("{PROGRAM}{}", settings::command(&case)?)));
     section.text("A page with all its signals:");
     section.blocks.push(Block::Code(format!("cosim report {}", case.file_name())));
     Ok(section)

@@ -1,6 +1,6 @@
 //! An FMU's description for people and programs.
 
-use cosim::fmi::description::Experiment;
+use cosim::fmi::description::{Experiment, Interface};
 use cosim::fmi::{Causality, Description, Fmu, Kind, Variable};
 use cosim::shown;
 use serde_json::{Value, json};
@@ -21,6 +21,19 @@ pub(super) fn text(fmu: &Fmu) -> Vec<String> {
     let shown = |seconds: Option<f64>| seconds.map_or("-".to_owned(), |s| format!("{s} s"));
     let (start, stop, step) = (shown(start), shown(stop), shown(step));
     lines.push(format!("  default experiment: start {start}, stop {stop}, step {step}"));
+    let platforms = fmu.platforms();
+    lines.push(match platforms.is_empty() {
+        true => "  no binaries".to_owned(),
+        false => format!("  binaries for {}", platforms.join(", ")),
+    });
+    for (name, interface) in [
+        ("co-simulation", &description.co_simulation),
+        ("model exchange", &description.model_exchange),
+    ] {
+        if let Some(interface) = interface {
+            lines.push(format!("  {name}: its state {}", state(interface)));
+        }
+    }
     for (title, causality) in [
         ("parameters", Causality::Parameter),
         ("inputs", Causality::Input),
@@ -31,6 +44,15 @@ pub(super) fn text(fmu: &Fmu) -> Vec<String> {
         list(description, title, causality, &mut lines);
     }
     lines
+}
+
+/// What can be done with the state of an instance.
+fn state(interface: &Interface) -> &'static str {
+    match (interface.get_and_set_state, interface.serialize_state) {
+        (true, true) => "can be saved, and serialized for snapshots",
+        (true, false) => "can be saved, but not serialized: no snapshots",
+        (false, _) => "cannot be saved: no snapshots",
+    }
 }
 
 fn list(description: &Description, title: &str, causality: Causality, lines: &mut Vec<String>) {
@@ -62,6 +84,11 @@ pub(super) fn json(fmu: &Fmu) -> Value {
         "generationTool": description.generation_tool,
         "coSimulation": description.co_simulation.is_some(),
         "modelExchange": description.model_exchange.is_some(),
+        "platforms": fmu.platforms(),
+        "capabilities": {
+            "coSimulation": description.co_simulation.as_ref().map(capabilities),
+            "modelExchange": description.model_exchange.as_ref().map(capabilities),
+        },
         "defaultExperiment": {
             "startTime": experiment.start,
             "stopTime": experiment.stop,
@@ -71,6 +98,15 @@ pub(super) fn json(fmu: &Fmu) -> Value {
         "variables": description.variables.iter().enumerate()
             .map(|(position, v)| variable(description, position, v))
             .collect::<Vec<_>>(),
+    })
+}
+
+/// By FMI's names.
+fn capabilities(interface: &Interface) -> Value {
+    json!({
+        "canGetAndSetFMUstate": interface.get_and_set_state,
+        "canSerializeFMUstate": interface.serialize_state,
+        "needsExecutionTool": interface.needs_execution_tool,
     })
 }
 

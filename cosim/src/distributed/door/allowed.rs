@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::digest::sha256;
 use crate::distributed::setup::FmuFile;
 use crate::error::{Code, Error, Result};
+use crate::signature;
 
 /// What a worker loads.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -23,8 +24,13 @@ pub(crate) fn is_hash(text: &str) -> bool {
 }
 
 impl Allowed {
-    /// From hashes, FMU files, and folders with FMU files; a hash may have its file behind `=`.
-    pub fn new(all: bool, list: &[String]) -> Result<Self> {
+    /// From hashes, FMU files, and folders with FMU files; a hash may have its file behind `=`. With
+    /// a public key files must be signed by it.
+    pub fn new(all: bool, list: &[String], key: Option<&Path>) -> Result<Self> {
+        if all && key.is_some() {
+            return Err(Error::new(Code::Usage, "what a run sends has no signature")
+                .help("leave out --allow-upload, or --verify-signature"));
+        }
         let mut hashes = BTreeMap::new();
         for item in list {
             let (hash, file) = match item.split_once('=') {
@@ -37,6 +43,9 @@ impl Allowed {
             }
             for file in files(Path::new(item))? {
                 let bytes = std::fs::read(&file).map_err(|why| unreadable(&file).why(why))?;
+                if let Some(key) = key {
+                    signature::verify_bytes(&bytes, &file, key)?;
+                }
                 hashes.insert(sha256(bytes), std::path::absolute(&file).ok());
             }
         }
@@ -117,14 +126,28 @@ mod tests {
             (vec![path("")], [true, false, false]),
             (vec![path("b.txt"), hash], [false, true, true]),
         ] {
-            let list = Allowed::new(false, &list).unwrap();
+            let list = Allowed::new(false, &list, None).unwrap();
             assert_eq!(["a", "b", "c"].map(|c| list.check("x", &of(c)).is_ok()), allowed);
         }
-        assert!(Allowed::new(true, &[]).unwrap().check("x", &of("a")).is_ok());
+        assert!(Allowed::new(true, &[], None).unwrap().check("x", &of("a")).is_ok());
         let refusal = Allowed::default().check("pump", &of("a")).unwrap_err().to_string();
         for part in ["pump", "x.fmu", &sha256("a"), "--allow"] {
             assert!(refusal.contains(part), "{refusal}");
         }
-        assert!(Allowed::new(false, &[path("none.fmu")]).is_err());
+        assert!(Allowed::new(false, &[path("none.fmu")], None).is_err());
+    }
+
+    #[test]
+    fn with_a_key_only_signed_files_are_allowed() {
+        let folder = tempfile::TempDir::new().unwrap();
+        let file = folder.path().join("a.fmu");
+        std::fs::write(&file, "a").unwrap();
+        let [key, public] = signature::make(&folder.path().join("k")).unwrap();
+        let list = [folder.path().display().to_string()];
+        let error = Allowed::new(false, &list, Some(&public)).unwrap_err();
+        assert_eq!(error.code(), Code::Signature);
+        signature::sign(&file, &key).unwrap();
+        assert_eq!(Allowed::new(false, &list, Some(&public)).unwrap().hashes.len(), 1);
+        assert_eq!(Allowed::new(true, &[], Some(&public)).unwrap_err().code(), Code::Usage);
     }
 }

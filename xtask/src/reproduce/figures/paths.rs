@@ -1,4 +1,4 @@
-//! Figures 6, 7 and 8 of the paper: reference, path taken and estimate, seen from above.
+//! Figures 6, 7 and 8 of the paper: reference, path taken and estimate, seen from above, north up.
 
 use cosim::report::{Figure, Panel, Role, Series};
 
@@ -22,7 +22,7 @@ pub(super) fn figure(campaign: &Campaign, course: Course) -> anyhow::Result<Capt
         let values = || reference.iter().map(of);
         values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
     };
-    // Long courses one above the other, high ones side by side.
+    // Wide courses one above the other, high ones side by side.
     let columns = if extent(|p| p.0) > 1.5 * extent(|p| p.1) { 1 } else { 2 };
     let number = course.number() + 5;
     let title = format!("{}: {}", course.name(), course.description());
@@ -31,26 +31,27 @@ pub(super) fn figure(campaign: &Campaign, course: Course) -> anyhow::Result<Capt
         figure: Figure::paths(title, columns, panels),
         caption: format!(
             "{}, Fig. {number} of the paper: reference path, path taken and estimate, seed \
-             {SHOWN_SEED}. Seen from above, north to the right and east downwards; one metre is \
-             as long on both axes.",
+             {SHOWN_SEED}. Seen from above, north up and east to the right; one metre is as long \
+             on both axes.",
             course.name()
         ),
     })
 }
 
+/// Points (east, north), m.
 fn reference(course: Course) -> anyhow::Result<Vec<(f64, f64)>> {
     let path = course.path()?;
     let steps = (path.length() / REFERENCE_STEP_M).ceil() as usize;
     let point = |i: usize| {
         let [x, y] = path.point(path.length() * i as f64 / steps as f64);
-        (x, y)
+        (y, x)
     };
     Ok((0..=steps).map(point).collect())
 }
 
 fn panel(reference: &[(f64, f64)], trace: &Trace, filter: Filter) -> Panel {
     let path = |pose: &[Vec<f64>; 4]| -> Vec<(f64, f64)> {
-        pose[0].iter().copied().zip(pose[1].iter().copied()).collect()
+        pose[1].iter().copied().zip(pose[0].iter().copied()).collect()
     };
     let name = format!("estimate, {} filter", filter.name());
     let series = vec![
@@ -58,8 +59,7 @@ fn panel(reference: &[(f64, f64)], trace: &Trace, filter: Filter) -> Panel {
         Series::line("path taken", Role::Truth, path(&trace.truth)),
         Series::line("reference path", Role::Reference, reference.to_vec()),
     ];
-    let mut panel = Panel::new("x, north (m)", "y, east (m)", 420.0, series);
+    let mut panel = Panel::new("y, east (m)", "x, north (m)", 420.0, series);
     panel.title = format!("{} filter, fix {} m", filter.name(), filter.paper_fix().sigma());
-    panel.y.reversed = true;
     panel
 }
