@@ -76,6 +76,7 @@ pub mod pace;
 pub mod proxy;
 pub mod report;
 pub mod scenario;
+pub mod scripted;
 pub mod shown;
 pub mod signals;
 pub mod solver;

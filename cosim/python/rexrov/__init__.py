@@ -10,6 +10,7 @@
 
 from importlib.metadata import version as _version
 
+from .components import ComponentError, component
 from .errors import CosimError, CosimWarning, Problem
 from .files import course_path, fmu_path, system_path
 from .pages import report
@@ -18,10 +19,12 @@ from .runs import run, simulate
 from .smoothing import SmoothingError, smooth
 
 __all__ = [
+    "ComponentError",
     "CosimError",
     "CosimWarning",
     "Problem",
     "SmoothingError",
+    "component",
     "cosim_path",
     "course_path",
     "fmu_path",
