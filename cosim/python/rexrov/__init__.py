@@ -10,6 +10,7 @@
 
 from importlib.metadata import version as _version
 
+from .campaigns import Campaign, campaign
 from .components import ComponentError, component
 from .errors import CosimError, CosimWarning, Problem
 from .files import course_path, fmu_path, system_path
@@ -17,13 +18,17 @@ from .pages import report
 from .program import cosim_path
 from .runs import run, simulate
 from .smoothing import SmoothingError, smooth
+from .systems import beside
 
 __all__ = [
+    "Campaign",
     "ComponentError",
     "CosimError",
     "CosimWarning",
     "Problem",
     "SmoothingError",
+    "beside",
+    "campaign",
     "component",
     "cosim_path",
     "course_path",

@@ -11,8 +11,9 @@ import platform
 import re
 import subprocess
 import sys
+import warnings
 import zipfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -20,6 +21,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from . import program, units
+from .errors import CosimWarning
 from .runs import PathLike
 
 #: FMI's type of a parameter by that of its default value; a bool is an int, too.
@@ -152,7 +154,8 @@ def _unit(unit: str, where: str) -> str:
 def _parameters(cls: type) -> Iterator[dict[str, Any]]:
     """The keyword arguments of `__init__`."""
     declared = getattr(cls, "parameters", {})
-    arguments = {} if cls.__init__ is object.__init__ else inspect.signature(cls).parameters
+    own = getattr(cls, "__init__") is not object.__init__
+    arguments = dict(inspect.signature(cls).parameters) if own else {}
     kinds = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
     arguments = {name: argument for name, argument in arguments.items() if argument.kind not in kinds}
     for name in declared:
@@ -199,6 +202,9 @@ def _checked(manifest: dict[str, Any], entries: Mapping[str, bytes]) -> bool:
     if "wrong" in found:
         hint = "; name modules of yours by files=" if "ModuleNotFoundError" in found["wrong"] else ""
         raise ComponentError(found["wrong"] + hint)
+    if "unsaved" in found:
+        text = f"the state of {manifest['class']} cannot be saved: {found['unsaved']}; runs of it cannot be resumed"
+        warnings.warn(text, CosimWarning, stacklevel=3)
     return "unsaved" not in found
 
 
@@ -227,8 +233,8 @@ def _description(cls: type, manifest: Mapping[str, Any], ports: Mapping[str, str
             SubElement(definition, "BaseUnit", units.base(unit))
     rate = manifest["rate"]
     SubElement(root, "DefaultExperiment", startTime="0.0", stopTime="10.0", stepSize=repr(1.0 / rate))
-    variables, counts = SubElement(root, "ModelVariables"), dict.fromkeys(_TYPES.values(), itertools.count())
-    counts = {kind: itertools.count() for kind in counts}
+    variables = SubElement(root, "ModelVariables")
+    counts = {kind: itertools.count() for kind in _TYPES.values()}
 
     def add(name: str, causality: str, variability: str, kind: str, unit: str, start: Any, **more: str) -> None:
         reference = str(next(counts[kind]))
@@ -252,7 +258,8 @@ def _description(cls: type, manifest: Mapping[str, Any], ports: Mapping[str, str
         for index in range(first, first + len(manifest["outputs"])):
             SubElement(unknowns, "Unknown", index=str(index))
     ElementTree.indent(root)
-    return ElementTree.tostring(root, "utf-8", xml_declaration=True) + b"\n"
+    text: bytes = ElementTree.tostring(root, "utf-8", xml_declaration=True)
+    return text + b"\n"
 
 
 def _write(path: Path, entries: Mapping[str, bytes]) -> None:

@@ -65,15 +65,22 @@ impl Folder {
 
     /// The row of a run in a folder, whose campaign has this identity.
     pub fn row(path: impl AsRef<Path>, run: u64, identity: &[String]) -> Result<Row> {
+        let mut rows = Self::rows_of(&path, identity)?.into_iter();
+        rows.find(|row| row.run == run).ok_or_else(|| {
+            let what = format!("run {run} is not among the results");
+            Error::new(Code::Results, what).at(path.as_ref().join(LOG))
+        })
+    }
+
+    /// The rows in a folder, whose campaign has this identity, as they came.
+    pub fn rows_of(path: impl AsRef<Path>, identity: &[String]) -> Result<Vec<Row>> {
         let path = path.as_ref();
         fits(&Manifest::read(path)?.identity, identity, path)?;
         let file = path.join(LOG);
         let text = std::fs::read_to_string(&file)
             .map_err(|e| Error::new(Code::Results, "the rows cannot be read").at(&file).why(e))?;
-        let mut rows = text.lines().filter_map(|line| serde_json::from_str::<Row>(line).ok());
-        rows.find(|row| row.run == run).ok_or_else(|| {
-            Error::new(Code::Results, format!("run {run} is not among the results")).at(&file)
-        })
+        // A line that is being written, or was cut short, is no row yet.
+        Ok(text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect())
     }
 
     fn read_log(&mut self) -> Result<()> {

@@ -161,7 +161,10 @@ fn checked(linker: Linker, platform: &Platform, path: &Path) -> Result<(Vec<u8>,
 /// and for Linux only, as the master inside is.
 fn libraries(linker: Linker, platform: &Platform) -> Result<()> {
     if platform.os != "linux" {
-        println!("{}: no libraries for `cosim export`, `cosim proxy`, `rexrov.component`", platform.folder());
+        println!(
+            "{}: no libraries for `cosim export`, `cosim proxy`, `rexrov.component`",
+            platform.folder()
+        );
         return Ok(());
     }
     let folder = paths::libraries(&platform.folder());
