@@ -10,6 +10,7 @@
 
 from importlib.metadata import version as _version
 
+from . import plot
 from .campaigns import Campaign, campaign
 from .components import ComponentError, component
 from .errors import CosimError, CosimWarning, Problem
@@ -19,6 +20,7 @@ from .program import cosim_path
 from .runs import run, simulate
 from .smoothing import SmoothingError, smooth
 from .systems import beside
+from .tables import Results
 
 __all__ = [
     "Campaign",
@@ -26,6 +28,7 @@ __all__ = [
     "CosimError",
     "CosimWarning",
     "Problem",
+    "Results",
     "SmoothingError",
     "beside",
     "campaign",
@@ -33,6 +36,7 @@ __all__ = [
     "cosim_path",
     "course_path",
     "fmu_path",
+    "plot",
     "report",
     "run",
     "simulate",

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from . import ComponentError, CosimError, component, report, run, system_path
-from .tables import Table
+from .tables import Results, Table
 
 FILTERS = {
     "filter": "model-aided inertial (steers)",
@@ -25,7 +25,7 @@ SECONDS = 330.0
 OUTAGE = (200.0, 260.0)
 
 
-def fly() -> Table:
+def fly() -> Results:
     """The baseline, without fix and velocity log for a minute, sampled ten times a second."""
     begin, end = OUTAGE
     events = [
