@@ -78,6 +78,7 @@ pub mod pace;
 pub mod proxy;
 pub mod report;
 pub mod scenario;
+pub mod scripted;
 pub mod shown;
 pub mod signals;
 #[cfg(feature = "distributed")]

@@ -10,21 +10,33 @@
 
 from importlib.metadata import version as _version
 
+from . import plot
+from .campaigns import Campaign, campaign
+from .components import ComponentError, component
 from .errors import CosimError, CosimWarning, Problem
 from .files import course_path, fmu_path, system_path
 from .pages import report
 from .program import cosim_path
 from .runs import run, simulate
 from .smoothing import SmoothingError, smooth
+from .systems import beside
+from .tables import Results
 
 __all__ = [
+    "Campaign",
+    "ComponentError",
     "CosimError",
     "CosimWarning",
     "Problem",
+    "Results",
     "SmoothingError",
+    "beside",
+    "campaign",
+    "component",
     "cosim_path",
     "course_path",
     "fmu_path",
+    "plot",
     "report",
     "run",
     "simulate",

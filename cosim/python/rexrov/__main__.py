@@ -1,15 +1,17 @@
-"""`python -m rexrov demo`: course BE3 on realistic sensors, every filter beside the others, as a page."""
+"""`python -m rexrov demo`: course BE3 on realistic sensors, every filter beside the others, as a page.
+`python -m rexrov component FILE.py:CLASS`: the class as an FMU."""
 
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import sys
 from pathlib import Path
 
 import numpy as np
 
-from . import CosimError, report, run, system_path
-from .tables import Table
+from . import ComponentError, CosimError, component, report, run, system_path
+from .tables import Results, Table
 
 FILTERS = {
     "filter": "model-aided inertial (steers)",
@@ -23,7 +25,7 @@ SECONDS = 330.0
 OUTAGE = (200.0, 260.0)
 
 
-def fly() -> Table:
+def fly() -> Results:
     """The baseline, without fix and velocity log for a minute, sampled ten times a second."""
     begin, end = OUTAGE
     events = [
@@ -72,15 +74,42 @@ def demo(page: Path) -> None:
     print(f"the report is in {page.resolve()}")
 
 
+def written(named: str, fmu: Path | None, files: list[Path]) -> Path:
+    """The FMU of a class that is named as FILE.py:CLASS."""
+    file, _, name = named.rpartition(":")
+    path = Path(file)
+    if not path.is_file():
+        raise ComponentError(f"there is no file {file!r}; name a class as my_ekf.py:MyEkf")
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    if spec is None or spec.loader is None:
+        raise ComponentError(f"{file} is no file of Python: its name must end with .py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[path.stem] = module
+    sys.path.insert(0, str(path.parent))
+    spec.loader.exec_module(module)
+    if not hasattr(module, name):
+        known = [key for key, value in vars(module).items() if isinstance(value, type) and hasattr(value, "step")]
+        raise ComponentError(f"{file} has no class {name!r}; there are {', '.join(known) or 'none with a step'}")
+    return component(getattr(module, name), fmu, files=files)
+
+
 def main() -> int:
     """The command line."""
     parser = argparse.ArgumentParser("python -m rexrov", description=__doc__)
-    parser.add_argument("what", choices=["demo"], help="write a first report")
-    parser.add_argument("-o", "--output-file", type=Path, default=Path("rexrov-demo.html"))
+    verbs = parser.add_subparsers(dest="verb", required=True)
+    shown = verbs.add_parser("demo", help="write a first report")
+    shown.add_argument("-o", "--output-file", type=Path, default=Path("rexrov-demo.html"))
+    made = verbs.add_parser("component", help="write the FMU of a Python class")
+    made.add_argument("cls", metavar="FILE.py:CLASS")
+    made.add_argument("-o", "--output-file", type=Path, metavar="FILE.fmu", help="default: CLASS.fmu")
+    made.add_argument("--file", type=Path, action="append", default=[], help="a module that it imports (repeatable)")
     arguments = parser.parse_args()
     try:
-        demo(arguments.output_file)
-    except CosimError as error:
+        if arguments.verb == "demo":
+            demo(arguments.output_file)
+        else:
+            print(f"written: {written(arguments.cls, arguments.output_file, arguments.file)}")
+    except (CosimError, ComponentError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
     return 0

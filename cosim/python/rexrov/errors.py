@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from subprocess import CompletedProcess
 from typing import Any
 
-from .tables import Table
+from .tables import Results
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class CosimError(RuntimeError):
     """A call that failed; its text is what the command line prints. A check finds all problems at once,
     a run that failed on its way has `results` until then."""
 
-    def __init__(self, text: str, problems: tuple[Problem, ...], results: Table | None = None) -> None:
+    def __init__(self, text: str, problems: tuple[Problem, ...], results: Results | None = None) -> None:
         super().__init__(text, problems, results)
         self.problems = problems
         self.results = results
@@ -55,7 +55,7 @@ class CosimError(RuntimeError):
         return self.problems[0].help
 
 
-    def keeping(self, results: Table, file: str) -> CosimError:
+    def keeping(self, results: Results, file: str) -> CosimError:
         """With results of which it says that they are in a file that will not be kept."""
         kept = "`results` of this error"
         problems = tuple(replace(p, help=p.help and p.help.replace(file, kept)) for p in self.problems)

@@ -13,7 +13,7 @@ import numpy as np
 
 from . import program, tables
 from .errors import CosimError
-from .tables import Table
+from .tables import Results, Table
 
 PathLike = str | os.PathLike[str]
 #: A start value, of the variable's type; an enumeration's by name or number.
@@ -35,7 +35,7 @@ def simulate(
     fmi_type: Literal["CoSimulation", "ModelExchange"] | None = None,
     scenario: Scenario | None = None,
     options: Sequence[str] = (),
-) -> Table:
+) -> Results:
     """Simulates one FMU.
 
     What is None is as the FMU says. `start_values` are parameters and inputs by name, `input` is a
@@ -72,7 +72,7 @@ def run(
     scenario: Scenario | None = None,
     workers: int | None = None,
     options: Sequence[str] = (),
-) -> Table:
+) -> Results:
     """Runs a system: SSP (.ssd, .ssp) or OSP (a folder or its OspSystemStructure.xml).
 
     What is None is as the system says. Names are `component.variable`; `replace` puts other FMUs in
@@ -109,7 +109,7 @@ def _common(
     return arguments if scenario is None else [*arguments, "--scenario", os.fspath(scenario)]
 
 
-def _results(verb: str, what: PathLike, folder: str, arguments: list[str]) -> Table:
+def _results(verb: str, what: PathLike, folder: str, arguments: list[str]) -> Results:
     file = Path(folder, "results.csv")
     command = [*arguments, "--output-file", str(file), "--", os.fspath(what)]
     try:

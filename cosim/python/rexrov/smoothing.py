@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from . import program, tables
 from .runs import PathLike, Value
-from .tables import Table
+from .tables import Results, Table
 
 #: The navigation filters that can smooth, as their FMUs are called.
 Navigation = Literal["NavConstantAcceleration", "NavDynamic", "NavInertial", "NavModelAided"]
@@ -31,7 +31,7 @@ def smooth(
     *,
     fmu: Navigation = "NavModelAided",
     parameters: Mapping[str, Value] | None = None,
-) -> Table:
+) -> Results:
     """Estimates each instant of a recorded mission from all measurements, earlier and later.
 
     `result` is that of a system, and `filter` the component in it whose inputs are taken: record them

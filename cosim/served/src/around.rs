@@ -297,7 +297,8 @@ impl<I: Inside> Served for Around<I> {
     }
 
     fn set_real(&mut self, references: &[u32], values: &[f64]) -> Status {
-        if let Some(bad) = values.iter().find(|value| !value.is_finite()) {
+        let bad = values.iter().find(|value| !(I::TAKES_ANY_REAL || value.is_finite()));
+        if let Some(bad) = bad {
             return self.refuse(Call::SetReal, &format!("the value {bad} is not finite"));
         }
         self.set(Call::SetReal, references, || Values::Real(values.to_vec()))

@@ -22,6 +22,9 @@ pub trait Inside: Sized + Send + 'static {
     /// Its saved state.
     type Kept: Clone + Serialize + DeserializeOwned + Send + 'static;
 
+    /// Whether it decides itself what to do with Reals that are not finite.
+    const TAKES_ANY_REAL: bool = false;
+
     /// The identity of the FMU.
     fn guid(&self) -> &str;
 

@@ -247,7 +247,7 @@ impl Bench {
         let begun = processor_time();
         let outcome = self.made(run, more, results);
         let mut row =
-            outcome.unwrap_or_else(|problem| self.lost(run, Status::Failed, problem.line()));
+            outcome.unwrap_or_else(|problem| self.lost(run, Status::Failed, reason(&problem)));
         row.cpu_ms = format!("{:.1}", (processor_time() - begun) * 1e3);
         row
     }
@@ -281,6 +281,12 @@ impl Bench {
             cpu_ms: String::new(),
         })
     }
+}
+
+/// What went wrong, and what the FMU had to say of it.
+fn reason(problem: &Error) -> String {
+    let said = problem.logged().last().map(String::as_str);
+    std::iter::once(problem.line().as_str()).chain(said).collect::<Vec<_>>().join("; ")
 }
 
 /// The processor time of this process (s).

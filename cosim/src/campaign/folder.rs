@@ -84,19 +84,23 @@ impl Folder {
     pub fn past(path: impl AsRef<Path>) -> Result<Past> {
         let path = path.as_ref();
         let Manifest { cells, figures, .. } = Manifest::read(path)?;
-        let rows = log(path)?.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
-        Ok(Past { cells, figures, rows })
+        Ok(Past { cells, figures, rows: logged(path)? })
     }
 
     /// The row of a run in a folder, whose campaign has this identity.
     pub fn row(path: impl AsRef<Path>, run: u64, identity: &[String]) -> Result<Row> {
+        let mut rows = Self::rows_of(&path, identity)?.into_iter();
+        rows.find(|row| row.run == run).ok_or_else(|| {
+            let what = format!("run {run} is not among the results");
+            Error::new(Code::Results, what).at(path.as_ref().join(LOG))
+        })
+    }
+
+    /// The rows in a folder, whose campaign has this identity, as they came.
+    pub fn rows_of(path: impl AsRef<Path>, identity: &[String]) -> Result<Vec<Row>> {
         let path = path.as_ref();
         fits(&Manifest::read(path)?.identity, identity, path)?;
-        let (file, text) = (path.join(LOG), log(path)?);
-        let mut rows = text.lines().filter_map(|line| serde_json::from_str::<Row>(line).ok());
-        rows.find(|row| row.run == run).ok_or_else(|| {
-            Error::new(Code::Results, format!("run {run} is not among the results")).at(&file)
-        })
+        logged(path)
     }
 
     fn read_log(&mut self) -> Result<()> {
@@ -163,10 +167,13 @@ impl Folder {
     }
 }
 
-fn log(path: &Path) -> Result<String> {
+/// The rows in a folder, as they came.
+fn logged(path: &Path) -> Result<Vec<Row>> {
     let file = path.join(LOG);
-    std::fs::read_to_string(&file)
-        .map_err(|e| Error::new(Code::Results, "the rows cannot be read").at(&file).why(e))
+    let text = std::fs::read_to_string(&file)
+        .map_err(|e| Error::new(Code::Results, "the rows cannot be read").at(&file).why(e))?;
+    // A line that is being written, or was cut short, is no row yet.
+    Ok(text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect())
 }
 
 impl Manifest {

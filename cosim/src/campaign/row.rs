@@ -64,6 +64,11 @@ impl Row {
         }
     }
 
+    /// Whether two rows say the same but for the time that it took.
+    pub fn agrees(&self, other: &Self) -> bool {
+        *self == Self { cpu_ms: self.cpu_ms.clone(), ..other.clone() }
+    }
+
     /// A figure by its place; NaN for one that is not there.
     pub(super) fn figure(&self, place: usize) -> f64 {
         self.figures.get(place).and_then(|text| text.parse().ok()).unwrap_or(f64::NAN)

@@ -181,13 +181,20 @@ fn checked(linker: Linker, platform: &Platform, path: &Path) -> Result<(Vec<u8>,
 /// and for Linux only, as the master inside is.
 fn libraries(linker: Linker, platform: &Platform) -> Result<()> {
     if platform.os != "linux" {
-        println!("{}: no libraries for `cosim export`, `cosim proxy`", platform.folder());
+        println!(
+            "{}: no libraries for `cosim export`, `cosim proxy`, `rexrov.component`",
+            platform.folder()
+        );
         return Ok(());
     }
     let folder = paths::libraries(&platform.folder());
     fs::create_dir_all(&folder)?;
-    let built = compile::build(linker, platform, &["-p", "cosim-system", "-p", "cosim-proxy"])?;
-    for name in ["libcosim_system.so", "libcosim_proxy.so"] {
+    let built = compile::build(
+        linker,
+        platform,
+        &["-p", "cosim-system", "-p", "cosim-proxy", "-p", "cosim-scripted"],
+    )?;
+    for name in ["libcosim_system.so", "libcosim_proxy.so", "libcosim_scripted.so"] {
         fs::write(folder.join(name), library(linker, platform, &built, name)?)?;
     }
     let licenses = contents::summary("This library", "cosim-system")?;

@@ -1,6 +1,8 @@
 //! `cosim campaign`: many runs, kept one by one, and what they say.
 
+mod merge;
 mod pool;
+mod shard;
 mod told;
 mod worker;
 
@@ -21,11 +23,26 @@ pub(crate) use worker::CampaignWorker;
 #[derive(Args)]
 pub(crate) struct Campaign {
     /// The campaign (TOML)
-    file: PathBuf,
+    #[arg(required_unless_present = "merge")]
+    file: Option<PathBuf>,
     /// Keep the results there; those that are there already are gone on from (default:
     /// NAME_campaign in the present folder)
     #[arg(long, value_name = "FOLDER")]
     output_dir: Option<PathBuf>,
+    /// Make the runs of this part only, such as 1/8, in a folder of their own in the output
+    /// folder; auto takes both numbers from an array of Slurm, auto/8 the first also from an
+    /// indexed job of Kubernetes
+    #[arg(long, value_name = "I/N")]
+    shard: Option<shard::Shard>,
+    /// Put the results of shards together, and judge them
+    #[arg(
+        long,
+        value_name = "FOLDER",
+        num_args = 1..,
+        requires = "output_dir",
+        conflicts_with_all = ["file", "shard", "dry_run", "jobs"]
+    )]
+    merge: Vec<PathBuf>,
     /// So many runs at once (default: one per core)
     #[arg(long, short, value_name = "N")]
     jobs: Option<std::num::NonZeroUsize>,
@@ -57,7 +74,10 @@ impl Campaign {
     }
 
     fn computed(&self) -> Result<()> {
-        let bench = Bench::open(campaign::Campaign::read(&self.file)?)?;
+        let Some(file) = &self.file else {
+            return self.merged();
+        };
+        let bench = Bench::open(campaign::Campaign::read(file)?)?;
         bench.check()?;
         let past = self.compare.as_ref().map(Folder::past).transpose()?;
         let identity = bench.identity()?;
@@ -67,10 +87,18 @@ impl Campaign {
         if self.dry_run {
             return self.estimate(&bench, &pool, jobs);
         }
-        let folder = self.output_dir.clone().unwrap_or_else(|| {
-            let name = self.file.file_stem().unwrap_or_default().to_string_lossy();
+        let mut folder = self.output_dir.clone().unwrap_or_else(|| {
+            let name = file.file_stem().unwrap_or_default().to_string_lossy();
             PathBuf::from(format!("{name}_campaign"))
         });
+        if let Some(shard) = self.shard {
+            if bench.campaign().looks().len() > 1 {
+                return Err(Error::new(Code::Usage, "a sequential campaign has no shards")
+                    .why("which runs it makes depends on all runs before")
+                    .help("leave out --shard, or `sequential` in the file"));
+            }
+            folder.push(shard.folder());
+        }
         let mut results = Folder::open(&folder, bench.campaign(), &identity)?;
         let outcome = self.make(&bench, &pool, &mut results);
         let judgement = self.conclude(&bench, &identity, &results)?;
@@ -88,7 +116,11 @@ impl Campaign {
                 .why(format!("{} of {} runs are over", judgement.runs, bench.campaign().runs()))
                 .help("give the same command again to go on"));
         }
-        verdict(&judgement)
+        match self.shard {
+            // What a part says is no verdict.
+            Some(_) => Ok(()),
+            None => verdict(&judgement),
+        }
     }
 
     fn make(&self, bench: &Bench, pool: &pool::Pool<'_>, results: &mut Folder) -> Result<()> {
@@ -99,12 +131,15 @@ impl Campaign {
                 *over = true;
             }
         }
-        let there = over.iter().filter(|over| **over).count();
-        if there > 0 && !self.quiet {
-            messages::note(&format!("{there} of {} runs are there already", over.len()));
+        let wanted: Vec<u64> = (0..campaign.runs())
+            .filter(|run| self.shard.is_none_or(|shard| shard.has(*run, campaign.cells())))
+            .collect();
+        let left: Vec<u64> = wanted.iter().copied().filter(|run| !over[*run as usize]).collect();
+        if left.len() < wanted.len() && !self.quiet {
+            let there = wanted.len() - left.len();
+            messages::note(&format!("{there} of {} runs are there already", wanted.len()));
         }
-        let left = (over.len() - there) as u64;
-        let bar = if self.quiet { ProgressBar::hidden() } else { bar(left) };
+        let bar = if self.quiet { ProgressBar::hidden() } else { bar(left.len() as u64) };
         let (mut failed, mut looked) = (0, Instant::now());
         let mut cells: Vec<usize> = (0..campaign.cells()).collect();
         let (mut outcome, mut begin) = (Ok(()), 0);
@@ -113,7 +148,7 @@ impl Campaign {
             let block = (begin..end).flat_map(|replicate| {
                 cells.iter().map(move |cell| (replicate * campaign.cells() + cell) as u64)
             });
-            let block: Vec<u64> = block.filter(|run| !over[*run as usize]).collect();
+            let block: Vec<u64> = block.filter(|run| left.binary_search(run).is_ok()).collect();
             outcome = pool.make(&block, &mut |row| {
                 failed += u64::from(row.status != campaign::Status::Ok);
                 results.add(row)?;
@@ -149,7 +184,7 @@ impl Campaign {
         results.write("junit.xml", told::junit(&judgement))?;
         if self.format == Format::Json {
             print(&json)?;
-        } else if !self.quiet {
+        } else if !self.quiet && self.shard.is_none() {
             print(&told::text(&judgement))?;
         }
         Ok(judgement)

@@ -100,7 +100,8 @@ fn open_one(
     Opened { name, model: fmu.map(Model::Fmu), interface, replaced }
 }
 
-/// Refuses an FMU that only wraps a tool, unless the user says that the tool is here.
+/// Refuses an FMU that only wraps a tool, unless the user says that the tool is here; of Python classes it is
+/// known.
 pub(in crate::system) fn needs_no_tool(
     fmu: &Fmu,
     interface: InterfaceType,
@@ -108,6 +109,9 @@ pub(in crate::system) fn needs_no_tool(
     overrides: &Overrides,
 ) -> Result<()> {
     if overrides.execution_tools || !fmu.interface(interface)?.needs_execution_tool {
+        return Ok(());
+    }
+    if crate::scripted::is_ready(&fmu.folder().join("resources"))? {
         return Ok(());
     }
     let tool = &fmu.description().generation_tool;

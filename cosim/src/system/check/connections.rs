@@ -3,7 +3,7 @@
 use super::Findings;
 use super::components::{Opened, unknown_component, variable};
 use super::conversion::{self, Measured, Way};
-use super::told::Told;
+use super::told::{Dropped, Told};
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Causality, Kind, Variable};
 use crate::names;
@@ -28,7 +28,7 @@ pub(super) fn check(
             Some((_, first)) => findings.problems.push(checker.two_drivers(&found, first)),
         }
     }
-    told.tell(&mut findings.notes);
+    told.tell(&mut findings.warnings, &mut findings.notes);
     connections.into_iter().map(|(connection, _)| connection).collect()
 }
 
@@ -61,11 +61,11 @@ impl<'a> Checker<'a> {
         };
         let has_input = sink_model.description().is_some_and(|d| d.position(&to.1).is_some());
         if self.opened[sink].replaced && !has_input {
-            warnings.push(format!(
-                "{}: the connection {}.{} -> {}.{} is dropped: the FMU put in place of '{}' has \
-                 no such input",
-                self.connection.place, from.0, from.1, to.0, to.1, to.0,
-            ));
+            told.dropped.push(Dropped {
+                place: self.connection.place.to_string(),
+                from: format!("{}.{}", from.0, from.1),
+                to: to.clone(),
+            });
             return Ok(None);
         }
         let start = self.end(source, source_model, from)?;

@@ -10,10 +10,23 @@ pub(super) struct Told {
     pub missing: Vec<String>,
     /// Connections whose values are converted, and how.
     pub converted: Vec<String>,
+    /// Connections to replaced components that lack the input.
+    pub dropped: Vec<Dropped>,
+}
+
+/// A connection that is left out.
+pub(super) struct Dropped {
+    pub place: String,
+    pub from: String,
+    /// Component and input.
+    pub to: (String, String),
 }
 
 impl Told {
-    pub(super) fn tell(self, notes: &mut Vec<String>) {
+    pub(super) fn tell(self, warnings: &mut Vec<String>, notes: &mut Vec<String>) {
+        for all in self.dropped.chunk_by(|one, next| one.to.0 == next.to.0) {
+            warnings.extend(all.first().map(|first| first.told(all)));
+        }
         notes.extend(self.converted.into_iter().map(|text| format!("converted: {text}")));
         if self.missing.is_empty() {
             return;
@@ -24,5 +37,18 @@ impl Told {
         notes.push(format!(
             "a unit is known at one end only, and the value is passed on as it is: {shown}{rest}"
         ));
+    }
+}
+
+impl Dropped {
+    /// This one, with the others of the same component.
+    fn told(&self, all: &[Dropped]) -> String {
+        let Dropped { place, from, to: (component, input) } = self;
+        let why = format!("the FMU put in place of '{component}' has no such input");
+        let others = match all.len() {
+            1 => String::new(),
+            count => format!(", and {} more to '{component}'", count - 1),
+        };
+        format!("{place}: the connection {from} -> {component}.{input} is dropped{others}: {why}")
     }
 }

@@ -1,0 +1,321 @@
+"""Classes as components: what they get, what they may do wrong, and what becomes of their processes."""
+
+import importlib.util
+import os
+import select
+import subprocess
+import sys
+from itertools import count
+
+import numpy as np
+import pytest
+import rexrov
+from conftest import COSIM, ROOT
+from fmpy import read_model_description, simulate_fmu
+from rexrov import ComponentError, CosimError, CosimWarning, system_path
+
+NAMES = count()
+PORTS = """
+    rate = 10.0
+    inputs = {"dvl.velocity.{u,v}": "m/s", "dvl.stamp": "s", "dvl.valid": "1", "heading": "deg"}
+    outputs = {"pose.{x,y}": "m", "t": "s"}
+"""
+
+
+def made(folder, body, head="", ports=PORTS, name="Mine", **more):
+    """The class with such a body, and its FMU."""
+    file = folder / f"made_{next(NAMES)}.py"
+    file.write_text(f"import os\nimport numpy as np\n{head}\n\nclass {name}:\n    '''A filter.'''\n{ports}{body}\n")
+    spec = importlib.util.spec_from_file_location(file.stem, file)
+    module = sys.modules[file.stem] = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return rexrov.component(getattr(module, name), folder / f"{file.stem}.fmu", **more)
+
+
+ECHO = """
+    def step(self, t, y):
+        return {"t": t, "pose": [y["dvl.velocity"] @ [1, 10], y["heading"]]}
+"""
+
+
+def test_a_class_is_stepped_at_its_rate_with_the_inputs_of_then(tmp_path):
+    fmu = made(tmp_path, ECHO, ports=PORTS.replace("10.0", "7"))
+    signals = np.zeros(11, [("time", "f8"), ("dvl.velocity.u", "f8"), ("heading", "f8")])
+    signals["time"] = np.arange(11) / 10
+    signals["dvl.velocity.u"] = np.arange(11)
+    common = {"stop_time": 1.0, "step_size": 0.1, "output_interval": 0.1, "input": signals}
+    found = rexrov.simulate(fmu, **common)
+    due = [round(np.floor(time * 7 + 1e-9) / 7, 9) for time in found["time"]]
+    np.testing.assert_array_equal(found["t"], due)
+    assert (np.diff(found["pose.x"]) >= 0).all() and found["pose.x"][-1] > 8
+    elsewhere = simulate_fmu(str(fmu), stop_time=1.0, step_size=0.1, output_interval=0.1, input=signals)
+    np.testing.assert_array_equal(elsewhere["t"], found["t"])
+
+
+def test_the_description_is_made_from_the_declaration(tmp_path):
+    body = """
+    parameters = {"gain": "N.m/deg"}
+
+    def __init__(self, gain=2.0, seed=3, on=True, name="a"):
+        pass
+""" + ECHO
+    fmu = made(tmp_path, body)
+    description = read_model_description(str(fmu), validate=True)
+    found = {v.name: (v.type, v.causality, v.unit, v.start) for v in description.modelVariables}
+    assert found["dvl.velocity.v"] == ("Real", "input", "m/s", "0.0")
+    assert found["pose.y"] == ("Real", "output", "m", None)
+    assert found["gain"] == ("Real", "parameter", "N.m/deg", "2.0")
+    assert found["seed"] == ("Integer", "parameter", None, "3")
+    assert found["on"] == ("Boolean", "parameter", None, "true")
+    assert found["name"] == ("String", "parameter", None, "a")
+    assert description.description == "A filter." and description.coSimulation.canSerializeFMUstate
+    assert subprocess.run([COSIM, "validate", fmu], capture_output=True).returncode == 0
+    again = fmu.read_bytes()
+    assert rexrov.component(sys.modules[fmu.stem].Mine, fmu).read_bytes() == again, "the same bytes each time"
+
+
+def test_parameters_reach_the_class_with_their_types(tmp_path):
+    body = """
+    def __init__(self, gain=2.0, times=3, on=True, name="a"):
+        assert type(times) is int and type(on) is bool and name in "ab", name
+        self.values = gain * times, float(on)
+
+    def step(self, t, y):
+        return np.array([[*self.values, t]]).T
+"""
+    fmu = made(tmp_path, body)
+    found = rexrov.simulate(fmu, stop_time=0.1, start_values={"gain": 0.1, "times": 7, "on": False, "name": "b"})
+    assert (found["pose.x"][0], found["pose.y"][0]) == (0.1 * 7, 0.0)
+
+
+WRONG = {
+    "return np.eye(3) @ np.ones(4)": ["step at t = 0.0 s: ValueError", "in step: return np.eye(3) @ np.ones(4)"],
+    "return {'pose': [1, np.nan], 't': t}": ["gives nan as 'pose.y'"],
+    "return {'pose': [1, 2, 3], 't': t}": ["an array of shape (3,) as 'pose', which has 2 numbers"],
+    "return {'pose': [1, 2]}": ["gives no 't'"],
+    "return {'poze': [1, 2], 't': t}": ["'poze'", "did you mean 'pose'?"],
+    "return {'pose.x': 'one', 'pose.y': 1, 't': t}": ["gives 'one' as 'pose.x', which is a number"],
+    "return None": ["gives nothing as the estimate, which has 3 numbers"],
+    "return y['dvl.velocty']": ["did you mean 'dvl.velocity'?"],
+    "raise SystemExit(3)": ["SystemExit: 3"],
+    "os._exit(0)": ["the process of Mine ended with exit status 0"],
+    "os.kill(os.getpid(), 11)": ["was killed by SIGSEGV"],
+}
+
+
+@pytest.mark.parametrize("line", WRONG)
+def test_what_a_class_does_wrong_is_told(tmp_path, line):
+    fmu = made(tmp_path, f"    def step(self, t, y):\n        {line}")
+    with pytest.raises(CosimError) as caught:
+        rexrov.simulate(fmu, stop_time=1)
+    log = caught.value.problems[0].log[-1]
+    assert all(part in log for part in WRONG[line]), log
+
+
+DECLARED = {
+    "rate": ("rate = 10.0", "rate = 0", "Mine.rate is 0"),
+    "unit": ('"m/s"', '"knots"', "there is no unit 'knots'"),
+    "missing": ("outputs =", "output =", "Mine.outputs is missing"),
+    "twice": ('"t": "s"', '"heading": "deg"', "'heading' is an input and an output"),
+}
+
+
+@pytest.mark.parametrize("case", DECLARED)
+def test_a_wrong_declaration_is_told(tmp_path, case):
+    old, new, told = DECLARED[case]
+    with pytest.raises(ComponentError, match=told):
+        made(tmp_path, ECHO, ports=PORTS.replace(old, new))
+
+
+def test_a_class_that_cannot_be_made_is_told(tmp_path):
+    cases = {
+        "def __init__(self, gain): pass": "argument 'gain' needs a default value",
+        "def __init__(self, gain=None): pass": "a parameter is a number, a bool or a text",
+        "def __init__(self): self.x = 1 / 0": "ZeroDivisionError: division by zero .*in __init__",
+        "parameters = {'gian': 'm'}": "'gian', which is no argument",
+    }
+    for line, told in cases.items():
+        with pytest.raises(ComponentError, match=told):
+            made(tmp_path, f"    {line}\n{ECHO}")
+    (tmp_path / "beside_it.py").write_text("scale = 2.0\n")
+    sys.path.insert(0, str(tmp_path))
+    head = "from beside_it import scale"
+    with pytest.raises(ComponentError, match="No module named 'beside_it'.*name modules of yours by files="):
+        made(tmp_path, ECHO, head=head)
+    assert made(tmp_path, ECHO, head=head, files=[tmp_path / "beside_it.py"]).is_file()
+
+
+def test_a_script_without_a_guard_does_not_make_itself_again(tmp_path):
+    script = f"import rexrov\nclass Mine:\n{PORTS}{ECHO}\nrexrov.component(Mine)\n"
+    (tmp_path / "script.py").write_text(script)
+    done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True)
+    assert "if __name__ == '__main__':" in done.stderr and not (tmp_path / "Mine.fmu").exists()
+
+
+def test_the_command_line_writes_the_same(tmp_path):
+    fmu = made(tmp_path, ECHO)
+    source = f"{fmu.with_suffix('.py')}:Mine"
+    command = [sys.executable, "-m", "rexrov", "component", source, "-o", tmp_path / "other.fmu"]
+    subprocess.run(command, check=True, capture_output=True)
+    assert (tmp_path / "other.fmu").read_bytes() == fmu.read_bytes()
+    command[4] = source.replace("Mine", "Mien")
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 1 and "has no class 'Mien'; there are Mine" in done.stderr
+
+
+def test_a_new_measurement_is_new_once(tmp_path):
+    body = """
+    def __init__(self):
+        self.news = 0
+
+    def step(self, t, y):
+        self.news += y.new("dvl") and y.new("dvl")
+        return [self.news, 0, t]
+"""
+    fmu = made(tmp_path, body)
+    signals = np.zeros(5, [("time", "f8"), ("dvl.stamp", "f8"), ("dvl.valid", "f8")])
+    signals["time"] = [0, 0.25, 0.45, 0.65, 1]
+    signals["dvl.stamp"] = [0, 0.2, 0.4, 0.4, 0.9]
+    signals["dvl.valid"] = [0, 1, 1, 1, 1]
+    found = rexrov.simulate(fmu, stop_time=1, step_size=0.05, output_interval=0.05, input=signals)
+    stamps = {value for value, valid in zip(signals["dvl.stamp"], signals["dvl.valid"]) if valid}
+    assert 0 < found["pose.x"][-1] <= len(found) and found["pose.x"][0] == 0, stamps
+
+
+STATE = """
+    def __init__(self, seed=1):
+        self.random = np.random.default_rng(seed)
+        self.sum = 0.0
+
+    def step(self, t, y):
+        self.sum += self.random.normal() + np.random.normal()
+        COUNT[0] += 1
+        return {"pose": [self.sum, COUNT[0]], "t": t}
+"""
+
+
+def test_runs_do_not_see_one_another(tmp_path):
+    """Neither modules nor random numbers: the process is the same, and forks for each."""
+    body = STATE.replace('"t": t', '"t": os.getppid()')
+    fmu = str(made(tmp_path, body, head="COUNT = [0]"))
+    first, second = (simulate_fmu(fmu, stop_time=1, output_interval=0.1) for _ in range(2))
+    for name in ("pose.x", "pose.y"):
+        np.testing.assert_array_equal(first[name], second[name])
+    assert len(set(first["t"])) == 1
+
+
+def test_a_run_goes_on_from_a_snapshot(tmp_path):
+    body = STATE.replace(" + np.random.normal()", "").replace("COUNT[0] += 1", "").replace("COUNT[0]", "0")
+    fmu = made(tmp_path, body)
+    command = [COSIM, "simulate", fmu, "--stop-time=2", "--quiet", "-o", tmp_path / "whole.csv"]
+    subprocess.run(command, check=True)
+    whole = (tmp_path / "whole.csv").read_bytes()
+    subprocess.run([*command, "--snapshot-at=1", "--snapshot-file", tmp_path / "s.snapshot"], check=True)
+    subprocess.run([*command, "--resume", tmp_path / "s.snapshot"], check=True)
+    assert (tmp_path / "whole.csv").read_bytes() == whole
+
+
+def test_a_state_that_cannot_be_saved_is_told(tmp_path):
+    with pytest.warns(CosimWarning, match="the state of Mine cannot be saved"):
+        fmu = made(tmp_path, f"    def __init__(self):\n        self.f = lambda: 0\n{ECHO}")
+    assert not read_model_description(str(fmu)).coSimulation.canGetAndSetFMUstate
+    assert len(rexrov.simulate(fmu, stop_time=1)) > 1
+
+
+def test_a_process_ends_with_its_importer(tmp_path):
+    """However it ends, and whatever the class does."""
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    body = f"""
+    def step(self, t, y):
+        with open({str(pipe)!r}, "w") as file:
+            file.write(f"{{os.getpid()}} {{os.getppid()}}")
+        while True:
+            pass
+"""
+    run = subprocess.Popen([COSIM, "simulate", made(tmp_path, body), "--quiet", "-o", tmp_path / "x.csv"])
+    ended = [os.pidfd_open(int(pid)) for pid in pipe.read_text().split()]
+    run.kill()
+    run.wait()
+    for process in ended:
+        assert select.select([process], [], [], 60)[0], "it goes on without its importer"
+        os.close(process)
+
+
+PAPER = """
+    rate = 10.0
+    inputs = {"dvl.velocity.{u,v,w}": "m/s", "fix.position.{x,y}": "m", "pressure.depth": "m"}
+    inputs |= {"ahrs.attitude.yaw": "rad"}
+    outputs = {"pose.{x,y,z}": "m", "pose.yaw": "rad"}
+"""
+FIX = """
+    def __init__(self, seed=1):
+        self.random = np.random.default_rng(seed)
+
+    def step(self, t, y):
+        TROUBLE
+        x, y, z, yaw = *y["fix.position"], y["pressure.depth"], y["ahrs.attitude.yaw"]
+        return {"pose": [x + self.random.normal() / 10, y, z, yaw]}
+"""
+
+
+def campaign_file(folder, replacements, more=""):
+    lines = "".join(f'[replacements.{name}]\nekf = "{fmu}"\n' for name, fmu in replacements.items())
+    file = folder / "campaign.toml"
+    file.write_text(f"""seeds = 2\nstop-time = 3\noutput-interval = 0.5\n{more}
+systems.paper = "{system_path("paper")}"
+{lines}
+[figures]
+ate = {{ kind = "ate", truth = "vehicle.pose", estimate = "ekf.pose" }}
+[[verdict]]
+figure = "ate"
+at-most = 100
+""")
+    return file
+
+
+def rows(result):
+    return [{key: row[key] for key in row if key != "cpu_ms"} for row in result.rows]
+
+
+def test_a_campaign_judges_a_class(tmp_path):
+    fmu = made(tmp_path, FIX.replace("TROUBLE", ""), ports=PAPER)
+    file = campaign_file(tmp_path, {"mine": fmu}, "replacements.ours = {}")
+    one = rexrov.campaign(file, output_dir=tmp_path / "one", jobs=1)
+    two = rexrov.campaign(file, output_dir=tmp_path / "two", jobs=2)
+    assert rows(one) == rows(two) and len(one.rows) == 4
+    assert {row["status"] for row in one.rows} == {"ok"} and one.verdict == "undecided"
+    mine = [row["ate"] for row in one.rows if row["cell"] == "paper/mine"]
+    assert mine[0] != mine[1], "each run has a seed of its own"
+    assert "undecided" in one._repr_html_() and one.to_pandas().shape[0] == 4
+    done = subprocess.run([COSIM, "replay", tmp_path / "one", "2", "-o", tmp_path / "2.csv"], capture_output=True)
+    assert b"the same to the last bit" in done.stdout + done.stderr
+
+
+def test_a_class_that_fails_costs_its_run_only(tmp_path):
+    trouble = {"raises": "if t > 1: 1 / 0", "hangs": "while t > 1: pass", "dies": "if t > 1: os._exit(0)"}
+    fmus = {n: made(tmp_path, FIX.replace("TROUBLE", line), ports=PAPER) for n, line in trouble.items()}
+    result = rexrov.campaign(campaign_file(tmp_path, fmus, "time-limit = 2"), output_dir=tmp_path / "results")
+    found = {row["cell"].split("/")[1]: (row["status"], row["reason"]) for row in result.rows}
+    assert found["hangs"] == ("timed-out", "it took longer than 2 s")
+    assert found["raises"][0] == "failed" and "ZeroDivisionError" in found["raises"][1]
+    assert found["dies"][0] == "failed" and "ended with exit status 0" in found["dies"][1]
+
+
+def test_a_class_listens_beside_a_filter(tmp_path):
+    fmu = made(tmp_path, FIX.replace("TROUBLE", ""), ports=PAPER)
+    system = rexrov.beside(system_path("paper"), "ekf", fmu, output_file=tmp_path / "beside.ssd")
+    found, alone = (rexrov.run(s, stop_time=3, output_interval=0.1) for s in (system, system_path("paper")))
+    for name in alone.dtype.names:
+        np.testing.assert_array_equal(found[name], alone[name], err_msg=name)
+    np.testing.assert_array_equal(found["mine.pose.z"], found["pressure.depth"])
+    with pytest.raises(ValueError, match="has no component 'efk'; there are"):
+        rexrov.beside(system_path("paper"), "efk", fmu)
+
+
+def test_the_example_has_a_verdict_in_less_than_forty_lines(tmp_path):
+    example = ROOT / "examples" / "own_ekf.py"
+    assert sum(bool(line.strip()) for line in example.read_text().splitlines()) < 40
+    done = subprocess.run([sys.executable, example], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "paper/own median at most 1 pass" in done.stdout
