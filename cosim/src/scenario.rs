@@ -29,6 +29,7 @@
 //! Events at one instant happen in the order of the file.
 
 mod faults;
+mod windows;
 
 use std::path::Path;
 

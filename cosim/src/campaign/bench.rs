@@ -11,11 +11,12 @@ use super::{Campaign, file::Cell};
 use crate::condition::Condition;
 use crate::digest::sha256;
 use crate::error::{Code, Error, Result};
-use crate::fault::Random;
+use crate::fault::{Random, Window};
 use crate::fmi::{Causality, Kind};
 use crate::master::{Manipulator, Run};
 use crate::names;
 use crate::observe::{Observer, Recording, RunInfo, RunningDigest, Stop};
+use crate::report::Units;
 use crate::scenario::Scenario;
 use crate::system::{Overrides, Port, System};
 use crate::time::Time;
@@ -238,6 +239,16 @@ impl Bench {
     /// Makes a run again and records these variables (`*` and `?` make a pattern) as well.
     pub fn replay(&self, run: u64, variables: &[String], results: &mut dyn Observer) -> Row {
         self.row(run, variables, results)
+    }
+
+    /// The units of what a run records with these variables.
+    pub(super) fn units(&self, run: u64, variables: &[String]) -> Result<Units> {
+        self.system(run, variables).map(|system| Units::of(&system))
+    }
+
+    /// The times in which something is wrong in a run that was recorded.
+    pub(super) fn windows(&self, run: u64, recording: &Recording) -> Vec<Window> {
+        self.scenario(run).map_or_else(Vec::new, |scenario| scenario.windows(recording))
     }
 
     fn row(&self, run: u64, more: &[String], results: &mut dyn Observer) -> Row {

@@ -362,5 +362,7 @@ fn nees(
     Ok(matrix.cholesky().map_or(f64::NAN, |factor| errors.dot(&factor.solve(&errors))))
 }
 
+mod words;
+
 #[cfg(test)]
 mod tests;

@@ -4,8 +4,9 @@
 //! the runs in flight and no other; a line cut short, by a full disk or a lost machine, is cut off and its
 //! run made again. The other files are made anew from the log, each as a whole.
 
+use std::collections::HashSet;
 use std::fs::{File, OpenOptions};
-use std::io::{Read, Write};
+use std::io::{BufRead, Read, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -74,6 +75,19 @@ impl Folder {
         rows.find(|row| row.run == run).ok_or_else(|| {
             Error::new(Code::Results, format!("run {run} is not among the results")).at(&file)
         })
+    }
+
+    /// What is in a folder, to look at: nothing is changed, and what cannot be read is left out.
+    pub fn contents(path: impl AsRef<Path>) -> Result<Contents> {
+        let path = path.as_ref();
+        let Manifest { file, identity } = Manifest::read(path)?;
+        let mut contents = Contents { campaign: file, identity, rows: Vec::new(), notes: Vec::new() };
+        let log = path.join(LOG);
+        match File::open(&log) {
+            Err(e) => contents.notes.push(format!("{} cannot be read: {e}", log.display())),
+            Ok(log) => contents.read_rows(std::io::BufReader::new(log)),
+        }
+        Ok(contents)
     }
 
     fn read_log(&mut self) -> Result<()> {
@@ -153,6 +167,58 @@ impl Folder {
             text += &(cells.join(",") + "\n");
         }
         self.write("runs.csv", &text)
+    }
+}
+
+/// What a folder holds.
+pub struct Contents {
+    /// The file of the campaign.
+    pub campaign: PathBuf,
+    /// What the campaign was, as lines of text.
+    pub identity: Vec<String>,
+    /// A row for each run that is over.
+    pub rows: Vec<Row>,
+    /// What cannot be read, and why.
+    pub notes: Vec<String>,
+}
+
+impl Contents {
+    fn read_rows(&mut self, log: impl BufRead) {
+        const SHOWN: usize = 5;
+        let (mut lost, mut known) = (0, HashSet::new());
+        for (line, text) in log.split(b'\n').enumerate() {
+            let text = match text {
+                Ok(text) if text.is_empty() => continue,
+                Ok(text) => text,
+                Err(e) => return self.notes.push(format!("{LOG} cannot be read to its end: {e}")),
+            };
+            match serde_json::from_slice::<Row>(&text) {
+                Ok(row) if known.insert(row.run) => self.rows.push(row),
+                Ok(_) => {}
+                Err(e) => {
+                    lost += 1;
+                    if lost <= SHOWN {
+                        self.notes.push(format!("line {} of {LOG} is no row: {e}", line + 1));
+                    }
+                }
+            }
+        }
+        if lost > SHOWN {
+            self.notes.push(format!("{} more lines of {LOG} are no rows", lost - SHOWN));
+        }
+    }
+
+    /// An error with the first differences if they are of another campaign than this file says.
+    pub(super) fn fit(&self, campaign: &Campaign, path: &Path) -> Result<()> {
+        // Hashes of files decide whether runs can be made again, not what their rows mean.
+        let hash = |text: &str| text.len() == 64 && text.bytes().all(|b| b.is_ascii_hexdigit());
+        let of_file = |line: &&String| {
+            let hashed = line.rsplit_once(" is ").is_some_and(|(_, digest)| hash(digest));
+            hashed || line.starts_with("cosim ")
+        };
+        let before: Vec<String> = self.identity.iter().filter(|l| !of_file(l)).cloned().collect();
+        let now = campaign.identity();
+        fits(&before, &now, path)
     }
 }
 

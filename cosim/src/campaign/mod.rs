@@ -11,14 +11,16 @@ mod figure;
 mod file;
 mod folder;
 mod judgement;
+mod report;
 mod row;
 mod statistics;
 mod trajectory;
 
 pub use bench::Bench;
 pub use file::Campaign;
-pub use folder::Folder;
+pub use folder::{Contents, Folder};
 pub use judgement::{Compared, FigureOfCell, Judgement, Verdict};
+pub use report::{Report, report};
 pub use row::{Row, Status};
 pub use statistics::{Answer, Estimate};
 

@@ -8,11 +8,13 @@
 mod acting;
 mod kind;
 mod random;
+mod window;
 
 pub(crate) use acting::{Acting, Way};
 pub(crate) use random::{Random, normal_quantile};
 
 pub use kind::{KINDS, Kind, Meant, Meanwhile, Spread, Word};
+pub use window::Window;
 
 use crate::condition::Condition;
 use crate::time::Time;
@@ -59,20 +61,25 @@ pub enum End {
 }
 
 impl Fault {
-    /// The fault with this number in its list, acting on the `place`th of its variables, with the
-    /// random stream that belongs to `seed`, in a run that begins at `start`.
-    pub(crate) fn acting(&self, seed: u64, number: u32, place: u32, start: Time) -> Acting {
-        // The instant is the same for all variables.
-        let mut instant = Random::new(&[seed, u64::from(number), 0]);
-        let from = match &self.begin {
+    /// When it begins, unless that hangs on what is recorded. The instant is the same for all
+    /// variables.
+    fn begins(&self, seed: u64, number: u32, start: Time) -> Option<Time> {
+        match &self.begin {
             Begin::Start => Some(start),
             Begin::At(time) => Some(*time),
             Begin::Between(first, last) => {
+                let mut instant = Random::new(&[seed, u64::from(number), 0]);
                 let span = (*last - *first).nanoseconds() as f64;
                 Some(*first + Time::from_nanoseconds((instant.uniform() * span) as i64))
             }
             Begin::When(_) => None,
-        };
+        }
+    }
+
+    /// The fault with this number in its list, acting on the `place`th of its variables, with the
+    /// random stream that belongs to `seed`, in a run that begins at `start`.
+    pub(crate) fn acting(&self, seed: u64, number: u32, place: u32, start: Time) -> Acting {
+        let from = self.begins(seed, number, start);
         let own = if self.kind.is_common() { 1 } else { 2 + u64::from(place) };
         let random = Random::new(&[seed, u64::from(number), own]);
         Acting::new(number, self.kind.clone(), from, self.end, random)
