@@ -99,7 +99,7 @@ export function shares(title, label, groups) {
     ctx.setLineDash([]);
   };
   const plane = new Plane({
-    x: { label, range: extent(known.map((group) => group.quantiles)) }, y: { label: "runs up to it (%)", range: [0, 100] },
+    x: { label, range: extent(known.map((group) => group.quantiles)) }, y: { label: "runs up to it (%)", range: [0, 102] },
     paint, spoken: `${title}: share of runs up to each value`,
   });
   return caption(title, plane, groupLegend(groups.map((group) => group.name)));

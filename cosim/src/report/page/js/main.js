@@ -2,16 +2,11 @@
 import { details, el, terms } from "./dom.js";
 import { cellView, runFacts } from "./cell.js";
 import { address } from "./format.js";
-import { overview } from "./overview.js";
+import { notes, overview } from "./overview.js";
 import { runView, traceFacts } from "./run.js";
 import { startTheme, themeButton } from "./theme.js";
 
 const REPORT = JSON.parse(document.getElementById("data").textContent);
-
-function notes() {
-  if (REPORT.notes.length === 0) return null;
-  return el("section", { class: "notes", "aria-label": "What to know" }, el("strong", {}, "What to know"), el("ul", {}, REPORT.notes.map((note) => el("li", {}, note))));
-}
 
 /** The cell and the run that an address names. */
 function parsed(hash) {
@@ -25,13 +20,10 @@ function parsed(hash) {
 
 function view() {
   const { campaign, runs, title } = REPORT;
-  if (!campaign) return { path: [], parts: [el("h1", {}, title), notes(), traceFacts(runs[""]), runView(runs[""])] };
+  if (!campaign) return { path: [], parts: [el("h1", {}, title), notes(REPORT), traceFacts(runs[""]), runView(runs[""])] };
   const { name, run } = parsed(location.hash);
   const cell = campaign.cells.find((known) => known.name === name);
-  if (!name) {
-    const [head, ...rest] = overview(REPORT);
-    return { path: [], parts: [head, rest, notes()] };
-  }
+  if (!name) return { path: [], parts: overview(REPORT) };
   if (!cell) return { path: [], parts: [el("h1", {}, title), el("p", {}, `This report has no cell '${name}'. `, el("a", { href: "#" }, "All cells"))] };
   const path = [[title, "#"], [cell.name, address(cell.name)]];
   if (run == null) return { path, parts: cellView(REPORT, cell) };
@@ -51,7 +43,7 @@ function header(path) {
       event.preventDefault();
       document.getElementById("view").focus();
     } }, "Skip to the content"),
-    el("nav", { "aria-label": "Where you are" }, el("ol", {}, links)), themeButton());
+    path.length > 0 ? el("nav", { "aria-label": "Where you are" }, el("ol", {}, links)) : el("p", { class: "brand" }, "cosim report"), themeButton());
 }
 
 function show(first) {

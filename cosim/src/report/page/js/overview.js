@@ -16,7 +16,7 @@ export const chosen = { figure: null, statistic: 0 };
 
 function sentence({ answer, answers: [pass, fail, open], expected, runs }) {
   const all = pass + fail + open;
-  const counted = `${pass} of ${all} thresholds pass, ${fail} fail, ${open} are undecided`;
+  const counted = `Thresholds of all cells: ${pass} of ${all} pass, ${fail} fail, ${open} undecided`;
   const missing = runs < expected ? `; ${expected - runs} of ${expected} runs are not there yet` : "";
   return answer === "none" ? `The campaign has no thresholds${missing}.` : `${counted}${missing}.`;
 }
@@ -102,6 +102,13 @@ export function comparisons(compared, figures, title) {
   return table(title, ["cell", "minus", "figure", "pairs", "median difference [95 %]", "it is"], compared.slice(0, 500).map(row), [0, 1, 2, 5]);
 }
 
+/** What is missing. */
+export function notes(report) {
+  if (report.notes.length === 0) return null;
+  return el("section", { class: "notes", "aria-label": "What to know" }, el("strong", {}, "What to know"),
+    el("ul", {}, report.notes.map((note) => el("li", {}, note))));
+}
+
 /** The first screen. */
 export function overview(report) {
   const { campaign } = report;
@@ -127,7 +134,7 @@ export function overview(report) {
     banner(campaign),
     facts([["Runs", `${campaign.runs} of ${campaign.expected}`], ["Failed runs", String(campaign.failed)], ["Cells", String(campaign.cells.length)],
       ["Runs of each cell", String(campaign.seeds)]]),
-    controls, place,
+    controls, place, notes(report),
     verdicts.length > 0 && [el("h2", {}, "Verdicts"), thresholds(verdicts, true)],
     compared.length > 0 && [el("h2", {}, "Paired comparison"), comparisons(compared, campaign.figures, "Differences, run by run")],
     failures.length > 0 && [el("h2", {}, "Failed runs"), table("Failures by their reason", ["cell", "status", "runs", "reason"],

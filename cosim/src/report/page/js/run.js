@@ -10,9 +10,14 @@ import { timePlot } from "./timeplot.js";
 /** The radius in sigmas of an ellipse that holds 95 % of two normal numbers. */
 const HOLDS_95 = Math.sqrt(5.991464547107979);
 
-function pathColour(path, place) {
+/** Estimates have the colours of their number among the estimates. */
+function pathColour(paths, path) {
   if (path.role === "truth") return colour("truth");
-  return path.role === "fix" ? colour("c3") : groupColour(place);
+  return path.role === "fix" ? colour("c3") : groupColour(number(paths, path));
+}
+
+function number(paths, path) {
+  return paths.filter((other) => other.role === "estimate").indexOf(path);
 }
 
 /** Half axes and the angle from east of a covariance; x is north. */
@@ -22,7 +27,7 @@ function ellipse(xx, xy, yy) {
   return { a: HOLDS_95 * Math.sqrt(mean + root), b: HOLDS_95 * Math.sqrt(Math.max(mean - root, 0)), angle: Math.atan2(xy, half) / 2 };
 }
 
-function drawEllipse(ctx, at, path, t, entry) {
+function drawEllipse(ctx, at, path, entry) {
   const { at: places, xx, xy, yy } = path.ellipses;
   if (xx[entry] == null || yy[entry] == null) return;
   const [north, east] = [path.x[places[entry]], path.y[places[entry]]];
@@ -35,8 +40,8 @@ function drawEllipse(ctx, at, path, t, entry) {
   ctx.stroke();
 }
 
-function drawPath(ctx, at, ratio, path, place, now, t) {
-  ctx.strokeStyle = ctx.fillStyle = pathColour(path, place);
+function drawPath(ctx, at, ratio, paths, path, now, t) {
+  ctx.strokeStyle = ctx.fillStyle = pathColour(paths, path);
   if (path.role === "fix") {
     ctx.globalAlpha = 0.55;
     path.x.forEach((x, i) => {
@@ -48,7 +53,7 @@ function drawPath(ctx, at, ratio, path, place, now, t) {
     return;
   }
   ctx.lineWidth = (path.role === "truth" ? 2.5 : 1.8) * ratio;
-  ctx.setLineDash(path.role === "truth" ? [] : [[9, 3], [3, 3], [12, 3, 3, 3]][place % 3].map((d) => d * ratio));
+  ctx.setLineDash(path.role === "truth" ? [] : [[9, 3], [3, 3], [12, 3, 3, 3]][number(paths, path) % 3].map((d) => d * ratio));
   ctx.beginPath();
   let pen = false;
   path.x.forEach((x, i) => {
@@ -65,10 +70,10 @@ function drawPath(ctx, at, ratio, path, place, now, t) {
   if (!path.ellipses) return;
   ctx.lineWidth = ratio;
   ctx.globalAlpha = 0.45;
-  path.ellipses.at.forEach((_, entry) => drawEllipse(ctx, at, path, t, entry));
+  path.ellipses.at.forEach((_, entry) => drawEllipse(ctx, at, path, entry));
   ctx.globalAlpha = 1;
   ctx.lineWidth = 2.5 * ratio;
-  drawEllipse(ctx, at, path, t, placeAt(path.ellipses.at.map((i) => t[i]), now));
+  drawEllipse(ctx, at, path, placeAt(path.ellipses.at.map((i) => t[i]), now));
 }
 
 /** Where the vehicle and its estimates are, as arrows above the map. */
@@ -84,7 +89,7 @@ function markers(plane, map, clock) {
       arrow.hidden = north == null || east == null;
       if (arrow.hidden) return;
       const yaw = path.yaw ? path.yaw[placeAt(map.t, clock.now)] ?? 0 : 0;
-      arrow.style.color = pathColour(path, map.paths.indexOf(path));
+      arrow.style.color = pathColour(map.paths, path);
       arrow.style.transform = `translate(${plane.u.valToPos(east, "x")}px, ${plane.u.valToPos(north, "y")}px) rotate(${yaw}rad)`;
     });
   };
@@ -104,8 +109,8 @@ function mapOf(map, clock) {
   const plane = new Plane({
     x: { label: "east (m)", range: east }, y: { label: "north (m)", range: north }, equal: true,
     paint: (ctx, at, ratio) => {
-      const order = map.paths.map((path, place) => [path, place]).sort(([a], [b]) => (b.role === "fix") - (a.role === "fix"));
-      for (const [path, place] of order) drawPath(ctx, at, ratio, path, place, clock.now, map.t);
+      const order = [...map.paths].sort((a, b) => (b.role === "fix") - (a.role === "fix"));
+      for (const path of order) drawPath(ctx, at, ratio, map.paths, path, clock.now, map.t);
     },
     pointed: (x, y, near) => {
       let [least, time] = [near, null];
@@ -120,11 +125,11 @@ function mapOf(map, clock) {
     spoken: `Map with ${map.paths.map((path) => path.name).join(", ")}: ${num(north[1] - north[0])} m from south to north, ${num(east[1] - east[0])} m from west to east`,
   });
   markers(plane, map, clock);
-  const samples = map.paths.map((path, place) => {
+  const samples = map.paths.map((path) => {
     const sample = el("i", { class: path.role === "fix" ? "dot" : null });
     const paint = () => {
-      sample.style.borderColor = pathColour(path, place);
-      if (path.role === "fix") sample.style.background = pathColour(path, place);
+      sample.style.borderColor = pathColour(map.paths, path);
+      if (path.role === "fix") sample.style.background = pathColour(map.paths, path);
       else if (path.role !== "truth") sample.style.borderTopStyle = "dashed";
     };
     paint();

@@ -124,7 +124,7 @@ export function timePlot(plot, clock, faults) {
         x: { time: false, range: (_, low, high) => [low, high], min: clock.from, max: clock.until },
         y: { dir: plot.down ? -1 : 1 },
       },
-      axes: [axis("time (s)", { size: 34 }), axis(`${first} (${unit})`.trim(), { size: 62 })],
+      axes: [axis("time (s)", { size: 24 }), axis(`${first} (${unit})`.trim(), { size: 62 })],
       cursor: { y: false, drag: { x: true, y: false }, points: { size: 7 } },
       legend: { live: true },
       hooks: {
