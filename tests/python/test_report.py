@@ -140,7 +140,7 @@ def test_from_the_matrix_to_a_run_and_back(page, report):
     expect(page.locator("text=Consistency: means over the runs")).to_be_visible()
     page.locator("table:has(caption:text('Runs:')) a").first.click()
     expect(page.locator("h1")).to_have_text(HEAD_OF_RUN)
-    assert page.locator("#map canvas").count() == 1
+    expect(page.locator("#map canvas")).to_have_count(1)
     expect(page.locator("text=drop-out of gps.position.x").first).to_be_visible()
     address = page.url
     page.go_back()
@@ -195,6 +195,8 @@ def test_one_cursor_for_all_plots_and_the_map(page, report):
     north = float(page.locator("#instant tbody tr").nth(0).locator("td").nth(0).inner_text().replace("−", "-"))
     assert north == pytest.approx(trace["map"]["paths"][0]["x"][-1], rel=1e-3)
     # Zooming one plot zooms all; double-click shows all again.
+    figure.scroll_into_view_if_needed()
+    box = figure.locator(".u-over").bounding_box()
     page.mouse.move(box["x"] + 50, box["y"] + 40)
     page.mouse.down()
     page.mouse.move(box["x"] + 150, box["y"] + 40, steps=4)

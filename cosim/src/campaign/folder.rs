@@ -213,8 +213,8 @@ impl Contents {
         // Hashes of files decide whether runs can be made again, not what their rows mean.
         let hash = |text: &str| text.len() == 64 && text.bytes().all(|b| b.is_ascii_hexdigit());
         let of_file = |line: &&String| {
-            let hashed = line.rsplit_once(" is ").is_some_and(|(_, digest)| hash(digest));
-            hashed || line.starts_with("cosim ")
+            // After the GUID, of components.
+            line.rsplit(' ').next().is_some_and(hash) || line.starts_with("cosim ")
         };
         let before: Vec<String> = self.identity.iter().filter(|l| !of_file(l)).cloned().collect();
         let now = campaign.identity();

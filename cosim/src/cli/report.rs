@@ -82,6 +82,11 @@ impl Report {
         files::replace(&target, page.as_bytes()).map_err(|e| {
             Error::new(Code::Output, "the page cannot be written").at(&target).why(e)
         })?;
+        if is_campaign && interrupt::interrupted() {
+            return Err(Error::new(Code::Interrupted, "the report was interrupted")
+                .why(format!("some runs are not shown in {}", target.display()))
+                .help("give the same command again"));
+        }
         messages::tell(&format!("the report is in {}", target.display()));
         Ok(())
     }

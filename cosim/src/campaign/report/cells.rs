@@ -201,7 +201,7 @@ impl Main {
             length => length - 1,
         };
         let mut chosen: Vec<(u64, &'static str)> = Vec::new();
-        let even = (1..count.saturating_sub(1)).map(|i| (i * last / (count - 1), "between"));
+        let even = (1..count).map(|i| (i * last / (count - 1), "between"));
         for (place, why) in [(0, "worst"), (last.div_ceil(2), "median")].into_iter().chain(even) {
             let run = good[place].run;
             if chosen.len() < count && chosen.iter().all(|(known, _)| *known != run) {

@@ -105,8 +105,13 @@ impl Trace {
         let of_all = shown.numbers * 4 / 5;
         let in_front = if behind.is_empty() { of_all } else { of_all / 2 };
         let thin = |plots: Vec<Whole>, numbers: usize| -> Vec<Plot> {
-            let each = numbers / plots.len().max(1);
-            plots.into_iter().map(|plot| plot.thinned(&columns, each)).collect()
+            let lists: usize = plots.iter().map(Whole::lists).sum();
+            let share = |plot: &Whole| numbers * plot.lists() / lists;
+            let thinned = plots.into_iter().map(|plot| {
+                let share = share(&plot);
+                plot.thinned(&columns, share)
+            });
+            thinned.collect()
         };
         Ok(Self {
             start: columns.time.first().copied().unwrap_or(0.0),

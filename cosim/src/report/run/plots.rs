@@ -84,6 +84,11 @@ impl Whole {
         !self.lines.iter().any(|(_, _, values)| values.iter().any(|v| v.is_finite()))
     }
 
+    /// How many lists of numbers it has.
+    pub(super) fn lists(&self) -> usize {
+        1 + self.lines.len() + usize::from(self.band.is_some())
+    }
+
     /// With about so many numbers at most.
     pub(super) fn thinned(self, columns: &Columns<'_>, numbers: usize) -> Plot {
         let curves: Vec<&[f64]> = self
@@ -93,8 +98,8 @@ impl Whole {
             .chain(self.band.as_ref().map(|(_, values)| values.as_slice()))
             .collect();
         let marks = self.marks.as_ref().map_or(&[][..], |(_, at)| &at[..at.len().min(MARKS)]);
-        let parts = numbers / (2 * curves.len() * (curves.len() + 1)).max(1);
-        let places = thin::places(&curves, columns.time.len(), parts.clamp(8, 1500), marks);
+        let most = numbers / (curves.len() + 1);
+        let places = thin::fitting(&curves, columns.time.len(), most, marks);
         let pick = |values: &[f64]| Numbers::values(places.iter().map(|&place| values[place]));
         let line = |(name, role, values): &(String, Role, Vec<f64>)| Line {
             name: name.clone(),

@@ -1,8 +1,27 @@
 //! Fewer instants with the same picture, for several curves over one list of instants.
 
+/// Of each curve at least so many parts are told apart, and at most so many.
+const PARTS: (usize, usize) = (8, 1500);
+
+/// About `most` places of `count` instants at most, as [`places`] chooses them: how many fall
+/// together is known when they are chosen.
+pub(super) fn fitting(curves: &[&[f64]], count: usize, most: usize, marks: &[usize]) -> Vec<usize> {
+    if count <= most {
+        return (0..count).collect();
+    }
+    let mut parts = (most / 2).clamp(PARTS.0, PARTS.1);
+    loop {
+        let chosen = places(curves, count, parts, marks);
+        if chosen.len() <= most || parts == PARTS.0 {
+            return chosen;
+        }
+        parts = (parts * most / chosen.len()).clamp(PARTS.0, parts - 1);
+    }
+}
+
 /// Places to keep of `count` instants: of each of so many parts and each curve the least and the
 /// greatest value, and where NaN begins, so that no spike and no gap is lost; all `marks`.
-pub(super) fn places(curves: &[&[f64]], count: usize, parts: usize, marks: &[usize]) -> Vec<usize> {
+fn places(curves: &[&[f64]], count: usize, parts: usize, marks: &[usize]) -> Vec<usize> {
     if count <= 2 * parts {
         return (0..count).collect();
     }
@@ -51,6 +70,8 @@ mod tests {
             assert!(kept.contains(&place), "{place}");
         }
         assert_eq!(places(&[&a[..5]], 5, 100, &[]), [0, 1, 2, 3, 4]);
+        let kept = fitting(&[&a, &b], a.len(), 300, &[33]);
+        assert!((150..=300).contains(&kept.len()) && kept.contains(&76_543), "{}", kept.len());
     }
 
     #[test]

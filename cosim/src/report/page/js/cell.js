@@ -5,7 +5,7 @@ import { boxes, labelled, scatter, shares } from "./distribution.js";
 import { chosen, comparisons, thresholds } from "./overview.js";
 
 /** The command that makes a run again. */
-export function replayCommand(campaign, run) {
+function replayCommand(campaign, run) {
   return el("pre", { class: "command", tabindex: "0" }, el("code", {}, `cosim replay ${campaign.folder_quoted} ${run} --output-file run${run}.csv`));
 }
 
@@ -68,7 +68,7 @@ function sensitivity(campaign, cell, figure) {
   };
   show(0);
   return el("div", { class: "plots" },
-    el("div", {}, table("Rank correlation with dispersed parameters", ["parameter", "Spearman's ρ", ""], rows, [0, 2]),
+    el("div", {}, table("Rank correlation with dispersed parameters", ["parameter", "Spearman's ρ", "size"], rows, [0, 2]),
       varied.length > 1 && choice("Parameter ", varied.map(({ input }) => input.name), 0, show)), place);
 }
 
@@ -111,7 +111,7 @@ function runs(campaign, cell, figure) {
     const told = shown ? (shown.problem ? `${shown.why}; not shown: ${shown.problem}` : `${shown.why}, shown whole`) : "";
     return [el("a", { href: address(cell.name, run) }, `run ${run}`), ...sample.figures.map((values) => num(values[i])), told];
   };
-  const head = ["run", ...campaign.figures.map(({ name, unit }) => withUnit(name, unit && unit !== "1" ? `(${unit})` : "")), ""];
+  const head = ["run", ...campaign.figures.map(({ name, unit }) => withUnit(name, unit && unit !== "1" ? `(${unit})` : "")), "on this page"];
   return table("Runs: those shown whole, and the greatest", head, [...new Set(places)].map(row), [0, head.length - 1]);
 }
 

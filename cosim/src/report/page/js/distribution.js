@@ -105,7 +105,7 @@ export function shares(title, label, groups) {
   return caption(title, plane, groupLegend(groups.map((group) => group.name)));
 }
 
-export function groupLegend(names) {
+function groupLegend(names) {
   return el("ul", { class: "legend" }, names.map((name, place) => {
     const sample = el("i");
     sample.style.borderColor = `var(--${COLOURS[place % COLOURS.length]})`;

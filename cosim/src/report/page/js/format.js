@@ -25,7 +25,7 @@ export function estimate({ value, interval }) {
 const WORDS = { pass: ["✔", "pass"], fail: ["✘", "fail"], undecided: ["?", "undecided"], none: ["–", "no threshold"] };
 
 /** The key of an answer, which is a word or says how many more runs would tell. */
-export function answerKey(answer) {
+function answerKey(answer) {
   return typeof answer === "string" ? answer : "undecided";
 }
 

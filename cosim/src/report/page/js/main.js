@@ -39,7 +39,7 @@ function header(path) {
   const links = path.map(([text, href], place) =>
     el("li", {}, el("a", { href, "aria-current": place === path.length - 1 ? "page" : null }, text)));
   document.getElementById("top").replaceChildren(
-    el("a", { class: "skip", href: location.hash || "#", onclick: (event) => {
+    el("a", { class: "skip", href: "#view", onclick: (event) => {
       event.preventDefault();
       document.getElementById("view").focus();
     } }, "Skip to the content"),

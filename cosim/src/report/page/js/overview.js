@@ -21,7 +21,7 @@ function sentence({ answer, answers: [pass, fail, open], expected, runs }) {
   return answer === "none" ? `The campaign has no thresholds${missing}.` : `${counted}${missing}.`;
 }
 
-export function banner(campaign) {
+function banner(campaign) {
   return el("div", { class: `banner ${campaign.answer}`, id: "verdict" }, verdictMark(campaign.answer), el("p", {}, sentence(campaign)));
 }
 
@@ -85,7 +85,7 @@ export function thresholds(verdicts, withCell) {
     const cells = [verdictMark(verdict.answer), verdict.figure, verdict.threshold, `${verdict.kept} of ${verdict.runs}`, estimate(verdict.quantile), answerMore(verdict.answer)];
     return withCell ? [el("a", { href: address(verdict.cell) }, verdict.cell), ...cells] : cells;
   };
-  const head = ["verdict", "figure", "threshold", "runs that keep it", "quantile [interval]", ""];
+  const head = ["verdict", "figure", "threshold", "runs that keep it", "quantile [interval]", "what would tell"];
   const order = { fail: 0, undecided: 1, pass: 2 };
   const sorted = [...verdicts].sort((a, b) => order[worst([a.answer])] - order[worst([b.answer])]);
   return table("Thresholds", withCell ? ["cell", ...head] : head, sorted.slice(0, 500).map(row), withCell ? [0, 1, 2, 3, 6] : [0, 1, 2, 5]);

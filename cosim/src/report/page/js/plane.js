@@ -4,6 +4,10 @@ import { axis, whenSeen } from "./timeplot.js";
 
 const MARGIN = { left: 66, bottom: 40, top: 10, right: 14 };
 
+function short(text) {
+  return text.length > 16 ? `${text.slice(0, 15)}…` : text;
+}
+
 /** Least and greatest of lists of numbers, with a margin; null if there are none. */
 export function extent(lists, margin = 0.05) {
   let [low, high] = [Infinity, -Infinity];
@@ -61,7 +65,7 @@ export class Plane {
     this.view ??= this.#fitted(area);
     const [width, height] = [area[0] + MARGIN.left + MARGIN.right, area[1] + MARGIN.top + MARGIN.bottom];
     const range = (of) => (_, low, high) => (low == null ? this.view[of] : [low, high]);
-    const values = this.x.texts && { values: (_, ticks) => ticks.map((tick) => this.x.texts[tick] ?? ""), splits: () => this.x.texts.map((_, place) => place) };
+    const values = this.x.texts && { values: (_, ticks) => ticks.map((tick) => short(this.x.texts[tick] ?? "")), splits: () => this.x.texts.map((_, place) => place) };
     this.u = new uPlot({
       width, height, padding: [MARGIN.top, MARGIN.right, 0, 0],
       scales: { x: { time: false, range: range("x") }, y: { range: range("y") } },

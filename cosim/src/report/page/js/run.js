@@ -70,7 +70,7 @@ function drawPath(ctx, at, ratio, paths, path, now, t) {
   if (!path.ellipses) return;
   ctx.lineWidth = ratio;
   ctx.globalAlpha = 0.45;
-  path.ellipses.at.forEach((_, entry) => drawEllipse(ctx, at, path, entry));
+  if (!path.sparse) path.ellipses.at.forEach((_, entry) => drawEllipse(ctx, at, path, entry));
   ctx.globalAlpha = 1;
   ctx.lineWidth = 2.5 * ratio;
   drawEllipse(ctx, at, path, placeAt(path.ellipses.at.map((i) => t[i]), now));
@@ -86,7 +86,7 @@ function markers(plane, map, clock) {
       const arrow = arrows[i];
       if (arrow.parentNode !== plane.u.over) plane.u.over.append(arrow);
       const [north, east] = [path.x, path.y].map((values) => valueAt(map.t, values, clock.now));
-      arrow.hidden = north == null || east == null;
+      arrow.hidden = path.hidden || north == null || east == null;
       if (arrow.hidden) return;
       const yaw = path.yaw ? path.yaw[placeAt(map.t, clock.now)] ?? 0 : 0;
       arrow.style.color = pathColour(map.paths, path);
@@ -110,7 +110,7 @@ function mapOf(map, clock) {
     x: { label: "east (m)", range: east }, y: { label: "north (m)", range: north }, equal: true,
     paint: (ctx, at, ratio) => {
       const order = [...map.paths].sort((a, b) => (b.role === "fix") - (a.role === "fix"));
-      for (const path of order) drawPath(ctx, at, ratio, map.paths, path, clock.now, map.t);
+      for (const path of order.filter((path) => !path.hidden)) drawPath(ctx, at, ratio, map.paths, path, clock.now, map.t);
     },
     pointed: (x, y, near) => {
       let [least, time] = [near, null];
@@ -125,7 +125,15 @@ function mapOf(map, clock) {
     spoken: `Map with ${map.paths.map((path) => path.name).join(", ")}: ${num(north[1] - north[0])} m from south to north, ${num(east[1] - east[0])} m from west to east`,
   });
   markers(plane, map, clock);
+  // Of many estimates the ellipses hide the paths.
+  const estimates = map.paths.filter((path) => path.role === "estimate");
   const samples = map.paths.map((path) => {
+    const box = el("input", { type: "checkbox", checked: true, onchange: () => {
+      path.hidden = !box.checked;
+      plane.redraw();
+      clock.set(clock.now);
+    } });
+    path.sparse = estimates.indexOf(path) > 0;
     const sample = el("i", { class: path.role === "fix" ? "dot" : null });
     const paint = () => {
       sample.style.borderColor = pathColour(map.paths, path);
@@ -134,7 +142,7 @@ function mapOf(map, clock) {
     };
     paint();
     onTheme(sample, paint);
-    return el("li", {}, sample, `${path.name}${path.ellipses ? " (with 95 % ellipses)" : ""}`);
+    return el("li", {}, el("label", {}, box, sample, `${path.name}${path.ellipses ? ", 95 % ellipses" : ""}`));
   });
   return el("figure", { class: "plot", id: "map" }, el("figcaption", {}, "Map: north up"), plane.canvas,
     el("ul", { class: "legend" }, samples), plane.buttons("map"));
@@ -182,16 +190,37 @@ function faultList(faults, stop) {
 function zoomButtons(clock) {
   const button = (text, what, act) => el("button", { type: "button", title: what, "aria-label": what, onclick: act }, text);
   return el("div", { class: "controls", role: "group", "aria-label": "Part of time that plots show" },
-    button("+", "zoom in on time", () => clock.zoom(0.5)), button("−", "zoom out of time", () => clock.zoom(2)),
+    el("span", {}, "Plots"), button("+", "zoom in on time", () => clock.zoom(0.5)), button("−", "zoom out of time", () => clock.zoom(2)),
     button("←", "earlier", () => clock.zoom(1, -0.25)), button("→", "later", () => clock.zoom(1, 0.25)),
     button("all", "show the whole run", () => clock.reset()),
     el("span", { class: "small soft" }, "Drag in a plot to zoom, double-click for all; the cursor is common to all plots and the map."));
 }
 
+/** The value of a plot with one curve that never changes. */
+function constant({ lines, band, limits }) {
+  const [first, ...rest] = lines[0].v;
+  return lines.length === 1 && !band && !limits && rest.every((value) => value === first) ? first : null;
+}
+
+/** So many plots stand under one heading; of more, those of the first component are seen at once. */
+const AT_ONCE = 10;
+
 function sections(plots, clock, faults) {
+  const grid = (list) => [
+    el("div", { class: "plots" }, list.filter((plot) => constant(plot) == null).map((plot) => timePlot(plot, clock, faults))),
+    el("p", { class: "small" }, list.filter((plot) => constant(plot) != null)
+      .map((plot) => `${plot.title} is ${withUnit(num(constant(plot)), plot.unit)} all the time`).join("; "))];
   const names = [...new Set(plots.map((plot) => plot.section))];
-  return names.map((name) => el("section", {}, el("h2", {}, name),
-    el("div", { class: "plots" }, plots.filter((plot) => plot.section === name).map((plot) => timePlot(plot, clock, faults)))));
+  return names.map((name) => {
+    const own = plots.filter((plot) => plot.section === name);
+    if (own.length <= AT_ONCE) return el("section", {}, el("h2", {}, name), grid(own));
+    const component = (plot) => plot.title.split(".")[0];
+    const components = [...new Set(own.map(component))];
+    return el("section", {}, el("h2", {}, name), components.map((of, place) => {
+      const list = own.filter((plot) => component(plot) === of);
+      return details(`${of} (${list.length} plots)`, () => grid(list), place === 0);
+    }));
+  });
 }
 
 function planeOf({ title, x, y, lines }) {
@@ -251,10 +280,10 @@ function variables(trace) {
 export function runView(trace) {
   const clock = new Clock(trace.start, trace.stop);
   const parts = [];
-  if (trace.map) parts.push(el("div", { class: "wide" }, mapOf(trace.map, clock), el("div", {}, instant(trace, clock), faultList(trace.faults, trace.stop))));
-  else parts.push(instant(trace, clock), faultList(trace.faults, trace.stop));
+  const side = [instant(trace, clock), trace.plots.length + trace.signals.length > 0 && zoomButtons(clock), faultList(trace.faults, trace.stop)].filter(Boolean);
+  if (trace.map) parts.push(el("div", { class: "wide" }, mapOf(trace.map, clock), el("div", {}, side)));
+  else parts.push(side);
   parts.push(trace.xy.map(planeOf));
-  if (trace.plots.length + trace.signals.length > 0) parts.push(zoomButtons(clock));
   parts.push(sections(trace.plots, clock, trace.faults));
   if (trace.signals.length > 0) parts.push(details(`All signals (${trace.signals.length} plots)`, () => everything(trace, clock), trace.plots.length === 0));
   if (trace.table.length > 0) parts.push(details(`All variables (${trace.table.length})`, () => variables(trace)));

@@ -17,7 +17,7 @@ export function axis(label, more = {}) {
 }
 
 /** What is wrong in a run, shaded over the height of a plot. */
-export function shadeFaults(u, faults, stop) {
+function shadeFaults(u, faults, stop) {
   const { ctx, bbox } = u;
   ctx.save();
   ctx.beginPath();
@@ -109,10 +109,10 @@ function spoken(plot) {
 export function timePlot(plot, clock, faults) {
   const canvas = el("div", { class: "canvas" });
   const unit = plot.unit === "1" ? "no unit" : plot.unit || "unit not known";
-  const head = plot.title.endsWith(")") || !plot.unit ? plot.title : `${plot.title} (${plot.unit})`;
+  const head = !plot.unit || plot.unit === "1" || plot.title.endsWith(`(${plot.unit})`) ? plot.title : `${plot.title} (${plot.unit})`;
   const marks = plot.marks && plot.marks.at.length > 0 ? plot.marks : null;
   const figure = el("figure", { class: "plot" }, el("figcaption", {}, head), canvas,
-    marks && el("p", { class: "small soft" }, `✕ ${marks.name}: ${marks.at.length} times`));
+    marks && el("p", { class: "small soft" }, `✕ ${marks.name} (${marks.at.length})`));
   let u = null;
   const build = () => {
     u?.destroy();
