@@ -3,7 +3,7 @@
 //! A path is a group with `x` and `y`, called `pose` or `position`. It has a standard deviation if
 //! its component has `sigma.x` and `sigma.y` (or `pose_sigma.x` ...); then it is an estimate. The first
 //! `pose` without is the truth; any other `pose` is an estimate if none has a standard deviation.
-//! A `position` without is a fix that a sensor gave.
+//! A `position` without, of another component, is a fix that a sensor gave.
 
 use super::columns::Columns;
 use crate::names;
@@ -80,6 +80,11 @@ impl Paths {
             estimates.retain(|estimate| Some(&estimate.path) != truth.as_ref());
         }
         estimates.truncate(MOST);
+        // What the truth or an estimator has as its input is no sensor's.
+        let owners = truth.iter().chain(estimates.iter().map(|estimate| &estimate.path));
+        let owners: Vec<String> =
+            owners.filter_map(|path| Some(format!("{}.", path.rsplit_once('.')?.0))).collect();
+        fixes.retain(|fix| !owners.iter().any(|owner| fix.starts_with(owner)));
         Ok(Self { truth, estimates, fixes })
     }
 }

@@ -133,7 +133,7 @@ export function cellView(report, cell) {
     const parts = campaign.figures.length === 0 ? [] : [
       el("h2", {}, "Distribution"), spread(campaign, cell, figure),
       siblings(campaign, cell).length > 1 && [el("h2", {}, "Paired comparison"), cell.compared.length > 0 && comparisons(cell.compared, campaign.figures, "Differences, run by run"), paired(campaign, cell, figure)],
-      campaign.inputs.length > 0 && [el("h2", {}, "What it hangs on"), sensitivity(campaign, cell, figure) ?? el("p", { class: "soft" }, "No parameter differs between the runs of this cell, or there is no room for points."), alongFactors(campaign, cell, figure)],
+      campaign.inputs.length > 0 && [el("h2", {}, "Sensitivity"), sensitivity(campaign, cell, figure) ?? el("p", { class: "soft" }, "No parameter differs between the runs of this cell, or there is no room for points."), alongFactors(campaign, cell, figure)],
       el("h2", {}, "Runs"), runs(campaign, cell, figure)];
     place.replaceChildren(...parts.flat().filter(Boolean));
   };

@@ -7,7 +7,7 @@ export function num(value, digits = 4) {
   if (value === 0) return "0";
   const size = Math.abs(value);
   const text = size >= 1e6 || size < 1e-4
-    ? value.toExponential(digits - 1)
+    ? Number(value.toPrecision(digits)).toExponential().replace("e+", "e")
     : String(Number(value.toPrecision(digits)));
   return text.replace("-", "−");
 }

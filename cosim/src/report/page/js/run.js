@@ -35,6 +35,8 @@ function drawEllipse(ctx, at, path, entry) {
   const { a, b, angle } = ellipse(xx[entry], xy[entry] ?? 0, yy[entry]);
   const [x, y] = at(east, north);
   const scale = Math.abs(at(east + 1, north)[0] - x);
+  // An estimator that knows nothing any more would cover the map.
+  if (a * scale > 2 * ctx.canvas.width) return;
   ctx.beginPath();
   ctx.ellipse(x, y, a * scale, b * scale, -angle, 0, 2 * Math.PI);
   ctx.stroke();

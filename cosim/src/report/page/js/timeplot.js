@@ -72,6 +72,15 @@ function contents(plot) {
   return { data, series, bands };
 }
 
+/** The range of values: of the lines, and of the band as far as that leaves something to see. */
+function valueRange(plot, low, high) {
+  if (!plot.band) return uPlot.rangeNum(low ?? 0, high ?? 1, 0.1, true);
+  const most = (lists) => Math.max(0, ...lists.map((list) => list.reduce((a, v) => (v == null ? a : Math.max(a, Math.abs(v))), 0)));
+  const size = most(plot.lines.map((line) => line.v));
+  const seen = Math.max(size, Math.min(most([plot.band.v]), 4 * size || Infinity)) || 1;
+  return [-1.1 * seen, 1.1 * seen];
+}
+
 /** Crosses on the first line where something was marked. */
 function drawMarks(u, marks) {
   const { ctx } = u;
@@ -122,7 +131,7 @@ export function timePlot(plot, clock, faults) {
       width: Math.max(canvas.clientWidth, 200), height: 190, bands, series,
       scales: {
         x: { time: false, range: (_, low, high) => [low, high], min: clock.from, max: clock.until },
-        y: { dir: plot.down ? -1 : 1 },
+        y: { dir: plot.down ? -1 : 1, range: (_, low, high) => valueRange(plot, low, high) },
       },
       axes: [axis("time (s)", { size: 24 }), axis(`${first} (${unit})`.trim(), { size: 62 })],
       cursor: { y: false, drag: { x: true, y: false }, points: { size: 7 } },
