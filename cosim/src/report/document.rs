@@ -37,7 +37,7 @@ impl Term {
 }
 
 /// The script's modules in the order in which they need each other.
-const MODULES: [&str; 11] = [
+const MODULES: [&str; 12] = [
     include_str!("page/js/dom.js"),
     include_str!("page/js/format.js"),
     include_str!("page/js/theme.js"),
@@ -47,6 +47,7 @@ const MODULES: [&str; 11] = [
     include_str!("page/js/distribution.js"),
     include_str!("page/js/overview.js"),
     include_str!("page/js/cell.js"),
+    include_str!("page/js/space.js"),
     include_str!("page/js/run.js"),
     include_str!("page/js/main.js"),
 ];

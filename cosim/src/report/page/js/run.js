@@ -4,6 +4,7 @@ import { Clock, placeAt, valueAt } from "./clock.js";
 import { groupColour } from "./distribution.js";
 import { num, withUnit } from "./format.js";
 import { extent, Plane } from "./plane.js";
+import { spaceOf } from "./space.js";
 import { colour, onTheme } from "./theme.js";
 import { timePlot } from "./timeplot.js";
 
@@ -207,7 +208,7 @@ function constant({ lines, band, limits }) {
 /** So many plots stand under one heading; of more, those of the first component are seen at once. */
 const AT_ONCE = 10;
 
-function sections(plots, clock, faults) {
+function sections({ plots, map, faults }, clock) {
   const grid = (list) => [
     el("div", { class: "plots" }, list.filter((plot) => constant(plot) == null).map((plot) => timePlot(plot, clock, faults))),
     el("p", { class: "small" }, list.filter((plot) => constant(plot) != null)
@@ -215,7 +216,12 @@ function sections(plots, clock, faults) {
   const names = [...new Set(plots.map((plot) => plot.section))];
   return names.map((name) => {
     const own = plots.filter((plot) => plot.section === name);
-    if (own.length <= AT_ONCE) return el("section", {}, el("h2", {}, name), grid(own));
+    const space = name === "Depth" && map && spaceOf(map, clock, (path) => pathColour(map.paths, path));
+    if (own.length <= AT_ONCE) {
+      const shown = grid(own);
+      if (space) shown[0].append(space);
+      return el("section", {}, el("h2", {}, name), shown);
+    }
     const component = (plot) => plot.title.split(".")[0];
     const components = [...new Set(own.map(component))];
     return el("section", {}, el("h2", {}, name), components.map((of, place) => {
@@ -286,7 +292,7 @@ export function runView(trace) {
   if (trace.map) parts.push(el("div", { class: "wide" }, mapOf(trace.map, clock), el("div", {}, side)));
   else parts.push(side);
   parts.push(trace.xy.map(planeOf));
-  parts.push(sections(trace.plots, clock, trace.faults));
+  parts.push(sections(trace, clock));
   if (trace.signals.length > 0) parts.push(details(`All signals (${trace.signals.length} plots)`, () => everything(trace, clock), trace.plots.length === 0));
   if (trace.table.length > 0) parts.push(details(`All variables (${trace.table.length})`, () => variables(trace)));
   return parts.flat().filter(Boolean);
