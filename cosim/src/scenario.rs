@@ -29,6 +29,7 @@
 //! Events at one instant happen in the order of the file.
 
 mod faults;
+mod windows;
 
 use std::path::Path;
 
@@ -54,8 +55,6 @@ pub struct Scenario {
     targets: Vec<Vec<String>>,
     /// The resets that are still to come, with their faults, the next one last.
     resets: Vec<(Time, usize)>,
-    /// Per fault: when it began, or begins, as far as that is known.
-    begun: Vec<Option<Time>>,
     /// When the faults are put in their places.
     install: Option<Time>,
     /// Faults whose condition has not held yet, and when it is looked at next.
@@ -108,28 +107,6 @@ impl Scenario {
         })
     }
 
-    /// When the first fault of the run that was made began, and when the last one ended (s); infinite if
-    /// one went on. Nothing if there was none.
-    pub(crate) fn span(&self) -> Option<[f64; 2]> {
-        let faults = self.faults.iter().zip(&self.begun);
-        let faults = faults.filter_map(|(fault, begun)| {
-            let begun = (*begun)?;
-            let end = match fault.end {
-                End::At(end) => end,
-                End::After(lasts) => begun + lasts,
-                End::Never if fault.kind == Kind::Reset => begun,
-                End::Never => Time::NEVER,
-            };
-            Some([begun, end])
-        });
-        let changes = self.events.iter().filter(|event| event.what != Action::End);
-        let [begin, end] = faults
-            .chain(changes.map(|event| [event.time; 2]))
-            .reduce(|one, other| [one[0].min(other[0]), one[1].max(other[1])])?;
-        let end = if end == Time::NEVER { f64::INFINITY } else { end.seconds() };
-        Some([begin.seconds(), end])
-    }
-
     fn new(mut events: Vec<Event>, faults: Vec<Fault>, seed: u64) -> Self {
         // Stable: events of one instant stay in the order of the file.
         events.sort_by_key(|event| event.time);
@@ -140,7 +117,6 @@ impl Scenario {
             seed,
             targets: Vec::new(),
             resets: Vec::new(),
-            begun: Vec::new(),
             install: None,
             waiting: Vec::new(),
             look: Time::NEVER,
@@ -292,10 +268,9 @@ impl Manipulator for Scenario {
         // A snapshot has them in their places.
         let none = self.faults.is_empty() || resumed.is_some();
         self.install = (!none).then_some(self.start);
-        let faults = self.faults.iter().zip(0..);
-        self.begun = faults.map(|(f, number)| f.beginning(self.seed, number, self.start)).collect();
         let reset = |(number, fault): (usize, &Fault)| {
-            self.begun[number].filter(|_| fault.kind == Kind::Reset).map(|time| (time, number))
+            let begins = fault.begins(self.seed, number as u32, self.start);
+            begins.filter(|_| fault.kind == Kind::Reset).map(|time| (time, number))
         };
         self.resets = self.faults.iter().enumerate().filter_map(reset).collect();
         self.resets.retain(|(time, _)| resumed.is_none_or(|resumed| *time > resumed));
@@ -359,7 +334,6 @@ impl Scenario {
             if !value.is_some_and(|value| condition.holds(value)) {
                 return true;
             }
-            self.begun[fault] = Some(controls.now());
             for target in &self.targets[fault] {
                 let told = controls.trigger(target, fault as u32);
                 if outcome.is_ok() {

@@ -11,11 +11,12 @@ use super::{Campaign, file::Cell};
 use crate::condition::Condition;
 use crate::digest::sha256;
 use crate::error::{Code, Error, Result};
-use crate::fault::Random;
+use crate::fault::{Random, Window};
 use crate::fmi::{Causality, Kind};
 use crate::master::{Manipulator, Run};
 use crate::names;
 use crate::observe::{Observer, Recording, RunInfo, RunningDigest, Stop};
+use crate::report::Units;
 use crate::scenario::Scenario;
 use crate::system::{Overrides, Port, System};
 use crate::time::Time;
@@ -243,6 +244,16 @@ impl Bench {
         self.row(run, variables, results)
     }
 
+    /// The units of what a run records with these variables.
+    pub(super) fn units(&self, run: u64, variables: &[String]) -> Result<Units> {
+        self.system(run, variables).map(|system| Units::of(&system))
+    }
+
+    /// The times in which something is wrong in a run that was recorded.
+    pub(super) fn windows(&self, run: u64, recording: &Recording) -> Vec<Window> {
+        self.scenario(run).map_or_else(Vec::new, |scenario| scenario.windows(recording))
+    }
+
     fn row(&self, run: u64, more: &[String], results: &mut dyn Observer) -> Row {
         let begun = processor_time();
         let outcome = self.made(run, more, results);
@@ -262,7 +273,7 @@ impl Bench {
         }
         let summary = making.go()?;
         let figures = self.campaign.figures.iter();
-        let faults = scenario.as_ref().and_then(Scenario::span);
+        let faults = scenario.as_ref().and_then(|scenario| span(scenario, &kept.recording));
         let figures = figures.map(|(_, figure)| figure.compute(&kept.recording, faults));
         let figures: Result<Vec<f64>> = figures.collect();
         let ended = kept.held.map(|held| format!("ended when {held}"));
@@ -287,6 +298,13 @@ impl Bench {
 fn reason(problem: &Error) -> String {
     let said = problem.logged().last().map(String::as_str);
     std::iter::once(problem.line().as_str()).chain(said).collect::<Vec<_>>().join("; ")
+}
+
+/// When the first fault of a run began and when the last one ended (s); infinite if one went on.
+fn span(scenario: &Scenario, recording: &Recording) -> Option<[f64; 2]> {
+    let windows = scenario.windows(recording).into_iter();
+    let spans = windows.map(|w| [w.from, w.until.unwrap_or(f64::INFINITY)]);
+    spans.reduce(|one, other| [one[0].min(other[0]), one[1].max(other[1])])
 }
 
 /// The processor time of this process (s).

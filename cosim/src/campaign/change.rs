@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use serde::Serialize;
 
 use super::statistics::{Estimate, quantile};
-use super::{Campaign, Past, Row};
+use super::{Campaign, Contents, Row};
 
 /// A figure of a cell, now and before.
 #[derive(Debug, Serialize)]
@@ -36,7 +36,7 @@ pub enum Meaning {
 
 /// Every figure that both campaigns have, of the cells that both have. Less is better, unless a
 /// threshold says `at-least`.
-pub fn changes(campaign: &Campaign, rows: &[Row], past: &Past) -> Vec<Change> {
+pub fn changes(campaign: &Campaign, rows: &[Row], past: &Contents) -> Vec<Change> {
     let mut before: HashMap<(&str, u64), &Row> = HashMap::new();
     let count = past.cells.len().max(1) as u64;
     for row in &past.rows {

@@ -325,5 +325,7 @@ impl Figure {
     }
 }
 
+mod words;
+
 #[cfg(test)]
 mod tests;

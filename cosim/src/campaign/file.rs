@@ -14,6 +14,8 @@ use crate::table::{Document, Table};
 pub struct Campaign {
     /// The file.
     pub file: PathBuf,
+    /// The question that it asks; may be empty.
+    pub description: String,
     /// The number that all random numbers come from.
     pub seed: u64,
     /// How many runs each cell has.
@@ -135,11 +137,11 @@ impl Campaign {
         let parsed = document.parse()?;
         let root = document.root(&parsed);
         root.allow(&KEYS);
-        root.text("description");
         let folder = file.parent().unwrap_or(Path::new("")).to_owned();
         let path = |text: &str| folder.join(text);
         let mut campaign = Self {
             file: file.to_owned(),
+            description: root.text("description").unwrap_or_default().to_owned(),
             seed: root.count("seed").unwrap_or(0),
             seeds: root.count("seeds").unwrap_or(1) as usize,
             systems: named(&root, "systems", |entry| entry.text().map(path)),

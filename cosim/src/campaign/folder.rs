@@ -4,8 +4,9 @@
 //! the runs in flight and no other; a line cut short, by a full disk or a lost machine, is cut off and its
 //! run made again. The other files are made anew from the log, each as a whole.
 
+use std::collections::HashSet;
 use std::fs::{File, OpenOptions};
-use std::io::{Read, Write};
+use std::io::{BufRead, Read, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -28,16 +29,6 @@ struct Manifest {
     identity: Vec<String>,
     cells: Vec<String>,
     figures: Vec<String>,
-}
-
-/// The results of a campaign that is over, by themselves.
-pub struct Past {
-    /// The names of the cells: the run `n` is of the cell `n` modulo their number.
-    pub cells: Vec<String>,
-    /// The names of the figures, in the order in which rows have them.
-    pub figures: Vec<String>,
-    /// What is there.
-    pub rows: Vec<Row>,
 }
 
 const MANIFEST: &str = "campaign.json";
@@ -80,13 +71,6 @@ impl Folder {
         Ok(Manifest::read(path.as_ref())?.file)
     }
 
-    /// What a folder holds, whatever became of the files that it was made from.
-    pub fn past(path: impl AsRef<Path>) -> Result<Past> {
-        let path = path.as_ref();
-        let Manifest { cells, figures, .. } = Manifest::read(path)?;
-        Ok(Past { cells, figures, rows: logged(path)? })
-    }
-
     /// The row of a run in a folder, whose campaign has this identity.
     pub fn row(path: impl AsRef<Path>, run: u64, identity: &[String]) -> Result<Row> {
         let mut rows = Self::rows_of(&path, identity)?.into_iter();
@@ -101,6 +85,20 @@ impl Folder {
         let path = path.as_ref();
         fits(&Manifest::read(path)?.identity, identity, path)?;
         logged(path)
+    }
+
+    /// What is in a folder, to look at: nothing is changed, and what cannot be read is left out.
+    pub fn contents(path: impl AsRef<Path>) -> Result<Contents> {
+        let path = path.as_ref();
+        let Manifest { file, identity, cells, figures } = Manifest::read(path)?;
+        let (rows, notes) = (Vec::new(), Vec::new());
+        let mut contents = Contents { campaign: file, identity, cells, figures, rows, notes };
+        let log = path.join(LOG);
+        match File::open(&log) {
+            Err(e) => contents.notes.push(format!("{} cannot be read: {e}", log.display())),
+            Ok(log) => contents.read_rows(std::io::BufReader::new(log)),
+        }
+        Ok(contents)
     }
 
     fn read_log(&mut self) -> Result<()> {
@@ -174,6 +172,62 @@ fn logged(path: &Path) -> Result<Vec<Row>> {
         .map_err(|e| Error::new(Code::Results, "the rows cannot be read").at(&file).why(e))?;
     // A line that is being written, or was cut short, is no row yet.
     Ok(text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect())
+}
+
+/// What a folder holds.
+pub struct Contents {
+    /// The file of the campaign.
+    pub campaign: PathBuf,
+    /// What the campaign was, as lines of text.
+    pub identity: Vec<String>,
+    /// The names of its cells: the run `n` is of the cell `n` modulo their number.
+    pub cells: Vec<String>,
+    /// The names of its figures, in the order in which rows have them.
+    pub figures: Vec<String>,
+    /// A row for each run that is over.
+    pub rows: Vec<Row>,
+    /// What cannot be read, and why.
+    pub notes: Vec<String>,
+}
+
+impl Contents {
+    fn read_rows(&mut self, log: impl BufRead) {
+        const SHOWN: usize = 5;
+        let (mut lost, mut known) = (0, HashSet::new());
+        for (line, text) in log.split(b'\n').enumerate() {
+            let text = match text {
+                Ok(text) if text.is_empty() => continue,
+                Ok(text) => text,
+                Err(e) => return self.notes.push(format!("{LOG} cannot be read to its end: {e}")),
+            };
+            match serde_json::from_slice::<Row>(&text) {
+                Ok(row) if known.insert(row.run) => self.rows.push(row),
+                Ok(_) => {}
+                Err(e) => {
+                    lost += 1;
+                    if lost <= SHOWN {
+                        self.notes.push(format!("line {} of {LOG} is no row: {e}", line + 1));
+                    }
+                }
+            }
+        }
+        if lost > SHOWN {
+            self.notes.push(format!("{} more lines of {LOG} are no rows", lost - SHOWN));
+        }
+    }
+
+    /// An error with the first differences if they are of another campaign than this file says.
+    pub(super) fn fit(&self, campaign: &Campaign, path: &Path) -> Result<()> {
+        // Hashes of files decide whether runs can be made again, not what their rows mean.
+        let hash = |text: &str| text.len() == 64 && text.bytes().all(|b| b.is_ascii_hexdigit());
+        let of_file = |line: &&String| {
+            // After the GUID, of components.
+            line.rsplit(' ').next().is_some_and(hash) || line.starts_with("cosim ")
+        };
+        let before: Vec<String> = self.identity.iter().filter(|l| !of_file(l)).cloned().collect();
+        let now = campaign.identity();
+        fits(&before, &now, path)
+    }
 }
 
 impl Manifest {

@@ -1,51 +1,184 @@
 //! `cosim report`: results as a page or a picture.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
-use cosim::report::{Options, Plot, XyPlot, html, svg};
-use cosim::{Code, Error, Recording, Result, files};
+use cosim::campaign;
+use cosim::report::{Choice, Estimate, Options, Plot, Units, XyPlot, html, svg};
+use cosim::scenario::Scenario;
+use cosim::{Code, Error, Overrides, Recording, Result, System, files, names};
+use indicatif::{ProgressBar, ProgressStyle};
 
-use super::messages;
 use super::output::print;
+use super::{interrupt, messages};
 
-/// Make a self-contained HTML page, or one picture, of recorded results
+/// Make a self-contained HTML page of a campaign or of recorded results, or one picture
 #[derive(Args)]
 pub(crate) struct Report {
-    /// The results: CSV with the time in its first column, or MCAP of this program
-    file: PathBuf,
+    /// The folder of a campaign, or the results of one run: CSV with the time in its first column,
+    /// or MCAP of this program
+    results: PathBuf,
     /// Write the page there, or the figure if the name ends in .svg; - for stdout (default: the
-    /// results' name with .html)
+    /// results' name with .html; of a campaign report.html in its folder)
     #[arg(long, short, value_name = "FILE")]
     output_file: Option<PathBuf>,
     /// Title of the page (default: the results' name)
     #[arg(long)]
     title: Option<String>,
-    /// Plot these columns over time (repeatable; default: all)
+    /// Make so many runs of each cell again and show them whole: the worst, the median one, others
+    /// between; 0 for none
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    runs_per_cell: usize,
+    /// Plot these columns over time, before all others (repeatable)
     #[arg(long, value_name = "TITLE: COLUMN, ...")]
     plot: Vec<Plot>,
     /// Plot columns against each other (repeatable)
     #[arg(long, value_name = "TITLE: X, Y; ...")]
     xy: Vec<XyPlot>,
+    /// The system that was run: for the units of the columns
+    #[arg(long, value_name = "FILE")]
+    system: Option<PathBuf>,
+    /// The scenario that was played: its faults are shaded
+    #[arg(long, value_name = "FILE")]
+    scenario: Option<PathBuf>,
+    /// The true path, as vehicle.pose (default: the first pose without standard deviations)
+    #[arg(long, value_name = "NAME")]
+    truth: Option<String>,
+    /// An estimated path, as filter.pose (repeatable; default: those with standard deviations)
+    #[arg(long, value_name = "NAME")]
+    estimate: Vec<String>,
+}
+
+/// What a file of this ending is.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Page,
+    Picture,
 }
 
 impl Report {
     pub(crate) fn run(self) -> Result<()> {
-        let recording = Recording::read(&self.file)?;
-        let stem = || self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let title = self.title.unwrap_or_else(stem);
-        let options = Options { title, plots: self.plot, paths: self.xy };
-        let target = self.output_file.unwrap_or_else(|| self.file.with_extension("html"));
-        let picture = target.extension().is_some_and(|ending| ending == "svg");
-        let page = if picture { svg(&recording, &options)? } else { html(&recording, &options)? };
+        let is_campaign = self.results.is_dir();
+        let target = self.output_file.clone().unwrap_or_else(|| match is_campaign {
+            true => self.results.join("report.html"),
+            false => self.results.with_extension("html"),
+        });
+        let kind = kind(&target)?;
+        let page = match (is_campaign, kind) {
+            (true, Kind::Page) => self.campaign()?,
+            (true, Kind::Picture) => {
+                return Err(Error::new(Code::Usage, "an SVG file holds one figure of one run")
+                    .at(&target)
+                    .help(
+                        "make a run of the campaign again (cosim replay), and report its results",
+                    ));
+            }
+            (false, _) => self.single(kind)?,
+        };
         if target.as_os_str() == "-" {
             return print(&page);
         }
-        files::refuse_inputs(&target, [self.file.as_path()])?;
+        if !is_campaign {
+            files::refuse_inputs(&target, [self.results.as_path()])?;
+        }
         files::replace(&target, page.as_bytes()).map_err(|e| {
             Error::new(Code::Output, "the page cannot be written").at(&target).why(e)
         })?;
+        if is_campaign && interrupt::interrupted() {
+            return Err(Error::new(Code::Interrupted, "the report was interrupted")
+                .why(format!("some runs are not shown in {}", target.display()))
+                .help("give the same command again"));
+        }
         messages::tell(&format!("the report is in {}", target.display()));
         Ok(())
     }
+
+    fn single(&self, kind: Kind) -> Result<String> {
+        let recording = Recording::read(&self.results)?;
+        let stem = || self.results.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let estimate = |path: &String| Estimate { path: path.clone(), ..Estimate::default() };
+        let mut sources = vec![("Results".to_owned(), self.results.display().to_string())];
+        let mut source = |name: &str, file: &Option<PathBuf>| {
+            sources.extend(file.iter().map(|f| (name.to_owned(), f.display().to_string())));
+        };
+        source("System", &self.system);
+        source("Scenario", &self.scenario);
+        let options = Options {
+            title: self.title.clone().unwrap_or_else(stem),
+            plots: self.plot.clone(),
+            paths: self.xy.clone(),
+            units: self.system.as_deref().map_or(Ok(Units::default()), units)?,
+            choice: Choice {
+                truth: self.truth.clone(),
+                estimates: self.estimate.iter().map(estimate).collect(),
+            },
+            scenario: self.scenario.as_ref().map(Scenario::read).transpose()?,
+            sources,
+        };
+        match kind {
+            Kind::Page => html(&recording, &options),
+            Kind::Picture => svg(&recording, &options),
+        }
+    }
+
+    fn campaign(&self) -> Result<String> {
+        let given = [
+            ("--plot", !self.plot.is_empty()),
+            ("--xy", !self.xy.is_empty()),
+            ("--system", self.system.is_some()),
+            ("--scenario", self.scenario.is_some()),
+            ("--truth", self.truth.is_some()),
+            ("--estimate", !self.estimate.is_empty()),
+        ];
+        if let Some((option, _)) = given.iter().find(|(_, given)| *given) {
+            let what = format!("{option} is for the results of one run, and a folder is given");
+            return Err(Error::new(Code::Usage, what).at(&self.results));
+        }
+        interrupt::listen();
+        let style =
+            ProgressStyle::with_template("{wide_bar} {pos}/{len} runs made again, {eta} left");
+        let bar = style.map_or_else(
+            |_| ProgressBar::no_length(),
+            |style| ProgressBar::no_length().with_style(style),
+        );
+        let mut more = |left: usize| {
+            if bar.length().is_none() {
+                bar.set_length(left as u64);
+            }
+            bar.set_position(bar.length().unwrap_or(0) - left as u64);
+            !interrupt::interrupted()
+        };
+        let options =
+            campaign::Report { title: self.title.clone(), runs_per_cell: self.runs_per_cell };
+        let outcome = campaign::report(&self.results, &options, &mut more);
+        bar.finish_and_clear();
+        let (page, notes) = outcome?;
+        notes.iter().for_each(|note| messages::note(note));
+        Ok(page)
+    }
+}
+
+/// Units of everything that a system can record.
+fn units(file: &Path) -> Result<Units> {
+    let all = Overrides::new().output_variables(["*"]);
+    System::load(file, &all).map(|system| Units::of(&system))
+}
+
+/// By the ending of the name; one that is not known is refused.
+fn kind(target: &Path) -> Result<Kind> {
+    const KNOWN: [&str; 3] = ["html", "htm", "svg"];
+    let Some(ending) = target.extension() else { return Ok(Kind::Page) };
+    let ending = ending.to_string_lossy().to_ascii_lowercase();
+    if !KNOWN.contains(&ending.as_str()) {
+        let help = match ending.as_str() {
+            "pdf" => "write .html and print it to a PDF from the browser".to_owned(),
+            "png" => "write .svg and convert it, for instance by rsvg-convert".to_owned(),
+            other => names::did_you_mean(other, KNOWN).unwrap_or_default(),
+        };
+        return Err(Error::new(Code::Usage, format!("a report cannot be written as .{ending}"))
+            .at(target)
+            .why("known endings are .html (a page) and .svg (one figure)")
+            .maybe_help((!help.is_empty()).then_some(help)));
+    }
+    Ok(if ending == "svg" { Kind::Picture } else { Kind::Page })
 }

@@ -9,12 +9,14 @@ mod acting;
 mod kind;
 mod random;
 mod schema;
+mod window;
 
 pub(crate) use acting::{Acting, Way};
 pub(crate) use random::{Random, normal_quantile};
 
 pub use kind::{KINDS, Kind, Meant, Meanwhile, Spread, Word};
 pub use schema::schema;
+pub use window::Window;
 
 use crate::condition::Condition;
 use crate::time::Time;
@@ -66,7 +68,7 @@ impl Fault {
     /// The fault with this number in its list, acting on the `place`th of its variables, with the
     /// random stream that belongs to `seed`, in a run that begins at `start`.
     pub(crate) fn acting(&self, seed: u64, number: u32, place: u32, start: Time) -> Acting {
-        let from = self.beginning(seed, number, start);
+        let from = self.begins(seed, number, start);
         let own = if self.kind.is_common() { 1 } else { 2 + u64::from(place) };
         let random = Random::new(&[seed, u64::from(number), own]);
         Acting::new(number, self.kind.clone(), from, self.end, random)
@@ -76,7 +78,7 @@ impl Fault {
 
     /// The instant at which the fault begins, the same for all of its variables; none while that
     /// depends on a condition.
-    pub(crate) fn beginning(&self, seed: u64, number: u32, start: Time) -> Option<Time> {
+    pub(crate) fn begins(&self, seed: u64, number: u32, start: Time) -> Option<Time> {
         match &self.begin {
             Begin::Start => Some(start),
             Begin::At(time) => Some(*time),

@@ -44,11 +44,6 @@ pub struct Controls<'a> {
 }
 
 impl Controls<'_> {
-    /// The instant.
-    pub fn now(&self) -> Time {
-        self.now
-    }
-
     /// From now on the variable has this value, whatever computes or drives it.
     pub fn set(&mut self, variable: &str, value: f64) -> Result<()> {
         self.change(variable, Act::Patch(Patch::Override(value)))

@@ -77,7 +77,7 @@ impl Recording {
     }
 
     /// Whether the column at a place holds Strings.
-    pub(super) fn is_text_at(&self, place: usize) -> bool {
+    pub(crate) fn is_text_at(&self, place: usize) -> bool {
         self.forms.get(place) == Some(&Form::Text)
     }
 

@@ -1,36 +1,49 @@
 //! Reports: figures as SVG, pages as self-contained HTML, and the report of recorded results.
 //!
-//! A report is plain data until the last step: a [`Figure`] of [`Panel`]s of [`Series`] becomes an
+//! A document is plain data until the last step: a [`Figure`] of [`Panel`]s of [`Series`] becomes an
 //! SVG text by [`Figure::svg`]; a [`Page`] of paragraphs, tables and figures becomes one HTML file
-//! by [`Page::html`]. The same data give the same bytes.
+//! by [`Page::html`]. A report that people look around in is data in JSON and a script beside it that
+//! shows them; both kinds of page have the same look. The same data give the same bytes.
 //!
 //! | to change | look in |
 //! |---|---|
-//! | colours and line styles | `style` |
+//! | colours and line styles of figures | `style` |
 //! | where panels and legends lie | `layout` |
 //! | how a series is drawn | `draw` |
-//! | the look of the page | `page.html`, `page.css` |
-//! | what `cosim report` shows | `results`, `grouping`, `select` |
+//! | the look of pages | `page/page.html`, `page/base.css`, `page/report.css` |
+//! | what a report does | `page/js` |
+//! | what a run's report has | `run` |
+//! | what a campaign's report has | `campaign::report` |
 
 mod decimate;
+mod document;
 mod draw;
 mod figure;
 mod grouping;
 mod layout;
 mod legend;
+mod numbers;
 mod page;
 mod results;
+mod run;
 mod select;
 mod statistics;
 mod style;
 mod table;
 mod ticks;
+mod units;
 
 pub use figure::{Axis, Figure, LegendPlace, Panel, Series, Shape};
 pub use layout::{Layout, Rect};
 pub use page::{Block, Page, Section};
 pub use results::{Options, html, svg};
+pub use run::{Choice, Estimate};
 pub use select::{Plot, XyPlot};
-pub use statistics::{mean, quantile, root_mean_square};
+pub use statistics::{chi_square_quantile, mean, quantile, root_mean_square};
 pub use style::Role;
 pub use table::Table;
+pub use units::Units;
+
+pub(crate) use document::{Document, Term, run_terms};
+pub(crate) use numbers::Numbers;
+pub(crate) use run::{Shown as ShownAs, Trace, freedom};

@@ -73,21 +73,22 @@ impl Section {
 impl Page {
     /// The page as HTML.
     pub fn html(&self) -> Result<String> {
-        self.render().map_err(|e| {
+        render(context! { page => Value::from(Serde(self)) }).map_err(|e| {
             Error::new(Code::Report, format!("cannot write the page '{}'", self.title)).why(e)
         })
     }
+}
 
-    fn render(&self) -> Result<String, minijinja::Error> {
-        let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?;
-        let mut environment = Environment::new();
-        environment.set_syntax(syntax);
-        environment.add_template("page.html", include_str!("page.html"))?;
-        environment.get_template("page.html")?.render(context! {
-            page => Value::from(Serde(self)),
-            style => include_str!("page.css"),
-        })
-    }
+/// The page of a template's values, with the style that all pages have.
+pub(super) fn render(values: Value) -> Result<String, minijinja::Error> {
+    let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?;
+    let mut environment = Environment::new();
+    environment.set_syntax(syntax);
+    environment.add_template("page.html", include_str!("page/page.html"))?;
+    environment.get_template("page.html")?.render(context! {
+        style => include_str!("page/base.css"),
+        ..values
+    })
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use crate::models::Model::{Clock, Gain, Integrator};
 use crate::ssd::Ssd;
 
 /// Clock -> gain -> integrator, of which the gain may be another FMU, in a folder with a campaign.
-fn campaign(folder: &Path, more: &str) {
+pub(crate) fn campaign(folder: &Path, more: &str) {
     let ssd = Ssd::new()
         .add("clock", Clock)
         .add("g", Gain)
@@ -26,7 +26,7 @@ fn campaign(folder: &Path, more: &str) {
 
 const NOISE: &str = "[[fault]]\nkind = \"white-noise\"\non = \"g.y\"\nsigma = 0.1\n";
 
-const HEAD: &str = r#"
+pub(crate) const HEAD: &str = r#"
 seed = 3
 seeds = 12
 [systems]

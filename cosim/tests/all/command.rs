@@ -229,7 +229,7 @@ fn a_report_of_a_run() {
     let report = cosim(folder.path(), &["report", "r.csv"]);
     assert!(report.status.success(), "{}", text(&report.stderr));
     let page = std::fs::read_to_string(folder.path().join("r.html")).unwrap();
-    assert!(page.contains("<svg") && page.contains("</html>"));
+    assert!(page.contains("id=\"data\"") && page.contains("</html>"));
 }
 
 #[test]

@@ -32,6 +32,7 @@ mod mutations;
 mod osp;
 mod rawzip;
 mod remote;
+mod reports;
 mod results;
 mod scheduler;
 mod signed;

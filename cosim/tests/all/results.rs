@@ -70,5 +70,6 @@ fn the_command_line_chooses_by_the_ending_and_reports_either() {
     assert_eq!(mcap.names(), csv.names());
     assert!(mcap.columns().eq(csv.columns()));
     cosim(&["report", "r.mcap"]);
-    assert!(std::fs::read_to_string(folder.path().join("r.html")).unwrap().contains("<svg"));
+    let page = std::fs::read_to_string(folder.path().join("r.html")).unwrap();
+    assert!(page.contains("9 lives.y"), "{page}");
 }

@@ -47,6 +47,12 @@ impl Expression {
     }
 }
 
+impl std::fmt::Display for Expression {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
 fn parsed(text: &str) -> std::result::Result<FlatEx<f64>, String> {
     exmex::parse(text).map_err(|e| format!("'{text}' is no expression: {e}"))
 }

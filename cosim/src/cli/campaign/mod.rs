@@ -79,7 +79,7 @@ impl Campaign {
         };
         let bench = Bench::open(campaign::Campaign::read(file)?)?;
         bench.check()?;
-        let past = self.compare.as_ref().map(Folder::past).transpose()?;
+        let past = self.compare.as_ref().map(Folder::contents).transpose()?;
         let identity = bench.identity()?;
         let cores = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         let jobs = self.jobs.map_or_else(cores, std::num::NonZero::get);

@@ -1,0 +1,248 @@
+//! What the page says of each cell.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::sample::{Sample, Sampling};
+use crate::campaign::judgement::{Compared, Judgement, Verdict};
+use crate::campaign::statistics::Estimate;
+use crate::campaign::{Answer, Campaign, Row, Status};
+use crate::report::{Numbers, chi_square_quantile, mean, quantile};
+
+/// A cell on the page.
+#[derive(Serialize)]
+pub(super) struct Cell<'a> {
+    pub(super) name: &'a str,
+    /// Of the matrix.
+    row: String,
+    column: String,
+    /// Values of the factors and the list.
+    levels: Vec<&'a str>,
+    runs: usize,
+    failed: usize,
+    figures: Vec<Figure>,
+    pub(super) verdicts: Vec<&'a Verdict>,
+    compared: Vec<&'a Compared>,
+    /// Per figure and input: Spearman's rank correlation; null where it means nothing.
+    sensitivity: Vec<Numbers>,
+    failures: Vec<Failure>,
+    sample: Sample,
+    /// Runs that are shown whole.
+    pub(super) shown: Vec<ShownRun>,
+}
+
+/// A figure in a cell.
+#[derive(Serialize)]
+struct Figure {
+    /// Runs that have it, and those in which it is no finite number.
+    runs: usize,
+    infinite: usize,
+    mean: f64,
+    median: Estimate,
+    percentile_95: Estimate,
+    /// Its quantiles in 40 equal parts of all runs.
+    quantiles: Numbers,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    consistency: Option<Consistency>,
+}
+
+/// How a mean over runs compares with what chi-square allows.
+#[derive(Serialize)]
+struct Consistency {
+    freedom: usize,
+    low: f64,
+    high: f64,
+}
+
+/// Runs that came to nothing for the same reason.
+#[derive(Serialize)]
+struct Failure {
+    status: &'static str,
+    reason: String,
+    count: usize,
+    /// The first of them.
+    runs: Vec<u64>,
+}
+
+/// A run that is shown, or why it is not.
+#[derive(Serialize)]
+pub(super) struct ShownRun {
+    pub(super) run: u64,
+    pub(super) why: &'static str,
+    pub(super) digest: String,
+    pub(super) problem: Option<String>,
+}
+
+/// What all cells are made from.
+pub(super) struct Source<'a> {
+    pub(super) campaign: &'a Campaign,
+    pub(super) judgement: &'a Judgement,
+    /// Per cell: its rows in the order of their numbers.
+    pub(super) rows: Vec<Vec<&'a Row>>,
+    /// Per figure.
+    pub(super) freedom: Vec<Option<usize>>,
+}
+
+impl<'a> Source<'a> {
+    /// A cell with so many runs as points.
+    pub(super) fn cell(&self, cell: usize, sampling: &Sampling, main: &Main) -> Cell<'a> {
+        let campaign = self.campaign;
+        let (own, name) = (&campaign.cells[cell], campaign.cell_name(cell));
+        let (row, column) = self.place(cell);
+        let levels = campaign.factors.iter().zip(&own.levels);
+        let levels = levels.map(|((_, values), level)| values[*level].as_str());
+        let listed = own.row.iter().flat_map(|row| campaign.list.1[*row].iter());
+        let rows = &self.rows[cell];
+        let figures = (0..campaign.figures.len()).map(|figure| self.figure(cell, figure));
+        Cell {
+            name,
+            row,
+            column,
+            levels: levels.chain(listed.map(String::as_str)).collect(),
+            runs: rows.len(),
+            failed: rows.iter().filter(|row| row.status != Status::Ok).count(),
+            figures: figures.collect(),
+            verdicts: self.judgement.verdicts.iter().filter(|v| v.cell == name).collect(),
+            compared: self.judgement.compared.iter().filter(|c| c.with == name).collect(),
+            sensitivity: sampling.sensitivity(rows),
+            failures: failures(rows),
+            sample: sampling.sample(campaign, rows, main.figure),
+            shown: Vec::new(),
+        }
+    }
+
+    /// Row and column of a cell in the matrix: columns are what is compared, filters in most
+    /// campaigns; rows are what they are compared in.
+    fn place(&self, cell: usize) -> (String, String) {
+        let (campaign, own) = (self.campaign, &self.campaign.cells[cell]);
+        let mut column = campaign.replacements[own.replacement].name.clone();
+        if campaign.systems.len() > 1 || column.is_empty() {
+            let system = &campaign.systems[own.system].0;
+            column =
+                if column.is_empty() { system.clone() } else { format!("{system} / {column}") };
+        }
+        let mut row = vec![campaign.scenarios[own.scenario].0.clone()];
+        let levels = campaign.factors.iter().zip(&own.levels);
+        row.extend(levels.map(|((name, values), level)| format!("{name} = {}", values[*level])));
+        row.extend(own.row.map(|row| format!("row {}", row + 1)));
+        row.retain(|part| !part.is_empty());
+        let row = if row.is_empty() { "all runs".to_owned() } else { row.join(", ") };
+        (row, column)
+    }
+
+    fn figure(&self, cell: usize, figure: usize) -> Figure {
+        let good = self.rows[cell].iter().filter(|row| row.status == Status::Ok);
+        let values: Vec<f64> = good.map(|row| row.figure(figure)).collect();
+        let mut finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+        finite.sort_by(f64::total_cmp);
+        let told = &self.judgement.figures[cell * self.campaign.figures.len() + figure];
+        let parts = if finite.is_empty() { 0 } else { 41 };
+        let quantiles = (0..parts).map(|part| quantile_of_sorted(&finite, f64::from(part) / 40.0));
+        let consistency = self.freedom[figure].filter(|_| !finite.is_empty()).map(|freedom| {
+            // The mean over so many independent runs, times their number, is chi-square.
+            let (count, all) = (finite.len() as f64, (finite.len() * freedom) as f64);
+            let bound = |p| chi_square_quantile(p, all) / count;
+            Consistency { freedom, low: bound(0.025), high: bound(0.975) }
+        });
+        Figure {
+            runs: values.len(),
+            infinite: values.len() - finite.len(),
+            mean: mean(&finite),
+            median: told.median,
+            percentile_95: told.percentile_95,
+            quantiles: Numbers::values(quantiles),
+            consistency,
+        }
+    }
+}
+
+fn quantile_of_sorted(sorted: &[f64], p: f64) -> f64 {
+    let place = p * (sorted.len() - 1) as f64;
+    // Two neighbours are enough.
+    let (below, above) = (place.floor() as usize, place.ceil() as usize);
+    quantile(&[sorted[below], sorted[above]], place - place.floor())
+}
+
+/// The figure that runs are ordered by, and whether small values are the bad ones.
+#[derive(Clone, Copy)]
+pub(super) struct Main {
+    pub(super) figure: usize,
+    pub(super) small_is_bad: bool,
+}
+
+impl Main {
+    /// That of the first threshold, else the first.
+    pub(super) fn of(campaign: &Campaign) -> Self {
+        let first = campaign.verdicts.first();
+        Self {
+            figure: first.map_or(0, |threshold| threshold.figure),
+            small_is_bad: first.is_some_and(|threshold| threshold.least.is_some()),
+        }
+    }
+
+    /// Runs to be shown: the worst, the median one, then others evenly between them.
+    pub(super) fn choose(&self, rows: &[&Row], count: usize) -> Vec<(u64, &'static str)> {
+        let mut good: Vec<&&Row> = rows.iter().filter(|row| row.status == Status::Ok).collect();
+        // From the worst on; what is no number is worst.
+        let badness = |row: &Row| {
+            let value = row.figure(self.figure);
+            if value.is_nan() {
+                f64::INFINITY
+            } else if self.small_is_bad {
+                -value
+            } else {
+                value
+            }
+        };
+        good.sort_by(|a, b| badness(b).total_cmp(&badness(a)).then(a.run.cmp(&b.run)));
+        let last = match good.len() {
+            0 => return Vec::new(),
+            length => length - 1,
+        };
+        let mut chosen: Vec<(u64, &'static str)> = Vec::new();
+        let even = (1..count).map(|i| (i * last / (count - 1), "between"));
+        for (place, why) in [(0, "worst"), (last.div_ceil(2), "median")].into_iter().chain(even) {
+            let run = good[place].run;
+            if chosen.len() < count && chosen.iter().all(|(known, _)| *known != run) {
+                chosen.push((run, why));
+            }
+        }
+        chosen
+    }
+}
+
+fn failures(rows: &[&Row]) -> Vec<Failure> {
+    const KINDS: usize = 20;
+    let mut kinds: BTreeMap<(&str, &str), Failure> = BTreeMap::new();
+    for row in rows.iter().filter(|row| row.status != Status::Ok) {
+        let (status, count) = (row.status.word(), 0);
+        let new = || Failure {
+            status,
+            reason: row.reason.chars().take(300).collect(),
+            count,
+            runs: Vec::new(),
+        };
+        let failure = kinds.entry((status, &row.reason)).or_insert_with(new);
+        failure.count += 1;
+        if failure.runs.len() < 5 {
+            failure.runs.push(row.run);
+        }
+    }
+    let mut failures: Vec<Failure> = kinds.into_values().collect();
+    failures.sort_by_key(|failure| std::cmp::Reverse(failure.count));
+    failures.truncate(KINDS);
+    failures
+}
+
+/// What is worst comes first where not all cells have room.
+pub(super) fn urgency(cell: &Cell<'_>) -> u8 {
+    let has = |wanted: fn(&Answer) -> bool| cell.verdicts.iter().any(|v| wanted(&v.answer));
+    if has(|answer| *answer == Answer::Fail) {
+        0
+    } else if has(|answer| matches!(answer, Answer::Undecided(_))) {
+        1
+    } else {
+        2
+    }
+}

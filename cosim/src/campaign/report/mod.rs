@@ -1,0 +1,310 @@
+//! The report of a campaign: one page with the verdict, the matrix of cells, each cell, and some runs
+//! whole. It stays below five megabytes whatever the number of runs.
+
+mod cells;
+mod sample;
+mod shown;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Serialize;
+
+use self::cells::{Cell, Main, Source, urgency};
+use self::sample::{Input, Sampling};
+use super::judgement::Judgement;
+use super::{Answer, Bench, Campaign, Contents, Folder, Row};
+use crate::error::Result;
+use crate::report::{Document, Term, Trace, Units};
+
+/// How a campaign is reported.
+#[derive(Debug, Clone)]
+pub struct Report {
+    /// Title of the page; the campaign's name if there is none.
+    pub title: Option<String>,
+    /// So many runs of each cell are made again and shown whole: the worst, the median one, others.
+    pub runs_per_cell: usize,
+}
+
+/// Octets that the cells, and then all data, may have.
+const CELLS: usize = 2_000_000;
+const ALL: usize = 4_500_000;
+/// A run that is shown whole has at least so many octets, or it is left out.
+const RUN: usize = 16_000;
+
+/// The campaign as the page has it.
+#[derive(Serialize)]
+struct Told<'a> {
+    folder: String,
+    /// The folder as a shell reads it.
+    folder_quoted: String,
+    runs: u64,
+    expected: u64,
+    failed: u64,
+    seeds: usize,
+    answer: &'static str,
+    /// How many thresholds pass, fail and are undecided.
+    answers: [usize; 3],
+    main: usize,
+    figures: Vec<Figure>,
+    inputs: Vec<Input>,
+    levels: Vec<&'a str>,
+    cells: Vec<Cell<'a>>,
+}
+
+#[derive(Serialize)]
+struct Figure {
+    name: String,
+    what: String,
+    unit: String,
+}
+
+/// The page of the campaign whose results are in a folder, and what is missing there. `more` is asked
+/// before each run that is made again, with the number of runs that are left; if it is false, the
+/// rest is not shown. An error if the folder holds no results, or those of another campaign than its
+/// file says now.
+pub fn report(
+    folder: &Path,
+    options: &Report,
+    more: &mut dyn FnMut(usize) -> bool,
+) -> Result<(String, Vec<String>)> {
+    let contents = Folder::contents(folder)?;
+    let campaign = Campaign::read(&contents.campaign)?;
+    contents.fit(&campaign, folder)?;
+    let mut notes = contents.notes.clone();
+    let bench = shown::bench(&contents);
+    let units = match &bench {
+        Ok(bench) => bench.units(0, &["*".to_owned()]).unwrap_or_default(),
+        Err(_) => Units::default(),
+    };
+    let judgement = Judgement::new(&campaign, &contents.rows);
+    let source = source(&campaign, &contents.rows, &judgement, &units);
+    let main = Main::of(&campaign);
+    let unit = |name: &str| units.unit(name).unwrap_or_default().to_owned();
+    let mut sampling = Sampling {
+        inputs: Input::of_all(&campaign, &contents.rows, unit),
+        figures: campaign.figures.len(),
+        replicates: usize::MAX,
+    };
+    let mut cells = fitting(&source, &mut sampling, &main, &mut notes);
+    let used = octets(&cells);
+    let mut runs = BTreeMap::new();
+    if options.runs_per_cell > 0 && !contents.rows.is_empty() {
+        let plan = shown::plan(&source, &cells, &main, options.runs_per_cell);
+        let room = ALL.saturating_sub(used);
+        let most = room / RUN;
+        if plan.len() > most {
+            let left = plan.len() - most;
+            notes.push(format!("{left} runs have no room on this page: replay them one by one"));
+        }
+        let made = shown::Shown { bench, campaign: &campaign, rows: &source.rows };
+        runs = made.make(&plan[..plan.len().min(most)], room, &mut cells, more);
+    }
+    missing(&campaign, &judgement, &mut notes);
+    let document = Document {
+        title: options.title.clone().unwrap_or_else(|| name(&campaign)),
+        question: campaign.description.clone(),
+        notes: notes.clone(),
+        method: method(&campaign),
+        provenance: provenance(&campaign, &contents),
+        identity: identity(&contents),
+        campaign: Some(told(&campaign, folder, &judgement, &units, &main, sampling, cells)),
+        runs,
+    };
+    Ok((document.html()?, notes))
+}
+
+fn source<'a>(
+    campaign: &'a Campaign,
+    all: &'a [Row],
+    judgement: &'a Judgement,
+    units: &Units,
+) -> Source<'a> {
+    let mut rows: Vec<Vec<&Row>> = vec![Vec::new(); campaign.cells()];
+    for row in all.iter().filter(|row| row.run < campaign.runs()) {
+        rows[campaign.cell_of(row.run)].push(row);
+    }
+    rows.iter_mut().for_each(|rows| rows.sort_by_key(|row| row.run));
+    let recorded = units.names();
+    let freedom = campaign.figures.iter().map(|(_, figure)| figure.freedom(&recorded)).collect();
+    Source { campaign, judgement, rows, freedom }
+}
+
+/// All cells, with as many points as there is room for; if there is none, the urgent ones.
+fn fitting<'a>(
+    source: &Source<'a>,
+    sampling: &mut Sampling,
+    main: &Main,
+    notes: &mut Vec<String>,
+) -> Vec<Cell<'a>> {
+    let count = source.campaign.cells();
+    // A number has about seven octets.
+    let of_point = 8 * (1 + sampling.figures + sampling.inputs.len());
+    sampling.replicates = CELLS / 2 / (of_point * count);
+    let mut cells: Vec<Cell<'a>> = (0..count).map(|c| source.cell(c, sampling, main)).collect();
+    let used = octets(&cells);
+    if used > ALL - RUN {
+        cells.sort_by_key(urgency);
+        let kept = (count * CELLS / used).max(1);
+        cells.truncate(kept);
+        let left = count - kept;
+        notes.push(format!(
+            "{left} of {count} cells have no room on this page: summary.json has all"
+        ));
+    }
+    let points = source.rows.iter().map(Vec::len).max().unwrap_or(0);
+    if sampling.replicates < points {
+        notes.push(format!(
+            "points are those of the first {} runs of each cell and of the worst: numbers, quantiles \
+             and verdicts are of all",
+            sampling.replicates
+        ));
+    }
+    cells
+}
+
+fn octets(of: &impl Serialize) -> usize {
+    serde_json::to_vec(of).map_or(0, |octets| octets.len())
+}
+
+fn missing(campaign: &Campaign, judgement: &Judgement, notes: &mut Vec<String>) {
+    let left = campaign.runs() - judgement.runs;
+    if left > 0 {
+        notes.push(format!(
+            "{left} of {} runs are not there yet: give cosim campaign again to make them",
+            campaign.runs()
+        ));
+    }
+    if campaign.figures.is_empty() {
+        notes.push("the campaign has no figures".to_owned());
+    }
+}
+
+fn told<'a>(
+    campaign: &'a Campaign,
+    folder: &Path,
+    judgement: &Judgement,
+    units: &Units,
+    main: &Main,
+    sampling: Sampling,
+    cells: Vec<Cell<'a>>,
+) -> Told<'a> {
+    let count = |wanted: fn(&Answer) -> bool| {
+        judgement.verdicts.iter().filter(|verdict| wanted(&verdict.answer)).count()
+    };
+    let answers = [
+        count(|answer| *answer == Answer::Pass),
+        count(|answer| *answer == Answer::Fail),
+        count(|answer| matches!(answer, Answer::Undecided(_))),
+    ];
+    let figure = |(name, figure): &(String, super::figure::Figure)| Figure {
+        name: name.clone(),
+        what: figure.words(),
+        unit: figure.unit(units),
+    };
+    let folder = folder.display().to_string();
+    Told {
+        folder_quoted: format!("'{}'", folder.replace('\'', "'\\''")),
+        folder,
+        runs: judgement.runs,
+        expected: campaign.runs(),
+        failed: judgement.failed,
+        seeds: campaign.seeds,
+        answer: match answers {
+            [0, 0, 0] => "none",
+            [_, 0, 0] => "pass",
+            [_, 0, _] => "undecided",
+            _ => "fail",
+        },
+        answers,
+        main: main.figure,
+        figures: campaign.figures.iter().map(figure).collect(),
+        levels: campaign
+            .factors
+            .iter()
+            .map(|(name, _)| name.as_str())
+            .chain(campaign.list.0.iter().map(String::as_str))
+            .collect(),
+        inputs: sampling.inputs,
+        cells,
+    }
+}
+
+fn name(campaign: &Campaign) -> String {
+    campaign.file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn method(campaign: &Campaign) -> Vec<Term> {
+    let mut terms: Vec<Term> = campaign
+        .figures
+        .iter()
+        .map(|(name, f)| Term::new(format!("Figure {name}"), f.words()))
+        .collect();
+    for (term, text) in [
+        (
+            "Verdict",
+            "A threshold bounds a quantile of all runs there could be. The exact interval of the \
+             share of runs that keep it (Clopper and Pearson 1934) decides: wholly on one side it \
+             passes or fails, else it is undecided. A run without figures keeps no bound.",
+        ),
+        (
+            "Intervals",
+            "Medians and percentiles have 95 % intervals by order statistics (David and Nagaraja \
+             2003, 7.1): they ask nothing of the distribution.",
+        ),
+        (
+            "Paired comparison",
+            "Runs of one replicate have the same seeds and dispersions in all cells. The difference \
+             is formed run by run, and its median is given.",
+        ),
+        (
+            "Sensitivity",
+            "Spearman's rank correlation of a figure with a dispersed parameter over the runs of a \
+             cell: 1 if it always grows with it, -1 if it always falls, 0 if neither.",
+        ),
+        (
+            "Consistency",
+            "NEES and NIS of a consistent filter are chi-square distributed. The mean over n runs of \
+             k degrees of freedom lies in [χ²(0.025, n k), χ²(0.975, n k)] / n with 95 %, if a run \
+             counts as one sample; a figure is itself a mean over time, so it spreads less.",
+        ),
+        (
+            "Box plots",
+            "Box from the 25 % to the 75 % quantile, bar at the median, whiskers at 5 % and 95 %.",
+        ),
+    ] {
+        terms.push(Term::new(term, text));
+    }
+    terms.extend(crate::report::run_terms());
+    terms
+}
+
+fn provenance(campaign: &Campaign, contents: &Contents) -> Vec<Term> {
+    vec![
+        Term::new("Campaign", contents.campaign.display().to_string()),
+        Term::new("Root seed", campaign.seed.to_string()),
+        Term::new("Runs of each cell", campaign.seeds.to_string()),
+        Term::new("Identity (SHA-256)", super::fingerprint(&contents.identity)),
+        Term::new("Reported by", concat!("cosim ", env!("CARGO_PKG_VERSION"))),
+    ]
+}
+
+/// Files and their hashes first.
+fn identity(contents: &Contents) -> Vec<String> {
+    const LINES: usize = 400;
+    let (mut files, others): (Vec<&String>, Vec<&String>) =
+        contents.identity.iter().partition(|line| line.contains(" is "));
+    let count = files.len() + others.len();
+    files.extend(others);
+    let mut lines: Vec<String> = files.into_iter().take(LINES).cloned().collect();
+    if count > LINES {
+        lines.push(format!("and {} more lines: campaign.json", count - LINES));
+    }
+    lines
+}
+
+/// A run that was made again; kept by its number.
+type Runs = BTreeMap<String, Trace>;
+
+#[cfg(test)]
+mod tests;

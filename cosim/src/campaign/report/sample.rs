@@ -1,0 +1,165 @@
+//! Runs as points, and which parameters figures hang on.
+
+use std::collections::HashSet;
+
+use serde::Serialize;
+
+use crate::campaign::{Campaign, Row, Status};
+use crate::report::Numbers;
+
+/// Some runs of a cell, column by column: the first replicates, which are the same in all cells, and
+/// the worst.
+#[derive(Serialize)]
+pub(super) struct Sample {
+    run: Vec<u64>,
+    /// Per figure.
+    figures: Vec<Numbers>,
+    /// Per input.
+    inputs: Vec<Numbers>,
+}
+
+/// A parameter that differs from run to run or from cell to cell.
+#[derive(Serialize)]
+pub(super) struct Input {
+    name: String,
+    unit: String,
+    /// If it is no number: its texts, and values are their places.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    texts: Vec<String>,
+}
+
+/// How runs become points.
+pub(super) struct Sampling {
+    pub(super) inputs: Vec<Input>,
+    pub(super) figures: usize,
+    /// So many replicates of each cell.
+    pub(super) replicates: usize,
+}
+
+/// Of the worst runs so many are points in any case.
+const WORST: usize = 20;
+/// Other texts of an input are no values.
+const TEXTS: usize = 50;
+
+impl Input {
+    /// The inputs of a campaign as the rows have them.
+    pub(super) fn of_all(
+        campaign: &Campaign,
+        rows: &[Row],
+        unit: impl Fn(&str) -> String,
+    ) -> Vec<Self> {
+        let input = |(place, name): (usize, &str)| {
+            let mut texts: Vec<String> = Vec::new();
+            for text in rows.iter().filter_map(|row| row.inputs.get(place)) {
+                if text.parse::<f64>().is_err() && !texts.contains(text) && texts.len() < TEXTS {
+                    texts.push(text.clone());
+                }
+            }
+            Self { name: name.to_owned(), unit: unit(name), texts }
+        };
+        campaign.inputs().enumerate().map(input).collect()
+    }
+
+    fn value(&self, place: usize, row: &Row) -> f64 {
+        let Some(text) = row.inputs.get(place) else { return f64::NAN };
+        if self.texts.is_empty() {
+            return text.parse().unwrap_or(f64::NAN);
+        }
+        self.texts.iter().position(|known| known == text).map_or(f64::NAN, |place| place as f64)
+    }
+}
+
+impl Sampling {
+    pub(super) fn sample(&self, campaign: &Campaign, rows: &[&Row], main: usize) -> Sample {
+        let good = || rows.iter().filter(|row| row.status == Status::Ok);
+        let mut chosen: Vec<&Row> = Vec::new();
+        if self.replicates > 0 {
+            let first = |row: &&&Row| campaign.replicate_of(row.run) < self.replicates;
+            let mut worst: Vec<&Row> = good().copied().collect();
+            let worse = |a: &&Row, b: &&Row| b.figure(main).total_cmp(&a.figure(main));
+            let count = WORST.min(worst.len());
+            if count < worst.len() {
+                worst.select_nth_unstable_by(count, worse);
+            }
+            let known: HashSet<u64> = good().filter(first).map(|row| row.run).collect();
+            chosen.extend(good().filter(first));
+            chosen.extend(worst[..count].iter().filter(|row| !known.contains(&row.run)));
+        }
+        let column = |value: &dyn Fn(&Row) -> f64| {
+            Numbers::values(chosen.iter().map(|row| value(row)).collect::<Vec<_>>())
+        };
+        let inputs = self.inputs.iter().enumerate();
+        Sample {
+            run: chosen.iter().map(|row| row.run).collect(),
+            figures: (0..self.figures).map(|f| column(&|row| row.figure(f))).collect(),
+            inputs: inputs.map(|(place, input)| column(&|row| input.value(place, row))).collect(),
+        }
+    }
+
+    /// Spearman's rank correlation of each figure with each input, over all runs.
+    pub(super) fn sensitivity(&self, rows: &[&Row]) -> Vec<Numbers> {
+        let good: Vec<&Row> = rows.iter().copied().filter(|row| row.status == Status::Ok).collect();
+        let inputs: Vec<Vec<f64>> = self
+            .inputs
+            .iter()
+            .enumerate()
+            .filter(|(_, input)| input.texts.is_empty())
+            .map(|(place, input)| good.iter().map(|row| input.value(place, row)).collect())
+            .collect();
+        let numeric: Vec<bool> = self.inputs.iter().map(|input| input.texts.is_empty()).collect();
+        let figure = |figure: usize| {
+            let values: Vec<f64> = good.iter().map(|row| row.figure(figure)).collect();
+            let mut of = inputs.iter();
+            let correlations = numeric.iter().map(|numeric| {
+                let input = if *numeric { of.next() } else { None };
+                input.map_or(f64::NAN, |input| rank_correlation(input, &values))
+            });
+            Numbers::values(correlations.collect::<Vec<_>>())
+        };
+        (0..self.figures).map(figure).collect()
+    }
+}
+
+/// NaN for fewer than five pairs of numbers, or if one of both is constant.
+fn rank_correlation(a: &[f64], b: &[f64]) -> f64 {
+    let known = |(a, b): &(&f64, &f64)| !a.is_nan() && !b.is_nan();
+    let (a, b): (Vec<f64>, Vec<f64>) = a.iter().zip(b).filter(known).unzip();
+    if a.len() < 5 {
+        return f64::NAN;
+    }
+    let (a, b) = (ranks(&a), ranks(&b));
+    let middle = (a.len() - 1) as f64 / 2.0;
+    let sum = |a: &[f64], b: &[f64]| -> f64 {
+        a.iter().zip(b).map(|(a, b)| (a - middle) * (b - middle)).sum()
+    };
+    let spread = (sum(&a, &a) * sum(&b, &b)).sqrt();
+    if spread > 0.0 { sum(&a, &b) / spread } else { f64::NAN }
+}
+
+/// Equal values share the mean of their ranks.
+fn ranks(values: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+    let (mut ranks, mut start) = (vec![0.0; values.len()], 0);
+    for group in order.chunk_by(|a, b| values[*a] == values[*b]) {
+        let rank = start as f64 + (group.len() - 1) as f64 / 2.0;
+        group.iter().for_each(|place| ranks[*place] = rank);
+        start += group.len();
+    }
+    ranks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rank_correlations_are_those_of_scipy() {
+        // scipy.stats.spearmanr
+        let (a, b) = ([1.0, 2.0, 2.0, 4.0, 9.0, 7.0], [3.0, 1.0, 2.0, 8.0, 7.0, 7.0]);
+        assert!((rank_correlation(&a, &b) - 0.617_647_058_823_529_4).abs() < 1e-12);
+        assert_eq!(rank_correlation(&[1.0; 6], &b).to_string(), "NaN");
+        let gaps = [f64::NAN, 1.0, 2.0, 3.0, 4.0, 5.0];
+        assert_eq!(rank_correlation(&gaps, &gaps), 1.0);
+    }
+}

@@ -1,0 +1,124 @@
+//! Runs that are made again to be shown whole.
+
+use super::cells::{Cell, Main, ShownRun, Source, urgency};
+use super::{Bench, Campaign, Contents, Row, Runs, octets};
+use crate::campaign::Status;
+use crate::error::{Error, Result};
+use crate::observe::Recording;
+use crate::report::{Choice, ShownAs, Trace};
+
+/// A run to be shown: the place of its cell on the page, its number, and why it is chosen.
+pub(super) type Planned = (usize, u64, &'static str);
+
+/// Makes the runs.
+pub(super) struct Shown<'a> {
+    /// Or why no run can be made.
+    pub(super) bench: Result<Bench, String>,
+    pub(super) campaign: &'a Campaign,
+    pub(super) rows: &'a [Vec<&'a Row>],
+}
+
+/// What makes runs, if everything is as it was.
+pub(super) fn bench(contents: &Contents) -> Result<Bench, String> {
+    let told = |error: Error| error.line();
+    let bench = Bench::open(Campaign::read(&contents.campaign).map_err(told)?).map_err(told)?;
+    let now = bench.identity().map_err(told)?;
+    let changed = contents.identity.iter().find(|line| !now.contains(line));
+    match changed.or_else(|| now.iter().find(|line| !contents.identity.contains(line))) {
+        None => Ok(bench),
+        Some(line) => Err(format!("something was changed since: {line}")),
+    }
+}
+
+/// The runs of all cells: first the worst of each, urgent cells before others.
+pub(super) fn plan(
+    source: &Source<'_>,
+    cells: &[Cell<'_>],
+    main: &Main,
+    count: usize,
+) -> Vec<Planned> {
+    let places = |cell: &Cell<'_>| {
+        let all = 0..source.campaign.cells();
+        all.into_iter().find(|place| source.campaign.cell_name(*place) == cell.name)
+    };
+    let mut plan: Vec<(usize, u8, Planned)> = Vec::new();
+    for (position, cell) in cells.iter().enumerate() {
+        let Some(place) = places(cell) else { continue };
+        let chosen = main.choose(&source.rows[place], count).into_iter().enumerate();
+        plan.extend(chosen.map(|(rank, (run, why))| (rank, urgency(cell), (position, run, why))));
+    }
+    plan.sort_by_key(|(rank, urgency, _)| (*rank, *urgency));
+    plan.into_iter().map(|(_, _, planned)| planned).collect()
+}
+
+impl Shown<'_> {
+    /// The runs by their numbers, with so many octets in all; cells get to know theirs.
+    pub(super) fn make(
+        &self,
+        plan: &[Planned],
+        octets: usize,
+        cells: &mut [Cell<'_>],
+        more: &mut dyn FnMut(usize) -> bool,
+    ) -> Runs {
+        let mut choice = Choice::default();
+        self.campaign.figures.iter().for_each(|(_, figure)| figure.choose(&mut choice));
+        let mut runs = Runs::new();
+        // A run of its own may be longer than others, but none needs more than this.
+        let each = (octets / plan.len().max(1)).min(400_000);
+        let mut stopped = false;
+        for (place, (cell, run, why)) in plan.iter().enumerate() {
+            stopped = stopped || !more(plan.len() - place);
+            let made = if stopped {
+                Err("the report was interrupted".to_owned())
+            } else {
+                self.trace(*run, &choice, each)
+            };
+            let row = self.row(*run);
+            cells[*cell].shown.push(ShownRun {
+                run: *run,
+                why,
+                digest: row.map_or(String::new(), |row| row.digest.clone()),
+                problem: made.as_ref().err().cloned(),
+            });
+            runs.extend(made.ok().map(|trace| (run.to_string(), trace)));
+        }
+        runs
+    }
+
+    fn row(&self, run: u64) -> Option<&Row> {
+        let rows = &self.rows[self.campaign.cell_of(run)];
+        rows.binary_search_by_key(&run, |row| row.run).ok().map(|place| rows[place])
+    }
+
+    fn trace(&self, run: u64, choice: &Choice, most: usize) -> Result<Trace, String> {
+        let bench = self.bench.as_ref().map_err(Clone::clone)?;
+        let (all, mut recording) = (["*".to_owned()], Recording::new());
+        let again = bench.replay(run, &all, &mut recording);
+        let before = self.row(run).ok_or("its row is not there")?;
+        if again.status != Status::Ok {
+            return Err(format!("it fails now: {}", again.reason));
+        }
+        if again.digest != before.digest {
+            return Err(format!("it is another run now: its digest is {}", again.digest));
+        }
+        let told = |error: Error| error.line();
+        let mut shown = ShownAs {
+            units: bench.units(run, &all).map_err(told)?,
+            choice: choice.clone(),
+            faults: bench.windows(run, &recording),
+            numbers: most / 6,
+            ..ShownAs::default()
+        };
+        let mut trace = Trace::new(&recording, &shown).map_err(told)?;
+        // Numbers have more or fewer digits.
+        for _ in 0..6 {
+            let size = octets(&trace);
+            if size <= most {
+                break;
+            }
+            shown.numbers = shown.numbers * most / size * 9 / 10;
+            trace = Trace::new(&recording, &shown).map_err(told)?;
+        }
+        Ok(trace)
+    }
+}

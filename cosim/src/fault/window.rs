@@ -1,0 +1,102 @@
+//! When a fault acts in a run, in words, for reports.
+
+use serde::Serialize;
+
+use super::{Begin, End, Fault, Kind, Meanwhile};
+use crate::observe::Recording;
+use crate::time::Time;
+
+/// A time in which something is wrong.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Window {
+    /// What acts on what: `drop-out of gps.position.x`.
+    pub label: String,
+    /// Its first instant (s).
+    pub from: f64,
+    /// Its last instant (s); `None`: that of the run.
+    pub until: Option<f64>,
+}
+
+impl Fault {
+    /// The time in which the fault with this number acts in a run that was recorded; `None` if it never
+    /// begins, or if the variable of its condition was not recorded.
+    pub(crate) fn window(&self, seed: u64, number: u32, recording: &Recording) -> Option<Window> {
+        let time = recording.time();
+        let start = Time::from_seconds(*time.first()?, "the first instant").ok()?;
+        let from = match (self.begins(seed, number, start), &self.begin) {
+            (Some(from), _) => from.seconds(),
+            (None, Begin::When(condition)) => {
+                let values = recording.column(&condition.variable).ok()?;
+                *time.iter().zip(values).find(|(_, value)| condition.holds(**value))?.0
+            }
+            (None, _) => return None,
+        };
+        let until = match self.end {
+            End::Never if self.kind == Kind::Reset => Some(from),
+            End::Never => None,
+            End::At(time) => Some(time.seconds()),
+            End::After(lasts) => Some(from + lasts.seconds()),
+        };
+        let label = format!("{} of {}", word(&self.kind), self.variables.join(", "));
+        Some(Window { label, from, until })
+    }
+}
+
+/// The kind as a file names it.
+fn word(kind: &Kind) -> &'static str {
+    match kind {
+        Kind::Override(_) => "override",
+        Kind::Bias(_) => "bias",
+        Kind::Scale(_) => "scale",
+        Kind::Drift(_) => "drift",
+        Kind::Ramp { .. } => "ramp",
+        Kind::WhiteNoise(_) => "white noise",
+        Kind::GaussMarkov { .. } => "Gauss-Markov noise",
+        Kind::Outliers { .. } => "outliers",
+        Kind::Stuck => "stuck value",
+        Kind::NotANumber => "NaN instead",
+        Kind::Quantization(_) => "quantization",
+        Kind::Saturation(..) => "saturation",
+        Kind::DropOut { turns: Some(_), .. } => "drop-outs by turns",
+        Kind::DropOut { meanwhile: Meanwhile::NotANumber, .. } => "drop-out to NaN",
+        Kind::DropOut { .. } => "drop-out",
+        Kind::Latency { .. } => "latency",
+        Kind::Lag(_) => "lag",
+        Kind::Sampling => "rate change",
+        Kind::Reordering { again: false, .. } => "reordering",
+        Kind::Reordering { again: true, .. } => "duplicates",
+        Kind::Release => "release",
+        Kind::Reset => "reset",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fault(begin: Begin, end: End) -> Fault {
+        let (variables, none) = (vec!["gps.*".to_owned()], Time::ZERO);
+        let (ramp_in, ramp_out, every) = (none, none, none);
+        Fault { variables, kind: Kind::Stuck, begin, end, ramp_in, ramp_out, every }
+    }
+
+    #[test]
+    fn windows_are_where_the_fault_acts() {
+        let time = vec![0.0, 1.0, 2.0, 3.0];
+        let recording =
+            Recording::from_columns(vec!["z".into()], time, vec![vec![0.0, 5.0, 15.0, 20.0]]);
+        let second = |s: i64| Time::from_nanoseconds(s * 1_000_000_000);
+        let window = |begin, end| fault(begin, end).window(7, 0, &recording);
+        let at = window(Begin::At(second(1)), End::After(second(2))).unwrap();
+        assert_eq!(
+            (at.label.as_str(), at.from, at.until),
+            ("stuck value of gps.*", 1.0, Some(3.0))
+        );
+        let when = |text: &str| window(Begin::When(text.parse().unwrap()), End::Never);
+        assert_eq!(when("z > 10").map(|w| (w.from, w.until)), Some((2.0, None)));
+        assert_eq!((when("z > 30"), when("y > 3")), (None, None));
+        let drawn = fault(Begin::Between(second(1), second(3)), End::Never);
+        let from = drawn.window(7, 0, &recording).unwrap().from;
+        assert_eq!(Some(from), drawn.begins(7, 0, Time::ZERO).map(Time::seconds));
+    }
+}

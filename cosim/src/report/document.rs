@@ -1,0 +1,144 @@
+//! A page that people look around in: data, and the script that shows them.
+
+use std::collections::BTreeMap;
+
+use minijinja::context;
+use serde::Serialize;
+
+use super::page;
+use super::run::Trace;
+use crate::{Code, Error, Result};
+
+/// The data of a page: a campaign, or one run.
+#[derive(Serialize)]
+pub(crate) struct Document<C: Serialize> {
+    pub(crate) title: String,
+    pub(crate) question: String,
+    /// What is missing.
+    pub(crate) notes: Vec<String>,
+    pub(crate) method: Vec<Term>,
+    pub(crate) provenance: Vec<Term>,
+    pub(crate) identity: Vec<String>,
+    pub(crate) campaign: Option<C>,
+    pub(crate) runs: BTreeMap<String, Trace>,
+}
+
+/// A word and what it means.
+#[derive(Serialize)]
+pub(crate) struct Term {
+    term: String,
+    text: String,
+}
+
+impl Term {
+    pub(crate) fn new(term: impl Into<String>, text: impl Into<String>) -> Self {
+        Self { term: term.into(), text: text.into() }
+    }
+}
+
+/// The script's modules in the order in which they need each other.
+const MODULES: [&str; 12] = [
+    include_str!("page/js/dom.js"),
+    include_str!("page/js/format.js"),
+    include_str!("page/js/theme.js"),
+    include_str!("page/js/clock.js"),
+    include_str!("page/js/timeplot.js"),
+    include_str!("page/js/plane.js"),
+    include_str!("page/js/distribution.js"),
+    include_str!("page/js/overview.js"),
+    include_str!("page/js/cell.js"),
+    include_str!("page/js/space.js"),
+    include_str!("page/js/run.js"),
+    include_str!("page/js/main.js"),
+];
+
+impl<C: Serialize> Document<C> {
+    /// The page as one HTML file.
+    pub(crate) fn html(&self) -> Result<String> {
+        let wrong = |why: String| {
+            Error::new(Code::Report, format!("cannot write the page '{}'", self.title)).why(why)
+        };
+        // Within a script element nothing but `<` can end it.
+        let data = serde_json::to_string(self).map_err(|e| wrong(e.to_string()))?;
+        let data = data.replace('<', "\\u003c");
+        page::render(context! {
+            page => context! { title => &self.title },
+            data => data,
+            library => include_str!("page/uplot/uPlot.iife.min.js"),
+            library_style => include_str!("page/uplot/uPlot.min.css"),
+            library_licence => include_str!("page/uplot/LICENSE"),
+            script => script(),
+            script_style => include_str!("page/report.css"),
+        })
+        .map_err(|e| wrong(e.to_string()))
+    }
+}
+
+/// The modules as one: they import from each other only, by whole lines, and no name is used twice.
+fn script() -> String {
+    let lines = MODULES.iter().flat_map(|module| module.lines());
+    let kept = lines.filter(|line| !line.starts_with("import ") && !line.starts_with("//"));
+    kept.map(|line| line.strip_prefix("export ").unwrap_or(line)).fold(
+        String::new(),
+        |mut text, line| {
+            text.push_str(line);
+            text.push('\n');
+            text
+        },
+    )
+}
+
+/// What the plots of a run mean.
+pub(crate) fn run_terms() -> Vec<Term> {
+    let terms = [
+        (
+            "Map",
+            "North is up, east is right, and a metre is as long in both directions. Ellipses hold \
+             95 % of the horizontal position, by the covariance that the estimator reports.",
+        ),
+        (
+            "Truth and estimates",
+            "Those of a campaign's figures, or named by --truth and --estimate. Else a group called \
+             pose or position whose component has standard deviations (sigma.x, sigma.y) is an \
+             estimate, and the first pose without is the truth.",
+        ),
+        (
+            "Units",
+            "Those of the system's description, if it is at hand (--system); else those that names \
+             suggest. A variable whose unit is not known shares an axis only with elements of its \
+             array.",
+        ),
+        (
+            "Fewer points",
+            "Curves keep the least and the greatest value of each part of the run, so no peak is \
+             lost; numbers have five digits.",
+        ),
+    ];
+    terms.into_iter().map(|(term, text)| Term::new(term, text)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn data_cannot_become_markup_and_the_page_loads_nothing() {
+        let document = Document::<()> {
+            title: "</script><script>alert(1)</script>".into(),
+            question: String::new(),
+            notes: vec!["<!-- <img src=x onerror=alert(1)>".into()],
+            method: run_terms(),
+            provenance: Vec::new(),
+            identity: Vec::new(),
+            campaign: None,
+            runs: BTreeMap::new(),
+        };
+        let html = document.html().unwrap();
+        assert!(!html.contains("<script>alert") && !html.contains("<img"), "{html}");
+        assert!(html.contains("&lt;&#x2f;script&gt;&lt;script&gt;alert(1)"));
+        for outside in ["src=\"", "@import", "url(", "fetch("] {
+            assert!(!html.contains(outside), "{outside}");
+        }
+        assert!(!script().contains("import ") && !script().contains("export "));
+    }
+}

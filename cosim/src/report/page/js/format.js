@@ -1,0 +1,56 @@
+// Numbers and verdicts in words.
+import { el } from "./dom.js";
+
+/** Four significant digits; a dash for what is no number. */
+export function num(value, digits = 4) {
+  if (value == null || Number.isNaN(value)) return "–";
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  const text = size >= 1e6 || size < 1e-4
+    ? Number(value.toPrecision(digits)).toExponential().replace("e+", "e")
+    : String(Number(value.toPrecision(digits)));
+  return text.replace("-", "−");
+}
+
+export function withUnit(text, unit) {
+  return unit && unit !== "1" ? `${text} ${unit}` : text;
+}
+
+/** An estimate with its interval; ends that are not known are infinite. */
+export function estimate({ value, interval }) {
+  const end = (bound, otherwise) => (bound == null ? otherwise : num(bound));
+  return `${value == null ? "∞" : num(value)} [${end(interval[0], "−∞")}, ${end(interval[1], "∞")}]`;
+}
+
+const WORDS = { pass: ["✔", "pass"], fail: ["✘", "fail"], undecided: ["?", "undecided"], none: ["–", "no threshold"] };
+
+/** The key of an answer, which is a word or says how many more runs would tell. */
+function answerKey(answer) {
+  return typeof answer === "string" ? answer : "undecided";
+}
+
+export function verdictMark(answer, words = true) {
+  const key = answerKey(answer);
+  const [symbol, word] = WORDS[key];
+  return el("span", { class: `verdict ${key}` }, el("span", { "aria-hidden": "true" }, symbol),
+    el("span", { class: words ? null : "hidden" }, word));
+}
+
+/** What would settle an answer that is open. */
+export function answerMore(answer) {
+  if (typeof answer === "string") return "";
+  const more = answer.undecided;
+  return more == null ? "it lies too near to the threshold" : `${more} more runs of the cell would tell`;
+}
+
+/** The worst of several answers. */
+export function worst(answers) {
+  const keys = answers.map(answerKey);
+  return ["fail", "undecided", "pass"].find((key) => keys.includes(key)) ?? "none";
+}
+
+/** The address of a view of this page. */
+export function address(cell, run) {
+  const name = `#${encodeURIComponent(cell)}`;
+  return run == null ? name : `${name}/${run}`;
+}

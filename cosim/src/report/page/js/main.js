@@ -1,0 +1,70 @@
+// What is seen follows from the address: nothing, a cell, or a cell and a run.
+import { details, el, terms } from "./dom.js";
+import { cellView, runFacts } from "./cell.js";
+import { address } from "./format.js";
+import { notes, overview } from "./overview.js";
+import { runView, traceFacts } from "./run.js";
+import { startTheme, themeButton } from "./theme.js";
+
+const REPORT = JSON.parse(document.getElementById("data").textContent);
+
+/** The cell and the run that an address names. */
+function parsed(hash) {
+  const [name, run] = hash.replace(/^#/, "").split("/");
+  try {
+    return { name: decodeURIComponent(name), run: /^\d+$/.test(run ?? "") ? Number(run) : null };
+  } catch {
+    return { name, run: null };
+  }
+}
+
+function view() {
+  const { campaign, runs, title } = REPORT;
+  if (!campaign) return { path: [], parts: [el("h1", {}, title), notes(REPORT), traceFacts(runs[""]), runView(runs[""])] };
+  const { name, run } = parsed(location.hash);
+  const cell = campaign.cells.find((known) => known.name === name);
+  if (!name) return { path: [], parts: overview(REPORT) };
+  if (!cell) return { path: [], parts: [el("h1", {}, title), el("p", {}, `This report has no cell '${name}'. `, el("a", { href: "#" }, "All cells"))] };
+  const path = [[title, "#"], [cell.name, address(cell.name)]];
+  if (run == null) return { path, parts: cellView(REPORT, cell) };
+  const trace = runs[run];
+  return {
+    path: [...path, [`run ${run}`, address(cell.name, run)]],
+    parts: [el("h1", {}, `Run ${run} of ${cell.name}`), trace && runView(trace), el("h2", {}, "What the run is"), runFacts(campaign, cell, run),
+      trace?.notes.length > 0 && el("ul", { class: "small" }, trace.notes.map((note) => el("li", {}, note)))],
+  };
+}
+
+function header(path) {
+  const links = path.map(([text, href], place) =>
+    el("li", {}, el("a", { href, "aria-current": place === path.length - 1 ? "page" : null }, text)));
+  document.getElementById("top").replaceChildren(
+    el("a", { class: "skip", href: "#view", onclick: (event) => {
+      event.preventDefault();
+      document.getElementById("view").focus();
+    } }, "Skip to the content"),
+    path.length > 0 ? el("nav", { "aria-label": "Where you are" }, el("ol", {}, links)) : el("p", { class: "brand" }, "cosim report"), themeButton());
+}
+
+function show(first) {
+  const { path, parts } = view();
+  header(path);
+  const main = document.getElementById("view");
+  main.replaceChildren(...parts.flat(3).filter(Boolean));
+  document.title = path.length > 1 ? `${path.at(-1)[0]} – ${REPORT.title}` : REPORT.title;
+  if (first) return;
+  window.scrollTo(0, 0);
+  main.focus({ preventScroll: true });
+}
+
+function end() {
+  document.getElementById("end").append(
+    el("h2", {}, "Method and provenance"), terms(REPORT.provenance),
+    details("Definitions", () => terms(REPORT.method)),
+    REPORT.identity.length > 0 && details("Everything that decides the runs: files with their SHA-256", () => el("pre", { tabindex: "0" }, el("code", {}, REPORT.identity.join("\n")))));
+}
+
+startTheme();
+window.addEventListener("hashchange", () => show(false));
+show(true);
+end();

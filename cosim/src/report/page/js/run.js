@@ -1,0 +1,304 @@
+// One run: where it went, how good the estimates were, what was wrong, and all that was recorded.
+import { choice, details, el, facts, table } from "./dom.js";
+import { Clock, placeAt, valueAt } from "./clock.js";
+import { groupColour } from "./distribution.js";
+import { num, withUnit } from "./format.js";
+import { extent, Plane } from "./plane.js";
+import { spaceOf } from "./space.js";
+import { colour, onTheme } from "./theme.js";
+import { timePlot } from "./timeplot.js";
+
+/** The radius in sigmas of an ellipse that holds 95 % of two normal numbers. */
+const HOLDS_95 = Math.sqrt(5.991464547107979);
+
+/** Estimates have the colours of their number among the estimates. */
+function pathColour(paths, path) {
+  if (path.role === "truth") return colour("truth");
+  return path.role === "fix" ? colour("c3") : groupColour(number(paths, path));
+}
+
+function number(paths, path) {
+  return paths.filter((other) => other.role === "estimate").indexOf(path);
+}
+
+/** Half axes and the angle from east of a covariance; x is north. */
+function ellipse(xx, xy, yy) {
+  const [mean, half] = [(xx + yy) / 2, (yy - xx) / 2];
+  const root = Math.hypot(half, xy);
+  return { a: HOLDS_95 * Math.sqrt(mean + root), b: HOLDS_95 * Math.sqrt(Math.max(mean - root, 0)), angle: Math.atan2(xy, half) / 2 };
+}
+
+function drawEllipse(ctx, at, path, entry) {
+  const { at: places, xx, xy, yy } = path.ellipses;
+  if (xx[entry] == null || yy[entry] == null) return;
+  const [north, east] = [path.x[places[entry]], path.y[places[entry]]];
+  if (north == null || east == null) return;
+  const { a, b, angle } = ellipse(xx[entry], xy[entry] ?? 0, yy[entry]);
+  const [x, y] = at(east, north);
+  const scale = Math.abs(at(east + 1, north)[0] - x);
+  // An estimator that knows nothing any more would cover the map.
+  if (a * scale > 2 * ctx.canvas.width) return;
+  ctx.beginPath();
+  ctx.ellipse(x, y, a * scale, b * scale, -angle, 0, 2 * Math.PI);
+  ctx.stroke();
+}
+
+function drawPath(ctx, at, ratio, paths, path, now, t) {
+  ctx.strokeStyle = ctx.fillStyle = pathColour(paths, path);
+  if (path.role === "fix") {
+    ctx.globalAlpha = 0.55;
+    path.x.forEach((x, i) => {
+      ctx.beginPath();
+      ctx.arc(...at(path.y[i], x), 2 * ratio, 0, 2 * Math.PI);
+      ctx.fill();
+    });
+    ctx.globalAlpha = 1;
+    return;
+  }
+  ctx.lineWidth = (path.role === "truth" ? 2.5 : 1.8) * ratio;
+  ctx.setLineDash(path.role === "truth" ? [] : [[9, 3], [3, 3], [12, 3, 3, 3]][number(paths, path) % 3].map((d) => d * ratio));
+  ctx.beginPath();
+  let pen = false;
+  path.x.forEach((x, i) => {
+    if (x == null || path.y[i] == null) pen = false;
+    else {
+      const point = at(path.y[i], x);
+      if (pen) ctx.lineTo(...point);
+      else ctx.moveTo(...point);
+      pen = true;
+    }
+  });
+  ctx.stroke();
+  ctx.setLineDash([]);
+  if (!path.ellipses) return;
+  ctx.lineWidth = ratio;
+  ctx.globalAlpha = 0.45;
+  if (!path.sparse) path.ellipses.at.forEach((_, entry) => drawEllipse(ctx, at, path, entry));
+  ctx.globalAlpha = 1;
+  ctx.lineWidth = 2.5 * ratio;
+  drawEllipse(ctx, at, path, placeAt(path.ellipses.at.map((i) => t[i]), now));
+}
+
+/** Where the vehicle and its estimates are, as arrows above the map. */
+function markers(plane, map, clock) {
+  const moving = map.paths.filter((path) => path.role !== "fix");
+  const arrows = moving.map((path) => el("div", { class: path.yaw ? "vehicle" : "vehicle round" }));
+  const place = () => {
+    if (!plane.u || plane.u.scales.x.min == null) return;
+    moving.forEach((path, i) => {
+      const arrow = arrows[i];
+      if (arrow.parentNode !== plane.u.over) plane.u.over.append(arrow);
+      const [north, east] = [path.x, path.y].map((values) => valueAt(map.t, values, clock.now));
+      arrow.hidden = path.hidden || north == null || east == null;
+      if (arrow.hidden) return;
+      const yaw = path.yaw ? path.yaw[placeAt(map.t, clock.now)] ?? 0 : 0;
+      arrow.style.color = pathColour(map.paths, path);
+      arrow.style.transform = `translate(${plane.u.valToPos(east, "x")}px, ${plane.u.valToPos(north, "y")}px) rotate(${yaw}rad)`;
+    });
+  };
+  plane.moved.add(() => queueMicrotask(place));
+  clock.onCursor(() => {
+    place();
+    plane.redraw();
+  });
+  onTheme(plane.canvas, place);
+}
+
+function mapOf(map, clock) {
+  const [xs, ys] = [map.paths.map((path) => path.x), map.paths.map((path) => path.y)];
+  const [north, east] = [extent(xs), extent(ys)];
+  if (!north || !east) return el("p", { class: "soft" }, "The paths have no finite position: there is no map.");
+  const moving = map.paths.filter((path) => path.role !== "fix");
+  const plane = new Plane({
+    x: { label: "east (m)", range: east }, y: { label: "north (m)", range: north }, equal: true,
+    paint: (ctx, at, ratio) => {
+      const order = [...map.paths].sort((a, b) => (b.role === "fix") - (a.role === "fix"));
+      for (const path of order.filter((path) => !path.hidden)) drawPath(ctx, at, ratio, map.paths, path, clock.now, map.t);
+    },
+    pointed: (x, y, near) => {
+      let [least, time] = [near, null];
+      for (const path of moving) {
+        path.x.forEach((value, i) => {
+          const apart = Math.hypot(value - y, path.y[i] - x);
+          if (value != null && apart < least) [least, time] = [apart, map.t[i]];
+        });
+      }
+      if (time != null) clock.set(time);
+    },
+    spoken: `Map with ${map.paths.map((path) => path.name).join(", ")}: ${num(north[1] - north[0])} m from south to north, ${num(east[1] - east[0])} m from west to east`,
+  });
+  markers(plane, map, clock);
+  // Of many estimates the ellipses hide the paths.
+  const estimates = map.paths.filter((path) => path.role === "estimate");
+  const samples = map.paths.map((path) => {
+    const box = el("input", { type: "checkbox", checked: true, onchange: () => {
+      path.hidden = !box.checked;
+      plane.redraw();
+      clock.set(clock.now);
+    } });
+    path.sparse = estimates.indexOf(path) > 0;
+    const sample = el("i", { class: path.role === "fix" ? "dot" : null });
+    const paint = () => {
+      sample.style.borderColor = pathColour(map.paths, path);
+      if (path.role === "fix") sample.style.background = pathColour(map.paths, path);
+      else if (path.role !== "truth") sample.style.borderTopStyle = "dashed";
+    };
+    paint();
+    onTheme(sample, paint);
+    return el("li", {}, el("label", {}, box, sample, `${path.name}${path.ellipses ? ", 95 % ellipses" : ""}`));
+  });
+  return el("figure", { class: "plot", id: "map" }, el("figcaption", {}, "Map: north up"), plane.canvas,
+    el("ul", { class: "legend" }, samples), plane.buttons("map"));
+}
+
+/** The instant as a slider, and where everything is then. */
+function instant(trace, clock) {
+  const output = el("output", { for: "time" });
+  const slider = el("input", { type: "range", id: "time", min: 0, max: 1000, step: 1, value: 0, "aria-label": "time",
+    oninput: () => clock.set(clock.start + (slider.value / 1000) * (clock.stop - clock.start)) });
+  const body = el("tbody");
+  const moving = (trace.map?.paths ?? []).filter((path) => path.role !== "fix");
+  const truth = moving.find((path) => path.role === "truth");
+  clock.onCursor((now) => {
+    if (document.activeElement !== slider) slider.value = Math.round(((now - clock.start) / (clock.stop - clock.start || 1)) * 1000);
+    output.textContent = `t = ${num(now, 6)} s`;
+    slider.setAttribute("aria-valuetext", output.textContent);
+    const rows = moving.map((path) => {
+      const at = (of) => (of[0] ? valueAt(trace.map.t, of[0], now) : null);
+      const [north, east, depth] = [at([path.x]), at([path.y]), at([path.z])];
+      const apart = truth && path !== truth && north != null
+        ? Math.hypot(north - valueAt(trace.map.t, truth.x, now), east - valueAt(trace.map.t, truth.y, now)) : null;
+      return el("tr", {}, el("th", { scope: "row", class: "text" }, path.name),
+        [north, east, depth, apart].map((value) => el("td", {}, num(value))));
+    });
+    body.replaceChildren(...rows);
+  });
+  const active = el("p", { class: "small" });
+  clock.onCursor((now) => {
+    const acting = trace.faults.filter(({ from, until }) => from <= now && now < (until ?? Infinity));
+    active.textContent = acting.length ? `Acting now: ${acting.map(({ label }) => label).join("; ")}` : "";
+  });
+  const head = ["path", "north (m)", "east (m)", "depth (m)", "from truth (m)"];
+  return el("section", { "aria-label": "Instant" }, el("div", { class: "slider" }, el("label", { for: "time" }, "Time"), slider, output),
+    moving.length > 0 && el("div", { class: "table", tabindex: "0", role: "region", "aria-label": "Positions at this instant" },
+      el("table", { id: "instant" }, el("thead", {}, el("tr", {}, head.map((name) => el("th", { scope: "col" }, name)))), body)), active);
+}
+
+function faultList(faults, stop) {
+  if (faults.length === 0) return null;
+  const row = ({ label, from, until }) => [label, num(from, 6), until == null ? `${num(stop, 6)} (the end)` : num(until, 6)];
+  return table("What was wrong, shaded in the plots", ["fault", "from (s)", "until (s)"], faults.map(row), [0]);
+}
+
+function zoomButtons(clock) {
+  const button = (text, what, act) => el("button", { type: "button", title: what, "aria-label": what, onclick: act }, text);
+  return el("div", { class: "controls", role: "group", "aria-label": "Part of time that plots show" },
+    el("span", {}, "Plots"), button("+", "zoom in on time", () => clock.zoom(0.5)), button("−", "zoom out of time", () => clock.zoom(2)),
+    button("←", "earlier", () => clock.zoom(1, -0.25)), button("→", "later", () => clock.zoom(1, 0.25)),
+    button("all", "show the whole run", () => clock.reset()),
+    el("span", { class: "small soft" }, "Drag in a plot to zoom, double-click for all; the cursor is common to all plots and the map."));
+}
+
+/** The value of a plot with one curve that never changes. */
+function constant({ lines, band, limits }) {
+  const [first, ...rest] = lines[0].v;
+  return lines.length === 1 && !band && !limits && rest.every((value) => value === first) ? first : null;
+}
+
+/** So many plots stand under one heading; of more, those of the first component are seen at once. */
+const AT_ONCE = 10;
+
+function sections({ plots, map, faults }, clock) {
+  const grid = (list) => [
+    el("div", { class: "plots" }, list.filter((plot) => constant(plot) == null).map((plot) => timePlot(plot, clock, faults))),
+    el("p", { class: "small" }, list.filter((plot) => constant(plot) != null)
+      .map((plot) => `${plot.title} is ${withUnit(num(constant(plot)), plot.unit)} all the time`).join("; "))];
+  const names = [...new Set(plots.map((plot) => plot.section))];
+  return names.map((name) => {
+    const own = plots.filter((plot) => plot.section === name);
+    const space = name === "Depth" && map && spaceOf(map, clock, (path) => pathColour(map.paths, path));
+    if (own.length <= AT_ONCE) {
+      const shown = grid(own);
+      if (space) shown[0].append(space);
+      return el("section", {}, el("h2", {}, name), shown);
+    }
+    const component = (plot) => plot.title.split(".")[0];
+    const components = [...new Set(own.map(component))];
+    return el("section", {}, el("h2", {}, name), components.map((of, place) => {
+      const list = own.filter((plot) => component(plot) === of);
+      return details(`${of} (${list.length} plots)`, () => grid(list), place === 0);
+    }));
+  });
+}
+
+function planeOf({ title, x, y, lines }) {
+  const [rangeX, rangeY] = [extent(lines.map((line) => line.x)), extent(lines.map((line) => line.y))];
+  if (!rangeX || !rangeY) return el("p", { class: "soft" }, `${title}: no finite values.`);
+  const plane = new Plane({
+    x: { label: x, range: rangeX }, y: { label: y, range: rangeY }, equal: true, spoken: `${title}: ${y} against ${x}`,
+    paint: (ctx, at, ratio) => lines.forEach((line, place) => {
+      ctx.strokeStyle = groupColour(place);
+      ctx.lineWidth = 1.8 * ratio;
+      ctx.setLineDash(place % 2 ? [6 * ratio, 3 * ratio] : []);
+      ctx.beginPath();
+      line.x.forEach((value, i) => value != null && line.y[i] != null && ctx.lineTo(...at(value, line.y[i])));
+      ctx.stroke();
+    }),
+  });
+  const legend = lines.map((line, place) => {
+    const sample = el("i");
+    sample.style.borderColor = `var(--c${(place % 8) + 1})`;
+    return el("li", {}, sample, line.name);
+  });
+  return el("figure", { class: "plot" }, el("figcaption", {}, title), plane.canvas, el("ul", { class: "legend" }, legend), plane.buttons(title));
+}
+
+/** All variables: plots by component, chosen by a word of their names, and a table. */
+function everything(trace, clock) {
+  const components = [...new Set(trace.signals.map((plot) => plot.section))];
+  const list = el("div", { class: "plots" });
+  let [component, word] = [0, ""];
+  const refill = () => {
+    const wanted = trace.signals.filter((plot) => (word
+      ? [plot.section, plot.title, ...plot.lines.map((line) => line.name)].join(" ").toLowerCase().includes(word)
+      : plot.section === components[component]));
+    const shown = wanted.slice(0, 60);
+    list.replaceChildren(...shown.map((plot) => timePlot({ ...plot, title: `${plot.section}: ${plot.title}` }, clock, trace.faults)));
+    if (wanted.length > shown.length) list.append(el("p", { class: "soft" }, `${wanted.length - shown.length} more plots: search for a longer word.`));
+    if (wanted.length === 0) list.append(el("p", { class: "soft" }, "No variable that changes has this word in its name."));
+  };
+  refill();
+  const search = el("input", { type: "search", id: "search", oninput: () => {
+    word = search.value.trim().toLowerCase();
+    refill();
+  } });
+  return [el("div", { class: "controls" }, choice("Component ", components, 0, (place) => {
+    component = place;
+    word = search.value = "";
+    refill();
+  }), el("label", {}, "Search ", search)), list];
+}
+
+function variables(trace) {
+  const row = ({ name, unit, values, not_finite }) => [name, unit || "not known", ...values.map((value) => num(value, 5)), String(not_finite)];
+  return table("Variables", ["variable", "unit", "first", "last", "least", "mean", "greatest", "not finite"], trace.table.map(row), [0, 1]);
+}
+
+/** A run with its trace. */
+export function runView(trace) {
+  const clock = new Clock(trace.start, trace.stop);
+  const parts = [];
+  const side = [instant(trace, clock), trace.plots.length + trace.signals.length > 0 && zoomButtons(clock), faultList(trace.faults, trace.stop)].filter(Boolean);
+  if (trace.map) parts.push(el("div", { class: "wide" }, mapOf(trace.map, clock), el("div", {}, side)));
+  else parts.push(side);
+  parts.push(trace.xy.map(planeOf));
+  parts.push(sections(trace, clock));
+  if (trace.signals.length > 0) parts.push(details(`All signals (${trace.signals.length} plots)`, () => everything(trace, clock), trace.plots.length === 0));
+  if (trace.table.length > 0) parts.push(details(`All variables (${trace.table.length})`, () => variables(trace)));
+  return parts.flat().filter(Boolean);
+}
+
+/** What a trace is, in numbers. */
+export function traceFacts(trace) {
+  return facts([["Instants", String(trace.instants)], ["From", withUnit(num(trace.start, 6), "s")], ["Until", withUnit(num(trace.stop, 6), "s")]]);
+}

@@ -1,0 +1,72 @@
+//! The columns of a recording by their names, as far as plots can use them.
+
+use std::collections::HashMap;
+
+use crate::Recording;
+
+/// Columns of numbers, over instants that do not go back.
+pub(super) struct Columns<'a> {
+    pub(super) time: Vec<f64>,
+    /// In the order of the recording.
+    pub(super) names: Vec<&'a str>,
+    values: HashMap<&'a str, &'a [f64]>,
+    /// The rows that are shown; `None`: all.
+    rows: Option<Vec<usize>>,
+    /// What is wrong with the recording.
+    pub(super) notes: Vec<String>,
+}
+
+impl<'a> Columns<'a> {
+    pub(super) fn of(recording: &'a Recording) -> Self {
+        let mut notes = Vec::new();
+        let (mut names, mut values, mut texts) = (Vec::new(), HashMap::new(), 0);
+        for (place, (name, column)) in recording.columns().enumerate() {
+            if recording.is_text_at(place) {
+                texts += 1;
+            } else if values.insert(name, column).is_none() {
+                names.push(name);
+            }
+        }
+        if texts > 0 {
+            notes.push(format!("{texts} variables are text and have no plot"));
+        }
+        let (time, rows) = forward(recording.time());
+        if let Some(rows) = &rows {
+            let lost = recording.time().len() - rows.len();
+            notes.push(format!("{lost} rows are left out: their time is no number or goes back"));
+        }
+        if time.is_empty() {
+            notes.push("no instant is recorded".to_owned());
+        }
+        Self { time, names, values, rows, notes }
+    }
+
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.values.contains_key(name)
+    }
+
+    /// The values of a column at the instants that are shown.
+    pub(super) fn get(&self, name: &str) -> Option<Vec<f64>> {
+        let column = *self.values.get(name)?;
+        Some(match &self.rows {
+            None => column.to_vec(),
+            Some(rows) => rows.iter().map(|&row| column[row]).collect(),
+        })
+    }
+}
+
+/// The instants up to which none was later, and their rows unless these are all.
+fn forward(time: &[f64]) -> (Vec<f64>, Option<Vec<usize>>) {
+    let mut latest = f64::NEG_INFINITY;
+    let rows: Vec<usize> = (0..time.len())
+        .filter(|&row| {
+            let goes = time[row].is_finite() && time[row] >= latest;
+            if goes {
+                latest = time[row];
+            }
+            goes
+        })
+        .collect();
+    let kept = rows.iter().map(|&row| time[row]).collect();
+    (kept, (rows.len() < time.len()).then_some(rows))
+}

@@ -1,0 +1,202 @@
+//! One run as data for the page: the map first, then what tells of the estimates, the actuators and
+//! health, and behind these all that was recorded.
+
+mod columns;
+mod map;
+mod navigation;
+mod paths;
+mod plots;
+mod signals;
+mod thin;
+
+use serde::Serialize;
+
+use self::columns::Columns;
+use self::map::Map;
+use self::paths::Paths;
+use self::plots::{Plot, Role, Whole};
+use super::units::Units;
+use super::{Plot as Chosen, XyPlot};
+use crate::fault::Window;
+use crate::{Code, Error, Recording, Result};
+
+pub(crate) use self::navigation::freedom;
+pub use self::paths::{Choice, Estimate};
+
+/// How a run is shown.
+#[derive(Debug, Default)]
+pub(crate) struct Shown<'a> {
+    pub(crate) units: Units,
+    pub(crate) choice: Choice,
+    /// Shaded on every time axis.
+    pub(crate) faults: Vec<Window>,
+    /// Plots that are asked for come first.
+    pub(crate) plots: &'a [Chosen],
+    pub(crate) paths: &'a [XyPlot],
+    /// Whether all variables are there, behind the rest.
+    pub(crate) all: bool,
+    /// About how many numbers the run may have.
+    pub(crate) numbers: usize,
+}
+
+/// A run as the page has it.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Trace {
+    start: f64,
+    stop: f64,
+    instants: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    map: Option<Map>,
+    xy: Vec<Plane>,
+    plots: Vec<Plot>,
+    signals: Vec<Plot>,
+    table: Vec<signals::Row>,
+    faults: Vec<Window>,
+    pub(crate) notes: Vec<String>,
+}
+
+/// Curves of pairs of variables, at equal scale.
+#[derive(Debug, Clone, Serialize)]
+struct Plane {
+    title: String,
+    x: String,
+    y: String,
+    lines: Vec<Curve>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Curve {
+    name: String,
+    x: super::numbers::Numbers,
+    y: super::numbers::Numbers,
+}
+
+impl Trace {
+    /// Of what was recorded; an error if it lacks a variable that is asked for.
+    pub(crate) fn new(recording: &Recording, shown: &Shown<'_>) -> Result<Self> {
+        let columns = Columns::of(recording);
+        let paths = Paths::find(&columns, &shown.choice)?;
+        let mut notes = columns.notes.clone();
+        if paths.truth.is_none() {
+            notes.push(
+                "no truth is recorded (a group called pose with x and y): errors are not shown"
+                    .to_owned(),
+            );
+        } else if paths.estimates.is_empty() {
+            notes.push("no estimate is recorded: errors are not shown".to_owned());
+        }
+        let mut first = chosen(recording, &columns, shown)?;
+        first.extend(depth(&columns, &paths, &shown.units));
+        first.extend(navigation::errors(&columns, &paths, &shown.units));
+        first.extend(navigation::consistency(&columns, &paths));
+        first.extend(navigation::normalized(&columns, &paths));
+        first.extend(navigation::innovations(&columns, &paths, &shown.units));
+        first.extend(signals::system(&columns, &shown.units));
+        first.retain(|plot| !plot.is_empty());
+        let (mut behind, mut table) = (Vec::new(), Vec::new());
+        if shown.all {
+            let (plots, left_out) = signals::plots(&columns, &shown.units);
+            let (rows, cut) = signals::table(&columns, &shown.units);
+            notes.extend(left_out.into_iter().chain(cut));
+            (behind, table) = (plots, rows);
+        }
+        // The map has a fifth of all numbers, what stands in front at least half of the rest.
+        let map = Map::of(&columns, &paths, (shown.numbers / 50).clamp(40, 1500));
+        let of_all = shown.numbers * 4 / 5;
+        let in_front = if behind.is_empty() { of_all } else { of_all / 2 };
+        let thin = |plots: Vec<Whole>, numbers: usize| -> Vec<Plot> {
+            let lists: usize = plots.iter().map(Whole::lists).sum();
+            let share = |plot: &Whole| numbers * plot.lists() / lists;
+            let thinned = plots.into_iter().map(|plot| {
+                let share = share(&plot);
+                plot.thinned(&columns, share)
+            });
+            thinned.collect()
+        };
+        Ok(Self {
+            start: columns.time.first().copied().unwrap_or(0.0),
+            stop: columns.time.last().copied().unwrap_or(0.0),
+            instants: columns.time.len(),
+            xy: planes(recording, shown)?,
+            map,
+            plots: thin(first, in_front),
+            signals: thin(behind, of_all / 2),
+            table,
+            faults: shown.faults.clone(),
+            notes,
+        })
+    }
+}
+
+/// The plots that are asked for; variables of another unit get one of their own.
+fn chosen(recording: &Recording, columns: &Columns<'_>, shown: &Shown<'_>) -> Result<Vec<Whole>> {
+    let mut plots: Vec<Whole> = Vec::new();
+    for plot in shown.plots {
+        let first = plots.len();
+        for name in &plot.signals {
+            // For the error with the nearest name.
+            recording.column(name)?;
+            let values = columns.get(name).ok_or_else(|| {
+                Error::new(Code::Report, format!("'{name}' is text, which has no plot"))
+            })?;
+            let unit = shown.units.unit(name).unwrap_or_default();
+            let line = (name.clone(), Role::Signal, values);
+            match plots[first..].iter_mut().find(|whole| whole.unit == unit) {
+                Some(whole) => whole.lines.push(line),
+                None => plots.push(Whole {
+                    section: "Selected".into(),
+                    title: plot.title.clone(),
+                    unit: unit.into(),
+                    lines: vec![line],
+                    ..Whole::default()
+                }),
+            }
+        }
+    }
+    Ok(plots)
+}
+
+/// Depths, if any changes.
+fn depth(columns: &Columns<'_>, paths: &Paths, units: &Units) -> Option<Whole> {
+    let truth = paths.truth.iter().map(|path| (path, Role::Truth));
+    let estimates = paths.estimates.iter().map(|estimate| (&estimate.path, Role::Estimate));
+    let lines = truth.chain(estimates).filter_map(|(path, role)| {
+        let name = format!("{path}.z");
+        Some((name.clone(), role, columns.get(&name)?))
+    });
+    let lines: Vec<_> = lines.collect();
+    let varies = |values: &[f64]| {
+        let finite = || values.iter().copied().filter(|v| v.is_finite());
+        let (least, most) = (finite().reduce(f64::min), finite().reduce(f64::max));
+        least.zip(most).is_some_and(|(least, most)| most - least > 1e-6)
+    };
+    let unit = units.unit(&lines.first()?.0).unwrap_or_default().to_owned();
+    lines.iter().any(|(_, _, values)| varies(values)).then(|| Whole {
+        section: "Depth".into(),
+        title: "z, down".into(),
+        unit,
+        lines,
+        down: true,
+        ..Whole::default()
+    })
+}
+
+fn planes(recording: &Recording, shown: &Shown<'_>) -> Result<Vec<Plane>> {
+    let named = |name: &str| shown.units.labelled(name);
+    let plane = |plot: &XyPlot| {
+        let curve = |(x, y): &(String, String)| {
+            let (x_values, y_values) = (recording.column(x)?, recording.column(y)?);
+            let places = thin::even(x_values.len(), 2000);
+            let pick = |of: &[f64]| super::numbers::Numbers::values(places.iter().map(|&p| of[p]));
+            Ok(Curve { name: format!("{x}, {y}"), x: pick(x_values), y: pick(y_values) })
+        };
+        let (x, y) = plot.pairs.first().map_or(("", ""), |(x, y)| (x.as_str(), y.as_str()));
+        Ok(Plane {
+            title: plot.title.clone(),
+            x: named(x),
+            y: named(y),
+            lines: plot.pairs.iter().map(curve).collect::<Result<_>>()?,
+        })
+    };
+    shown.paths.iter().map(plane).collect()
+}

@@ -1,0 +1,123 @@
+//! Which recorded variables are the truth, its estimates and position fixes.
+//!
+//! A path is a group with `x` and `y`, called `pose` or `position`. It has a standard deviation if
+//! its component has `sigma.x` and `sigma.y` (or `pose_sigma.x` ...); then it is an estimate. The first
+//! `pose` without is the truth; any other `pose` is an estimate if none has a standard deviation.
+//! A `position` without, of another component, is a fix that a sensor gave.
+
+use super::columns::Columns;
+use crate::names;
+use crate::{Code, Error, Result};
+
+/// What the user, or the figures of a campaign, say of a recording.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Choice {
+    /// The true path, as `vehicle.pose`.
+    pub truth: Option<String>,
+    /// Estimates of it.
+    pub estimates: Vec<Estimate>,
+}
+
+/// An estimated path.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Estimate {
+    /// Its variables begin so: `filter.pose`.
+    pub path: String,
+    /// Those of its standard deviations: `filter.sigma`.
+    pub sigma: Option<String>,
+    /// Those of its covariances, with `x_y`: `filter.covariance`.
+    pub covariance: Option<String>,
+}
+
+/// The paths of a recording.
+#[derive(Debug, Default)]
+pub(super) struct Paths {
+    pub(super) truth: Option<String>,
+    pub(super) estimates: Vec<Estimate>,
+    pub(super) fixes: Vec<String>,
+}
+
+/// So many estimates are shown.
+const MOST: usize = 6;
+
+impl Paths {
+    pub(super) fn find(columns: &Columns<'_>, choice: &Choice) -> Result<Self> {
+        let all = candidates(columns);
+        let known = |path: &String| {
+            if columns.has(&format!("{path}.x")) && columns.has(&format!("{path}.y")) {
+                return Ok(());
+            }
+            let help = names::did_you_mean(path, all.iter().copied())
+                .unwrap_or_else(|| format!("paths are {}", all.join(", ")));
+            Err(Error::new(
+                Code::UnknownName,
+                format!("'{path}.x' and '{path}.y' are not recorded"),
+            )
+            .help(help))
+        };
+        choice.truth.iter().chain(choice.estimates.iter().map(|e| &e.path)).try_for_each(known)?;
+        let (mut sure, mut poses, mut fixes) = (Vec::new(), Vec::new(), Vec::new());
+        for path in all {
+            let estimate = with_companions(columns, path);
+            if estimate.sigma.is_some() {
+                sure.push(estimate);
+            } else if path.ends_with("pose") {
+                poses.push(estimate);
+            } else {
+                fixes.push(path.to_owned());
+            }
+        }
+        let chosen = |path: &str| choice.estimates.iter().any(|e| e.path == path);
+        let mut truth = choice.truth.clone();
+        if truth.is_none() {
+            truth = poses.iter().map(|e| e.path.clone()).find(|path| !chosen(path));
+        }
+        let mut estimates: Vec<Estimate> = choice.estimates.clone();
+        for estimate in &mut estimates {
+            let found = with_companions(columns, &estimate.path);
+            estimate.sigma = estimate.sigma.take().or(found.sigma);
+            estimate.covariance = estimate.covariance.take().or(found.covariance);
+        }
+        if estimates.is_empty() {
+            estimates = if sure.is_empty() { poses } else { sure };
+            estimates.retain(|estimate| Some(&estimate.path) != truth.as_ref());
+        }
+        estimates.truncate(MOST);
+        // What the truth or an estimator has as its input is no sensor's.
+        let owners = truth.iter().chain(estimates.iter().map(|estimate| &estimate.path));
+        let owners: Vec<String> =
+            owners.filter_map(|path| Some(format!("{}.", path.rsplit_once('.')?.0))).collect();
+        fixes.retain(|fix| !owners.iter().any(|owner| fix.starts_with(owner)));
+        Ok(Self { truth, estimates, fixes })
+    }
+}
+
+/// Groups that may be paths, in the order of the recording.
+fn candidates<'a>(columns: &Columns<'a>) -> Vec<&'a str> {
+    let prefixes = columns.names.iter().filter_map(|name| name.strip_suffix(".x"));
+    let called = |path: &&str| {
+        let last = path.rsplit('.').next().unwrap_or(path);
+        last == "pose" || last == "position"
+    };
+    prefixes.filter(called).filter(|path| columns.has(&format!("{path}.y"))).collect()
+}
+
+/// A path with its standard deviations and covariances, where they are recorded.
+fn with_companions(columns: &Columns<'_>, path: &str) -> Estimate {
+    let (component, group) = path.rsplit_once('.').unwrap_or(("", path));
+    let beside = |name: String| {
+        if component.is_empty() { name } else { format!("{component}.{name}") }
+    };
+    let find = |words: [String; 3], ends: &[&str]| {
+        let mut names = words.into_iter();
+        names.find(|name| ends.iter().all(|end| columns.has(&format!("{name}.{end}"))))
+    };
+    let sigma = [beside(format!("{group}_sigma")), format!("{path}.sigma"), beside("sigma".into())];
+    let covariance =
+        [beside(format!("{group}_covariance")), beside("covariance".into()), beside("cov".into())];
+    Estimate {
+        path: path.to_owned(),
+        sigma: find(sigma, &["x", "y"]),
+        covariance: find(covariance, &["x_y"]),
+    }
+}

@@ -1,0 +1,130 @@
+//! Plots over time as data: curves of one unit over common instants.
+
+use serde::Serialize;
+
+use super::columns::Columns;
+use super::thin;
+use crate::report::numbers::Numbers;
+
+/// One plot; every curve has its unit.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Plot {
+    /// The plots of a section stand together.
+    pub(super) section: String,
+    pub(super) title: String,
+    /// Empty if it is not known.
+    pub(super) unit: String,
+    t: Numbers,
+    lines: Vec<Line>,
+    /// Shaded between plus and minus this.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    band: Option<Line>,
+    /// Constant bounds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    limits: Option<Limits>,
+    /// Places among the instants that are marked, and why.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    marks: Option<Marks>,
+    /// Values hold until the next.
+    steps: bool,
+    /// The axis points down.
+    down: bool,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Line {
+    name: String,
+    role: Role,
+    v: Numbers,
+}
+
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Limits {
+    pub(super) name: String,
+    pub(super) low: f64,
+    pub(super) high: f64,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Marks {
+    name: String,
+    at: Vec<usize>,
+}
+
+/// What a curve stands for: decides its colour and dashes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Role {
+    Truth,
+    Estimate,
+    Fix,
+    Signal,
+}
+
+/// A plot with all its instants.
+#[derive(Debug, Default)]
+pub(super) struct Whole {
+    pub(super) section: String,
+    pub(super) title: String,
+    pub(super) unit: String,
+    pub(super) lines: Vec<(String, Role, Vec<f64>)>,
+    pub(super) band: Option<(String, Vec<f64>)>,
+    pub(super) limits: Option<Limits>,
+    pub(super) marks: Option<(String, Vec<usize>)>,
+    pub(super) steps: bool,
+    pub(super) down: bool,
+}
+
+/// Marks of one plot.
+const MARKS: usize = 200;
+
+impl Whole {
+    /// Whether there is anything to see.
+    pub(super) fn is_empty(&self) -> bool {
+        !self.lines.iter().any(|(_, _, values)| values.iter().any(|v| v.is_finite()))
+    }
+
+    /// How many lists of numbers it has.
+    pub(super) fn lists(&self) -> usize {
+        1 + self.lines.len() + usize::from(self.band.is_some())
+    }
+
+    /// With about so many numbers at most.
+    pub(super) fn thinned(self, columns: &Columns<'_>, numbers: usize) -> Plot {
+        let curves: Vec<&[f64]> = self
+            .lines
+            .iter()
+            .map(|(_, _, values)| values.as_slice())
+            .chain(self.band.as_ref().map(|(_, values)| values.as_slice()))
+            .collect();
+        let marks = self.marks.as_ref().map_or(&[][..], |(_, at)| &at[..at.len().min(MARKS)]);
+        let most = numbers / (curves.len() + 1);
+        let places = thin::fitting(&curves, columns.time.len(), most, marks);
+        let pick = |values: &[f64]| Numbers::values(places.iter().map(|&place| values[place]));
+        let line = |(name, role, values): &(String, Role, Vec<f64>)| Line {
+            name: name.clone(),
+            role: *role,
+            v: pick(values),
+        };
+        let at = |mark: &usize| places.binary_search(mark).ok();
+        Plot {
+            t: Numbers::times(places.iter().map(|&place| columns.time[place])),
+            lines: self.lines.iter().map(line).collect(),
+            band: self.band.as_ref().map(|(name, values)| Line {
+                name: name.clone(),
+                role: Role::Estimate,
+                v: pick(values),
+            }),
+            marks: self.marks.as_ref().map(|(name, _)| Marks {
+                name: name.clone(),
+                at: marks.iter().filter_map(at).collect(),
+            }),
+            limits: self.limits,
+            section: self.section,
+            title: self.title,
+            unit: self.unit,
+            steps: self.steps,
+            down: self.down,
+        }
+    }
+}

@@ -1,0 +1,265 @@
+//! Reports through the binary: what their data say, and what they do with bad input.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::campaign::{HEAD, campaign};
+use crate::distributed::{cosim, outcome, results};
+
+/// The data of a page; nothing of it may be markup.
+fn data(page: &str) -> Value {
+    let start = "<script type=\"application/json\" id=\"data\">";
+    let (_, rest) = page.split_once(start).expect(page);
+    let (data, _) = rest.split_once("</script>").unwrap();
+    assert!(!data.contains('<'));
+    serde_json::from_str(data).unwrap()
+}
+
+/// The data of the report that this command writes, and what it says on stderr.
+fn report(folder: &Path, arguments: &[&str]) -> (Value, String) {
+    let arguments = [&["report"][..], arguments, &["--output-file", "out.html"]].concat();
+    let (code, stderr) = outcome(folder, &arguments);
+    assert_eq!(code, 0, "{stderr}");
+    (data(&String::from_utf8(results(folder, "out.html")).unwrap()), stderr)
+}
+
+fn write(folder: &Path, name: &str, text: &str) {
+    std::fs::write(folder.join(name), text).unwrap();
+}
+
+fn strings(list: &Value) -> Vec<&str> {
+    list.as_array().unwrap().iter().map(|text| text.as_str().unwrap()).collect()
+}
+
+#[test]
+fn a_campaign_is_told_with_its_worst_and_its_median_run() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    campaign(folder, "[[verdict]]\nfigure = 'last'\nat-most = 100\n");
+    let text = std::fs::read_to_string(folder.join("c.toml")).unwrap();
+    write(folder, "c.toml", &format!("description = \"Is it <b>good</b>?\"\n{text}"));
+    assert_eq!(outcome(folder, &["campaign", "c.toml", "-q"]).0, 0);
+    let (told, stderr) = report(folder, &["c_campaign"]);
+    assert!(stderr.contains("the report is in out.html"), "{stderr}");
+    assert_eq!(told["question"], "Is it <b>good</b>?");
+    let campaign = &told["campaign"];
+    assert_eq!((&campaign["answer"], &campaign["runs"]), (&"pass".into(), &24.into()));
+    assert_eq!(campaign["figures"][0]["what"], "the last x.y");
+    let cells = campaign["cells"].as_array().unwrap();
+    assert_eq!(cells.len(), 2);
+    for cell in cells {
+        // All runs are points, and the worst run is the greatest of them.
+        let (runs, values) = (&cell["sample"]["run"], &cell["sample"]["figures"][0]);
+        assert_eq!(runs.as_array().unwrap().len(), 12);
+        let values: Vec<f64> =
+            values.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
+        let worst = (0..12).max_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap();
+        let shown = cell["shown"].as_array().unwrap();
+        assert_eq!((&shown[0]["why"], &shown[1]["why"]), (&"worst".into(), &"median".into()));
+        assert_eq!(shown[0]["run"], runs[worst]);
+        assert!(shown[0]["problem"].is_null(), "{shown:?}");
+        // The run that was made again ends with the figure of its row.
+        let trace = &told["runs"][&shown[0]["run"].to_string()];
+        assert_eq!((&trace["start"], &trace["stop"]), (&0.0.into(), &1.0.into()));
+        // The gain decides the result.
+        let correlation = cell["sensitivity"][0][0].as_f64().unwrap();
+        assert!(correlation > 0.5, "{correlation}");
+    }
+    let noisy = &told["runs"][&cells[1]["shown"][0]["run"].to_string()];
+    assert_eq!(noisy["faults"][0]["label"], "white noise of g.y");
+    let (none, _) = report(folder, &["c_campaign", "--runs-per-cell", "0"]);
+    assert!(none["runs"].as_object().unwrap().is_empty());
+    // The same folder gives the same bytes.
+    assert_eq!(report(folder, &["c_campaign"]).0, told);
+    assert!(!folder.join("c_campaign/report.html").exists());
+    assert_eq!(outcome(folder, &["report", "c_campaign"]).0, 0);
+    assert!(folder.join("c_campaign/report.html").exists());
+}
+
+#[test]
+fn what_a_folder_lacks_is_named_and_the_rest_is_shown() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    campaign(folder, "");
+    assert_eq!(outcome(folder, &["campaign", "c.toml", "-q"]).0, 0);
+    // A row cut short, one that is no row, and one that failed.
+    let log = std::fs::read_to_string(folder.join("c_campaign/runs.jsonl")).unwrap();
+    let mut lines: Vec<&str> = log.lines().take(20).collect();
+    lines.push("{\"run\":\"seven\"}");
+    let failed = "{\"run\":23,\"status\":\"crashed\",\"reason\":\"</script><script>alert(1)\",\
+        \"inputs\":[\"1\"],\"simulated\":\"\",\"figures\":[],\"digest\":\"\",\"cpu_ms\":\"\"}";
+    lines.push(failed);
+    let text = lines.join("\n") + "\n{\"run\":21,\"sta";
+    write(folder, "c_campaign/runs.jsonl", &text);
+    let (told, stderr) = report(folder, &["c_campaign"]);
+    let notes = strings(&told["notes"]);
+    for part in ["line 21 of runs.jsonl", "line 23 of runs.jsonl", "3 of 24 runs are not there"] {
+        assert!(notes.iter().any(|note| note.contains(part)), "{part}: {notes:?}");
+        assert!(stderr.contains(part), "{part}: {stderr}");
+    }
+    assert_eq!((&told["campaign"]["runs"], &told["campaign"]["failed"]), (&21.into(), &1.into()));
+    // Nothing but the manifest: no run is over.
+    std::fs::remove_file(folder.join("c_campaign/runs.jsonl")).unwrap();
+    let (told, _) = report(folder, &["c_campaign"]);
+    assert_eq!(told["campaign"]["runs"], 0);
+    assert!(strings(&told["notes"])[0].contains("runs.jsonl"), "{}", told["notes"]);
+    assert_eq!(told["campaign"]["answer"], "none");
+}
+
+#[test]
+fn runs_that_cannot_be_made_again_are_a_line_with_the_reason() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    campaign(folder, "");
+    assert_eq!(outcome(folder, &["campaign", "c.toml", "-q"]).0, 0);
+    write(folder, "noise.toml", "[[fault]]\nkind = \"bias\"\non = \"g.y\"\nvalue = 1\n");
+    let (told, _) = report(folder, &["c_campaign"]);
+    let problem = told["campaign"]["cells"][0]["shown"][0]["problem"].as_str().unwrap();
+    assert!(problem.contains("changed") && problem.contains("scenario noisy"), "{problem}");
+    assert!(told["runs"].as_object().unwrap().is_empty());
+    // Rows mean something else now: refused, as by `cosim campaign`.
+    write(folder, "c.toml", &HEAD.replace("clean", "quiet"));
+    let (code, stderr) = outcome(folder, &["report", "c_campaign"]);
+    assert_eq!(code, 3, "{stderr}");
+    assert!(stderr.contains("E211") && stderr.contains("quiet"), "{stderr}");
+}
+
+#[test]
+fn folders_and_endings_that_are_no_such_thing_are_refused_with_a_remedy() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    std::fs::create_dir(folder.join("empty")).unwrap();
+    write(folder, "r.csv", "time,a.pose.x\n0,1\n");
+    for (arguments, parts) in [
+        (&["empty"][..], &["no results of a campaign", "campaign.json"][..]),
+        (&["missing"], &["missing"]),
+        (&["r.csv", "-o", "x.png"], &["E001", ".png", ".html", ".svg", "rsvg-convert"]),
+        (&["r.csv", "-o", "x.pdf"], &[".pdf", "print"]),
+        (&["r.csv", "-o", "x.htlm"], &["did you mean 'html'"]),
+        (&["empty", "-o", "x.svg"], &["one figure"]),
+        (&["empty", "--truth", "a.pose"], &["--truth is for the results of one run"]),
+        (&["r.csv", "--truth", "a.poze"], &["'a.poze.x'"]),
+    ] {
+        let (code, stderr) = outcome(folder, &[&["report"], arguments].concat());
+        assert_ne!(code, 0, "{arguments:?}");
+        parts.iter().for_each(|part| assert!(stderr.contains(part), "{part}: {stderr}"));
+    }
+    assert!(!folder.join("x.png").exists());
+}
+
+/// A run on a circle with an estimate that is sure to 0.5 m, and a variable that is no number.
+fn circle() -> String {
+    let mut text = "time,t.pose.x,t.pose.y,t.pose.z,t.pose.yaw,e.pose.x,e.pose.y,e.pose.yaw,\
+        e.sigma.x,e.sigma.y,e.sigma.yaw,e.innovation.fix.x,e.innovation_sigma.fix.x,\
+        e.count.fix.rejected,e.nis.fix,<script>alert(1)</script>,odd \"\"\n"
+        .replace("odd \"\"", "\"odd \"\", name\"");
+    for row in 0..5000 {
+        let time = f64::from(row) * 0.1;
+        let (y, x) = (time / 50.0).sin_cos();
+        let rejected = u8::from(row > 3000);
+        _ = writeln!(
+            text,
+            "{time},{x},{y},20,3.1,{},{y},-3.1,0.5,0.5,0.1,0.2,0.4,{rejected},0.25,NaN,{row}",
+            x + 0.25
+        );
+    }
+    text
+}
+
+#[test]
+fn a_run_has_its_map_errors_and_innovations_with_units() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    write(folder, "run.csv", &circle());
+    let scenario = "[[fault]]\nkind = \"drop-out\"\non = \"fix.x\"\nfrom = 30\nfor = 20\n";
+    write(folder, "s.toml", scenario);
+    let (told, _) = report(folder, &["run.csv", "--scenario", "s.toml"]);
+    let run = &told["runs"][""];
+    let paths: Vec<(&str, &str)> = run["map"]["paths"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|path| (path["name"].as_str().unwrap(), path["role"].as_str().unwrap()))
+        .collect();
+    assert_eq!(paths, [("t.pose", "truth"), ("e.pose", "estimate")]);
+    assert_eq!(run["map"]["paths"][1]["ellipses"]["xx"][0], 0.25);
+    assert_eq!(
+        (&run["faults"][0]["from"], &run["faults"][0]["until"]),
+        (&30.0.into(), &50.0.into())
+    );
+    let plots = run["plots"].as_array().unwrap();
+    let plot = |title: &str| {
+        let found = plots.iter().find(|plot| plot["title"] == title);
+        found.unwrap_or_else(|| {
+            panic!("{title}: {:?}", plots.iter().map(|p| &p["title"]).collect::<Vec<_>>())
+        })
+    };
+    let error = plot("e.pose.x: error");
+    assert_eq!((&error["unit"], &error["lines"][0]["v"][7]), (&"m".into(), &0.25.into()));
+    assert_eq!(error["band"]["v"][7], 1.5);
+    // The short way round from 3.1 to -3.1.
+    let yaw = plot("e.pose.yaw: error")["lines"][0]["v"][0].as_f64().unwrap();
+    assert!((yaw - (std::f64::consts::TAU - 6.2)).abs() < 1e-4, "{yaw}");
+    let innovation = plot("e.innovation.fix.x");
+    assert_eq!((&innovation["unit"], &innovation["band"]["v"][0]), (&"m".into(), &0.8.into()));
+    let mark = innovation["marks"]["at"][0].as_u64().unwrap() as usize;
+    assert_eq!(innovation["t"][mark], 300.1);
+    assert_eq!(plot("e.pose: NEES of x and y")["lines"][0]["v"][0], 0.25);
+    let high = plot("e.nis.fix: NIS")["limits"]["high"].as_f64().unwrap();
+    assert!((high - 5.023_886).abs() < 1e-5, "{high}");
+    // No axis has two units.
+    for plot in plots.iter().chain(run["signals"].as_array().unwrap()) {
+        assert!(plot["unit"].is_string());
+    }
+    let table: Vec<&str> =
+        run["table"].as_array().unwrap().iter().map(|row| row["name"].as_str().unwrap()).collect();
+    assert!(table.contains(&"<script>alert(1)</script>"), "{table:?}");
+    assert!(table.contains(&"odd \", name"), "{table:?}");
+}
+
+#[test]
+fn recordings_that_lack_things_are_shown_as_far_as_they_go() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    write(folder, "bare.csv", "time,a,b\n0,1,2\n1,2,3\n");
+    let (told, _) = report(folder, &["bare.csv"]);
+    let run = &told["runs"][""];
+    assert!(strings(&told["notes"])[0].contains("no truth is recorded"));
+    assert!(run["map"].is_null());
+    // Their units are not known: each has an axis of its own.
+    assert_eq!(run["signals"].as_array().unwrap().len(), 2);
+    write(folder, "nan.csv", "time,a.pose.x,a.pose.y,b\n0,NaN,NaN,NaN\n1,NaN,NaN,NaN\n");
+    let (told, _) = report(folder, &["nan.csv"]);
+    assert_eq!(told["runs"][""]["table"][0]["not_finite"], 2);
+    write(folder, "none.csv", "time,a.pose.x,a.pose.y\n");
+    let (told, _) = report(folder, &["none.csv"]);
+    assert!(strings(&told["notes"]).contains(&"no instant is recorded"));
+    write(folder, "back.csv", "time,a\n0,1\n2,2\n1,9\nNaN,9\n3,3\n");
+    let (told, _) = report(folder, &["back.csv"]);
+    assert!(strings(&told["notes"])[0].starts_with("2 rows are left out"), "{}", told["notes"]);
+    assert_eq!(told["runs"][""]["signals"][0]["t"], serde_json::json!([0, 2, 3]));
+    let plot = &["bare.csv", "--plot", "A: a, c"];
+    let (code, stderr) = outcome(folder, &[&["report"], &plot[..]].concat());
+    assert!(code != 0 && stderr.contains("'c' was not recorded"), "{stderr}");
+}
+
+#[test]
+fn ten_thousand_columns_fit() {
+    let folder = TempDir::new().unwrap();
+    let names: Vec<String> = (0..10_000).map(|i| format!("c{}.value[{i}]", i / 100)).collect();
+    let mut text = format!("time,{}\n", names.join(","));
+    for row in 0..20 {
+        let values: Vec<String> = (0..10_000).map(|i| format!("{}.125", row * i % 97)).collect();
+        text += &format!("{row},{}\n", values.join(","));
+    }
+    write(folder.path(), "wide.csv", &text);
+    let output = cosim(folder.path(), &["report", "wide.csv", "-o", "-"]).output().unwrap();
+    let page = String::from_utf8(output.stdout).unwrap();
+    assert!(page.len() < 5_000_000, "{}", page.len());
+    let told = data(&page);
+    let notes = strings(&told["notes"]);
+    assert!(notes.iter().any(|note| note.contains("2000 of")), "{notes:?}");
+}
