@@ -404,6 +404,12 @@ impl Campaign {
         self.figures.iter().map(|(name, _)| name.as_str())
     }
 
+    /// The figures that summaries are of: all but those at single instants, which come after them.
+    pub(super) fn summarized(&self) -> &[(String, Figure)] {
+        let count = self.figures.iter().filter(|(_, figure)| figure.instant().is_none()).count();
+        &self.figures[..count]
+    }
+
     /// Names of the parameters that differ from run to run or from cell to cell, without seeds.
     pub(super) fn inputs(&self) -> impl Iterator<Item = &str> {
         let factors = self.factors.iter().map(|(name, _)| name.as_str());
@@ -431,8 +437,9 @@ impl Campaign {
         lines.push(format!("output-interval = {:?}", self.output_interval));
         let conditions: Vec<String> = self.stop_when.iter().map(Condition::to_string).collect();
         lines.push(format!("stop-when = {conditions:?}"));
-        let figures = self.figures.iter().filter(|(_, figure)| figure.instant().is_none());
-        lines.extend(figures.map(|(name, figure)| format!("figure {name} = {figure:?}")));
+        lines.extend(
+            self.summarized().iter().map(|(name, figure)| format!("figure {name} = {figure:?}")),
+        );
         lines.push(format!("over time = {:?}", self.over_time));
         lines
     }

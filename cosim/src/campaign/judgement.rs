@@ -110,8 +110,7 @@ impl Judgement {
             consistency: Vec::new(),
         };
         for (cell, rows) in cells.iter().enumerate() {
-            let listed = campaign.figures.iter().enumerate();
-            for (place, (figure, _)) in listed.filter(|(_, (_, f))| f.instant().is_none()) {
+            for (place, (figure, _)) in campaign.summarized().iter().enumerate() {
                 let good = rows.iter().filter(|row| row.status == Status::Ok);
                 let values: Vec<f64> = good.map(|row| row.figure(place)).collect();
                 judgement.figures.push(FigureOfCell {
@@ -195,9 +194,7 @@ fn compared(campaign: &Campaign, cell: usize, cells: &[Vec<&Row>]) -> Vec<Compar
     let Some(place) = campaign.cells.iter().position(|c| c == first) else { return Vec::new() };
     let others: HashMap<usize, &Row> =
         cells[place].iter().map(|row| (campaign.replicate_of(row.run), *row)).collect();
-    let listed = campaign.figures.iter().enumerate();
-    let listed = listed.filter(|(_, (_, figure))| figure.instant().is_none());
-    let figures = listed.map(|(figure, (name, _))| {
+    let figures = campaign.summarized().iter().enumerate().map(|(figure, (name, _))| {
         let differences: Vec<f64> = cells[cell]
             .iter()
             .filter_map(|row| {

@@ -94,7 +94,7 @@ impl<'a> Source<'a> {
         let levels = levels.map(|((_, values), level)| values[*level].as_str());
         let listed = own.row.iter().flat_map(|row| campaign.list.1[*row].iter());
         let rows = &self.rows[cell];
-        let figures = (0..campaign.figures.len()).map(|figure| self.figure(cell, figure));
+        let figures = (0..campaign.summarized().len()).map(|figure| self.figure(cell, figure));
         Cell {
             name,
             row,
@@ -136,7 +136,7 @@ impl<'a> Source<'a> {
         let values: Vec<f64> = good.map(|row| row.figure(figure)).collect();
         let mut finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
         finite.sort_by(f64::total_cmp);
-        let told = &self.judgement.figures[cell * self.campaign.figures.len() + figure];
+        let told = &self.judgement.figures[cell * self.campaign.summarized().len() + figure];
         let parts = if finite.is_empty() { 0 } else { 41 };
         let quantiles = (0..parts).map(|part| quantile_of_sorted(&finite, f64::from(part) / 40.0));
         let consistency = self.freedom[figure].filter(|_| !finite.is_empty()).map(|freedom| {

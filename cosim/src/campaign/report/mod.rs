@@ -83,7 +83,7 @@ pub fn report(
     let unit = |name: &str| units.unit(name).unwrap_or_default().to_owned();
     let mut sampling = Sampling {
         inputs: Input::of_all(&campaign, &contents.rows, unit),
-        figures: campaign.figures.len(),
+        figures: campaign.summarized().len(),
         replicates: usize::MAX,
     };
     let mut cells = fitting(&source, &mut sampling, &main, &mut notes);
@@ -126,7 +126,8 @@ fn source<'a>(
     }
     rows.iter_mut().for_each(|rows| rows.sort_by_key(|row| row.run));
     let recorded = units.names();
-    let freedom = campaign.figures.iter().map(|(_, figure)| figure.freedom(&recorded)).collect();
+    let freedom =
+        campaign.summarized().iter().map(|(_, figure)| figure.freedom(&recorded)).collect();
     Source { campaign, judgement, rows, freedom }
 }
 
@@ -175,7 +176,7 @@ fn missing(campaign: &Campaign, judgement: &Judgement, notes: &mut Vec<String>) 
             campaign.runs()
         ));
     }
-    if campaign.figures.is_empty() {
+    if campaign.summarized().is_empty() {
         notes.push("the campaign has no figures".to_owned());
     }
 }
@@ -218,7 +219,7 @@ fn told<'a>(
         },
         answers,
         main: main.figure,
-        figures: campaign.figures.iter().map(figure).collect(),
+        figures: campaign.summarized().iter().map(figure).collect(),
         levels: campaign
             .factors
             .iter()

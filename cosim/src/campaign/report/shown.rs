@@ -61,7 +61,7 @@ impl Shown<'_> {
         more: &mut dyn FnMut(usize) -> bool,
     ) -> Runs {
         let mut choice = Choice::default();
-        self.campaign.figures.iter().for_each(|(_, figure)| figure.choose(&mut choice));
+        self.campaign.summarized().iter().for_each(|(_, figure)| figure.choose(&mut choice));
         let mut runs = Runs::new();
         // A run of its own may be longer than others, but none needs more than this.
         let each = (octets / plan.len().max(1)).min(400_000);
