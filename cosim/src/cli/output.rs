@@ -54,7 +54,7 @@ pub(crate) struct Output {
     /// Write the running digest of the results after each sample there, for `cosim verify`
     #[arg(long, value_name = "FILE")]
     digest_file: Option<PathBuf>,
-    /// How the summary is told: for people on stderr, or as JSON on stdout, errors as well
+    /// Form of the summary: text on stderr, or JSON on stdout, errors as well
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(crate) format: Format,
     /// No progress and no summary

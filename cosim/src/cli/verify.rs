@@ -14,7 +14,7 @@ use super::values;
 pub(crate) struct Verify {
     /// Results: CSV or MCAP; or a list of digests (--digest-file)
     a: PathBuf,
-    /// The other results, CSV or MCAP, or the digest that a run told
+    /// The other results, CSV or MCAP, or the digest that a run printed
     b: PathBuf,
     /// Values may differ by this, or those of a variable or pattern (repeatable)
     #[arg(long, value_name = "[NAME=]NUMBER", value_parser = values::tolerance)]

@@ -13,7 +13,8 @@ use std::{
 };
 
 /// What is shipped: the programs and libraries of the wheel and of the FMUs.
-const SHIPPED: [&str; 5] = ["cosim", "cosim-proxy", "cosim-system", "rexrov-fmu", "rexrov-smooth"];
+const SHIPPED: [&str; 6] =
+    ["cosim", "cosim-proxy", "cosim-scripted", "cosim-system", "rexrov-fmu", "rexrov-smooth"];
 
 /// The whole as a component.
 const PROJECT: &str = "rexrov-fmi";
@@ -123,6 +124,17 @@ fn component(package: &Value, checksums: &BTreeMap<(&str, &str), &str>) -> Value
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_program_and_library_is_shipped_or_for_developers() {
+        let metadata = metadata(&["--no-deps"]).unwrap();
+        let binary = |target: &Value| array(target, "kind").any(|k| k == "bin" || k == "cdylib");
+        let built = array(&metadata, "packages").filter(|p| array(p, "targets").any(binary));
+        let mut built: Vec<&str> = built.map(|package| text(package, "name")).collect();
+        built.retain(|name| !["clumsy", "depth-hold", "xtask"].contains(name));
+        built.sort_unstable();
+        assert_eq!(built, SHIPPED);
+    }
 
     #[test]
     fn what_is_shipped_is_listed_with_checksums_and_what_tests_need_is_not() {

@@ -12,7 +12,7 @@ use cosim::{Overrides, Result, System};
 use super::output::{print, print_lines};
 use super::{Format, messages};
 
-/// Show what an FMU or a system is; a system is checked wholly
+/// Show what an FMU or a system is; a system is checked as by validate
 #[derive(Args)]
 pub(crate) struct Info {
     /// A .fmu, .ssd, .ssp or OspSystemStructure.xml file, or the folder of the last
