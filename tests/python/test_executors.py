@@ -41,7 +41,7 @@ def table(folder):
 
 
 def cosim(*arguments, **environment):
-    command = [COSIM, "campaign", "--quiet", *map(str, arguments)]
+    command = [COSIM, "campaign", "--quiet", "--csv", *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, env=environment or None)
 
 
