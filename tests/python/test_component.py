@@ -278,6 +278,19 @@ FIX = """
 """
 
 
+def test_a_measurement_that_is_no_number_reaches_the_class(tmp_path):
+    body = FIX.replace("TROUBLE", "").replace("z, yaw]", "-7.0 if np.isnan(z) else z, yaw]")
+    fault = tmp_path / "nan.toml"
+    fault.write_text('[[fault]]\nkind = "nan"\non = "pressure.depth"\nfrom = 1\nfor = 1\n')
+    fmu = made(tmp_path, body, ports=PAPER)
+    found = rexrov.run(
+        system_path("paper"), replace={"ekf": fmu}, scenario=fault, stop_time=3, output_interval=0.1
+    )
+    lost = found["ekf.pose.z"] == -7.0
+    assert lost.any() and (found["time"][lost].min(), found["time"][lost].max()) > (0.9, 1.8)
+    assert not lost[found["time"] < 1].any() and not lost[found["time"] > 2.1].any()
+
+
 def campaign_file(folder, replacements, more=""):
     lines = "".join(f'[replacements.{name}]\nekf = "{fmu}"\n' for name, fmu in replacements.items())
     file = folder / "campaign.toml"
