@@ -242,6 +242,25 @@ def test_a_process_ends_with_its_importer(tmp_path):
         os.close(process)
 
 
+def test_isolation_holds_python_too(tmp_path):
+    secret = tmp_path / "secret.txt"
+    secret.write_text("x")
+    body = f"""
+    def step(self, t, y):
+        try:
+            return [len(open({str(secret)!r}).read()), 0, t]
+        except PermissionError:
+            return [0, 0, t]
+"""
+    command = [COSIM, "simulate", made(tmp_path, body), "--stop-time=0.1", "--quiet", "-o", tmp_path / "x.csv"]
+    read = [f"--allow-read={folder}" for folder in dict.fromkeys((sys.prefix, sys.base_prefix))]
+    for options, opened in ([], 1), (["--isolate", "--execution-tool", *read], 0):
+        subprocess.run([*command, *options], check=True)
+        assert rexrov.tables.read(tmp_path / "x.csv")["pose.x"][0] == opened
+    done = subprocess.run([*command, "--isolate"], capture_output=True, text=True)
+    assert "an isolated run needs --execution-tool and --allow-read" in done.stderr
+
+
 PAPER = """
     rate = 10.0
     inputs = {"dvl.velocity.{u,v,w}": "m/s", "fix.position.{x,y}": "m", "pressure.depth": "m"}
@@ -257,6 +276,19 @@ FIX = """
         x, y, z, yaw = *y["fix.position"], y["pressure.depth"], y["ahrs.attitude.yaw"]
         return {"pose": [x + self.random.normal() / 10, y, z, yaw]}
 """
+
+
+def test_a_measurement_that_is_no_number_reaches_the_class(tmp_path):
+    body = FIX.replace("TROUBLE", "").replace("z, yaw]", "-7.0 if np.isnan(z) else z, yaw]")
+    fault = tmp_path / "nan.toml"
+    fault.write_text('[[fault]]\nkind = "nan"\non = "pressure.depth"\nfrom = 1\nfor = 1\n')
+    fmu = made(tmp_path, body, ports=PAPER)
+    found = rexrov.run(
+        system_path("paper"), replace={"ekf": fmu}, scenario=fault, stop_time=3, output_interval=0.1
+    )
+    lost = found["ekf.pose.z"] == -7.0
+    assert lost.any() and (found["time"][lost].min(), found["time"][lost].max()) > (0.9, 1.8)
+    assert not lost[found["time"] < 1].any() and not lost[found["time"] > 2.1].any()
 
 
 def campaign_file(folder, replacements, more=""):

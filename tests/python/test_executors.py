@@ -41,7 +41,7 @@ def table(folder):
 
 
 def cosim(*arguments, **environment):
-    command = [COSIM, "campaign", "--quiet", *map(str, arguments)]
+    command = [COSIM, "campaign", "--quiet", "--csv", *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, env=environment or None)
 
 
@@ -124,5 +124,5 @@ def test_what_is_missing_or_does_not_agree_is_told(tmp_path, file):
 def test_an_error_of_a_part_is_the_campaign_s(tmp_path, file):
     wrong = file.with_name("wrong.toml")
     wrong.write_text(FILE.replace("vehicle.current.east", "vehicle.current.esat"))
-    with pytest.raises(CosimError, match="vehicle.current.east"), ThreadPoolExecutor(1) as executor:
+    with pytest.raises(CosimError, match="did you mean .current.east"), ThreadPoolExecutor(1) as executor:
         rexrov.campaign(wrong, output_dir=tmp_path, executor=executor, shards=2)

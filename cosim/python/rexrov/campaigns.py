@@ -109,7 +109,7 @@ def _workers(executor: Executor) -> int:
 
 def _call(*arguments: str) -> None:
     try:
-        program.call("campaign", "--quiet", *arguments)
+        program.call("campaign", "--quiet", "--csv", *arguments)
     except CosimError as error:
         if error.code not in _VERDICTS:
             raise

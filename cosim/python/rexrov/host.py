@@ -4,8 +4,9 @@
     python host.py RESOURCES --check    makes an object and says whether its state can be saved
 
 The process imports the class's module once. For each instance it forks, so that no run finds what another has
-left in modules; the child makes the object and answers until it is not needed any more. A message is its
-length, a letter and that many octets, little-endian; the library's `process.rs` says which there are.
+left in modules; the child makes the object and answers until it is not needed any more, and the end of the
+child is answered here. A message is its length, a letter and that many octets, little-endian; the library's
+`process.rs` says which there are.
 """
 
 from __future__ import annotations
@@ -305,6 +306,7 @@ def main(resources: str) -> None:
     channel.send(*reply)
     while reply[0] == DONE and (message := channel.receive()) is not None:
         if message[0] == END:
+            channel.send(DONE)
             continue
         child = os.fork()
         if child == 0:
@@ -313,7 +315,9 @@ def main(resources: str) -> None:
             finally:
                 os._exit(ORDERLY)
         code = channel.guard(child)
-        if code != ORDERLY:
+        if code == ORDERLY:
+            channel.send(DONE)
+        else:
             how = f"ended with exit status {code}" if code >= 0 else f"was killed by {signal.Signals(-code).name}"
             reply = LOST, f"the process of {manifest['class']} {how}".encode()
             channel.send(*reply)

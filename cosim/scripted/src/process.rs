@@ -1,7 +1,7 @@
 //! The Python process: it imports the module once, and makes an object for each instance.
 //!
 //! A message is its length as a `u32`, a letter, and that many octets, all little-endian; `host.py` is the
-//! other end. Each request has one answer, except the one that ends an object. A process whose object is
+//! other end. Each request has one answer, and none is sent before that has come. A process whose object is
 //! ended waits for the next instance: a campaign pays for the start of Python once per worker.
 //!
 //! Nothing here limits how long a call takes. That is up to the importer, and when it ends, or is killed,
@@ -30,7 +30,7 @@ pub(crate) enum Ask {
     Save = b'G',
     /// An object from a state.
     Restore = b'R',
-    /// It is not needed any more; there is no answer.
+    /// It is not needed any more. The answer is awaited by the next instance.
     End = b'E',
 }
 
@@ -63,13 +63,15 @@ impl Process {
     /// One that has imported the module in these resources.
     pub(crate) fn of(resources: &Path, manifest: &Manifest) -> Result<Self> {
         let mut idle = IDLE.lock().unwrap_or_else(PoisonError::into_inner);
-        match idle.iter().position(|(folder, _)| folder == resources) {
-            Some(place) => Ok(idle.swap_remove(place).1),
-            None => {
-                drop(idle);
-                Self::start(resources, manifest)
-            }
+        let place = idle.iter().position(|(folder, _)| folder == resources);
+        let found = place.map(|place| idle.swap_remove(place).1);
+        drop(idle);
+        if let Some(mut process) = found
+            && process.answer().is_ok()
+        {
+            return Ok(process);
         }
+        Self::start(resources, manifest)
     }
 
     /// Keeps it for the next instance of the same resources.

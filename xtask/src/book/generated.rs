@@ -1,11 +1,11 @@
 //! The parts of pages that the code writes: `<!-- generated: cli -->` stands for the help of every
-//! command, `<!-- generated: errors -->` for all error codes; the page of a component's equations gets
+//! command, `<!-- generated: errors -->` for all error codes, `<!-- generated: python -->` for the Python package; the page of a component's equations gets
 //! its title, its plot and its variables.
 
 use super::pages::Page;
 use crate::{
     package::{contents, page::plot, reference},
-    paths, process,
+    paths, process, python,
 };
 use anyhow::{Result, anyhow, bail};
 use cosim::Code;
@@ -29,6 +29,7 @@ pub(super) fn complete(page: &Page) -> Result<String> {
     let text = match name {
         "cli" => command_line()?,
         "errors" => errors(),
+        "python" => python_package()?,
         _ => bail!("{}: nothing generates `{name}`", page.path.display()),
     };
     Ok(format!("{before}{text}{after}"))
@@ -54,6 +55,14 @@ fn component_page(component: &Entry) -> Result<String> {
         svg.replace('\n', " "),
         variables = variables.replace("\n### ", "\n## "),
     ))
+}
+
+/// What the docstrings of the Python package say, with its signatures.
+fn python_package() -> Result<String> {
+    let root = paths::root();
+    let mut command = Command::new(python::BOOK.interpreter()?);
+    command.arg(root.join("xtask/src/book/python.py")).arg(root.join("cosim/python/rexrov"));
+    process::output(&mut command)
 }
 
 /// What `cosim help` says of each command, and of the commands of a command.

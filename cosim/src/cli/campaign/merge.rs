@@ -44,10 +44,11 @@ impl Campaign {
         let judgement = self.conclude(&bench, &identity, &results)?;
         let missing: Vec<u64> =
             (0..bench.campaign().runs()).filter(|run| !all.contains_key(run)).collect();
-        match missing.is_empty() {
-            true => verdict(&judgement),
-            false => Err(incomplete(&missing, bench.campaign().runs())),
+        if !missing.is_empty() {
+            return Err(incomplete(&missing, bench.campaign().runs()));
         }
+        self.keep(&bench, output, results)?;
+        verdict(&judgement)
     }
 }
 

@@ -110,7 +110,9 @@ impl Campaign {
             }
         }
         outcome?;
-        self.keep(&bench, &folder, results)?;
+        if self.shard.is_none() {
+            self.keep(&bench, &folder, results)?;
+        }
         if interrupt::interrupted() {
             return Err(Error::new(Code::Interrupted, "the campaign was interrupted")
                 .why(format!("{} of {} runs are over", judgement.runs, bench.campaign().runs()))
