@@ -41,7 +41,7 @@ nominal = ""
 
 [figures]
 ate = {{ kind = "ate", truth = "vehicle.pose", estimate = "ekf.pose" }}
-nees = {{ kind = "nees", truth = "vehicle.pose", estimate = "ekf.pose", sigma = "ekf.sigma", covariance = "ekf.covariance", axes = ["x", "y"] }}
+nees = {{ kind = "nees", truth = "vehicle.pose", estimate = "ekf.pose", sigma = "ekf.sigma", covariance = "ekf.covariance", axes = ["x", "y"], every = 5 }}
 
 [[verdict]]
 figure = "ate"
@@ -138,6 +138,7 @@ def test_from_the_matrix_to_a_run_and_back(page, report):
     cell.click()
     expect(page.locator("h1")).to_have_text(name)
     expect(page.locator("text=Consistency: means over the runs")).to_be_visible()
+    expect(page.get_by_role("heading", name="Consistency over time")).to_be_visible()
     page.locator("table:has(caption:text('Runs:')) a").first.click()
     expect(page.locator("h1")).to_have_text(HEAD_OF_RUN)
     expect(page.locator("#map canvas")).to_have_count(1)

@@ -4,9 +4,10 @@ use std::collections::HashMap;
 
 use serde::Serialize;
 
-use super::statistics::{Answer, Estimate, chi_square_quantile, decide, quantile};
+use super::statistics::{Answer, Estimate, decide, quantile};
 use super::{Campaign, Row, Status};
 use crate::names;
+use crate::report::chi_square_quantile;
 
 /// What the rows say.
 #[derive(Debug, Serialize)]

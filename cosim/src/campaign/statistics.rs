@@ -100,53 +100,6 @@ pub(super) fn quantile(values: &[f64], p: f64, confidence: f64) -> Estimate {
     Estimate { value, interval }
 }
 
-/// The quantile `p` of chi-square with so many degrees of freedom, to about 1e-12: the regularized
-/// incomplete gamma function inverted by bisection.
-pub(super) fn chi_square_quantile(p: f64, freedom: f64) -> f64 {
-    if freedom.is_nan() || freedom <= 0.0 {
-        return f64::NAN;
-    }
-    let (mut low, mut high) = (0.0, freedom + 40.0 * libm::sqrt(2.0 * freedom) + 40.0);
-    for _ in 0..80 {
-        let middle = 0.5 * (low + high);
-        if gamma_share(0.5 * freedom, 0.5 * middle) < p { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
-}
-
-/// The regularized lower incomplete gamma function: by its series below the mean, by its continued
-/// fraction (Lentz) above it (DLMF 8.7.1, 8.9.2).
-fn gamma_share(a: f64, x: f64) -> f64 {
-    if x <= 0.0 {
-        return 0.0;
-    }
-    let scale = libm::exp(a * libm::log(x) - x - libm::lgamma(a));
-    if x < a + 1.0 {
-        let (mut term, mut sum, mut n) = (1.0 / a, 1.0 / a, a);
-        while term > 1e-17 * sum {
-            n += 1.0;
-            term *= x / n;
-            sum += term;
-        }
-        return scale * sum;
-    }
-    let mut b = x + 1.0 - a;
-    let (mut c, mut d) = (f64::MAX, 1.0 / b);
-    let mut fraction = d;
-    for n in 1..100_000 {
-        let n = f64::from(n);
-        let numerator = -n * (n - a);
-        b += 2.0;
-        d = 1.0 / (numerator * d + b);
-        c = b + numerator / c;
-        fraction *= c * d;
-        if (c * d - 1.0).abs() < 1e-15 {
-            break;
-        }
-    }
-    1.0 - scale * fraction
-}
-
 /// What is said of a threshold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -211,21 +164,6 @@ mod tests {
         }
         assert_eq!(share(0, 10, 0.95)[0], 0.0);
         assert_eq!(share(10, 10, 0.95)[1], 1.0);
-    }
-
-    #[test]
-    fn chi_square_has_the_quantiles_of_scipy() {
-        // scipy.stats.chi2.ppf
-        for (p, freedom, wanted) in [
-            (0.025, 2.0, 0.050_635_615_968_579_75),
-            (0.975, 2.0, 7.377_758_908_227_871),
-            (0.025, 200.0, 162.727_982_501_846_27),
-            (0.975, 200.0, 241.057_895_506_310_93),
-            (0.975, 6000.0, 6_216.591_278_981_366_5),
-        ] {
-            let found = chi_square_quantile(p, freedom);
-            assert!((found / wanted - 1.0).abs() < 1e-9, "{p} {freedom}: {found}");
-        }
     }
 
     #[test]

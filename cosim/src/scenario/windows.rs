@@ -1,15 +1,29 @@
 //! When something is wrong in a run, for reports.
 
 use super::{Action, Scenario};
-use crate::fault::Window;
+use crate::fault::{Kind, Window};
 use crate::observe::Recording;
 
 impl Scenario {
     /// The times in which faults and events act in a run of this scenario that was recorded.
     pub fn windows(&self, recording: &Recording) -> Vec<Window> {
-        let faults = self.faults.iter().zip(0..);
-        let windows = faults.filter_map(|(fault, n)| fault.window(self.seed, n, recording));
-        let mut windows: Vec<Window> = windows.collect();
+        let mut windows: Vec<Window> = Vec::new();
+        let mut acting: Vec<&[String]> = Vec::new();
+        for (fault, number) in self.faults.iter().zip(0..) {
+            let Some(window) = fault.window(self.seed, number, recording) else { continue };
+            if fault.kind != Kind::Release {
+                acting.push(&fault.variables);
+                windows.push(window);
+                continue;
+            }
+            // It ends those before it that act on its variables.
+            for (before, variables) in windows.iter_mut().zip(&acting) {
+                if variables.iter().any(|name| fault.variables.contains(name)) {
+                    let until = before.until.map_or(window.from, |until| until.min(window.from));
+                    before.until = Some(until.max(before.from));
+                }
+            }
+        }
         for event in &self.events {
             let at = event.time.seconds();
             let (word, name) = match &event.what {
@@ -33,6 +47,18 @@ impl Scenario {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_release_ends_the_faults_before_it() {
+        let text = "[[fault]]\nkind = 'bias'\non = 'a.x'\nvalue = 1\nfrom = 1\n\
+                    [[fault]]\nkind = 'stuck'\non = 'a.y'\nfrom = 1\n\
+                    [[fault]]\nkind = 'release'\non = 'a.x'\nfrom = 3\n";
+        let scenario = super::super::faults::parse(text, std::path::Path::new("s.toml")).unwrap();
+        let recording = Recording::from_columns(Vec::new(), vec![0.0, 5.0], Vec::new());
+        let found = scenario.windows(&recording);
+        let ends: Vec<Option<f64>> = found.iter().map(|window| window.until).collect();
+        assert_eq!(ends, [Some(3.0), None]);
+    }
 
     #[test]
     fn events_act_until_they_are_reset() {

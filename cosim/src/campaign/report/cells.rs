@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::sample::{Sample, Sampling};
-use crate::campaign::judgement::{Compared, Judgement, Verdict};
+use crate::campaign::judgement::{self, Compared, Judgement, Verdict};
 use crate::campaign::statistics::Estimate;
 use crate::campaign::{Answer, Campaign, Row, Status};
 use crate::report::{Numbers, chi_square_quantile, mean, quantile};
@@ -24,12 +24,24 @@ pub(super) struct Cell<'a> {
     figures: Vec<Figure>,
     pub(super) verdicts: Vec<&'a Verdict>,
     compared: Vec<&'a Compared>,
+    /// Means over the runs of normalised errors squared, over time.
+    over_time: Vec<OverTime<'a>>,
     /// Per figure and input: Spearman's rank correlation; null where it means nothing.
     sensitivity: Vec<Numbers>,
     failures: Vec<Failure>,
     sample: Sample,
     /// Runs that are shown whole.
     pub(super) shown: Vec<ShownRun>,
+}
+
+/// A figure over time, and where it lies with 95 % if the filter is consistent.
+#[derive(Serialize)]
+struct OverTime<'a> {
+    figure: &'a str,
+    t: Numbers,
+    mean: Numbers,
+    low: Numbers,
+    high: Numbers,
 }
 
 /// A figure in a cell.
@@ -105,6 +117,7 @@ impl<'a> Source<'a> {
             figures: figures.collect(),
             verdicts: self.judgement.verdicts.iter().filter(|v| v.cell == name).collect(),
             compared: self.judgement.compared.iter().filter(|c| c.with == name).collect(),
+            over_time: self.over_time(name),
             sensitivity: sampling.sensitivity(rows),
             failures: failures(rows),
             sample: sampling.sample(campaign, rows, main.figure),
@@ -129,6 +142,19 @@ impl<'a> Source<'a> {
         row.retain(|part| !part.is_empty());
         let row = if row.is_empty() { "all runs".to_owned() } else { row.join(", ") };
         (row, column)
+    }
+
+    fn over_time(&self, cell: &str) -> Vec<OverTime<'a>> {
+        let own: Vec<&judgement::Consistency> =
+            self.judgement.consistency.iter().filter(|at| at.cell == cell).collect();
+        let figures = own.chunk_by(|a, b| a.figure == b.figure).map(|over| OverTime {
+            figure: &over[0].figure,
+            t: Numbers::times(over.iter().map(|at| at.time)),
+            mean: Numbers::values(over.iter().map(|at| at.mean)),
+            low: Numbers::values(over.iter().map(|at| at.band[0])),
+            high: Numbers::values(over.iter().map(|at| at.band[1])),
+        });
+        figures.collect()
     }
 
     fn figure(&self, cell: usize, figure: usize) -> Figure {

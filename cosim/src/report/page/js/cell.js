@@ -2,6 +2,8 @@
 import { choice, el, facts, table } from "./dom.js";
 import { address, answerMore, estimate, num, verdictMark, withUnit, worst } from "./format.js";
 import { boxes, labelled, scatter, shares } from "./distribution.js";
+import { Clock } from "./clock.js";
+import { timePlot } from "./timeplot.js";
 import { chosen, comparisons, thresholds } from "./overview.js";
 
 /** The command that makes a run again. */
@@ -99,6 +101,14 @@ function consistency(campaign, cell) {
   return rows.length ? table("Consistency: means over the runs", ["figure", "of", "expected", "mean", "95 % of χ²", "the filter is"], rows, [0, 1, 5]) : null;
 }
 
+/** Means over the runs at each instant, with the band of a consistent filter. */
+function overTime(cell) {
+  return el("div", { class: "plots" }, cell.over_time.map(({ figure, t, mean, low, high }) => timePlot({
+    title: `${figure}: mean over the runs`, unit: "1", t, steps: false, down: false,
+    lines: [{ name: "mean", role: "truth", v: mean }, { name: "95 % of χ², low", role: "signal", v: low }, { name: "high", role: "signal", v: high }],
+  }, new Clock(t[0], t.at(-1)), [])));
+}
+
 /** A line for each run that matters: those that are shown whole, then the greatest. */
 function runs(campaign, cell, figure) {
   const { sample } = cell;
@@ -149,6 +159,7 @@ export function cellView(report, cell) {
     cell.verdicts.length > 0 && thresholds(cell.verdicts, false),
     figures.length > 0 && table("Figures", ["figure", "what it is", "runs", "median [95 %]", "95th percentile [95 %]", "not finite"], figures, [0, 1]),
     consistency(campaign, cell),
+    cell.over_time.length > 0 && [el("h2", {}, "Consistency over time"), overTime(cell)],
     cell.failures.length > 0 && [el("h2", {}, "Failed runs"), failures(campaign, cell)],
     campaign.figures.length > 1 && el("div", { class: "controls" }, choice("Figure ", campaign.figures.map((figure) => figure.name), chosen.figure, (figure) => {
       chosen.figure = figure;
