@@ -10,8 +10,8 @@ use crate::{Code, Error, Recording, Result};
 
 const PANEL_HEIGHT: f64 = 130.0;
 
-/// About so many numbers are on a page.
-const NUMBERS: usize = 600_000;
+/// A run has so many octets on its page.
+const OCTETS: usize = 4_500_000;
 
 /// What the report of a result file shows.
 #[derive(Debug, Clone, Default)]
@@ -41,9 +41,9 @@ pub fn html(recording: &Recording, options: &Options) -> Result<String> {
         plots: &options.plots,
         paths: &options.paths,
         all: true,
-        numbers: NUMBERS,
+        ..Shown::default()
     };
-    let trace = Trace::new(recording, &shown)?;
+    let trace = Trace::within(recording, shown, OCTETS)?;
     let mut provenance: Vec<Term> =
         options.sources.iter().map(|(name, value)| Term::new(name, value)).collect();
     provenance.push(Term::new("Reported by", concat!("cosim ", env!("CARGO_PKG_VERSION"))));

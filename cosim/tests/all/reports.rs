@@ -251,7 +251,7 @@ fn ten_thousand_columns_fit() {
     let folder = TempDir::new().unwrap();
     let names: Vec<String> = (0..10_000).map(|i| format!("c{}.value[{i}]", i / 100)).collect();
     let mut text = format!("time,{}\n", names.join(","));
-    for row in 0..20 {
+    for row in 0..200 {
         let values: Vec<String> = (0..10_000).map(|i| format!("{}.125", row * i % 97)).collect();
         text += &format!("{row},{}\n", values.join(","));
     }

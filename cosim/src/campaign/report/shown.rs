@@ -1,7 +1,7 @@
 //! Runs that are made again to be shown whole.
 
 use super::cells::{Cell, Main, ShownRun, Source, urgency};
-use super::{Bench, Campaign, Contents, Row, Runs, octets};
+use super::{Bench, Campaign, Contents, Row, Runs};
 use crate::campaign::Status;
 use crate::error::{Error, Result};
 use crate::observe::Recording;
@@ -102,23 +102,12 @@ impl Shown<'_> {
             return Err(format!("it is another run now: its digest is {}", again.digest));
         }
         let told = |error: Error| error.line();
-        let mut shown = ShownAs {
+        let shown = ShownAs {
             units: bench.units(run, &all).map_err(told)?,
             choice: choice.clone(),
             faults: bench.windows(run, &recording),
-            numbers: most / 6,
             ..ShownAs::default()
         };
-        let mut trace = Trace::new(&recording, &shown).map_err(told)?;
-        // Numbers have more or fewer digits.
-        for _ in 0..6 {
-            let size = octets(&trace);
-            if size <= most {
-                break;
-            }
-            shown.numbers = shown.numbers * most / size * 9 / 10;
-            trace = Trace::new(&recording, &shown).map_err(told)?;
-        }
-        Ok(trace)
+        Trace::within(&recording, shown, most).map_err(told)
     }
 }

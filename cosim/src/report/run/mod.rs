@@ -72,8 +72,28 @@ struct Curve {
 }
 
 impl Trace {
+    /// With at most about so many octets as JSON.
+    pub(crate) fn within(
+        recording: &Recording,
+        mut shown: Shown<'_>,
+        octets: usize,
+    ) -> Result<Self> {
+        shown.numbers = octets / 7;
+        let mut trace = Self::new(recording, &shown)?;
+        // Numbers have more or fewer digits.
+        for _ in 0..6 {
+            let size = serde_json::to_vec(&trace).map_or(0, |octets| octets.len());
+            if size <= octets {
+                break;
+            }
+            shown.numbers = shown.numbers * octets / size * 9 / 10;
+            trace = Self::new(recording, &shown)?;
+        }
+        Ok(trace)
+    }
+
     /// Of what was recorded; an error if it lacks a variable that is asked for.
-    pub(crate) fn new(recording: &Recording, shown: &Shown<'_>) -> Result<Self> {
+    fn new(recording: &Recording, shown: &Shown<'_>) -> Result<Self> {
         let columns = Columns::of(recording);
         let paths = Paths::find(&columns, &shown.choice)?;
         let mut notes = columns.notes.clone();
