@@ -625,13 +625,13 @@ fn results_never_take_the_place_of_an_input() {
     let ssd = crate::ssd::Ssd::new().add("g", Model::Gain);
     let ssd = std::fs::read(ssd.write()).unwrap();
     std::fs::write(inside.join("in.csv"), "time,u\n0,1\n1,1\n").unwrap();
-    std::fs::write(inside.join("other.ssv"), "<?xml version='1.0'?><x/>").unwrap();
+    std::fs::write(inside.join("other.csv"), "<?xml version='1.0'?><x/>").unwrap();
     for (verb, name, bytes, code) in [
         ("simulate -o x.fmu", "x.fmu", &fmu, 2),
         ("simulate -o ../b/x.fmu", "x.fmu", &fmu, 2),
         ("simulate --digest-file x.fmu -o -", "x.fmu", &fmu, 2),
         ("simulate --input-file in.csv -o in.csv", "x.fmu", &fmu, 2),
-        ("simulate -o other.ssv", "x.fmu", &fmu, 1),
+        ("simulate -o other.csv", "x.fmu", &fmu, 1),
         ("run -o x.ssd", "x.ssd", &ssd, 2),
     ] {
         let (found, shown) = room.run(verb, name, bytes);
