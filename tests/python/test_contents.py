@@ -74,7 +74,7 @@ def test_the_manifest_fits_its_standard_and_lists_what_is_there(fmu, name):
         f"{MANIFEST}fmi-ls-description": "Layered Standard providing information on related files included in an FMU.",
     }
     for related in manifest:
-        assert related.tag == "Related" and {"source", "role"} <= related.keys()
+        assert related.tag == "Related" and {"source", "role"} <= set(related.keys())
         assert set(related.keys()) <= {"type", "source", "role", "description"}
         assert ROLES.fullmatch(related.get("role")), related.get("role")
     sources = {related.get("source") for related in manifest.iter("Related")}

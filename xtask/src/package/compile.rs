@@ -39,7 +39,7 @@ pub(crate) fn build(linker: Linker, platform: &Platform, selection: &[&str]) -> 
         }
         Linker::Zig => {
             let toolchain = Toolchain::of(platform)?;
-            process::run(zig(platform, toolchain)?.args(selection))?;
+            process::run(zig(platform, toolchain)?.arg("--locked").args(selection))?;
             Ok(toolchain.target().join(platform.target).join("release"))
         }
     }
@@ -61,7 +61,7 @@ pub(super) fn zig(platform: &Platform, toolchain: Toolchain) -> Result<Command> 
     }
     let mut command = Command::new(programs.join("cargo-zigbuild"));
     command
-        .args(["zigbuild", "--release", "--locked", "--quiet", "--target", &target])
+        .args(["zigbuild", "--release", "--quiet", "--target", &target])
         .current_dir(paths::root())
         .env("PATH", path)
         .env("CARGO_ENCODED_RUSTFLAGS", flags(&more)?)
