@@ -1,6 +1,8 @@
 //! `cargo xtask test`: every check and every test, in the order of what fails fastest.
 
-use crate::{book, describe, judge, navigate, package, paths, process, python, reproduce, supply};
+use crate::{
+    book, describe, judge, navigate, package, paths, platforms, process, python, reproduce, supply,
+};
 use anyhow::Result;
 use std::process::Command;
 
@@ -31,6 +33,7 @@ pub(crate) fn run() -> Result<()> {
     reproduce::check_picture()?;
     let cells = SMOKE_CELLS.map(str::to_owned).to_vec();
     navigate::run(&navigate::Options { seeds: SMOKE_MISSIONS, cells, threads: None })?;
+    platforms::in_short()?;
     pytest(&[JUDGES])?;
     // Libraries of other tools are in the judges' process: not all bear others beside them to its end.
     pytest(&["tests/python", "--ignore", JUDGES])

@@ -87,7 +87,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
 }
 
 /// The short form of continuous integration.
-fn in_short() -> Result<()> {
+pub(crate) fn in_short() -> Result<()> {
     let begun = Instant::now();
     let fetched = debian::within(PATIENCE, || {
         toolchain::fetch()?;
