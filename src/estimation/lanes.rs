@@ -11,6 +11,7 @@ use super::belief::{Column, Row};
 use super::transition::{ROWS, Transition};
 
 /// Matrices of up to this many rows fit no wide vector that would pay for the question.
+#[cfg(target_arch = "x86_64")]
 const SMALL: usize = 4;
 
 /// Defines a function that is compiled twice, for any processor and for wide vectors; the first constant is
