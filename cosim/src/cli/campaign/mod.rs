@@ -196,7 +196,7 @@ impl Campaign {
     /// crashes again.
     fn keep(&self, bench: &Bench, folder: &Path, results: Folder) -> Result<()> {
         let kept = campaign::kept(bench.campaign(), results.rows());
-        // Whoever replays a run reads the folder.
+        // Each replay is a process of its own that reads the rows: they need not be in memory twice.
         drop(results);
         let program = super::worker::this_program()?;
         for run in kept {
