@@ -6,7 +6,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::filter::{Estimate, Filter, Memory, Navigation};
+use super::estimate::Estimate;
+use super::filter::{Filter, Memory, Navigation};
 use super::measurement::Measurements;
 use super::monitor::ThrusterMonitor;
 use super::parameters::{Disturbances, NavigationParameters};

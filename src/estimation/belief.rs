@@ -11,7 +11,8 @@ use core::ops::{Index, IndexMut};
 use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
-use super::lanes::{correlate, factorize, reduce, with_length};
+use super::kalman::Sequence;
+use super::lanes::{correlate, factorize, reduce, weigh, with_length};
 use super::transition::Transition;
 
 /// A column of numbers, one for each state: a mean, a gain.
@@ -141,6 +142,19 @@ impl<const N: usize> Belief<N> {
         with_length!(self.order, N, correlate(&self.covariance.data.0, rows, into));
     }
 
+    /// The gains of a measurement's components from their correlations, which are replaced, and their
+    /// correction of the states, which is zero before.
+    pub(super) fn weigh(
+        &self,
+        correlations: &mut [Column<N>; 3],
+        size: usize,
+        sequence: &Sequence,
+        correction: &mut Column<N>,
+    ) {
+        let correlations = &mut correlations[..size];
+        with_length!(self.order, N, weigh(correlations, sequence, correction));
+    }
+
     /// The covariance after updates with `K` scalar measurements, one after the other.
     ///
     /// `P - K S K^T`, or where that would cancel, Joseph's `(I - K h^T) P (I - K h^T)^T + K R K^T`.
@@ -148,11 +162,8 @@ impl<const N: usize> Belief<N> {
         if updates.iter().any(|u| u.noise < ILL_CONDITIONED * u.s) {
             return updates.iter().for_each(|u| self.condense_by_joseph(u));
         }
-        let g = updates.each_ref().map(|u| {
-            let g = u.gain * u.s.sqrt();
-            g.data.0[0]
-        });
-        with_length!(self.order, N, reduce::<K>(&mut self.covariance.data.0, &g));
+        let gains = updates.each_ref().map(|u| (u.gain, u.s));
+        with_length!(self.order, N, reduce::<K>(&mut self.covariance.data.0, &gains));
     }
 
     fn condense_by_joseph(&mut self, &Update { row, noise, gain, s }: &Update<'_, N>) {
@@ -166,13 +177,6 @@ impl<const N: usize> Belief<N> {
     /// Adds the product of a column with itself to the covariance.
     pub fn widen(&mut self, direction: &Column<N>) {
         self.covariance += direction * direction.transpose();
-    }
-
-    /// Variance of a linear combination of states.
-    #[must_use]
-    pub fn variance(&self, row: &Row<N>) -> f64 {
-        let columns = &self.covariance.data.0;
-        row.iter().map(|(state, h)| h * row.dot(&columns[state])).sum()
     }
 
     /// Forgets what a state has to do with the others and gives it a variance.
@@ -244,13 +248,5 @@ impl<const N: usize> Belief<N> {
     pub fn is_finite(&self) -> bool {
         (0..self.order).all(|i| self.mean[i].is_finite() && self.covariance[(i, i)].is_finite())
             && self.attitude.iter().all(|x| x.is_finite())
-    }
-}
-
-/// `sum += factor * column`.
-#[inline]
-pub(super) fn add_scaled(sum: &mut [f64], factor: f64, column: &[f64]) {
-    for (s, value) in sum.iter_mut().zip(column) {
-        *s += factor * value;
     }
 }

@@ -2,20 +2,17 @@
 
 use core::marker::PhantomData;
 
-use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::belief::{Belief, Column, Row};
+use super::belief::Belief;
 use super::clocks::{Clocks, Displaced};
+use super::estimate::{ChannelReport, Estimate, Health, Spread, estimate};
 use super::history::{Arrival, History};
 use super::intake::{Sources, take_new};
-use super::interval::Interval;
-use super::kinematics::{Kinematics, skew};
 use super::measurement::{Event, KINDS, Kind, Measurements};
 use super::monitor::Monitor;
 use super::parameters::NavigationParameters;
 use super::process::Process;
-use super::sensor::{euler, euler_by_turn};
 use super::track::{CHANNELS, Record, Setup, Track};
 use super::turning::ATTITUDE_GAP;
 use crate::ParameterError;
@@ -44,8 +41,7 @@ pub struct Memory<const N: usize, M = ()> {
     /// The first cycle (s).
     begun: f64,
     now: f64,
-    /// The part of the estimate that changes with the belief alone.
-    spread: Estimate,
+    spread: Spread,
 }
 
 impl<const N: usize, M> Default for Memory<N, M> {
@@ -58,7 +54,7 @@ impl<const N: usize, M> Default for Memory<N, M> {
             reset: f64::NEG_INFINITY,
             begun: f64::NAN,
             now: f64::NAN,
-            spread: Estimate::default(),
+            spread: Spread::default(),
         }
     }
 }
@@ -83,64 +79,6 @@ impl<const N: usize, M> Memory<N, M> {
     pub fn belief(&self) -> Option<&Belief<N>> {
         self.history.as_ref().map(|history| &history.track.belief)
     }
-}
-
-/// How well a filter is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Health {
-    /// All is as the filter expects.
-    #[default]
-    Good,
-    /// The position is not bounded: no velocity, or no fix, for longer than a few samples.
-    Starved,
-    /// Measurements contradict the estimate more often than chance allows.
-    Inconsistent,
-    /// The estimate was lost and begun again from the start values with wide uncertainty.
-    Diverged,
-}
-
-/// What is known of a channel.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct ChannelReport {
-    /// Innovation of the newest measurement.
-    pub innovation: [f64; 3],
-    /// Its predicted standard deviation.
-    pub sigma: [f64; 3],
-    /// Its normalised innovation squared.
-    pub nis: f64,
-    /// Measurements fused.
-    pub used: u32,
-    /// Measurements limited as outliers, or refused as not fit.
-    pub rejected: u32,
-    /// Measurements that came late: put in their place, or lost where that is forgotten already.
-    pub late: u32,
-}
-
-/// The estimate at an instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Estimate {
-    /// Position, NED (m).
-    pub position: [f64; 3],
-    /// Roll, pitch, yaw (rad).
-    pub euler: [f64; 3],
-    /// Velocity over ground, body (m/s).
-    pub velocity: [f64; 3],
-    /// Angular rate, body (rad/s).
-    pub rate: [f64; 3],
-    /// Time derivative of `velocity` (m/s2).
-    pub acceleration: [f64; 3],
-    /// Current north and east (m/s); zero where the filter has none.
-    pub current: [f64; 2],
-    /// Covariance of x, y, z, roll, pitch, yaw (m, rad).
-    pub covariance: [[f64; 6]; 6],
-    /// Standard deviations of the velocity (m/s).
-    pub velocity_sigma: [f64; 3],
-    /// Tilt, heading, depth, velocity log, fix.
-    pub channels: [ChannelReport; CHANNELS],
-    /// State of health.
-    pub health: Health,
-    /// Share of the thrust that each thruster is taken to have lost.
-    pub loss: [f64; 8],
 }
 
 /// What every filter of the family offers, whatever is inside.
@@ -234,19 +172,15 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Navigation for Filter<P, N, M
         };
         let track = &history.track;
         if changed {
-            memory.spread = self.spread(memory, track);
+            let motion = self.setup.process.kinematics(&track.belief, &track.interval);
+            let lag = (memory.now - track.time).max(0.0);
+            memory.spread = Spread::of(&self.setup, &track.belief, &motion, lag);
         }
         let motion = track.motion_at(&self.setup, memory.now);
-        Estimate {
-            position: motion.position.into(),
-            euler: euler(&motion.rotation),
-            velocity: motion.velocity.into(),
-            rate: motion.rate.into(),
-            acceleration: motion.acceleration.into(),
-            channels: self.channels(memory, &track.records),
-            health: self.health(memory, track),
-            ..memory.spread
-        }
+        let (channels, health) =
+            (self.channels(memory, &track.records), self.health(memory, track));
+        let loss = track.effectiveness.map(|share| 1.0 - share);
+        Estimate { channels, health, loss, ..estimate(&motion, &memory.spread) }
     }
 }
 
@@ -295,17 +229,6 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
         [turning, thrust].into_iter().flatten().fold(now, f64::min)
     }
 
-    /// What of an estimate changes with the belief alone: covariances, current, thrusters.
-    fn spread(&self, memory: &Memory<N, M>, track: &Track<N, M>) -> Estimate {
-        let belief = &track.belief;
-        let motion = self.setup.process.kinematics(belief, &track.interval);
-        let lag = (memory.now - track.time).max(0.0);
-        Estimate {
-            loss: track.effectiveness.map(|share| 1.0 - share),
-            ..spread(&self.setup, belief, &motion, lag)
-        }
-    }
-
     fn channels(
         &self,
         memory: &Memory<N, M>,
@@ -340,71 +263,5 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
             return Health::Starved;
         }
         Health::Good
-    }
-}
-
-/// What a belief says of the motion.
-pub(super) fn describe<P: Process<N>, const N: usize>(
-    setup: &Setup<P>,
-    belief: &Belief<N>,
-    interval: &Interval,
-) -> Estimate {
-    let motion = setup.process.motion(belief, interval);
-    Estimate {
-        position: motion.position.into(),
-        euler: euler(&motion.rotation),
-        velocity: motion.velocity.into(),
-        rate: motion.rate.into(),
-        acceleration: motion.acceleration.into(),
-        ..spread(setup, belief, &setup.process.kinematics(belief, interval), 0.0)
-    }
-}
-
-/// How far a belief can be trusted: the covariance of the pose `lag` seconds later, standard deviations
-/// of the velocity; and the current.
-fn spread<P: Process<N>, const N: usize>(
-    setup: &Setup<P>,
-    belief: &Belief<N>,
-    motion: &Kinematics<N>,
-    lag: f64,
-) -> Estimate {
-    let angles = euler_by_turn(&motion.rotation);
-    let mut rows = [Row::zeros(); 6];
-    for (i, row) in rows.iter_mut().enumerate() {
-        match i {
-            // The position moves on with the velocity, as a point of the body ahead.
-            0..3 if lag > setup.parameters.interval => {
-                motion.add_point_to(row, &(motion.velocity.value * lag), i);
-                motion.velocity.add_to(row, &(motion.rotation.row(i).transpose() * lag));
-            }
-            0..3 => motion.position.add_to(row, &Vector3::ith(i, 1.0)),
-            _ => motion.turn.add_to(row, &angles[i - 3]),
-        }
-    }
-    let mut correlations = [Column::zeros(); 6];
-    belief.correlate_all(&rows, &mut correlations);
-    let mut covariance = [[0.0; 6]; 6];
-    for i in 0..6 {
-        for j in 0..=i {
-            let value = rows[j].dot(&correlations[i]);
-            covariance[i][j] = value;
-            covariance[j][i] = value;
-        }
-    }
-    if setup.process.tilt_is_input() {
-        let sigma = setup.parameters.sensors.tilt_sigma;
-        (3..5).for_each(|i| covariance[i][i] = sigma * sigma);
-    }
-    // A velocity log has taken the error of the rate for one of the velocity.
-    let arms = skew(&Vector3::from(setup.parameters.mounting.dvl));
-    let velocity_sigma = |i: usize| {
-        let by_rate = arms.row(i).norm_squared() * motion.tracking_variance;
-        (belief.variance(&motion.velocity.row(i)).max(0.0) + by_rate).sqrt()
-    };
-    Estimate {
-        current: setup.process.current().map_or([0.0; 2], |c| c.map(|i| belief.mean[i])),
-        covariance,
-        velocity_sigma: core::array::from_fn(velocity_sigma),
-        ..Estimate::default()
     }
 }

@@ -8,6 +8,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::turning::Turning;
+use crate::attitude;
+use crate::vector::Vec3;
 
 /// Instants closer than this (s) are the same.
 pub(super) const SAME: f64 = 1e-9;
@@ -130,7 +132,7 @@ pub struct Thrusts {
 }
 
 /// An interval of prediction.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
     /// Its end (s).
     pub end: f64,
@@ -142,6 +144,14 @@ pub struct Interval {
     pub thrust: Option<Thrusts>,
     /// Angular rates that attitudes speak for; absent without attitudes, and where there are gyros.
     pub turning: Option<Turning>,
-    /// Roll and pitch last measured (rad).
-    pub tilt: [f64; 2],
+    /// Rotation from body to level axes by the roll and pitch last measured.
+    pub tilt: [Vec3; 3],
+}
+
+impl Default for Interval {
+    /// Nothing is known, and the vehicle is level.
+    fn default() -> Self {
+        let tilt = attitude::rotation_euler([0.0; 3]);
+        Self { end: 0.0, dt: 0.0, inertial: None, thrust: None, turning: None, tilt }
+    }
 }

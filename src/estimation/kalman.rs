@@ -5,9 +5,9 @@
 //! a filter that has gone astray still comes back, and no good measurement is lost near the gate.
 //! Bar-Shalom, Li & Kirubarajan (2001) ch. 5.4 for the NIS, Huber (1981) for bounded influence.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Matrix3;
 
-use super::belief::{Belief, Column, Row, Update, add_scaled};
+use super::belief::{Belief, Column, Row, Update};
 use super::interval::Interval;
 use super::sensor::Observation;
 use super::transition::Transition;
@@ -73,11 +73,60 @@ impl<const N: usize, A: Witness<N>, B: Witness<N>> Witness<N> for Both<'_, A, B>
     }
 }
 
+/// A measurement's components one after the other: what each says beyond those before it.
+///
+/// With `S = L D L^T`, the covariance of the innovation y, the innovations `L^-1 y` are independent and
+/// their variances are D.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Sequence {
+    /// L, below its diagonal of ones.
+    pub(super) weights: [[f64; 3]; 3],
+    /// `L^-1 y`.
+    pub(super) innovation: [f64; 3],
+    /// D.
+    pub(super) variance: [f64; 3],
+}
+
+impl Sequence {
+    /// Of the first `size` components, where `predicted` is what the states make of S; nothing if S is not
+    /// positive definite.
+    fn new<const N: usize>(
+        predicted: &Matrix3<f64>,
+        observation: &Observation<N>,
+        inflation: f64,
+    ) -> Option<Self> {
+        let Self { mut weights, mut innovation, mut variance } = Self::default();
+        for i in 0..observation.size {
+            let mut own = predicted[(i, i)] + observation.variance[i] * inflation;
+            let mut y = observation.innovation[i];
+            for k in 0..i {
+                let mut shared = predicted[(i, k)];
+                (0..k).for_each(|j| shared -= weights[i][j] * weights[k][j] * variance[j]);
+                weights[i][k] = shared / variance[k];
+                own -= weights[i][k] * shared;
+                y -= weights[i][k] * innovation[k];
+            }
+            if own.is_nan() || own <= 0.0 {
+                return None;
+            }
+            (innovation[i], variance[i]) = (y, own);
+        }
+        Some(Self { weights, innovation, variance })
+    }
+
+    /// `y^T S^-1 y`.
+    fn nis(&self, size: usize) -> f64 {
+        (0..size).map(|i| self.innovation[i] * self.innovation[i] / self.variance[i]).sum()
+    }
+}
+
 /// How a measurement fits what was predicted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict<const N: usize> {
     /// `P h` of each component.
     correlations: [Column<N>; 3],
+    /// The components as they are fused, with limited influence; nothing if they cannot be.
+    sequence: Option<Sequence>,
     /// Standard deviations of the innovation as predicted, before any limit.
     pub sigma: [f64; 3],
     /// Normalised innovation squared, before any limit.
@@ -105,39 +154,31 @@ pub fn fuse<const N: usize>(
     gate: f64,
     witness: &mut impl Witness<N>,
 ) -> Column<N> {
-    let verdict = judge(belief, observation, gate);
-    absorb(belief, observation, verdict, witness)
+    let mut verdict = judge(belief, observation, gate);
+    absorb(belief, observation, &mut verdict, witness)
 }
 
-/// Fuses an observation that has been judged.
+/// Fuses an observation that has been judged; its correlations become gains. One whose innovation would
+/// have no variance changes nothing.
 pub fn absorb<const N: usize>(
     belief: &mut Belief<N>,
     observation: &Observation<N>,
-    verdict: Verdict<N>,
+    verdict: &mut Verdict<N>,
     witness: &mut impl Witness<N>,
 ) -> Column<N> {
     let mut correction: Column<N> = Column::zeros();
-    let Verdict { correlations: mut gains, inflation, .. } = verdict;
-    let mut variances = [(0.0, 0.0); 3];
+    let Verdict { correlations: gains, sequence, inflation, .. } = verdict;
+    let Some(sequence) = sequence else { return correction };
+    belief.weigh(gains, observation.size, sequence, &mut correction);
     for i in 0..observation.size {
         let row = &observation.rows[i];
-        let noise = observation.variance[i] * inflation;
-        // The covariance has lost K S K^T with each component before.
-        let (before, rest) = gains.split_at_mut(i);
-        let gain = &mut rest[0];
-        for (earlier, (_, s)) in before.iter().zip(&variances) {
-            add_scaled(gain.as_mut_slice(), -row.dot(earlier) * s, earlier.as_slice());
-        }
-        let innovation = observation.innovation[i] - row.dot(&correction);
-        let s = row.dot(gain) + noise;
-        *gain *= 1.0 / s;
-        add_scaled(correction.as_mut_slice(), innovation, gain.as_slice());
-        witness.updated(row, gain, innovation, s);
-        variances[i] = (noise, s);
+        witness.updated(row, &gains[i], sequence.innovation[i], sequence.variance[i]);
     }
-    let update = |i: usize| {
-        let (noise, s) = variances[i];
-        Update { row: &observation.rows[i], noise, gain: &gains[i], s }
+    let update = |i: usize| Update {
+        row: &observation.rows[i],
+        noise: observation.variance[i] * *inflation,
+        gain: &gains[i],
+        s: sequence.variance[i],
     };
     match observation.size {
         1 => belief.condense(&[update(0)]),
@@ -154,34 +195,30 @@ pub fn judge<const N: usize>(
     gate: f64,
 ) -> Verdict<N> {
     let n = observation.size;
-    // Components that do not exist: unit variance, no innovation.
-    let mut predicted = Matrix3::zeros();
-    let mut noise = Vector3::repeat(1.0);
-    let mut innovation = Vector3::zeros();
     let mut correlations = [Column::zeros(); 3];
     belief.correlate_all(&observation.rows[..n], &mut correlations);
+    let mut predicted = Matrix3::zeros();
+    let mut sigma = [0.0; 3];
     for i in 0..n {
-        for j in i..n {
-            let covariance = observation.rows[j].dot(&correlations[i]);
-            predicted[(i, j)] = covariance;
-            predicted[(j, i)] = covariance;
+        for j in 0..=i {
+            predicted[(i, j)] = observation.rows[i].dot(&correlations[j]);
         }
-        noise[i] = observation.variance[i];
-        innovation[i] = observation.innovation[i];
+        sigma[i] = (predicted[(i, i)] + observation.variance[i]).sqrt();
     }
-    if n == 1 {
-        let (sigma, nis, inflation) = judge_scalar(predicted[(0, 0)], noise.x, innovation.x, gate);
-        return Verdict { correlations, sigma: [sigma, 0.0, 0.0], nis, inflation };
+    let sequence = |inflation: f64| Sequence::new(&predicted, observation, inflation);
+    let nis = |sequence: &Option<Sequence>| sequence.map_or(f64::INFINITY, |s| s.nis(n));
+    let plain = sequence(1.0);
+    let verdict =
+        Verdict { correlations, sequence: plain, sigma, nis: nis(&plain), inflation: 1.0 };
+    if verdict.nis <= gate {
+        return verdict;
     }
-    let nis = |factor: f64| {
-        quadratic(&(predicted + Matrix3::from_diagonal(&(noise * factor))), &innovation)
-    };
-    let sigma =
-        core::array::from_fn(|i| if i < n { (predicted[(i, i)] + noise[i]).sqrt() } else { 0.0 });
-    let plain = nis(1.0);
-    if plain <= gate {
-        return Verdict { correlations, sigma, nis: plain, inflation: 1.0 };
-    }
+    let high = limit(verdict.nis, gate, |inflation| nis(&sequence(inflation)));
+    Verdict { sequence: sequence(high), inflation: high, ..verdict }
+}
+
+/// The factor on the noise at which a NIS that is `plain` without it comes down to the gate.
+fn limit(plain: f64, gate: f64, nis: impl Fn(f64) -> f64) -> f64 {
     // The NIS falls with the factor; without predicted variance it would be plain / factor.
     let (mut low, mut high) = (1.0, plain / gate);
     while nis(high) > gate && high < 1e30 {
@@ -191,32 +228,5 @@ pub fn judge<const N: usize>(
         let middle = (low * high).sqrt();
         if nis(middle) > gate { low = middle } else { high = middle }
     }
-    Verdict { correlations, sigma, nis: plain, inflation: high }
-}
-
-fn judge_scalar(predicted: f64, noise: f64, innovation: f64, gate: f64) -> (f64, f64, f64) {
-    let s = predicted + noise;
-    let nis = innovation * innovation / s;
-    // S at which the NIS is at the gate, less what is predicted.
-    let limited = (innovation * innovation / gate - predicted) / noise;
-    let inflation = if nis > gate { limited.max(1.0) } else { 1.0 };
-    (s.sqrt(), nis, inflation)
-}
-
-/// `y^T S^-1 y`; infinite if S is not positive definite.
-fn quadratic(s: &Matrix3<f64>, y: &Vector3<f64>) -> f64 {
-    let (mut s, mut y, mut sum) = (*s, *y, 0.0);
-    for i in 0..3 {
-        let pivot = s[(i, i)];
-        if pivot.is_nan() || pivot <= 0.0 {
-            return f64::INFINITY;
-        }
-        sum += y[i] * y[i] / pivot;
-        for j in i + 1..3 {
-            let factor = s[(j, i)] / pivot;
-            y[j] -= factor * y[i];
-            (i + 1..=j).for_each(|k| s[(j, k)] -= factor * s[(k, i)]);
-        }
-    }
-    sum
+    high
 }

@@ -3,7 +3,7 @@
 //! Sensors are written for this view once, whatever the states of the process: a row of a
 //! measurement's Jacobian is the chain rule through position, attitude, velocity and rate.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use super::belief::{Column, Row};
 use super::process::rotation::exp;
@@ -20,6 +20,12 @@ impl Block {
     #[must_use]
     pub fn new(state: usize, by: Matrix3<f64>) -> Self {
         Self { state, by }
+    }
+
+    /// The derivatives of `M v` of this vector v.
+    #[must_use]
+    pub fn through(&self, m: &Matrix3<f64>) -> Self {
+        Self { state: self.state, by: m * self.by }
     }
 
     /// Adds `a^T v` of the vector v to a row.
@@ -52,21 +58,47 @@ impl<const B: usize> Linearized<B> {
     /// # Panics
     /// If there are `B` blocks already.
     pub fn set_block(&mut self, state: usize, by: &Matrix3<f64>) {
-        self.blocks[self.count] = Block::new(state, *by);
+        self.add_block(&Block::new(state, *by));
+    }
+
+    /// Adds derivatives.
+    ///
+    /// # Panics
+    /// If there are `B` blocks already.
+    pub fn add_block(&mut self, block: &Block) {
+        self.blocks[self.count] = *block;
         self.count += 1;
+    }
+
+    /// Adds the derivatives of `M v` of another vector v.
+    ///
+    /// # Panics
+    /// If these are too many blocks.
+    pub fn add<const C: usize>(&mut self, m: &Matrix3<f64>, v: &Linearized<C>) {
+        v.blocks[..v.count].iter().for_each(|block| self.add_block(&block.through(m)));
+    }
+
+    /// Covariance with another vector where `p` is that of the states.
+    #[must_use]
+    #[inline]
+    pub fn covariance<const C: usize, const N: usize>(
+        &self,
+        other: &Linearized<C>,
+        p: &SMatrix<f64, N, N>,
+    ) -> Matrix3<f64> {
+        let mut sum = Matrix3::zeros();
+        for a in &self.blocks[..self.count] {
+            for b in &other.blocks[..other.count] {
+                let states = p.fixed_view::<3, 3>(a.state, b.state);
+                sum += a.by * states * b.by.transpose();
+            }
+        }
+        sum
     }
 
     /// Adds the derivatives of `a^T v` of this vector v to a row.
     pub fn add_to<const N: usize>(&self, row: &mut Row<N>, a: &Vector3<f64>) {
         self.blocks[..self.count].iter().for_each(|block| block.add_to(row, a));
-    }
-
-    /// Derivatives of component i.
-    #[must_use]
-    pub fn row<const N: usize>(&self, i: usize) -> Row<N> {
-        let mut row = Row::zeros();
-        self.add_to(&mut row, &Vector3::ith(i, 1.0));
-        row
     }
 }
 

@@ -5,9 +5,12 @@
 //! width, and none is fused, so that all processors give the same bits.
 #![allow(unsafe_code, reason = "code for wide vectors is called where the processor has them")]
 
+use core::ops::{AddAssign, Mul};
+
 use nalgebra::SMatrix;
 
 use super::belief::{Column, Row};
+use super::kalman::Sequence;
 use super::transition::{ROWS, Transition};
 
 /// Matrices of up to this many rows fit no wide vector that would pay for the question.
@@ -59,8 +62,18 @@ macro_rules! with_length {
 pub(super) use with_length;
 
 for_any_width! {
-/// `P <- P - sum_k g_k g_k^T`, of the first `L` rows and columns.
-fn reduce<const N: usize, const L: usize, const K: usize>(p: &mut [[f64; N]; N], g: &[[f64; N]; K]) {
+/// `P <- P - sum_k s_k K_k K_k^T` of gains K and variances s, of the first `L` rows and columns.
+fn reduce<const N: usize, const L: usize, const K: usize>(
+    p: &mut [[f64; N]; N],
+    updates: &[(&Column<N>, f64); K],
+) {
+    let mut g = [[0.0; L]; K];
+    for k in 0..K {
+        let (gain, root) = (&updates[k].0.data.0[0], updates[k].1.sqrt());
+        for i in 0..L {
+            g[k][i] = gain[i] * root;
+        }
+    }
     for j in 0..L {
         let own: [f64; K] = core::array::from_fn(|k| g[k][j]);
         let column = &mut p[j];
@@ -78,18 +91,67 @@ fn reduce<const N: usize, const L: usize, const K: usize>(p: &mut [[f64; N]; N],
 
 /// The sum of multiples of columns, of their first `L` rows.
 #[inline(always)]
-fn combine<const N: usize, const L: usize>(
-    columns: &[[f64; N]],
+fn combine<T: Scalar, const N: usize, const L: usize>(
+    columns: &[[T; N]],
     terms: impl Iterator<Item = (usize, f64)>,
-) -> [f64; L] {
-    let mut sum = [0.0; L];
+) -> [T; L] {
+    let mut sum = [T::default(); L];
     for (k, factor) in terms {
-        let column = &columns[k];
+        let (column, factor) = (&columns[k], T::of(factor));
         for i in 0..L {
             sum[i] += factor * column[i];
         }
     }
     sum
+}
+
+/// A number of double or single precision.
+trait Scalar: Copy + Default + Mul<Output = Self> + AddAssign {
+    fn of(value: f64) -> Self;
+}
+
+impl Scalar for f64 {
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        value
+    }
+}
+
+impl Scalar for f32 {
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        value as Self
+    }
+}
+
+for_any_width! {
+/// Gains from correlations `P h_k`, in their place, and `correction += sum_k K_k y_k`, of the first `L` rows.
+fn weigh<const N: usize, const L: usize>(
+    columns: &mut [Column<N>],
+    sequence: &Sequence,
+    correction: &mut Column<N>,
+) {
+    let mut own = [[0.0; L]; 3];
+    let mut sum = [0.0; L];
+    for (k, column) in columns.iter_mut().enumerate().take(3) {
+        let column = &mut column.data.0[0];
+        let mut rest = [0.0; L];
+        rest.copy_from_slice(&column[..L]);
+        for (earlier, weight) in own[..k].iter().zip(sequence.weights[k]) {
+            for i in 0..L {
+                rest[i] -= weight * earlier[i];
+            }
+        }
+        let (share, innovation) = (1.0 / sequence.variance[k], sequence.innovation[k]);
+        for i in 0..L {
+            let gain = rest[i] * share;
+            column[i] = gain;
+            sum[i] += innovation * gain;
+        }
+        own[k] = rest;
+    }
+    correction.as_mut_slice()[..L].copy_from_slice(&sum);
+}
 }
 
 for_any_width! {
@@ -189,15 +251,16 @@ fn factorize<const N: usize, const L: usize>(p: &[[f64; N]; N], positive: &mut b
 }
 
 /// How many hypotheses are worked on at a time.
-pub(super) const CHUNK: usize = 16;
+pub(super) const CHUNK: usize = 32;
 
-/// A vector for each of `CHUNK` hypotheses: column i holds their components i.
-pub(super) type Chunk<const N: usize> = SMatrix<f64, CHUNK, N>;
+/// A vector for each of `CHUNK` hypotheses: column i holds their components i. Single precision is enough to
+/// tell them apart.
+pub(super) type Chunk<const N: usize> = SMatrix<f32, CHUNK, N>;
 
 for_any_width! {
 /// `v <- F v` of many vectors at once.
 fn advance<const N: usize>(chunks: &mut [Chunk<N>], f: &Transition<N>) {
-    let mut changed = [[0.0; CHUNK]; ROWS];
+    let mut changed = [[0.0_f32; CHUNK]; ROWS];
     for chunk in chunks {
         let v = &mut chunk.data.0;
         for ((_, elements), changed) in f.rows().zip(&mut changed) {
@@ -207,6 +270,7 @@ fn advance<const N: usize>(chunks: &mut [Chunk<N>], f: &Transition<N>) {
             v[state] = *changed;
         }
         for (state, factor) in f.scaled() {
+            let factor = factor as f32;
             v[state].iter_mut().for_each(|x| *x *= factor);
         }
     }
@@ -228,22 +292,25 @@ for_any_width! {
 /// the length of a chunk.
 fn hear<const N: usize, const T: usize>(
     chunks: &mut [Chunk<N>],
-    c: &mut [f64],
-    j: &mut [f64],
+    c: &mut [f32],
+    j: &mut [f32],
     heard: &Heard<'_, N, T>,
 ) {
-    let direct: [f64; CHUNK] = core::array::from_fn(|i| heard.direct[i % T]);
-    let (by_innovation, by_response) = (heard.innovation / heard.s, 1.0 / heard.s);
+    let direct: [f32; CHUNK] = core::array::from_fn(|i| heard.direct[i % T] as f32);
+    let (by_innovation, by_response) =
+        ((heard.innovation / heard.s) as f32, (1.0 / heard.s) as f32);
     let sums = c.chunks_exact_mut(CHUNK).zip(j.chunks_exact_mut(CHUNK));
     for (chunk, (c, j)) in chunks.iter_mut().zip(sums) {
         let v = &mut chunk.data.0;
-        let mut response: [f64; CHUNK] = combine(v, heard.row.iter());
+        let mut response: [f32; CHUNK] = combine(v, heard.row.iter());
         for i in 0..CHUNK {
             response[i] += direct[i];
             c[i] += by_innovation * response[i];
             j[i] += response[i] * response[i] * by_response;
         }
-        for (column, &gain) in v.iter_mut().zip(heard.gain.as_slice()) {
+        let states = v.iter_mut().zip(heard.gain.as_slice());
+        for (column, &gain) in states.filter(|(_, gain)| **gain != 0.0) {
+            let gain = gain as f32;
             for i in 0..CHUNK {
                 column[i] -= gain * response[i];
             }
@@ -273,7 +340,8 @@ mod tests {
         let g: [[f64; N]; 2] =
             core::array::from_fn(|k| core::array::from_fn(|i| number(i, k + 50)));
         let mut reduced = p;
-        reduce::<N, 16, 2>(&mut reduced, &g);
+        let gains = g.map(Column::from);
+        reduce::<N, 16, 2>(&mut reduced, &[(&gains[0], 1.0), (&gains[1], 1.0)]);
         let mut row = Row::zeros();
         [2, 5, 13].iter().for_each(|&state| row[state] = number(state, 70));
         let mut correlation = [Column::zeros()];

@@ -11,6 +11,7 @@ mod aided;
 pub mod belief;
 pub mod bound;
 mod clocks;
+pub mod estimate;
 pub mod filter;
 mod history;
 mod intake;
@@ -32,7 +33,8 @@ mod turning;
 
 pub use aided::{AIDED_STATES, AidedFilter, AidedMemory, BASIC_STATES, DynamicFilter};
 pub use belief::Belief;
-pub use filter::{ChannelReport, Estimate, Filter, Health, Memory, Navigation};
+pub use estimate::{ChannelReport, Estimate, Health};
+pub use filter::{Filter, Memory, Navigation};
 pub use measurement::{KINDS, Kind, Measurements, Reading};
 pub use monitor::ThrusterMonitor;
 pub use parameters::{Disturbances, Mounting, NavigationParameters, SensorErrors, Start};

@@ -29,7 +29,7 @@ const THRUSTERS: usize = 8;
 const HYPOTHESES: usize = RESTARTS * THRUSTERS;
 
 /// One number for each hypothesis: the thrusters of restart 0, of restart 1, ...
-type Lanes = SVector<f64, HYPOTHESES>;
+type Lanes = SVector<f32, HYPOTHESES>;
 
 /// A thruster found to have lost thrust.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,7 +89,7 @@ impl<const N: usize> Default for ThrusterMonitor<N> {
 
 /// Twice the log-likelihood ratio of an alarm. With half of it, a vehicle whose mass is wrong by 20 % has an
 /// alarm an hour, and the wrong thruster is named now and then; losses are found within a second all the same.
-const THRESHOLD: f64 = 50.0;
+const THRESHOLD: f32 = 50.0;
 /// Shares that a loss of a propeller can be told from a disturbance by.
 const SHARES: core::ops::Range<f64> = 0.35..1.4;
 
@@ -100,17 +100,18 @@ impl<const N: usize> Monitor<N> for ThrusterMonitor<N> {
 
     fn judge(&mut self, now: f64) -> Option<Alarm<N>> {
         let best = (0..HYPOTHESES)
-            .filter(|&k| self.j[k] > 0.0 && SHARES.contains(&(self.c[k] / self.j[k])))
-            .max_by(|&a, &b| self.ratio(a).total_cmp(&self.ratio(b)))
-            .filter(|&k| self.ratio(k) > THRESHOLD);
+            // C^2/J without a division, for nearly all are below.
+            .filter(|&k| self.c[k] * self.c[k] > THRESHOLD * self.j[k])
+            .filter(|&k| SHARES.contains(&self.share(k)))
+            .max_by(|&a, &b| self.ratio(a).total_cmp(&self.ratio(b)));
         if let Some(k) = best {
-            let share = self.c[k] / self.j[k];
-            let error = self.errors[k / CHUNK].row(k % CHUNK).transpose();
+            let share = self.share(k);
+            let error = self.errors[k / CHUNK].row(k % CHUNK).transpose().map(f64::from);
             let alarm = Alarm {
                 thruster: k % THRUSTERS,
                 share: share.min(1.0),
                 correction: error * share,
-                widening: error / self.j[k].sqrt(),
+                widening: error / f64::from(self.j[k]).sqrt(),
             };
             let effect = self.effect;
             *self = Self { effect, restarted: now, ..Self::default() };
@@ -129,8 +130,14 @@ impl<const N: usize> Monitor<N> for ThrusterMonitor<N> {
 }
 
 impl<const N: usize> ThrusterMonitor<N> {
+    /// The share lost that is the most likely.
+    fn share(&self, k: usize) -> f64 {
+        f64::from(self.c[k]) / f64::from(self.j[k])
+    }
+
+    /// Twice the logarithm of its likelihood ratio.
     fn ratio(&self, k: usize) -> f64 {
-        self.c[k] * self.c[k] / self.j[k]
+        self.share(k) * f64::from(self.c[k])
     }
 }
 
@@ -142,8 +149,8 @@ impl<const N: usize> Witness<N> for ThrusterMonitor<N> {
     fn driven(&mut self, interval: &Interval) {
         let Some(thrusts) = &interval.thrust else { return };
         for state in 0..N {
-            let change: [f64; THRUSTERS] =
-                core::array::from_fn(|i| self.effect[i][state] * thrusts.mean[i] * interval.dt);
+            let change = |i: usize| self.effect[i][state] * thrusts.mean[i] * interval.dt;
+            let change: [f32; THRUSTERS] = core::array::from_fn(|i| change(i) as f32);
             if change.iter().any(|&c| c != 0.0) {
                 for chunk in &mut self.errors {
                     for restart in chunk.data.0[state].chunks_exact_mut(THRUSTERS) {

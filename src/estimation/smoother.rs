@@ -19,7 +19,8 @@ use nalgebra::SMatrix;
 
 use super::belief::{Belief, Column, Row};
 use super::clocks::Clocks;
-use super::filter::{Estimate, Filter, describe};
+use super::estimate::{Estimate, describe};
+use super::filter::Filter;
 use super::intake::{Sources, take_new};
 use super::interval::{Interval, SAME};
 use super::kalman::Witness;

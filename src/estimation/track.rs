@@ -17,6 +17,7 @@ use super::process::Process;
 use super::recovery::{Agreement, Hidden, follow_unobservable, hand_to_bias, hidden, reacquire};
 use super::sensor::{Depth, Dvl, Fix, Heading, Observation, Sensor, Tilt};
 use super::turning::Tracker;
+use crate::attitude;
 
 /// Sensors whose innovations are watched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,7 +71,6 @@ pub(super) struct Track<const N: usize, M> {
     imu: Stream<6>,
     thrust: Stream<8>,
     turning: Tracker,
-    tilt: [f64; 2],
     before: Interval,
     pub(super) interval: Interval,
     pub(super) records: [Record; CHANNELS],
@@ -128,6 +128,7 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         let mut monitor = M::default();
         monitor.prepare(&core::array::from_fn(|i| setup.process.thrust_effect(i)));
         let [roll, pitch, _] = setup.parameters.start.attitude;
+        let tilt = attitude::rotation_euler([roll, pitch, 0.0]);
         let sensors = &setup.parameters.sensors;
         Self {
             time: start,
@@ -136,9 +137,8 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
             imu: Stream::new(start),
             thrust: Stream::new(start),
             turning: Tracker::new(sensors.heading_sigma.max(sensors.tilt_sigma)),
-            tilt: [roll, pitch],
             before: Interval::default(),
-            interval: Interval { end: start, tilt: [roll, pitch], ..Interval::default() },
+            interval: Interval { end: start, tilt, ..Interval::default() },
             records: [Record { newest: f64::NEG_INFINITY, ..Record::default() }; CHANNELS],
             effectiveness: [1.0; 8],
             aligned: setup.parameters.start.heading_sigma < 0.5,
@@ -267,7 +267,7 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
                 Some(_) => None,
                 None => self.turning.until(time, ahead.attitude),
             },
-            tilt: self.tilt,
+            tilt: self.before.tilt,
         };
         let process = &setup.process;
         let mut witness = Both(&mut self.monitor, witness);
@@ -313,8 +313,7 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         euler: [f64; 3],
         witness: &mut impl Witness<N>,
     ) {
-        self.tilt = [euler[0], euler[1]];
-        self.interval.tilt = self.tilt;
+        self.interval.tilt = attitude::rotation_euler([euler[0], euler[1], 0.0]);
         self.align(setup, euler);
         if !setup.process.tilt_is_input() {
             self.fuse(setup, Channel::Tilt, |m| setup.tilt.observe(&euler, m), witness);
@@ -344,7 +343,7 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
             witness.predicted(&f);
         }
         let gate = if setup.parameters.gated { GATE[observation.size - 1] } else { f64::INFINITY };
-        let verdict = judge(&self.belief, &observation, gate);
+        let mut verdict = judge(&self.belief, &observation, gate);
         let record = &mut self.records[channel as usize];
         record.note(&observation, &verdict, self.time);
         if record.agreement.hear(channel, &observation, verdict.is_limited()) {
@@ -368,7 +367,7 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
             // More likely a disturbed compass than a heading that is wrong: it will be handed to the bias.
             return;
         }
-        let correction = absorb(&mut self.belief, &observation, verdict, &mut witness);
+        let correction = absorb(&mut self.belief, &observation, &mut verdict, &mut witness);
         process.correct(&mut self.belief, &correction);
         if let Some(before) = &before {
             let after = observe(&process.kinematics(&self.belief, &self.interval));

@@ -152,5 +152,9 @@ pub(super) fn kinematics<const N: usize>(
 }
 
 fn rows<const N: usize, const B: usize>(vector: &Linearized<B>) -> [Row<N>; 3] {
-    [0, 1, 2].map(|i| vector.row(i))
+    [0, 1, 2].map(|i| {
+        let mut row = Row::zeros();
+        vector.add_to(&mut row, &Vector3::ith(i, 1.0));
+        row
+    })
 }

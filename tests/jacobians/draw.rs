@@ -2,7 +2,7 @@
 
 use super::oracle::Point;
 use nalgebra::SVector;
-use rexrov::attitude::from_euler;
+use rexrov::attitude::{from_euler, rotation_euler};
 use rexrov::estimation::belief::{Belief, Column};
 use rexrov::estimation::interval::{Inertial, Interval, Thrusts};
 use rexrov::estimation::{NavigationParameters, Turning};
@@ -45,7 +45,7 @@ impl Draw<'_> {
             inertial: Some(self.inertial()),
             thrust: Some(Thrusts { mean, rising }),
             turning: Some(Turning { mean: self.array(1.0), end: self.array(1.0), variance: 0.01 }),
-            tilt: [roll, self.between(-1.39, 1.39)],
+            tilt: rotation_euler([roll, self.between(-1.39, 1.39), 0.0]),
         }
     }
 

@@ -124,8 +124,8 @@ const MUTANTS: &[Mutant] = &[
     Mutant { name: "stamps ignored", file: "intake.rs", test: by::LATE,
         old: "if stamped { self.anchor(now, stamp, latency) } else { now }", new: "{ let _ = latency; now }" },
     Mutant { name: "measurements fused twice", file: "track.rs", test: by::BOUND,
-        old: "let correction = absorb(&mut self.belief, &observation, verdict, &mut witness);",
-        new: "let correction = absorb(&mut self.belief, &observation, verdict, &mut witness);\n        let _ = fuse(&mut self.belief, &observation, gate, &mut witness);" },
+        old: "let correction = absorb(&mut self.belief, &observation, &mut verdict, &mut witness);",
+        new: "let correction = absorb(&mut self.belief, &observation, &mut verdict, &mut witness);\n        let _ = fuse(&mut self.belief, &observation, gate, &mut witness);" },
     // Angles, outliers, biases, losses.
     Mutant { name: "heading not wrapped", file: "sensor/ahrs.rs", test: by::SOUTH,
         old: "wrap(value[2] - predicted)", new: "value[2] - predicted" },

@@ -98,9 +98,9 @@ impl EkfMemory {
     }
 
     pub(super) fn fuse(&mut self, channel: Channel, observation: &Observation<4>) {
-        let verdict = judge(&self.belief, observation, f64::INFINITY);
+        let mut verdict = judge(&self.belief, observation, f64::INFINITY);
         self.records[channel as usize].note(observation, &verdict);
-        let correction = absorb(&mut self.belief, observation, verdict, &mut ());
+        let correction = absorb(&mut self.belief, observation, &mut verdict, &mut ());
         self.belief.mean += correction;
         self.belief.mean[3] = attitude::wrap(self.belief.mean[3]);
     }

@@ -116,9 +116,12 @@ impl<const N: usize> Process<N> for ConstantAcceleration {
             predicted.set_block(state, &Matrix3::identity());
             predicted.set_block(THETA, &-skew(&down));
             let innovation = Vector3::from(value) - predicted.value;
-            let variance = (density * density / interval.dt).max(1e-12);
-            let rows = [0, 1, 2].map(|i| predicted.row(i));
-            let observation = Observation::new(3, innovation.into(), rows, [variance; 3]);
+            let mut observation = Observation::empty(3);
+            observation.innovation = innovation.into();
+            observation.variance = [(density * density / interval.dt).max(1e-12); 3];
+            for (i, row) in observation.rows.iter_mut().enumerate() {
+                predicted.add_to(row, &Vector3::ith(i, 1.0));
+            }
             let correction = fuse(belief, &observation, f64::INFINITY, witness);
             self.correct(belief, &correction);
         }

@@ -82,8 +82,7 @@ struct Afloat {
 
 impl Afloat {
     fn new(x: [f64; MOVERS], tilt: &Matrix3<f64>) -> Self {
-        let (sin, cos) = libm::sincos(x[PSI]);
-        let rotation = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0) * tilt;
+        let rotation = turned(tilt, x[PSI]);
         let flow = rotation.tr_mul(&Vector3::new(x[C], x[C + 1], 0.0));
         // The current turns against the heading.
         let flow_by_heading = rotation.tr_mul(&Vector3::new(x[C + 1], -x[C], 0.0));
@@ -150,7 +149,7 @@ impl PlanarDynamic {
                 units.zip(thrusts.mean).map(|(unit, force)| unit * force).sum()
             })
         });
-        Drive { thrust, tilt: rotation([interval.tilt[0], interval.tilt[1], 0.0]) }
+        Drive { thrust, tilt: tilt(interval) }
     }
 
     /// Time derivatives of the moving states.
@@ -309,10 +308,20 @@ impl PlanarDynamic {
     }
 }
 
-/// Rotation matrix of roll, pitch and yaw.
-fn rotation(euler: [f64; 3]) -> Matrix3<f64> {
-    let r = attitude::rotation_euler(euler);
-    Matrix3::from_fn(|i, j| r[i][j])
+/// Rotation by roll and pitch.
+fn tilt(interval: &Interval) -> Matrix3<f64> {
+    Matrix3::from_fn(|i, j| interval.tilt[i][j])
+}
+
+/// The same with a heading.
+fn turned(tilt: &Matrix3<f64>, heading: f64) -> Matrix3<f64> {
+    let (sin, cos) = libm::sincos(heading);
+    let mut rotation = *tilt;
+    for j in 0..3 {
+        rotation[(0, j)] = cos * tilt[(0, j)] - sin * tilt[(1, j)];
+        rotation[(1, j)] = sin * tilt[(0, j)] + cos * tilt[(1, j)];
+    }
+    rotation
 }
 
 /// Least variance of a gyro's mean ((rad/s)^2).
@@ -419,8 +428,7 @@ impl<const N: usize> Process<N> for PlanarDynamic {
             }
             (now.rotation, acceleration)
         } else {
-            let [roll, pitch] = interval.tilt;
-            (rotation([roll, pitch, x[PSI]]), Linearized::constant(Vector3::zeros()))
+            (turned(&tilt(interval), x[PSI]), Linearized::constant(Vector3::zeros()))
         };
         let down = rotation.row(2).transpose();
         Kinematics {

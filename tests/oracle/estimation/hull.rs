@@ -41,7 +41,7 @@ impl Hull {
         x: &[D; N],
         interval: &Interval,
     ) -> [D; 8] {
-        let [roll, pitch] = interval.tilt;
+        let [roll, pitch] = roll_and_pitch(interval);
         let r = euler_matrix([D::from(roll), D::from(pitch), x[3]]);
         let (ground, turn) = (part(x, 4), x[7]);
         let [dx, dy, dz] = image(&r, ground);
@@ -92,7 +92,7 @@ impl Hull {
         p: &Point<D, N>,
         interval: &Interval,
     ) -> Motion<D> {
-        let [roll, pitch] = interval.tilt;
+        let [roll, pitch] = roll_and_pitch(interval);
         let rotation = euler_matrix([D::from(roll), D::from(pitch), p.x[3]]);
         let [.., du, dv, dw, _] = self.planar_rates(&p.x, interval);
         Motion {
@@ -177,4 +177,9 @@ impl Hull {
             + self.wrench(triangle)[5];
         [moment / self.m[5][5] + (p.x[N_G] - p.x[N_G_BEFORE]) / spacing]
     }
+}
+
+fn roll_and_pitch(interval: &Interval) -> [f64; 2] {
+    let [x, y, z] = interval.tilt[2];
+    [y.atan2(z), -x.asin()]
 }

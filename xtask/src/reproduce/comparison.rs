@@ -40,14 +40,14 @@ pub(crate) fn section(seeds: u32, threads: usize) -> anyhow::Result<Section> {
     let named =
         ["BE3", "fix-305", "DIVE", "HELIX"].into_iter().chain(outages.iter().map(String::as_str));
     let cells = named.map(Cell::named).collect::<anyhow::Result<Vec<_>>>()?;
-    let compared = fly_all(&cells, seeds, threads)?;
+    let compared = fly_all(&cells, 1, seeds, threads)?;
     let (nominal, rest) = compared.split_first().context("no cell was flown")?;
     let (without_fix, rest) = rest.split_first().context("no cell was flown without fixes")?;
     let (spatial, outages) = rest.split_at(2);
     let variants = variants()?;
-    let variants = fly_all(&variants, pairs, threads)?;
+    let variants = fly_all(&variants, 1, pairs, threads)?;
     let coefficients = coefficients()?;
-    let coefficients = fly_all(&coefficients, pairs, threads)?;
+    let coefficients = fly_all(&coefficients, 1, pairs, threads)?;
 
     let mut section = Section::new("Which filter, when");
     section.text(format!(
