@@ -5,7 +5,6 @@
 //! Frames: world NED (x north, y east, z down), body FRD (x forward, y starboard, z down) with
 //! the centre of gravity at its origin. Units are SI unless a name says otherwise (`_deg`, `_hz`).
 //! Transcendental functions come from `libm`, so that results agree to the last bit everywhere.
-#![deny(unsafe_code)]
 #![allow(clippy::needless_range_loop, reason = "indices as the equations have them")]
 
 pub mod allocation;

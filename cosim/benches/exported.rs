@@ -4,6 +4,7 @@
 //!
 //! `cargo bench -p cosim --bench exported`, `cargo xtask bench --third-party`. Processor time; both are
 //! measured in turn, several times over, and medians are shown: what disturbs one disturbs both.
+#![allow(unsafe_code, reason = "time of the processor")]
 
 #[path = "../tests/element/mod.rs"]
 mod element;

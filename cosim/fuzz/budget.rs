@@ -1,5 +1,6 @@
 //! What readers may take: memory at most a multiple of what they read. Counted by an allocator, thread
 //! by thread.
+#![allow(unsafe_code, reason = "counts what is allocated")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;

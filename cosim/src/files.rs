@@ -5,6 +5,7 @@
 //! the name, which is synced with its folder. So a process that is killed leaves the old file or the
 //! new one, and nothing else. File systems without nameless files get a hidden one, locked by its
 //! writer; whoever writes there next removes those that nobody locks any more.
+#![allow(unsafe_code, reason = "system calls without a safe form")]
 
 use std::ffi::{CString, OsStr, OsString};
 use std::fs::{self, File, OpenOptions};

@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 /// In the place of the C library's: see `cli::interrupt`. FMUs find it, for the program exports it.
+#[allow(unsafe_code, reason = "the place of a function of the C library")]
 #[unsafe(no_mangle)]
 extern "C" fn _exit(code: libc::c_int) -> ! {
     cli::interrupt::ended();
@@ -18,11 +19,13 @@ extern "C" fn _exit(code: libc::c_int) -> ! {
 }
 
 /// The same under its name in C.
+#[allow(unsafe_code, reason = "the place of a function of the C library")]
 #[unsafe(no_mangle)]
 extern "C" fn _Exit(code: libc::c_int) -> ! {
     _exit(code)
 }
 
+#[allow(unsafe_code, reason = "the environment before there are threads, and the end")]
 fn main() -> ExitCode {
     // Before there is a second thread: an isolated run goes on in a process behind namespaces.
     match cli::isolate::enter() {

@@ -89,7 +89,6 @@
 //! handles its instants in [`Component::event`]. Instances can be driven without C, for tests, through
 //! [`kernel::Entry::instantiate`].
 
-#![deny(unsafe_code)]
 #![cfg_attr(
     not(test),
     deny(

@@ -1,5 +1,5 @@
 //! Once initialized, setting, stepping and getting never allocate.
-
+#![allow(unsafe_code, reason = "counts what is allocated")]
 #![allow(
     clippy::undocumented_unsafe_blocks,
     reason = "each is a call of the C interface as an importer makes it"

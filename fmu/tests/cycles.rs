@@ -1,5 +1,5 @@
 //! Instances leave nothing behind: no memory, no file, no thread.
-
+#![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(
     clippy::undocumented_unsafe_blocks,
     reason = "each is a call of the C interface as an importer makes it"

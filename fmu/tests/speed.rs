@@ -1,6 +1,6 @@
 //! What the kernel adds to the mathematics, measured. Run with
 //! `cargo test --release -p fmu-kit --test speed -- --ignored --nocapture`.
-
+#![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(
     clippy::undocumented_unsafe_blocks,
     reason = "each is a call of the C interface as an importer makes it"

@@ -1,6 +1,7 @@
 //! Ctrl-C (and SIGTERM, SIGHUP): the run ends at its next output instant, and the results are
 //! kept. One that does not come there, because an FMU does not come back, is ended; so it is when an
 //! FMU ends the process. A second signal ends the process as usual.
+#![allow(unsafe_code, reason = "system calls without a safe form")]
 
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};

@@ -6,6 +6,7 @@
 //! (`cosim::confine`). This process opens those files, passes on what the child says, keeps the
 //! snapshots it leaves, ends it, and knows an end that the child did not announce for one by an FMU.
 //! A step costs nothing more; the start does.
+#![allow(unsafe_code, reason = "system calls without a safe form")]
 
 use std::ffi::OsString;
 use std::fs::{self, File};

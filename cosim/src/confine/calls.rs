@@ -4,6 +4,7 @@
 //!
 //! The filter is a program for the kernel's own machine: it loads the number of a call, and where
 //! that is not enough one of its arguments.
+#![allow(unsafe_code, reason = "system calls without a safe form")]
 
 use std::io;
 

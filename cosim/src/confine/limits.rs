@@ -1,4 +1,5 @@
 //! How much of the machine FMUs get (`setrlimit`).
+#![allow(unsafe_code, reason = "system calls without a safe form")]
 
 use std::io;
 

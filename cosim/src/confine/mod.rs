@@ -26,7 +26,7 @@ use landlock::{
 };
 
 use crate::error::{Code, Error, Result};
-pub use apart::{Apart, kill_descendants, reap_descendants};
+pub use apart::{Apart, close_inherited, kill_descendants, reap_descendants};
 pub(crate) use apart::{forget, kill_orphans, spawn};
 use calls::Programs;
 
@@ -176,21 +176,6 @@ pub(crate) fn describe(wanted: bool) -> String {
         (false, _) => "not confined: --no-confine",
     };
     text.to_owned()
-}
-
-/// Closes what the process that started this one had open, but for these: files that an FMU could
-/// write to in spite of all rules.
-pub fn close_inherited(kept: &[i32]) {
-    let mut kept: Vec<u32> = kept.iter().filter_map(|&file| u32::try_from(file).ok()).collect();
-    kept.sort_unstable();
-    let mut first: u32 = 3;
-    for file in kept.into_iter().chain([u32::MAX]) {
-        if file > first {
-            // SAFETY: called at the start of the process, when nobody owns these descriptors.
-            unsafe { libc::syscall(libc::SYS_close_range, first, file - 1, 0) };
-        }
-        first = file.saturating_add(1);
-    }
 }
 
 fn unconfined_by(why: Box<dyn std::error::Error>) -> Error {

@@ -1,5 +1,6 @@
 //! The C library whose mathematics FMUs call: two machines with another one may differ in the last
 //! bit of a sine.
+#![allow(unsafe_code, reason = "system calls without a safe form")]
 
 use std::path::PathBuf;
 

@@ -40,7 +40,7 @@ impl Description<'_> {
         let mut xml = Xml::new();
         let tool = concat!("cosim ", env!("CARGO_PKG_VERSION"));
         let count = self.system.components().len();
-        let what = format!("The system '{}' of {count} components", self.system.name());
+        let what = format!("The system '{}' of {count} components, on Linux", self.system.name());
         let naming = if self.is_structured(&roots) { "structured" } else { "flat" };
         let root = [
             ("fmiVersion", "2.0"),

@@ -33,8 +33,9 @@ const FLAGS: u32 = 0x3f;
 impl Float {
     /// That of the calling thread.
     #[cfg(target_arch = "x86_64")]
+    #[must_use]
     #[inline(always)]
-    pub(crate) fn now() -> Self {
+    pub fn now() -> Self {
         let (mut control, mut x87) = (0_u32, 0_u16);
         // SAFETY: both instructions store what they read to the place they are given.
         unsafe {
@@ -61,8 +62,9 @@ impl Float {
 
     /// That of the calling thread.
     #[cfg(target_arch = "aarch64")]
+    #[must_use]
     #[inline(always)]
-    pub(crate) fn now() -> Self {
+    pub fn now() -> Self {
         let control: u64;
         // SAFETY: reads a register.
         unsafe { std::arch::asm!("mrs {}, fpcr", out(reg) control, options(nomem, nostack)) };
@@ -78,8 +80,9 @@ impl Float {
 
     /// Not known on this machine.
     #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    #[must_use]
     #[inline(always)]
-    pub(crate) fn now() -> Self {
+    pub fn now() -> Self {
         Self { control: 0, x87: 0 }
     }
 

@@ -6,18 +6,25 @@
 //! `confine`.
 
 pub mod archive;
+#[allow(unsafe_code, reason = "what FMUs call back")]
 mod callbacks;
 pub mod description;
 pub(crate) mod elf;
 mod fmu;
+#[allow(unsafe_code, reason = "what belongs to the whole process")]
 pub(crate) mod guard;
+#[allow(unsafe_code, reason = "calls of FMUs")]
 mod instance;
+#[allow(unsafe_code, reason = "a page of memory that outlives a crash")]
 mod last;
+#[allow(unsafe_code, reason = "libraries of FMUs")]
 mod library;
 mod log;
 mod mailbox;
+#[allow(unsafe_code, reason = "libraries of FMUs")]
 mod open;
 pub(crate) mod status;
+#[allow(unsafe_code, reason = "system calls without a safe form")]
 pub(crate) mod temporary;
 mod trace;
 
@@ -25,6 +32,8 @@ pub use description::{
     Causality, Description, InterfaceType, Kind, Output, Value, Variability, Variable,
 };
 pub use fmu::{Fmu, forget};
+#[doc(hidden)]
+pub use guard::Float;
 pub use guard::guard_process;
 pub(crate) use instance::{Direct, DirectSteps, Unusual};
 pub use instance::{Instance, NextEvent, Place, State};

@@ -19,6 +19,9 @@ const BEFORE: [&str; 3] = ["CoSimulation", "UnitDefinitions", "TypeDefinitions"]
 /// What is taken over after them.
 const AFTER: [&str; 3] = ["DefaultExperiment", "ModelVariables", "ModelStructure"];
 
+/// What is added to what the FMU says of itself.
+const WHERE: &str = "computed by a worker, for importers on Linux";
+
 /// The text for the description `root` of an FMU; `once`: there is one endpoint, and each instance
 /// needs one.
 pub(super) fn text(
@@ -30,8 +33,13 @@ pub(super) fn text(
 ) -> String {
     let mut xml = Xml::new();
     let tool = concat!("cosim ", env!("CARGO_PKG_VERSION"));
-    let mut attributes = own(root, &["guid", "generationTool", "generationDateAndTime"]);
-    attributes.extend([("guid", guid), ("generationTool", tool)]);
+    let what = match root.get("description").filter(|own| !own.trim().is_empty()) {
+        Some(own) => format!("{own} ({WHERE})"),
+        None => WHERE.to_owned(),
+    };
+    let mut attributes =
+        own(root, &["guid", "description", "generationTool", "generationDateAndTime"]);
+    attributes.extend([("guid", guid), ("description", &what), ("generationTool", tool)]);
     // What the namespaces of an importer's schema are called is its own affair.
     attributes.retain(|(name, _)| !name.contains(':'));
     xml.start(&root.name, &attributes);

@@ -6,7 +6,6 @@
 //! World frame NED, body frame FRD (forward, starboard, down), SI units; array indices count from
 //! zero as the paper's thrusters do.
 
-#![deny(unsafe_code)]
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
 pub mod added_mass;

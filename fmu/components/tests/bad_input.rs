@@ -1,6 +1,6 @@
 //! Courses that are none, through the C interface: `fmi2Error` and one line that names function,
 //! variable, file, line of the file and reason.
-
+#![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(
     clippy::undocumented_unsafe_blocks,
     reason = "each is a call of the C interface as an importer makes it"

@@ -1,7 +1,7 @@
 //! The vehicle's directional derivatives against central differences, through the C interface, at
 //! random points: while running each state and input, during initialization each Real parameter and
 //! input, against every unknown there is.
-
+#![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(
     clippy::undocumented_unsafe_blocks,
     reason = "each is a call of the C interface as an importer makes it"

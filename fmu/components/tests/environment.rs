@@ -1,5 +1,6 @@
 //! The importer's floating-point environment: traps, roundings, flush-to-zero and flags change no
 //! result, and are after each call as they were before it.
+#![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![cfg(target_arch = "x86_64")]
 #![allow(
     clippy::undocumented_unsafe_blocks,

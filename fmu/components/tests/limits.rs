@@ -1,6 +1,6 @@
 //! The vehicle's limits as state events: a rotor whose commanded speed ramps up into its limit
 //! follows the closed form of a first-order lag on both sides of the kink.
-
+#![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(
     clippy::undocumented_unsafe_blocks,
     reason = "each is a call of the C interface as an importer makes it"

@@ -1,4 +1,5 @@
 //! Loaded, run and unloaded again and again, as tools do for every simulation: nothing is left.
+#![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![cfg(all(target_os = "linux", target_env = "gnu"))]
 #![allow(
     clippy::undocumented_unsafe_blocks,

@@ -1,5 +1,5 @@
 //! What an instance costs in memory: its value, its table of values, its model, all on the heap.
-
+#![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(
     clippy::undocumented_unsafe_blocks,
     reason = "each is a call of the C interface as an importer makes it"

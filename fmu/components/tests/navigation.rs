@@ -1,5 +1,5 @@
 //! All navigation filters through the C interface: the same inputs, any of them absent, late or bad.
-
+#![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(
     clippy::undocumented_unsafe_blocks,
     reason = "each is a call of the C interface as an importer makes it"

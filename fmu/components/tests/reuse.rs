@@ -1,7 +1,7 @@
 //! The first slope of a step is taken from the outputs where they are up to date. Nobody may see
 //! that: of two vehicles driven alike, one is disturbed and put right again before each step, so
 //! that it knows nothing any more and works everything out.
-
+#![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(
     clippy::undocumented_unsafe_blocks,
     reason = "each is a call of the C interface as an importer makes it"

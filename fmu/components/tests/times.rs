@@ -1,5 +1,5 @@
 //! Steps and times that no simulation has: every component comes back from them.
-
+#![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(
     clippy::undocumented_unsafe_blocks,
     reason = "each is a call of the C interface as an importer makes it"

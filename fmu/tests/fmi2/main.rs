@@ -1,6 +1,6 @@
 //! FMI 2.0 as an importer sees it: the exported C functions, driven in the ways importers drive
 //! them, and abused in the ways importers abuse them.
-
+#![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(
     clippy::undocumented_unsafe_blocks,
     reason = "each is a call of the C interface as an importer makes it"

@@ -1,4 +1,5 @@
 //! Instances of the nine components, driven through their C interface as an importer drives them.
+#![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(
     clippy::undocumented_unsafe_blocks,
     reason = "each is a call of the C interface with arrays of the lengths that are passed"

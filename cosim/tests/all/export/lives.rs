@@ -1,5 +1,6 @@
 //! An exported system that is loaded, run and unloaded again and again leaves nothing, and comes back
 //! from steps that no simulation has.
+#![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 
 use std::path::PathBuf;
 use std::process::Command;

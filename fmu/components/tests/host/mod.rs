@@ -1,4 +1,5 @@
 //! What an importer does before it can call an instance through the C interface.
+#![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(unreachable_pub, reason = "a part of several tests")]
 
 use std::ffi::CString;

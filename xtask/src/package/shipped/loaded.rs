@@ -1,4 +1,5 @@
 //! A library in this process, and the functions of FMI 2.0 in it.
+#![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 
 use fmu_kit::{
     abi::types::{

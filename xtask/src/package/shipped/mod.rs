@@ -1,4 +1,5 @@
 //! Tests of the libraries as they lie in the packaged FMUs.
+#![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 
 mod loaded;
 mod merging;
