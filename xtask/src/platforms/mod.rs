@@ -34,7 +34,7 @@ use crate::{
     },
     paths, process,
 };
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use compare::Findings;
 use machine::Machine;
 use std::{
@@ -70,6 +70,8 @@ pub(crate) struct Options {
 
 /// Time that downloads may take in continuous integration, where what is not to be had is left out.
 const PATIENCE: Duration = Duration::from_secs(240);
+/// Steps and seed of the table in the documents.
+const DOCUMENTED: (u32, u64) = (3000, 1);
 /// Steps in continuous integration.
 const SHORT: u32 = 300;
 
@@ -146,6 +148,23 @@ fn compare(options: &Options) -> Result<()> {
     });
     if let Some((platform, findings, difference)) = differing {
         bail!("{} on {platform}: {difference}", findings.component);
+    }
+    if (options.steps, options.seed) == DOCUMENTED {
+        check_document(&all)?;
+    }
+    Ok(())
+}
+
+/// The table in the documents must be that of these steps and this seed.
+fn check_document(all: &[(String, String, Vec<Findings>)]) -> Result<()> {
+    let (page, components) = (paths::root().join("docs/platforms.md"), &rexrov_fmu::REGISTRY);
+    let text = fs::read_to_string(&page).with_context(|| page.display().to_string())?;
+    let present: Vec<String> = text.lines().map(|line| line.replace(',', "")).collect();
+    let (_, _, findings) = all.first().context("nothing was compared")?;
+    for f in findings.iter().filter(|f| components.named(&f.component).is_some()) {
+        let Findings { component, steps, outputs, state_bytes, log_lines, .. } = f;
+        let row = format!("| {component} | {steps} | {outputs} | {state_bytes} | {log_lines} |");
+        ensure!(present.contains(&row), "{}: the row of {component} is now {row}", page.display());
     }
     Ok(())
 }
