@@ -229,9 +229,9 @@ fn consistency(add: &mut Rows<'_>, scores: &[Score]) {
         [(0, 2.0, 0.95, "0.989 to 1"), (1, 4.0, 0.9, "0.928 to 0.99")]
     {
         let value = share_in_band(scores, which, components);
-        // Errors of the position last for 90 s: a mission has three independent stretches, so that
-        // the share is known within this even where it is 0.95 by right.
-        let interval = [value - 0.15, value + 0.15];
+        // Errors of the position last for 90 s: a mission has three independent stretches. Where each is
+        // in the band with 0.95, the share has a standard deviation of sqrt(0.95 0.05/3) = 0.126.
+        let interval = [value - 1.96 * 0.126, value + 1.96 * 0.126];
         let what = format!("time with ANEES{components} in its 95 % band");
         let goal = add.goal(at_least(least));
         add.row(&what, "", Number { value, interval }, goal, reference);
