@@ -34,13 +34,10 @@ pub(crate) fn run() -> Result<()> {
     let cells = SMOKE_CELLS.map(str::to_owned).to_vec();
     navigate::run(&navigate::Options { seeds: SMOKE_MISSIONS, cells, threads: None })?;
     platforms::in_short()?;
-    pytest(&[JUDGES])?;
+    judge::in_python()?;
     // Libraries of other tools are in the judges' process: not all bear others beside them to its end.
-    pytest(&["tests/python", "--ignore", JUDGES])
+    pytest(&["tests/python", "--ignore", judge::TESTS])
 }
-
-/// The Python tests that load FMUs and systems into other tools.
-const JUDGES: &str = "tests/python/judges";
 
 fn pytest(arguments: &[&str]) -> Result<()> {
     let mut command = Command::new(python::TESTS.interpreter()?);
