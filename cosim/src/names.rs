@@ -1,5 +1,6 @@
 //! Names as people type them: the nearest valid one, and patterns with `*` and `?`.
 
+use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Longest name that is compared: the comparison takes time and memory by the square.
@@ -38,6 +39,15 @@ pub fn did_you_mean<'a>(
     candidates: impl IntoIterator<Item = &'a str>,
 ) -> Option<String> {
     nearest(name, candidates).map(|found| format!("did you mean '{found}'?"))
+}
+
+/// `did you mean 'x.fmu'?`, of the files in the folder of `path` that end as it does.
+pub fn file_like(path: &Path) -> Option<String> {
+    let files = std::fs::read_dir(path.parent()?).ok()?.flatten().map(|file| file.path());
+    let alike = files.filter(|file| file.extension() == path.extension());
+    let names: Vec<String> =
+        alike.filter_map(|file| Some(file.file_name()?.to_str()?.to_owned())).collect();
+    did_you_mean(path.file_name()?.to_str()?, names.iter().map(String::as_str))
 }
 
 /// Whether `pattern` is more than a plain name. Brackets are ordinary: variables use them.

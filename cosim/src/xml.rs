@@ -34,6 +34,7 @@ const MAX_TREE: u64 = 768 << 20;
 const PER_ELEMENT: usize = 3 * size_of::<Element>();
 /// What a text on the heap takes beside itself.
 const PER_TEXT: usize = 32;
+const LATIN_1: &str = "ISO-8859-1";
 
 /// Reads and parses `file`; `shown` is its name in messages (a file in an archive is unpacked
 /// somewhere the user has never seen).
@@ -49,8 +50,13 @@ pub fn read(file: &Path, shown: &Path) -> Result<Element> {
     decode(&std::fs::read(file).map_err(unreadable)?, shown)
 }
 
-/// Parses the bytes of a file, which must be UTF-8; `file` is its name in messages.
+/// Parses the bytes of a file: UTF-8, or ISO-8859-1 where it declares that, as 20-sim's and Modelon's
+/// do. `file` is its name in messages.
 pub fn decode(bytes: &[u8], file: &Path) -> Result<Element> {
+    if declares_latin_1(bytes) {
+        let text: String = bytes.iter().copied().map(char::from).collect();
+        return parse(&text, file);
+    }
     let wrong = |line| Error::new(Code::Xml, "the file is not UTF-8").at_line(file, line);
     let help = "save it as UTF-8 with encoding=\"UTF-8\" in its first line";
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
@@ -61,6 +67,12 @@ pub fn decode(bytes: &[u8], file: &Path) -> Result<Element> {
         wrong(1 + before.iter().filter(|&&b| b == b'\n').count()).why(e).help(help)
     })?;
     parse(text, file)
+}
+
+fn declares_latin_1(bytes: &[u8]) -> bool {
+    let end = bytes.iter().position(|byte| *byte == b'>').unwrap_or(0);
+    let declaration = String::from_utf8_lossy(&bytes[..end]).to_ascii_uppercase();
+    declaration.starts_with("<?XML") && declaration.contains(LATIN_1)
 }
 
 /// Parses `text`; `file` is its name in messages.
@@ -164,20 +176,20 @@ impl Parser<'_> {
         root.ok_or_else(|| self.wrong("the file has no element"))
     }
 
-    /// The text is UTF-8 already. A file that declares something else and has only ASCII means
+    /// The text is decoded already. A file that declares something else and has only ASCII means
     /// the same; with other characters it would be misread.
     fn encoding(&self, declared: Option<Result<Cow<'_, str>, AttrError>>) -> Result<()> {
         let name = declared
             .transpose()
             .map_err(|e| self.wrong("the XML declaration is wrong").why(e))?
             .unwrap_or("UTF-8".into());
-        let same = name.eq_ignore_ascii_case("UTF-8") || name.eq_ignore_ascii_case("UTF8");
+        let same = ["UTF-8", "UTF8", LATIN_1].iter().any(|known| name.eq_ignore_ascii_case(known));
         if same || (self.text.is_ascii() && !name.to_ascii_uppercase().starts_with("UTF-")) {
             return Ok(());
         }
         Err(self
             .wrong(format!("the file declares the encoding {name}"))
-            .why("FMI and SSP files are UTF-8")
+            .why("FMI and SSP files are UTF-8; ISO-8859-1 is read, too")
             .help("save it as UTF-8 with encoding=\"UTF-8\" in its first line"))
     }
 

@@ -54,3 +54,52 @@ def test_both_interfaces_agree_where_the_thruster_leaves_its_limit(fmu):
     _, outside = run(fmu, "ModelExchange", 5.0)
     assert 4.5 < inside[-1] < 5.5
     np.testing.assert_allclose(inside, outside, atol=1e-6)
+
+
+@pytest.mark.parametrize("interface", ["CoSimulation", "ModelExchange"])
+def test_a_boolean_input_switches_it_off_and_a_boolean_output_tells_of_its_limit(fmu, interface):
+    signals = np.array(
+        [(0.0, 100.0, True), (2.0, 100.0, True), (2.0, 100.0, False), (4.0, 100.0, False)],
+        dtype=[("time", float), ("target", float), ("on", bool)],
+    )
+    result = simulate_fmu(
+        fmu(NAME), fmi_type=interface, stop_time=4, output_interval=0.1, relative_tolerance=1e-9, record_events=False,
+        input=signals, output=["depth", "limited"],
+    )
+    t, limited = result["time"], result["limited"]
+    assert limited.dtype == bool and limited[t < 1.95].all() and not limited[t > 2.15].any()
+    # Without thrust it glides on until its drag has stopped it.
+    lag = MASS / DRAG
+    speed = LIMIT / DRAG * (1 - np.exp(-2 / lag))
+    before = result["depth"][np.searchsorted(t, 2.0)]
+    assert before < result["depth"][-1] < before + speed * (lag + 0.2)
+
+
+def test_a_tunable_parameter_changes_while_it_runs(fmu):
+    from fmpy import extract
+    from fmpy.fmi2 import FMU2Slave
+
+    description = read_model_description(fmu(NAME))
+    variables = {v.name: v for v in description.modelVariables}
+    assert variables["limit"].variability == "tunable"
+    slave = FMU2Slave(
+        guid=description.guid, unzipDirectory=extract(fmu(NAME)),
+        modelIdentifier=description.coSimulation.modelIdentifier, instanceName="it",
+    )
+    slave.instantiate()
+    slave.setupExperiment(startTime=0.0)
+    slave.enterInitializationMode()
+    slave.setReal([variables["target"].valueReference], [100.0])
+    slave.exitInitializationMode()
+
+    def velocity(t):
+        slave.doStep(currentCommunicationPoint=t, communicationStepSize=30.0)
+        return slave.getReal([variables["w"].valueReference])[0]
+
+    # Its terminal velocity is the limit over the drag.
+    slave.setReal([variables["limit"].valueReference], [4.0])
+    assert velocity(0.0) == pytest.approx(4.0 / DRAG, rel=1e-6)
+    slave.setReal([variables["limit"].valueReference], [8.0])
+    assert velocity(30.0) == pytest.approx(8.0 / DRAG, rel=1e-6)
+    slave.terminate()
+    slave.freeInstance()

@@ -14,11 +14,23 @@ pub(crate) fn run() -> Result<()> {
     process::run(&mut process::build_workspace())?;
     let fmi_rs = ["test", "--release", "--quiet", "--workspace", "--test", "fmi_rs"];
     process::run(&mut process::cargo(&fmi_rs))?;
-    process::run(
-        Command::new(python::TESTS.interpreter()?)
-            .args(["-m", "pytest", "-q", "tests/python/judges"])
-            .current_dir(paths::root()),
-    )
+    in_python()
+}
+
+/// The Python tests that load FMUs and systems into other tools.
+pub(crate) const TESTS: &str = "tests/python/judges";
+
+/// Runs them.
+pub(crate) fn in_python() -> Result<()> {
+    let mut command = Command::new(python::TESTS.interpreter()?);
+    command.args(["-m", "pytest", "-q", TESTS]).current_dir(paths::root());
+    match python::COFMUPY.interpreter() {
+        Ok(python) => {
+            command.env("COFMUPY", python);
+        }
+        Err(why) => eprintln!("CoFmuPy is no judge here: {why:#}"),
+    }
+    process::run(&mut command)
 }
 
 /// Exports the paper's loop as one FMU, target/judges/Loop.fmu, to be judged with the packaged ones.

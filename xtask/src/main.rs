@@ -8,6 +8,7 @@ mod debian;
 mod describe;
 mod examples;
 mod experiment;
+mod field;
 mod fuzz;
 mod judge;
 mod mutants;
@@ -66,8 +67,10 @@ enum Task {
     /// Compare the components on Windows (under Wine) and ARM (under qemu) with this machine's, bit
     /// for bit.
     Platforms(platforms::Options),
-    /// Ask FMPy, fmi-rs, fmutool and libcosim about the FMUs, and compare `cosim` with them.
+    /// Ask FMPy, fmi-rs, fmutool, libcosim, Ecos and CoFmuPy about the FMUs, and compare `cosim` with them.
     Judge,
+    /// Validate and run systems of other tools, and write what came of them as a table.
+    Field(field::Options),
     /// Fuzz the FMI functions, the reader of saved states and the readers of `cosim`, under
     /// AddressSanitizer; needs nightly Rust and cargo-fuzz.
     Fuzz {
@@ -111,6 +114,7 @@ fn main() -> std::process::ExitCode {
         Task::Toolchain => package::toolchain::install(),
         Task::Platforms(options) => platforms::run(&options),
         Task::Judge => judge::run(),
+        Task::Field(options) => field::run(&options),
         Task::Fuzz { seconds } => fuzz::run(seconds),
         Task::Mutants { filter } => mutants::run(filter.as_deref()),
         Task::Soak(options) => soak::run(&options),

@@ -21,6 +21,13 @@ pub(crate) const TESTS: Environment = Environment {
     purpose: "the FMPy tests",
 };
 
+/// CoFmuPy, which wants another FMPy than the tests.
+pub(crate) const COFMUPY: Environment = Environment {
+    folder: "cofmupy",
+    requirements: "tests/python/judges/cofmupy.txt",
+    purpose: "CoFmuPy as a judge",
+};
+
 /// Zig's linker with the symbols of every glibc, cargo's way to it, and what packs the wheel.
 pub(crate) const ZIG: Environment = Environment {
     folder: "zig",

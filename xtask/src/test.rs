@@ -35,13 +35,10 @@ pub(crate) fn run() -> Result<()> {
     let seeds = SMOKE_MISSIONS;
     navigate::run(&navigate::Options { seeds, first_seed: 1, cells, threads: None })?;
     platforms::in_short()?;
-    pytest(&[JUDGES])?;
+    judge::in_python()?;
     // Libraries of other tools are in the judges' process: not all bear others beside them to its end.
-    pytest(&["tests/python", "--ignore", JUDGES])
+    pytest(&["tests/python", "--ignore", judge::TESTS])
 }
-
-/// The Python tests that load FMUs and systems into other tools.
-const JUDGES: &str = "tests/python/judges";
 
 fn pytest(arguments: &[&str]) -> Result<()> {
     let mut command = Command::new(python::TESTS.interpreter()?);

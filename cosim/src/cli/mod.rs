@@ -29,6 +29,7 @@ mod score;
 mod simulate;
 mod snapshots;
 mod solver;
+mod standard;
 mod stepping;
 mod stop_when;
 mod summary;

@@ -20,6 +20,7 @@ use super::isolate::Written;
 use super::live::Live;
 use super::messages;
 use super::snapshots::Snapshots;
+use super::standard;
 use super::stop_when::StopWhen;
 use super::summary::{self, Told};
 
@@ -101,6 +102,10 @@ impl Output {
                 "the snapshot is of t = {when}, where the run ends: nothing is left"
             ));
         }
+        let is_terminal = io::stdout().is_terminal();
+        if self.format == Format::Json || target == Path::new("-") {
+            standard::keep_apart()?;
+        }
         let computed = Computed { system, cluster, snapshot };
         if target != Path::new("-") {
             let recorder = self.recorder(&target, system, computed.snapshot.as_ref())?;
@@ -110,9 +115,9 @@ impl Output {
             return Err(Error::new(Code::Usage, "results and summary cannot both go to stdout")
                 .help("give --output-file a file"));
         }
-        let stdout: Box<dyn Write> = match io::stdout().is_terminal() {
-            true => Box::new(Terminal::new(io::stdout())),
-            false => Box::new(io::stdout()),
+        let stdout: Box<dyn Write> = match is_terminal {
+            true => Box::new(Terminal::new(standard::out())),
+            false => standard::out(),
         };
         let recorder = CsvRecorder::new(io::BufWriter::new(stdout), "stdout");
         let recorder = self.digested(Box::new(recorder))?;
@@ -286,7 +291,7 @@ pub(crate) fn print_lines(lines: &[String]) -> Result<()> {
 
 /// Prints to stdout; a closed pipe (`| head`) ends quietly.
 pub(crate) fn print(text: &str) -> Result<()> {
-    match writeln!(io::stdout(), "{}", visible(text)) {
+    match writeln!(standard::out(), "{}", visible(text)) {
         Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
             Err(Error::new(Code::Output, "stdout cannot be written").why(e))
         }

@@ -265,7 +265,8 @@ fn is_used(path: &Path) -> bool {
 
 impl Drop for Fmu {
     fn drop(&mut self) {
-        if self.abandoned.load(Ordering::Acquire) {
+        let may_run = || self.binaries.iter().filter_map(OnceLock::get).any(Binary::may_run);
+        if self.abandoned.load(Ordering::Acquire) || may_run() {
             let binaries = std::mem::take(&mut self.binaries);
             binaries.into_iter().filter_map(OnceLock::into_inner).for_each(Binary::leak);
         }

@@ -66,6 +66,8 @@ pub struct Instance {
     kind: InterfaceType,
     /// Its steps are this fraction of nanoseconds from that start, whose seconds it gets unrounded.
     grid: Option<(Time, Step)>,
+    /// Its usual step, whatever it is.
+    usual: Option<Step>,
     name: String,
     /// Saved states of the FMU, and of this handle, by their place.
     saved: [Option<(FmuState, State)>; Place::COUNT],
@@ -108,7 +110,8 @@ impl Instance {
         self.require("fmi2SetupExperiment", &[State::Instantiated])?;
         self.time = start;
         let known = stop < Time::NEVER;
-        let (start, stop) = (start.seconds(), if known { stop.seconds() } else { 0.0 });
+        let stop = if known { self.end_of_last_step(start, stop) } else { 0.0 };
+        let start = start.seconds();
         // In model exchange it is the importer that controls errors.
         let steps = self.kind == InterfaceType::CoSimulation;
         let tolerance = self.fmu.description().experiment.tolerance;
@@ -129,6 +132,7 @@ impl Instance {
     /// is told their seconds without that rounding.
     pub fn steps_by(&mut self, start: Time, step: Step) {
         self.grid = (!step.is_whole()).then_some((start, step));
+        self.usual = Some(step);
     }
 
     /// Enters initialization mode, after [`Instance::set_up`].
@@ -176,19 +180,19 @@ impl Instance {
         if self.log.is_live() { Vec::new() } else { self.log.take() }
     }
 
-    /// Does what may fail without ending the run: nothing where it failed.
+    /// Does what may fail without ending the run: the failure, unless it was fatal.
     pub(crate) fn attempt<T>(
         &mut self,
         act: impl FnOnce(&mut Self) -> Result<T>,
-    ) -> Result<Option<T>> {
+    ) -> Result<Result<T>> {
         let state = self.state;
         match act(self) {
-            Ok(done) => Ok(Some(done)),
             Err(error) if self.state == State::Fatal => Err(error),
-            Err(_) => {
+            Err(error) => {
                 self.state = state;
-                Ok(None)
+                Ok(Err(error))
             }
+            done => Ok(done),
         }
     }
 

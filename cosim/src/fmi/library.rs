@@ -9,7 +9,7 @@ use super::callbacks::{Callbacks, text};
 use super::description::InterfaceType;
 use super::elf;
 use super::guard;
-use super::open;
+use super::open::{self, Opened};
 use super::status::{self, RawStatus};
 use crate::error::{Code, Error, Result};
 
@@ -206,19 +206,32 @@ pub(super) struct Binary {
     pub own: Own,
     /// What it changed while it was loaded.
     pub changed: Vec<String>,
+    /// Threads of the process before that.
+    threads: usize,
     /// Keeps the code mapped; the pointers above are into it.
-    library: Library,
+    library: Opened,
 }
 
 impl Binary {
+    /// Whether there are more threads than there were: some may run code of the library.
+    pub(super) fn may_run(&self) -> bool {
+        threads() > self.threads
+    }
+
     /// Keeps the library mapped for ever: some thread of it may still run.
     pub(super) fn leak(self) {
         std::mem::forget(self.library);
     }
 }
 
+/// Threads of this process, 0 where that is not told.
+fn threads() -> usize {
+    std::fs::read_dir("/proc/self/task").map_or(0, Iterator::count)
+}
+
 /// Loads the library at `path`, which belongs to the FMU `fmu`.
 pub(super) fn load(path: &Path, fmu: &Path, kind: InterfaceType) -> Result<Binary> {
+    let threads = threads();
     // SAFETY: loading runs the library's constructors: whoever runs an FMU trusts its code.
     let (library, changed) =
         guard::around("loading the library", || unsafe { open::library(path) });
@@ -229,15 +242,15 @@ pub(super) fn load(path: &Path, fmu: &Path, kind: InterfaceType) -> Result<Binar
             .why(e)
             .maybe_help(help)
     })?;
-    let functions = Functions::resolve(&library, fmu)?;
+    let functions = Functions::resolve(&library.library, fmu)?;
     let own = match kind {
-        InterfaceType::CoSimulation => Own::Stepping(Stepping::resolve(&library, fmu)?),
-        InterfaceType::ModelExchange => Own::Exchange(Exchange::resolve(&library, fmu)?),
+        InterfaceType::CoSimulation => Own::Stepping(Stepping::resolve(&library.library, fmu)?),
+        InterfaceType::ModelExchange => Own::Exchange(Exchange::resolve(&library.library, fmu)?),
     };
     // SAFETY: the function takes nothing and returns NULL or a C string that is never freed.
     let version = unsafe { text((functions.get_version)()) };
     if version == "2.0" {
-        return Ok(Binary { functions, own, changed, library });
+        return Ok(Binary { functions, own, changed, threads, library });
     }
     Err(Error::new(Code::Library, "the library of the FMU is not of FMI 2.0")
         .at(fmu)

@@ -3,12 +3,14 @@
 //!
 //! Libraries made of Python (PythonFMU's) expect that the importer is a Python interpreter and define
 //! none of its symbols. For them Python's own library is mapped first, with symbols that all see.
+//! Libraries that an FMU holds beside its own are found there, also without a path in its own.
 
 use std::error::Error as _;
 use std::ffi::OsString;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use libloading::Library;
 use libloading::os::unix;
 
 /// Names Python's library for FMUs that need one; any CPython 3 will do for PythonFMU's.
@@ -27,31 +29,53 @@ pub fn has_mapped_python() -> bool {
     PYTHON.load(Ordering::Relaxed)
 }
 
+/// A library, and those beside it that it needs; they are unmapped in this order.
+pub(super) struct Opened {
+    pub(super) library: Library,
+    _beside: Vec<Library>,
+}
+
 /// Opens the library at `path`, or says why not.
 ///
 /// # Safety
 /// The library's constructors run.
-pub(super) unsafe fn library(path: &Path) -> Result<libloading::Library, String> {
-    // SAFETY: the caller's promise, here and below.
-    match unsafe { unix::Library::open(Some(path), unix::RTLD_NOW | unix::RTLD_LOCAL) } {
-        Ok(library) => Ok(library.into()),
-        Err(error) => {
-            let why = reason(&error);
-            if !wants_python(&why) {
-                return Err(why);
+pub(super) unsafe fn library(path: &Path) -> Result<Opened, String> {
+    let (mut beside, mut opened) = (Vec::new(), Vec::new());
+    loop {
+        // SAFETY: the caller's promise, here and below.
+        let why = match unsafe { open(path) } {
+            Ok(library) => return Ok(Opened { library, _beside: beside }),
+            Err(why) => why,
+        };
+        match missing_beside(&why, path).filter(|file| !opened.contains(file)) {
+            Some(file) => {
+                // SAFETY: as above.
+                beside.push(unsafe { open(&file) }.map_err(|of_it| format!("{why}; {of_it}"))?);
+                opened.push(file);
             }
-            provide_python().map_err(|python| format!("{why}; {python}"))?;
-            // SAFETY: as above.
-            unsafe { unix::Library::open(Some(path), unix::RTLD_NOW | unix::RTLD_LOCAL) }
-                .map(Into::into)
-                .map_err(|error| reason(&error))
+            None if wants_python(&why) && !has_mapped_python() => {
+                provide_python().map_err(|python| format!("{why}; {python}"))?;
+            }
+            None => return Err(why),
         }
     }
 }
 
-/// What the dynamic linker said.
-fn reason(error: &libloading::Error) -> String {
-    error.source().map_or_else(|| error.to_string(), |source| source.to_string())
+/// # Safety
+/// The library's constructors run.
+unsafe fn open(path: &Path) -> Result<Library, String> {
+    // SAFETY: the caller's promise.
+    let opened = unsafe { unix::Library::open(Some(path), unix::RTLD_NOW | unix::RTLD_LOCAL) };
+    opened.map(Into::into).map_err(|error| {
+        error.source().map_or_else(|| error.to_string(), |source| source.to_string())
+    })
+}
+
+/// A library that is missed and lies in the FMU, which was linked without a path to its own folder.
+fn missing_beside(why: &str, path: &Path) -> Option<PathBuf> {
+    let (missing, _) = why.split_once(": cannot open shared object file")?;
+    let file = path.with_file_name(Path::new(missing).file_name()?);
+    file.is_file().then_some(file)
 }
 
 fn wants_python(why: &str) -> bool {

@@ -11,7 +11,7 @@ use super::fmu_slave::{assign, give, instantiate, look, tangent};
 use super::group::Group;
 use super::plan::Node;
 use super::slave::Slave;
-use super::start;
+use super::start::StartValues;
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Fmu, Instance, InterfaceType, Kind, Logging, Place, State, Value, Variability};
 use crate::solver::{Continuous, Settings};
@@ -32,7 +32,7 @@ pub(super) struct ExchangeSlave {
     inputs: Group,
     tangents: bool,
     step: Step,
-    start_values: Vec<(usize, Value)>,
+    start_values: StartValues,
     warning: Option<String>,
 }
 
@@ -78,7 +78,7 @@ impl ExchangeSlave {
         settings: Settings,
         logging: &Logging,
     ) -> Result<Self> {
-        let instance = instantiate(component, fmu, logging)?;
+        let (instance, start_values) = instantiate(component, fmu, logging)?;
         let interface = fmu.interface(InterfaceType::ModelExchange)?;
         let told = !interface.no_completed_step;
         let variables = &fmu.description().variables;
@@ -94,7 +94,7 @@ impl ExchangeSlave {
             inputs: Group::new(variables, &node.inputs),
             tangents: interface.directional_derivative,
             step: node.step,
-            start_values: component.start_values.clone(),
+            start_values,
             warning: None,
         })
     }
@@ -103,7 +103,7 @@ impl ExchangeSlave {
 impl Slave for ExchangeSlave {
     fn enter_initialization(&mut self, start: Time, stop: Time) -> Result<()> {
         self.start = start;
-        self.warning = start::enter(&mut self.instance, &self.start_values, start, stop)?;
+        self.warning = self.start_values.enter(&mut self.instance, start, stop)?;
         Ok(())
     }
 
@@ -118,7 +118,7 @@ impl Slave for ExchangeSlave {
 
     fn reset(&mut self, now: Time, stop: Time) -> Result<()> {
         self.instance.reset()?;
-        start::give(&mut self.instance, &self.start_values)?;
+        self.start_values.again(&mut self.instance)?;
         // The FMU has the values of its description again, which nobody knows here.
         self.discrete.values.fill(f64::NAN);
         self.enter_initialization(now, stop)?;

@@ -11,7 +11,7 @@ use crate::time::{Step, Time};
 use super::group::Group;
 use super::plan::Node;
 use super::slave::{DirectCalls, Slave};
-use super::start;
+use super::start::StartValues;
 
 /// What becomes of a step that the FMU discards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,7 +35,7 @@ pub(super) struct FmuSlave {
     recorded: Group,
     rejected: u64,
     step: Step,
-    start_values: Vec<(usize, Value)>,
+    start_values: StartValues,
     warning: Option<String>,
     /// The inputs of this step and their slopes, if they have any.
     ramp: (Vec<f64>, Vec<f64>),
@@ -53,7 +53,7 @@ impl FmuSlave {
         discards: Discards,
         logging: &Logging,
     ) -> Result<Self> {
-        let instance = instantiate(component, fmu, logging)?;
+        let (instance, start_values) = instantiate(component, fmu, logging)?;
         let variables = &fmu.description().variables;
         let interface = fmu.interface(InterfaceType::CoSimulation)?;
         Ok(Self {
@@ -63,7 +63,7 @@ impl FmuSlave {
             recorded: Group::new(variables, &node.recorded),
             discards,
             step: node.step,
-            start_values: component.start_values.clone(),
+            start_values,
             warning: None,
             rejected: 0,
             ramp: Default::default(),
@@ -141,16 +141,16 @@ pub(super) fn instantiate(
     component: &Component,
     fmu: &Arc<Fmu>,
     logging: &Logging,
-) -> Result<Instance> {
+) -> Result<(Instance, StartValues)> {
     let mut instance = Instance::of(fmu.clone(), component.interface, &component.name, logging)?;
-    start::give(&mut instance, &component.start_values)?;
-    Ok(instance)
+    let start_values = StartValues::new(&mut instance, &component.start_values)?;
+    Ok((instance, start_values))
 }
 
 impl Slave for FmuSlave {
     fn enter_initialization(&mut self, start: Time, stop: Time) -> Result<()> {
         self.instance.steps_by(start, self.step);
-        self.warning = start::enter(&mut self.instance, &self.start_values, start, stop)?;
+        self.warning = self.start_values.enter(&mut self.instance, start, stop)?;
         Ok(())
     }
 
@@ -164,7 +164,7 @@ impl Slave for FmuSlave {
 
     fn reset(&mut self, now: Time, stop: Time) -> Result<()> {
         self.instance.reset()?;
-        start::give(&mut self.instance, &self.start_values)?;
+        self.start_values.again(&mut self.instance)?;
         self.enter_initialization(now, stop)?;
         self.exit_initialization()
     }

@@ -1,11 +1,12 @@
 //! Start values: given where some tool expects them, and read back.
 //!
 //! FMI 2.0 allows to set them from the instantiation to the end of initialization mode. There are
-//! FMUs that need them before `fmi2SetupExperiment`, and FMUs whose `fmi2SetupExperiment` or
-//! `fmi2EnterInitializationMode` goes back to their defaults. So they are set before and after the
-//! former, and those that are still not taken once more in initialization mode.
+//! FMUs that need them before `fmi2SetupExperiment`, FMUs whose `fmi2SetupExperiment` or
+//! `fmi2EnterInitializationMode` goes back to their defaults, and FMUs that refuse them in one of
+//! these modes. So they are set before and after the former, and those that are still not taken once
+//! more in initialization mode. What is refused there too is an error.
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::fmi::{Instance, Kind, Value};
 use crate::time::Time;
 
@@ -14,28 +15,58 @@ const NAMED: usize = 5;
 /// What an FMU computes with single precision is taken.
 const ROUNDING: f64 = 1e-6;
 
-/// Gives the start values and enters initialization mode; a warning if some were not taken.
-pub(super) fn enter(
-    instance: &mut Instance,
-    values: &[(usize, Value)],
-    start: Time,
-    stop: Time,
-) -> Result<Option<String>> {
-    instance.set_up(start, stop)?;
-    give(instance, values)?;
-    instance.enter()?;
-    let given = last_of_each(instance, values);
-    if lost(instance, &given)?.is_empty() {
-        return Ok(None);
-    }
-    // All of them in their order, for one may act on another.
-    instance.attempt(|instance| give(instance, values))?;
-    let refused = lost(instance, &given)?;
-    Ok((!refused.is_empty()).then(|| words(instance, &refused)))
+/// The start values of one instance.
+pub(super) struct StartValues {
+    values: Vec<(usize, Value)>,
+    /// What the FMU said when it did not take them yet.
+    refused: Option<Error>,
 }
 
-/// Sets them.
-pub(super) fn give(instance: &mut Instance, values: &[(usize, Value)]) -> Result<()> {
+impl StartValues {
+    /// Gives them to an instance that was just made. One that refuses them is asked again later.
+    pub(super) fn new(instance: &mut Instance, values: &[(usize, Value)]) -> Result<Self> {
+        let mut made = Self { values: values.to_vec(), refused: None };
+        made.again(instance)?;
+        Ok(made)
+    }
+
+    /// The same after a reset.
+    pub(super) fn again(&mut self, instance: &mut Instance) -> Result<()> {
+        self.refused = instance.attempt(|instance| give(instance, &self.values))?.err();
+        Ok(())
+    }
+
+    /// Gives them and enters initialization mode; a warning if some were not taken.
+    pub(super) fn enter(
+        &mut self,
+        instance: &mut Instance,
+        start: Time,
+        stop: Time,
+    ) -> Result<Option<String>> {
+        let values = &self.values;
+        // An FMU that comes no further failed where it refused a value first.
+        let mut refused = self.refused.take();
+        instance.set_up(start, stop).map_err(|error| refused.take().unwrap_or(error))?;
+        refused = match instance.attempt(|instance| give(instance, values))? {
+            Ok(()) => None,
+            Err(error) => refused.or(Some(error)),
+        };
+        instance.enter().map_err(|error| refused.take().unwrap_or(error))?;
+        let given = last_of_each(instance, values);
+        if refused.is_none() && lost(instance, &given)?.is_empty() {
+            return Ok(None);
+        }
+        // All of them in their order, for one may act on another.
+        let last = instance.attempt(|instance| give(instance, values))?;
+        if let (Err(_), Some(refused)) = (last, refused) {
+            return Err(refused);
+        }
+        let lost = lost(instance, &given)?;
+        Ok((!lost.is_empty()).then(|| words(instance, &lost)))
+    }
+}
+
+fn give(instance: &mut Instance, values: &[(usize, Value)]) -> Result<()> {
     let fmu = instance.fmu().clone();
     values.iter().try_for_each(|(variable, value)| {
         instance.set_value(&fmu.description().variables[*variable], value)
@@ -68,7 +99,8 @@ fn lost<'v>(
     for (position, value) in given {
         let variable = &fmu.description().variables[*position];
         let found = instance.attempt(|instance| instance.get_value(variable))?;
-        lost.extend(found.filter(|found| !taken(value, found)).map(|f| (*position, value, f)));
+        let found = found.ok().filter(|found| !taken(value, found));
+        lost.extend(found.map(|found| (*position, value, found)));
     }
     Ok(lost)
 }

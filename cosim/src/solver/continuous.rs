@@ -146,6 +146,8 @@ impl Continuous {
         }
         if !self.x.is_empty() && event.nominals_changed {
             instance.get_nominals(&mut self.nominal)?;
+            let magnitude = |nominal: &f64| nominal.is_finite() && *nominal != 0.0;
+            self.nominal.iter_mut().filter(|n| !magnitude(n)).for_each(|n| *n = 1.0);
         }
         if !self.z.is_empty() {
             instance.get_indicators(&mut self.z)?;

@@ -18,6 +18,15 @@ typedef struct {
   double next;
 } EventInfo;
 
+#ifndef NOMINAL
+#define NOMINAL 1
+#endif
+#ifdef REVERSED /* the order of the states */
+#define STATE(K) (2 * (n - 1 - (K)))
+#else
+#define STATE(K) (2 * (K))
+#endif
+
 enum { INSTANTIATED, INITIALIZING, EVENT, CONTINUOUS };
 typedef struct {
   const Callbacks *callbacks;
@@ -98,12 +107,18 @@ Status fmi2NewDiscreteStates(Component c, EventInfo *info) {
   Model *m = c;
   double *r = m->r;
   if (m->mode != EVENT) return 3;
+#ifdef STORM
+  info->again = 1;
+#endif
 #if defined MODEL_BALL
   if (r[3] <= 0 && r[5] < 0) { /* the height stays 0: its indicator does not change its domain */
     r[3] = 0;
     r[5] *= -r[1];
     m->i[1]++;
     info->values = 1;
+#ifdef SAYS_IT_ONCE /* and in the last iteration no more */
+    info->again = 1;
+#endif
   }
 #elif defined MODEL_TICKER
   info->next_defined = 1;
@@ -112,6 +127,11 @@ Status fmi2NewDiscreteStates(Component c, EventInfo *info) {
     info->again = 1;
   }
   info->next = m->next;
+#ifdef LATE
+  info->next = m->time - 1;
+#elif defined UNDEFINED
+  info->next = 0.0 / 0.0;
+#endif
   m->b[1] = m->b[0] + m->i[0];
 #elif defined MODEL_SAWTOOTH
   if (r[3] >= 1) {
@@ -124,6 +144,7 @@ Status fmi2NewDiscreteStates(Component c, EventInfo *info) {
 #endif
   return 0;
 }
+#ifndef LACKS_OPTIONAL
 Status fmi2CompletedIntegratorStep(Component c, int no_set, int *event, int *terminate) {
 #ifdef MODEL_SAWTOOTH
   const Model *m = c;
@@ -132,25 +153,26 @@ Status fmi2CompletedIntegratorStep(Component c, int no_set, int *event, int *ter
 #endif
   return 0;
 }
+#endif
 Status fmi2SetTime(Component c, double time) {
   ((Model *)c)->time = time;
   return 0;
 }
 Status fmi2SetContinuousStates(Component c, const double *x, size_t n) {
-  for (size_t k = 0; k < n; k++) ((Model *)c)->r[3 + 2 * k] = x[k];
+  for (size_t k = 0; k < n; k++) ((Model *)c)->r[3 + STATE(k)] = x[k];
   return 0;
 }
 Status fmi2GetContinuousStates(Component c, double *x, size_t n) {
-  for (size_t k = 0; k < n; k++) x[k] = ((Model *)c)->r[3 + 2 * k];
+  for (size_t k = 0; k < n; k++) x[k] = ((Model *)c)->r[3 + STATE(k)];
   return 0;
 }
 Status fmi2GetDerivatives(Component c, double *x, size_t n) {
   derive(c);
-  for (size_t k = 0; k < n; k++) x[k] = ((Model *)c)->r[4 + 2 * k];
+  for (size_t k = 0; k < n; k++) x[k] = ((Model *)c)->r[4 + STATE(k)];
   return 0;
 }
 Status fmi2GetNominalsOfContinuousStates(Component c, double *x, size_t n) {
-  for (size_t k = 0; k < n; k++) x[k] = 1;
+  for (size_t k = 0; k < n; k++) x[k] = NOMINAL;
   return 0;
 }
 Status fmi2GetEventIndicators(Component c, double *z, size_t n) {

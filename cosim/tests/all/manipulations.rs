@@ -35,7 +35,7 @@ fn scenario(text: &str) -> Result<Scenario> {
     Scenario::read(&file)
 }
 
-fn play(system: &System, text: &str) -> Recording {
+pub(crate) fn play(system: &System, text: &str) -> Recording {
     let (mut scenario, mut recording) = (scenario(text).unwrap(), Recording::new());
     Run::new(system).observe(&mut recording).manipulate(&mut scenario).go().unwrap();
     recording

@@ -68,10 +68,12 @@ typedef struct {
   double reached; /* of a discarded step */
   int ended;
   int steps;
-  int initialized;
+  int mode; /* 0 before, 1 in, 2 after initialization mode */
+  double stop;
   char name[64], text[64];
   int debug, pending;
   double first_step;
+  pthread_t thread;
 } Model;
 
 /* What FMUs in the field pass to the logger instead of the environment that they were given. */
@@ -84,10 +86,21 @@ typedef struct {
 #endif
 #define SAY(STATUS, ...)                                                           \
   m->callbacks->log(ENVIRONMENT(m), m->name, STATUS, __VA_ARGS__)
+#ifdef CHATTERS
+#define TELL(...) SAY(0, "logAll", __VA_ARGS__)
+#else
+#define TELL(...)
+#endif
+#ifdef WARNS_ALWAYS
+#define WELL 1
+#else
+#define WELL 0
+#endif
 
 #ifdef ATTACK
 /* What -DATTACK=... does in a step, and tells by TELL(what came of it). */
 static const char *outcome(long result) { return result < 0 ? strerror(errno) : "done"; }
+#undef TELL
 #define TELL(RESULT) SAY(0, "logAll", "attack: %s", outcome(RESULT))
 static const char *in_home(const char *name) {
   static char path[512];
@@ -120,6 +133,8 @@ static int read_file(const char *name) {
   return file < 0 ? -1 : (int)read(file, &byte, 1);
 }
 static void attack(Model *m) { ATTACK; }
+#undef TELL
+#define TELL(...)
 #endif
 
 static void outputs(Model *m) {
@@ -172,11 +187,24 @@ static void oscillate(Model *m, double h) {
 const char *fmi2GetTypesPlatform(void) { return "default"; }
 const char *fmi2GetVersion(void) { return "2.0"; }
 
+#ifdef NEEDS_ANOTHER_LIBRARY
+double gain_of_another(void);
+#endif
 static void defaults(Model *m) {
+#ifdef NEEDS_ANOTHER_LIBRARY
+  m->r[1] = gain_of_another();
+#else
   m->r[1] = 1;
+#endif
   m->r[3] = 1e9;
 }
 
+#ifdef LEAVES_A_THREAD /* that goes on when the instance is gone */
+static void *go_on(void *argument) {
+  for (volatile unsigned long k = 0;; k++) usleep(100);
+  return NULL;
+}
+#endif
 Component fmi2Instantiate(const char *name, int type, const char *guid, const char *resources,
                           const Callbacks *callbacks, int visible, int logging) {
   if (strcmp(guid, "{test}") || type != 1 || strncmp(resources, "file:///", 8)) {
@@ -193,22 +221,51 @@ Component fmi2Instantiate(const char *name, int type, const char *guid, const ch
   m->callbacks = callbacks;
   defaults(m);
   snprintf(m->name, sizeof m->name, "%s", name);
+  TELL("instantiated");
+  m->thread = pthread_self();
+#ifdef READS /* its gain, in this folder */
+  char path[1024];
+  snprintf(path, sizeof path, "%s/gain.txt", READS);
+  FILE *file = fopen(path, "r");
+  if (!file) {
+    callbacks->log(callbacks->environment, name, 3, "logStatusError", "no file %s", path);
+    return NULL;
+  }
+  fscanf(file, "%lf", &m->r[1]);
+  fclose(file);
+#endif
+#ifdef LEAVES_A_THREAD
+  pthread_t thread;
+  pthread_create(&thread, NULL, go_on, NULL);
+  pthread_detach(thread);
+#endif
   return m;
 }
 
 #ifdef OWN_MEMORY
 void fmi2FreeInstance(Component c) { free(c); }
 #else
-void fmi2FreeInstance(Component c) { ((Model *)c)->callbacks->release(c); }
+void fmi2FreeInstance(Component c) {
+  Model *m = c;
+  TELL("freed");
+  m->callbacks->release(c);
+}
 #endif
 Status fmi2SetDebugLogging(Component c, int on, size_t n, const char *const *categories) {
   Model *m = c;
+#ifdef REFUSES_DEBUG
+  return 3;
+#endif
   m->debug = on;
   for (size_t k = 0; k < n; k++) SAY(0, categories[k], "category %zu of %zu", k + 1, n);
   return 0;
 }
 Status fmi2SetupExperiment(Component c, int tol, double t, double start, int stop, double end) {
   ((Model *)c)->time = start;
+  ((Model *)c)->stop = end;
+#ifdef NEEDS_STOP
+  if (!stop) return 3;
+#endif
 #ifdef FORGETS_IN_SETUP
   ((Model *)c)->r[1] = 1;
   ((Model *)c)->text[0] = 0;
@@ -216,9 +273,10 @@ Status fmi2SetupExperiment(Component c, int tol, double t, double start, int sto
 #ifdef TELLS_TOLERANCE
   ((Model *)c)->r[3] = tol ? t : -1;
 #endif
-  return 0;
+  return WELL;
 }
 Status fmi2EnterInitializationMode(Component c) {
+  ((Model *)c)->mode = 1;
 #ifdef FORGETS_IN_ENTER
   ((Model *)c)->r[1] = 1;
 #endif
@@ -230,14 +288,23 @@ Status fmi2EnterInitializationMode(Component c) {
 #ifdef MODEL_INTEGRATOR
   ((Model *)c)->r[2] = ((Model *)c)->r[3] == 1e9 ? 0 : ((Model *)c)->r[3];
 #endif
-  return 0;
+  return WELL;
 }
 Status fmi2ExitInitializationMode(Component c) {
-  ((Model *)c)->initialized = 1;
-  return 0;
+  Model *m = c;
+  m->mode = 2;
+  TELL("initialized");
+  return WELL;
 }
 #ifndef LACKS_OPTIONAL
-Status fmi2Terminate(Component c) { return 0; }
+Status fmi2Terminate(Component c) {
+  Model *m = c;
+  TELL("terminated");
+#ifdef TERMINATE_FAILS
+  return 3;
+#endif
+  return 0;
+}
 #endif
 Status fmi2Reset(Component c) {
   Model *m = c, fresh = {.callbacks = m->callbacks, .debug = m->debug};
@@ -263,29 +330,45 @@ Status fmi2Reset(Component c) {
 #else
 #define CHECKED(N)
 #endif
-#ifdef CHATTERS
-#define TELL(...) SAY(0, "logAll", __VA_ARGS__)
+#ifdef SETS_ONLY_IN /* the one mode up to the end of initialization in which values are taken */
+#define SETTABLE \
+  if (m->mode < 2 && m->mode != SETS_ONLY_IN) return 3
 #else
-#define TELL(...)
+#define SETTABLE
+#endif
+#ifdef READS_ONLY_AFTER /* initialization mode; until then it returns this */
+#define READABLE \
+  if (m->mode < 2) return READS_ONLY_AFTER
+#else
+#define READABLE
+#endif
+#define TRUTH_Real 1
+#define TRUTH_Integer 1
+#ifdef TRUE_IS_MINUS_ONE
+#define TRUTH_Boolean -1
+#else
+#define TRUTH_Boolean 1
 #endif
 #define GET(NAME, TYPE, FIELD)                                                    \
   Status fmi2Get##NAME(Component c, const Ref *refs, size_t n, TYPE *values) {    \
     Model *m = c;                                                                 \
     CHECKED(n);                                                                   \
+    READABLE;                                                                     \
     TELL("get " #NAME);                                                           \
     outputs(m);                                                                   \
-    for (size_t k = 0; k < n; k++) values[k] = m->FIELD[PLACE(refs[k])];          \
-    return 0;                                                                     \
+    for (size_t k = 0; k < n; k++) values[k] = TRUTH_##NAME * m->FIELD[PLACE(refs[k])]; \
+    return WELL;                                                                  \
   }
 #define SET(NAME, TYPE, FIELD)                                                    \
   Status fmi2Set##NAME(Component c, const Ref *refs, size_t n, const TYPE *values) { \
     Model *m = c;                                                                 \
     CHECKED(n);                                                                   \
+    SETTABLE;                                                                     \
     TELL("set " #NAME);                                                           \
     for (size_t k = 0; k < n; k++)                                                \
       if (!IGNORED(#NAME, refs[k])) m->FIELD[PLACE(refs[k])] = values[k];         \
     m->slope = 0;                                                                 \
-    return 0;                                                                     \
+    return WELL;                                                                     \
   }
 GET(Real, double, r)
 SET(Real, double, r)
@@ -299,7 +382,14 @@ Status fmi2GetString(Component c, const Ref *refs, size_t n, const char **values
 #ifdef HIDES_STRINGS
   return 3;
 #endif
-  for (size_t k = 0; k < n; k++) values[k] = ((Model *)c)->text;
+#if defined STRING_IS_NULL
+#define TEXT NULL
+#elif defined STRING_IS_LATIN_1
+#define TEXT "caf\xe9"
+#else
+#define TEXT ((Model *)c)->text
+#endif
+  for (size_t k = 0; k < n; k++) values[k] = TEXT;
   return 0;
 }
 Status fmi2SetString(Component c, const Ref *refs, size_t n, const char *const *values) {
@@ -400,6 +490,20 @@ Status fmi2DoStep(Component c, double t, double h, int no_set) {
 #ifdef EQUAL_STEPS
   if (h != m->first_step) return 3;
 #endif
+#ifdef ENDS_AT_STOP /* to the last bit */
+  if (t + h > m->stop) return 3;
+#endif
+#ifdef ONE_THREAD /* calls it from the beginning to the end */
+  if (!pthread_equal(m->thread, pthread_self())) return 3;
+#endif
+#ifdef PRINTS
+  puts("a line on standard output");
+  fflush(stdout);
+#endif
+#ifdef DEEP_STACK
+  volatile char deep[6 << 20];
+  for (size_t k = 0; k < sizeof deep; k += 4096) deep[k] = 1;
+#endif
 #ifdef PRINTF
   if (!m->steps) formats(m);
 #endif
@@ -478,7 +582,7 @@ Status fmi2DoStep(Component c, double t, double h, int no_set) {
 #ifdef PENDING
   return 5;
 #endif
-  return 0;
+  return WELL;
 }
 
 #ifndef LACKS_OPTIONAL

@@ -194,7 +194,7 @@ impl Model {
         change: impl Fn(String) -> String,
     ) -> PathBuf {
         let library = archive.with_extension("so");
-        compile_into(self, &library, defines);
+        compile_into(self, &library, defines, &[]);
         let binary = format!("binaries/linux64/{}.so", self.name());
         let description = change(self.description()).into_bytes();
         let library = std::fs::read(library).unwrap();
@@ -251,12 +251,13 @@ fn compile_now(model: Model) -> PathBuf {
     let library = folder().join(format!("{}.so", model.name()));
     // Another test process may be reading the library: it is replaced as a whole.
     let unfinished = folder().join(format!("{}.so.{}", model.name(), std::process::id()));
-    compile_into(model, &unfinished, &[]);
+    compile_into(model, &unfinished, &[], &[]);
     std::fs::rename(&unfinished, &library).unwrap();
     library
 }
 
-fn compile_into(model: Model, library: &Path, defines: &[&str]) {
+/// Compiles a model, linked with `more`.
+pub(crate) fn compile_into(model: Model, library: &Path, defines: &[&str], more: &[&str]) {
     let source = if model.exchange().is_some() { "exchange.c" } else { "model.c" };
     let done = Command::new("cc")
         .args(["-O2", "-shared", "-fPIC", "-w", "-o"])
@@ -265,6 +266,7 @@ fn compile_into(model: Model, library: &Path, defines: &[&str]) {
         .arg(format!("-DX0={}", model.start_of_x()))
         .args(defines.iter().map(|define| format!("-D{define}")))
         .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/all").join(source))
+        .args(more)
         .args(["-lm", "-lpthread"])
         .status()
         .expect("a C compiler named cc");

@@ -13,16 +13,19 @@ pub const GAIN: [f64; 2] = [100.0, 20.0];
 #[derive(Clone, Variables)]
 pub struct Parameters {
     /// Largest thrust, up or down
-    #[var(unit = "N", start = 60.0, min = 0.0)]
+    #[var(unit = "N", start = 60.0, min = 0.0, tunable)]
     pub limit: f64,
 }
 
 /// What comes from other components.
-#[derive(Clone, Copy, Default, Variables)]
+#[derive(Clone, Copy, Variables)]
 pub struct Inputs {
     /// Depth to hold
     #[var(unit = "m")]
     pub target: f64,
+    /// Whether the thruster works
+    #[var(start = true)]
+    pub on: bool,
 }
 
 /// What other components may want.
@@ -31,6 +34,8 @@ pub struct Outputs {
     /// Depth
     #[var(unit = "m")]
     pub depth: f64,
+    /// Whether it asks for more thrust than there is
+    pub limited: bool,
 }
 
 /// What is integrated.
@@ -49,7 +54,8 @@ pub struct DepthHold(Parameters);
 
 impl DepthHold {
     fn demand(&self, x: &States, u: &Inputs) -> f64 {
-        GAIN[0] * (u.target - x.z) - GAIN[1] * x.w
+        let wanted = GAIN[0] * (u.target - x.z) - GAIN[1] * x.w;
+        if u.on { wanted } else { 0.0 }
     }
 }
 
@@ -71,8 +77,8 @@ impl Component for DepthHold {
         States { z: x.w, w: (thrust - DRAG * x.w) / MASS }
     }
 
-    fn outputs(&self, _: f64, (): &(), x: &States, _: &Inputs) -> Outputs {
-        Outputs { depth: x.z }
+    fn outputs(&self, _: f64, (): &(), x: &States, u: &Inputs) -> Outputs {
+        Outputs { depth: x.z, limited: self.demand(x, u).abs() > self.0.limit }
     }
 
     fn indicators(&self, _: f64, (): &(), x: &States, u: &Inputs, reserve: &mut [f64]) {

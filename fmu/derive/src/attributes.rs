@@ -16,6 +16,8 @@ pub(crate) struct Var {
     pub(crate) start: Option<Expr>,
     /// The members count as members of the enclosing struct; the field adds no name and no text.
     pub(crate) flatten: bool,
+    /// A parameter that may change while the simulation runs.
+    pub(crate) tunable: bool,
 }
 
 impl Var {
@@ -26,16 +28,17 @@ impl Var {
                 let name = meta.path.get_ident().map(ToString::to_string).unwrap_or_default();
                 let known = matches!(
                     name.as_str(),
-                    "unit" | "rename" | "min" | "max" | "nominal" | "start" | "flatten"
+                    "unit" | "rename" | "min" | "max" | "nominal" | "start" | "flatten" | "tunable"
                 );
                 if !known {
                     return Err(meta.error(format!(
                         "unknown attribute `{name}`: #[var] takes unit, start, min, max, nominal, \
-                         rename, flatten"
+                         rename, flatten, tunable"
                     )));
                 }
                 match name.as_str() {
                     "flatten" => var.flatten = true,
+                    "tunable" => var.tunable = true,
                     "unit" => var.unit = Some(meta.value()?.parse()?),
                     "rename" => var.rename = Some(valid_name(meta.value()?.parse()?)?),
                     "min" => var.min = Some(meta.value()?.parse()?),

@@ -103,7 +103,7 @@ fn declare(field: &Field, var: Var) -> Result<TokenStream> {
         let name = var.rename.as_ref().map_or(rust_name, syn::LitStr::value);
         (name, description(&field.attrs))
     };
-    let unit = option(var.unit.as_ref());
+    let (unit, tunable) = (option(var.unit.as_ref()), var.tunable);
     let [min, max, nominal] =
         [var.min, var.max, var.nominal].map(|number| option(number.map(|n| quote!((#n) as f64))));
     Ok(quote! {
@@ -116,6 +116,7 @@ fn declare(field: &Field, var: Var) -> Result<TokenStream> {
                 min: #min,
                 max: #max,
                 nominal: #nominal,
+                tunable: #tunable,
             }),
             into,
         );

@@ -17,7 +17,8 @@ use serde::de::DeserializeOwned;
 
 use super::{Fault, Info, ParameterError, Resources, Time, Variables};
 
-/// Variables of a port group: plain numbers, Real only (checked when the component is compiled).
+/// Variables of a port group: plain values, so no `String`. Inputs and outputs are `f64`, `i32`,
+/// `bool` and enumerations; states are Real only (checked when the component is compiled).
 pub trait Ports: Variables + Copy + Default + Send {}
 
 impl<T: Variables + Copy + Default + Send> Ports for T {}
@@ -50,11 +51,13 @@ pub trait Component: Sized + Send + 'static {
     const ROOM: usize = 32 << 10;
     /// Whether [`tangent`](Component::tangent) is there.
     const TANGENT: bool = false;
-    /// Parameters: of any variable type, fixed once initialization is over.
+    /// Parameters: of any variable type, fixed once initialization is over. Those that say
+    /// `#[var(tunable)]` may change later, too: [`new`](Component::new) then derives the constants
+    /// anew, states and memory stay.
     type Parameters: Variables + Default;
-    /// Inputs (Real only). Their `Default` is the start value.
+    /// Inputs. Their `Default` is the start value. Those that are no Reals are discrete.
     type Inputs: Ports;
-    /// Outputs (Real only). Their `Default` is what is read before anything could be computed.
+    /// Outputs. Their `Default` is what is read before anything could be computed.
     type Outputs: Ports;
     /// Continuous states (Real only), [`NoStates`] if there are none.
     type States: Ports;

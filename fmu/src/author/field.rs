@@ -55,6 +55,8 @@ pub struct Field {
     pub max: Option<f64>,
     /// Typical magnitude.
     pub nominal: Option<f64>,
+    /// A parameter that may change while the simulation runs.
+    pub tunable: bool,
 }
 
 /// One field of a struct as the derive saw it.
@@ -72,6 +74,8 @@ pub struct Member {
     pub max: Option<f64>,
     /// `#[var(nominal = …)]`
     pub nominal: Option<f64>,
+    /// `#[var(tunable)]`
+    pub tunable: bool,
 }
 
 impl Field {
@@ -89,6 +93,7 @@ impl Field {
             min: member.min.or(self.min),
             max: member.max.or(self.max),
             nominal: member.nominal.or(self.nominal),
+            tunable: member.tunable || self.tunable,
         }
     }
 

@@ -1,7 +1,7 @@
 //! Getting and setting values: who may be read and written when (FMI 2.0.4, section 2.2.7).
 //!
 //! Everything can be read at any time. Parameters and inputs can be set until initialization
-//! ends, then inputs only. A set either takes all its values or none.
+//! ends, then inputs and tunable parameters only. A set either takes all its values or none.
 
 use std::ffi::{CStr, CString};
 use std::ops::Range;
@@ -132,46 +132,53 @@ impl Instance {
             let inputs = me.table.layout().inputs.clone();
             let first = if me.is_starting() { 0 } else { inputs.start };
             let settable = first..inputs.end;
-            let outside = |reference: &u32| !settable.contains(&(*reference as usize));
+            let tunable = |reference: &u32| {
+                me.table.find(Kind::Real, *reference).is_some_and(Variable::is_settable_later)
+            };
+            let outside =
+                |reference: &u32| !settable.contains(&(*reference as usize)) && !tunable(reference);
             let any = me.table.takes_any_input()
                 && references.iter().all(|reference| inputs.contains(&(*reference as usize)));
             if references.iter().any(outside) || !(any || all_finite(values)) {
                 return Err(me.cannot_set_reals(&settable, references, values));
             }
-            if me.is_starting() {
+            if references.iter().any(|reference| !inputs.contains(&(*reference as usize))) {
                 me.check_bounds(Kind::Real, references, values)?;
             }
             assign(&mut me.values.reals, references, values);
-            me.changed(references, |explicit| &mut explicit.reals);
-            Ok(())
+            me.changed(references, |explicit| &mut explicit.reals)
         })
     }
 
     /// `fmi2SetInteger`, enumerations included
     pub fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Status {
+        if self.changes_nothing(Kind::Integer, references, values, &self.values.integers) {
+            return Status::Ok;
+        }
         self.call(Call::SetInteger, |me| {
-            me.check_parameters(Kind::Integer, references)?;
+            me.check_settable(Kind::Integer, references)?;
             me.check_bounds(Kind::Integer, references, values)?;
             assign(&mut me.values.integers, references, values);
-            me.changed(references, |explicit| &mut explicit.integers);
-            Ok(())
+            me.changed(references, |explicit| &mut explicit.integers)
         })
     }
 
     /// `fmi2SetBoolean`
     pub fn set_boolean(&mut self, references: &[u32], values: &[bool]) -> Status {
+        if self.changes_nothing(Kind::Boolean, references, values, &self.values.booleans) {
+            return Status::Ok;
+        }
         self.call(Call::SetBoolean, |me| {
-            me.check_parameters(Kind::Boolean, references)?;
+            me.check_settable(Kind::Boolean, references)?;
             assign(&mut me.values.booleans, references, values);
-            me.changed(references, |explicit| &mut explicit.booleans);
-            Ok(())
+            me.changed(references, |explicit| &mut explicit.booleans)
         })
     }
 
     /// `fmi2SetString`; `None` stands for NULL.
     pub fn set_string(&mut self, references: &[u32], values: &[Option<CString>]) -> Status {
         self.call(Call::SetString, |me| {
-            me.check_parameters(Kind::String, references)?;
+            me.check_settable(Kind::String, references)?;
             let mut texts = Vec::with_capacity(values.len());
             for (reference, value) in references.iter().zip(values) {
                 let wrong = match value {
@@ -186,8 +193,7 @@ impl Instance {
                 return Err(Trouble::error(format_args!("{name}: {wrong}")));
             }
             assign(&mut me.values.strings, references, &texts);
-            me.changed(references, |explicit| &mut explicit.strings);
-            Ok(())
+            me.changed(references, |explicit| &mut explicit.strings)
         })
     }
 
@@ -223,13 +229,10 @@ impl Instance {
         &mut self,
         references: &[u32],
         list: impl FnOnce(&mut super::values::Explicit) -> &mut Box<[bool]>,
-    ) {
+    ) -> Result<(), Trouble> {
         self.run.stale.outputs = true;
         self.run.stale.derivatives = true;
-        if !self.is_starting() {
-            return;
-        }
-        self.run.stale.initial = true;
+        self.run.stale.initial |= self.is_starting();
         let explicit = list(&mut self.explicit);
         for reference in references {
             if let Some(set) = explicit.get_mut(*reference as usize) {
@@ -238,22 +241,46 @@ impl Instance {
                 self.edition = new_edition();
             }
         }
+        // A tunable one acts at once: steps and derivatives use the component as it is.
+        match self.run.stale.component && !self.is_starting() {
+            true => self.refresh(),
+            false => Ok(()),
+        }
     }
 
-    /// Integers, booleans and strings are parameters: settable until initialization ends.
-    fn check_parameters(&self, kind: Kind, references: &[u32]) -> Result<(), Trouble> {
+    /// Whether inputs are set in continuous-time mode to what they are. FMI allows discrete ones to be
+    /// set at events only, where FMPy changes them; but it sets them in between, too.
+    fn changes_nothing<T: PartialEq>(
+        &self,
+        kind: Kind,
+        references: &[u32],
+        values: &[T],
+        all: &[T],
+    ) -> bool {
+        let is_input = |reference: u32| {
+            self.table.find(kind, reference).is_some_and(|v| v.group == Group::Input)
+        };
+        self.run.phase == Phase::Continuous
+            && !references.is_empty()
+            && references.iter().zip(values).all(|(reference, value)| {
+                is_input(*reference) && all.get(*reference as usize) == Some(value)
+            })
+    }
+
+    /// Whether variables that are no Reals can be set now.
+    fn check_settable(&self, kind: Kind, references: &[u32]) -> Result<(), Trouble> {
         for reference in references {
             match self.table.find(kind, *reference) {
                 None => return Err(self.unknown(kind, *reference)),
-                Some(variable) if !self.is_starting() => return Err(self.not_settable(variable)),
-                Some(_) => {}
+                Some(variable) if variable.is_settable_later() => {}
+                Some(variable) if self.is_starting() && variable.group == Group::Parameter => {}
+                Some(variable) => return Err(self.not_settable(variable)),
             }
         }
         Ok(())
     }
 
     /// Parameters keep within their declared bounds, enumerations to their items.
-    #[cold]
     fn check_bounds<T: Copy + Into<f64>>(
         &self,
         kind: Kind,
@@ -266,7 +293,8 @@ impl Instance {
             let Some(variable) = self.table.find(kind, *reference) else {
                 continue;
             };
-            if variable.group != Group::Parameter {
+            let items = matches!(variable.start, Start::Enumeration { .. });
+            if variable.group != Group::Parameter && !items {
                 continue;
             }
             let (min, max) = match &variable.start {

@@ -1,6 +1,6 @@
 //! A [`Component`] as a [`Model`]: typed structs on one side, flat values on the other.
 
-use crate::author::{Component, Fault, ParameterError, Ports, Reader, Resources, Time, Variables};
+use crate::author::{Component, Fault, ParameterError, Reader, Resources, Time, Variables};
 
 use super::integrator::Integrator;
 use super::memory::SPREAD;
@@ -10,7 +10,9 @@ use super::shape;
 use super::signal::{Held, Moving, Signal, Slopes};
 use super::stepper::{MOST_WORK, Progress, Scheme, Stepper};
 use super::table::{Group, Layout, Table};
-use super::values::{Explicit, Values, accumulate, first_not_finite, is_finite, read, write};
+use super::values::{
+    Explicit, Values, accumulate, first_not_finite, is_finite, read, read_ports, write, write_ports,
+};
 
 /// A component together with everything that changes.
 pub(crate) struct ComponentModel<C: Component> {
@@ -24,11 +26,10 @@ pub(crate) struct ComponentModel<C: Component> {
 impl<C: Component> ComponentModel<C> {
     pub(crate) fn new(table: &Table, resources: Resources) -> Self {
         const {
+            assert!(C::States::COUNT.only_reals(), "states are Real only: use f64 in them");
             assert!(
-                only_reals::<C::Inputs>()
-                    && only_reals::<C::Outputs>()
-                    && only_reals::<C::States>(),
-                "inputs, outputs and states are Real only: use f64 in them"
+                C::Inputs::COUNT.strings == 0 && C::Outputs::COUNT.strings == 0,
+                "inputs and outputs are numbers, Booleans and enumerations: a text is a parameter"
             );
             assert!(C::INDICATORS.len() <= 64, "there can be no more than 64 event indicators");
         }
@@ -47,7 +48,7 @@ impl<C: Component> ComponentModel<C> {
     }
 
     fn inputs(&self, values: &Values) -> C::Inputs {
-        read(&values.reals, &self.layout.inputs)
+        read_ports(values, &self.layout.inputs, self.layout.before[0])
     }
 
     fn states(&self, values: &Values) -> C::States {
@@ -73,7 +74,10 @@ impl<C: Component> ComponentModel<C> {
             scheme: &self.scheme,
             progress: &mut self.progress,
             signal,
-            known: values.reals.get(self.layout.outputs.clone()).filter(|_| fresh),
+            known: values
+                .reals
+                .get(self.layout.outputs.clone())
+                .filter(|_| fresh && const { C::Outputs::COUNT.only_reals() }),
             work: MOST_WORK,
         };
         let events = match stepper.advance(&mut x, t, h) {
@@ -89,7 +93,7 @@ impl<C: Component> ComponentModel<C> {
             return Err(self.not_finite(t, &x, &outputs, signal, values));
         }
         write(&x, &mut values.reals, &self.layout.states);
-        write(&outputs, &mut values.reals, &self.layout.outputs);
+        write_outputs::<C>(&outputs, values, &self.layout);
         Ok(events)
     }
 
@@ -127,7 +131,7 @@ impl<C: Component> ComponentModel<C> {
         if let Some(component) = &self.component {
             let outputs = signal.with(t, |u| component.outputs(t, memory, x, u));
             if is_finite(&outputs) {
-                write(&outputs, &mut values.reals, &self.layout.outputs);
+                write_outputs::<C>(&outputs, values, &self.layout);
             }
         }
         halt
@@ -148,7 +152,7 @@ impl<C: Component> ComponentModel<C> {
         };
         let done = self.advance(t, h, &signal, false, values);
         let end = done.as_ref().map_or_else(|halt| halt.reached_s, |_| t + h);
-        write(&signal.at(end), &mut values.reals, &self.layout.inputs);
+        write_ports(&signal.at(end), values, &self.layout.inputs, self.layout.before[0]);
         done
     }
 
@@ -172,8 +176,9 @@ impl<C: Component> ComponentModel<C> {
     }
 }
 
-const fn only_reals<P: Ports>() -> bool {
-    P::COUNT.only_reals()
+#[inline(always)]
+fn write_outputs<C: Component>(outputs: &C::Outputs, values: &mut Values, layout: &Layout) {
+    write_ports(outputs, values, &layout.outputs, layout.before[1]);
 }
 
 /// An instance configures its model before anything else, so this is never seen.
@@ -224,7 +229,7 @@ impl<C: Component> Model for ComponentModel<C> {
         };
         let (x, u) = (self.states(values), self.inputs(values));
         let outputs = component.outputs(t, &self.progress.memory, &x, &u);
-        write(&outputs, &mut values.reals, &self.layout.outputs);
+        write_outputs::<C>(&outputs, values, &self.layout);
     }
 
     fn derivatives(&self, t: f64, values: &mut Values) {

@@ -206,11 +206,12 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
             for (_, variable) in moving.into_iter().flat_map(|group| table.group(group)) {
                 shift(variable, &mut values, &mut random);
             }
-            for (known, variable) in moving.into_iter().flat_map(|group| table.group(group)) {
+            let knowns = moving.into_iter().flat_map(|group| table.group(group));
+            for (known, variable) in knowns.filter(|(_, variable)| variable.is_real()) {
                 let mut changes = unit(&values, variable);
                 model.tangent(0.0, &values, Outputs::Wanted, &mut changes);
                 for unknown in [Group::Output, Group::Derivative] {
-                    for (unknown, variable) in table.group(unknown) {
+                    for (unknown, variable) in table.group(unknown).filter(|(_, v)| v.is_real()) {
                         let slope = changes.get(variable.reference as usize).copied();
                         let slope = slope.unwrap_or(f64::NAN);
                         self.found.factors.see(unknown, known, slope, parameters);
@@ -234,7 +235,8 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
             let mut changes = unit(&values, variable);
             model.initial_tangent(0.0, &values, &mut changes);
             for unknown in self.found.initial.keys() {
-                let reference = self.table.variables().get(*unknown).map(|v| v.reference as usize);
+                let unknown_real = self.table.variables().get(*unknown).filter(|v| v.is_real());
+                let reference = unknown_real.map(|v| v.reference as usize);
                 let slope = reference.and_then(|reference| changes.get(reference).copied());
                 let slope = slope.unwrap_or(f64::NAN);
                 self.found.initial_factors.see(*unknown, known, slope, parameters);
@@ -383,8 +385,11 @@ fn note(
         let Some(variable) = table.variables().get(*unknown) else {
             continue;
         };
-        let bits = |values: &Values| {
-            values.reals.get(variable.reference as usize).copied().map(f64::to_bits)
+        let place = variable.reference as usize;
+        let bits = |values: &Values| match variable.start {
+            Start::Real(_) => values.reals.get(place).map(|value| value.to_bits()),
+            Start::Boolean(_) => values.booleans.get(place).map(|value| u64::from(*value)),
+            _ => values.integers.get(place).map(|value| u64::from(value.cast_unsigned())),
         };
         if bits(before) != bits(after) {
             knowns.insert(known);

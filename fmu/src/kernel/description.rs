@@ -154,7 +154,7 @@ fn variables(xml: &mut Xml, info: &Info, table: &Table) {
     let first_state = table.group(Group::State).map(|(index, _)| index).next().unwrap_or_default();
     let mut derivatives = 0;
     for variable in table.variables() {
-        let (causality, variability, initial) = role(variable.group, info.sampled);
+        let (causality, variability, initial) = role(variable, info.sampled);
         let description = &variable.description;
         xml.element("ScalarVariable")
             .attribute("name", &variable.name)
@@ -174,12 +174,14 @@ fn variables(xml: &mut Xml, info: &Info, table: &Table) {
     xml.close();
 }
 
-/// Causality, variability and initial of a group.
-fn role(group: Group, sampled: bool) -> (&'static str, &'static str, Option<&'static str>) {
-    let changing = if sampled { "discrete" } else { "continuous" };
-    match group {
+/// Causality, variability and initial of a variable.
+fn role(variable: &Variable, sampled: bool) -> (&'static str, &'static str, Option<&'static str>) {
+    let real = if variable.is_real() { "continuous" } else { "discrete" };
+    let changing = if sampled { "discrete" } else { real };
+    match variable.group {
+        Group::Parameter if variable.tunable => ("parameter", "tunable", Some("exact")),
         Group::Parameter => ("parameter", "fixed", Some("exact")),
-        Group::Input => ("input", "continuous", None),
+        Group::Input => ("input", real, None),
         Group::Output => ("output", changing, Some("calculated")),
         Group::State | Group::Derivative => ("local", "continuous", Some("calculated")),
         Group::Time => ("independent", "continuous", None),

@@ -1,7 +1,7 @@
 //! The variable table: every variable of a component with all that FMI wants to know about it.
 //!
 //! Value references are indices into the value arrays of their type. Reals lie in the order
-//! parameters, inputs, outputs, states, derivatives, time; the other types have parameters only.
+//! parameters, inputs, outputs, states, derivatives, time, the other types as far as they have these.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -64,6 +64,20 @@ pub struct Variable {
     pub max: Option<f64>,
     /// Typical magnitude.
     pub nominal: Option<f64>,
+    /// A parameter that may change while the simulation runs.
+    pub tunable: bool,
+}
+
+impl Variable {
+    /// Whether it is one of the Reals.
+    pub(crate) fn is_real(&self) -> bool {
+        matches!(self.start, Start::Real(_))
+    }
+
+    /// Whether it can be set when the initialization is over.
+    pub(crate) fn is_settable_later(&self) -> bool {
+        self.group == Group::Input || (self.group == Group::Parameter && self.tunable)
+    }
 }
 
 /// Why a table cannot be.
@@ -109,6 +123,8 @@ pub struct Layout {
     pub inputs: Range<usize>,
     /// Outputs among the Reals.
     pub outputs: Range<usize>,
+    /// How many variables of each type come before the inputs and before the outputs.
+    pub before: [Count; 2],
     /// States among the Reals.
     pub states: Range<usize>,
     /// Derivatives among the Reals.
@@ -167,12 +183,14 @@ impl Table {
         table.add(Group::Parameter, parameters, None);
         let count = table.count;
         let inputs = table.add(Group::Input, inputs, None);
+        let before = [count, table.count];
         let outputs = table.add(Group::Output, outputs, None);
         let units: Vec<_> = states.iter().map(|state| per_second(state.field.unit)).collect();
         let states = table.add(Group::State, states, None);
         let derivatives = table.add(Group::Derivative, derivatives, Some(&units));
         let time = table.add(Group::Time, vec![time], None).start;
-        let layout = Layout { parameters: count, inputs, outputs, states, derivatives, time };
+        let layout =
+            Layout { parameters: count, inputs, outputs, before, states, derivatives, time };
         check(&table.variables)?;
         Ok(Self { variables: table.variables, layout, ..Self::default() })
     }
@@ -333,6 +351,7 @@ impl Builder {
                 min: field.min,
                 max: field.max,
                 nominal: field.nominal,
+                tunable: field.tunable,
             });
         }
         from..self.count.reals

@@ -181,6 +181,39 @@ pub(crate) fn write<P: Variables>(value: &P, reals: &mut [f64], place: &Range<us
     }
 }
 
+/// Reads a port group of any types; `before` counts what lies before it.
+#[inline(always)]
+pub(crate) fn read_ports<P: Ports>(values: &Values, reals: &Range<usize>, before: Count) -> P {
+    if const { P::COUNT.only_reals() } {
+        return read(&values.reals, reals);
+    }
+    P::load(&mut Reader {
+        reals: values.reals.get(before.reals..).unwrap_or_default(),
+        integers: values.integers.get(before.integers..).unwrap_or_default(),
+        booleans: values.booleans.get(before.booleans..).unwrap_or_default(),
+        strings: &[],
+    })
+}
+
+/// Writes a port group of any types.
+#[inline(always)]
+pub(crate) fn write_ports<P: Ports>(
+    ports: &P,
+    values: &mut Values,
+    reals: &Range<usize>,
+    before: Count,
+) {
+    if const { P::COUNT.only_reals() } {
+        return write(ports, &mut values.reals, reals);
+    }
+    ports.store(&mut Writer {
+        reals: values.reals.get_mut(before.reals..).unwrap_or_default(),
+        integers: values.integers.get_mut(before.integers..).unwrap_or_default(),
+        booleans: values.booleans.get_mut(before.booleans..).unwrap_or_default(),
+        strings: &mut [],
+    });
+}
+
 /// Picks the values of these references; `None` if there is not one of each. Nothing is computed.
 #[inline]
 pub(crate) fn gather(reals: &[f64], references: &[u32], into: &mut [f64]) -> Option<()> {

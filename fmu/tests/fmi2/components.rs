@@ -7,6 +7,9 @@ use fmu_kit::{
 };
 use serde::{Deserialize, Serialize};
 
+#[path = "valve.rs"]
+pub mod valve;
+
 /// Named set of parameters
 #[derive(Clone, Copy, Debug, Default, PartialEq, Enumeration)]
 pub enum Set {
@@ -352,4 +355,15 @@ impl Component for Solitary {
 
 use crate::hybrid::{Ball, Chatterer, Clipper, Limiter, Pendulum};
 
-fmu_kit::export!(Spring, Noise, Clumsy, Solitary, Ball, Limiter, Chatterer, Pendulum, Clipper);
+fmu_kit::export!(
+    Spring,
+    Noise,
+    Clumsy,
+    Solitary,
+    Ball,
+    Limiter,
+    Chatterer,
+    Pendulum,
+    Clipper,
+    valve::Valve
+);

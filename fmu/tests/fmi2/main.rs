@@ -27,3 +27,4 @@ mod state;
 mod state_events;
 mod threads;
 mod times;
+mod typed;

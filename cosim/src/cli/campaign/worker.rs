@@ -1,11 +1,13 @@
 //! A process that makes runs of a campaign, one after the other, for the process that keeps them.
 
-use std::io::{BufRead, Write};
+use std::io::BufRead;
 use std::path::PathBuf;
 
 use clap::Args;
 use cosim::campaign::{Bench, Campaign, fingerprint};
 use cosim::{Code, Error, Result};
+
+use crate::cli::standard;
 
 /// Make the runs whose numbers come on stdin, a line each; give their rows on stdout
 #[derive(Args)]
@@ -20,10 +22,9 @@ pub(crate) struct CampaignWorker {
 impl CampaignWorker {
     pub(crate) fn run(self) -> Result<()> {
         let broken = |e: std::io::Error| Error::new(Code::Output, "a row cannot be given").why(e);
-        // FMUs may print: what they print does not go between the rows.
-        let rows = rustix::io::dup(rustix::stdio::stdout()).map_err(|e| broken(e.into()))?;
-        rustix::stdio::dup2_stdout(rustix::stdio::stderr()).map_err(|e| broken(e.into()))?;
-        let mut rows = std::fs::File::from(rows);
+        // What FMUs print does not go between the rows.
+        standard::keep_apart()?;
+        let mut rows = standard::out();
         let bench = Bench::open(Campaign::read(&self.file)?)?;
         if fingerprint(&bench.identity()?) != self.identity {
             return Err(

@@ -1,7 +1,7 @@
 //! The rules for the entries of an archive.
 //!
-//! A name must stay inside the folder on every system (no `..`, `/x`, `C:`, `\`, NUL), must not
-//! meet another one where case makes no difference, and must not be a file and a folder at once.
+//! A name must stay inside the folder on every system (no `..`, `/x`, `C:`, NUL; a `\` separates as
+//! `/` does, since tools on Windows write it), must not meet another one where case makes no difference, and must not be a file and a folder at once.
 //! Only plain files and folders are taken, no links and devices. Numbers, sizes, depth and ratios
 //! are bounded, and no two entries share bytes of the archive (overlapping entries make a small
 //! archive large without a suspicious ratio).
@@ -64,7 +64,7 @@ pub(super) fn entries<R: Read + Seek>(
         let entry = entry.map_err(|e| broken(archive, e))?;
         let name = entry.name().map_err(|e| broken(archive, e))?.into_owned();
         let refuse = |why: String| Err(refused(archive, &name).why(why));
-        let is_folder = name.ends_with('/');
+        let is_folder = name.ends_with(['/', '\\']);
         let mode = entry.unix_mode().unwrap_or(0);
         match mode & S_IFMT {
             0 | S_IFREG | S_IFDIR => (),
@@ -160,9 +160,7 @@ impl Places<'_> {
 
 /// The place of an entry inside the folder, or why it has none.
 fn relative(name: &str) -> Result<PathBuf, &'static str> {
-    if name.contains('\\') {
-        return Err("its name has a backslash; ZIP separates by '/'");
-    }
+    let name = &name.replace('\\', "/");
     if name.chars().any(char::is_control) {
         return Err("its name has control characters");
     }

@@ -199,13 +199,7 @@ impl Reader<'_> {
         let value_reference = element
             .parse("valueReference", self.file, Code::Description)?
             .ok_or_else(|| self.wrong(element, format!("'{name}' has no valueReference")))?;
-        let start =
-            match typed.get("start") {
-                None => None,
-                Some(text) => Some(Value::parse(text, &kind).map_err(|e| {
-                    self.wrong(typed, format!("the start value of '{name}'")).why(e.0)
-                })?),
-            };
+        let start = self.start(typed, &name, &kind)?;
         let causality = self.causality(element)?;
         let variability = self.variability(element, &kind)?;
         let exact = match element.get("initial") {
@@ -235,6 +229,19 @@ impl Reader<'_> {
             kind,
             start,
         })
+    }
+
+    /// The start value; none where it is no number that could be set.
+    fn start(&self, typed: &Element, name: &str, kind: &Kind) -> Result<Option<Value>> {
+        let Some(text) = typed.get("start") else { return Ok(None) };
+        match (kind, text.trim(), text.trim().parse()) {
+            (Kind::Real, "INF" | "-INF" | "NaN", _) => Ok(None),
+            // Some FMUs start with a number that is none of the items.
+            (Kind::Enumeration(_), _, Ok(number)) => Ok(Some(Value::Integer(number))),
+            _ => Value::parse(text, kind)
+                .map(Some)
+                .map_err(|e| self.wrong(typed, format!("the start value of '{name}'")).why(e.0)),
+        }
     }
 
     fn unit<'e>(&'e self, typed: &'e Element) -> Option<&'e str> {

@@ -47,6 +47,7 @@ impl Instance {
             hot: Hot::new(&functions, &own),
             kind,
             grid: None,
+            usual: None,
             functions,
             own,
             kept: Arc::default(),
@@ -56,7 +57,9 @@ impl Instance {
             instance.log.told(line);
         }
         instance.instantiate(logging)?;
-        instance.choose_categories(logging)?;
+        if instance.attempt(|instance| instance.choose_categories(logging))?.is_err() {
+            instance.log.told("fmi2SetDebugLogging is refused: the FMU logs what it chooses");
+        }
         Ok(instance)
     }
 

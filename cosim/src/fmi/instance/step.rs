@@ -31,6 +31,22 @@ fn unrounded((origin, grid): (Time, Step), begin: Time, end: Time) -> (f64, f64)
 }
 
 impl Instance {
+    /// `stop` in seconds as the FMU finds it by adding the last step's length to its begin. That may
+    /// be more by a rounding, and some refuse every step that ends behind the stop time.
+    pub(super) fn end_of_last_step(&self, start: Time, stop: Time) -> f64 {
+        let duration = stop - start;
+        let Some(usual) = self.usual.filter(|_| duration > Time::ZERO) else {
+            return stop.seconds();
+        };
+        let steps = usual.count(duration) - i64::from(usual.divides(duration));
+        let begin = start + usual.multiple(steps);
+        let (from, length) = match self.grid {
+            None => (begin.seconds(), (stop - begin).seconds()),
+            Some(grid) => unrounded(grid, begin, stop),
+        };
+        stop.seconds().max(from + length)
+    }
+
     /// Advances from `start` by `step`; a step that is not made as a whole is an error.
     pub fn do_step(&mut self, start: Time, step: Time) -> Result<()> {
         match self.try_step(start, step)? {

@@ -89,10 +89,13 @@ fn open_one(
         None => named_in(e, component, path),
     }));
     if let (Some(fmu), None) = (&fmu, replacement) {
-        for connector in component.connectors.iter().flatten() {
+        let (hidden, there): (Vec<_>, Vec<_>) =
+            component.connectors.iter().flatten().partition(|c| is_hidden(c, fmu));
+        for connector in there {
             let checked = check_connector(component, connector, fmu);
             findings.note(checked);
         }
+        findings.warnings.extend(left_out(component, &hidden));
     }
     if let Some(fmu) = &fmu {
         findings.note(needs_no_tool(fmu, interface, &component.name, overrides));
@@ -131,7 +134,30 @@ fn named_in(error: Error, component: &RawComponent, path: &Path) -> Error {
         .place
         .mark(Error::new(Code::File, what))
         .why(format!("there is no readable file {}", path.display()))
-        .help("build or copy it there, or correct the source; it is relative to the system's file")
+        .help(format!(
+            "{}build or copy it there, or correct the source; it is relative to the system's file",
+            names::file_like(path).map_or(String::new(), |hint| hint + " If not, ")
+        ))
+}
+
+/// A connector of a parameter that the FMU keeps to itself, as Dymola lists them. What is connected
+/// to it or bound to it is told where that is checked.
+fn is_hidden(connector: &RawConnector, fmu: &Fmu) -> bool {
+    connector.kind.to_lowercase().ends_with("parameter")
+        && fmu.description().position(&connector.name).is_none()
+}
+
+fn left_out(component: &RawComponent, hidden: &[&RawConnector]) -> Option<String> {
+    let names: Vec<&str> = hidden.iter().map(|connector| connector.name.as_str()).collect();
+    let (name, shown) = (&component.name, names.iter().take(5).copied().collect::<Vec<_>>());
+    let more = names.len() - shown.len();
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    (!names.is_empty()).then(|| {
+        let shown = shown.join(", ");
+        format!(
+            "'{name}' lists parameters that its FMU does not have: {shown}{more}; they are left out"
+        )
+    })
 }
 
 fn check_connector(
@@ -158,6 +184,8 @@ fn check_connector(
             .help(format!("write kind=\"{causality}\"")));
     }
     match &connector.kind_of_value {
+        // Stands for types of the modelling language, which FMI 2.0 does not have.
+        Some(kind) if kind == "Binary" => Ok(()),
         Some(kind) if !same_kind(kind, &variable.kind) => {
             let name = &connector.name;
             Err(wrong(format!("'{}.{name}' is listed as <ssc:{kind}/>", component.name))

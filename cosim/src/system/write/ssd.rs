@@ -138,7 +138,8 @@ impl Writer<'_> {
         xml.start("ssd:ParameterBindings", &[]);
         xml.start("ssd:ParameterBinding", &[]);
         xml.start("ssd:ParameterValues", &[]);
-        xml.start("ssv:ParameterSet", &[("version", "1.0"), ("name", &component.name)]);
+        // One name for all: Ecos applies the sets of one name.
+        xml.start("ssv:ParameterSet", &[("version", "1.0"), ("name", "parameters")]);
         xml.start("ssv:Parameters", &[]);
         for (variable, value) in &component.start_values {
             let name = &description.variables[*variable].name;

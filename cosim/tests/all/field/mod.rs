@@ -1,5 +1,11 @@
 //! What FMUs in the field do, each trait on an FMU made for it.
 
+mod exchange;
+mod files;
+mod modes;
+mod process;
+mod table;
+
 use cosim::{Overrides, Recording, System};
 use tempfile::TempDir;
 
