@@ -6,6 +6,7 @@
 
 use std::collections::HashMap;
 
+use crate::names::Aliases;
 use crate::system::System;
 
 /// Units by names.
@@ -26,6 +27,21 @@ impl Units {
             Some((column.name.clone(), unit.or_else(|| plain.then(|| "1".to_owned()))?))
         });
         Self { described: described.collect() }
+    }
+
+    /// The same variables also by other names.
+    pub(crate) fn with(mut self, aliases: &Aliases) -> Self {
+        let by_alias = |(name, unit): (&String, &String)| {
+            let fitting = aliases.pairs().iter().filter_map(|(alias, meant)| {
+                let rest = name.strip_prefix(meant.as_str())?;
+                let alias = rest.starts_with('.').then(|| format!("{alias}{rest}"))?;
+                Some((alias, unit.clone()))
+            });
+            fitting.collect::<Vec<_>>()
+        };
+        let more: Vec<_> = self.described.iter().flat_map(by_alias).collect();
+        self.described.extend(more);
+        self
     }
 
     /// The variables that a description has units of.
