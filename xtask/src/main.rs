@@ -10,6 +10,7 @@ mod examples;
 mod experiment;
 mod fuzz;
 mod judge;
+mod matrix;
 mod mutants;
 mod navigate;
 mod package;
@@ -80,7 +81,10 @@ enum Task {
         /// Only those whose names contain this.
         filter: Option<String>,
     },
-    /// Kill the processes of distributed runs hundreds of times; every byte must stay the same.
+    /// Make the campaign of all faults and filters, which takes an hour, and write docs/how-to/fault-matrix.md.
+    Matrix,
+    /// Kill the processes of distributed runs, or of a campaign, hundreds of times; every byte must stay
+    /// the same.
     Soak(soak::Options),
     /// Check licences and sources of the dependencies by deny.toml.
     Deny {
@@ -113,6 +117,7 @@ fn main() -> std::process::ExitCode {
         Task::Judge => judge::run(),
         Task::Fuzz { seconds } => fuzz::run(seconds),
         Task::Mutants { filter } => mutants::run(filter.as_deref()),
+        Task::Matrix => matrix::run(),
         Task::Soak(options) => soak::run(&options),
         Task::Deny { advisories } => supply::deny::run(advisories),
         Task::Sbom => supply::sbom::run(),
