@@ -82,9 +82,53 @@ pub fn matches(pattern: &str, name: &str) -> bool {
     pattern[p..].iter().all(|&c| c == b'*')
 }
 
+/// What variables and components are called elsewhere: with `gps` for `fix`, `gps.stamp` is `fix.stamp`.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Aliases(Vec<(String, String)>);
+
+impl Aliases {
+    /// From pairs of an alias, which is a name or its beginning up to a dot, and what it means.
+    pub(crate) fn new(mut pairs: Vec<(String, String)>) -> Self {
+        // Of two that fit the longer one is meant.
+        pairs.sort_by_key(|(alias, _)| std::cmp::Reverse(alias.len()));
+        Self(pairs)
+    }
+
+    /// What a name, or a pattern that begins with an alias, means.
+    pub(crate) fn resolve(&self, name: &str) -> String {
+        let meant = self.0.iter().find_map(|(alias, meant)| {
+            let rest = name.strip_prefix(alias.as_str())?;
+            (rest.is_empty() || rest.starts_with('.')).then(|| format!("{meant}{rest}"))
+        });
+        meant.unwrap_or_else(|| name.to_owned())
+    }
+
+    /// Aliases with their meanings.
+    pub(crate) fn pairs(&self) -> &[(String, String)] {
+        &self.0
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_alias_stands_for_a_whole_part_of_a_name_and_the_longest_one_wins() {
+        let pair = |alias: &str, meant: &str| (alias.to_owned(), meant.to_owned());
+        let pairs =
+            vec![pair("imu", "unit"), pair("gps", "fix"), pair("imu.attitude", "ahrs.tilt")];
+        let aliases = Aliases::new(pairs);
+        for (name, meant) in [
+            ("gps", "fix"),
+            ("gps.position.?", "fix.position.?"),
+            ("imu.attitude.yaw", "ahrs.tilt.yaw"),
+            ("imu.stamp", "unit.stamp"),
+            ("gps2.stamp", "gps2.stamp"),
+        ] {
+            assert_eq!(aliases.resolve(name), meant);
+        }
+    }
 
     #[test]
     fn patterns() {

@@ -41,7 +41,7 @@ use serde_json::{Map, Value};
 use crate::error::{Code, Error, Result};
 use crate::fault::{Begin, End, Fault, Kind};
 use crate::master::{Controls, Manipulator};
-use crate::names;
+use crate::names::{self, Aliases};
 use crate::observe::Stop;
 use crate::system::System;
 use crate::time::{Step, Time};
@@ -100,6 +100,39 @@ impl Scenario {
     pub fn seeded(mut self, seed: u64) -> Self {
         self.seed = seed;
         self
+    }
+
+    /// With other names of variables and components.
+    #[must_use]
+    pub(crate) fn renamed(mut self, aliases: &Aliases) -> Self {
+        let of_events = self.events.iter_mut().filter_map(|event| match &mut event.what {
+            Action::Override(name, _) | Action::Bias(name, _) | Action::Reset(name) => Some(name),
+            Action::End => None,
+        });
+        let of_faults = self.faults.iter_mut().flat_map(|fault| {
+            let watched = match &mut fault.begin {
+                Begin::When(condition) => Some(&mut condition.variable),
+                _ => None,
+            };
+            fault.variables.iter_mut().chain(watched)
+        });
+        of_events.chain(of_faults).for_each(|name| *name = aliases.resolve(name));
+        self
+    }
+
+    /// Whether it acts where nothing is recorded and the end is up to others, or why not.
+    pub(crate) fn runs_without_records(&self) -> Result<()> {
+        let wrong = |what: &str, help: &str| Err(Error::new(Code::Scenario, what).help(help));
+        if self.watched().next().is_some() {
+            return wrong(
+                "a fault that waits for a condition cannot be exported",
+                "let it begin at an instant: `from` or `between`",
+            );
+        }
+        if self.events.iter().any(|event| event.what == Action::End) {
+            return wrong("an end cannot be exported", "leave it out: the importer ends the run");
+        }
+        Ok(())
     }
 
     /// The variables that conditions of faults look at: they must be recorded.
@@ -330,12 +363,18 @@ impl Scenario {
     /// Puts a fault in its places.
     fn install(&self, number: usize, controls: &mut Controls<'_>) -> Result<()> {
         let fault = &self.faults[number];
-        if fault.kind == Kind::Reset {
+        let is_reset = fault.kind == Kind::Reset;
+        if is_reset && !matches!(fault.begin, Begin::When(_)) {
             let names = self.targets[number].iter().filter(|_| at_once(fault));
             return names.into_iter().try_for_each(|name| controls.reset(name));
         }
         self.targets[number].iter().zip(0..).try_for_each(|(target, place)| {
-            controls.install(target, fault.acting(self.seed, number as u32, place, self.start))
+            let acting = fault.acting(self.seed, number as u32, place, self.start);
+            if is_reset {
+                controls.install_reset(target, acting)
+            } else {
+                controls.install(target, acting)
+            }
         })
     }
 
@@ -351,7 +390,10 @@ impl Scenario {
                 return true;
             }
             for target in &self.targets[fault] {
-                let told = controls.trigger(target, fault as u32);
+                let told = match self.faults[fault].kind {
+                    Kind::Reset => controls.trigger_reset(target, fault as u32),
+                    _ => controls.trigger(target, fault as u32),
+                };
                 if outcome.is_ok() {
                     outcome = told;
                 }

@@ -20,7 +20,7 @@ macro_rules! export {
             fn registry() -> $crate::kernel::Registry {
                 $crate::kernel::Registry::new(
                     ::std::module_path!(),
-                    vec![$($crate::kernel::Entry::of::<$component>()),+],
+                    vec![$($crate::kernel::Deferred::of::<$component>()),+],
                 )
             }
 

@@ -52,7 +52,7 @@ pub struct Vehicle {
 pub struct Drive {
     /// Speeds that the rotors tend to, and the rate (1/s) at which they do.
     pub(super) rotor_target: [f64; 8],
-    rotor_rate: f64,
+    pub(super) rotor_rate: f64,
     /// Thrusts over rotor speed squared; 0 where rotor speeds make no thrust.
     thrust_gain: [f64; 8],
     /// Thrust that does not come from the rotors (N).
@@ -66,6 +66,12 @@ impl Drive {
     #[inline(always)]
     fn rotor_acceleration(&self, speed: &[f64; 8]) -> [f64; 8] {
         core::array::from_fn(|i| (self.rotor_target[i] - speed[i]) * self.rotor_rate)
+    }
+
+    /// The rotor speeds once this part of their distance from the target is left.
+    #[inline(always)]
+    pub(super) fn rotor_speed(&self, speed: &[f64; 8], kept: f64) -> [f64; 8] {
+        core::array::from_fn(|i| self.rotor_target[i] + (speed[i] - self.rotor_target[i]) * kept)
     }
 }
 

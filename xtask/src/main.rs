@@ -11,6 +11,7 @@ mod experiment;
 mod field;
 mod fuzz;
 mod judge;
+mod matrix;
 mod mutants;
 mod navigate;
 mod package;
@@ -83,7 +84,10 @@ enum Task {
         /// Only those whose names contain this.
         filter: Option<String>,
     },
-    /// Kill the processes of distributed runs hundreds of times; every byte must stay the same.
+    /// Make the campaign of all faults and filters, which takes an hour, and write docs/how-to/fault-matrix.md.
+    Matrix,
+    /// Kill the processes of distributed runs, or of a campaign, hundreds of times; every byte must stay
+    /// the same.
     Soak(soak::Options),
     /// Check licences and sources of the dependencies by deny.toml.
     Deny {
@@ -117,6 +121,7 @@ fn main() -> std::process::ExitCode {
         Task::Field(options) => field::run(&options),
         Task::Fuzz { seconds } => fuzz::run(seconds),
         Task::Mutants { filter } => mutants::run(filter.as_deref()),
+        Task::Matrix => matrix::run(),
         Task::Soak(options) => soak::run(&options),
         Task::Deny { advisories } => supply::deny::run(advisories),
         Task::Sbom => supply::sbom::run(),

@@ -1,5 +1,8 @@
 //! `cargo xtask soak`: the paper's loop on workers that are killed again and again. Every run must
 //! give the bytes of the undisturbed one; how soon losses were noticed and how long they took is told.
+//! With `--campaign`, a campaign that is killed and goes on.
+
+mod campaign;
 
 use std::fs;
 use std::io::{BufRead, BufReader};
@@ -25,6 +28,9 @@ pub(crate) struct Options {
     /// First compare every course and filter on 1 to 5 workers, by socket, TCP and TLS
     #[arg(long)]
     courses: bool,
+    /// Kill a campaign, and not the workers of runs
+    #[arg(long)]
+    campaign: bool,
     /// Where the random numbers begin
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -37,13 +43,16 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let folder = paths::target().join("soak");
     fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
     let soak = Soak { program: paths::target().join("release/cosim"), folder };
+    let mut dice = Dice(options.seed);
+    if options.campaign {
+        return soak.campaign(options.kills, &mut dice);
+    }
     if options.courses {
         soak.courses()?;
     }
     let first = Case::all(1).into_iter().next();
     let case = first.context("there is no course")?;
     let here = soak.undisturbed(&case)?;
-    let mut dice = Dice(options.seed);
     let (mut all, begun) = (Kills::default(), Instant::now());
     while all.killed < options.kills {
         soak.disturbed(&case, options, &mut dice, &here, &mut all)?;

@@ -6,9 +6,11 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
+use super::Campaign;
 use super::design::Points;
-use super::row::{Row, Status};
-use super::{Campaign, file::Cell};
+use super::figure::Figure;
+use super::file::{Cell, Source};
+use super::row::{Number, Row, Status};
 use crate::condition::Condition;
 use crate::digest::sha256;
 use crate::error::{Code, Error, Result};
@@ -31,19 +33,56 @@ pub struct Bench {
     campaign: Campaign,
     points: Points,
     /// Per system of the file.
-    systems: Vec<System>,
+    systems: Vec<Opened>,
     /// Per system and replacement: the parameters that get seeds.
     seeds: HashMap<(usize, usize), Vec<String>>,
     scenarios: Vec<Option<Scenario>>,
+}
+
+/// A system of the file, with what is asked of its variables by their names in it.
+struct Opened {
+    system: System,
+    figures: Vec<Figure>,
+    stop_when: Vec<Condition>,
+}
+
+impl Opened {
+    fn new(source: &Source, campaign: &Campaign) -> Result<Self> {
+        let without = source.without.iter();
+        let system = System::load(
+            &source.file,
+            &without.fold(Overrides::new(), |overrides, name| overrides.without(name)),
+        )?;
+        let components = || system.components().iter().map(|component| component.name.as_str());
+        let mut problems = Vec::new();
+        for (alias, meant) in source.names.pairs() {
+            let owner = meant.split('.').next().unwrap_or_default();
+            if !components().any(|name| meant == name || owner == name) {
+                let what = format!("'{alias}' means '{meant}', and there is no such component");
+                let help = names::did_you_mean(owner, components());
+                let error = Error::new(Code::UnknownName, what).at(&source.file);
+                problems.push(help.into_iter().fold(error, Error::help));
+            }
+        }
+        Error::all(problems)?;
+        let figures = campaign.figures.iter().map(|(_, figure)| figure.renamed(&source.names));
+        let renamed = |condition: &Condition| {
+            let mut condition = condition.clone();
+            condition.variable = source.names.resolve(&condition.variable);
+            condition
+        };
+        let stop_when = campaign.stop_when.iter().map(renamed).collect();
+        Ok(Self { figures: figures.collect(), stop_when, system })
+    }
 }
 
 impl Bench {
     /// Reads the systems and scenarios of a campaign.
     pub fn open(campaign: Campaign) -> Result<Self> {
         let (mut systems, mut scenarios, mut problems) = (Vec::new(), Vec::new(), Vec::new());
-        for (_, file) in &campaign.systems {
-            match System::load(file, &Overrides::new()) {
-                Ok(system) => systems.push(system),
+        for (_, source) in &campaign.systems {
+            match Opened::new(source, &campaign) {
+                Ok(opened) => systems.push(opened),
                 Err(problem) => problems.push(problem),
             }
         }
@@ -105,9 +144,9 @@ impl Bench {
                 .map_err(|e| Error::new(Code::File, "a file cannot be read").at(file).why(e))?;
             Ok(format!("{name} is {}", sha256(octets)))
         };
-        for ((name, file), system) in self.campaign.systems.iter().zip(&self.systems) {
-            lines.push(hash(&format!("system {name}"), file)?);
-            for component in system.components() {
+        for ((name, source), opened) in self.campaign.systems.iter().zip(&self.systems) {
+            lines.push(hash(&format!("system {name}"), &source.file)?);
+            for component in opened.system.components() {
                 if let Some(fmu) = component.fmu() {
                     let digest = fmu.digest(component.interface)?;
                     lines.push(format!("component {name}.{} is {digest}", component.name));
@@ -128,21 +167,24 @@ impl Bench {
         Ok(lines)
     }
 
-    /// What a replacement changes.
-    fn replaced(&self, replacement: usize) -> Overrides {
+    /// What a replacement changes in a system.
+    fn replaced(&self, system: usize, replacement: usize) -> Overrides {
+        let names = &self.campaign.systems[system].1.names;
         let components = self.campaign.replacements[replacement].components.iter();
-        components.fold(Overrides::new(), |overrides, (name, fmu)| overrides.replace(name, fmu))
+        components.fold(Overrides::new(), |overrides, (name, fmu)| {
+            overrides.replace(names.resolve(name), fmu)
+        })
     }
 
     /// The parameters that get a seed of their own in each run.
     fn find_seeds(&self, system: usize, replacement: usize) -> Result<Vec<String>> {
-        let system = self.systems[system].with(&self.replaced(replacement))?;
-        let fixed: Vec<&str> = self.campaign.inputs().collect();
-        let fixed = |name: &str| {
-            let scenes = self.campaign.scenarios.iter().flat_map(|(_, s)| &s.start_values);
-            let mut given = self.campaign.start_values.iter().chain(scenes);
-            fixed.contains(&name) || given.any(|(known, _)| known == name)
-        };
+        let names = &self.campaign.systems[system].1.names;
+        let system = self.systems[system].system.with(&self.replaced(system, replacement))?;
+        let scenes = self.campaign.scenarios.iter().flat_map(|(_, s)| &s.start_values);
+        let given = self.campaign.start_values.iter().chain(scenes).map(|(name, _)| name.as_str());
+        let given = given.chain(self.campaign.counted_seeds.iter().map(|(name, _)| name.as_str()));
+        let fixed: Vec<String> =
+            self.campaign.inputs().chain(given).map(|name| names.resolve(name)).collect();
         let mut seeds = Vec::new();
         for (component, own) in system.components().iter().enumerate() {
             let variables = own.model.description().map_or(&[][..], |d| &d.variables);
@@ -151,8 +193,9 @@ impl Bench {
                 let settable =
                     described.causality == Causality::Parameter && described.kind == Kind::Integer;
                 let patterns = &self.campaign.seed_parameters;
-                let wanted = patterns.iter().any(|pattern| names::matches(pattern, &name));
-                if settable && wanted && !fixed(&name) {
+                let wanted =
+                    patterns.iter().any(|pattern| names::matches(&names.resolve(pattern), &name));
+                if settable && wanted && !fixed.contains(&name) {
                     seeds.push(name);
                 }
             }
@@ -186,20 +229,32 @@ impl Bench {
         &self.campaign.cells[self.campaign.cell_of(run)]
     }
 
+    /// The start values of a run, by the names in its system: what the file gives, and the seeds.
+    pub fn start_values(&self, run: u64) -> Vec<(String, String)> {
+        let (campaign, cell) = (&self.campaign, self.cell(run));
+        let names = &campaign.systems[cell.system].1.names;
+        let (_, scene) = &campaign.scenarios[cell.scenario];
+        let given = campaign.start_values.iter().chain(&scene.start_values);
+        let given = given.map(|(name, value)| (names.resolve(name), value.clone()));
+        let inputs = campaign.inputs().zip(self.inputs(run));
+        let inputs = inputs.map(|(name, value)| (names.resolve(name), value));
+        let replicate = campaign.replicate_of(run) as u64;
+        let counted = campaign.counted_seeds.iter().map(|(name, [first, step])| {
+            (names.resolve(name), (first + step * replicate).to_string())
+        });
+        let drawn = self.seeds[&(cell.system, cell.replacement)].iter().map(|name| {
+            let seed = self.seed(run, SEEDS, name).below(i32::MAX as usize);
+            (name.clone(), seed.to_string())
+        });
+        given.chain(inputs).chain(counted).chain(drawn).collect()
+    }
+
     /// The system of a run; `more` is recorded beside what the figures need.
     fn system(&self, run: u64, more: &[String]) -> Result<System> {
         let (campaign, cell) = (&self.campaign, self.cell(run));
-        let mut overrides = self.replaced(cell.replacement);
-        let (_, scene) = &campaign.scenarios[cell.scenario];
-        for (name, value) in campaign.start_values.iter().chain(&scene.start_values) {
+        let mut overrides = self.replaced(cell.system, cell.replacement);
+        for (name, value) in self.start_values(run) {
             overrides = overrides.start_value(name, value);
-        }
-        for (name, value) in campaign.inputs().zip(self.inputs(run)) {
-            overrides = overrides.start_value(name, value);
-        }
-        for name in &self.seeds[&(cell.system, cell.replacement)] {
-            let seed = self.seed(run, SEEDS, name).below(i32::MAX as usize);
-            overrides = overrides.start_value(name, seed);
         }
         if let Some(seconds) = campaign.stop_time {
             overrides = overrides.stop_time(seconds);
@@ -208,16 +263,17 @@ impl Bench {
             overrides = overrides.output_interval(seconds);
         }
         overrides = overrides.output_variables(self.columns(cell)).output_variables(more);
-        self.systems[cell.system].with(&overrides)
+        self.systems[cell.system].system.with(&overrides)
     }
 
     /// What must be recorded in a cell, each once.
     fn columns(&self, cell: &Cell) -> Vec<String> {
-        let campaign = &self.campaign;
-        let figures = campaign.figures.iter().flat_map(|(_, figure)| figure.columns());
-        let stops = campaign.stop_when.iter().map(|condition| condition.variable.clone());
+        let Opened { figures, stop_when, .. } = &self.systems[cell.system];
+        let names = &self.campaign.systems[cell.system].1.names;
+        let figures = figures.iter().flat_map(Figure::columns);
+        let stops = stop_when.iter().map(|condition| condition.variable.clone());
         let scenario = self.scenarios[cell.scenario].iter();
-        let watched = scenario.flat_map(|scenario| scenario.watched().map(str::to_owned));
+        let watched = scenario.flat_map(|s| s.watched().map(|name| names.resolve(name)));
         let mut columns: Vec<String> = figures.chain(stops).chain(watched).collect();
         columns.sort();
         columns.dedup();
@@ -225,9 +281,10 @@ impl Bench {
     }
 
     fn scenario(&self, run: u64) -> Option<Scenario> {
-        let scenario = self.scenarios[self.cell(run).scenario].clone()?;
+        let cell = self.cell(run);
+        let scenario = self.scenarios[cell.scenario].clone()?;
         let seed = self.seed(run, FAULTS, "").below(usize::MAX) as u64;
-        Some(scenario.seeded(seed))
+        Some(scenario.renamed(&self.campaign.systems[cell.system].1.names).seeded(seed))
     }
 
     /// The row of a run that came to nothing where it was made.
@@ -245,9 +302,15 @@ impl Bench {
         self.row(run, variables, results)
     }
 
-    /// The units of what a run records with these variables.
+    /// The units of what a run records with these variables, by all names that they have.
     pub(super) fn units(&self, run: u64, variables: &[String]) -> Result<Units> {
-        self.system(run, variables).map(|system| Units::of(&system))
+        let names = &self.campaign.systems[self.cell(run).system].1.names;
+        self.system(run, variables).map(|system| Units::of(&system).with(names))
+    }
+
+    /// The figures of a run, of the variables as its system names them.
+    pub(super) fn figures(&self, run: u64) -> &[Figure] {
+        &self.systems[self.cell(run).system].figures
     }
 
     /// The times in which something is wrong in a run that was recorded.
@@ -267,15 +330,16 @@ impl Bench {
     fn made(&self, run: u64, more: &[String], results: &mut dyn Observer) -> Result<Row> {
         let system = self.system(run, more)?;
         let mut scenario = self.scenario(run);
-        let mut kept = Kept::new(self.columns(self.cell(run)), &self.campaign.stop_when);
+        let cell = self.cell(run);
+        let mut kept = Kept::new(self.columns(cell), &self.systems[cell.system].stop_when);
         let mut making = Run::new(&system).observe(&mut kept).observe(results);
         if let Some(scenario) = &mut scenario {
             making = making.manipulate(scenario);
         }
         let summary = making.go()?;
-        let figures = self.campaign.figures.iter();
         let faults = scenario.as_ref().and_then(|scenario| span(scenario, &kept.recording));
-        let figures = figures.map(|(_, figure)| figure.compute(&kept.recording, faults));
+        let figures = self.figures(run).iter();
+        let figures = figures.map(|figure| figure.compute(&kept.recording, faults));
         let figures: Result<Vec<f64>> = figures.collect();
         let ended = kept.held.map(|held| format!("ended when {held}"));
         let mut reason: Vec<String> = ended.into_iter().collect();
@@ -288,7 +352,7 @@ impl Bench {
             reason: reason.join("; "),
             inputs: self.inputs(run),
             simulated: summary.simulated.to_string(),
-            figures: figures?.iter().map(f64::to_string).collect(),
+            figures: figures?.into_iter().map(Number).collect(),
             digest: kept.digest.text(),
             cpu_ms: String::new(),
         })

@@ -5,7 +5,7 @@ mod expression;
 
 use self::expression::Expression;
 use super::trajectory::{ALIGNMENTS, Alignment};
-use crate::names;
+use crate::names::{self, Aliases};
 use crate::table::{Entry, Table};
 
 /// A figure of merit.
@@ -233,6 +233,33 @@ impl Figure {
             _ => return None,
         }
         Some(Self { what, ..self.clone() })
+    }
+
+    /// The same of variables that have other names.
+    pub(super) fn renamed(&self, aliases: &Aliases) -> Self {
+        let mut figure = self.clone();
+        let (poses, expressions, names) = match &mut figure.what {
+            What::Of { of, minus, .. } => (None, vec![Some(of), minus.as_mut()], vec![]),
+            What::Ate { poses, .. }
+            | What::Rpe { poses, .. }
+            | What::Drift(poses)
+            | What::CrossTrack { poses, .. } => (Some(poses), vec![], vec![]),
+            What::Beyond { poses, sigma, .. } => (Some(poses), vec![], vec![Some(sigma)]),
+            What::Nees { poses, sigma, covariance, .. } => {
+                (Some(poses), vec![], vec![Some(sigma), covariance.as_mut()])
+            }
+            What::Nis { nis, count, .. } => (None, vec![], vec![Some(nis), Some(count)]),
+            What::Whiteness { innovation, count } => {
+                (None, vec![], vec![Some(innovation), Some(count)])
+            }
+        };
+        let of_poses = poses.into_iter().flat_map(|p| [&mut p.truth, &mut p.estimate]);
+        let expressions = expressions.into_iter().flatten();
+        of_poses
+            .chain(expressions.flat_map(Expression::variables_mut))
+            .chain(names.into_iter().flatten())
+            .for_each(|name| *name = aliases.resolve(name));
+        figure
     }
 
     /// The instant that it is of (s).

@@ -1,7 +1,10 @@
 //! The file of a campaign.
 
+mod parts;
+
 use std::path::{Path, PathBuf};
 
+pub(super) use self::parts::{Cell, Keep, Replacement, Scene, Source, Threshold};
 use super::design::{DESIGNS, Design, Distribution, Points};
 use super::figure::Figure;
 use crate::condition::Condition;
@@ -20,7 +23,7 @@ pub struct Campaign {
     pub seed: u64,
     /// How many runs each cell has.
     pub seeds: usize,
-    pub(super) systems: Vec<(String, PathBuf)>,
+    pub(super) systems: Vec<(String, Source)>,
     pub(super) replacements: Vec<Replacement>,
     pub(super) scenarios: Vec<(String, Scene)>,
     pub(super) factors: Vec<(String, Vec<String>)>,
@@ -30,6 +33,8 @@ pub struct Campaign {
     pub(super) design: Design,
     pub(super) start_values: Vec<(String, String)>,
     pub(super) seed_parameters: Vec<String>,
+    /// Seeds that are counted: those of the first replicate, and how far they are apart.
+    pub(super) counted_seeds: Vec<(String, [u64; 2])>,
     pub(super) stop_time: Option<f64>,
     pub(super) output_interval: Option<f64>,
     pub(super) stop_when: Vec<Condition>,
@@ -44,56 +49,6 @@ pub struct Campaign {
     pub(super) sequential: bool,
     pub(super) verdicts: Vec<Threshold>,
     pub(super) cells: Vec<Cell>,
-}
-
-/// What is put in the place of components.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Replacement {
-    pub(super) name: String,
-    pub(super) components: Vec<(String, PathBuf)>,
-}
-
-/// Runs of each cell whose trajectories are kept.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Keep {
-    /// So many with the worst value of a figure, by its place.
-    pub(super) worst: usize,
-    pub(super) figure: usize,
-    /// So many others, the first ones.
-    pub(super) sample: usize,
-    /// And those that failed.
-    pub(super) failed: bool,
-}
-
-/// What happens in a scenario.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Scene {
-    /// The file with its faults.
-    pub(super) faults: Option<PathBuf>,
-    pub(super) start_values: Vec<(String, String)>,
-}
-
-/// A bound on a figure.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Threshold {
-    pub(super) figure: usize,
-    pub(super) quantile: f64,
-    pub(super) least: Option<f64>,
-    pub(super) most: Option<f64>,
-    pub(super) confidence: f64,
-    /// A pattern for the cells that it is for.
-    pub(super) cells: String,
-}
-
-/// A combination of everything that is not random: places in the lists of the campaign.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Cell {
-    pub(super) system: usize,
-    pub(super) replacement: usize,
-    pub(super) scenario: usize,
-    pub(super) levels: Vec<usize>,
-    pub(super) row: Option<usize>,
-    pub(super) name: String,
 }
 
 /// A sequential campaign looks at its thresholds first after so many seeds.
@@ -144,7 +99,7 @@ impl Campaign {
             description: root.text("description").unwrap_or_default().to_owned(),
             seed: root.count("seed").unwrap_or(0),
             seeds: root.count("seeds").unwrap_or(1) as usize,
-            systems: named(&root, "systems", |entry| entry.text().map(path)),
+            systems: named(&root, "systems", |entry| Source::read(entry, path)),
             replacements: named(&root, "replacements", |entry| {
                 let table = entry.table()?;
                 let parts = table.entries();
@@ -175,9 +130,12 @@ impl Campaign {
             design: design(&root),
             start_values: named(&root, "start-values", |entry| entry.start_value()),
             seed_parameters: match root.get("seed-parameters") {
-                Some(entry) => entry.texts().into_iter().map(str::to_owned).collect(),
-                None => vec!["*.seed".to_owned()],
+                Some(entry) if !entry.is_table() => {
+                    entry.texts().into_iter().map(str::to_owned).collect()
+                }
+                _ => vec!["*.seed".to_owned()],
             },
+            counted_seeds: counted_seeds(&root),
             stop_time: root.number("stop-time"),
             output_interval: root.positive("output-interval"),
             stop_when: conditions(&root),
@@ -390,12 +348,12 @@ impl Campaign {
     }
 
     /// The cell of a run: all cells have their first run before any has its second.
-    pub(super) fn cell_of(&self, run: u64) -> usize {
+    pub fn cell_of(&self, run: u64) -> usize {
         (run % self.cells.len() as u64) as usize
     }
 
     /// Which of the runs of its cell a run is.
-    pub(super) fn replicate_of(&self, run: u64) -> usize {
+    pub fn replicate_of(&self, run: u64) -> usize {
         (run / self.cells.len() as u64) as usize
     }
 
@@ -431,8 +389,13 @@ impl Campaign {
         lines.extend(self.start_values.iter().map(|(n, v)| format!("start value {n} = {v}")));
         let scenes = self.scenarios.iter().filter(|(_, scene)| !scene.start_values.is_empty());
         lines.extend(scenes.map(|(name, scene)| format!("{name}: {:?}", scene.start_values)));
+        for (name, Source { names, without, .. }) in &self.systems {
+            lines.extend(names.pairs().iter().map(|(a, meant)| format!("{name}: {a} is {meant}")));
+            lines.extend(without.iter().map(|component| format!("{name} is without {component}")));
+        }
         lines.push(format!("sequential = {}", self.sequential));
         lines.push(format!("seed-parameters = {:?}", self.seed_parameters));
+        lines.extend(self.counted_seeds.iter().map(|(name, by)| format!("seed {name}: {by:?}")));
         lines.push(format!("stop-time = {:?}", self.stop_time));
         lines.push(format!("output-interval = {:?}", self.output_interval));
         let conditions: Vec<String> = self.stop_when.iter().map(Condition::to_string).collect();
@@ -453,6 +416,17 @@ pub(super) fn read_figures(root: &Table<'_>) -> Vec<(String, Figure)> {
 /// The name of a figure at an instant.
 pub(super) fn at_instant(name: &str, instant: f64) -> String {
     format!("{name}@{instant}")
+}
+
+fn counted_seeds(root: &Table<'_>) -> Vec<(String, [u64; 2])> {
+    if !root.get("seed-parameters").is_some_and(|entry| entry.is_table()) {
+        return Vec::new();
+    }
+    named(root, "seed-parameters", |entry| {
+        let table = entry.table()?;
+        table.allow(&["first", "step"]);
+        Some([table.count("first").unwrap_or(1), table.count("step").unwrap_or(1)])
+    })
 }
 
 /// The entries of a table of the file, each read by `read`.

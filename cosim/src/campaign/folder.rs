@@ -6,7 +6,7 @@
 
 use std::collections::HashSet;
 use std::fs::{File, OpenOptions};
-use std::io::{BufRead, Read, Write};
+use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -96,7 +96,7 @@ impl Folder {
         let log = path.join(LOG);
         match File::open(&log) {
             Err(e) => contents.notes.push(format!("{} cannot be read: {e}", log.display())),
-            Ok(log) => contents.read_rows(std::io::BufReader::new(log)),
+            Ok(log) => contents.read_rows(BufReader::new(log)),
         }
         Ok(contents)
     }
@@ -104,20 +104,20 @@ impl Folder {
     fn read_log(&mut self) -> Result<()> {
         let file = self.path.join(LOG);
         let unread = |e| Error::new(Code::Results, "the rows cannot be read").at(&file).why(e);
-        let mut octets = Vec::new();
-        self.log.read_to_end(&mut octets).map_err(unread)?;
-        let whole = octets.iter().rposition(|octet| *octet == b'\n').map_or(0, |last| last + 1);
-        if whole < octets.len() {
-            self.log.set_len(whole as u64).map_err(unread)?;
-        }
-        for (line, text) in octets[..whole].split(|octet| *octet == b'\n').enumerate() {
-            if text.is_empty() {
-                continue;
+        let mut log = BufReader::new(&self.log);
+        let (mut whole, mut line, mut text) = (0, 0, Vec::new());
+        while log.read_until(b'\n', &mut text).map_err(unread)? > 0 && text.ends_with(b"\n") {
+            (whole, line) = (whole + text.len() as u64, line + 1);
+            if text.len() > 1 {
+                let row = serde_json::from_slice(&text).map_err(|e| {
+                    Error::new(Code::Results, "a row cannot be read").at_line(&file, line).why(e)
+                })?;
+                self.rows.push(row);
             }
-            let row = serde_json::from_slice(text).map_err(|e| {
-                Error::new(Code::Results, "a row cannot be read").at_line(&file, line + 1).why(e)
-            })?;
-            self.rows.push(row);
+            text.clear();
+        }
+        if !text.is_empty() {
+            self.log.set_len(whole).map_err(unread)?;
         }
         Ok(())
     }
@@ -263,6 +263,7 @@ fn fits(before: &[String], now: &[String], path: &Path) -> Result<()> {
 mod tests {
     use super::*;
     use crate::campaign::Status;
+    use crate::campaign::row::Number;
     use crate::observe::Recording;
 
     fn campaign() -> Campaign {
@@ -272,7 +273,7 @@ mod tests {
 
     fn row(run: u64) -> Row {
         let mut row = Row::without_figures(run, Status::Ok, "said \"a, b\"");
-        (row.figures, row.cpu_ms) = (vec![(0.1 + 0.2).to_string()], "1".into());
+        (row.figures, row.cpu_ms) = (vec![Number(0.1 + 0.2)], "1".into());
         row
     }
 

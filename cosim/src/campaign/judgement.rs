@@ -237,6 +237,7 @@ fn consistency(campaign: &Campaign, cell: usize, rows: &[&Row]) -> Vec<Consisten
 mod tests {
     use std::path::Path;
 
+    use super::super::row::Number;
     use super::*;
 
     /// Two replacements of 40 runs each: the second is worse by 1, and one of its runs fails.
@@ -250,7 +251,7 @@ mod tests {
             .map(|run| {
                 let value = campaign.replicate_of(run) as f64 + campaign.cell_of(run) as f64;
                 let mut row = Row::without_figures(run, Status::Ok, "");
-                row.figures = vec![value.to_string()];
+                row.figures = vec![Number(value)];
                 row
             })
             .collect();

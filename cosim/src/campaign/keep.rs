@@ -1,10 +1,14 @@
 //! The runs of a campaign whose trajectories are kept.
 
+use super::file::Keep;
 use super::{Campaign, Row, Status};
 
 /// The numbers of these runs, in ascending order.
 pub fn kept(campaign: &Campaign, rows: &[Row]) -> Vec<u64> {
     let keep = &campaign.keep;
+    if *keep == Keep::default() {
+        return Vec::new();
+    }
     // Where much is good, little is worst.
     let more = campaign.verdicts.iter().any(|t| t.figure == keep.figure && t.least.is_some());
     let badness = |row: &&Row| {

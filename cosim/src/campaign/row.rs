@@ -1,6 +1,8 @@
 //! What is kept of a run.
 
-use serde::{Deserialize, Serialize};
+use std::fmt;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 /// A run as a row of the results. Numbers are texts that read back to the same bits.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -16,7 +18,7 @@ pub struct Row {
     /// How long it simulated (s).
     pub simulated: String,
     /// The figures of merit, in the order of the alphabet.
-    pub figures: Vec<String>,
+    pub figures: Vec<Number>,
     /// The digest of what was recorded for the figures.
     pub digest: String,
     /// The processor time that it took (ms).
@@ -71,6 +73,46 @@ impl Row {
 
     /// A figure by its place; NaN for one that is not there.
     pub(super) fn figure(&self, place: usize) -> f64 {
-        self.figures.get(place).and_then(|text| text.parse().ok()).unwrap_or(f64::NAN)
+        self.figures.get(place).map_or(f64::NAN, |number| number.0)
+    }
+}
+
+/// A number that is written as a text which reads back to the same bits. NaN is equal to NaN.
+#[derive(Debug, Clone, Copy)]
+pub struct Number(pub f64);
+
+impl PartialEq for Number {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.to_bits() == other.0.to_bits() || (self.0.is_nan() && other.0.is_nan())
+    }
+}
+
+impl fmt::Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl Serialize for Number {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for Number {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Text;
+        impl de::Visitor<'_> for Text {
+            type Value = Number;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number as a text")
+            }
+
+            fn visit_str<E: de::Error>(self, text: &str) -> Result<Number, E> {
+                text.parse().map(Number).map_err(E::custom)
+            }
+        }
+        deserializer.deserialize_str(Text)
     }
 }

@@ -75,10 +75,9 @@ pub struct Estimate {
 /// The quantile `p` and its interval by order statistics (David & Nagaraja 2003, 7.1): whatever the
 /// distribution is, it holds the quantile with at least this confidence. NaN counts as infinite.
 pub(super) fn quantile(values: &[f64], p: f64, confidence: f64) -> Estimate {
-    let mut sorted: Vec<f64> =
+    let mut values: Vec<f64> =
         values.iter().map(|v| if v.is_nan() { f64::INFINITY } else { *v }).collect();
-    sorted.sort_by(f64::total_cmp);
-    let n = sorted.len() as u64;
+    let n = values.len() as u64;
     if n == 0 {
         return Estimate { value: f64::NAN, interval: [f64::NEG_INFINITY, f64::INFINITY] };
     }
@@ -86,17 +85,13 @@ pub(super) fn quantile(values: &[f64], p: f64, confidence: f64) -> Estimate {
     // The greatest rank below which the quantile lies with at most the probability of the tail.
     let low = first(n, |rank| binomial(rank, n, p) > tail).unwrap_or(n).checked_sub(1);
     let high = first(n, |rank| binomial(rank, n, p) >= 1.0 - tail);
-    let interval = [
-        low.map_or(f64::NEG_INFINITY, |rank| sorted[rank as usize]),
-        high.map_or(f64::INFINITY, |rank| sorted[rank as usize]),
-    ];
     let place = p * (n - 1) as f64;
-    let (below, above) = (place.floor() as usize, place.ceil() as usize);
-    let value = if sorted[below] == sorted[above] {
-        sorted[below]
-    } else {
-        sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
-    };
+    let mut of_rank = |rank: u64| *values.select_nth_unstable_by(rank as usize, f64::total_cmp).1;
+    let interval =
+        [low.map_or(f64::NEG_INFINITY, &mut of_rank), high.map_or(f64::INFINITY, &mut of_rank)];
+    let (below, above) = (of_rank(place.floor() as u64), of_rank(place.ceil() as u64));
+    let value =
+        if below == above { below } else { below + (place - place.floor()) * (above - below) };
     Estimate { value, interval }
 }
 

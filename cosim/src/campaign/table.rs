@@ -3,6 +3,7 @@
 use parquet::data_type::ByteArray;
 use parquet::errors::Result as Written;
 
+use super::row::Number;
 use super::{Campaign, Row};
 use crate::columns::{Holds, Table, Values};
 
@@ -49,7 +50,6 @@ pub(super) fn parquet(campaign: &Campaign, rows: &[Row], identity: &[String]) ->
     for rows in rows.chunks(GROUP) {
         let cells = || rows.iter().map(|row| &campaign.cells[campaign.cell_of(row.run)]);
         let input = |place| rows.iter().map(move |row| at(&row.inputs, place));
-        let figure = |place| rows.iter().map(move |row| at(&row.figures, place));
         let mut values = vec![
             whole(rows.iter().map(|row| row.run)),
             text(cells().map(|cell| &*cell.name)),
@@ -65,7 +65,10 @@ pub(super) fn parquet(campaign: &Campaign, rows: &[Row], identity: &[String]) ->
         values.push(text(rows.iter().map(|row| row.status.word())));
         values.push(text(rows.iter().map(|row| &*row.reason)));
         values.push(real(rows.iter().map(|row| &*row.simulated)));
-        values.extend((0..campaign.figures.len()).map(|place| real(figure(place))));
+        values.extend((0..campaign.figures.len()).map(|place| {
+            let figures = rows.iter().map(|row| row.figure(place));
+            Values::OptionalReal(figures.map(|f| (!f.is_nan()).then_some(f)).collect())
+        }));
         values.push(text(rows.iter().map(|row| &*row.digest)));
         values.push(real(rows.iter().map(|row| &*row.cpu_ms)));
         table.group(values)?;
@@ -105,7 +108,10 @@ pub(super) fn csv(campaign: &Campaign, rows: &[Row]) -> String {
             vec![row.run.to_string(), quoted(cell), campaign.replicate_of(row.run).to_string()];
         cells.extend((0..inputs.len()).map(|place| quoted(at(&row.inputs, place))));
         cells.extend([row.status.word().to_owned(), quoted(&row.reason), row.simulated.clone()]);
-        cells.extend((0..campaign.figures.len()).map(|place| at(&row.figures, place).to_owned()));
+        cells.extend(
+            (0..campaign.figures.len())
+                .map(|place| row.figures.get(place).map(Number::to_string).unwrap_or_default()),
+        );
         cells.extend([row.digest.clone(), row.cpu_ms.clone()]);
         text += &(cells.join(",") + "\n");
     }

@@ -17,6 +17,9 @@ pub(crate) struct Changes {
     /// Put another FMU in the place of a component's (repeatable)
     #[arg(long, value_name = "COMPONENT=FMU", value_parser = values::assignment)]
     replace: Vec<(String, String)>,
+    /// Leave out a component that no other one needs (repeatable)
+    #[arg(long, value_name = "COMPONENT")]
+    without: Vec<String>,
     /// Step a component by this many seconds; * and ? stand for parts of names (repeatable)
     #[arg(long, value_name = "COMPONENT=SECONDS", value_parser = values::step)]
     step: Vec<(String, f64)>,
@@ -65,6 +68,9 @@ impl Changes {
         }
         for (component, fmu) in &self.replace {
             overrides = overrides.replace(component, fmu);
+        }
+        for component in &self.without {
+            overrides = overrides.without(component);
         }
         if let Some(seconds) = self.step_size {
             overrides = overrides.step("", seconds);

@@ -31,6 +31,9 @@ pub(crate) struct Export {
     /// $COSIM_SYSTEM_LIBRARY, or libcosim_system.so beside this program or in ../lib/cosim)
     #[arg(long, value_name = "FILE.so")]
     library: Vec<PathBuf>,
+    /// Let the faults and changes of this file (TOML, or JSON of OSP) happen in the FMU
+    #[arg(long, value_name = "FILE")]
+    scenario: Option<PathBuf>,
     #[command(flatten)]
     changes: Changes,
     /// No messages but errors
@@ -45,6 +48,7 @@ impl Export {
         let mut exporter = self.expose.iter().fold(Exporter::new(), Exporter::expose);
         exporter = self.hide.iter().fold(exporter, Exporter::hide);
         exporter = self.library.iter().fold(exporter, Exporter::library);
+        exporter = self.scenario.iter().fold(exporter, Exporter::scenario);
         if let Some(name) = &self.name {
             exporter = exporter.name(name);
         }

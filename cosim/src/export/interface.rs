@@ -14,10 +14,10 @@ use crate::system::Conversion;
 pub(crate) const FILE: &str = "interface.bin";
 
 /// Of the form of the file. A library reads only its own.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// What marks a library that serves exported systems of this form, among its bytes.
-pub const MARK: &str = "cosim serves exported systems of version 1";
+pub const MARK: &str = "cosim serves exported systems of version 2";
 
 /// The variables of an exported FMU, and how its system is run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -26,6 +26,8 @@ pub(crate) struct Interface {
     pub guid: String,
     /// The system's description in the resources.
     pub system: String,
+    /// The file in the resources that says what happens to it, if anything does.
+    pub scenario: Option<String>,
     pub running: Running,
     /// In the order of the modelDescription.xml. A value reference counts those of its type.
     pub variables: Vec<Exposed>,
@@ -111,7 +113,7 @@ impl Role {
 impl Interface {
     pub(crate) fn new(system: &str, running: Running, variables: Vec<Exposed>) -> Self {
         let (guid, system) = (String::new(), system.to_owned());
-        Self { version: VERSION, guid, system, running, variables }
+        Self { version: VERSION, guid, system, scenario: None, running, variables }
     }
 
     pub(crate) fn bytes(&self) -> Result<Vec<u8>> {

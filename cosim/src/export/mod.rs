@@ -30,6 +30,8 @@ use sha2::{Digest, Sha256};
 use crate::error::{Code, Error, Result};
 use crate::files;
 use crate::fmi::Value;
+use crate::master::Manipulator;
+use crate::scenario::Scenario;
 use crate::system::System;
 use archive::{Content, Entry};
 use choice::Chosen;
@@ -61,6 +63,7 @@ pub struct Export {
     expose: Vec<String>,
     hide: Vec<String>,
     libraries: Vec<PathBuf>,
+    scenario: Option<PathBuf>,
 }
 
 impl Export {
@@ -98,6 +101,14 @@ impl Export {
         self
     }
 
+    /// Lets the faults and changes of this file happen in the FMU, too. None may wait for a condition
+    /// or end the run: there are no recorded values, and the importer says when it ends.
+    #[must_use]
+    pub fn scenario(mut self, file: impl Into<PathBuf>) -> Self {
+        self.scenario = Some(file.into());
+        self
+    }
+
     /// Writes the FMU, which replaces one that is there as a whole; gives what is good to know.
     pub fn write(&self, system: &System, path: impl AsRef<Path>) -> Result<Vec<String>> {
         let path = path.as_ref();
@@ -107,7 +118,8 @@ impl Export {
                 .at(path)
                 .help("give it a name that ends with .fmu"));
         }
-        files::refuse_inputs(path, system.files())?;
+        let inputs = system.files().chain(self.scenario.as_deref());
+        files::refuse_inputs(path, inputs)?;
         let libraries = library::find(&LIBRARY, &self.libraries)?;
         libraries.iter().try_for_each(|library| library::check(library, system))?;
         let chosen = choice::choose(system, &self.expose, &self.hide)?;
@@ -132,7 +144,16 @@ impl Export {
             .fmus
             .iter()
             .map(|(name, path)| Ok((format!("resources/{name}"), Content::file(path.clone())?)));
-        let inside = inside.collect::<Result<Vec<Entry>>>()?;
+        let mut inside = inside.collect::<Result<Vec<Entry>>>()?;
+        if let Some(file) = &self.scenario {
+            let mut scenario = Scenario::read(file)?;
+            scenario.runs_without_records().map_err(|why| why.at(file))?;
+            scenario.start(system, None)?;
+            let end = file.extension().and_then(|end| end.to_str()).unwrap_or_default();
+            let name = format!("scenario.{}", end.to_ascii_lowercase());
+            inside.push((format!("resources/{name}"), Content::file(file.clone())?));
+            interface.scenario = Some(name);
+        }
         let (told, listed) = (description.text("")?, interface.bytes()?);
         let files = inside.iter().map(|(_, content)| content.digest().as_bytes());
         let parts = [told.as_bytes(), packed.text.as_bytes(), &listed].into_iter();

@@ -115,15 +115,18 @@ impl Acting {
         self
     }
 
-    /// The condition of fault `number` holds; only the first time counts.
-    pub(crate) fn trigger(&mut self, number: u32, now: Time) {
-        if self.number == number && self.from.is_none() {
-            self.from = Some(now);
-            self.until = self.lasts.map_or(self.until, |lasts| now + lasts);
-            if self.way != Way::Output && self.begun == Some(now) {
-                self.draw(Time::ZERO);
-            }
+    /// The condition of fault `number` holds; only the first time counts. Whether the component is to be
+    /// reset now.
+    pub(crate) fn trigger(&mut self, number: u32, now: Time) -> bool {
+        if self.number != number || self.from.is_some() {
+            return false;
         }
+        self.from = Some(now);
+        self.until = self.lasts.map_or(self.until, |lasts| now + lasts);
+        if self.way != Way::Output && self.begun == Some(now) {
+            self.draw(Time::ZERO);
+        }
+        self.kind == Kind::Reset
     }
 
     /// Whether it looks at values before its beginning.

@@ -10,6 +10,7 @@
 //! The FMUs inside are made when initialization begins, with all start values at once, as in a run
 //! of the system; nothing has to be undone to reset.
 
+mod scenario;
 mod state;
 mod table;
 
@@ -22,6 +23,7 @@ pub use crate::export::interface::Basic;
 use crate::export::interface::{FILE, Interface};
 use crate::fmi::{Logging, Mailbox, Message, Value};
 use crate::master::Engine;
+use crate::scenario::Scenario;
 use crate::system::{Component, Input, Overrides, System};
 use crate::time::Time;
 pub use state::Kept;
@@ -49,6 +51,9 @@ pub struct Hosted {
     pending: Vec<(Basic, u32)>,
     /// Initialization: values have to be passed on until they come to rest.
     unsettled: bool,
+    /// What happens to the system, and until when that has been done.
+    scenario: Option<Scenario>,
+    acted: Option<Time>,
 }
 
 /// How far its life is.
@@ -82,6 +87,7 @@ impl Hosted {
         for component in system.components() {
             component.fmu().map_or(Ok(()), |fmu| fmu.load(component.interface))?;
         }
+        let scenario = interface.scenario.as_ref().map(|name| Scenario::read(resources.join(name)));
         let (system, table) = Table::new(system.logging_to(logging), &interface)?;
         let components = system.components().len();
         Ok(Self {
@@ -97,6 +103,8 @@ impl Hosted {
             unread: vec![true; components],
             pending: Vec::new(),
             unsettled: false,
+            scenario: scenario.transpose()?,
+            acted: None,
             system,
         })
     }
@@ -157,6 +165,7 @@ impl Hosted {
             engine.begin()?;
             odd = engine.take_warnings();
         }
+        self.begin_scenario(None)?;
         self.stage = Stage::Running;
         self.unread.fill(true);
         Ok(odd)
@@ -168,6 +177,7 @@ impl Hosted {
             bounded(engine, end)?;
         }
         self.pass_on()?;
+        self.act_before(end)?;
         if let Some(engine) = &mut self.engine {
             engine.run_until(end)?;
         }
@@ -292,9 +302,7 @@ impl Hosted {
         for (basic, reference) in std::mem::take(&mut self.pending) {
             let known: &Known = self.table.known(basic, reference)?;
             for end in &known.ends {
-                let slave = &mut engine.slaves[end.port.component];
-                slave.came_to(self.time);
-                slave.give(end.port.variable, &end.inward(&known.value)?)?;
+                engine.give(end.port, &end.inward(&known.value)?, self.time)?;
             }
         }
         Ok(())

@@ -22,6 +22,7 @@ pub struct Kept {
     values: Vec<Value>,
     pending: Vec<(Basic, u32)>,
     engine: Option<EngineState>,
+    acted: Option<Time>,
 }
 
 impl Hosted {
@@ -43,6 +44,7 @@ impl Hosted {
             values: self.table.values(),
             pending: self.pending.clone(),
             engine,
+            acted: self.acted,
         })
     }
 
@@ -80,9 +82,10 @@ impl Hosted {
 
     fn take_on(&mut self, kept: &Kept) -> Result<()> {
         match (&mut self.engine, &kept.engine) {
-            (Some(engine), Some(state)) => engine.restore(state, kept.time),
-            _ => Err(self.strange()),
+            (Some(engine), Some(state)) => engine.restore(state, kept.time)?,
+            _ => return Err(self.strange()),
         }
+        self.begin_scenario(kept.acted)
     }
 
     /// Whether the state is one of this system.

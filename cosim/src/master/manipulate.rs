@@ -47,6 +47,11 @@ impl<'a> Controls<'a> {
     pub(crate) fn system(&self) -> &'a System {
         self.system
     }
+
+    /// Of an engine that is stepped without recording.
+    pub(crate) fn of(system: &'a System, engine: &'a mut Engine, now: Time) -> Self {
+        Self { system, driven: engine, now, row: &[], stop: None }
+    }
 }
 
 impl Controls<'_> {
@@ -74,15 +79,30 @@ impl Controls<'_> {
 
     /// The condition for the fault with this number holds.
     pub(crate) fn trigger(&mut self, variable: &str, number: u32) -> Result<()> {
-        self.change(variable, Act::Trigger(number, self.now))
+        self.change(variable, Act::Trigger(number, self.now, self.system.stop_time()))
+    }
+
+    /// Lets a component be reset when the condition of this fault holds. The fault is kept at a variable,
+    /// which it leaves alone, so that it is known in snapshots whether that was so.
+    pub(crate) fn install_reset(&mut self, component: &str, fault: Acting) -> Result<()> {
+        let fault = Patch::Fault(Box::new(fault.installed(Way::Output, self.now)));
+        self.act_on(component, Act::Patch(fault))
+    }
+
+    /// The condition for such a fault holds.
+    pub(crate) fn trigger_reset(&mut self, component: &str, number: u32) -> Result<()> {
+        self.act_on(component, Act::Trigger(number, self.now, self.system.stop_time()))
     }
 
     /// Resets a component: it begins anew with its start values, now.
     pub(crate) fn reset(&mut self, component: &str) -> Result<()> {
+        self.act_on(component, Act::Reset(self.now, self.system.stop_time()))
+    }
+
+    /// What is done to a whole component: its first variable stands for it.
+    fn act_on(&mut self, component: &str, act: Act) -> Result<()> {
         let component = self.system.resettable(component)?;
-        let stop = self.system.stop_time();
-        let act = Act::Reset(self.now, stop);
-        let change = Change { variable: 0, way: Way::Free, act, start: 0.0 };
+        let change = Change { variable: 0, way: Way::Output, act, start: 0.0 };
         self.driven.change(component, change, self.now)
     }
 
@@ -125,8 +145,8 @@ pub(crate) enum Act {
     Patch(Patch),
     /// No override and no bias any more.
     Release,
-    /// The condition for the fault with this number holds now.
-    Trigger(u32, Time),
+    /// The condition for the fault with this number holds now, in a run that ends at the second instant.
+    Trigger(u32, Time, Time),
     /// The component begins anew at this instant, in a run that ends at that one; its variable is of
     /// no matter.
     Reset(Time, Time),
@@ -143,14 +163,16 @@ impl Engine {
         let mut patches = shared.borrow_mut();
         let own = |patched: &Patched| patched.variable == variable;
         let fault = match act {
-            Act::Trigger(number, now) => {
+            Act::Trigger(number, now, stop) => {
+                let mut reset = false;
                 for patched in patches.iter_mut().filter(|patched| own(patched)) {
                     if let Patch::Fault(fault) = &mut patched.patch {
-                        fault.trigger(number, now);
+                        reset |= fault.trigger(number, now);
                     }
                 }
                 release(&mut patches);
-                return Ok(());
+                drop(patches);
+                return if reset { self.reset(component, now, stop) } else { Ok(()) };
             }
             Act::Patch(patch) => Some(patch),
             Act::Release | Act::Reset(..) => None,
@@ -195,9 +217,31 @@ impl Engine {
         Ok(())
     }
 
+    /// Gives a variable that nothing drives a value from outside. What is done to the variable is
+    /// done to this value.
+    pub(crate) fn give(&mut self, port: Port, value: &Value, now: Time) -> Result<()> {
+        let slave = &mut self.slaves[port.component];
+        slave.came_to(now);
+        slave.give(port.variable, value)?;
+        let Some(shared) = &self.patches[port.component] else { return Ok(()) };
+        let mut patches = shared.borrow_mut();
+        let own = |patched: &&mut Patched| patched.variable == port.variable;
+        let mut given = number(value);
+        for patched in patches.iter_mut().filter(own) {
+            patched.start = given;
+            if !patched.patch.is_fault() {
+                given = patched.patch.apply(given);
+                slave.assign(port.variable, given)?;
+            }
+        }
+        // Faults get it with the next step.
+        patches.iter_mut().filter(own).for_each(|patched| patched.given = given);
+        Ok(())
+    }
+
     /// Replaces everything that is done to the variables of a component.
     pub(super) fn replace_patches(&mut self, component: usize, patches: &[Patched]) {
-        if !patches.is_empty() {
+        if !patches.is_empty() || self.patches[component].is_some() {
             *self.patches_of(component).borrow_mut() = patches.to_vec();
         }
     }

@@ -4,6 +4,7 @@
 use std::collections::HashMap;
 
 use crate::fmi::Kind;
+use crate::names::Aliases;
 use crate::observe::Recording;
 use crate::system::System;
 use crate::units::suggested::suggested;
@@ -31,6 +32,21 @@ impl Units {
         for (name, unit) in recording.units() {
             self.described.entry(name.to_owned()).or_insert_with(|| unit.to_owned());
         }
+        self
+    }
+
+    /// The same variables also by other names.
+    pub(crate) fn with(mut self, aliases: &Aliases) -> Self {
+        let by_alias = |(name, unit): (&String, &String)| {
+            let fitting = aliases.pairs().iter().filter_map(|(alias, meant)| {
+                let rest = name.strip_prefix(meant.as_str())?;
+                let alias = rest.starts_with('.').then(|| format!("{alias}{rest}"))?;
+                Some((alias, unit.clone()))
+            });
+            fitting.collect::<Vec<_>>()
+        };
+        let more: Vec<_> = self.described.iter().flat_map(by_alias).collect();
+        self.described.extend(more);
         self
     }
 

@@ -178,11 +178,11 @@ fn kind(table: &Table<'_>, word: &Word) -> Option<Kind> {
         }
         "release" => Kind::Release,
         "reset" => {
-            if let Some(entry) = ["until", "for", "when"].iter().find_map(|key| table.get(key)) {
-                entry.wrong("a reset has no duration and no condition");
+            if let Some(entry) = ["until", "for"].iter().find_map(|key| table.get(key)) {
+                entry.wrong("a reset has no duration");
             }
-            if table.get("from").is_none() && table.get("between").is_none() {
-                table.wrong("'from' or 'between' must say when the reset happens");
+            if ["from", "between", "when"].iter().all(|key| table.get(key).is_none()) {
+                table.wrong("'from', 'between' or 'when' must say when the reset happens");
             }
             Kind::Reset
         }

@@ -180,7 +180,8 @@ impl System {
     /// Reads and checks a system: .ssd, .ssp, `OspSystemStructure.xml` or the folder of the last.
     pub fn load(path: impl AsRef<Path>, overrides: &Overrides) -> Result<Self> {
         let mut raw = read::read(path.as_ref())?;
-        let problems = std::mem::take(&mut raw.problems);
+        let mut problems = std::mem::take(&mut raw.problems);
+        problems.extend(raw.leave_out(&overrides.without));
         check::check(Arc::new(raw), overrides, problems)
     }
 

@@ -22,6 +22,7 @@ use crate::solver::{Method, Settings};
 pub struct Overrides {
     pub(super) start_values: Vec<(String, String)>,
     pub(super) replacements: Vec<(String, PathBuf)>,
+    pub(super) without: Vec<String>,
     pub(super) steps: Vec<(String, f64)>,
     pub(super) interfaces: Vec<(String, InterfaceType)>,
     pub(super) method: Option<Method>,
@@ -55,6 +56,14 @@ impl Overrides {
     #[must_use]
     pub fn replace(mut self, component: impl Into<String>, fmu: impl Into<PathBuf>) -> Self {
         self.replacements.push((component.into(), fmu.into()));
+        self
+    }
+
+    /// Leaves out a component that no other one needs. It is left out when the file is read, so also
+    /// of all systems that [`System::with`](super::System::with) makes of the one that lacks it.
+    #[must_use]
+    pub fn without(mut self, component: impl Into<String>) -> Self {
+        self.without.push(component.into());
         self
     }
 

@@ -8,9 +8,10 @@ use std::sync::Arc;
 
 use crate::fmi::archive::Unpacked;
 
+use super::check::unknown_component;
 use super::function::Function;
 use super::opened::OpenedFmus;
-use crate::error::Error;
+use crate::error::{Code, Error};
 use crate::fmi::InterfaceType;
 use crate::units::Unit;
 
@@ -155,6 +156,35 @@ pub(super) enum Transformation {
     Integer(Vec<(i32, i32)>),
     /// Items by their names.
     Enumeration(Vec<(String, String)>),
+}
+
+impl RawSystem {
+    /// Leaves out components with their connections, parameters and connectors; gives what is wrong
+    /// with that.
+    pub(super) fn leave_out(&mut self, without: &[String]) -> Vec<Error> {
+        let out = |component: &String| without.contains(component);
+        let known = || self.components.iter().map(|component| component.name.as_str());
+        let mut problems: Vec<Error> = without
+            .iter()
+            .filter(|name| !known().any(|known| known == *name))
+            .map(|name| unknown_component(name, known()).at(&self.file))
+            .collect();
+        for RawConnection { from, to, place, .. } in &self.connections {
+            if out(&from.0) && !out(&to.0) {
+                let what = format!("'{}' cannot be left out: '{}.{}' needs it", from.0, to.0, to.1);
+                problems.push(place.mark(Error::new(Code::Usage, what)));
+            }
+        }
+        self.components.retain(|component| !out(&component.name));
+        self.connections.retain(|connection| !out(&connection.from.0) && !out(&connection.to.0));
+        let of = |name: &str| {
+            without.iter().any(|w| name.strip_prefix(w).is_some_and(|rest| rest.starts_with('.')))
+        };
+        self.parameters.retain(|parameter| !of(&parameter.name));
+        self.recorded.retain(|pattern| !of(pattern));
+        self.ports.iter_mut().for_each(|port| port.ends.retain(|end| !out(&end.name.0)));
+        problems
+    }
 }
 
 impl Place {

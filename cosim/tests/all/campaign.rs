@@ -7,8 +7,11 @@ use tempfile::TempDir;
 
 use crate::distributed::{cosim, outcome, results};
 use crate::models::Model;
-use crate::models::Model::{Clock, Gain, Integrator};
+use crate::models::Model::{Clock, Counter, Gain, Integrator};
 use crate::ssd::Ssd;
+
+mod kept;
+mod systems;
 
 /// Clock -> gain -> integrator, of which the gain may be another FMU, in a folder with a campaign.
 pub(crate) fn campaign(folder: &Path, more: &str) {

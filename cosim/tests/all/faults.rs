@@ -92,6 +92,10 @@ value = 3
 on = "g.y"
 when = "clock.y > 0.75"
 for = 0.6
+[[fault]]
+kind = "reset"
+on = "x"
+when = "clock.y > 1.45"
 "#;
 
 #[test]
@@ -157,7 +161,11 @@ fn a_component_that_is_reset_begins_anew_and_a_release_ends_what_is_before_it() 
     };
     wrong("[[fault]]\nKIND\non = \"y\"\nfrom = 0.1", "there is no component 'y'");
     wrong("[[fault]]\nKIND\non = \"x\"\nfrom = 0.1\nfor = 1", "no duration");
-    wrong("[[fault]]\nKIND\non = \"x\"", "'from' or 'between'");
+    wrong("[[fault]]\nKIND\non = \"x\"", "'from', 'between' or 'when'");
+    // Once, when it holds first.
+    let results =
+        play(&system, "[[fault]]\nkind = \"reset\"\non = \"x\"\nwhen = \"clock.y >= 0.3\"");
+    assert_near(results.column("x.y").unwrap(), &[0.0, 0.0, 0.01, 0.03, 0.03, 0.07, 0.12]);
 }
 
 #[test]
@@ -183,8 +191,8 @@ fn the_same_seed_gives_the_same_bits_and_another_one_others() {
 #[test]
 fn how_often_is_recorded_changes_nothing() {
     let often = play(&chain(2.0).load(&Overrides::new()).unwrap(), MANY);
-    // The condition is looked at at output instants, so it goes without.
-    let text = &MANY[..MANY.rfind("[[fault]]").unwrap()];
+    // Conditions are looked at at output instants, so it goes without those that have one.
+    let text = &MANY[..MANY.find("[[fault]]\nkind = \"bias\"").unwrap()];
     let often_without = play(&chain(2.0).load(&Overrides::new()).unwrap(), text);
     let seldom = play(&chain(2.0).load(&Overrides::new().output_interval(0.5)).unwrap(), text);
     for (name, values) in seldom.columns() {

@@ -105,9 +105,10 @@ pub struct RexRov {
 impl Component for RexRov {
     const INFO: Info = Info {
         stop_time_s: 60.0,
-        // Commands that jump set off the lag of the rotors, 50 ms: a minute of that is good to a
-        // millionth of each signal's peak.
-        integrator_step_s: 0.004,
+        integrator_step_s: 0.01,
+        // Commands that are held have the lag of the rotors, 50 ms, in closed form. Where they move a
+        // minute is good to a millionth of each signal's peak.
+        moving_step_s: 0.004,
         ..crate::info(
             "RexROV",
             "RexROV underwater vehicle, six degrees of freedom, eight thrusters",
@@ -165,6 +166,16 @@ impl Component for RexRov {
                 None => self.vehicle.rate(x, &drive),
             })
         }
+    }
+
+    #[inline]
+    fn held_step(
+        &self,
+        (): &(),
+        Direct(u): &Direct<Inputs>,
+    ) -> impl Fn(&mut Direct<State>, f64, f64, Option<&Direct<Outputs>>) {
+        let drive = self.vehicle.drive(u);
+        move |Direct(x), _, h, known| self.vehicle.advance(x, &drive, h, known.map(|Direct(y)| y))
     }
 
     #[inline]

@@ -15,7 +15,7 @@
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::{Fault, Info, ParameterError, Resources, Time, Variables};
+use super::{Fault, Info, ParameterError, Resources, Time, Variables, runge_kutta};
 
 /// Variables of a port group: plain values, so no `String`. Inputs and outputs are `f64`, `i32`,
 /// `bool` and enumerations; states are Real only (checked when the component is compiled).
@@ -123,6 +123,23 @@ pub trait Component: Sized + Send + 'static {
         inputs: &Self::Inputs,
     ) -> impl Fn(f64, &Self::States, Option<&Self::Outputs>) -> Self::States {
         move |t, states, _| self.derivatives(t, memory, states, inputs)
+    }
+
+    /// A step of the fixed-step method while memory and inputs are held: it advances the states by `h`
+    /// seconds from `t`. The outputs there come along where they are known.
+    ///
+    /// Override the classical Runge-Kutta method where a part of the states has a closed form, such as the
+    /// lag of a held command, which then need not limit the step.
+    fn held_step(
+        &self,
+        memory: &Self::Memory,
+        inputs: &Self::Inputs,
+    ) -> impl Fn(&mut Self::States, f64, f64, Option<&Self::Outputs>) {
+        let slope = self.held_derivatives(memory, inputs);
+        move |states, t, h, known| {
+            let first = slope(t, states, known);
+            runge_kutta(&|t, states: &Self::States| slope(t, states, None), first, states, t, h);
+        }
     }
 
     /// The outputs at time `t` in seconds.

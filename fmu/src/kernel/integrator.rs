@@ -8,7 +8,7 @@
 //! The error of a step is the root mean square of e_i / (tolerance (nominal_i + |x_i|)) over the
 //! states (Hairer, Nørsett and Wanner, Solving ODEs I, II.4); a step is accepted up to 1.
 
-use crate::author::{Info, Ports};
+use crate::author::{Info, Ports, add};
 use crate::{Enumeration, Variables};
 
 /// How a component's states are integrated in co-simulation
@@ -43,42 +43,6 @@ impl Integrator {
             tolerance: 1e-6,
         }
     }
-}
-
-/// Adds `factor * k` to `x`.
-#[inline]
-pub(crate) fn add<X: Ports>(x: &mut X, k: &X, factor: f64) {
-    x.zip_reals(k, &mut |x, k| *x += factor * k);
-}
-
-#[inline]
-fn moved<X: Ports>(x: &X, k: &X, h: f64) -> X {
-    let mut there = *x;
-    add(&mut there, k, h);
-    there
-}
-
-/// One step of the classical Runge-Kutta method, from `x`, where the derivatives are `k1`.
-#[inline]
-pub(crate) fn runge_kutta<X: Ports>(f: &impl Fn(f64, &X) -> X, k1: X, x: &mut X, t: f64, h: f64) {
-    let half = 0.5 * h;
-    let k2 = f(t + half, &moved(x, &k1, half));
-    let k3 = f(t + half, &moved(x, &k2, half));
-    let k4 = f(t + h, &moved(x, &k3, h));
-    let mut slope = k1;
-    add(&mut slope, &k2, 2.0);
-    add(&mut slope, &k3, 2.0);
-    add(&mut slope, &k4, 1.0);
-    add(x, &slope, h / 6.0);
-}
-
-/// The same from a state that stays, in a place of its own: for the search for an event.
-#[cold]
-#[inline(never)]
-pub(crate) fn runge_kutta_again<X: Ports>(f: &impl Fn(f64, &X) -> X, x: &X, t: f64, h: f64) -> X {
-    let mut there = *x;
-    runge_kutta(f, f(t, x), &mut there, t, h);
-    there
 }
 
 /// Nodes, weights of the stages, and the difference of the two embedded results (RK5(4)7M).

@@ -51,7 +51,7 @@ pub use log::{Category, Log, Sink};
 pub use memory::{SPREAD, spare};
 pub use model::{Cause, Events, Halt, Memory, Model};
 pub use model_exchange::EventOutcome;
-pub use registry::{Entry, Registry, Shared};
+pub use registry::{Deferred, Entry, Registry, Shared};
 pub use served::{Request, Served};
 pub use signal::Slopes;
 pub use state::State;

@@ -1,6 +1,6 @@
 //! The components a library holds, told apart by their GUIDs.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use sha2::{Digest, Sha256};
 
@@ -38,7 +38,7 @@ impl Entry {
         let text = description::write(&C::INFO, &table, "", None);
         Self {
             info: C::INFO,
-            guid: guid(&text).into(),
+            guid: guid(C::INFO.name, &text).into(),
             table: Arc::new(table),
             flaw,
             model: |table, resources| Box::new(ComponentModel::<C>::new(table, resources)),
@@ -120,17 +120,37 @@ impl Entry {
     }
 }
 
+/// A component of which nothing is made before it is asked for: a library with many is loaded for one.
+#[derive(Debug)]
+pub struct Deferred {
+    name: &'static str,
+    make: fn() -> Entry,
+    made: OnceLock<Entry>,
+}
+
+impl Deferred {
+    /// The entry of a component, to be made.
+    #[must_use]
+    pub const fn of<C: Component>() -> Self {
+        Self { name: C::INFO.name, make: Entry::of::<C>, made: OnceLock::new() }
+    }
+
+    fn get(&self) -> &Entry {
+        self.made.get_or_init(self.make)
+    }
+}
+
 /// All components of a library.
 #[derive(Debug)]
 pub struct Registry {
     library: &'static str,
-    entries: Vec<Entry>,
+    entries: Vec<Deferred>,
 }
 
 impl Registry {
     /// A library of these components; `module` is where they are exported.
     #[must_use]
-    pub fn new(module: &'static str, entries: Vec<Entry>) -> Self {
+    pub fn new(module: &'static str, entries: Vec<Deferred>) -> Self {
         Self { library: module.split("::").next().unwrap_or(module), entries }
     }
 
@@ -142,7 +162,7 @@ impl Registry {
 
     /// The components in the order of the export.
     pub fn entries(&self) -> impl Iterator<Item = &Entry> {
-        self.entries.iter()
+        self.entries.iter().map(Deferred::get)
     }
 
     /// A new instance of the component that the request's GUID chooses.
@@ -157,7 +177,7 @@ impl Registry {
     /// The component called `name`.
     #[must_use]
     pub fn named(&self, name: &str) -> Option<&Entry> {
-        self.entries().find(|entry| entry.info.name == name)
+        self.entries.iter().find(|entry| entry.name == name).map(Deferred::get)
     }
 
     /// The component of a GUID.
@@ -165,7 +185,8 @@ impl Registry {
     /// # Errors
     /// There is none; the text names the GUID asked for and those there are.
     pub fn by_guid(&self, guid: &str) -> Result<&Entry, String> {
-        self.entries().find(|entry| &*entry.guid == guid).ok_or_else(|| {
+        let named = self.entries.iter().filter(|entry| guid.ends_with(&mark(entry.name)));
+        named.map(Deferred::get).find(|entry| &*entry.guid == guid).ok_or_else(|| {
             let known: Vec<_> =
                 self.entries().map(|e| format!("{} {}", e.info.name, e.guid)).collect();
             format!(
@@ -207,15 +228,21 @@ impl Shared {
     }
 }
 
-/// SHA-256 of the description in the customary form of a GUID.
-fn guid(text: &str) -> String {
+/// SHA-256 of the description and of the name in the customary form of a GUID.
+fn guid(name: &str, text: &str) -> String {
     let mut guid = String::from("{");
-    for (index, byte) in Sha256::digest(text.as_bytes()).iter().take(16).enumerate() {
-        if matches!(index, 4 | 6 | 8 | 10) {
+    for (index, byte) in Sha256::digest(text.as_bytes()).iter().take(10).enumerate() {
+        if matches!(index, 4 | 6 | 8) {
             guid.push('-');
         }
         guid.push_str(&format!("{byte:02x}"));
     }
-    guid.push('}');
-    guid
+    guid + &mark(name)
+}
+
+/// The end of a GUID, which says whose it is without the description.
+fn mark(name: &str) -> String {
+    let digest = Sha256::digest(name.as_bytes());
+    let digits: String = digest.iter().take(6).map(|byte| format!("{byte:02x}")).collect();
+    format!("-{digits}}}")
 }

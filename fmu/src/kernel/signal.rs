@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::author::{Component, Ports};
+use crate::author::{Component, Ports, runge_kutta};
 
 use super::values::all_finite;
 
@@ -25,6 +25,13 @@ pub(crate) trait Signal<C: Component> {
         component: &'a C,
         memory: &'a C::Memory,
     ) -> impl Fn(f64, &C::States, Option<&C::Outputs>) -> C::States;
+
+    /// The step of the fixed-step method along these inputs.
+    fn step<'a>(
+        &'a self,
+        component: &'a C,
+        memory: &'a C::Memory,
+    ) -> impl Fn(&mut C::States, f64, f64, Option<&C::Outputs>);
 }
 
 /// Inputs that stay as they are.
@@ -45,6 +52,15 @@ impl<C: Component> Signal<C> for Held<C::Inputs> {
         memory: &'a C::Memory,
     ) -> impl Fn(f64, &C::States, Option<&C::Outputs>) -> C::States {
         component.held_derivatives(memory, &self.0)
+    }
+
+    #[inline]
+    fn step<'a>(
+        &'a self,
+        component: &'a C,
+        memory: &'a C::Memory,
+    ) -> impl Fn(&mut C::States, f64, f64, Option<&C::Outputs>) {
+        component.held_step(memory, &self.0)
     }
 }
 
@@ -83,6 +99,15 @@ impl<C: Component> Signal<C> for Moving<C::Inputs> {
         memory: &'a C::Memory,
     ) -> impl Fn(f64, &C::States, Option<&C::Outputs>) -> C::States {
         move |t, x, _| component.derivatives(t, memory, x, &self.at(t))
+    }
+
+    fn step<'a>(
+        &'a self,
+        component: &'a C,
+        memory: &'a C::Memory,
+    ) -> impl Fn(&mut C::States, f64, f64, Option<&C::Outputs>) {
+        let f = |t, x: &C::States| component.derivatives(t, memory, x, &self.at(t));
+        move |x, t, h, _| runge_kutta(&f, f(t, x), x, t, h)
     }
 }
 

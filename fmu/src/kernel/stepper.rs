@@ -11,10 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::author::{Component, Fault, Ports, Time, Variables};
 
-use super::integrator::{
-    Integrator, IntegratorMethod, dormand_prince, runge_kutta, runge_kutta_again, step_factor,
-    weighed,
-};
+use super::integrator::{Integrator, IntegratorMethod, dormand_prince, step_factor, weighed};
 use super::model::{Cause, Halt};
 use super::signal::Signal;
 use super::values::{first_not_finite, is_finite, read};
@@ -211,6 +208,7 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
     fn fixed(&mut self, x: &mut C::States, t: f64, h: f64) -> Result<Option<f64>, Halt> {
         // The common case of a single step needs no division.
         let longest = self.scheme.integrator.step;
+        let longest = if S::MOVES { longest.min(C::INFO.moving_step_s) } else { longest };
         let single = h <= longest * (1.0 + SLACK);
         let steps = if single { 1.0 } else { (h / longest - SLACK).ceil() };
         let step = if single { h } else { h / steps };
@@ -220,27 +218,23 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
         // The result of a single step is looked at once it is stored with the outputs.
         let look = !single || watches::<C, S>() || self.next_event().is_some();
         let mut known = self.known.take();
-        let slope = self.signal.derivatives(self.component, &self.progress.memory);
-        let f = |t, x: &C::States| slope(t, x, None);
+        let advance = self.signal.step(self.component, &self.progress.memory);
         for k in 0..steps as u64 {
             let at = t + k as f64 * step;
-            let first = match known.take() {
-                Some(reals) => slope(at, x, Some(&outputs::<C>(reals))),
-                None => slope(at, x, None),
-            };
+            let outputs = known.take().map(outputs::<C>);
             if !look {
-                runge_kutta(&f, first, x, at, step);
+                advance(x, at, step, outputs.as_ref());
                 continue;
             }
             let before = *x;
-            runge_kutta(&f, first, x, at, step);
+            advance(x, at, step, outputs.as_ref());
             if !is_finite(x) {
                 let halt = Halt::not_finite(at, x);
                 *x = before;
                 return Err(halt);
             }
             if watches::<C, S>() && self.crossed(x, at + step) {
-                let again = |step| runge_kutta_again(&f, &before, at, step);
+                let again = |step| elsewhere::<C>(&advance, &before, at, step);
                 let (there, length) = self.locate(*x, at, step, again);
                 *x = there;
                 return Ok(Some(at + length));
@@ -368,6 +362,20 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
             nearest.map_or("?", |(name, _)| name)
         ))
     }
+}
+
+/// A step from a state that stays, in a place of its own: for the search for an event.
+#[cold]
+#[inline(never)]
+fn elsewhere<C: Component>(
+    advance: &impl Fn(&mut C::States, f64, f64, Option<&C::Outputs>),
+    x: &C::States,
+    t: f64,
+    h: f64,
+) -> C::States {
+    let mut there = *x;
+    advance(&mut there, t, h, None);
+    there
 }
 
 #[inline(always)]

@@ -2,6 +2,7 @@
 //! one changes both sides alike. Nothing here is a test: the bars are goals, shown beside what was
 //! measured.
 
+mod campaign;
 mod command;
 mod component;
 mod course;
@@ -42,6 +43,9 @@ pub(crate) struct Options {
     /// Only what distributed runs cost, beside raw TCP, and remote FMUs, beside raw Zenoh
     #[arg(long)]
     distributed: bool,
+    /// Only what campaigns cost
+    #[arg(long)]
+    campaigns: bool,
     /// Only what the filters cost, beside FilterPy if `FILTERPY_PYTHON` names a Python that has it
     #[arg(long)]
     filters: bool,
@@ -59,11 +63,17 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         return Ok(());
     }
     package::for_this_machine()?;
+    if options.campaigns {
+        process::run(&mut process::build_workspace())?;
+        print(&campaign::measure()?);
+        return Ok(());
+    }
     let mut rows = vehicle::measure()?;
     rows.extend(functions::bars()?);
     rows.extend(filter::measure()?);
     rows.extend(course::measure()?);
     rows.extend(command::measure()?);
+    rows.extend(campaign::measure()?);
     print(&rows);
     println!();
     functions::print()?;

@@ -1,16 +1,16 @@
-//! Runs all cases on all cores.
+//! Makes all runs of the campaign on all cores.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use anyhow::Context;
-use cosim::{Recording, System};
+use anyhow::{Context, ensure};
+use cosim::Recording;
+use cosim::campaign::{Bench, Status};
 
 use super::case::Case;
 use super::metrics::Metrics;
-use super::settings::{SYSTEM, overrides};
-use super::trace::Trace;
+use super::settings::{bench, cases};
+use super::trace::{SIGNALS, Trace};
 use crate::experiment::on_threads;
-use crate::paths;
 
 /// The seed whose runs are kept whole, for the figures.
 pub(crate) const SHOWN_SEED: u32 = 1;
@@ -34,15 +34,14 @@ pub(crate) struct Campaign {
 }
 
 impl Campaign {
-    /// Runs the cases on so many threads; result files of the paper's columns go into a folder.
-    pub(crate) fn run(cases: &[Case], threads: usize, folder: &Path) -> anyhow::Result<Self> {
+    /// Makes all runs on so many threads; result files of the paper's columns go into a folder.
+    pub(crate) fn run(seeds: u32, threads: usize, folder: &Path) -> anyhow::Result<Self> {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("cannot create {}", folder.display()))?;
-        // Kept while the others are derived from it, so that the FMUs are unpacked and mapped once.
-        let first = cases.first().context("no case to run: ask for at least one seed")?;
-        let base = System::load(system_file(), &overrides(first)?)?;
-        let outcomes = on_threads("reproduce", cases, threads, |case| {
-            run_case(&base, case, folder).with_context(|| format!("the run {case} failed"))
+        let bench = bench(seeds)?;
+        bench.check()?;
+        let outcomes = on_threads("reproduce", &cases(&bench)?, threads, |(case, run)| {
+            make(&bench, case, *run, folder).with_context(|| format!("the run {case} failed"))
         })?;
         Ok(Campaign { outcomes })
     }
@@ -64,14 +63,10 @@ impl Campaign {
     }
 }
 
-fn system_file() -> PathBuf {
-    paths::root().join(SYSTEM)
-}
-
-fn run_case(base: &System, case: &Case, folder: &Path) -> anyhow::Result<Outcome> {
-    let system = base.with(&overrides(case)?)?;
+fn make(bench: &Bench, case: &Case, run: u64, folder: &Path) -> anyhow::Result<Outcome> {
     let mut recording = Recording::new();
-    system.run(&mut [&mut recording])?;
+    let row = bench.replay(run, &SIGNALS.map(str::to_owned), &mut recording);
+    ensure!(row.status == Status::Ok, row.reason);
     if case.is_in_paper() && case.seed <= FILED_SEEDS {
         recording.write_csv(folder.join(case.file_name()))?;
     }

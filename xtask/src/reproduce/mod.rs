@@ -1,7 +1,7 @@
 //! The paper's experiment (section 9), repeated: three courses, two filters, many seeds.
 //!
-//! Runs the closed loop of `examples/paper.ssd` from packaged FMUs, measures each run as the paper
-//! does, prints Tables 7 to 9 beside the paper's numbers and the verdicts of goal G1, and writes
+//! Makes the runs of the campaign `examples/campaign/paper.toml`, measures each as the paper does,
+//! prints Tables 7 to 9 beside the paper's numbers and the verdicts of goal G1, and writes
 //! `target/reproduce`: `report.html`, `figures/*.svg`, `runs/*.csv`.
 
 mod campaign;
@@ -46,7 +46,7 @@ pub(crate) struct Options {
 pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     let threads = options.threads.unwrap_or_else(default_threads);
     let folder = paths::target().join("reproduce");
-    let campaign = Campaign::run(&Case::all(options.seeds), threads, &folder.join("runs"))?;
+    let campaign = Campaign::run(options.seeds, threads, &folder.join("runs"))?;
     let verdicts = verdicts(&campaign);
     print(&campaign, &verdicts);
 

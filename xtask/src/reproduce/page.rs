@@ -5,7 +5,7 @@ use cosim::report::{Block, Page, Section};
 use super::campaign::{Campaign, FILED_SEEDS, SHOWN_SEED};
 use super::case::{Case, Course, Filter};
 use super::figures::Figures;
-use super::settings::{self, CHOSEN, FIX_RATE_HZ, SPEED_M_S, SYSTEM};
+use super::settings::{self, CAMPAIGN, SPEED_M_S, SYSTEM};
 use super::{metrics, tables};
 use crate::experiment::Verdict;
 
@@ -121,7 +121,7 @@ fn y_ratio(campaign: &Campaign, course: Course) -> f64 {
 fn setup(campaign: &Campaign, seeds: u32) -> Section {
     let mut section = Section::new("What was run");
     section.text(format!(
-        "The loop of {SYSTEM}: the vehicle with six degrees of freedom and eight thrusters; IMU, \
+        "The campaign {CAMPAIGN} on the loop of {SYSTEM}: the vehicle with six degrees of freedom and eight thrusters; IMU, \
          DVL, position fix and pressure sensor; a filter; pure pursuit on the estimate; a velocity \
          controller. Each is an FMU. Guidance knows the estimate only; the velocity controller gets \
          the true velocity, as in the paper's simulator. There is no current."
@@ -129,7 +129,7 @@ fn setup(campaign: &Campaign, seeds: u32) -> Section {
     section.blocks.push(Block::List(vec![
         format!("Speed {SPEED_M_S} m/s, depth 20 m, start at the origin heading north."),
         format!(
-            "Position fix at {FIX_RATE_HZ} Hz, σ = {} m for the dynamic and {} m for the kinematic \
+            "Position fix at 10 Hz, σ = {} m for the dynamic and {} m for the kinematic \
              filter; both filters also at both fixes.",
             Filter::Dynamic.paper_fix().sigma(),
             Filter::Kinematic.paper_fix().sigma()
@@ -137,10 +137,9 @@ fn setup(campaign: &Campaign, seeds: u32) -> Section {
         "Filters with the paper's eqs. 36 and 44 to 53 at 10 Hz, velocities from the DVL, \
          acceleration from eqs. 27 to 30 (dynamic) or the IMU (kinematic)."
             .to_string(),
-        format!(
-            "Chosen for the levels of the paper's tables: {}.",
-            CHOSEN.map(|(name, value)| format!("{name} = {value}")).join(", ")
-        ),
+        "Noise of the DVL and turn-on bias of the accelerometers are chosen for the levels of the paper's \
+         tables."
+            .to_string(),
         format!(
             "{} of each kind, {} runs. Every sensor draws from a stream of its own; both \
              filters meet the same noise.",

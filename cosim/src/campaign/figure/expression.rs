@@ -29,6 +29,11 @@ impl Expression {
         &self.variables
     }
 
+    /// The same, to be changed; the formula's text keeps the names of its file.
+    pub(super) fn variables_mut(&mut self) -> &mut [String] {
+        &mut self.variables
+    }
+
     /// Its value at each sample.
     pub(super) fn values(&self, recording: &Recording) -> Result<Vec<f64>> {
         let columns = self.variables.iter().map(|name| recording.column(name));

@@ -60,8 +60,6 @@ impl Shown<'_> {
         cells: &mut [Cell<'_>],
         more: &mut dyn FnMut(usize) -> bool,
     ) -> Runs {
-        let mut choice = Choice::default();
-        self.campaign.summarized().iter().for_each(|(_, figure)| figure.choose(&mut choice));
         let mut runs = Runs::new();
         // A run of its own may be longer than others, but none needs more than this.
         let each = (octets / plan.len().max(1)).min(400_000);
@@ -71,7 +69,7 @@ impl Shown<'_> {
             let made = if stopped {
                 Err("the report was interrupted".to_owned())
             } else {
-                self.trace(*run, &choice, each)
+                self.trace(*run, each)
             };
             let row = self.row(*run);
             cells[*cell].shown.push(ShownRun {
@@ -90,7 +88,7 @@ impl Shown<'_> {
         rows.binary_search_by_key(&run, |row| row.run).ok().map(|place| rows[place])
     }
 
-    fn trace(&self, run: u64, choice: &Choice, most: usize) -> Result<Trace, String> {
+    fn trace(&self, run: u64, most: usize) -> Result<Trace, String> {
         let bench = self.bench.as_ref().map_err(Clone::clone)?;
         let (all, mut recording) = (["*".to_owned()], Recording::new());
         let again = bench.replay(run, &all, &mut recording);
@@ -102,9 +100,12 @@ impl Shown<'_> {
             return Err(format!("it is another run now: its digest is {}", again.digest));
         }
         let told = |error: Error| error.line();
+        let mut choice = Choice::default();
+        let count = self.campaign.summarized().len();
+        bench.figures(run)[..count].iter().for_each(|figure| figure.choose(&mut choice));
         let shown = ShownAs {
             units: bench.units(run, &all).map_err(told)?,
-            choice: choice.clone(),
+            choice,
             faults: bench.windows(run, &recording),
             ..ShownAs::default()
         };

@@ -6,6 +6,7 @@ use std::path::Path;
 use cosim::campaign::{self, Bench, Folder, Row};
 use cosim::{Code, Error, Result};
 
+use super::keep::keep;
 use super::{Campaign, verdict};
 
 /// So many missing runs are named.
@@ -47,7 +48,7 @@ impl Campaign {
         if !missing.is_empty() {
             return Err(incomplete(&missing, bench.campaign().runs()));
         }
-        self.keep(&bench, output, results)?;
+        keep(&bench, output, results)?;
         verdict(&judgement)
     }
 }

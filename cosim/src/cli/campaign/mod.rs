@@ -1,12 +1,13 @@
 //! `cosim campaign`: many runs, kept one by one, and what they say.
 
+mod keep;
 mod merge;
 mod pool;
 mod shard;
 mod told;
 mod worker;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::Args;
@@ -111,7 +112,7 @@ impl Campaign {
         }
         outcome?;
         if self.shard.is_none() {
-            self.keep(&bench, &folder, results)?;
+            keep::keep(&bench, &folder, results)?;
         }
         if interrupt::interrupted() {
             return Err(Error::new(Code::Interrupted, "the campaign was interrupted")
@@ -162,7 +163,7 @@ impl Campaign {
                 }
                 Ok(())
             });
-            if outcome.is_err() || interrupt::interrupted() {
+            if outcome.is_err() || interrupt::interrupted() || end == campaign.seeds {
                 break;
             }
             let until = (end * campaign.cells()) as u64;
@@ -190,36 +191,6 @@ impl Campaign {
             print(&told::text(&judgement))?;
         }
         Ok(judgement)
-    }
-
-    /// Makes the runs again whose trajectories are wanted, each in a process of its own: one that crashed
-    /// crashes again.
-    fn keep(&self, bench: &Bench, folder: &Path, results: Folder) -> Result<()> {
-        let kept = campaign::kept(bench.campaign(), results.rows());
-        // Each replay is a process of its own that reads the rows: they need not be in memory twice.
-        drop(results);
-        let program = super::worker::this_program()?;
-        for run in kept {
-            let place = folder.join("trajectories");
-            let file = place.join(format!("run{run}.mcap"));
-            if file.exists() || interrupt::interrupted() {
-                continue;
-            }
-            let unmade =
-                |e| Error::new(Code::Output, "the folder cannot be made").at(&place).why(e);
-            std::fs::create_dir_all(&place).map_err(unmade)?;
-            let mut replay = std::process::Command::new(&program);
-            replay.arg("replay").arg(folder).arg(run.to_string()).arg("--output-file").arg(&file);
-            let output = replay.output().map_err(|e| {
-                Error::new(Code::Lost, format!("run {run} cannot be made again")).why(e)
-            })?;
-            // What a failed run left is kept; the row says why it failed.
-            if !output.status.success() && !file.exists() {
-                let said = String::from_utf8_lossy(&output.stderr).trim().to_owned();
-                messages::warning(&format!("run {run} has left no trajectory: {said}"));
-            }
-        }
-        Ok(())
     }
 
     fn estimate(&self, bench: &Bench, pool: &pool::Pool<'_>, jobs: usize) -> Result<()> {

@@ -2,6 +2,7 @@
 //! too long, costs its run only, and another takes its place.
 
 use std::io::{Read, Write};
+use std::os::fd::AsFd;
 use std::os::unix::process::CommandExt;
 use std::path::PathBuf;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
@@ -120,32 +121,47 @@ impl Maker {
         let begun = Instant::now();
         let input = self.input.as_mut().ok_or(Status::Crashed)?;
         input.write_all(format!("{run}\n").as_bytes()).map_err(|_| Status::Crashed)?;
-        loop {
-            if let Some(end) = self.read.iter().position(|octet| *octet == b'\n') {
-                let row = serde_json::from_slice(&self.read[..end]).map_err(|_| Status::Crashed);
-                self.read.drain(..=end);
-                return row;
-            }
-            let left = limit.saturating_sub(begun.elapsed());
-            let mut look = [PollFd::new(&self.output, PollFlags::IN)];
-            let left = Timespec::try_from(left.min(Duration::from_secs(3600)));
-            match poll(&mut look, left.ok().as_ref()) {
-                Ok(0) if begun.elapsed() >= limit => return Err(Status::TimedOut),
-                Ok(0) | Err(rustix::io::Errno::INTR) => continue,
-                Ok(_) => {}
-                Err(_) => return Err(Status::Crashed),
-            }
-            let mut part = [0; 4096];
-            match self.output.read(&mut part) {
-                Ok(0) | Err(_) => return Err(Status::Crashed),
-                Ok(count) => self.read.extend_from_slice(&part[..count]),
-            }
-        }
+        let left = limit.saturating_sub(begun.elapsed());
+        read_until(&mut self.output, &mut self.read, left, |read| {
+            let end = read.iter().position(|octet| *octet == b'\n')?;
+            let row = serde_json::from_slice(&read[..end]).map_err(|_| Status::Crashed);
+            read.drain(..=end);
+            Some(row)
+        })?
     }
 
     /// How a process that is over ended.
     fn end(&mut self) -> String {
         self.process.wait().map_or_else(|e| e.to_string(), |status| status.to_string())
+    }
+}
+
+/// Reads until something is found: crashed if the process ends before, timed out after the limit.
+pub(super) fn read_until<T>(
+    output: &mut (impl Read + AsFd),
+    read: &mut Vec<u8>,
+    limit: Duration,
+    found: impl Fn(&mut Vec<u8>) -> Option<T>,
+) -> Result<T, Status> {
+    let begun = Instant::now();
+    loop {
+        if let Some(found) = found(read) {
+            return Ok(found);
+        }
+        let left = limit.saturating_sub(begun.elapsed());
+        let mut look = [PollFd::new(output, PollFlags::IN)];
+        let left = Timespec::try_from(left.min(Duration::from_secs(3600)));
+        match poll(&mut look, left.ok().as_ref()) {
+            Ok(0) if begun.elapsed() >= limit => return Err(Status::TimedOut),
+            Ok(0) | Err(rustix::io::Errno::INTR) => continue,
+            Ok(_) => {}
+            Err(_) => return Err(Status::Crashed),
+        }
+        let mut part = [0; 4096];
+        match output.read(&mut part) {
+            Ok(0) | Err(_) => return Err(Status::Crashed),
+            Ok(count) => read.extend_from_slice(&part[..count]),
+        }
     }
 }
 

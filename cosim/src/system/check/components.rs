@@ -242,7 +242,7 @@ pub(super) fn variable<'m>(
 }
 
 /// The error for a component that does not exist.
-pub(super) fn unknown_component<'a>(
+pub(in crate::system) fn unknown_component<'a>(
     name: &str,
     known: impl Iterator<Item = &'a str> + Clone,
 ) -> Error {

@@ -20,7 +20,7 @@ use super::{Component, Overrides, System, abilities, input, loops};
 use crate::error::{Error, Result};
 
 pub(super) use columns::columns;
-pub(super) use components::needs_no_tool;
+pub(super) use components::{needs_no_tool, unknown_component};
 pub(super) use lookup::Names;
 pub(super) use parameters::start_value;
 pub(super) use timing::{Interval, Span, Stepped, check_span};

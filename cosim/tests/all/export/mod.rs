@@ -4,6 +4,7 @@ mod bits;
 mod inside;
 mod lives;
 mod refused;
+mod scenario;
 mod shown;
 mod states;
 

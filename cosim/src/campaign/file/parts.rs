@@ -1,0 +1,85 @@
+//! The parts of a campaign's file.
+
+use std::path::PathBuf;
+
+use crate::names::Aliases;
+use crate::table::Entry;
+
+/// A system as the campaign has it.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::campaign) struct Source {
+    pub(in crate::campaign) file: PathBuf,
+    /// What the campaign and its scenarios call its components and variables.
+    pub(in crate::campaign) names: Aliases,
+    /// Components that are left out.
+    pub(in crate::campaign) without: Vec<String>,
+}
+
+impl Source {
+    /// From a file's name, or a table with it; `path` says where the file is.
+    pub(super) fn read(entry: &Entry<'_>, path: impl Fn(&str) -> PathBuf) -> Option<Self> {
+        if !entry.is_table() {
+            let file = path(entry.text()?);
+            return Some(Self { file, names: Aliases::default(), without: Vec::new() });
+        }
+        let table = entry.table()?;
+        table.allow(&["file", "names", "without"]);
+        let names = table.table("names").map(|names| {
+            let pairs = names.entries();
+            pairs.filter_map(|(alias, meant)| Some((alias.to_owned(), meant.text()?.to_owned())))
+        });
+        let names = Aliases::new(names.into_iter().flatten().collect());
+        let without = table.texts("without").into_iter().map(str::to_owned).collect();
+        Some(Self { file: path(table.needed_text("file")?), names, without })
+    }
+}
+
+/// What is put in the place of components.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::campaign) struct Replacement {
+    pub(in crate::campaign) name: String,
+    pub(in crate::campaign) components: Vec<(String, PathBuf)>,
+}
+
+/// Runs of each cell whose trajectories are kept.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(in crate::campaign) struct Keep {
+    /// So many with the worst value of a figure, by its place.
+    pub(in crate::campaign) worst: usize,
+    pub(in crate::campaign) figure: usize,
+    /// So many others, the first ones.
+    pub(in crate::campaign) sample: usize,
+    /// And those that failed.
+    pub(in crate::campaign) failed: bool,
+}
+
+/// What happens in a scenario.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(in crate::campaign) struct Scene {
+    /// The file with its faults.
+    pub(in crate::campaign) faults: Option<PathBuf>,
+    pub(in crate::campaign) start_values: Vec<(String, String)>,
+}
+
+/// A bound on a figure.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::campaign) struct Threshold {
+    pub(in crate::campaign) figure: usize,
+    pub(in crate::campaign) quantile: f64,
+    pub(in crate::campaign) least: Option<f64>,
+    pub(in crate::campaign) most: Option<f64>,
+    pub(in crate::campaign) confidence: f64,
+    /// A pattern for the cells that it is for.
+    pub(in crate::campaign) cells: String,
+}
+
+/// A combination of everything that is not random: places in the lists of the campaign.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::campaign) struct Cell {
+    pub(in crate::campaign) system: usize,
+    pub(in crate::campaign) replacement: usize,
+    pub(in crate::campaign) scenario: usize,
+    pub(in crate::campaign) levels: Vec<usize>,
+    pub(in crate::campaign) row: Option<usize>,
+    pub(in crate::campaign) name: String,
+}

@@ -1,0 +1,61 @@
+//! Trajectories of a campaign that are kept.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use cosim::campaign::{self, Bench, Folder, Status};
+use cosim::{Code, Error, Result};
+
+use super::pool::read_until;
+use crate::cli::{interrupt, messages, worker};
+
+/// A replay that records everything may take so many times as long as a run of the campaign.
+const SLOWER: f64 = 2.0;
+
+/// Makes the runs again whose trajectories are wanted, each in a process of its own: one that crashed
+/// crashes again.
+pub(super) fn keep(bench: &Bench, folder: &Path, results: Folder) -> Result<()> {
+    let kept = campaign::kept(bench.campaign(), results.rows());
+    // Each replay is a process of its own that reads the rows: they need not be in memory twice.
+    drop(results);
+    let program = worker::this_program()?;
+    let seconds = SLOWER * bench.campaign().time_limit;
+    for run in kept {
+        let place = folder.join("trajectories");
+        let file = place.join(format!("run{run}.mcap"));
+        if file.exists() || interrupt::interrupted() {
+            continue;
+        }
+        let unmade = |e| Error::new(Code::Output, "the folder cannot be made").at(&place).why(e);
+        std::fs::create_dir_all(&place).map_err(unmade)?;
+        let mut replay = Command::new(&program);
+        replay.arg("replay").arg(folder).arg(run.to_string()).arg("--output-file").arg(&file);
+        let (good, said) = ends(&mut replay, seconds).map_err(|e| {
+            Error::new(Code::Lost, format!("run {run} cannot be made again")).why(e)
+        })?;
+        // What a failed run left is kept; the row says why it failed.
+        if !good && !file.exists() {
+            messages::warning(&format!("run {run} has left no trajectory: {said}"));
+        }
+    }
+    Ok(())
+}
+
+/// Whether a process ends well within this time, and what it said.
+fn ends(command: &mut Command, seconds: f64) -> std::io::Result<(bool, String)> {
+    let mut process = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn()?;
+    let mut said = Vec::new();
+    if let Some(mut stderr) = process.stderr.take() {
+        let limit = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
+        let outcome = read_until(&mut stderr, &mut said, limit, |_| None::<()>);
+        if outcome == Err(Status::TimedOut) {
+            // What cannot be killed is over already.
+            drop(process.kill());
+            process.wait()?;
+            return Ok((false, format!("it took longer than {seconds} s")));
+        }
+    }
+    let good = process.wait()?.success();
+    Ok((good, String::from_utf8_lossy(&said).trim().to_owned()))
+}

@@ -1,0 +1,32 @@
+//! What happens to a hosted system: the scenario that was exported with it.
+
+use super::Hosted;
+use crate::error::Result;
+use crate::master::{Controls, Manipulator};
+use crate::time::Time;
+
+impl Hosted {
+    /// From here on the scenario acts; what is to happen until `acted` has been done.
+    pub(super) fn begin_scenario(&mut self, acted: Option<Time>) -> Result<()> {
+        self.acted = acted;
+        let system = &self.system;
+        self.scenario.as_mut().map_or(Ok(()), |scenario| scenario.start(system, acted))
+    }
+
+    /// Makes the steps until the scenario acts, and lets it act, as often as that is before `end`. What
+    /// is to happen at `end` waits for the next step: as in a run, values there are those before it.
+    pub(super) fn act_before(&mut self, end: Time) -> Result<()> {
+        let (Some(scenario), Some(engine)) = (&mut self.scenario, &mut self.engine) else {
+            return Ok(());
+        };
+        while let Some(at) = scenario.next().map(|at| at.max(self.start)) {
+            if at >= end || self.acted.is_some_and(|acted| at <= acted) {
+                break;
+            }
+            engine.run_until(at)?;
+            scenario.act(at, &mut Controls::of(&self.system, engine, at))?;
+            self.acted = Some(at);
+        }
+        Ok(())
+    }
+}
