@@ -72,7 +72,7 @@ fn the_scenario_of_what_was_injected_makes_the_same_run() {
         (1.3, json!({ "kind": "gauss-markov", "on": "x.y", "sigma": 1, "tau": 0.4 })),
     ]);
     let touched = run(&system, &mut person);
-    assert_eq!(person.refused, [String::new(); 0]);
+    assert_eq!(person.refused, Vec::<String>::new());
     let text = person.injected.text().unwrap();
     let again = run(&system, &mut read(text));
     assert_eq!(touched, again);

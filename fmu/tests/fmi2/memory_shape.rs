@@ -6,7 +6,7 @@ use std::ptr::null_mut;
 use std::sync::LazyLock;
 
 use fmu_kit::abi::{Library, Shelf};
-use fmu_kit::kernel::{Entry, Instance, Registry, Request, Status};
+use fmu_kit::kernel::{Deferred, Instance, Registry, Request, Status};
 use fmu_kit::{Component, Fault, Info, NoStates, ParameterError, Resources, Time, Variables};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -85,7 +85,7 @@ impl<M: Memory> Component for Keeper<M> {
 }
 
 fn library<M: Memory>() -> Registry {
-    Registry::new("keepers", vec![Entry::of::<Keeper<M>>()])
+    Registry::new("keepers", vec![Deferred::of::<Keeper<M>>()])
 }
 
 static VERSIONS: [LazyLock<Registry>; 3] = [

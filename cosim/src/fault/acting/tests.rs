@@ -16,6 +16,7 @@ fn fault(kind: Kind) -> Fault {
         ramp_in: Time::ZERO,
         ramp_out: Time::ZERO,
         every: Time::ZERO,
+        installed: None,
     }
 }
 
