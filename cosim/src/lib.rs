@@ -71,12 +71,16 @@ pub mod fault;
 pub mod files;
 pub mod fmi;
 pub mod hosted;
+#[cfg(feature = "live")]
+pub mod live;
 pub mod master;
 pub mod names;
 pub mod observe;
 pub mod pace;
 pub mod proxy;
 pub mod report;
+pub mod roles;
+mod ros;
 pub mod scenario;
 pub mod scripted;
 pub mod shown;
@@ -88,6 +92,7 @@ pub mod system;
 mod table;
 pub mod texts;
 pub mod time;
+pub mod trajectories;
 pub mod units;
 pub mod xml;
 

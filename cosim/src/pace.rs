@@ -17,10 +17,12 @@ const SHORTEST: Duration = Duration::from_millis(1);
 /// Holds a run to the pace of the clock.
 #[derive(Debug)]
 pub struct Pace {
-    /// Simulated seconds per second.
-    factor: f64,
+    /// Simulated seconds per second; none: as fast as it can.
+    factor: Option<f64>,
     /// The clock and the simulated time when the run began.
     begun: Option<(Instant, Time)>,
+    /// The smallest step of the system.
+    smallest: Time,
     step: Time,
     next: Time,
     overruns: Overruns,
@@ -42,8 +44,24 @@ pub struct Overruns {
 impl Pace {
     /// `factor` simulated seconds per second; it must be greater than zero.
     pub fn new(factor: f64) -> Self {
-        let (step, next) = (Time::ZERO, Time::ZERO);
-        Self { factor, begun: None, step, next, overruns: Overruns::default() }
+        let zero = Time::ZERO;
+        let (factor, overruns) = (Some(factor), Overruns::default());
+        Self { factor, begun: None, smallest: zero, step: zero, next: zero, overruns }
+    }
+
+    /// Goes at another pace from now on; none: as fast as it can.
+    pub fn change(&mut self, factor: Option<f64>, now: Time) {
+        (self.factor, self.begun) = (factor, None);
+        self.choose_step();
+        self.next = now + self.step;
+    }
+
+    /// So many steps that looks at the clock are not too near one another.
+    fn choose_step(&mut self) {
+        let shortest = SHORTEST.as_nanos() as f64 * self.factor.unwrap_or(1.0);
+        let smallest = self.smallest.nanoseconds();
+        let count = (shortest / smallest as f64).ceil().clamp(1.0, 1e9) as i64;
+        self.step = Time::from_nanoseconds(smallest.saturating_mul(count));
     }
 
     /// What came too late so far.
@@ -58,10 +76,10 @@ impl Pace {
         }
     }
 
-    fn wait(&mut self, now: Time) {
+    fn wait(&mut self, now: Time, factor: f64) {
         let clock = Instant::now();
         let (begun, first) = *self.begun.get_or_insert((clock, now));
-        let due = Duration::try_from_secs_f64((now - first).seconds() / self.factor);
+        let due = Duration::try_from_secs_f64((now - first).seconds() / factor);
         let due = begun + due.unwrap_or_default();
         self.overruns.instants += 1;
         if clock <= due {
@@ -79,10 +97,8 @@ impl Pace {
 impl Manipulator for Pace {
     fn start(&mut self, system: &System, resumed: Option<Time>) -> Result<()> {
         let steps = system.components().iter().map(|component| component.step);
-        let smallest = steps.min().unwrap_or(system.output_interval()).rounded().nanoseconds();
-        let shortest = SHORTEST.as_nanos() as f64 * self.factor;
-        let count = (shortest / smallest as f64).ceil().clamp(1.0, 1e9) as i64;
-        self.step = Time::from_nanoseconds(smallest * count);
+        self.smallest = steps.min().unwrap_or(system.output_interval()).rounded();
+        self.choose_step();
         self.next = resumed.unwrap_or(system.start_time());
         if resumed.is_some() {
             self.next = self.next + self.step;
@@ -91,11 +107,13 @@ impl Manipulator for Pace {
     }
 
     fn next(&self) -> Option<Time> {
-        Some(self.next)
+        self.factor.map(|_| self.next)
     }
 
     fn act(&mut self, now: Time, _: &mut Controls<'_>) -> Result<()> {
-        self.wait(now);
+        if let Some(factor) = self.factor {
+            self.wait(now, factor);
+        }
         self.next = now + self.step;
         Ok(())
     }

@@ -29,7 +29,10 @@
 //! Events at one instant happen in the order of the file.
 
 mod faults;
+mod injected;
 mod windows;
+
+pub use injected::Injected;
 
 use std::path::Path;
 
@@ -55,8 +58,8 @@ pub struct Scenario {
     targets: Vec<Vec<String>>,
     /// The resets that are still to come, with their faults, the next one last.
     resets: Vec<(Time, usize)>,
-    /// When the faults are put in their places.
-    install: Option<Time>,
+    /// The faults that are still to be put in their places, and when, the next one last.
+    installs: Vec<(Time, usize)>,
     /// Faults whose condition has not held yet, and when it is looked at next.
     waiting: Vec<usize>,
     look: Time,
@@ -117,7 +120,7 @@ impl Scenario {
             seed,
             targets: Vec::new(),
             resets: Vec::new(),
-            install: None,
+            installs: Vec::new(),
             waiting: Vec::new(),
             look: Time::NEVER,
             start: Time::ZERO,
@@ -266,11 +269,16 @@ impl Manipulator for Scenario {
         self.done = self.events.iter().take_while(happened).count();
         (self.start, self.interval) = (system.start_time(), system.output_interval());
         // A snapshot has them in their places.
-        let none = self.faults.is_empty() || resumed.is_some();
-        self.install = (!none).then_some(self.start);
+        let install = |(number, fault): (usize, &Fault)| {
+            (fault.installed.map_or(self.start, |at| at.max(self.start)), number)
+        };
+        self.installs = self.faults.iter().enumerate().map(install).collect();
+        self.installs.retain(|(time, _)| resumed.is_none_or(|resumed| *time > resumed));
+        self.installs.sort_by(|one, other| other.cmp(one));
         let reset = |(number, fault): (usize, &Fault)| {
             let begins = fault.begins(self.seed, number as u32, self.start);
-            begins.filter(|_| fault.kind == Kind::Reset).map(|time| (time, number))
+            let own = fault.kind == Kind::Reset && !at_once(fault);
+            begins.filter(|_| own).map(|time| (time, number))
         };
         self.resets = self.faults.iter().enumerate().filter_map(reset).collect();
         self.resets.retain(|(time, _)| resumed.is_none_or(|resumed| *time > resumed));
@@ -289,17 +297,13 @@ impl Manipulator for Scenario {
         let event = self.events.get(self.done).map(|event| event.time);
         let look = (self.look != Time::NEVER).then_some(self.look);
         let reset = self.resets.last().map(|(time, _)| *time);
-        event.into_iter().chain(self.install).chain(look).chain(reset).min()
+        let install = self.installs.last().map(|(time, _)| *time);
+        event.into_iter().chain(install).chain(look).chain(reset).min()
     }
 
     fn act(&mut self, now: Time, controls: &mut Controls<'_>) -> Result<()> {
-        if self.install.take_if(|install| *install <= now).is_some() {
-            for ((fault, targets), number) in self.faults.iter().zip(&self.targets).zip(0..) {
-                for (target, place) in targets.iter().zip(0..).filter(|_| fault.kind != Kind::Reset)
-                {
-                    controls.install(target, fault.acting(self.seed, number, place, self.start))?;
-                }
-            }
+        while let Some((_, number)) = self.installs.pop_if(|(time, _)| *time <= now) {
+            self.install(number, controls)?;
         }
         while let Some(event) = self.events.get(self.done).filter(|event| event.time <= now) {
             match &event.what {
@@ -323,6 +327,18 @@ impl Manipulator for Scenario {
 }
 
 impl Scenario {
+    /// Puts a fault in its places.
+    fn install(&self, number: usize, controls: &mut Controls<'_>) -> Result<()> {
+        let fault = &self.faults[number];
+        if fault.kind == Kind::Reset {
+            let names = self.targets[number].iter().filter(|_| at_once(fault));
+            return names.into_iter().try_for_each(|name| controls.reset(name));
+        }
+        self.targets[number].iter().zip(0..).try_for_each(|(target, place)| {
+            controls.install(target, fault.acting(self.seed, number as u32, place, self.start))
+        })
+    }
+
     /// Begins the faults whose condition holds. After a resumption that is told again to faults that
     /// have begun; they know.
     fn look_at_conditions(&mut self, controls: &mut Controls<'_>) -> Result<()> {
@@ -345,6 +361,12 @@ impl Scenario {
         self.waiting = waiting;
         outcome
     }
+}
+
+/// Whether a fault begins when it is put in its place: a reset then happens between what is put in
+/// before and after it.
+fn at_once(fault: &Fault) -> bool {
+    matches!((&fault.begin, fault.installed), (Begin::At(from), Some(at)) if *from == at)
 }
 
 #[cfg(test)]

@@ -4,6 +4,9 @@
 //! `factor x + offset` in the base units. Two units of the same dimension convert into one
 //! another; rad counts as a base unit, so a rate in Hz does not silently become one in rad/s.
 
+pub(crate) mod recorded;
+pub(crate) mod suggested;
+
 use std::collections::BTreeMap;
 use std::path::Path;
 

@@ -1,20 +1,30 @@
-//! `cosim convert`: a system in another format.
+//! `cosim convert`: a system or results in another format.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
-use cosim::{Result, System};
+use cosim::observe;
+use cosim::roles::Declaration;
+use cosim::trajectories::Trajectories;
+use cosim::{Code, Error, Recording, Result, System, files};
 
 use super::changes::Changes;
 use super::messages;
 
-/// Write a system in another format: .ssd, .ssp, .xml (OSP) or a folder (OSP with its FMUs)
+/// Write a system or results in another format
+///
+/// A system as .ssd, .ssp, .xml (OSP) or a folder (OSP with its FMUs). Results as .csv, .mcap,
+/// .parquet; the paths in them as .tum or .kitti, a file for each; a layout for Foxglove as .json.
 #[derive(Args)]
 pub(crate) struct Convert {
-    /// A .ssd, .ssp or OspSystemStructure.xml file, or the folder of the last
+    /// A .ssd, .ssp or OspSystemStructure.xml file, or the folder of the last; or results
     from: PathBuf,
     /// What is written; its ending says how, without one it is an OSP folder
     to: PathBuf,
+    /// Of results: a file that says which variables are the truth, its estimates and sensors
+    /// (default: as the variables' names say)
+    #[arg(long, value_name = "FILE")]
+    roles: Option<PathBuf>,
     #[command(flatten)]
     changes: Changes,
     /// No messages but errors
@@ -24,13 +34,64 @@ pub(crate) struct Convert {
 
 impl Convert {
     pub(crate) fn run(self) -> Result<()> {
+        if observe::is_results(&self.from) {
+            return self.results();
+        }
+        if self.roles.is_some() {
+            return Err(Error::new(Code::Usage, "--roles is for results, and a system is given")
+                .at(&self.from));
+        }
         let system = System::load(&self.from, &self.changes.overrides())?;
         messages::findings(&system, self.quiet);
         let notes = system.write(&self.to)?;
         if !self.quiet {
             notes.iter().for_each(|text| messages::note(text));
-            messages::tell(&format!("written: {}", self.to.display()));
         }
+        self.written(&self.to);
+        Ok(())
+    }
+
+    fn written(&self, file: &Path) {
+        if !self.quiet {
+            messages::tell(&format!("written: {}", file.display()));
+        }
+    }
+
+    fn results(&self) -> Result<()> {
+        let ending = self.to.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        let roles = self.roles.as_ref().map(Declaration::read).transpose()?;
+        let read = [Some(self.from.as_path()), self.roles.as_deref()];
+        files::refuse_inputs(&self.to, read.into_iter().flatten())?;
+        let recording = Recording::read(&self.from)?;
+        let trajectories = |format| -> Result<()> {
+            for (name, text) in recording.trajectories(roles.as_ref(), format)? {
+                let stem = self.to.file_stem().unwrap_or_default().to_string_lossy();
+                self.write(&self.to.with_file_name(format!("{stem}_{name}.{ending}")), &text)?;
+            }
+            Ok(())
+        };
+        match ending.as_str() {
+            "tum" => trajectories(Trajectories::Tum),
+            "kitti" => trajectories(Trajectories::Kitti),
+            "json" => self.write(&self.to, &recording.foxglove_layout(roles.as_ref())?),
+            "csv" | "mcap" | "parquet" => {
+                let name = self.from.file_stem().unwrap_or_default().to_string_lossy();
+                let mut recorder = observe::create_with(&self.to, roles)?;
+                recording.replay(&name, &mut *recorder)?;
+                self.written(&self.to);
+                Ok(())
+            }
+            _ => Err(Error::new(Code::Usage, format!("results cannot be written as '.{ending}'"))
+                .at(&self.to)
+                .help("let the name end in .csv, .mcap, .parquet, .tum, .kitti or .json")),
+        }
+    }
+
+    fn write(&self, file: &Path, text: &str) -> Result<()> {
+        files::refuse_inputs(file, [self.from.as_path()])?;
+        files::replace(file, text.as_bytes())
+            .map_err(|e| Error::new(Code::Output, "the file cannot be written").at(file).why(e))?;
+        self.written(file);
         Ok(())
     }
 }

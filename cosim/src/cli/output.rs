@@ -9,7 +9,9 @@ use clap::Args;
 use cosim::condition::Condition;
 use cosim::distributed::Cluster;
 use cosim::files;
+use cosim::live::{Playing, Server, Watch};
 use cosim::observe::{self, Continued, CsvRecorder, Digested, Progress, RunningDigest, Stop};
+use cosim::roles::Declaration;
 use cosim::scenario::Scenario;
 use cosim::shown::{Terminal, one_line, visible};
 use cosim::{Code, Error, Observer, Overrides, Recording, Result, Run, Snapshot, Summary, System};
@@ -17,7 +19,7 @@ use cosim::{Code, Error, Observer, Overrides, Recording, Result, Run, Snapshot, 
 use super::Format;
 use super::interrupt::Interrupt;
 use super::isolate::Written;
-use super::live::Live;
+use super::live::{Live, Watching};
 use super::messages;
 use super::snapshots::Snapshots;
 use super::stop_when::StopWhen;
@@ -38,11 +40,18 @@ pub(crate) struct Output {
     /// Write the results as NAME_out.csv into this folder, which is made if missing
     #[arg(long, value_name = "FOLDER", conflicts_with = "output_file")]
     output_dir: Option<PathBuf>,
+    /// What the variables are, for the messages of ROS in MCAP: a file that names the truth, its
+    /// estimates and sensors (default: as the variables' names say)
+    #[arg(long, value_name = "FILE")]
+    roles: Option<PathBuf>,
     #[command(flatten)]
     snapshots: Snapshots,
-    /// Let happen what this file says: overrides, biases and resets in the JSON of OSP scenarios
+    /// Let happen what this file says: faults in TOML, or overrides, biases and resets in the JSON of
+    /// OSP scenarios (repeatable)
     #[arg(long, value_name = "FILE")]
-    scenario: Option<PathBuf>,
+    scenario: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) watching: Watching,
     /// Go at the pace of the clock, or FACTOR times as fast; overruns are counted
     #[arg(long, value_name = "FACTOR", value_parser = super::values::factor, num_args = 0..=1,
           default_missing_value = "1", require_equals = true)]
@@ -67,12 +76,24 @@ struct Computed<'a> {
     system: &'a System,
     cluster: Option<&'a Cluster>,
     snapshot: Option<Snapshot>,
+    /// Who watches, and how the run begins.
+    watched: (Option<Server>, Playing),
 }
 
 /// What records, and where the digest of that is found.
 type Recorder = (Box<dyn Observer>, Rc<RefCell<RunningDigest>>);
 
 impl Output {
+    /// Refuses to be watched, as a confined process that runs FMUs cannot be.
+    pub(crate) fn unwatched(&self) -> Result<()> {
+        if !self.watching.wanted() {
+            return Ok(());
+        }
+        Err(Error::new(Code::Usage, "--live cannot be given with --isolate")
+            .why("what is isolated has no network")
+            .help("workers of this run confine its FMUs as well: --workers 1"))
+    }
+
     /// What of this is decided when the system is made.
     pub(crate) fn add_to(&self, overrides: Overrides) -> Overrides {
         let overrides = overrides.output_variables(&self.output_variable);
@@ -101,10 +122,12 @@ impl Output {
                 "the snapshot is of t = {when}, where the run ends: nothing is left"
             ));
         }
-        let computed = Computed { system, cluster, snapshot };
+        // Before anything is written: its port may be taken.
+        let watched = self.watching.open(self.real_time)?;
+        let computed = Computed { system, cluster, snapshot, watched };
         if target != Path::new("-") {
             let recorder = self.recorder(&target, system, computed.snapshot.as_ref())?;
-            return self.observe(computed, recorder, &target.display().to_string(), shut);
+            return self.observe(computed, recorder, &target, shut);
         }
         if self.format == Format::Json {
             return Err(Error::new(Code::Usage, "results and summary cannot both go to stdout")
@@ -116,7 +139,7 @@ impl Output {
         };
         let recorder = CsvRecorder::new(io::BufWriter::new(stdout), "stdout");
         let recorder = self.digested(Box::new(recorder))?;
-        self.observe(computed, recorder, "stdout", shut)
+        self.observe(computed, recorder, &target, shut)
     }
 
     /// Where the results go: not where something is read.
@@ -124,12 +147,25 @@ impl Output {
         let target = self.target(system.name())?;
         observe::check_ending(&target)?;
         let read = system.files().chain(inputs.iter().copied());
-        let read = read.chain(self.scenario.as_deref()).chain(self.snapshots.file());
+        let scenarios = self.scenario.iter().map(PathBuf::as_path);
+        let read = read.chain(scenarios).chain(self.roles.as_deref());
+        let read = read.chain(self.snapshots.file());
         let read: Vec<&Path> = read.collect();
-        for written in [Some(target.as_path()), self.digest_file.as_deref()].into_iter().flatten() {
+        let record = self.watching.wanted().then(|| self.record(system, &target));
+        let written = [Some(target.as_path()), self.digest_file.as_deref(), record.as_deref()];
+        for written in written.into_iter().flatten() {
             files::refuse_inputs(written, read.iter().copied())?;
         }
         Ok(target)
+    }
+
+    /// Where injected faults are kept.
+    fn record(&self, system: &System, target: &Path) -> PathBuf {
+        const ENDING: &str = "injected.toml";
+        match target.to_str() {
+            Some("-") => PathBuf::from(format!("{}.{ENDING}", file_name(system.name()))),
+            _ => target.with_extension(ENDING),
+        }
     }
 
     /// The files that a run writes, with a log if there is one.
@@ -159,7 +195,7 @@ impl Output {
         snapshot: Option<&Snapshot>,
     ) -> Result<Recorder> {
         if snapshot.is_none() || !target.exists() {
-            return self.digested(observe::create(target)?);
+            return self.digested(observe::create_with(target, self.roles()?)?);
         }
         let old = Recording::read_unfinished(target)?;
         if !old.names().iter().eq(system.columns().iter().map(|column| &column.name)) {
@@ -168,10 +204,14 @@ impl Output {
                 .why("their columns are not those of this run")
                 .help("give --output-file another file"));
         }
-        let (recorder, unfinished) = observe::create_unfinished(target)?;
+        let (recorder, unfinished) = observe::create_unfinished(target, self.roles()?)?;
         let (recorder, digest) = self.digested(recorder)?;
         let continued = Continued::new(recorder, old).replacing(unfinished);
         Ok((Box::new(continued), digest))
+    }
+
+    fn roles(&self) -> Result<Option<Declaration>> {
+        self.roles.as_ref().map(Declaration::read).transpose()
     }
 
     fn digested(&self, recorder: Box<dyn Observer>) -> Result<Recorder> {
@@ -187,15 +227,18 @@ impl Output {
         &self,
         what: Computed<'_>,
         (mut recorder, digest): Recorder,
-        target: &str,
+        file: &Path,
         shut: &dyn Fn() -> Result<()>,
     ) -> Result<()> {
-        let Computed { system, cluster, snapshot } = what;
+        let target =
+            &if file == Path::new("-") { "stdout".into() } else { file.display().to_string() };
+        let Computed { system, cluster, snapshot, watched: (server, playing) } = what;
         let begun = std::time::Instant::now();
         let mut progress = Progress::new();
         let mut interrupt = Interrupt::new();
-        let mut live = Live::new(self.real_time);
-        let mut scenario = self.scenario.as_ref().map(Scenario::read).transpose()?;
+        let mut live = Live::new(server, playing, self.record(system, file));
+        let mut scenarios = self.scenario.iter().map(Scenario::read).collect::<Result<Vec<_>>>()?;
+        let mut watch = self.watch(system, &live, &scenarios)?;
         let mut keep = |snapshot: Snapshot| self.snapshots.write(system, &snapshot);
         let mut stop_when = StopWhen::new(&self.stop_when);
         let mut run = Run::new(system).observe(&mut *recorder).observe(&mut interrupt);
@@ -203,7 +246,10 @@ impl Output {
         if !self.quiet {
             run = run.observe(&mut progress);
         }
-        if let Some(scenario) = &mut scenario {
+        if let Some(watch) = &mut watch {
+            run = run.observe(watch);
+        }
+        for scenario in &mut scenarios {
             run = run.manipulate(scenario);
         }
         if live.wanted() {
@@ -221,12 +267,19 @@ impl Output {
             Some(cluster) => cluster.go(system, run),
             None => run.go(),
         };
+        match &outcome {
+            Ok(_) => live.end("the run has ended"),
+            Err(e) => live.end(&format!("the run has failed: {}", e.line())),
+        }
         let mut summary = outcome.map_err(|e| match e.code() {
             Code::Fmu | Code::Loop | Code::Step => {
                 e.maybe_help(Some(format!("the results until then are in {target}")))
             }
             _ => e,
         })?;
+        summary.notes.extend(live.record().map(|file| {
+            format!("faults were injected: --scenario {} does so again", file.display())
+        }));
         summary.notes.extend(stop_when.held().map(|held| format!("ended by --stop-when: {held}")));
         let (spent, overruns) = (begun.elapsed().as_secs_f64(), live.overruns());
         let digest = digest.borrow().text();
@@ -239,6 +292,15 @@ impl Output {
             }
             _ => Ok(()),
         }
+    }
+
+    /// What shows the run to clients, if there may be any.
+    fn watch(&self, system: &System, live: &Live, scenarios: &[Scenario]) -> Result<Option<Watch>> {
+        let Some(server) = live.server() else { return Ok(None) };
+        let start = vec![system.start_time().seconds()];
+        let start = Recording::from_columns(Vec::new(), start, Vec::new());
+        let faults = scenarios.iter().flat_map(|scenario| scenario.windows(&start)).collect();
+        Ok(Some(server.watch(self.roles()?, faults)))
     }
 
     fn tell(&self, told: &Told) -> Result<()> {

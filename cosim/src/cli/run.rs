@@ -58,6 +58,7 @@ impl Run {
                 .help("workers confine their FMUs anyway, unless --no-confine is said there"));
         }
         if self.isolation.wanted() {
+            self.output.unwatched()?;
             let written = self.output.written(&system, &[&self.file], self.logging.file())?;
             return isolate::supervise(written, self.changes.starts_tools());
         }

@@ -70,6 +70,7 @@ impl Simulate {
         let inputs: Vec<&Path> =
             [&self.file].into_iter().chain(&self.input_file).map(PathBuf::as_path).collect();
         if self.isolation.wanted() {
+            self.output.unwatched()?;
             let written = self.output.written(&system, &inputs, self.logging.file())?;
             return isolate::supervise(written, self.execution_tool);
         }

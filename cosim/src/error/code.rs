@@ -54,6 +54,7 @@ codes! {
     Unit "E209" 3 "A connection or a value joins units of different dimensions."
     Format "E210" 3 "The format that a system is to be written in has no word for a part of it."
     Campaign "E211" 3 "The file of a campaign cannot be understood, or the results that are there are of another one."
+    Roles "E212" 3 "A file that says what variables are (--roles) cannot be understood."
     Fmu "E301" 1 "A function of an FMU returned an error while the system ran."
     Output "E302" 1 "Results could not be written."
     Interrupted "E303" 130 "The user ended the run by ctrl-C; the results until then are kept."

@@ -87,6 +87,10 @@ impl Code {
                 "The page on campaigns shows every part of such a file. Results of another campaign \
                  stay as they are: give --output-dir another folder."
             }
+            Code::Roles => {
+                "The page on files for other tools shows such a file. Variables are named as in the \
+                 results."
+            }
             Code::Missed => {
                 "The table names the cells; `cosim replay` makes one of their runs again and records \
                  all of it."

@@ -28,6 +28,9 @@ pub struct Fault {
     pub variables: Vec<String>,
     /// What it does.
     pub kind: Kind,
+    /// When it is put in its place: what it remembers begins there, and so do its random numbers;
+    /// with the run if nothing is said.
+    pub installed: Option<Time>,
     /// When it begins.
     pub begin: Begin,
     /// When it ends.

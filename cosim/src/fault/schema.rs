@@ -30,6 +30,7 @@ fn fault(word: &Word) -> Value {
     let name = json!({ "type": "string" });
     let names = json!({ "type": "array", "items": { "type": "string" }, "minItems": 1 });
     add("on", json!({ "description": what, "oneOf": [name, names] }));
+    add("installed", number("is put in its place at this instant (s); by default with the run"));
     add("from", number("begins at this instant (s)"));
     add("until", number("ends at this instant (s)"));
     add("for", number("lasts so long (s)"));

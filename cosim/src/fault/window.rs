@@ -77,7 +77,8 @@ mod tests {
     fn fault(begin: Begin, end: End) -> Fault {
         let (variables, none) = (vec!["gps.*".to_owned()], Time::ZERO);
         let (ramp_in, ramp_out, every) = (none, none, none);
-        Fault { variables, kind: Kind::Stuck, begin, end, ramp_in, ramp_out, every }
+        let (kind, installed) = (Kind::Stuck, None);
+        Fault { variables, kind, installed, begin, end, ramp_in, ramp_out, every }
     }
 
     #[test]

@@ -119,9 +119,10 @@ impl Table {
         let columns = found.iter().filter(|(exposed, _)| is_column(exposed));
         let columns = columns.map(|(exposed, ends)| {
             let port = ends[0].port;
-            let description = system.components()[port.component].model.description();
-            let kind = description.map_or(Kind::Real, |d| d.variables[port.variable].kind.clone());
-            Column { name: exposed.name.clone(), port, kind }
+            let model = &system.components()[port.component].model;
+            let variables = model.description().map(|description| &description.variables);
+            let kind = variables.map_or(Kind::Real, |all| all[port.variable].kind.clone());
+            Column { name: exposed.name.clone(), port, kind, unit: model.unit(port.variable) }
         });
         let columns = columns.collect();
         let system = system.recording(columns);

@@ -43,6 +43,12 @@ pub struct Controls<'a> {
     pub(super) stop: Option<Stop>,
 }
 
+impl<'a> Controls<'a> {
+    pub(crate) fn system(&self) -> &'a System {
+        self.system
+    }
+}
+
 impl Controls<'_> {
     /// From now on the variable has this value, whatever computes or drives it.
     pub fn set(&mut self, variable: &str, value: f64) -> Result<()> {

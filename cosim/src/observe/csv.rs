@@ -28,7 +28,7 @@ pub struct CsvRecorder<W: Write = Durable> {
 
 /// How a value is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Form {
+pub(crate) enum Form {
     Real,
     /// Integers, and Booleans as 0 and 1.
     Whole,
@@ -37,7 +37,7 @@ pub(super) enum Form {
 }
 
 impl Form {
-    pub(super) fn of(kind: &Kind) -> Self {
+    pub(crate) fn of(kind: &Kind) -> Self {
         match kind {
             Kind::Real => Form::Real,
             Kind::String => Form::Text,

@@ -5,15 +5,17 @@ use std::path::Path;
 
 use super::Recording;
 use super::csv::Form;
-use super::mcap::{CDR_HEADER, COLUMNS, Field};
 use super::mcap_records::{MAGIC, Record, each};
 use crate::error::{Code, Error, Result};
+use crate::ros::{CDR_HEADER, COLUMNS, DERIVED, Field};
 use crate::texts;
+use crate::units::recorded::{self, UNITS};
 
 /// A column being read.
 struct Read {
     position: usize,
     name: String,
+    unit: String,
     form: Form,
     values: Vec<f64>,
 }
@@ -34,25 +36,34 @@ pub(super) fn read(file: &Path) -> Result<Recording> {
         .strip_prefix(MAGIC)
         .ok_or_else(|| wrong("the file is no MCAP: its first bytes are others".to_owned()))?;
     let mut topics: Vec<Topic> = Vec::new();
-    let mut by_channel: HashMap<u16, usize> = HashMap::new();
+    let mut by_channel: HashMap<u16, Option<usize>> = HashMap::new();
     let mut time: Vec<u64> = Vec::new();
     each(records, &mut |record| match record {
         Record::Channel { id, .. } if by_channel.contains_key(&id) => Ok(()),
         Record::Channel { id, topic, metadata } => {
+            if metadata.iter().any(|(key, _)| *key == DERIVED) {
+                by_channel.insert(id, None);
+                return Ok(());
+            }
             let listed = metadata.iter().find(|(key, _)| *key == COLUMNS).ok_or_else(|| {
                 format!(
                     "the channel {topic} was not written by cosim: its metadata has no {COLUMNS}"
                 )
             })?;
-            let (fields, columns) = columns_of(listed.1)
+            let (fields, mut columns) = columns_of(listed.1)
                 .ok_or_else(|| format!("the channel {topic} lists no columns"))?;
-            by_channel.insert(id, topics.len());
+            if let Some((_, text)) = metadata.iter().find(|(key, _)| *key == UNITS) {
+                let units = recorded::read(text, columns.iter().map(|column| &column.name));
+                columns.iter_mut().zip(units).for_each(|(column, unit)| column.unit = unit);
+            }
+            by_channel.insert(id, Some(topics.len()));
             topics.push(Topic { fields, columns });
             Ok(())
         }
         Record::Message { channel, log_time, data } => {
             let at = by_channel.get(&channel).copied();
             let at = at.ok_or_else(|| format!("a message is of the unknown channel {channel}"))?;
+            let Some(at) = at else { return Ok(()) };
             if at == 0 {
                 time.push(log_time);
             }
@@ -69,8 +80,9 @@ pub(super) fn read(file: &Path) -> Result<Recording> {
     columns.iter_mut().for_each(|column| column.values.truncate(whole));
     let time = time.into_iter().map(|ns| ns as f64 / 1e9).collect();
     let forms = columns.iter().map(|column| column.form).collect();
+    let units = columns.iter_mut().map(|column| std::mem::take(&mut column.unit)).collect();
     let (names, values) = columns.into_iter().map(|c| (c.name, c.values)).unzip();
-    Ok(Recording::from_columns(names, time, values).with_forms(forms))
+    Ok(Recording::from_columns(names, time, values).with_forms(forms).with_units(units))
 }
 
 fn columns_of(listed: &str) -> Option<(Vec<Field>, Vec<Read>)> {
@@ -88,7 +100,7 @@ fn columns_of(listed: &str) -> Option<(Vec<Field>, Vec<Read>)> {
             Field::Int32 | Field::Bool => Form::Whole,
             Field::Text => Form::Text,
         };
-        columns.push(Read { position, name, form, values: Vec::new() });
+        columns.push(Read { position, name, unit: String::new(), form, values: Vec::new() });
     }
     Some((fields, columns))
 }

@@ -17,6 +17,7 @@ mod verify;
 pub use closeness::{Apart, Beyond, Closeness, Tolerance};
 pub use continued::Continued;
 pub use csv::CsvRecorder;
+pub(crate) use csv::Form;
 pub use digest::{Digested, RunningDigest};
 pub use mcap::McapRecorder;
 #[cfg(feature = "campaign")]
@@ -29,6 +30,7 @@ use std::path::Path;
 
 use crate::error::{Code, Error, Result};
 use crate::files::Unfinished;
+use crate::roles::Declaration;
 use crate::system::Column;
 use crate::time::{Step, Time};
 
@@ -107,6 +109,12 @@ impl Format {
     }
 }
 
+/// Whether a file's name ends as one of results.
+pub fn is_results(file: &Path) -> bool {
+    let csv = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
+    csv || Format::of(file) != Format::Csv
+}
+
 /// Refuses a file of results whose ending names no format that can be written.
 pub fn check_ending(file: &Path) -> Result<()> {
     Format::to_write(file).map(drop)
@@ -114,24 +122,35 @@ pub fn check_ending(file: &Path) -> Result<()> {
 
 /// Creates a file of results: CSV, MCAP or Parquet, as the ending of its name says.
 pub fn create(file: impl AsRef<Path>) -> Result<Box<dyn Observer>> {
+    create_with(file, None)
+}
+
+/// As [`create`]; messages of ROS are made of the variables that `roles` names.
+pub fn create_with(
+    file: impl AsRef<Path>,
+    roles: Option<Declaration>,
+) -> Result<Box<dyn Observer>> {
     let file = file.as_ref();
     Ok(match Format::to_write(file)? {
         Format::Csv => Box::new(CsvRecorder::create(file)?),
-        Format::Mcap => Box::new(McapRecorder::create(file)?),
+        Format::Mcap => Box::new(McapRecorder::create(file)?.declared(roles)),
         #[cfg(feature = "campaign")]
         Format::Parquet => Box::new(ParquetRecorder::create(file)?),
     })
 }
 
 /// Creates a file of results that gets its name when it is finished; see [`Continued`].
-pub fn create_unfinished(target: &Path) -> Result<(Box<dyn Observer>, Unfinished)> {
+pub fn create_unfinished(
+    target: &Path,
+    roles: Option<Declaration>,
+) -> Result<(Box<dyn Observer>, Unfinished)> {
     let unwritten = |why| Error::new(Code::Output, csv::UNWRITTEN).at(target).why(why);
     let format = Format::to_write(target)?;
     let unfinished = Unfinished::new(target).map_err(unwritten)?;
     let (output, name) = (unfinished.writer().map_err(unwritten)?, target.to_owned());
     Ok(match format {
         Format::Csv => (Box::new(CsvRecorder::on(output, name)), unfinished),
-        Format::Mcap => (Box::new(McapRecorder::on(output, name)?), unfinished),
+        Format::Mcap => (Box::new(McapRecorder::on(output, name)?.declared(roles)), unfinished),
         #[cfg(feature = "campaign")]
         Format::Parquet => (Box::new(ParquetRecorder::on(output, name)), unfinished),
     })

@@ -14,8 +14,10 @@ use super::{Observer, Recording, RunInfo};
 use crate::columns::{Holds, Table, Values};
 use crate::error::{Code, Error, Result};
 use crate::files::{self, Durable};
+use crate::system::Column;
 use crate::texts;
 use crate::time::Time;
+use crate::units::recorded::{self, UNITS};
 
 /// Values of a group of rows: a group is what is kept in memory.
 const GROUP: usize = 1 << 20;
@@ -81,7 +83,8 @@ impl Observer for ParquetRecorder {
             (column.name.clone(), holds)
         });
         let columns = [("time".to_owned(), Holds::Real)].into_iter().chain(others);
-        let about = [("system".to_owned(), info.name.to_owned())];
+        let units = recorded::text(info.columns.iter().filter_map(Column::name_and_unit));
+        let about = [("system".to_owned(), info.name.to_owned()), (UNITS.to_owned(), units)];
         let table = Table::new(output, columns, about)
             .map_err(|e| Error::new(Code::Output, UNWRITTEN).at(&self.target).why(e))?;
         self.table = Some(table);
@@ -145,7 +148,10 @@ pub(super) fn read(path: &Path) -> Result<Recording> {
     let time = columns.remove(0);
     names.remove(0);
     forms.remove(0);
-    Ok(Recording::from_columns(names, time, columns).with_forms(forms))
+    let about = reader.metadata().file_metadata().key_value_metadata();
+    let text = about.and_then(|all| all.iter().find(|entry| entry.key == UNITS)?.value.as_deref());
+    let units = recorded::read(text.unwrap_or_default(), names.iter());
+    Ok(Recording::from_columns(names, time, columns).with_forms(forms).with_units(units))
 }
 
 /// The values of a column in a group; NaN where there is none.

@@ -9,19 +9,30 @@ use super::{CsvRecorder, Format, Observer, RunInfo};
 use super::{csv_read, mcap_read};
 use crate::error::{Code, Error, Result};
 use crate::names;
+use crate::system::Column;
 use crate::texts;
 use crate::time::Time;
 
 /// Recorded results: the time and one column per variable.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default)]
 pub struct Recording {
     names: Vec<String>,
     forms: Vec<Form>,
+    /// Empty where no unit is known; not all files have them.
+    units: Vec<String>,
     time: Vec<f64>,
     columns: Vec<Vec<f64>>,
     /// The newest rows, one after the other: columns grow by blocks, for each is a place of its own
     /// in memory.
     rows: Vec<f64>,
+}
+
+/// The same names and values: units are said about them.
+impl PartialEq for Recording {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.names, &self.forms, &self.time, &self.columns, &self.rows)
+            == (&other.names, &other.forms, &other.time, &other.columns, &other.rows)
+    }
 }
 
 /// Rows of a block.
@@ -35,7 +46,8 @@ impl Recording {
 
     /// From columns that are there already, all of the length of `time`.
     pub fn from_columns(names: Vec<String>, time: Vec<f64>, columns: Vec<Vec<f64>>) -> Self {
-        Self { forms: vec![Form::Real; names.len()], names, time, columns, rows: Vec::new() }
+        let forms = vec![Form::Real; names.len()];
+        Self { names, forms, time, columns, ..Self::default() }
     }
 
     /// Reads results: MCAP if the file's name ends in `.mcap`, Parquet if in `.parquet`, else CSV.
@@ -64,6 +76,18 @@ impl Recording {
         self
     }
 
+    /// The units of the columns, empty where none is known.
+    pub(super) fn with_units(mut self, units: Vec<String>) -> Self {
+        self.units = units;
+        self
+    }
+
+    /// The columns whose units are known, with these.
+    pub fn units(&self) -> impl Iterator<Item = (&str, &str)> {
+        let all = self.names.iter().zip(&self.units);
+        all.map(|(name, unit)| (name.as_str(), unit.as_str())).filter(|(_, unit)| !unit.is_empty())
+    }
+
     /// Whether a column holds Strings, by their numbers ([`texts`]).
     pub fn is_text(&self, name: &str) -> bool {
         let position = self.names.iter().position(|own| own == name);
@@ -74,6 +98,10 @@ impl Recording {
     pub(super) fn places(&self) -> HashMap<&str, usize> {
         let named = self.names.iter().enumerate().rev();
         named.map(|(place, name)| (name.as_str(), place)).collect()
+    }
+
+    pub(crate) fn form_at(&self, place: usize) -> Form {
+        self.forms[place]
     }
 
     /// Whether the column at a place holds Strings.
@@ -153,6 +181,8 @@ impl Observer for Recording {
         let samples = (span / info.output_interval.rounded().nanoseconds() + 2).clamp(0, 1 << 20);
         self.names = info.columns.iter().map(|c| c.name.clone()).collect();
         self.forms = info.columns.iter().map(|c| Form::of(&c.kind)).collect();
+        let unit = |column: &Column| column.unit().unwrap_or_default().to_owned();
+        self.units = info.columns.iter().map(unit).collect();
         self.rows.clear();
         self.time = Vec::with_capacity(samples as usize);
         self.columns = info.columns.iter().map(|_| Vec::with_capacity(samples as usize)).collect();

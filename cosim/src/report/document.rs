@@ -36,14 +36,16 @@ impl Term {
     }
 }
 
-/// The script's modules in the order in which they need each other.
-const MODULES: [&str; 12] = [
+/// What the scripts of all pages have, in the order in which the modules need each other.
+const COMMON: [&str; 6] = [
     include_str!("page/js/dom.js"),
     include_str!("page/js/format.js"),
     include_str!("page/js/theme.js"),
     include_str!("page/js/clock.js"),
     include_str!("page/js/timeplot.js"),
     include_str!("page/js/plane.js"),
+];
+const REPORT: [&str; 6] = [
     include_str!("page/js/distribution.js"),
     include_str!("page/js/overview.js"),
     include_str!("page/js/cell.js"),
@@ -52,31 +54,48 @@ const MODULES: [&str; 12] = [
     include_str!("page/js/main.js"),
 ];
 
+const LIVE: [&str; 5] = [
+    include_str!("page/js/live/store.js"),
+    include_str!("page/js/live/map.js"),
+    include_str!("page/js/live/signals.js"),
+    include_str!("page/js/live/controls.js"),
+    include_str!("page/js/live/main.js"),
+];
+
+/// The page that watches a run.
+pub(crate) fn live_page() -> Result<String> {
+    html("cosim live", "{}", &LIVE, Some("'self' ws: wss:"))
+}
+
+/// A page with data and a script; it reaches what `connect` allows, and nothing else.
+fn html(title: &str, data: &str, modules: &[&str], connect: Option<&str>) -> Result<String> {
+    page::render(context! {
+        page => context! { title => title },
+        data => data,
+        connect => connect,
+        library => include_str!("page/uplot/uPlot.iife.min.js"),
+        library_style => include_str!("page/uplot/uPlot.min.css"),
+        library_licence => include_str!("page/uplot/LICENSE"),
+        script => script(modules),
+        script_style => include_str!("page/report.css"),
+    })
+    .map_err(|e| Error::new(Code::Report, format!("cannot write the page '{title}'")).why(e))
+}
+
 impl<C: Serialize> Document<C> {
     /// The page as one HTML file.
     pub(crate) fn html(&self) -> Result<String> {
-        let wrong = |why: String| {
-            Error::new(Code::Report, format!("cannot write the page '{}'", self.title)).why(why)
-        };
+        let data = serde_json::to_string(self).map_err(|e| {
+            Error::new(Code::Report, format!("cannot write the page '{}'", self.title)).why(e)
+        })?;
         // Within a script element nothing but `<` can end it.
-        let data = serde_json::to_string(self).map_err(|e| wrong(e.to_string()))?;
-        let data = data.replace('<', "\\u003c");
-        page::render(context! {
-            page => context! { title => &self.title },
-            data => data,
-            library => include_str!("page/uplot/uPlot.iife.min.js"),
-            library_style => include_str!("page/uplot/uPlot.min.css"),
-            library_licence => include_str!("page/uplot/LICENSE"),
-            script => script(),
-            script_style => include_str!("page/report.css"),
-        })
-        .map_err(|e| wrong(e.to_string()))
+        html(&self.title, &data.replace('<', "\\u003c"), &REPORT, None)
     }
 }
 
 /// The modules as one: they import from each other only, by whole lines, and no name is used twice.
-fn script() -> String {
-    let lines = MODULES.iter().flat_map(|module| module.lines());
+fn script(modules: &[&str]) -> String {
+    let lines = COMMON.iter().chain(modules).flat_map(|module| module.lines());
     let kept = lines.filter(|line| !line.starts_with("import ") && !line.starts_with("//"));
     kept.map(|line| line.strip_prefix("export ").unwrap_or(line)).fold(
         String::new(),
@@ -139,6 +158,9 @@ mod tests {
         for outside in ["src=\"", "@import", "url(", "fetch("] {
             assert!(!html.contains(outside), "{outside}");
         }
-        assert!(!script().contains("import ") && !script().contains("export "));
+        for modules in [&REPORT[..], &LIVE] {
+            let script = script(modules);
+            assert!(!script.contains("import ") && !script.contains("export "));
+        }
     }
 }

@@ -44,6 +44,8 @@ pub use style::Role;
 pub use table::Table;
 pub use units::Units;
 
+#[cfg(feature = "live")]
+pub(crate) use document::live_page;
 pub(crate) use document::{Document, Term, run_terms};
 pub(crate) use numbers::Numbers;
 pub(crate) use run::{Shown as ShownAs, Trace, freedom};

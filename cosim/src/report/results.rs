@@ -35,7 +35,7 @@ pub struct Options {
 /// The report of a result file as one HTML page.
 pub fn html(recording: &Recording, options: &Options) -> Result<String> {
     let shown = Shown {
-        units: options.units.clone(),
+        units: options.units.clone().or_of(recording),
         choice: options.choice.clone(),
         faults: options.scenario.iter().flat_map(|s| s.windows(recording)).collect(),
         plots: &options.plots,
@@ -62,9 +62,10 @@ pub fn html(recording: &Recording, options: &Options) -> Result<String> {
 
 /// The one figure that was asked for, as an SVG file.
 pub fn svg(recording: &Recording, options: &Options) -> Result<String> {
+    let units = options.units.clone().or_of(recording);
     match (options.paths.as_slice(), options.plots.as_slice()) {
-        ([path], []) => path_figure(recording, path, &options.units)?.svg(),
-        ([], [plot]) => time_figure(recording, plot, &options.units)?.svg(),
+        ([path], []) => path_figure(recording, path, &units)?.svg(),
+        ([], [plot]) => time_figure(recording, plot, &units)?.svg(),
         _ => Err(Error::new(Code::Usage, "an SVG file holds one figure")
             .help("choose one --plot or one --xy, or write a page: a name that ends in .html")),
     }

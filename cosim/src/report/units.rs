@@ -1,12 +1,12 @@
-//! Units of recorded variables: those that a system describes, else those that names suggest.
-//!
-//! Files of results carry names and values only. Names of marine notation (SNAME 1950, Fossen 2011)
-//! and the usual suffixes say the unit of most variables; of others the unit is unknown, and they
-//! share an axis with nothing but elements of the same array.
+//! Units of recorded variables: those that a system describes, else those of the file of results, else
+//! those that names suggest.
 
 use std::collections::HashMap;
 
+use crate::fmi::Kind;
+use crate::observe::Recording;
 use crate::system::System;
+use crate::units::suggested::suggested;
 
 /// Units by names.
 #[derive(Debug, Clone, Default)]
@@ -18,14 +18,20 @@ impl Units {
     /// Of all recorded variables of a system.
     pub fn of(system: &System) -> Self {
         let described = system.columns().iter().filter_map(|column| {
-            let model = &system.components()[column.port.component].model;
-            let variable = model.description()?.variables.get(column.port.variable)?;
-            let unit = variable.unit.clone().filter(|unit| !unit.is_empty());
             // What is counted or switched has no dimension.
-            let plain = variable.kind != crate::fmi::Kind::Real;
-            Some((column.name.clone(), unit.or_else(|| plain.then(|| "1".to_owned()))?))
+            let plain = || (column.kind != Kind::Real).then_some("1");
+            Some((column.name.clone(), column.unit().or_else(plain)?.to_owned()))
         });
         Self { described: described.collect() }
+    }
+
+    /// Those that a file of results has; `self` goes before them.
+    #[must_use]
+    pub fn or_of(mut self, recording: &Recording) -> Self {
+        for (name, unit) in recording.units() {
+            self.described.entry(name.to_owned()).or_insert_with(|| unit.to_owned());
+        }
+        self
     }
 
     /// The variables that a description has units of.
@@ -43,86 +49,5 @@ impl Units {
     /// A name with its unit, as an axis has it.
     pub(crate) fn labelled(&self, name: &str) -> String {
         self.unit(name).map_or_else(|| name.to_owned(), |unit| format!("{name} ({unit})"))
-    }
-}
-
-/// What the end of a name says.
-const SUFFIXES: [(&str, &str); 8] = [
-    ("_hz", "Hz"),
-    ("_deg", "deg"),
-    ("_rad", "rad"),
-    ("_m", "m"),
-    ("_s", "s"),
-    ("_n", "N"),
-    ("_m_s", "m/s"),
-    ("_rad_s", "rad/s"),
-];
-
-/// What a name suggests.
-fn suggested(name: &str) -> Option<&'static str> {
-    let (group, leaf) = name.rsplit_once('.').unwrap_or(("", name));
-    let leaf = leaf.split('[').next().unwrap_or(leaf);
-    let small = leaf.to_ascii_lowercase();
-    // The longest suffix: `_m_s` also ends in `_s`.
-    let ends = SUFFIXES.iter().filter(|(end, _)| small.ends_with(end));
-    if let Some((_, unit)) = ends.max_by_key(|(end, _)| end.len()) {
-        return Some(unit);
-    }
-    let within = |word: &str| group.split(['.', '_', '[']).any(|part| part == word);
-    if within("nis") || within("count") {
-        return Some("1");
-    }
-    if within("covariance") || within("cov") {
-        return None;
-    }
-    let rate = within("acceleration") || within("force");
-    Some(match leaf {
-        "roll" | "pitch" | "yaw" | "heading" => "rad",
-        "u" | "v" | "w" if rate => "m/s2",
-        "u" | "v" | "w" => "m/s",
-        "p" | "q" | "r" if rate => "rad/s2",
-        "p" | "q" | "r" => "rad/s",
-        "x" | "y" | "z" | "north" | "east" | "down" => {
-            let place = ["pose", "position", "sigma", "fix"].into_iter().any(within);
-            let speed = within("velocity") || within("current");
-            match (rate, speed, place) {
-                (true, ..) => "m/s2",
-                (_, true, _) => "m/s",
-                (_, _, true) => "m",
-                _ => return None,
-            }
-        }
-        "depth" | "altitude" => "m",
-        "force" | "thrust" | "X" | "Y" | "Z" => "N",
-        "K" | "M" | "N" => "N.m",
-        "stamp" | "time" => "s",
-        "valid" | "health" => "1",
-        _ => return None,
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_suggest_units() {
-        for (name, unit) in [
-            ("vehicle.pose.x", Some("m")),
-            ("vehicle.pose.yaw", Some("rad")),
-            ("filter.sigma.x", Some("m")),
-            ("filter.velocity_sigma.u", Some("m/s")),
-            ("filter.innovation.fix.x", Some("m")),
-            ("filter.acceleration.u", Some("m/s2")),
-            ("imu.specific_force.x", Some("m/s2")),
-            ("plant.thruster[3].thrust", Some("N")),
-            ("gps.rate_hz", Some("Hz")),
-            ("nav.speed_m_s", Some("m/s")),
-            ("filter.covariance.x_y", None),
-            ("a.b.x", None),
-            ("pressure", None),
-        ] {
-            assert_eq!(suggested(name), unit, "{name}");
-        }
     }
 }

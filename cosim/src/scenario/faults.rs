@@ -10,8 +10,8 @@ use crate::table::{Document, Table};
 use crate::time::Time;
 
 /// What every fault can say.
-const COMMON: [&str; 9] =
-    ["kind", "on", "from", "until", "for", "between", "when", "ramp-in", "ramp-out"];
+const COMMON: [&str; 10] =
+    ["kind", "on", "installed", "from", "until", "for", "between", "when", "ramp-in", "ramp-out"];
 
 pub(super) fn parse(text: &str, file: &Path) -> Result<Scenario> {
     let document = Document::new(text, file, Code::Scenario);
@@ -52,10 +52,17 @@ fn fault(table: &Table<'_>) -> Option<Fault> {
     {
         table.wrong(format!("it ends at {until}, and begins at {from}"));
     }
+    let installed = table.time("installed");
+    if let (Some(Begin::At(from)), Some(installed)) = (&begin, installed)
+        && *from < installed
+    {
+        table.wrong(format!("it begins at {from}, and is put in its place at {installed}"));
+    }
     let ramp = |key: &str| duration(table, key).unwrap_or(Time::ZERO);
     Some(Fault {
         variables,
         kind: kind(table, word?)?,
+        installed,
         begin: begin?,
         end: end?,
         ramp_in: ramp("ramp-in"),

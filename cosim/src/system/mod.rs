@@ -34,6 +34,7 @@ pub use function::Function;
 pub use input::Input;
 pub use order::{Loop, Order};
 pub use overrides::Overrides;
+pub(crate) use raw::RawUnit;
 pub(crate) use write::{Xml, base_step, number};
 
 /// A checked system.
@@ -159,6 +160,20 @@ pub struct Column {
     pub port: Port,
     /// Its type.
     pub kind: Kind,
+    /// Its unit, and what that is in base units if it is defined.
+    pub(crate) unit: Option<raw::RawUnit>,
+}
+
+impl Column {
+    /// The name of its unit, if it has one.
+    pub fn unit(&self) -> Option<&str> {
+        self.unit.as_ref().map(|unit| unit.name.as_str()).filter(|name| !name.is_empty())
+    }
+
+    /// Its name and its unit, if it has one.
+    pub(crate) fn name_and_unit(&self) -> Option<(&str, &str)> {
+        Some((self.name.as_str(), self.unit()?))
+    }
 }
 
 impl System {
@@ -391,6 +406,13 @@ impl Model {
             Model::Function(function) => Some(function.description()),
             Model::Signals(_) => None,
         }
+    }
+
+    /// The unit of a variable, as the description names and defines it.
+    pub(crate) fn unit(&self, variable: usize) -> Option<raw::RawUnit> {
+        let description = self.description()?;
+        let name = description.variables.get(variable)?.unit.clone()?;
+        Some(raw::RawUnit { unit: description.units.get(&name).copied(), name })
     }
 
     /// How many variables it has.

@@ -21,6 +21,7 @@ mod flags;
 mod formats;
 mod hostile;
 mod import;
+mod injected;
 mod locked;
 mod logging;
 mod loops;

@@ -14,11 +14,14 @@ def test_every_number_is_that_of_the_csv(fmu, tmp_path):
         channels = make_reader(stream).get_summary().channels.values()
     names = {}
     for channel in channels:
+        # Messages that ROS defines are made of the same columns.
+        if "cosim.derived" in channel.metadata:
+            continue
         lines = channel.metadata["cosim.columns"].splitlines()
         names[channel.topic] = [line.split(" ", 2)[2] for line in lines]
     assert "pose.x" in names["/pose"]
     samples = 0
-    for message in read_ros2_messages(str(files[1])):
+    for message in read_ros2_messages(str(files[1]), topics=list(names)):
         row = list(columns["time"]).index(message.log_time_ns / 1e9)
         values = [getattr(message.ros_msg, slot) for slot in message.ros_msg.__slots__]
         expected = [columns[name][row] for name in names[message.channel.topic]]

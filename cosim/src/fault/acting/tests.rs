@@ -9,6 +9,7 @@ fn seconds(seconds: f64) -> Time {
 
 fn fault(kind: Kind) -> Fault {
     Fault {
+        installed: None,
         variables: Vec::new(),
         kind,
         begin: Begin::At(seconds(2.0)),

@@ -41,10 +41,6 @@ impl<'a> Columns<'a> {
         Self { time, names, values, rows, notes }
     }
 
-    pub(super) fn has(&self, name: &str) -> bool {
-        self.values.contains_key(name)
-    }
-
     /// The values of a column at the instants that are shown.
     pub(super) fn get(&self, name: &str) -> Option<Vec<f64>> {
         let column = *self.values.get(name)?;

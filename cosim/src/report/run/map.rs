@@ -3,10 +3,10 @@
 use serde::Serialize;
 
 use super::columns::Columns;
-use super::paths::{Estimate, Paths};
 use super::plots::Role;
 use super::thin;
 use crate::report::numbers::Numbers;
+use crate::roles::{Estimate, Paths};
 
 /// Paths in a horizontal plane; x is north, y is east.
 #[derive(Debug, Clone, Serialize)]

@@ -4,7 +4,6 @@
 mod columns;
 mod map;
 mod navigation;
-mod paths;
 mod plots;
 mod signals;
 mod thin;
@@ -13,15 +12,15 @@ use serde::Serialize;
 
 use self::columns::Columns;
 use self::map::Map;
-use self::paths::Paths;
 use self::plots::{Plot, Role, Whole};
 use super::units::Units;
 use super::{Plot as Chosen, XyPlot};
 use crate::fault::Window;
+use crate::roles::{Names, Paths};
 use crate::{Code, Error, Recording, Result};
 
 pub(crate) use self::navigation::freedom;
-pub use self::paths::{Choice, Estimate};
+pub use crate::roles::{Choice, Estimate};
 
 /// How a run is shown.
 #[derive(Debug, Default)]
@@ -95,7 +94,7 @@ impl Trace {
     /// Of what was recorded; an error if it lacks a variable that is asked for.
     fn new(recording: &Recording, shown: &Shown<'_>) -> Result<Self> {
         let columns = Columns::of(recording);
-        let paths = Paths::find(&columns, &shown.choice)?;
+        let paths = Paths::find(&Names::new(columns.names.iter().copied()), &shown.choice)?;
         let mut notes = columns.notes.clone();
         if paths.truth.is_none() {
             notes.push(

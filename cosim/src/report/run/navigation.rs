@@ -3,10 +3,10 @@
 use std::f64::consts::{PI, TAU};
 
 use super::columns::Columns;
-use super::paths::{Estimate, Paths};
 use super::plots::{Limits, Role, Whole};
 use crate::report::statistics::chi_square_quantile;
 use crate::report::units::Units;
+use crate::roles::{Estimate, Paths};
 
 /// The axes of a pose, and whether they turn.
 const AXES: [(&str, bool); 6] =

@@ -11,7 +11,8 @@ pub(in crate::system) fn columns(names: &Names, patterns: &[String]) -> Result<V
     let mut columns: Vec<Column> = Vec::new();
     let mut add = |name: String, port, kind: &Kind| {
         if !columns.iter().any(|c: &Column| c.port == port) {
-            columns.push(Column { name, port, kind: kind.clone() });
+            let unit = names.unit(port);
+            columns.push(Column { name, port, kind: kind.clone(), unit });
         }
     };
     if patterns.is_empty() {

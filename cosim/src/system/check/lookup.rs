@@ -6,6 +6,7 @@ use super::components::{Opened, unknown_component, variable};
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Fmu, Variable};
 use crate::names;
+use crate::system::raw::RawUnit;
 use crate::system::{Component, Model, Port};
 
 /// The names of a system's variables.
@@ -86,6 +87,12 @@ impl Names {
                 .why("in a system a variable is named component.variable")
                 .maybe_help(names::did_you_mean(name, components)),
         }
+    }
+
+    /// The unit of a variable, as its description names and defines it.
+    pub(in crate::system) fn unit(&self, port: Port) -> Option<RawUnit> {
+        let target = self.targets.iter().find(|target| target.component == port.component)?;
+        target.model.as_ref()?.unit(port.variable)
     }
 
     /// Every variable with its full name, component by component.

@@ -18,6 +18,14 @@ export class Clock {
     this.#range.add(listener);
   }
 
+  /** A plot that has gone hears nothing more. */
+  forget(...listeners) {
+    for (const listener of listeners) {
+      this.#cursor.delete(listener);
+      this.#range.delete(listener);
+    }
+  }
+
   set(time) {
     this.now = Math.min(Math.max(time, this.start), this.stop);
     for (const listener of this.#cursor) listener(this.now);

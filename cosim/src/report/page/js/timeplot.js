@@ -105,6 +105,7 @@ function drawMarks(u, marks) {
 
 /** What a reader who sees no picture gets to know. */
 function spoken(plot) {
+  if (plot.grows) return `${plot.title} over time, while the run goes on`;
   const parts = plot.lines.map((line) => {
     const known = line.v.filter((v) => v != null);
     if (known.length === 0) return `${line.name}: no values`;
@@ -163,6 +164,16 @@ export function timePlot(plot, clock, faults) {
   };
   clock.onRange(range);
   clock.onCursor(cursor);
+  // For data that grow: the plot's lists have changed, and with them what the clock shows.
+  figure.refresh = () => u?.batch(() => {
+    u.setData(contents(plot).data, false);
+    range(clock.from, clock.until);
+  });
+  figure.dispose = () => {
+    clock.forget(range, cursor);
+    u?.destroy();
+    u = null;
+  };
   whenSeen(canvas, build, () => u?.setSize({ width: canvas.clientWidth, height: 190 }));
   return figure;
 }

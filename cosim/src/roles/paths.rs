@@ -5,8 +5,8 @@
 //! `pose` without is the truth; any other `pose` is an estimate if none has a standard deviation.
 //! A `position` without, of another component, is a fix that a sensor gave.
 
-use super::columns::Columns;
-use crate::names;
+use super::Names;
+use crate::names::did_you_mean;
 use crate::{Code, Error, Result};
 
 /// What the user, or the figures of a campaign, say of a recording.
@@ -31,23 +31,23 @@ pub struct Estimate {
 
 /// The paths of a recording.
 #[derive(Debug, Default)]
-pub(super) struct Paths {
-    pub(super) truth: Option<String>,
-    pub(super) estimates: Vec<Estimate>,
-    pub(super) fixes: Vec<String>,
+pub(crate) struct Paths {
+    pub(crate) truth: Option<String>,
+    pub(crate) estimates: Vec<Estimate>,
+    pub(crate) fixes: Vec<String>,
 }
 
 /// So many estimates are shown.
 const MOST: usize = 6;
 
 impl Paths {
-    pub(super) fn find(columns: &Columns<'_>, choice: &Choice) -> Result<Self> {
-        let all = candidates(columns);
+    pub(crate) fn find(names: &Names<'_>, choice: &Choice) -> Result<Self> {
+        let all = candidates(names);
         let known = |path: &String| {
-            if columns.has(&format!("{path}.x")) && columns.has(&format!("{path}.y")) {
+            if names.has(&format!("{path}.x")) && names.has(&format!("{path}.y")) {
                 return Ok(());
             }
-            let help = names::did_you_mean(path, all.iter().copied())
+            let help = did_you_mean(path, all.iter().copied())
                 .unwrap_or_else(|| format!("paths are {}", all.join(", ")));
             Err(Error::new(
                 Code::UnknownName,
@@ -58,7 +58,7 @@ impl Paths {
         choice.truth.iter().chain(choice.estimates.iter().map(|e| &e.path)).try_for_each(known)?;
         let (mut sure, mut poses, mut fixes) = (Vec::new(), Vec::new(), Vec::new());
         for path in all {
-            let estimate = with_companions(columns, path);
+            let estimate = with_companions(names, path);
             if estimate.sigma.is_some() {
                 sure.push(estimate);
             } else if path.ends_with("pose") {
@@ -74,7 +74,7 @@ impl Paths {
         }
         let mut estimates: Vec<Estimate> = choice.estimates.clone();
         for estimate in &mut estimates {
-            let found = with_companions(columns, &estimate.path);
+            let found = with_companions(names, &estimate.path);
             estimate.sigma = estimate.sigma.take().or(found.sigma);
             estimate.covariance = estimate.covariance.take().or(found.covariance);
         }
@@ -93,24 +93,23 @@ impl Paths {
 }
 
 /// Groups that may be paths, in the order of the recording.
-fn candidates<'a>(columns: &Columns<'a>) -> Vec<&'a str> {
-    let prefixes = columns.names.iter().filter_map(|name| name.strip_suffix(".x"));
+fn candidates<'a>(names: &Names<'a>) -> Vec<&'a str> {
+    let prefixes = names.ordered.iter().filter_map(|name| name.strip_suffix(".x"));
     let called = |path: &&str| {
         let last = path.rsplit('.').next().unwrap_or(path);
         last == "pose" || last == "position"
     };
-    prefixes.filter(called).filter(|path| columns.has(&format!("{path}.y"))).collect()
+    prefixes.filter(called).filter(|path| names.has(&format!("{path}.y"))).collect()
 }
 
 /// A path with its standard deviations and covariances, where they are recorded.
-fn with_companions(columns: &Columns<'_>, path: &str) -> Estimate {
+fn with_companions(names: &Names<'_>, path: &str) -> Estimate {
     let (component, group) = path.rsplit_once('.').unwrap_or(("", path));
     let beside = |name: String| {
         if component.is_empty() { name } else { format!("{component}.{name}") }
     };
     let find = |words: [String; 3], ends: &[&str]| {
-        let mut names = words.into_iter();
-        names.find(|name| ends.iter().all(|end| columns.has(&format!("{name}.{end}"))))
+        words.into_iter().find(|word| ends.iter().all(|end| names.has(&format!("{word}.{end}"))))
     };
     let sigma = [beside(format!("{group}_sigma")), format!("{path}.sigma"), beside("sigma".into())];
     let covariance =

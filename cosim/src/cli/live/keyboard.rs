@@ -1,0 +1,65 @@
+//! Single keys of the terminal.
+
+use std::io::IsTerminal;
+use std::time::Duration;
+
+use cosim::live::Wish;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::termios::{LocalModes, OptionalActions, Termios, tcgetattr, tcgetpgrp, tcsetattr};
+
+/// The terminal that stdin is, told to hand over single keys.
+pub(super) struct Keyboard {
+    /// As it was before.
+    modes: Termios,
+}
+
+/// What a key means.
+pub(super) enum Key {
+    Wish(Wish),
+    /// Pause, or go on.
+    Turn,
+    Quit,
+    Other,
+}
+
+impl Keyboard {
+    /// None when stdin is no terminal, or another process has it.
+    pub(super) fn open() -> Option<Self> {
+        let stdin = std::io::stdin();
+        if !stdin.is_terminal() || tcgetpgrp(&stdin).ok()? != rustix::process::getpgrp() {
+            return None;
+        }
+        let modes = tcgetattr(&stdin).ok()?;
+        let mut keys = modes.clone();
+        keys.local_modes.remove(LocalModes::ICANON | LocalModes::ECHO);
+        tcsetattr(&stdin, OptionalActions::Now, &keys).ok()?;
+        Some(Self { modes })
+    }
+
+    /// The next key; one is waited for so long.
+    pub(super) fn key(&self, wait: Duration) -> Option<Key> {
+        let stdin = std::io::stdin();
+        let wait = Timespec { tv_sec: 0, tv_nsec: i64::from(wait.subsec_nanos()) };
+        let mut ready = [PollFd::new(&stdin, PollFlags::IN)];
+        if poll(&mut ready, Some(&wait)).ok()? == 0 {
+            return None;
+        }
+        let mut key = [0];
+        // A terminal that has gone will not say how to go on.
+        let read = rustix::io::read(&stdin, &mut key).ok()?;
+        Some(match key[0] {
+            _ if read != 1 => Key::Quit,
+            b'q' => Key::Quit,
+            b's' => Key::Wish(Wish::Step),
+            b' ' => Key::Turn,
+            _ => Key::Other,
+        })
+    }
+}
+
+impl Drop for Keyboard {
+    fn drop(&mut self) {
+        // Nobody is left to be told that the terminal has gone.
+        let _ = tcsetattr(std::io::stdin(), OptionalActions::Now, &self.modes);
+    }
+}

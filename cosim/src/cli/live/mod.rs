@@ -1,0 +1,263 @@
+//! A run that goes by the clock and listens to the keyboard and to the live page.
+//!
+//! Keys, when stdin is a terminal: space pauses and goes on, s makes one output interval and
+//! pauses, q ends the run. The clock of `--real-time` stands still in a pause. Both are looked at
+//! at output instants, where nothing that is computed depends on it.
+
+mod keyboard;
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use cosim::live::{Playing, Server, Wish};
+use cosim::observe::Stop;
+use cosim::pace::{Overruns, Pace};
+use cosim::scenario::Injected;
+use cosim::{Code, Controls, Error, Manipulator, Result, Step, System, Time, files};
+
+use self::keyboard::{Key, Keyboard};
+use super::{interrupt, messages};
+
+/// Who watches.
+#[derive(Args)]
+#[command(next_help_heading = "Watching")]
+pub(crate) struct Watching {
+    /// Serve a page that shows the run while it goes on, and Foxglove's WebSocket protocol; at
+    /// ADDRESS:PORT, or at a free port that only this machine reaches. The run goes at the pace of
+    /// the clock, unless --real-time or the page says otherwise
+    #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, default_missing_value = "127.0.0.1:0",
+          require_equals = true)]
+    live: Option<SocketAddr>,
+    /// Begin paused: the page or a key lets it go
+    #[arg(long, requires = "live")]
+    paused: bool,
+}
+
+impl Watching {
+    pub(crate) fn wanted(&self) -> bool {
+        self.live.is_some()
+    }
+
+    /// The server, if one is wanted, and how the run begins.
+    pub(crate) fn open(&self, speed: Option<f64>) -> Result<(Option<Server>, Playing)> {
+        let Some(address) = self.live else {
+            return Ok((None, Playing { paused: false, speed }));
+        };
+        let playing = Playing { paused: self.paused, speed: speed.or(Some(1.0)) };
+        let server = Server::listen(address, playing.clone())?;
+        messages::tell(&format!("the page is at {}", server.page()));
+        messages::tell(&format!("Foxglove and Lichtblick: {}", server.foxglove()));
+        if !address.ip().is_loopback() {
+            messages::note("whoever reads the address can act on the run: it is not encrypted");
+        }
+        Ok((Some(server), playing))
+    }
+}
+
+/// Who asks is looked at so often.
+const LOOK: Duration = Duration::from_millis(20);
+/// So long one is waited for in a pause, at a time.
+const WAIT: Duration = Duration::from_millis(50);
+
+/// Pace, keyboard and page.
+pub(crate) struct Live {
+    pace: Pace,
+    keyboard: Option<Keyboard>,
+    server: Option<Server>,
+    playing: Playing,
+    injected: Injected,
+    /// Where injected faults are kept.
+    record: PathBuf,
+    looked: Option<Instant>,
+    start: Time,
+    interval: Step,
+    /// The next output instant.
+    next: Time,
+    now: Time,
+}
+
+impl Live {
+    /// Injected faults are kept in the file `record`.
+    pub(crate) fn new(server: Option<Server>, playing: Playing, record: PathBuf) -> Self {
+        Self {
+            pace: Pace::new(playing.speed.unwrap_or(1.0)),
+            keyboard: Keyboard::open(),
+            server,
+            playing,
+            injected: Injected::default(),
+            record,
+            looked: None,
+            start: Time::ZERO,
+            interval: Step::whole(Time::from_nanoseconds(1)),
+            next: Time::ZERO,
+            now: Time::ZERO,
+        }
+    }
+
+    /// Whether there is anything to do.
+    pub(crate) fn wanted(&self) -> bool {
+        self.playing.speed.is_some() || self.listens()
+    }
+
+    fn listens(&self) -> bool {
+        self.keyboard.is_some() || self.server.is_some()
+    }
+
+    pub(crate) fn server(&self) -> Option<&Server> {
+        self.server.as_ref()
+    }
+
+    /// Instants that came too late, if there was a pace.
+    pub(crate) fn overruns(&self) -> Option<Overruns> {
+        Some(self.pace.overruns()).filter(|overruns| overruns.instants > 0)
+    }
+
+    /// The file that does again what was done to the run, if anything was.
+    pub(crate) fn record(&self) -> Option<&PathBuf> {
+        self.injected.text().map(|_| &self.record)
+    }
+
+    /// Tells clients how the run ended.
+    pub(crate) fn end(&mut self, text: &str) {
+        if let Some(server) = self.server.take() {
+            server.end(self.now, text);
+        }
+    }
+
+    /// Tells the keyboard's user what keys do in a pause.
+    fn prompt(&self) {
+        if self.keyboard.is_some() {
+            let now = self.now;
+            messages::tell(&format!("paused at t = {now}; space: go on, s: step, q: quit"));
+        }
+    }
+
+    fn note(&self, text: &str) {
+        if let Some(server) = &self.server {
+            server.note(self.now, text);
+        }
+    }
+
+    fn tell(&self) {
+        if let Some(server) = &self.server {
+            server.tell(self.now, &self.playing);
+        }
+    }
+
+    /// The next thing that somebody asks for; in a pause it is waited for, a while.
+    fn key(&self) -> Option<Key> {
+        let wait = if self.playing.paused { WAIT } else { Duration::ZERO };
+        let (keys, page) = match self.server {
+            Some(_) => (Duration::ZERO, wait),
+            None => (wait, Duration::ZERO),
+        };
+        let key = self.keyboard.as_ref().and_then(|keyboard| keyboard.key(keys));
+        key.or_else(|| self.server.as_ref()?.wish(page).map(Key::Wish))
+    }
+
+    /// Does what is asked for, in a pause until it ends; whether the run is to end.
+    fn listen(&mut self, controls: &mut Controls<'_>) -> Result<bool> {
+        loop {
+            let wish = match self.key() {
+                Some(Key::Quit) => return Ok(true),
+                Some(Key::Turn) if self.playing.paused => Wish::Play,
+                Some(Key::Turn) => Wish::Pause,
+                Some(Key::Wish(wish)) => wish,
+                Some(Key::Other) => continue,
+                // Ctrl-C: the observer that waits for it ends the run.
+                None if self.playing.paused && !interrupt::interrupted() => continue,
+                None => return Ok(false),
+            };
+            match wish {
+                Wish::Pause if !self.playing.paused => {
+                    self.playing.paused = true;
+                    self.tell();
+                    self.note("paused");
+                    self.prompt();
+                }
+                Wish::Play if self.playing.paused => {
+                    self.playing.paused = false;
+                    self.tell();
+                    self.note("goes on");
+                    return Ok(false);
+                }
+                Wish::Pause | Wish::Play => (),
+                Wish::Step => {
+                    self.playing.paused = true;
+                    self.tell();
+                    return Ok(false);
+                }
+                Wish::Speed(factor) => {
+                    self.playing.speed = factor;
+                    self.pace.change(factor, self.now);
+                    self.tell();
+                }
+                Wish::Inject(fault) => self.inject(&fault, controls)?,
+            }
+        }
+    }
+
+    fn inject(
+        &mut self,
+        fault: &serde_json::Map<String, serde_json::Value>,
+        controls: &mut Controls<'_>,
+    ) -> Result<()> {
+        let Some(server) = &self.server else { return Ok(()) };
+        match self.injected.inject(fault, self.now, controls) {
+            Ok(window) => server.fault(self.now, &window),
+            Err(wrong) => {
+                server.error(self.now, &wrong);
+                return Ok(());
+            }
+        }
+        let text = self.injected.text().unwrap_or_default();
+        files::replace(&self.record, text.as_bytes()).map_err(|e| {
+            Error::new(Code::Output, "the injected faults cannot be kept").at(&self.record).why(e)
+        })
+    }
+}
+
+impl Manipulator for Live {
+    fn start(&mut self, system: &System, resumed: Option<Time>) -> Result<(), Error> {
+        (self.start, self.interval) = (system.start_time(), system.output_interval());
+        self.next =
+            resumed.map_or(self.start, |at| self.start + self.interval.after(at - self.start));
+        self.now = resumed.unwrap_or(self.start);
+        self.pace.start(system, resumed)?;
+        if self.playing.speed.is_none() {
+            self.pace.change(None, self.now);
+        }
+        Ok(())
+    }
+
+    fn next(&self) -> Option<Time> {
+        self.listens().then_some(self.next).into_iter().chain(self.pace.next()).min()
+    }
+
+    fn act(&mut self, now: Time, controls: &mut Controls<'_>) -> Result<()> {
+        self.now = now;
+        if self.listens() && self.next <= now {
+            self.next = self.start + self.interval.after(now - self.start);
+            let begun = Instant::now();
+            let due = self.looked.is_none_or(|looked| begun - looked >= LOOK);
+            if self.playing.paused || due {
+                self.looked = Some(begun);
+                if self.playing.paused {
+                    self.tell();
+                    self.prompt();
+                }
+                if self.listen(controls)? {
+                    controls.end(Stop::Interrupted);
+                    return Ok(());
+                }
+                self.pace.paused(begun.elapsed());
+            }
+        }
+        match self.pace.next().is_some_and(|next| next <= now) {
+            true => self.pace.act(now, controls),
+            false => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! What the run and the threads of clients share.
+
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::Sender;
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+
+use serde_json::{Map, Value, json};
+
+use super::batch::{Batch, Thinned};
+use crate::roles::{Declaration, Roles};
+use crate::system::Column;
+use crate::time::Time;
+
+/// What a client asks for.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Wish {
+    /// Stop before the next step.
+    Pause,
+    /// Go on.
+    Play,
+    /// Make one output interval, and pause.
+    Step,
+    /// So many simulated seconds a second; none: as fast as it can.
+    Speed(Option<f64>),
+    /// Put this fault in.
+    Inject(Map<String, Value>),
+}
+
+/// The least and the greatest speed that can be asked for: a slower run would hear nothing for long.
+pub(super) const SPEEDS: (f64, f64) = (0.1, 1e6);
+
+/// How a run is going.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Playing {
+    /// It waits.
+    pub paused: bool,
+    /// Simulated seconds a second that are wanted; none: as fast as it can.
+    pub speed: Option<f64>,
+}
+
+/// What a run is.
+pub(super) struct About {
+    pub(super) name: String,
+    pub(super) columns: Vec<Column>,
+    pub(super) start: Time,
+    pub(super) stop: Time,
+    pub(super) roles: Roles,
+    pub(super) declared: Option<Declaration>,
+    /// When faults of scenarios act, as far as that is known before.
+    pub(super) faults: Value,
+}
+
+/// The newest that is known.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Newest {
+    /// Changes with each change of the rest.
+    pub(super) version: u64,
+    pub(super) playing: Playing,
+    pub(super) time: Time,
+    /// Simulated seconds a second, measured.
+    pub(super) factor: f64,
+    pub(super) ended: bool,
+}
+
+/// Batches for one client.
+pub(super) struct Mailbox {
+    waiting: Mutex<VecDeque<Arc<Batch>>>,
+    /// Rows that the client did not take in time.
+    dropped: AtomicU64,
+}
+
+/// Batches that wait for a client: later ones take the place of the oldest.
+const WAITING: usize = 8;
+/// Events that are kept for those who come later.
+const EVENTS: usize = 1000;
+
+pub(super) struct Hub {
+    about: OnceLock<About>,
+    pub(super) newest: Mutex<Newest>,
+    /// The events so far; the number of those before them that are not kept any more.
+    events: Mutex<(VecDeque<String>, usize)>,
+    pub(super) history: Mutex<Thinned>,
+    clients: Mutex<Vec<Arc<Mailbox>>>,
+    pub(super) wishes: Mutex<Sender<Wish>>,
+}
+
+/// What a thread that panicked held is as whole as before: each change is one assignment.
+pub(super) fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Mailbox {
+    pub(super) fn take(&self) -> Option<Arc<Batch>> {
+        locked(&self.waiting).pop_front()
+    }
+
+    pub(super) fn dropped(&self) -> u64 {
+        self.dropped.load(Ordering::Relaxed)
+    }
+
+    fn put(&self, batch: &Arc<Batch>) {
+        let mut waiting = locked(&self.waiting);
+        if waiting.len() == WAITING
+            && let Some(oldest) = waiting.pop_front()
+        {
+            self.dropped.fetch_add(oldest.times.len() as u64, Ordering::Relaxed);
+        }
+        waiting.push_back(batch.clone());
+    }
+}
+
+impl Hub {
+    pub(super) fn new(wishes: Sender<Wish>, playing: Playing) -> Self {
+        Self {
+            about: OnceLock::new(),
+            newest: Mutex::new(Newest { version: 1, playing, ..Newest::default() }),
+            events: Mutex::default(),
+            history: Mutex::new(Thinned::new(0, 2)),
+            clients: Mutex::default(),
+            wishes: Mutex::new(wishes),
+        }
+    }
+
+    /// The run begins.
+    pub(super) fn begin(&self, about: About, history: usize) {
+        *locked(&self.history) = Thinned::new(about.columns.len(), history);
+        self.update(|newest| newest.time = about.start);
+        // A server is of one run.
+        let _ = self.about.set(about);
+    }
+
+    /// What the run is, once it has begun.
+    pub(super) fn about(&self) -> Option<&About> {
+        self.about.get()
+    }
+
+    pub(super) fn update(&self, change: impl FnOnce(&mut Newest)) {
+        let mut newest = locked(&self.newest);
+        change(&mut newest);
+        newest.version += 1;
+    }
+
+    pub(super) fn newest(&self) -> Newest {
+        locked(&self.newest).clone()
+    }
+
+    /// Something has happened at an instant: `kind` is `note`, `fault` or `error`.
+    pub(super) fn event(&self, time: Time, kind: &str, text: &str, more: Value) {
+        let event = json!({
+            "op": "event", "time": time.seconds(), "kind": kind, "text": text, "more": more,
+        });
+        let mut events = locked(&self.events);
+        events.0.push_back(event.to_string());
+        if events.0.len() > EVENTS {
+            events.0.pop_front();
+            events.1 += 1;
+        }
+    }
+
+    /// The events from number `from` on, and the number of the next one.
+    pub(super) fn events(&self, from: usize) -> (Vec<String>, usize) {
+        let events = locked(&self.events);
+        let skip = from.saturating_sub(events.1);
+        (events.0.iter().skip(skip).cloned().collect(), events.1 + events.0.len())
+    }
+
+    pub(super) fn join(&self) -> Arc<Mailbox> {
+        let mailbox = Mailbox { waiting: Mutex::default(), dropped: AtomicU64::new(0) };
+        let mailbox = Arc::new(mailbox);
+        locked(&self.clients).push(mailbox.clone());
+        mailbox
+    }
+
+    pub(super) fn leave(&self, mailbox: &Arc<Mailbox>) {
+        locked(&self.clients).retain(|client| !Arc::ptr_eq(client, mailbox));
+    }
+
+    pub(super) fn publish(&self, batch: Batch) {
+        let batch = Arc::new(batch);
+        locked(&self.clients).iter().for_each(|client| client.put(&batch));
+    }
+
+    pub(super) fn wish(&self, wish: Wish) {
+        // A run that has ended hears nothing.
+        let _ = locked(&self.wishes).send(wish);
+    }
+}

@@ -1,0 +1,220 @@
+//! The server: one port, one token, a thread for each client.
+
+use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, Condvar, Mutex};
+use std::time::Duration;
+
+use ring::rand::{SecureRandom, SystemRandom};
+use serde_json::{Value, json};
+
+use super::client::{FAREWELL, Speaker, serve};
+use super::foxglove::{self, Foxglove};
+use super::hub::{Hub, Playing, Wish, locked};
+use super::page::{self, Page};
+use super::{Watch, http};
+use crate::error::{Code, Error, Result};
+use crate::fault::Window;
+use crate::report;
+use crate::roles::Declaration;
+use crate::time::Time;
+
+/// So many clients are served at once.
+const MOST: usize = 32;
+/// So long a client may take to ask.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// Serves a run to browsers and to Foxglove.
+pub struct Server {
+    shared: Arc<Shared>,
+    wishes: Receiver<Wish>,
+    address: SocketAddr,
+}
+
+struct Shared {
+    hub: Arc<Hub>,
+    token: String,
+    closed: AtomicBool,
+    /// How many clients there are, and where their ends are waited for.
+    clients: AtomicUsize,
+    fewer: (Mutex<()>, Condvar),
+}
+
+impl Server {
+    /// Listens at an address; port 0 is any that is free.
+    pub fn listen(address: SocketAddr, playing: Playing) -> Result<Self> {
+        let refused = |why: std::io::Error| {
+            Error::new(Code::Usage, format!("the live view cannot listen at {address}"))
+                .why(why)
+                .help("another port, or none: --live")
+        };
+        let listener = TcpListener::bind(address).map_err(refused)?;
+        let address = listener.local_addr().map_err(refused)?;
+        let mut random = [0; 16];
+        SystemRandom::new().fill(&mut random).map_err(|_| {
+            Error::new(Code::Usage, "the system gives no random numbers for a token")
+        })?;
+        let token = random.iter().map(|byte| format!("{byte:02x}")).collect();
+        let (sender, wishes) = channel();
+        let shared = Arc::new(Shared {
+            hub: Arc::new(Hub::new(sender, playing)),
+            token,
+            closed: AtomicBool::new(false),
+            clients: AtomicUsize::new(0),
+            fewer: (Mutex::new(()), Condvar::new()),
+        });
+        let serving = shared.clone();
+        std::thread::spawn(move || serving.accept(&listener));
+        Ok(Self { shared, wishes, address })
+    }
+
+    /// Where the page is.
+    pub fn page(&self) -> String {
+        format!("http://{}/?token={}", self.address, self.shared.token)
+    }
+
+    /// Where Foxglove and Lichtblick connect.
+    pub fn foxglove(&self) -> String {
+        format!("ws://{}/?token={}", self.address, self.shared.token)
+    }
+
+    /// The observer that shows a run; `faults` are those that are known before.
+    pub fn watch(&self, roles: Option<Declaration>, faults: Vec<Window>) -> Watch {
+        Watch::new(self.shared.hub.clone(), roles, faults)
+    }
+
+    /// The next thing that a client asks for; one is waited for so long.
+    pub fn wish(&self, wait: Duration) -> Option<Wish> {
+        if wait.is_zero() {
+            self.wishes.try_recv().ok()
+        } else {
+            self.wishes.recv_timeout(wait).ok()
+        }
+    }
+
+    /// Tells how the run is going.
+    pub fn tell(&self, now: Time, playing: &Playing) {
+        self.shared.hub.update(|newest| {
+            newest.time = now;
+            newest.playing = playing.clone();
+        });
+    }
+
+    /// Tells what has happened.
+    pub fn note(&self, now: Time, text: &str) {
+        self.shared.hub.event(now, "note", text, Value::Null);
+    }
+
+    /// Tells that something could not be done.
+    pub fn error(&self, now: Time, error: &Error) {
+        self.shared.hub.event(now, "error", &error.line(), Value::Null);
+    }
+
+    /// Tells that a fault was injected.
+    pub fn fault(&self, now: Time, window: &Window) {
+        self.shared.hub.event(now, "fault", &window.label, json!(window));
+    }
+
+    /// Tells the end and lets clients go.
+    pub fn end(self, now: Time, text: &str) {
+        self.note(now, text);
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        let Shared { hub, closed, clients, fewer, .. } = &*self.shared;
+        hub.update(|newest| newest.ended = true);
+        closed.store(true, Ordering::Release);
+        // Whoever accepts looks up.
+        drop(TcpStream::connect(self.address));
+        let guard = locked(&fewer.0);
+        let some = |_: &mut ()| clients.load(Ordering::Acquire) > 0;
+        // Those who have not heard it by then end with the process.
+        drop(fewer.1.wait_timeout_while(guard, FAREWELL, some));
+    }
+}
+
+impl Shared {
+    fn accept(self: &Arc<Self>, listener: &TcpListener) {
+        for stream in listener.incoming() {
+            if self.closed.load(Ordering::Acquire) {
+                return;
+            }
+            let Ok(stream) = stream else { continue };
+            if self.clients.fetch_add(1, Ordering::AcqRel) >= MOST {
+                self.left();
+                continue;
+            }
+            let shared = self.clone();
+            std::thread::spawn(move || {
+                shared.client(stream);
+                shared.left();
+            });
+        }
+    }
+
+    fn left(&self) {
+        let _guard = locked(&self.fewer.0);
+        self.clients.fetch_sub(1, Ordering::AcqRel);
+        self.fewer.1.notify_all();
+    }
+
+    /// Whether a token is ours; how long that takes does not say how much of it is right.
+    fn knows(&self, token: &str) -> bool {
+        let pairs = self.token.bytes().zip(token.bytes());
+        let differing = pairs.fold(0, |differing, (own, other)| differing | (own ^ other));
+        token.len() == self.token.len() && differing == 0
+    }
+
+    fn client(&self, mut stream: TcpStream) {
+        let limits = stream.set_read_timeout(Some(PATIENCE));
+        if limits.and_then(|()| stream.set_write_timeout(Some(PATIENCE))).is_err() {
+            return;
+        }
+        let Some(request) = http::read(&mut stream) else { return };
+        let http::Request { is_get, path, token, upgrade, rest } = request;
+        let refusal = match &upgrade {
+            _ if !self.knows(&token) => {
+                Some(("403 Forbidden", "The address needs the token that the run has printed.\n"))
+            }
+            _ if !is_get || path != "/" => {
+                Some(("404 Not Found", "There is nothing here: the page is at /.\n"))
+            }
+            Some((_, offered)) if protocol(offered).is_none() => {
+                Some(("400 Bad Request", "The protocol of the WebSocket is not known.\n"))
+            }
+            _ => None,
+        };
+        if let Some((status, text)) = refusal {
+            return http::answer(&mut stream, status, "text/plain", text);
+        }
+        match upgrade.and_then(|(key, offered)| Some((key, protocol(&offered)?))) {
+            Some((key, protocol)) => {
+                let mut speaker: Box<dyn Speaker> = match protocol {
+                    page::PROTOCOL => Box::new(Page::default()),
+                    protocol => Box::new(Foxglove::new(protocol)),
+                };
+                if http::upgrade(&mut stream, &key, protocol).is_ok() {
+                    serve(stream, rest, &self.hub, &mut *speaker);
+                }
+            }
+            None => match report::live_page() {
+                Ok(page) => http::answer(&mut stream, "200 OK", "text/html", &page),
+                Err(e) => http::answer(
+                    &mut stream,
+                    "500 Internal Server Error",
+                    "text/plain",
+                    &e.to_string(),
+                ),
+            },
+        }
+    }
+}
+
+/// The first of our protocols that a client offers.
+fn protocol(offered: &[String]) -> Option<&'static str> {
+    let ours = [page::PROTOCOL].into_iter().chain(foxglove::PROTOCOLS);
+    ours.into_iter().find(|name| offered.iter().any(|offered| offered == name))
+}

@@ -1,0 +1,101 @@
+//! The observer: copies samples and goes on.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use serde_json::json;
+
+use super::batch::Thinned;
+use super::hub::{About, Hub};
+use crate::error::Result;
+use crate::fault::Window;
+use crate::observe::{Observer, RunInfo};
+use crate::roles::{Declaration, Measure, Names, Roles};
+use crate::time::Time;
+
+/// Clients get a batch so often.
+const FRAME: Duration = Duration::from_millis(33);
+/// The speed is measured over so long.
+const MEASURED: Duration = Duration::from_millis(500);
+/// Numbers of a batch, and of the history that those get who come later.
+const BATCH: usize = 200_000;
+const HISTORY: usize = 400_000;
+
+/// Shows a run to the clients of a [`super::Server`].
+pub struct Watch {
+    hub: Arc<Hub>,
+    declared: Option<Declaration>,
+    faults: Vec<Window>,
+    fresh: Thinned,
+    sent: Instant,
+    /// Since when the speed is measured: by the clock, and simulated.
+    since: (Instant, Time),
+    now: Time,
+}
+
+impl Watch {
+    pub(super) fn new(hub: Arc<Hub>, declared: Option<Declaration>, faults: Vec<Window>) -> Self {
+        let (now, begun) = (Time::ZERO, Instant::now());
+        let (fresh, since) = (Thinned::new(0, 2), (begun, now));
+        Self { hub, declared, faults, fresh, sent: begun, since, now }
+    }
+
+    #[cold]
+    fn send(&mut self, clock: Instant) {
+        self.sent = clock;
+        self.hub.publish(self.fresh.take());
+        let spent = clock - self.since.0;
+        let (time, since) = (self.now, self.since.1);
+        self.hub.update(|newest| {
+            newest.time = time;
+            if spent >= MEASURED {
+                newest.factor = (time - since).seconds() / spent.as_secs_f64();
+            }
+        });
+        if spent >= MEASURED {
+            self.since = (clock, time);
+        }
+    }
+}
+
+impl Observer for Watch {
+    fn start(&mut self, info: &RunInfo<'_>) -> Result<()> {
+        let names = Names::new(info.columns.iter().map(|column| column.name.as_str()));
+        let measures: Vec<Measure> = info.columns.iter().map(Measure::of).collect();
+        let width = info.columns.len();
+        let about = About {
+            name: info.name.to_owned(),
+            columns: info.columns.to_vec(),
+            start: info.resumed.unwrap_or(info.start),
+            stop: info.stop,
+            roles: Roles::find(&names, &measures, self.declared.as_ref())?,
+            declared: self.declared.clone(),
+            faults: json!(self.faults),
+        };
+        self.now = about.start;
+        self.since = (Instant::now(), about.start);
+        self.fresh = Thinned::new(width, (BATCH / width.max(1)).clamp(4, 64));
+        self.hub.begin(about, (HISTORY / width.max(1)).clamp(40, 3000));
+        Ok(())
+    }
+
+    fn sample(&mut self, time: Time, values: &[f64]) -> Result<()> {
+        let nanoseconds = time.nanoseconds();
+        // The run waits for nobody: a sample that a newcomer's copying is in the way of is left out.
+        if let Ok(mut history) = self.hub.history.try_lock() {
+            history.push(nanoseconds, values);
+        }
+        self.fresh.push(nanoseconds, values);
+        self.now = time;
+        let clock = Instant::now();
+        if clock - self.sent >= FRAME {
+            self.send(clock);
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<()> {
+        self.send(Instant::now());
+        Ok(())
+    }
+}
