@@ -113,7 +113,7 @@ fn what_cannot_be_injected_is_told_and_changes_nothing() {
     ]);
     let left = run(&system, &mut person);
     let parts = [
-        "g.y'?",
+        "did you mean 'y'",
         "'bias'",
         "'value' is missing",
         "'from'",
