@@ -1,6 +1,6 @@
 //! What happens to a hosted system: the scenario that was exported with it.
 
-use super::Hosted;
+use super::{Hosted, number_of};
 use crate::error::Result;
 use crate::master::{Controls, Manipulator};
 use crate::time::Time;
@@ -14,7 +14,8 @@ impl Hosted {
     }
 
     /// Makes the steps until the scenario acts, and lets it act, as often as that is before `end`. What
-    /// is to happen at `end` waits for the next step: as in a run, values there are those before it.
+    /// is to happen at `end` waits for the next step: as in a run, values there are those before it. It acts on
+    /// what the host has set.
     pub(super) fn act_before(&mut self, end: Time) -> Result<()> {
         let (Some(scenario), Some(engine)) = (&mut self.scenario, &mut self.engine) else {
             return Ok(());
@@ -26,6 +27,9 @@ impl Hosted {
             engine.run_until(at)?;
             scenario.act(at, &mut Controls::of(&self.system, engine, at))?;
             self.acted = Some(at);
+            for (end, value) in self.table.open() {
+                engine.rebase(end.port, number_of(&end.inward(value)?))?;
+            }
         }
         Ok(())
     }

@@ -178,6 +178,13 @@ impl Table {
         values.len() == all().count() && all().zip(values).all(alike)
     }
 
+    /// What the host may set at any time: the variables behind it, and what they are set to.
+    pub(super) fn open(&self) -> impl Iterator<Item = (&Inner, &Value)> {
+        let all = self.known.iter().flatten();
+        let open = all.filter(|known| matches!(known.role, Role::Input | Role::Tunable));
+        open.flat_map(|known| known.ends.iter().map(move |end| (end, &known.value)))
+    }
+
     /// Takes on the values of a state.
     pub(super) fn take(&mut self, values: &[Value]) {
         let all = self.known.iter_mut().flatten();

@@ -217,21 +217,25 @@ impl Engine {
         Ok(())
     }
 
-    /// Gives a variable that nothing drives a value from outside. What is done to the variable is
-    /// done to this value.
+    /// Gives a variable that nothing drives a value from outside.
     pub(crate) fn give(&mut self, port: Port, value: &Value, now: Time) -> Result<()> {
         let slave = &mut self.slaves[port.component];
         slave.came_to(now);
         slave.give(port.variable, value)?;
+        self.rebase(port, number(value))
+    }
+
+    /// What is done to a variable that nothing drives is done to this value, which its component has.
+    pub(crate) fn rebase(&mut self, port: Port, value: f64) -> Result<()> {
         let Some(shared) = &self.patches[port.component] else { return Ok(()) };
         let mut patches = shared.borrow_mut();
         let own = |patched: &&mut Patched| patched.variable == port.variable;
-        let mut given = number(value);
+        let mut given = value;
         for patched in patches.iter_mut().filter(own) {
-            patched.start = given;
+            patched.start = value;
             if !patched.patch.is_fault() {
                 given = patched.patch.apply(given);
-                slave.assign(port.variable, given)?;
+                self.slaves[port.component].assign(port.variable, given)?;
             }
         }
         // Faults get it with the next step.

@@ -59,13 +59,13 @@ fn rows_are_the_same_however_many_processes_made_them_and_after_kills() {
     let folder = folder.path();
     campaign(folder, "");
     let text = std::fs::read_to_string(folder.join("c.toml")).unwrap();
-    std::fs::write(folder.join("c.toml"), text.replace("seeds = 12", "seeds = 100")).unwrap();
+    std::fs::write(folder.join("c.toml"), text.replace("seeds = 12", "seeds = 400")).unwrap();
     for (jobs, name) in [("1", "one"), ("3", "three")] {
         let (code, stderr) = run(folder, &["--jobs", jobs, "--output-dir", name]);
         assert_eq!(code, 0, "{stderr}");
     }
     let wanted = rows(folder, "one/runs.csv");
-    assert_eq!(wanted.len(), 201);
+    assert_eq!(wanted.len(), 801);
     assert_eq!(rows(folder, "three/runs.csv"), wanted);
     let mut kills = 0;
     loop {

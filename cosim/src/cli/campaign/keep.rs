@@ -31,19 +31,26 @@ pub(super) fn keep(bench: &Bench, folder: &Path, results: Folder) -> Result<()> 
         std::fs::create_dir_all(&place).map_err(unmade)?;
         let mut replay = Command::new(&program);
         replay.arg("replay").arg(folder).arg(run.to_string()).arg("--output-file").arg(&file);
-        let (good, said) = ends(&mut replay, seconds).map_err(|e| {
+        let ended = ends(&mut replay, seconds).map_err(|e| {
             Error::new(Code::Lost, format!("run {run} cannot be made again")).why(e)
         })?;
-        // What a failed run left is kept; the row says why it failed.
-        if !good && !file.exists() {
-            messages::warning(&format!("run {run} has left no trajectory: {said}"));
-        }
+        let said = match ended {
+            None => {
+                // What there is has no end.
+                drop(std::fs::remove_file(&file));
+                format!("it took longer than {seconds} s")
+            }
+            // What a failed run left is kept; the row says why it failed.
+            Some((good, _)) if good || file.exists() => continue,
+            Some((_, said)) => said,
+        };
+        messages::warning(&format!("run {run} has left no trajectory: {said}"));
     }
     Ok(())
 }
 
-/// Whether a process ends well within this time, and what it said.
-fn ends(command: &mut Command, seconds: f64) -> std::io::Result<(bool, String)> {
+/// Whether a process ends well, and what it said; nothing if it does not end in this time.
+fn ends(command: &mut Command, seconds: f64) -> std::io::Result<Option<(bool, String)>> {
     let mut process = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn()?;
     let mut said = Vec::new();
     if let Some(mut stderr) = process.stderr.take() {
@@ -53,9 +60,9 @@ fn ends(command: &mut Command, seconds: f64) -> std::io::Result<(bool, String)> 
             // What cannot be killed is over already.
             drop(process.kill());
             process.wait()?;
-            return Ok((false, format!("it took longer than {seconds} s")));
+            return Ok(None);
         }
     }
     let good = process.wait()?.success();
-    Ok((good, String::from_utf8_lossy(&said).trim().to_owned()))
+    Ok(Some((good, String::from_utf8_lossy(&said).trim().to_owned())))
 }

@@ -9,7 +9,7 @@ use crate::formats::Folder;
 use crate::models::Model::{Clock, Gain, Integrator};
 use crate::ssd::Ssd;
 
-/// On an output, a connected input, a parameter and a free input; random, remembering, a reset.
+/// On an output, connected inputs and a free one; random, remembering, a reset.
 const FAULTS: &str = r#"
 seed = 5
 [[fault]]
@@ -25,7 +25,7 @@ delay = 0.2
 jitter = 0.1
 [[fault]]
 kind = "scale"
-on = "g.k"
+on = "g.u"
 factor = 2
 between = [0.5, 0.9]
 for = 0.4
