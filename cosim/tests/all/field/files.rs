@@ -234,3 +234,23 @@ fn the_file_that_is_meant_is_named() {
     assert!(error.contains("[E101]"), "{error}");
     assert!(error.contains("did you mean 'AframeSetPoint.fmu'? If not, build"), "{error}");
 }
+
+#[test]
+fn a_step_in_omsimulators_annotation_is_that_of_all_components() {
+    let folder = Folder::new();
+    let namespace =
+        "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd";
+    let annotation = format!(
+        "<ssd:Annotations><ssc:Annotation type='org.openmodelica'><oms:Annotations xmlns:oms='{namespace}'>\
+         <oms:SimulationInformation><oms:FixedStepMaster description='oms-ma' stepSize='0.250000' \
+         relativeTolerance='0.0001'/></oms:SimulationInformation></oms:Annotations></ssc:Annotation>\
+         </ssd:Annotations>"
+    );
+    let inside = system(&component("g", &Gain.fmu(), "", ""), "");
+    let loaded = folder.load(&ssd(&format!("{inside}{annotation}"), "")).unwrap();
+    assert_eq!(loaded.components()[0].step.seconds(), 0.25);
+    // 0 is written where a solver of variable step chooses.
+    let none = annotation.replace("0.250000", "0.000000");
+    let loaded = folder.load(&ssd(&format!("{inside}{none}"), "")).unwrap();
+    assert_eq!(loaded.components()[0].step.seconds(), 0.1);
+}

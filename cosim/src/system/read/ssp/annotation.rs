@@ -16,7 +16,8 @@
 //! computed in a distributed run. Without them a component steps by the stepSize of its FMU's
 //! DefaultExperiment. Those of the Open Simulation Platform are read where
 //! ours are missing: `<osp:FixedStepAlgorithm baseStepSize="0.01"/>` in
-//! `<osp:Algorithm>` of the DefaultExperiment and `<osp:StepSizeHint value="0.1"/>` of a Component.
+//! `<osp:Algorithm>` of the DefaultExperiment and `<osp:StepSizeHint value="0.1"/>` of a Component. So is
+//! OMSimulator's `<oms:FixedStepMaster stepSize="0.1"/>` of the system.
 
 use super::Reader;
 use crate::error::{Code, Result};
@@ -29,6 +30,10 @@ const COSIM: &str = "urn:cosim:1";
 
 /// Namespace of those of the Open Simulation Platform.
 const OSP: &str = "http://opensimulationplatform.com/SSP/OSPAnnotations";
+
+/// Namespace of OMSimulator's.
+const OMS: &str =
+    "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd";
 
 impl Reader<'_> {
     pub(super) fn master(
@@ -61,6 +66,14 @@ impl Reader<'_> {
         let fixed = children.find(|element| element.name == "FixedStepAlgorithm")?;
         master.algorithm = Some(Algorithm::Jacobi);
         self.number(fixed, "baseStepSize")
+    }
+
+    /// The step that OMSimulator's annotation gives all components.
+    pub(super) fn step_of_omsimulator(&mut self, system: &Element) -> Option<f64> {
+        let mut settings = inside(system, OMS, "Annotations")
+            .flat_map(|annotations| annotations.grandchildren("SimulationInformation"));
+        let master = settings.find(|element| element.name == "FixedStepMaster")?;
+        self.number(master, "stepSize").filter(|step| *step > 0.0)
     }
 
     /// The step of a component.

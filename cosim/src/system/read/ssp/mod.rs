@@ -59,7 +59,8 @@ pub(super) fn read(
     let system = reader.document(root)?;
     let mut master = RawMaster::default();
     let mut recorded = Vec::new();
-    let base_step = reader.base_step(root, &mut master);
+    let base_step =
+        reader.base_step(root, &mut master).or_else(|| reader.step_of_omsimulator(system));
     reader.master(root, &mut master, &mut recorded);
     reader.master(system, &mut master, &mut recorded);
     let (start, stop) = reader.experiment(root, &mut master, &mut recorded);
