@@ -58,10 +58,11 @@ fn page(summary: &Value) -> Result<String> {
     let bound = list(summary, "verdicts").find_map(|verdict| verdict["threshold"].as_str());
     let mut page = format!(
         "# What does each fault do to each filter?\n\n\
-         Written by `cargo xtask matrix` from the campaign [`matrix.toml`](../../{CAMPAIGN}), {} runs: {seeds} missions of 120 s \
-         in each cell, the filter in the loop, all with the\nsame random numbers. A cell has the median of the absolute trajectory \
-         error (m, not aligned); the threshold is: {}. ✗ is a threshold that is missed\nwith 95 % confidence, ? one that these \
-         runs leave open. What the scenarios are is said in [their files](campaigns.md#faults).\n",
+         Written by `cargo xtask matrix` from the campaign [`matrix.toml`](../../{CAMPAIGN}), {} runs:\n\
+         {seeds} missions of 120 s in each cell, the filter in the loop, all with the same random numbers. A cell has the \
+         median of the absolute\ntrajectory error (m, not aligned). The threshold is: {}. ✗ is one that is missed with 95 % \
+         confidence, ? one that these\nruns leave open. What the scenarios are is said in \
+         [their files](campaigns.md#faults).\n",
         summary["runs"],
         bound.context("no thresholds")?
     );
