@@ -105,9 +105,8 @@ pub struct RexRov {
 impl Component for RexRov {
     const INFO: Info = Info {
         stop_time_s: 60.0,
-        integrator_step_s: 0.01,
-        // Commands that are held have the lag of the rotors, 50 ms, in closed form. Where they move a
-        // minute is good to a millionth of each signal's peak.
+        // Good to a millionth of each signal's peak over a minute in which commands jump.
+        integrator_step_s: 0.004,
         moving_step_s: 0.004,
         ..crate::info(
             "RexROV",
