@@ -4,6 +4,7 @@ A browser is needed (Debian: `apt-get install chromium`); without one these test
 """
 
 import base64
+import contextlib
 import http.client
 import json
 import os
@@ -172,13 +173,11 @@ def test_nothing_is_answered_without_the_token_and_only_this_machine_is(tmp_path
         assert get(f"/?token={token}", headers=upgrade | {"Sec-WebSocket-Protocol": "chat"})[0] == 400
         for junk in [b"\0" * 100, b"GET / HTTP/1.1\r\n" + b"a: b\r\n" * 5000]:
             with socket.create_connection((address.hostname, address.port)) as line:
-                line.sendall(junk)
-                line.shutdown(socket.SHUT_WR)
-                try:
-                    answered = line.recv(100)
-                except ConnectionResetError:
-                    answered = b""
-                assert answered == b""
+                # It may hang up before it has heard all.
+                with contextlib.suppress(OSError):
+                    line.sendall(junk)
+                    line.shutdown(socket.SHUT_WR)
+                    assert line.recv(100) == b""
         assert get(f"/?token={token}")[0] == 200
 
     quiet = subprocess.Popen([*map(str, [COSIM, *SYSTEM, "--real-time=0.001", "--digest-file", "d", "-o", "q.csv"])], cwd=tmp_path)
