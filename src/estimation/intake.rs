@@ -2,19 +2,16 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::measurement::{Event, KINDS, Kind, Measurements, Reading};
+use super::measurement::{Event, KINDS, Kind, LONGEST, Measurements, Reading, is_same};
 
 /// A stamp may be this far ahead of the filter's clock (s): an importer's step, a rounding.
 const AHEAD: f64 = 0.05;
-/// Values that differ by no more than this share of themselves are the same but for rounding: an importer
-/// that draws straight lines between two equal values gives others in the last digits.
-const ROUNDING: f64 = 1e-12;
 
 /// What is remembered of one instrument.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Source {
     stamp: f64,
-    value: [f64; 8],
+    value: [f64; LONGEST],
     seen: bool,
     /// What is added to its stamps since its clock stepped (s).
     offset: f64,
@@ -33,7 +30,7 @@ impl Default for Source {
     fn default() -> Self {
         Self {
             stamp: f64::NEG_INFINITY,
-            value: [0.0; 8],
+            value: [0.0; LONGEST],
             seen: false,
             offset: 0.0,
             newest: f64::NEG_INFINITY,
@@ -59,11 +56,11 @@ impl Source {
         latency: f64,
     ) -> Option<Event> {
         let stamp = reading.stamp;
-        let stamped = stamp >= 0.0;
-        if !reading.valid || stamp.is_nan() || reading.is_of(self.stamp) {
+        let stamped = reading.is_stamped(self.stamp, &self.value);
+        if !reading.valid || stamp.is_nan() || (stamped && reading.is_of(self.stamp)) {
             return None;
         }
-        let value = core::array::from_fn(|i| if i < K { reading.value[i] } else { 0.0 });
+        let value = reading.padded();
         let repeats = self.seen && kind.never_repeats() && is_same(&value, &self.value);
         if repeats && !stamped {
             return None;
@@ -97,12 +94,6 @@ impl Source {
         }
         (stamp + self.offset).min(now)
     }
-}
-
-/// Whether values are the same but for rounding.
-fn is_same(a: &[f64; 8], b: &[f64; 8]) -> bool {
-    let close = |a: f64, b: f64| a == b || (a - b).abs() <= ROUNDING * a.abs().max(b.abs());
-    a.iter().zip(b).all(|(&a, &b)| close(a, b))
 }
 
 /// All instruments.
@@ -160,6 +151,15 @@ mod tests {
             events((0..9).map(|i| Reading::at(-1.0, VALUE.map(|x| x + 1e-9 * i as f64)))),
             (9, 0)
         );
+    }
+
+    #[test]
+    fn a_stamp_that_stays_zero_while_the_value_changes_is_no_stamp() {
+        let value = |i: usize| VALUE.map(|x| x + 0.01 * i as f64);
+        assert_eq!(events((0..9).map(|i| Reading::at(0.0, value(i)))), (9, 0));
+        assert_eq!(events((0..9).map(|i| Reading::at(0.0, up(VALUE, i)))), (1, 0));
+        // The measurement of the beginning is held until the next one.
+        assert_eq!(events((0..9).map(|i| Reading::at(0.4 * (i / 4) as f64, value(i / 4)))), (3, 0));
     }
 
     #[test]

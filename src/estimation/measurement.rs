@@ -4,13 +4,19 @@ use serde::{Deserialize, Serialize};
 
 use super::interval::SAME;
 
+/// Numbers in the longest value.
+pub(super) const LONGEST: usize = 8;
+/// Values that differ by no more than this share of themselves are the same but for rounding: an importer
+/// that draws straight lines between two equal values gives others in the last digits.
+const ROUNDING: f64 = 1e-12;
+
 /// The latest value of an instrument, with the time it was measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading<const K: usize> {
     /// The value.
     pub value: [f64; K],
     /// Time of measurement (s); one within 1e-9 s of the one before is the same measurement.
-    /// Negative: unknown, so the value counts as new in every cycle; where noise never lets a value
+    /// Negative, or 0 while the value changes: unknown, so the value counts as new in every cycle; where noise never lets a value
     /// repeat, only if it differs from the one before by more than rounding (1e-12 of itself).
     pub stamp: f64,
     /// False while the instrument has not measured yet, or is not there at all.
@@ -31,10 +37,28 @@ impl<const K: usize> Reading<K> {
         Self { value, stamp, valid: true }
     }
 
+    /// The value, filled up with zeros to the length of the longest.
+    pub(super) fn padded(&self) -> [f64; LONGEST] {
+        core::array::from_fn(|i| if i < K { self.value[i] } else { 0.0 })
+    }
+
+    /// Whether the time of measurement is known. A stamp that stays 0 while the value changes is an
+    /// input that is not connected, in an importer that sets such inputs to zero.
+    pub(super) fn is_stamped(&self, newest: f64, value: &[f64; LONGEST]) -> bool {
+        let held = || is_same(&self.padded(), value) || self.value.iter().any(|x| x.is_nan());
+        self.stamp > 0.0 || self.stamp == 0.0 && (newest != 0.0 || held())
+    }
+
     /// Whether this is the measurement with a stamp (s), but for rounding.
     pub(super) fn is_of(&self, stamp: f64) -> bool {
-        self.stamp >= 0.0 && (self.stamp - stamp).abs() < SAME
+        (self.stamp - stamp).abs() < SAME
     }
+}
+
+/// Whether values are the same but for rounding.
+pub(super) fn is_same(a: &[f64; LONGEST], b: &[f64; LONGEST]) -> bool {
+    let close = |a: f64, b: f64| a == b || (a - b).abs() <= ROUNDING * a.abs().max(b.abs());
+    a.iter().zip(b).all(|(&a, &b)| close(a, b))
 }
 
 /// Everything that a filter can use in a cycle; what is absent is never fused.

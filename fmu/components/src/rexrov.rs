@@ -107,7 +107,6 @@ impl Component for RexRov {
         stop_time_s: 60.0,
         // Good to a millionth of each signal's peak over a minute in which commands jump.
         integrator_step_s: 0.004,
-        moving_step_s: 0.004,
         ..crate::info(
             "RexROV",
             "RexROV underwater vehicle, six degrees of freedom, eight thrusters",

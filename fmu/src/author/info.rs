@@ -27,9 +27,6 @@ pub struct Info {
     /// Longest step of the co-simulation integrator in seconds; a communication step is cut into
     /// equal steps no longer than this.
     pub integrator_step_s: f64,
-    /// The same while inputs move, if they limit the step more: a component that brings a step of its
-    /// own for held inputs is integrated by the classical Runge-Kutta method then.
-    pub moving_step_s: f64,
     /// Whether outputs change at events only (a sampled component); they are then declared
     /// `discrete`.
     pub sampled: bool,
@@ -52,7 +49,6 @@ impl Info {
             stop_time_s: 10.0,
             step_s: 0.01,
             integrator_step_s: 0.01,
-            moving_step_s: f64::INFINITY,
             sampled: false,
             model_exchange: true,
         }

@@ -3,14 +3,16 @@
 use serde::{Deserialize, Serialize};
 
 use crate::estimation::kalman::{GATE, Verdict};
+use crate::estimation::measurement::LONGEST;
 use crate::estimation::sensor::Observation;
 use crate::estimation::{ChannelReport, Reading};
 
 /// What is remembered of an instrument.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Source {
-    /// Stamp of its newest reading (s).
+    /// Stamp of its newest reading (s), and its value.
     stamp: f64,
+    value: [f64; LONGEST],
     /// When a reading last came that was fit (s).
     pub(super) arrived: f64,
     /// Readings that were not numbers.
@@ -19,7 +21,7 @@ pub(super) struct Source {
 
 impl Source {
     pub(super) fn new(now: f64) -> Self {
-        Self { stamp: -1.0, arrived: now, refused: 0 }
+        Self { stamp: -1.0, value: [0.0; LONGEST], arrived: now, refused: 0 }
     }
 
     /// The value of a reading that is new and made of numbers.
@@ -28,10 +30,11 @@ impl Source {
         now: f64,
         reading: &Reading<K>,
     ) -> Option<[f64; K]> {
-        if !reading.valid || reading.is_of(self.stamp) {
+        let stamped = reading.is_stamped(self.stamp, &self.value);
+        if !reading.valid || (stamped && reading.is_of(self.stamp)) {
             return None;
         }
-        self.stamp = reading.stamp;
+        (self.stamp, self.value) = (reading.stamp, reading.padded());
         if !reading.value.iter().chain([&reading.stamp]).all(|x| x.is_finite()) {
             self.refused = self.refused.saturating_add(1);
             return None;
