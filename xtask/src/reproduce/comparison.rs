@@ -134,15 +134,20 @@ fn equal(nominal: &Cells<'_>) -> Table {
             quantiles(scores, |s| s.settled, 3),
             quantiles(scores, |s| s.depth, 3),
             quantiles(scores, |s| s.heading.to_degrees(), 3),
-            format!("{:.2}", claimed / rms(scores, |s| s.settled)),
+            ratio(claimed / rms(scores, |s| s.settled)),
             format!("{:.1}", mean_nees(scores, 0)),
             format!("1 / {:.0}", 1.0 / mean(&scores.iter().map(|s| s.load).collect::<Vec<_>>())),
         ]);
     }
     if let Some(bound) = nominal.bound {
-        table.push(["Cramér-Rao bound of the root mean square".to_owned(), format!("{bound:.3}")]);
+        table.push(["Cramér-Rao bound (RMS)".to_owned(), format!("{bound:.3}")]);
     }
     table
+}
+
+/// Two digits after the point, or the power of ten alone of what has run away.
+fn ratio(value: f64) -> String {
+    if value < 100.0 { format!("{value:.2}") } else { format!("{value:.0e}") }
 }
 
 fn dead_reckoning(cells: &Cells<'_>) -> Table {
