@@ -18,12 +18,12 @@ from urllib.parse import urlsplit
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
+from browser import browser, needs_chromium, problems
 from conftest import COSIM, ROOT
-from playwright.sync_api import expect, sync_playwright
+from playwright.sync_api import expect
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-CHROMIUM = next(filter(None, map(shutil.which, ["chromium", "chromium-browser", "google-chrome"])), None)
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium is installed: the live page is not opened")
+pytestmark = needs_chromium
 
 # A machine that is busy with other things is slow, and not wrong.
 expect.set_options(timeout=60_000)
@@ -66,22 +66,6 @@ def plain(folder, *arguments):
     """The same run without anybody who watches; its results as bytes."""
     subprocess.run([*map(str, [COSIM, *SYSTEM, *arguments, "-q", "-o", "plain.csv"])], cwd=folder, check=True)
     return (folder / "plain.csv").read_bytes()
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield browser
-        browser.close()
-
-
-def problems(page):
-    """The list of errors of the page's script, as they come."""
-    found = []
-    page.on("pageerror", lambda error: found.append(str(error)))
-    page.on("console", lambda message: found.append(message.text) if message.type == "error" else None)
-    return found
 
 
 def status(page, term):

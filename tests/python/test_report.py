@@ -11,11 +11,11 @@ import subprocess
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
+from browser import browser, draw_all, needs_chromium, problems
 from conftest import COSIM, FMUS, ROOT
-from playwright.sync_api import expect, sync_playwright
+from playwright.sync_api import expect
 
-CHROMIUM = next(filter(None, map(shutil.which, ["chromium", "chromium-browser", "google-chrome"])), None)
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium is installed: reports are not opened")
+pytestmark = needs_chromium
 
 CAMPAIGN = """
 description = "Is the dynamic filter good enough, and is <script>alert('it')</script> text?"
@@ -89,37 +89,16 @@ def report(folder):
     return folder / "c_campaign" / "report.html"
 
 
-@pytest.fixture(scope="module")
-def browser():
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield browser
-        browser.close()
-
-
 @pytest.fixture
 def page(browser):
     """A page on which every error and every request but that of the report itself fails the test."""
     context = browser.new_context(viewport={"width": 1280, "height": 900})
     page = context.new_page()
-    wrong = []
-    page.on("pageerror", lambda error: wrong.append(str(error)))
-    page.on("console", lambda message: wrong.append(message.text) if message.type == "error" else None)
+    wrong = problems(page)
     page.on("request", lambda request: wrong.append(request.url) if not request.url.startswith("file:") else None)
     yield page
     assert not wrong
     context.close()
-
-
-def seen_whole(page):
-    """Scrolls to the end, so that every plot is drawn."""
-    page.evaluate("""async () => {
-        for (let y = 0; y < document.documentElement.scrollHeight; y += 500) {
-            window.scrollTo(0, y);
-            await new Promise((next) => requestAnimationFrame(() => requestAnimationFrame(next)));
-        }
-        window.scrollTo(0, 0);
-    }""")
 
 
 def test_from_the_matrix_to_a_run_and_back(page, report):
@@ -171,7 +150,7 @@ def open_run(page, report):
 
 def test_one_cursor_for_all_plots_and_the_map(page, report):
     trace = open_run(page, report)
-    seen_whole(page)
+    draw_all(page)
     plot = next(plot for plot in trace["plots"] if plot["title"] == "ekf.pose.x: error")
     figure = page.locator("figure.plot").filter(has_text="ekf.pose.x: error")
     figure.scroll_into_view_if_needed()
@@ -221,13 +200,13 @@ def test_everybody_can_read_it(page, report, view, scheme):
         page.goto(report.as_uri())
         if view == "cell":
             page.locator("#matrix td a").first.click()
-    seen_whole(page)
+    draw_all(page)
     found = Axe().run(page).response["violations"]
     serious = [f"{v['id']}: {v['nodes'][0]['html'][:200]}" for v in found if v["impact"] in ("serious", "critical")]
     print(f"axe-core, {view}, {scheme}: {len(found)} findings, {len(serious)} of them serious")
     assert not serious
     page.set_viewport_size({"width": 400, "height": 800})
-    seen_whole(page)
+    draw_all(page)
     assert page.evaluate("document.documentElement.scrollWidth") <= 400
 
 
@@ -259,7 +238,7 @@ def test_a_run_of_its_own(page, folder):
     cosim(folder, "run", str(ROOT / "examples" / "paper.ssd"), *options)
     cosim(folder, "report", "run.csv", "--system", str(ROOT / "examples" / "paper.ssd"))
     page.goto((folder / "run.html").as_uri())
-    seen_whole(page)
+    draw_all(page)
     expect(page.locator("#map canvas")).to_be_visible()
     page.locator("summary", has_text="All signals").click()
     expect(page.locator("details figure.plot").first).to_be_visible()

@@ -9,14 +9,16 @@ export function playControls(send) {
   const play = el("button", { type: "button", id: "play", onclick: () => send({ op: play.dataset.op }) }, "Pause");
   play.dataset.op = "pause";
   const step = el("button", { type: "button", onclick: () => send({ op: "step" }) }, "One step");
-  const names = [...SPEEDS.map((speed) => `${speed} ×`), "as fast as it can"];
-  const speed = choice("Speed", names, SPEEDS.indexOf(1), (place) => send({ op: "speed", factor: SPEEDS[place] ?? null }));
+  const speeds = [...SPEEDS, null];
+  const names = speeds.map((speed) => (speed == null ? "as fast as it can" : `${speed} ×`));
+  const speed = choice("Speed", names, SPEEDS.indexOf(1), (place) => send({ op: "speed", factor: speeds[place] }));
   const select = speed.querySelector("select");
   const update = (state) => {
     play.dataset.op = state.paused ? "play" : "pause";
     play.textContent = state.paused ? "Go on" : "Pause";
-    const place = state.speed == null ? SPEEDS.length : SPEEDS.indexOf(state.speed);
-    if (document.activeElement !== select) select.value = String(place);
+    const now = state.speed ?? null;
+    if (!speeds.includes(now)) select.append(el("option", { value: speeds.push(now) - 1 }, `${now} ×`));
+    if (document.activeElement !== select) select.value = String(speeds.indexOf(now));
     for (const control of [play, step, select]) control.disabled = state.ended;
   };
   return { element: el("div", { class: "controls", role: "group", "aria-label": "The run" }, play, step, speed), update };
@@ -71,8 +73,9 @@ function valueOf(text) {
 
 /** What has happened, the newest first. */
 export function eventLog() {
-  const list = el("ul");
+  const list = el("ul", {}, el("li", { class: "soft" }, "none yet"));
   const add = ({ time, kind, text }) => {
+    list.querySelector(":scope > .soft")?.remove();
     list.prepend(el("li", { class: kind }, el("b", {}, `${num(time, 7)} s`), ` ${text}`));
     while (list.children.length > 200) list.lastChild.remove();
   };

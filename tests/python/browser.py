@@ -1,0 +1,43 @@
+"""Chromium, as the tests of reports and of live runs use it."""
+
+import contextlib
+import shutil
+
+import pytest
+from playwright.sync_api import sync_playwright
+
+CHROMIUM = next(filter(None, map(shutil.which, ["chromium", "chromium-browser", "google-chrome"])), None)
+needs_chromium = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium is installed: no page is opened")
+
+
+@contextlib.contextmanager
+def chromium():
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium() as browser:
+        yield browser
+
+
+def problems(page):
+    """The list of errors of the page's script, as they come."""
+    found = []
+    page.on("pageerror", lambda error: found.append(str(error)))
+    page.on("console", lambda message: found.append(message.text) if message.type == "error" else None)
+    return found
+
+
+def draw_all(page):
+    """Scrolls to the end and back, so that every plot is drawn."""
+    page.evaluate("""async () => {
+        for (let y = 0; y < document.documentElement.scrollHeight; y += 500) {
+            window.scrollTo(0, y);
+            await new Promise((next) => requestAnimationFrame(() => requestAnimationFrame(next)));
+        }
+        window.scrollTo(0, 0);
+    }""")
