@@ -273,11 +273,13 @@ pub(crate) fn compile_into(model: Model, library: &Path, defines: &[&str], more:
     assert!(done.success());
 }
 
-/// Packs files into an archive.
+/// Writes an archive whose bytes follow from its entries alone: another test process may replace an
+/// FMU while a run delivers it.
 pub(crate) fn pack(archive: &Path, entries: &[(&str, Vec<u8>)]) {
+    let options = SimpleFileOptions::default().last_modified_time(zip::DateTime::default());
     let mut zip = ZipWriter::new(std::fs::File::create(archive).unwrap());
     for (name, bytes) in entries {
-        zip.start_file(*name, SimpleFileOptions::default()).unwrap();
+        zip.start_file(*name, options).unwrap();
         zip.write_all(bytes).unwrap();
     }
     zip.finish().unwrap();

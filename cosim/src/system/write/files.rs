@@ -6,7 +6,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, ZipWriter};
+use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use super::unwritten;
 use crate::error::Result;
@@ -104,10 +104,10 @@ impl Files {
 
     fn pack_into(&self, file: &File, description: &[u8]) -> Result<(), zip::result::ZipError> {
         let mut zip = ZipWriter::new(file);
-        let deflated = SimpleFileOptions::default().compression_method(CompressionMethod::Deflated);
-        zip.start_file(SSD_FILE, deflated)?;
+        let options = SimpleFileOptions::default().last_modified_time(DateTime::default());
+        zip.start_file(SSD_FILE, options.compression_method(CompressionMethod::Deflated))?;
         zip.write_all(description)?;
-        let stored = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+        let stored = options.compression_method(CompressionMethod::Stored);
         for (name, from) in &self.copies {
             zip.start_file(name.as_str(), stored)?;
             std::io::copy(&mut File::open(from)?, &mut zip)?;
