@@ -144,7 +144,7 @@ impl Distributed {
         if !self.distributed && self.workers.is_none() {
             return Ok(None);
         }
-        let own = self.workers.unwrap_or(0) as usize;
+        let local = self.workers.unwrap_or(0) as usize;
         let mut program = vec![super::worker::this_program()?, "worker".to_owned()];
         // They are this user's own, and what they are sent is what this user runs.
         program.extend(["--with-parent", "--allow-upload"].map(str::to_owned));
@@ -162,17 +162,17 @@ impl Distributed {
             },
             require_resume: self.require_resume,
             // On a terminal there is a bar; what was lost is told at the end.
-            tell: if quiet || std::io::stderr().is_terminal() { |_| () } else { messages::note },
+            report: if quiet || std::io::stderr().is_terminal() { |_| () } else { messages::note },
             telemetry: self.telemetry.map(|rate| rate.map_or(Rate::All, Rate::PerSecond)),
             ..Options::default()
         };
-        let endpoint = match own {
+        let endpoint = match local {
             0 => Some(listen.unwrap_or(DEFAULT_ENDPOINT.to_owned())),
             _ => listen,
         };
         Ok(Some(Cluster {
             access: endpoint.map(|endpoint| self.reach.access(endpoint, &ours)),
-            own,
+            local,
             program,
             needed: self.min_workers.max(1) as usize,
             patience: Duration::from_secs_f64(self.wait),

@@ -7,13 +7,13 @@ use std::time::{Duration, Instant};
 
 use zenoh::{Session, Wait};
 
-use super::door::allowed::Allowed;
-use super::door::endpoint::Endpoint;
-use super::door::session::Access;
+use super::access::allowed::Allowed;
+use super::access::endpoint::Endpoint;
+use super::access::session::Access;
+use super::channels::Channels;
 use super::host::{Handled, Host};
 use super::inbox::Inbox;
 use super::keys;
-use super::lanes::Lanes;
 use super::pool::Order;
 use super::setup::{FmuFile, FmuSource};
 use crate::confine;
@@ -42,23 +42,23 @@ pub fn serve(
             });
         confine::process(&ports.collect::<Vec<_>>(), &std::env::temp_dir(), false)?;
     }
-    let [quick, session] = access.dial_lanes()?;
-    let lanes = Lanes { quick: &quick, bulk: &session };
-    let life = keys::life(&order.run, worker, order.group, order.generation);
+    let [quick, session] = access.dial_channels()?;
+    let channels = Channels { quick: &quick, bulk: &session };
+    let key = keys::incarnation(&order.run, worker, order.group, order.generation);
     let inbox = Inbox::new();
     let commands = inbox.slot();
     // Nothing is computed in the callback: it is the thread that receives.
-    let _commands = lanes.hear(&format!("{life}/cmd"), move |bytes| commands.put(bytes))?;
-    let answers = lanes.sender(&format!("{life}/rep"))?;
+    let _commands = channels.hear(&format!("{key}/cmd"), move |bytes| commands.put(bytes))?;
+    let answers = channels.sender(&format!("{key}/rep"))?;
     let begun = Instant::now();
     while !answers.is_heard()? {
         if begun.elapsed() > PATIENCE {
             return Err(Error::new(Code::Lost, "the coordinator does not listen")
-                .why(format!("nobody took {life}/rep for {} s", PATIENCE.as_secs())));
+                .why(format!("nobody took {key}/rep for {} s", PATIENCE.as_secs())));
         }
         std::thread::sleep(Duration::from_millis(2));
     }
-    let _tokens = lanes.live(&format!("{life}/alive"))?;
+    let _tokens = channels.live(&format!("{key}/alive"))?;
     let allowed_files: Vec<PathBuf> = allowed.files().map(|(_, file)| file.to_owned()).collect();
     let fmus = Delivered::new(&session, &order.run, worker, allowed)?;
     if let Some(readable) = confined {

@@ -4,9 +4,9 @@
 use std::sync::Arc;
 
 use super::failure::Failure;
-use super::fate::Fate;
 use super::host::Host;
 use super::pool::{Order, WorkerInfo};
+use super::process_status::ProcessStatus;
 use super::setup::{FmuFile, FmuSource, Setup};
 use super::wire::{Body, Header};
 use crate::error::{Code, Error, Result};
@@ -27,12 +27,12 @@ pub fn decode(bytes: &[u8]) -> bool {
     // What has no header goes to workers and from them.
     let order = postcard::from_bytes::<Order>(bytes).is_ok();
     let info = postcard::from_bytes::<WorkerInfo>(bytes).is_ok();
-    let fate = postcard::from_bytes::<Result<Fate, String>>(bytes).is_ok();
+    let status = postcard::from_bytes::<Result<ProcessStatus, String>>(bytes).is_ok();
     // A host takes everything; one that was not set up makes nothing of it.
     let mut host = Host::new(1, Box::new(Nothing));
     host.handle(bytes);
     let Ok((_, body)) = Header::read(bytes) else {
-        return order || info || fate;
+        return order || info || status;
     };
     values(body);
     let whole = body.whole().is_ok();

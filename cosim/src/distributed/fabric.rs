@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::fate::Fate;
+use super::process_status::ProcessStatus;
 use crate::error::Result;
 
 /// Starts lives of groups and carries messages to and from them. A *life* is one host of a group,
@@ -19,7 +19,7 @@ pub(crate) trait Fabric {
     fn next(&mut self, awaited: usize, patience: Duration) -> Option<Event>;
 
     /// What is known of a life that is lost or silent, if that can be found out soon.
-    fn inquire(&mut self, group: usize, generation: u32) -> Option<Fate>;
+    fn inquire(&mut self, group: usize, generation: u32) -> Option<ProcessStatus>;
 
     /// Gives a life up. It may go on somewhere, but is not listened to any more.
     fn abandon(&mut self, group: usize, generation: u32);

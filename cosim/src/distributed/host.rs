@@ -72,7 +72,7 @@ impl Host {
         };
         if header.generation != self.generation {
             return Handled::Ignored(format!(
-                "a command for life {} of this group reached life {}",
+                "a command for incarnation {} of this group reached incarnation {}",
                 header.generation, self.generation
             ));
         }

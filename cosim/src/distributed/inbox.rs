@@ -63,7 +63,7 @@ impl<T> Slot<T> {
     }
 
     /// Leaves a message that is to be looked at now.
-    pub(super) fn urge(&self, message: T) {
+    pub(super) fn put_urgent(&self, message: T) {
         self.leave(message, true);
     }
 
@@ -147,7 +147,7 @@ mod tests {
         let sender = when_asleep(|slot| (1..=3).for_each(|number| slot.put(number)));
         assert_eq!(sleep(3), [1, 2, 3]);
         sender.join().unwrap();
-        let sender = when_asleep(|slot| slot.urge(4));
+        let sender = when_asleep(|slot| slot.put_urgent(4));
         assert_eq!(sleep(9), [1, 2, 3, 4]);
         sender.join().unwrap();
     }

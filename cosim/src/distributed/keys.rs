@@ -34,12 +34,12 @@ pub(crate) fn parse_running(key: &str) -> Option<&str> {
 
 /// A life of a group on a worker: the lanes of `cmd` and `rep` and the liveliness tokens `alive` are
 /// below. With the worker in the key, none can speak for what is on another.
-pub(crate) fn life(run: &str, worker: &str, group: usize, generation: u32) -> String {
+pub(crate) fn incarnation(run: &str, worker: &str, group: usize, generation: u32) -> String {
     format!("{}/run/{run}/{worker}/{group}.{generation}", root())
 }
 
 /// Something of every life on a worker.
-pub(crate) fn lives(worker: &str, what: &str) -> String {
+pub(crate) fn incarnations(worker: &str, what: &str) -> String {
     format!("{}/run/*/{worker}/*/{what}", root())
 }
 

@@ -58,9 +58,9 @@ impl Layout {
     /// in one group; otherwise the loop's position is the error.
     pub(crate) fn new(plan: &Plan, places: &[usize]) -> Result<Self, usize> {
         for (position, solved) in plan.loops.iter().enumerate() {
-            let mut homes = solved.members.iter().map(|&member| places[member]);
-            let first = homes.next();
-            if homes.any(|home| Some(home) != first) {
+            let mut groups = solved.members.iter().map(|&member| places[member]);
+            let first = groups.next();
+            if groups.any(|place| Some(place) != first) {
                 return Err(position);
             }
         }
@@ -71,13 +71,13 @@ impl Layout {
         let mut layout = Layout { groups: vec![empty; groups], order: Vec::new(), levels: count };
         let mut before = None;
         for &component in &plan.sequence {
-            let home = places[component];
-            let group = &mut layout.groups[home];
-            if before != Some(home) {
-                layout.order.push((home, group.stretches.len()));
+            let place = places[component];
+            let group = &mut layout.groups[place];
+            if before != Some(place) {
+                layout.order.push((place, group.stretches.len()));
                 group.stretches.push(Part::default());
             }
-            before = Some(home);
+            before = Some(place);
             group.own.push(component);
             group.parts[levels[component]].members.push(component);
             if let Some(stretch) = group.stretches.last_mut() {

@@ -58,9 +58,9 @@ mod tests {
     #[cfg(target_env = "gnu")]
     #[test]
     fn the_library_here_has_a_version_and_a_hash() {
-        let told = describe();
-        let (version, hash) = told.split_once(", libm ").unwrap();
-        assert!(version.starts_with("glibc 2."), "{told}");
-        assert!(hash.len() == 12 && hash.bytes().all(|b| b.is_ascii_hexdigit()), "{told}");
+        let text = describe();
+        let (version, hash) = text.split_once(", libm ").unwrap();
+        assert!(version.starts_with("glibc 2."), "{text}");
+        assert!(hash.len() == 12 && hash.bytes().all(|b| b.is_ascii_hexdigit()), "{text}");
     }
 }

@@ -8,8 +8,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::fabric::{Event, Fabric};
-use super::fate::Fate;
 use super::host::{Handled, Host};
+use super::process_status::ProcessStatus;
 use super::setup::{FmuFile, FmuSource};
 use super::wire::HEADER;
 use crate::error::{Code, Error, Result};
@@ -66,7 +66,7 @@ pub(super) struct Local {
     /// The last answer of each group.
     last: BTreeMap<usize, Vec<u8>>,
     /// All that group 0 was told.
-    pub told: Rc<RefCell<Vec<Vec<u8>>>>,
+    pub sent_to_first: Rc<RefCell<Vec<Vec<u8>>>>,
 }
 
 impl Local {
@@ -78,7 +78,7 @@ impl Local {
             faults,
             sent: 0,
             last: BTreeMap::new(),
-            told: Rc::default(),
+            sent_to_first: Rc::default(),
         }
     }
 
@@ -136,7 +136,7 @@ impl Fabric for Local {
     fn send(&mut self, group: usize, generation: u32, message: &[u8]) -> Result<()> {
         self.sent += 1;
         if group == 0 {
-            self.told.borrow_mut().push(message.to_vec());
+            self.sent_to_first.borrow_mut().push(message.to_vec());
         }
         let sent = self.sent;
         let fault = self.faults.iter().find(|(at, _)| *at == sent).map(|(_, fault)| *fault);
@@ -199,7 +199,7 @@ impl Fabric for Local {
         self.queue.pop_front()
     }
 
-    fn inquire(&mut self, _group: usize, _generation: u32) -> Option<Fate> {
+    fn inquire(&mut self, _group: usize, _generation: u32) -> Option<ProcessStatus> {
         None
     }
 

@@ -20,32 +20,32 @@
 //! * `worker` lends a machine, `child` is the process in which FMUs run, `fate` how it ended;
 //! * `own` starts workers for one run.
 
+mod access;
+mod available_fmu;
+mod channels;
 mod check;
 mod child;
 mod coordinator;
 mod decode;
+mod dispatcher;
 mod distribute;
-mod door;
 mod fabric;
 mod failure;
-mod fate;
+mod group_handle;
 mod host;
 mod inbox;
 mod keys;
-mod lanes;
 mod layout;
 mod library;
 #[cfg(test)]
 mod local;
-mod member;
+mod local_workers;
 mod net;
-mod offer;
 mod options;
-mod own;
 mod placement;
 mod pool;
-mod present;
-mod recovery;
+mod presence;
+mod process_status;
 mod remote;
 mod run;
 mod setup;
@@ -59,18 +59,18 @@ mod wire;
 mod worker;
 
 pub use crate::confine::{close_inherited, unconfined};
+pub use access::allowed::Allowed;
+pub use access::authority::Authority;
+pub use access::configuration::{Configuration, Ours};
+pub use access::credentials::Credentials;
+#[doc(hidden)]
+pub use access::members::{Members, Verb, all_rights};
+pub use access::runtime::Threads;
+pub use access::session::{Access, DEFAULT_ENDPOINT};
+pub(crate) use available_fmu::AvailableFmu;
 pub use child::serve as serve_group;
 #[doc(hidden)]
 pub use decode::decode;
-pub use door::allowed::Allowed;
-pub use door::authority::Authority;
-pub use door::configuration::{Configuration, Ours};
-pub use door::credentials::Credentials;
-#[doc(hidden)]
-pub use door::members::{Members, Verb, all_rights};
-pub use door::runtime::Threads;
-pub use door::session::{Access, DEFAULT_ENDPOINT};
-pub(crate) use offer::Offer;
 pub use options::{OnFatal, Options, several};
 pub use pool::{Order, WorkerInfo, default_name};
 pub use remote::{Reached, Remote};

@@ -44,7 +44,7 @@ pub struct Options {
     /// start.
     pub require_resume: bool,
     /// Hears of a loss as soon as the coordinator knows it.
-    pub tell: fn(&str),
+    pub report: fn(&str),
     /// What is recorded is sent to observers.
     pub telemetry: Option<Rate>,
 }
@@ -62,7 +62,7 @@ impl Default for Options {
             losses: 10,
             on_fatal: OnFatal::End,
             require_resume: false,
-            tell: |_| (),
+            report: |_| (),
             telemetry: None,
         }
     }

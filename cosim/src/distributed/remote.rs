@@ -10,12 +10,12 @@ use std::time::{Duration, Instant};
 use zenoh::liveliness::LivelinessToken;
 use zenoh::{Session, Wait};
 
-use super::door::session::Access;
+use super::access::session::Access;
+use super::dispatcher::Dispatcher;
+use super::group_handle::GroupHandle;
 use super::keys;
-use super::member::Member;
 use super::net::{Net, refused};
 use super::options::Options;
-use super::recovery::Crew;
 use super::setup::FmuFile;
 use super::single::{self, SingleSetup, bytes};
 use super::wire::Kind;
@@ -42,7 +42,7 @@ pub struct Reached {
 
 /// The instance.
 pub struct Remote {
-    crew: Crew<'static>,
+    dispatcher: Dispatcher<'static>,
     /// As it is made; what was asked before the first step is added.
     setup: SingleSetup,
     save_every: Option<u64>,
@@ -80,11 +80,12 @@ impl Remote {
         let setup =
             SingleSetup { name: name.to_owned(), file, debug, before: Vec::new(), state: None };
         let (body, tables) = setup.encode()?;
-        let member = Member::new(Kind::Single, body, tables);
-        let crew = Crew::new(vec![(name.to_owned(), member)], Box::new(net), options, Time::ZERO);
+        let handle = GroupHandle::new(Kind::Single, body, tables);
+        let dispatcher =
+            Dispatcher::new(vec![(name.to_owned(), handle)], Box::new(net), options, Time::ZERO);
         let save_every = reached.save_every.filter(|_| manifest.can_save);
         let mut remote = Self {
-            crew,
+            dispatcher,
             setup,
             save_every,
             stepping: false,
@@ -95,7 +96,7 @@ impl Remote {
             session,
         };
         let begun = Instant::now();
-        remote.crew.launch_all().map_err(|error| remote.explained(error, begun))?;
+        remote.dispatcher.launch_all().map_err(|error| remote.explained(error, begun))?;
         Ok(remote)
     }
 
@@ -112,7 +113,7 @@ impl Remote {
             asks.push(Ask::Save);
         }
         let begun = Instant::now();
-        let answer = self.tell(&asks).map_err(|error| {
+        let answer = self.send(&asks).map_err(|error| {
             let error = self.explained(error, begun);
             self.lost = Some(error.what().to_owned());
             error
@@ -124,31 +125,32 @@ impl Remote {
             self.rebase()?;
         }
         outcome.given.truncate(count);
-        Ok((outcome, messages, std::mem::take(&mut self.crew.notes)))
+        Ok((outcome, messages, std::mem::take(&mut self.dispatcher.notes)))
     }
 
     /// Ends it, as long as somebody listens.
     pub fn end(mut self) {
-        if self.lost.is_none() && self.crew.members[0].awaited.is_none() {
-            self.crew.options.give_up = Duration::ZERO;
-            self.crew.options.deadline = FAREWELL;
-            self.crew.options.slowness = 0;
-            let message = self.crew.members[0].command(Kind::Finish, 0, self.crew.now);
+        if self.lost.is_none() && self.dispatcher.groups[0].awaited.is_none() {
+            self.dispatcher.options.give_up = Duration::ZERO;
+            self.dispatcher.options.deadline = FINISH_TIMEOUT;
+            self.dispatcher.options.slowness = 0;
+            let message = self.dispatcher.groups[0].command(Kind::Finish, 0, self.dispatcher.now);
             // Whatever comes of it, it is over.
-            let _ = self.crew.tell(0, message).and_then(|()| self.crew.answers().map(drop));
+            let _ =
+                self.dispatcher.send(0, message).and_then(|()| self.dispatcher.answers().map(drop));
         }
-        self.crew.end();
+        self.dispatcher.end();
         super::run::close(self.session);
     }
 
-    fn tell(&mut self, asks: &[Ask]) -> Result<Vec<u8>> {
+    fn send(&mut self, asks: &[Ask]) -> Result<Vec<u8>> {
         if let Some(Ask::Step(t, _)) = Ask::main(asks) {
-            self.crew.now = Time::from_seconds(*t, "t").unwrap_or(self.crew.now);
+            self.dispatcher.now = Time::from_seconds(*t, "t").unwrap_or(self.dispatcher.now);
         }
-        let mut message = self.crew.members[0].command(Kind::Calls, 0, self.crew.now);
+        let mut message = self.dispatcher.groups[0].command(Kind::Calls, 0, self.dispatcher.now);
         message.extend(bytes(&asks)?);
-        self.crew.tell(0, message)?;
-        let answers = self.crew.answers()?;
+        self.dispatcher.send(0, message)?;
+        let answers = self.dispatcher.answers()?;
         answers
             .into_iter()
             .next()
@@ -185,22 +187,22 @@ impl Remote {
 
     fn rebase(&mut self) -> Result<()> {
         let (body, _) = self.setup.encode()?;
-        self.crew.rebase(0, body);
+        self.dispatcher.rebase(0, body);
         Ok(())
     }
 
     /// Reset after it was lost: another instance from the beginning.
     fn begin_again(&mut self) -> Result<(Outcome, Vec<Message>, Vec<String>)> {
         self.note(&[Ask::Reset], 1)?;
-        self.crew.members[0].forget();
+        self.dispatcher.groups[0].forget();
         let begun = Instant::now();
-        self.crew.launch_all().map_err(|error| {
+        self.dispatcher.launch_all().map_err(|error| {
             let error = self.explained(error, begun);
             self.lost = Some(error.what().to_owned());
             error
         })?;
         let outcome = Outcome { given: vec![Given::Done], trouble: None };
-        Ok((outcome, Vec::new(), std::mem::take(&mut self.crew.notes)))
+        Ok((outcome, Vec::new(), std::mem::take(&mut self.dispatcher.notes)))
     }
 
     /// The same error, with how long somebody waited for it and where workers should have come.
@@ -219,7 +221,7 @@ impl Remote {
 }
 
 /// How long a worker may take to say farewell.
-const FAREWELL: Duration = Duration::from_millis(300);
+const FINISH_TIMEOUT: Duration = Duration::from_millis(300);
 
 /// Listens where it is free.
 pub(super) fn listen(accesses: &[Access]) -> Result<(Session, String)> {

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use super::fabric::{Event, Fabric};
-use super::fate::Fate;
+use super::process_status::ProcessStatus;
 use super::wire::Header;
 use crate::error::Result;
 use crate::time::Time;
@@ -183,7 +183,7 @@ impl<F: Fabric> Fabric for Watched<F> {
         event
     }
 
-    fn inquire(&mut self, group: usize, generation: u32) -> Option<Fate> {
+    fn inquire(&mut self, group: usize, generation: u32) -> Option<ProcessStatus> {
         self.fabric.inquire(group, generation)
     }
 

@@ -153,14 +153,14 @@ impl Sender {
                 Err(RecvTimeoutError::Disconnected) => break,
             }
             if next <= Instant::now() {
-                self.tell(false);
+                self.send_status(false);
                 next = Instant::now() + PULSE;
             }
         }
-        self.tell(true);
+        self.send_status(true);
     }
 
-    fn tell(&self, ended: bool) {
+    fn send_status(&self, ended: bool) {
         let status = super::Status { ended, ..self.board.status() };
         if let Ok(text) = serde_json::to_string(&status) {
             let _ = self.status.put(text).wait();

@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 
 use zenoh::Wait;
 
-use super::door::members::Role;
-use super::door::rights;
-use super::door::session::Access;
+use super::access::members::Role;
+use super::access::rights;
+use super::access::session::Access;
 use super::keys;
 use super::status::Status;
 use crate::error::{Code, Error, Result};

@@ -9,7 +9,7 @@ use super::description::{self, can_save};
 use super::manifest::{self, CONNECTION, FILE, Manifest};
 use super::settings::Settings;
 use super::shell;
-use crate::distributed::Offer;
+use crate::distributed::AvailableFmu;
 use crate::error::{Code, Error, Result};
 use crate::export::archive::{self, Content, Entry};
 use crate::export::library::{self, Kind, Library};
@@ -129,7 +129,7 @@ impl Proxy {
         let name = fmu.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let sha256 = own.digest().to_owned();
         let own = (!self.held).then_some(own);
-        self.write_of(&Told { fmu: &opened, name, sha256 }, own, parts, path)?;
+        self.write_of(&Original { fmu: &opened, name, sha256 }, own, parts, path)?;
         Ok(notes(&opened, &binaries))
     }
 
@@ -144,11 +144,12 @@ impl Proxy {
         let path = path.as_ref();
         check_ending(path)?;
         let parts = self.parts()?;
-        let offer = Offer::ask(&self.settings.accesses(), worker, fmu, self.settings.patience()?)?;
-        let (opened, _folder) = shell::open(&offer.shell, &offer.name)?;
-        let told = Told { fmu: &opened, name: offer.name, sha256: offer.sha256 };
-        self.write_of(&told, None, parts, path)?;
-        let platforms: Vec<&str> = offer.platforms.iter().map(String::as_str).collect();
+        let available =
+            AvailableFmu::ask(&self.settings.accesses(), worker, fmu, self.settings.patience()?)?;
+        let (opened, _folder) = shell::open(&available.shell, &available.name)?;
+        let original = Original { fmu: &opened, name: available.name, sha256: available.sha256 };
+        self.write_of(&original, None, parts, path)?;
+        let platforms: Vec<&str> = available.platforms.iter().map(String::as_str).collect();
         Ok(notes(&opened, &platforms))
     }
 
@@ -162,12 +163,12 @@ impl Proxy {
 
     fn write_of(
         &self,
-        told: &Told<'_>,
+        original: &Original<'_>,
         own: Option<Content>,
         parts: Parts,
         path: &Path,
     ) -> Result<()> {
-        let Told { fmu, name, sha256 } = told;
+        let Original { fmu, name, sha256 } = original;
         let Parts { connection, libraries, programs } = parts;
         let interface = fmu.interface(InterfaceType::CoSimulation)?;
         let file = fmu.path();
@@ -177,8 +178,8 @@ impl Proxy {
         let identifier = identifier(&format!("{}_remote", interface.model_identifier));
         let mut manifest = Manifest::new(fmu.description(), interface, name, sha256);
         let once = self.settings.accesses().len() == 1;
-        let told = description::text(&root, interface, once, &identifier, "");
-        manifest.guid = guid([told.as_bytes(), sha256.as_bytes()].into_iter());
+        let draft = description::text(&root, interface, once, &identifier, "");
+        manifest.guid = guid([draft.as_bytes(), sha256.as_bytes()].into_iter());
         let text = description::text(&root, interface, once, &identifier, &manifest.guid);
         let mut entries = vec![("modelDescription.xml".to_owned(), Content::bytes(text))];
         entries.extend(files(for_people.path())?);
@@ -222,7 +223,7 @@ impl Proxy {
 }
 
 /// The FMU that is stood for.
-struct Told<'a> {
+struct Original<'a> {
     fmu: &'a Fmu,
     /// Its file's.
     name: String,

@@ -37,7 +37,7 @@ fn random_faults_change_nothing() {
     let sample = chain(Algorithm::GaussSeidel);
     let (bits, summary) = here(&sample.system);
     let mut dice = Dice(7);
-    let mut lives = 0;
+    let mut incarnations = 0;
     for round in 0..120 {
         let mut fault = || (1 + dice.below(300), FAULTS[dice.below(FAULTS.len() as u64) as usize]);
         let faults: Vec<_> = (0..16).map(|_| fault()).collect();
@@ -48,9 +48,10 @@ fn random_faults_change_nothing() {
         let outcome = apart(&sample.system, &places, trial).unwrap();
         assert!(outcome.bits == bits, "{faults:?} {places:?} {save_every:?}");
         assert_eq!(outcome.summary.steps, summary.steps, "{faults:?} {places:?} {save_every:?}");
-        lives += outcome.summary.notes.iter().filter(|note| note.contains("went on")).count();
+        incarnations +=
+            outcome.summary.notes.iter().filter(|note| note.contains("went on")).count();
     }
-    assert!(lives > 100, "only {lives} lives were lost");
+    assert!(incarnations > 100, "only {incarnations} incarnations were lost");
 }
 
 #[test]

@@ -131,7 +131,7 @@ pub(super) struct Outcome {
     pub summary: Summary,
     pub kept: Option<Snapshot>,
     /// What group 0 was told.
-    pub told: Vec<Vec<u8>>,
+    pub sent_to_first: Vec<Vec<u8>>,
     pub files: BTreeMap<String, std::path::PathBuf>,
 }
 
@@ -140,7 +140,7 @@ pub(super) fn apart(system: &System, places: &[usize], trial: Trial<'_>) -> Resu
     let Distribution { plan, layout, setups, files } = Distribution::new(system, places)?;
     let files: BTreeMap<_, _> = files.into_iter().flatten().collect();
     let fabric = Local::new(Files(files.clone()), trial.faults);
-    let told = fabric.told.clone();
+    let sent_to_first = fabric.sent_to_first.clone();
     let fabric = Box::new(fabric);
     let mut driven = Coordinator::new(system, plan, layout, &setups, fabric, trial.options)?;
     let (mut recording, mut kept) = (Recording::new(), None);
@@ -154,8 +154,8 @@ pub(super) fn apart(system: &System, places: &[usize], trial: Trial<'_>) -> Resu
         run = run.resume(snapshot);
     }
     let summary = run.drive_all(&mut driven)?;
-    let told = told.borrow().clone();
-    Ok(Outcome { bits: bits(&recording), summary, kept, told, files })
+    let sent_to_first = sent_to_first.borrow().clone();
+    Ok(Outcome { bits: bits(&recording), summary, kept, sent_to_first, files })
 }
 
 /// Every way to put `count` components into groups: groups are numbered by their first member.

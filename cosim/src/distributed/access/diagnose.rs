@@ -45,7 +45,7 @@ pub(crate) fn silence(endpoint: &str) -> Option<String> {
 }
 
 /// Whether nobody listens there; of a Unix socket that is not known.
-pub(crate) fn is_deserted(endpoint: &str) -> bool {
+pub(crate) fn has_no_listener(endpoint: &str) -> bool {
     match Endpoint::parse(endpoint) {
         Ok(Endpoint::Tcp(host, port) | Endpoint::Tls(host, port)) => {
             connect(host, port).is_err_and(|why| why.kind() == ErrorKind::ConnectionRefused)

@@ -10,25 +10,28 @@ use zenoh::{Session, Wait};
 
 use super::inbox::Slot;
 use super::keys;
-use super::net::{News, refused};
+use super::net::{Notification, refused};
 use super::wire::VERSION;
 use crate::error::{Code, Error, Result};
 use crate::names::did_you_mean;
 
 /// The workers that are there, known by their liveliness tokens.
 #[derive(Clone, Default)]
-pub(super) struct Present(Arc<Mutex<Workers>>);
+pub(super) struct Presence(Arc<Mutex<Workers>>);
 
 #[derive(Default)]
 struct Workers {
     names: BTreeSet<String>,
     /// Those that speak another version of the protocol.
-    strangers: BTreeMap<String, String>,
+    incompatible: BTreeMap<String, String>,
 }
 
-impl Present {
+impl Presence {
     /// Follows who comes and leaves, as long as the second value lives; `news` is told too.
-    pub(super) fn follow(session: &Session, news: Slot<News>) -> Result<(Self, Box<dyn Any>)> {
+    pub(super) fn follow(
+        session: &Session,
+        notifications: Slot<Notification>,
+    ) -> Result<(Self, Box<dyn Any>)> {
         let present = Self::default();
         let followed = present.clone();
         let subscriber = session
@@ -42,7 +45,11 @@ impl Present {
                 let here = sample.kind() == SampleKind::Put;
                 if followed.note(version, name, here) {
                     let name = name.to_owned();
-                    news.urge(if here { News::Came(name) } else { News::Left(name) });
+                    notifications.put_urgent(if here {
+                        Notification::Joined(name)
+                    } else {
+                        Notification::Left(name)
+                    });
                 }
             })
             .wait();
@@ -56,8 +63,8 @@ impl Present {
         match (ours, here) {
             (true, true) => drop(workers.names.insert(name.to_owned())),
             (true, false) => drop(workers.names.remove(name)),
-            (false, true) => drop(workers.strangers.insert(name.to_owned(), version.to_owned())),
-            (false, false) => drop(workers.strangers.remove(name)),
+            (false, true) => drop(workers.incompatible.insert(name.to_owned(), version.to_owned())),
+            (false, false) => drop(workers.incompatible.remove(name)),
         }
         ours
     }
@@ -80,7 +87,7 @@ impl Present {
     ) -> Result<Vec<String>> {
         let begun = Instant::now();
         loop {
-            if let Some((name, version)) = self.lock().strangers.first_key_value() {
+            if let Some((name, version)) = self.lock().incompatible.first_key_value() {
                 return Err(Error::new(
                     Code::Protocol,
                     format!("the worker '{name}' speaks version {version} of the protocol"),
@@ -127,7 +134,7 @@ mod tests {
 
     #[test]
     fn workers_of_another_version_are_named() {
-        let present = Present::default();
+        let present = Presence::default();
         assert!(present.note(&VERSION.to_string(), "left", true));
         assert_eq!(present.gather(1, &[], SHORT).unwrap(), ["left"]);
         assert!(!present.note("9", "right", true));
@@ -142,7 +149,7 @@ mod tests {
 
     #[test]
     fn who_is_missing_is_told_with_the_nearest_name() {
-        let present = Present::default();
+        let present = Presence::default();
         present.note(&VERSION.to_string(), "left", true);
         let error = present.gather(1, &["lefd".to_owned()], SHORT).unwrap_err();
         assert_eq!(error.remedy(), Some("did you mean 'left'?"));

@@ -18,12 +18,12 @@ const LOOK: Duration = Duration::from_millis(10);
 const GRACE: Duration = Duration::from_secs(2);
 
 /// The workers, kept by a thread.
-pub(super) struct OwnWorkers {
+pub(super) struct LocalWorkers {
     ended: Arc<AtomicBool>,
     keeper: Option<JoinHandle<()>>,
 }
 
-impl OwnWorkers {
+impl LocalWorkers {
     /// Starts those of these names by `program`, which dial `endpoint`. What is temporary goes into
     /// `folder`.
     pub(super) fn start(
@@ -66,7 +66,7 @@ impl OwnWorkers {
     }
 }
 
-impl Drop for OwnWorkers {
+impl Drop for LocalWorkers {
     fn drop(&mut self) {
         self.ended.store(true, Ordering::Relaxed);
         if let Some(keeper) = self.keeper.take() {

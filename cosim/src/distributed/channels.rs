@@ -22,7 +22,7 @@ use crate::error::{Code, Error, Result};
 const SMALL: usize = 8 * 1024;
 
 /// The sessions that the lanes belong to; on the coordinator's side it is one for both.
-pub(super) struct Lanes<'a> {
+pub(super) struct Channels<'a> {
     /// For small messages.
     pub quick: &'a Session,
     /// For large ones.
@@ -35,7 +35,7 @@ pub(super) struct Sender {
     bulk: Publisher<'static>,
 }
 
-/// Whether a token is the last of the two that [`Lanes::live`] declares.
+/// Whether a token is the last of the two that [`Channels::live`] declares.
 pub(super) fn is_last(token: &str) -> bool {
     token.ends_with(QUICK)
 }
@@ -43,7 +43,7 @@ pub(super) fn is_last(token: &str) -> bool {
 const QUICK: &str = "/quick";
 const BULK: &str = "/bulk";
 
-impl Lanes<'_> {
+impl Channels<'_> {
     /// Each lane with its session and its key below `key`.
     fn each(&self, key: &str) -> [(&Session, String); 2] {
         [(self.quick, format!("{key}{QUICK}")), (self.bulk, format!("{key}{BULK}"))]
@@ -94,14 +94,14 @@ impl Sender {
     /// Sends a message.
     pub(super) fn put(&self, message: impl Into<ZBytes>) -> Result<()> {
         let message = message.into();
-        let lane = if message.len() <= SMALL { &self.quick } else { &self.bulk };
-        lane.put(message).wait().map_err(refused)
+        let publisher = if message.len() <= SMALL { &self.quick } else { &self.bulk };
+        publisher.put(message).wait().map_err(refused)
     }
 
     /// Whether somebody hears both lanes.
     pub(super) fn is_heard(&self) -> Result<bool> {
-        let heard = |lane: &Publisher<'_>| {
-            lane.matching_status().wait().map(|status| status.matching()).map_err(refused)
+        let heard = |publisher: &Publisher<'_>| {
+            publisher.matching_status().wait().map(|status| status.matching()).map_err(refused)
         };
         Ok(heard(&self.quick)? && heard(&self.bulk)?)
     }
@@ -130,11 +130,11 @@ mod tests {
         let endpoints = vec![format!("unixsock-stream/{}/socket", folder.path().display())];
         let access = Access { endpoints, configuration: Some(file), ..Access::default() };
         let listening = access.listen().unwrap();
-        let [quick, bulk] = access.dial_lanes().unwrap();
-        let here = Lanes { quick: &listening, bulk: &listening };
-        let there = Lanes { quick: &quick, bulk: &bulk };
+        let [quick, bulk] = access.dial_channels().unwrap();
+        let here = Channels { quick: &listening, bulk: &listening };
+        let there = Channels { quick: &quick, bulk: &bulk };
         for (number, (from, to)) in [(&here, &there), (&there, &here)].into_iter().enumerate() {
-            let key = format!("lanes/{number}");
+            let key = format!("channels/{number}");
             let (heard, inbox) = channel();
             let _hearing = to.hear(&key, move |bytes| drop(heard.send(bytes))).unwrap();
             let sender = from.sender(&key).unwrap();

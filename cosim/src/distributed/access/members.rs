@@ -164,9 +164,9 @@ pub(crate) fn rights(role: Option<Role>, name: &str) -> Vec<(Verb, String)> {
             (Verb::Follow, own.clone()),
             (Verb::Serve, format!("{own}/*")),
             (Verb::Follow, keys::running("*")),
-            (Verb::Announce, keys::lives(name, "alive/*")),
-            (Verb::Hear, keys::lives(name, "cmd/*")),
-            (Verb::Publish, keys::lives(name, "rep/*")),
+            (Verb::Announce, keys::incarnations(name, "alive/*")),
+            (Verb::Hear, keys::incarnations(name, "cmd/*")),
+            (Verb::Publish, keys::incarnations(name, "rep/*")),
             (Verb::Ask, keys::fmu("*", name, "*")),
         ],
     }
@@ -258,8 +258,8 @@ mod tests {
     #[test]
     fn everybody_has_the_rights_of_his_role_and_no_more() {
         let list = members().access_control();
-        let life = keys::life("r", "left", 1, 2);
-        let (command, answer) = (format!("{life}/cmd/bulk"), format!("{life}/rep/quick"));
+        let key = keys::incarnation("r", "left", 1, 2);
+        let (command, answer) = (format!("{key}/cmd/bulk"), format!("{key}/rep/quick"));
         let (left, signals) = (keys::worker("left"), keys::open("r/signals"));
         for (subject, message, key, wanted) in [
             ("orchestrators", "put", &command, true),
@@ -268,7 +268,7 @@ mod tests {
             ("left", "put", &command, false),
             ("left", "declare_queryable", &keys::rights(), false),
             ("right", "put", &answer, false),
-            ("right", "liveliness_token", &format!("{life}/alive/quick"), false),
+            ("right", "liveliness_token", &format!("{key}/alive/quick"), false),
             ("right", "declare_subscriber", &command, false),
             ("left", "declare_subscriber", &command, true),
             ("left", "declare_subscriber", &answer, false),

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::fabric::{Event, Fabric};
 use super::failure::Failure;
-use super::member::{Awaited, Member, Told, digest};
+use super::group_handle::{Awaited, GroupHandle, SentCommand, digest};
 use super::options::{OnFatal, Options};
 use super::wire::{Header, Kind};
 use crate::error::{Code, Error, Result};
@@ -12,8 +12,8 @@ use crate::fmi::status::FATAL;
 use crate::time::Time;
 
 /// The groups of a run, whatever they compute.
-pub(super) struct Crew<'a> {
-    pub members: Vec<Member>,
+pub(super) struct Dispatcher<'a> {
+    pub groups: Vec<GroupHandle>,
     /// What is in each group, for people.
     names: Vec<String>,
     pub fabric: Box<dyn Fabric + 'a>,
@@ -24,32 +24,32 @@ pub(super) struct Crew<'a> {
     pub now: Time,
 }
 
-impl<'a> Crew<'a> {
+impl<'a> Dispatcher<'a> {
     /// Groups by their names, with what each is set up from.
     pub(super) fn new(
-        groups: Vec<(String, Member)>,
+        groups: Vec<(String, GroupHandle)>,
         fabric: Box<dyn Fabric + 'a>,
         options: Options,
         now: Time,
     ) -> Self {
-        let (names, members) = groups.into_iter().unzip();
-        Self { members, names, fabric, options, notes: Vec::new(), now }
+        let (names, groups) = groups.into_iter().unzip();
+        Self { groups, names, fabric, options, notes: Vec::new(), now }
     }
 
     /// Begins the first life of every group.
     pub(super) fn launch_all(&mut self) -> Result<()> {
-        for group in 0..self.members.len() {
-            self.begin_life(group)?;
+        for group in 0..self.groups.len() {
+            self.start_incarnation(group)?;
         }
         self.answers().map(drop)
     }
 
     /// Sends a command and keeps it. All commands before it are answered.
-    pub(super) fn tell(&mut self, group: usize, message: Vec<u8>) -> Result<()> {
-        self.fabric.send(group, self.members[group].generation, &message)?;
-        let member = &mut self.members[group];
-        member.log.push(Told { message, answer: None });
-        member.wait_for(Awaited::Last);
+    pub(super) fn send(&mut self, group: usize, message: Vec<u8>) -> Result<()> {
+        self.fabric.send(group, self.groups[group].generation, &message)?;
+        let handle = &mut self.groups[group];
+        handle.log.push(SentCommand { message, answer: None });
+        handle.wait_for(Awaited::Last);
         Ok(())
     }
 
@@ -67,13 +67,13 @@ impl<'a> Crew<'a> {
                 // Of a life given up, or a second time.
                 Some(Event::Answer { .. }) => {}
                 Some(Event::Lost { group, generation, why }) => {
-                    if self.is_living(group, generation) && !self.members[group].is_finished() {
+                    if self.is_current(group, generation) && !self.groups[group].is_finished() {
                         self.lose(group, &why, false)?;
                     }
                 }
                 None => {
-                    let member = &self.members[group];
-                    let (awaited, silent) = (member.awaits(), member.silent().as_secs_f64());
+                    let handle = &self.groups[group];
+                    let (awaited, silent) = (handle.awaits(), handle.silent().as_secs_f64());
                     self.lose(group, &format!("no answer to {awaited} for {silent:.1} s"), false)?;
                 }
             }
@@ -85,31 +85,31 @@ impl<'a> Crew<'a> {
 
     /// The group whose patience ends first, and how much of it is left.
     fn most_overdue(&self) -> Option<(usize, Duration)> {
-        let waiting = self.members.iter().enumerate().filter(|(_, m)| m.awaited.is_some());
+        let waiting = self.groups.iter().enumerate().filter(|(_, m)| m.awaited.is_some());
         let left = waiting.map(|(group, m)| (m.patience(&self.options), group));
         left.min().map(|(left, group)| (group, left))
     }
 
     /// How many answers must come before there is something to do.
     fn awaited(&self) -> usize {
-        let awaited = self.members.iter().filter_map(|member| member.awaited);
+        let awaited = self.groups.iter().filter_map(|handle| handle.awaited);
         match awaited.clone().all(|awaited| awaited == Awaited::Last) {
             true => awaited.count(),
             false => 1,
         }
     }
 
-    fn is_living(&self, group: usize, generation: u32) -> bool {
-        self.members.get(group).is_some_and(|member| member.generation == generation)
+    fn is_current(&self, group: usize, generation: u32) -> bool {
+        self.groups.get(group).is_some_and(|handle| handle.generation == generation)
     }
 
     fn is_awaited(&self, group: usize, bytes: &[u8]) -> bool {
-        match (self.members.get(group), Header::read(bytes)) {
-            (Some(member), Ok((header, _))) => {
+        match (self.groups.get(group), Header::read(bytes)) {
+            (Some(handle), Ok((header, _))) => {
                 matches!(header.kind, Kind::Done | Kind::Failed)
-                    && header.generation == member.generation
-                    && Some(header.sequence) == member.awaited_sequence()
-                    && header.tables == member.tables
+                    && header.generation == handle.generation
+                    && Some(header.sequence) == handle.awaited_sequence()
+                    && header.tables == handle.tables
             }
             _ => false,
         }
@@ -117,9 +117,9 @@ impl<'a> Crew<'a> {
 
     /// A life can be spoken to: it gets its set-up.
     fn ready(&mut self, group: usize, generation: u32) -> Result<()> {
-        if self.is_living(group, generation) && self.members[group].is_launching() {
-            let first = self.members[group].first(self.now);
-            self.members[group].wait_for(Awaited::SetUp);
+        if self.is_current(group, generation) && self.groups[group].is_launching() {
+            let first = self.groups[group].first(self.now);
+            self.groups[group].wait_for(Awaited::SetUp);
             self.fabric.send(group, generation, &first)?;
         }
         Ok(())
@@ -135,54 +135,54 @@ impl<'a> Crew<'a> {
             self.lose(group, &format!("{}: {why}", error.what()), true)?;
             return Ok(false);
         }
-        let member = &mut self.members[group];
-        member.answered();
-        let next = match member.awaited {
+        let handle = &mut self.groups[group];
+        handle.answered();
+        let next = match handle.awaited {
             Some(Awaited::SetUp) => 0,
             Some(Awaited::Again(number)) => {
-                let told = &mut member.log[number];
+                let sent = &mut handle.log[number];
                 let digest = digest(bytes);
-                if told.answer.is_some_and(|before| before != digest) {
+                if sent.answer.is_some_and(|before| before != digest) {
                     return Err(self.differs(group, number));
                 }
                 number + 1
             }
             _ => {
-                member.awaited = None;
-                if let Some(told) = member.log.last_mut() {
-                    told.answer = Some(digest(bytes));
+                handle.awaited = None;
+                if let Some(sent) = handle.log.last_mut() {
+                    sent.answer = Some(digest(bytes));
                 }
                 return Ok(true);
             }
         };
-        self.tell_again(group, next)?;
+        self.resend(group, next)?;
         Ok(false)
     }
 
     /// Tells a new life the command `number` of its log; the last one may not be answered yet.
-    fn tell_again(&mut self, group: usize, number: usize) -> Result<()> {
-        let member = &mut self.members[group];
-        let generation = member.generation;
-        let Some(told) = member.log.get(number) else {
-            member.awaited = None;
-            self.relived(group);
+    fn resend(&mut self, group: usize, number: usize) -> Result<()> {
+        let handle = &mut self.groups[group];
+        let generation = handle.generation;
+        let Some(sent) = handle.log.get(number) else {
+            handle.awaited = None;
+            self.recovered(group);
             return Ok(());
         };
-        let message = told.again(generation);
-        let awaited = match told.answer {
+        let message = sent.again(generation);
+        let awaited = match sent.answer {
             Some(_) => Awaited::Again(number),
             None => Awaited::Last,
         };
-        member.wait_for(awaited);
+        handle.wait_for(awaited);
         if awaited == Awaited::Last {
-            self.relived(group);
+            self.recovered(group);
         }
         self.fabric.send(group, generation, &message)
     }
 
     /// A new life is where the old one was.
-    fn relived(&mut self, group: usize) {
-        if let Some((since, why)) = self.members[group].lost.take() {
+    fn recovered(&mut self, group: usize) {
+        if let Some((since, why)) = self.groups[group].lost.take() {
             let took = since.elapsed().as_secs_f64() * 1e3;
             let (names, place) = (&self.names[group], self.fabric.place(group));
             self.notes.push(format!("{names}: {why}; went on at {place} after {took:.0} ms"));
@@ -209,30 +209,30 @@ impl<'a> Crew<'a> {
         let begun = Instant::now();
         let place = self.fabric.place(group);
         let known = format!("lost at {place}, t = {}: {why}", self.now);
-        (self.options.tell)(&format!("{}: {known}", self.names[group]));
-        let fate = self.fabric.inquire(group, self.members[group].generation);
-        let told = fate.as_ref().map_or_else(String::new, |fate| format!("; {fate}"));
-        let why = format!("{known}{told}");
-        let member = &mut self.members[group];
-        let since = member.lost.as_ref().map_or(begun, |(since, _)| *since);
-        member.lost = Some((since, why.clone()));
-        member.recoveries += 1;
-        let faults = member.faults(at_fault || fate.is_some_and(|fate| fate.is_own_fault()));
-        let losses = member.losses();
+        (self.options.report)(&format!("{}: {known}", self.names[group]));
+        let status = self.fabric.inquire(group, self.groups[group].generation);
+        let sent = status.as_ref().map_or_else(String::new, |status| format!("; {status}"));
+        let why = format!("{known}{sent}");
+        let handle = &mut self.groups[group];
+        let since = handle.lost.as_ref().map_or(begun, |(since, _)| *since);
+        handle.lost = Some((since, why.clone()));
+        handle.recoveries += 1;
+        let faults = handle.faults(at_fault || status.is_some_and(|status| status.is_own_fault()));
+        let losses = handle.losses();
         let help = if faults >= self.options.attempts {
             "it does so each time that it comes there: its FMU is at fault"
         } else if losses >= self.options.losses {
             "it is lost each time that it comes there: an FMU that stops or kills its own process \
              looks as if somebody else had done it"
-        } else if member.recoveries > self.options.recoveries {
+        } else if handle.recoveries > self.options.recoveries {
             "--recoveries allows more new lives"
-        } else if member.base.is_none() && self.options.require_resume {
+        } else if handle.base.is_none() && self.options.require_resume {
             "without --require-resume it would be computed again from the start"
         } else if since.elapsed() > self.options.give_up {
             "nobody took it over in time"
         } else {
             let what = format!("{} is {why}", self.names[group]);
-            return self.begin_life(group).map_err(|error| match error.code() {
+            return self.start_incarnation(group).map_err(|error| match error.code() {
                 Code::Lost => {
                     let found = error.reason().unwrap_or_default();
                     let found = format!("{}: {found}", error.what());
@@ -245,32 +245,32 @@ impl<'a> Crew<'a> {
         Err(Error::new(Code::Lost, format!("{} is {why}", self.names[group])).help(help))
     }
 
-    fn begin_life(&mut self, group: usize) -> Result<()> {
-        let member = &mut self.members[group];
-        if member.generation > 0 {
-            self.fabric.abandon(group, member.generation);
+    fn start_incarnation(&mut self, group: usize) -> Result<()> {
+        let handle = &mut self.groups[group];
+        if handle.generation > 0 {
+            self.fabric.abandon(group, handle.generation);
         }
-        member.generation += 1;
-        member.wait_for(Awaited::Launch);
-        self.fabric.launch(group, member.generation)
+        handle.generation += 1;
+        handle.wait_for(Awaited::Launch);
+        self.fabric.launch(group, handle.generation)
     }
 
     /// From now on new lives begin from this set-up, which has the effect of all commands so far.
     pub(super) fn rebase(&mut self, group: usize, setup: Vec<u8>) {
-        let member = &mut self.members[group];
-        member.base = Some((setup, member.sequence));
-        member.log.clear();
+        let handle = &mut self.groups[group];
+        handle.base = Some((setup, handle.sequence));
+        handle.log.clear();
     }
 
     /// Gives up what still lives.
     pub(super) fn end(&mut self) {
-        for (group, member) in self.members.iter().enumerate() {
-            self.fabric.abandon(group, member.generation);
+        for (group, handle) in self.groups.iter().enumerate() {
+            self.fabric.abandon(group, handle.generation);
         }
     }
 
     fn differs(&self, group: usize, number: usize) -> Error {
-        let time = Header::read(&self.members[group].log[number].message).map(|(h, _)| h.time);
+        let time = Header::read(&self.groups[group].log[number].message).map(|(h, _)| h.time);
         let time = time.map_or_else(|_| String::new(), |time| format!(" at t = {time}"));
         let names = &self.names[group];
         Error::new(Code::Differs, format!("{names}: the repeated computation differs{time}"))

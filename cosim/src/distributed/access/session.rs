@@ -53,15 +53,15 @@ impl Access {
     }
 
     /// The same twice, for small messages and for large ones: see `lanes`.
-    pub(crate) fn dial_lanes(&self) -> Result<[Session; 2]> {
+    pub(crate) fn dial_channels(&self) -> Result<[Session; 2]> {
         let bulk = self.dial_known()?;
         let quick = if self.is_tls()? { bulk.clone() } else { self.open(&QUICK)? };
         Ok([quick, bulk])
     }
 
     /// Nobody listens at any of the endpoints.
-    pub(crate) fn is_deserted(&self) -> bool {
-        self.endpoints.iter().all(|endpoint| diagnose::is_deserted(endpoint))
+    pub(crate) fn has_no_listener(&self) -> bool {
+        self.endpoints.iter().all(|endpoint| diagnose::has_no_listener(endpoint))
     }
 
     /// Refuses what is refused when a session is opened, as far as it is known before.

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use zenoh::{Session, Wait};
 
-use super::door::allowed::Allowed;
-use super::door::session::Access;
+use super::access::allowed::Allowed;
+use super::access::session::Access;
 use super::keys;
 use super::net::refused;
 use super::remote::listen;
@@ -19,7 +19,7 @@ use crate::proxy::shell;
 
 /// An FMU without what computes.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Offer {
+pub(crate) struct AvailableFmu {
     /// The file's name.
     pub name: String,
     /// Of the whole file.
@@ -34,7 +34,7 @@ pub(crate) struct Offer {
 const READING: Duration = Duration::from_secs(5);
 const PAUSE: Duration = Duration::from_millis(50);
 
-impl Offer {
+impl AvailableFmu {
     /// What a worker says of an FMU, by the name of its file or by its hash; or why it does not.
     pub(super) fn of(allowed: &Allowed, wanted: &str) -> Result<Self, String> {
         let files = || allowed.files().filter_map(|(hash, file)| Some((hash, file, name(file)?)));
@@ -82,15 +82,15 @@ fn asked(
     fmu: &str,
     wait: Duration,
     endpoint: &str,
-) -> Result<Offer> {
+) -> Result<AvailableFmu> {
     let key = format!("{}/offer", keys::worker(worker));
     let begun = Instant::now();
     loop {
         let replies = session.get(&key).payload(fmu).timeout(READING).wait().map_err(refused)?;
         for reply in replies {
             let Ok(sample) = reply.into_result() else { continue };
-            let answer: Result<Offer, String> = postcard::from_bytes(&sample.payload().to_bytes())
-                .map_err(|why| {
+            let answer: Result<AvailableFmu, String> =
+                postcard::from_bytes(&sample.payload().to_bytes()).map_err(|why| {
                     let what = format!("what worker {worker} offers cannot be read");
                     Error::new(Code::Protocol, what).why(why)
                 })?;

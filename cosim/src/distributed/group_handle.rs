@@ -11,7 +11,7 @@ use crate::proxy::calls::Ask;
 use crate::time::Time;
 
 /// A group of the run.
-pub(super) struct Member {
+pub(super) struct GroupHandle {
     /// What sets it up.
     kind: Kind,
     pub generation: u32,
@@ -24,7 +24,7 @@ pub(super) struct Member {
     /// The set-up with the last state that was saved, and the number of the command before it.
     pub base: Option<(Vec<u8>, u64)>,
     /// The commands since then.
-    pub log: Vec<Told>,
+    pub log: Vec<SentCommand>,
     /// What the group is waited for.
     pub awaited: Option<Awaited>,
     since: Instant,
@@ -57,12 +57,12 @@ pub(super) enum Awaited {
 }
 
 /// A command, and a digest of its answer.
-pub(super) struct Told {
+pub(super) struct SentCommand {
     pub message: Vec<u8>,
     pub answer: Option<u64>,
 }
 
-impl Member {
+impl GroupHandle {
     /// One that is set up by a message of this kind.
     pub(super) fn new(kind: Kind, setup: Vec<u8>, tables: u64) -> Self {
         Self {
@@ -117,13 +117,13 @@ impl Member {
 
     /// What it is waited for, for people.
     pub(super) fn awaits(&self) -> String {
-        let told = match self.awaited {
+        let sent = match self.awaited {
             Some(Awaited::Launch) | None => return "its start".to_owned(),
             Some(Awaited::SetUp) => return "its set-up".to_owned(),
             Some(Awaited::Again(number)) => self.log.get(number),
             Some(Awaited::Last) => self.log.last(),
         };
-        match told.and_then(|told| Header::read(&told.message).ok()) {
+        match sent.and_then(|sent| Header::read(&sent.message).ok()) {
             Some((Header { kind: Kind::Step, time, .. }, _)) => format!("the step to t = {time}"),
             Some((Header { kind: Kind::Calls, time, .. }, body)) => {
                 let asks: Vec<Ask> = body.structure().unwrap_or_default();
@@ -165,8 +165,8 @@ impl Member {
 
     /// It did its last command, and its process may end.
     pub(super) fn is_finished(&self) -> bool {
-        let header = self.log.last().filter(|told| told.answer.is_some());
-        let header = header.and_then(|told| Header::read(&told.message).ok());
+        let header = self.log.last().filter(|sent| sent.answer.is_some());
+        let header = header.and_then(|sent| Header::read(&sent.message).ok());
         self.awaited.is_none() && header.is_some_and(|(header, _)| header.kind == Kind::Finish)
     }
 
@@ -198,7 +198,7 @@ impl Member {
     }
 }
 
-impl Told {
+impl SentCommand {
     /// The same command for another life.
     pub(super) fn again(&self, generation: u32) -> Vec<u8> {
         let mut message = self.message.clone();
