@@ -50,20 +50,34 @@ fn main() {
     }
     let [rtt, barrier, two, saved, tls, eight] = samples.map(median);
     println!("raw TCP, {PING} octets, two processes: {rtt:.1} us; barrier of 8: {barrier:.1} us");
-    tell("2 workers, a macro-step", two, "us", two / rtt, "x RTT", 6.0);
-    tell("2 workers with TLS", tls, "us", tls / rtt, "x RTT", 7.0);
-    tell("8 workers", eight, "us", eight / barrier, "x barrier", 8.0);
-    tell("snapshots every 50 steps", saved, "us", 100.0 * (saved / two - 1.0), "% more", 10.0);
+    print_result("2 workers, a macro-step", two, "us", two / rtt, "x RTT", 6.0);
+    print_result("2 workers with TLS", tls, "us", tls / rtt, "x RTT", 7.0);
+    print_result("8 workers", eight, "us", eight / barrier, "x barrier", 8.0);
+    print_result(
+        "snapshots every 50 steps",
+        saved,
+        "us",
+        100.0 * (saved / two - 1.0),
+        "% more",
+        10.0,
+    );
     let mut resumed = bench.kills();
     resumed.sort_by(f64::total_cmp);
     let worst = resumed.last().copied().unwrap_or(f64::NAN);
     let (count, middle) = (resumed.len(), median(resumed));
-    tell(&format!("killed to resumed, median of {count}"), middle, "ms", worst, "ms worst", 500.0);
+    print_result(
+        &format!("killed to resumed, median of {count}"),
+        middle,
+        "ms",
+        worst,
+        "ms worst",
+        500.0,
+    );
     let delivered = bench.delivery();
-    tell("an FMU of 100 MB", delivered, "s", delivered, "s", 2.0);
+    print_result("an FMU of 100 MB", delivered, "s", delivered, "s", 2.0);
 }
 
-fn tell(what: &str, value: f64, unit: &str, ratio: f64, of: &str, goal: f64) {
+fn print_result(what: &str, value: f64, unit: &str, ratio: f64, of: &str, goal: f64) {
     println!("{what:34} {value:9.1} {unit:2} {ratio:8.2} {of} (at most {goal})");
 }
 
@@ -174,8 +188,8 @@ impl Bench {
     fn difference(&self, system: &Path, more: &[&str]) -> f64 {
         let spent = STEPS.map(|steps| {
             let output = self.command(system, steps, more).output().unwrap();
-            let told = String::from_utf8_lossy(&output.stderr);
-            assert!(output.status.success(), "{told}");
+            let reported = String::from_utf8_lossy(&output.stderr);
+            assert!(output.status.success(), "{reported}");
             let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
             summary["spent"].as_f64().unwrap()
         });
@@ -207,10 +221,10 @@ impl Bench {
         std::thread::sleep(Duration::from_millis(500));
         // Ctrl-C ends it in order, with a summary.
         drop(Command::new("kill").args(["-INT", &run.id().to_string()]).status());
-        let mut told = String::new();
-        run.stdout.take().unwrap().read_to_string(&mut told).unwrap();
+        let mut reported = String::new();
+        run.stdout.take().unwrap().read_to_string(&mut reported).unwrap();
         run.wait().unwrap();
-        let summary: serde_json::Value = serde_json::from_str(&told).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&reported).unwrap();
         let notes = summary["notes"].as_array().unwrap().iter().filter_map(|note| note.as_str());
         notes
             .filter_map(|note| note.split("after ").last()?.strip_suffix(" ms")?.parse().ok())

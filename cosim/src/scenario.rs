@@ -351,7 +351,7 @@ impl Manipulator for Scenario {
             self.targets[fault].iter().try_for_each(|name| controls.reset(name))?;
         }
         if self.look <= now {
-            self.look_at_conditions(controls)?;
+            self.check_conditions(controls)?;
             let next = self.start + self.interval.after(now - self.start);
             self.look = if self.waiting.is_empty() { Time::NEVER } else { next };
         }
@@ -380,7 +380,7 @@ impl Scenario {
 
     /// Begins the faults whose condition holds. After a resumption that is told again to faults that
     /// have begun; they know.
-    fn look_at_conditions(&mut self, controls: &mut Controls<'_>) -> Result<()> {
+    fn check_conditions(&mut self, controls: &mut Controls<'_>) -> Result<()> {
         let mut waiting = std::mem::take(&mut self.waiting);
         let mut outcome = Ok(());
         waiting.retain(|&fault| {
@@ -390,12 +390,12 @@ impl Scenario {
                 return true;
             }
             for target in &self.targets[fault] {
-                let told = match self.faults[fault].kind {
+                let triggered = match self.faults[fault].kind {
                     Kind::Reset => controls.trigger_reset(target, fault as u32),
                     _ => controls.trigger(target, fault as u32),
                 };
                 if outcome.is_ok() {
-                    outcome = told;
+                    outcome = triggered;
                 }
             }
             false

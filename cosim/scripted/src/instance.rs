@@ -66,8 +66,8 @@ impl Scripted {
 
     /// Makes the object, and steps it at the start.
     fn begin(&mut self) -> Result<()> {
-        let told = serde_json::Value::from_iter(self.parameters());
-        self.process()?.ask(Ask::Make, &[told.to_string().as_bytes()])?;
+        let parameters = serde_json::Value::from_iter(self.parameters());
+        self.process()?.ask(Ask::Make, &[parameters.to_string().as_bytes()])?;
         self.sample(self.run.sampler.last())?;
         self.run.made = true;
         Ok(())

@@ -116,10 +116,10 @@ impl Process {
 
     fn send(&mut self, what: Ask, parts: &[&[u8]]) -> std::io::Result<()> {
         let length: usize = parts.iter().map(|part| part.len()).sum();
-        let told = u32::try_from(length).ok().filter(|_| length < MOST);
-        let told = told.ok_or_else(|| IoError::new(ErrorKind::InvalidData, "it is too large"))?;
+        let size = u32::try_from(length).ok().filter(|_| length < MOST);
+        let size = size.ok_or_else(|| IoError::new(ErrorKind::InvalidData, "it is too large"))?;
         self.message.clear();
-        self.message.extend_from_slice(&told.to_le_bytes());
+        self.message.extend_from_slice(&size.to_le_bytes());
         self.message.push(what as u8);
         parts.iter().for_each(|part| self.message.extend_from_slice(part));
         self.stream.write_all(&self.message)
@@ -143,8 +143,8 @@ impl Process {
         self.message.resize(4096, 0);
         let (mut have, mut need) = (0, HEAD);
         while have < need {
-            let Some(room) = self.message.get_mut(have..) else { break };
-            match self.stream.read(room) {
+            let Some(buffer) = self.message.get_mut(have..) else { break };
+            match self.stream.read(buffer) {
                 Ok(0) => return Err(ErrorKind::UnexpectedEof.into()),
                 Ok(count) => have += count,
                 Err(why) if why.kind() == ErrorKind::Interrupted => {}

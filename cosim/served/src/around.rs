@@ -96,7 +96,7 @@ impl<I: Inside> Around<I> {
     }
 
     /// Hands on what was said inside.
-    fn tell(&mut self) {
+    fn pass_on_messages(&mut self) {
         for message in self.inside.messages() {
             let text = || format!("{} ({}): {}", message.instance, message.category, message.text);
             match message.status {
@@ -183,7 +183,7 @@ impl<I: Inside> Served for Around<I> {
             return self.log.out_of_order(call, self.run.phase, Interface::CoSimulation);
         }
         let done = work(self);
-        self.tell();
+        self.pass_on_messages();
         match done {
             Ok(()) => Status::Ok,
             Err(trouble) => self.log.failed(call, &trouble),

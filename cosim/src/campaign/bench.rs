@@ -126,11 +126,11 @@ impl Bench {
         });
         let problems: Vec<Error> = problems.collect();
         // One mistake is often in many cells.
-        let mut told: Vec<String> = Vec::new();
+        let mut reported: Vec<String> = Vec::new();
         let new = problems.into_iter().filter(|problem| {
             let text = problem.to_string();
-            let new = !told.contains(&text);
-            told.push(text);
+            let new = !reported.contains(&text);
+            reported.push(text);
             new
         });
         Error::all(new.collect())

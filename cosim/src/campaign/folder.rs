@@ -250,12 +250,12 @@ fn fits(before: &[String], now: &[String], path: &Path) -> Result<()> {
     if gone.is_empty() && new.is_empty() {
         return Ok(());
     }
-    let told = |lines: Vec<String>| {
+    let shown = |lines: Vec<String>| {
         if lines.is_empty() { "nothing instead".to_owned() } else { lines.join("; ") }
     };
     Err(Error::new(Code::Campaign, "the results that are there are of another campaign")
         .at(path)
-        .why(format!("they have: {}. Now there is: {}", told(gone), told(new)))
+        .why(format!("they have: {}. Now there is: {}", shown(gone), shown(new)))
         .help("undo the change, or give another --output-dir"))
 }
 

@@ -267,13 +267,17 @@ mod tests {
              cells = '*two'\n[[verdict]]\nfigure = 'f'\nat-most = 22\ncells = '*/one'\n\
              [[verdict]]\nfigure = 'f'\nat-least = 40\nquantile = 0.9\ncells = '*two'\n",
         );
-        let told: Vec<(&str, Answer, u64)> =
+        let verdicts: Vec<(&str, Answer, u64)> =
             judgement.verdicts.iter().map(|v| (v.cell.as_str(), v.answer, v.kept)).collect();
-        assert_eq!(told[0], ("a/one", Answer::Pass, 36));
-        assert!(matches!(told[1], ("a/one", Answer::Undecided(Some(_)), 23)), "{:?}", told[1]);
-        assert_eq!(told[2], ("a/two", Answer::Pass, 34));
-        assert_eq!(told[3], ("a/two", Answer::Fail, 4));
-        assert!(matches!(told[4], ("a/two", Answer::Undecided(_), 1)), "{:?}", told[4]);
+        assert_eq!(verdicts[0], ("a/one", Answer::Pass, 36));
+        assert!(
+            matches!(verdicts[1], ("a/one", Answer::Undecided(Some(_)), 23)),
+            "{:?}",
+            verdicts[1]
+        );
+        assert_eq!(verdicts[2], ("a/two", Answer::Pass, 34));
+        assert_eq!(verdicts[3], ("a/two", Answer::Fail, 4));
+        assert!(matches!(verdicts[4], ("a/two", Answer::Undecided(_), 1)), "{:?}", verdicts[4]);
         assert_eq!((judgement.runs, judgement.failed), (80, 1));
     }
 

@@ -110,7 +110,7 @@ pub enum Answer {
 
 /// Whether the share of which `k` of `n` are known is at least `wanted`.
 pub(super) fn decide(k: u64, n: u64, wanted: f64, confidence: f64) -> Answer {
-    let told = |k: u64, n: u64| {
+    let decided = |k: u64, n: u64| {
         let [low, high] = share(k, n, confidence);
         if low >= wanted {
             Some(Answer::Pass)
@@ -120,13 +120,13 @@ pub(super) fn decide(k: u64, n: u64, wanted: f64, confidence: f64) -> Answer {
             None
         }
     };
-    if let Some(answer) = (n > 0).then(|| told(k, n)).flatten() {
+    if let Some(answer) = (n > 0).then(|| decided(k, n)).flatten() {
         return answer;
     }
     const MOST: u64 = 1_000_000;
     // As a share of one more: without a failure there may still be one.
     let so_far = if n == 0 { 1.0 } else { k as f64 / n as f64 };
-    let would = |n: u64| told((so_far * n as f64).round() as u64, n).is_some();
+    let would = |n: u64| decided((so_far * n as f64).round() as u64, n).is_some();
     let mut more = n.max(8);
     while !would(more) {
         more = more + more / 4;

@@ -53,7 +53,7 @@ impl Convert {
 
     fn written(&self, file: &Path) {
         if !self.quiet {
-            messages::tell(&format!("written: {}", file.display()));
+            messages::info(&format!("written: {}", file.display()));
         }
     }
 

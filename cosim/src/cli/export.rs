@@ -55,7 +55,7 @@ impl Export {
         let notes = exporter.write(&system, &self.output)?;
         if !self.quiet {
             notes.iter().for_each(|text| messages::note(text));
-            messages::tell(&format!("written: {}", self.output.display()));
+            messages::info(&format!("written: {}", self.output.display()));
         }
         Ok(())
     }

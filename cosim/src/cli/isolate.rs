@@ -115,8 +115,8 @@ impl Isolation {
 }
 
 fn inside() -> Result<Option<Inside>> {
-    let told = std::env::var(VARIABLE).ok().map(|text| serde_json::from_str(&text));
-    told.transpose().map_err(|why| failed("the child cannot read what it was told").why(why))
+    let setup = std::env::var(VARIABLE).ok().map(|text| serde_json::from_str(&text));
+    setup.transpose().map_err(|why| failed("the child cannot read what it was told").why(why))
 }
 
 /// In the child, at its very start: behind namespaces, and in one of them only. The status to end
@@ -171,15 +171,15 @@ pub(crate) fn supervise(written: Written, programs: bool) -> Result<u8> {
         open.push((path.clone(), file.into()));
         unfinished = Some(new);
     }
-    let (mut done, told) = io::pipe().map_err(|why| failed("a pipe").why(why))?;
-    let told = OwnedFd::from(told);
+    let (mut done, writer) = io::pipe().map_err(|why| failed("a pipe").why(why))?;
+    let writer = OwnedFd::from(writer);
     let fds: Vec<RawFd> =
-        open.iter().map(|(_, file)| file.as_raw_fd()).chain([told.as_raw_fd()]).collect();
+        open.iter().map(|(_, file)| file.as_raw_fd()).chain([writer.as_raw_fd()]).collect();
     let places = FIRST..;
     let given = open.iter().zip(places).map(|((path, _), place)| (path.clone(), place)).collect();
     let inside = Inside { given, done: FIRST + open.len() as RawFd, folder: outbox.clone() };
     let mut child = start(&inside, folder.path(), fds)?;
-    drop((open, told));
+    drop((open, writer));
     let relays = [
         child.stdout.take().map(|from| relay(from, io::stdout(), io::stdout().is_terminal())),
         child.stderr.take().map(|from| relay(from, io::stderr(), true)),

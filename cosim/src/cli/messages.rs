@@ -21,7 +21,7 @@ pub(crate) fn note(text: &str) {
 }
 
 /// Prints what was done.
-pub(crate) fn tell(text: &str) {
+pub(crate) fn info(text: &str) {
     line(&visible(text));
 }
 
@@ -32,20 +32,20 @@ pub(crate) fn said(text: &str) {
 
 /// Prints what a system's check found: warnings always, notes unless `quiet`.
 pub(crate) fn findings(system: &System, quiet: bool) {
-    tell_some(system.warnings(), warning);
+    report_some(system.warnings(), warning);
     if !quiet {
-        tell_some(system.notes(), note);
+        report_some(system.notes(), note);
     }
 }
 
 /// So many of one kind are told; a file can have a million.
-const TOLD: usize = 100;
+const SHOWN: usize = 100;
 
 /// Tells the first of many.
-pub(crate) fn tell_some(texts: &[String], tell: fn(&str)) {
-    texts.iter().take(TOLD).for_each(|text| tell(text));
-    if texts.len() > TOLD {
-        tell(&format!("and {} more (--format json has them all)", texts.len() - TOLD));
+pub(crate) fn report_some(texts: &[String], report: fn(&str)) {
+    texts.iter().take(SHOWN).for_each(|text| report(text));
+    if texts.len() > SHOWN {
+        report(&format!("and {} more (--format json has them all)", texts.len() - SHOWN));
     }
 }
 

@@ -24,7 +24,7 @@ use super::messages;
 use super::snapshots::Snapshots;
 use super::standard;
 use super::stop_when::StopWhen;
-use super::summary::{self, Told};
+use super::summary::{self, RunResult};
 
 #[derive(Args)]
 pub(crate) struct Output {
@@ -288,7 +288,14 @@ impl Output {
         summary.notes.extend(stop_when.held().map(|held| format!("ended by --stop-when: {held}")));
         let (spent, overruns) = (begun.elapsed().as_secs_f64(), live.overruns());
         let digest = digest.borrow().text();
-        self.tell(&Told { system, summary: &summary, spent, target, overruns, digest })?;
+        self.print_result(&RunResult {
+            system,
+            summary: &summary,
+            spent,
+            target,
+            overruns,
+            digest,
+        })?;
         match summary.stopped {
             Some(Stop::Interrupted) => {
                 Err(Error::new(Code::Interrupted, "the run was interrupted")
@@ -308,18 +315,18 @@ impl Output {
         Ok(Some(server.watch(self.roles()?, faults)))
     }
 
-    fn tell(&self, told: &Told) -> Result<()> {
-        let summary: &Summary = told.summary;
+    fn print_result(&self, result: &RunResult) -> Result<()> {
+        let summary: &Summary = result.summary;
         for warning in &summary.warnings {
             messages::warning(warning);
         }
         if self.format == Format::Json {
-            return print(&summary::json(told).to_string());
+            return print(&summary::json(result).to_string());
         }
         if !self.quiet && summary.stopped != Some(Stop::ReaderGone) {
             summary.notes.iter().for_each(|note| messages::note(note));
             summary.messages.iter().for_each(|message| messages::said(message));
-            messages::tell(&summary::text(told));
+            messages::info(&summary::text(result));
         }
         Ok(())
     }

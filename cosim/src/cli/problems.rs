@@ -7,7 +7,7 @@ use super::Format;
 use super::output::print;
 
 /// Prints the error of a run that was to be told as JSON; the caller tells it to people.
-pub(crate) fn told<T>(format: Format, outcome: Result<T>) -> Result<T> {
+pub(crate) fn reported<T>(format: Format, outcome: Result<T>) -> Result<T> {
     if let (Format::Json, Err(error)) = (format, &outcome) {
         print(&json!({ "problems": list(error), "text": error.to_string() }).to_string())?;
     }

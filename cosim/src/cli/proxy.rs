@@ -77,7 +77,7 @@ impl Proxy {
         };
         if !self.quiet {
             notes.iter().for_each(|text| messages::note(text));
-            messages::tell(&format!("written: {}", self.output.display()));
+            messages::info(&format!("written: {}", self.output.display()));
         }
         Ok(())
     }

@@ -52,7 +52,7 @@ impl Replay {
                 .why(before)
                 .help(format!("the results are in {}", target.display())));
         }
-        messages::tell(&format!(
+        messages::info(&format!(
             "run {}: the same to the last bit ({}); the results are in {}",
             self.run,
             row.digest,

@@ -89,7 +89,7 @@ impl Report {
                 .why(format!("some runs are not shown in {}", target.display()))
                 .help("give the same command again"));
         }
-        messages::tell(&format!("the report is in {}", target.display()));
+        messages::info(&format!("the report is in {}", target.display()));
         Ok(())
     }
 

@@ -38,7 +38,7 @@ impl Run {
 
     pub(crate) fn run(self) -> Result<u8> {
         interrupt::listen();
-        problems::told(self.output.format, self.computed())
+        problems::reported(self.output.format, self.computed())
     }
 
     fn computed(&self) -> Result<u8> {

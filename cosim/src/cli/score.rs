@@ -27,7 +27,7 @@ pub(crate) struct Score {
 
 impl Score {
     pub(crate) fn run(self) -> Result<()> {
-        problems::told(self.format, self.computed())
+        problems::reported(self.format, self.computed())
     }
 
     fn computed(&self) -> Result<()> {

@@ -41,8 +41,8 @@ impl Validate {
         }
         let findings = result?;
         if self.format == Format::Text {
-            messages::tell_some(&findings.warnings, messages::warning);
-            messages::tell_some(&findings.notes, messages::note);
+            messages::report_some(&findings.warnings, messages::warning);
+            messages::report_some(&findings.notes, messages::note);
             print(&format!("{} is valid", self.file.display()))?;
         }
         Ok(())

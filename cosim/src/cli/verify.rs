@@ -30,7 +30,7 @@ pub(crate) struct Verify {
 }
 
 /// So many variables are told one by one.
-const TOLD: usize = 20;
+const SHOWN: usize = 20;
 
 impl Verify {
     pub(crate) fn run(self) -> Result<()> {
@@ -56,7 +56,7 @@ impl Verify {
             ));
         }
         let largest = Closeness::of(&a, &b, &Tolerance::new()).largest;
-        self.tell(&found, largest)
+        self.print_comparison(&found, largest)
     }
 
     /// What may differ; nothing without such an option.
@@ -72,14 +72,14 @@ impl Verify {
     fn within(&self, found: &Closeness) -> Result<()> {
         let names = [&self.a, &self.b].map(|file| file.display().to_string());
         self.only((&found.only.0, &found.only.1), &names)?;
-        for beyond in found.beyond.iter().take(TOLD) {
+        for beyond in found.beyond.iter().take(SHOWN) {
             print(&format!(
                 "too far apart at {} of {} samples, first at t = {}: {}",
                 beyond.samples, found.samples, beyond.first, beyond.worst
             ))?;
         }
-        if found.beyond.len() > TOLD {
-            print(&format!("and {} more variables", found.beyond.len() - TOLD))?;
+        if found.beyond.len() > SHOWN {
+            print(&format!("and {} more variables", found.beyond.len() - SHOWN))?;
         }
         if let Some(largest) = &found.largest {
             print(&format!("largest difference: {largest}"))?;
@@ -104,27 +104,27 @@ impl Verify {
     fn only(&self, (a, b): (&[String], &[String]), names: &[String; 2]) -> Result<()> {
         for (only, name) in [(a, &names[0]), (b, &names[1])] {
             if !only.is_empty() {
-                let told = only[..only.len().min(TOLD)].join(", ");
-                let more = only.len().saturating_sub(TOLD);
+                let names = only[..only.len().min(SHOWN)].join(", ");
+                let more = only.len().saturating_sub(SHOWN);
                 let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-                print(&format!("only {name} has: {told}{more}"))?;
+                print(&format!("only {name} has: {names}{more}"))?;
             }
         }
         Ok(())
     }
 
-    fn tell(&self, found: &Comparison, largest: Option<Apart>) -> Result<()> {
+    fn print_comparison(&self, found: &Comparison, largest: Option<Apart>) -> Result<()> {
         let names = [&self.a, &self.b].map(|file| file.display().to_string());
         self.only((&found.only_a, &found.only_b), &names)?;
-        for (a, b) in found.renamed().into_iter().take(TOLD) {
+        for (a, b) in found.renamed().into_iter().take(SHOWN) {
             print(&format!("is '{a}' called '{b}' in the other?"))?;
         }
         if let Some(Parting::Values { variables, .. }) = &found.parting {
-            for variable in variables.iter().take(TOLD) {
+            for variable in variables.iter().take(SHOWN) {
                 print(&variable.to_string())?;
             }
-            if variables.len() > TOLD {
-                print(&format!("and {} more variables", variables.len() - TOLD))?;
+            if variables.len() > SHOWN {
+                print(&format!("and {} more variables", variables.len() - SHOWN))?;
             }
         }
         if let Some(largest) = largest {

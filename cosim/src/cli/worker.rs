@@ -181,17 +181,17 @@ fn serve_all(workers: &[distributed::Worker], ended: &(dyn Fn() -> bool + Sync))
 }
 
 fn serve_again(worker: &distributed::Worker, ended: &(dyn Fn() -> bool + Sync)) -> Result<()> {
-    let mut told = String::new();
+    let mut reported = String::new();
     loop {
         let error = match worker.serve(ended) {
             Err(error) if !ended() => error,
             served => return served,
         };
         let text = error.to_string();
-        if text != told {
+        if text != reported {
             let endpoint = worker.access.endpoints.join(", ");
             super::messages::warning(&format!("the endpoint {endpoint} is not served: {text}"));
-            told = text;
+            reported = text;
         }
         if error.code() != Code::Session {
             return Err(error);

@@ -154,9 +154,9 @@ impl Export {
             inside.push((format!("resources/{name}"), Content::file(file.clone())?));
             interface.scenario = Some(name);
         }
-        let (told, listed) = (description.text("")?, interface.bytes()?);
+        let (described, listed) = (description.text("")?, interface.bytes()?);
         let files = inside.iter().map(|(_, content)| content.digest().as_bytes());
-        let parts = [told.as_bytes(), packed.text.as_bytes(), &listed].into_iter();
+        let parts = [described.as_bytes(), packed.text.as_bytes(), &listed].into_iter();
         let guid = guid(parts.chain(files));
         interface.guid.clone_from(&guid);
         let text = description.text(&guid)?;

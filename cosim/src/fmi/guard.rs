@@ -101,7 +101,7 @@ impl Float {
     #[inline(never)]
     pub(super) fn changed(self, log: &Log, function: &str) {
         self.set();
-        tell(log, Kind::Float, function);
+        report(log, Kind::Float, function);
     }
 }
 
@@ -139,7 +139,7 @@ impl Kind {
     }
 }
 
-fn tell(log: &Log, kind: Kind, function: &str) {
+fn report(log: &Log, kind: Kind, function: &str) {
     if log.is_new(kind as u32) {
         let name = kind.name();
         let end = if kind.is_set_back() { "; it was set back" } else { "" };
@@ -252,7 +252,7 @@ impl Process {
             if (1..65).any(|s| libc::sigismember(&self.mask, s) != libc::sigismember(&now.mask, s))
             {
                 libc::pthread_sigmask(libc::SIG_SETMASK, &self.mask, std::ptr::null_mut());
-                tell(log, Kind::Mask, function);
+                report(log, Kind::Mask, function);
             }
             for signal in SIGNALS {
                 let (before, after) = (&self.handlers[signal], &now.handlers[signal]);
@@ -260,34 +260,34 @@ impl Process {
                 let signal = signal as libc::c_int;
                 if !same(before, after) && after.sa_sigaction != libc::SIG_DFL {
                     if FAULTS.contains(&signal) {
-                        tell(log, Kind::Faults, function);
+                        report(log, Kind::Faults, function);
                     } else {
                         libc::sigaction(signal, before, std::ptr::null_mut());
-                        tell(log, Kind::Handlers, function);
+                        report(log, Kind::Handlers, function);
                     }
                 }
             }
             if now.locale != self.locale {
                 libc::setlocale(libc::LC_ALL, self.locale.as_ptr());
-                tell(log, Kind::Locale, function);
+                report(log, Kind::Locale, function);
             }
             if now.thread_locale != self.thread_locale {
                 libc::uselocale(self.thread_locale);
-                tell(log, Kind::Locale, function);
+                report(log, Kind::Locale, function);
             }
             if now.folder != self.folder {
                 if let Some(path) = &self.path {
                     libc::chdir(path.as_ptr());
                 }
-                tell(log, Kind::Folder, function);
+                report(log, Kind::Folder, function);
             }
             if now.umask != self.umask {
                 libc::umask(self.umask);
-                tell(log, Kind::Umask, function);
+                report(log, Kind::Umask, function);
             }
         }
         if now.streams != self.streams {
-            tell(log, Kind::Streams, function);
+            report(log, Kind::Streams, function);
         }
     }
 }

@@ -110,14 +110,14 @@ impl Drop for LastCall {
 }
 
 /// A text, cut to the room there is.
-fn put(room: &mut [u8], text: &str) {
-    let length = text.len().min(room.len() - 1).min(usize::from(u8::MAX));
-    room[0] = length as u8;
-    room[1..=length].copy_from_slice(&text.as_bytes()[..length]);
+fn put(buffer: &mut [u8], text: &str) {
+    let length = text.len().min(buffer.len() - 1).min(usize::from(u8::MAX));
+    buffer[0] = length as u8;
+    buffer[1..=length].copy_from_slice(&text.as_bytes()[..length]);
 }
 
-fn get(room: &[u8]) -> String {
-    let text = room.get(1..=usize::from(room[0])).unwrap_or_default();
+fn get(buffer: &[u8]) -> String {
+    let text = buffer.get(1..=usize::from(buffer[0])).unwrap_or_default();
     String::from_utf8_lossy(text).into_owned()
 }
 

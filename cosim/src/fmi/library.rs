@@ -290,14 +290,14 @@ mod tests {
 
     #[test]
     fn each_reason_has_its_own_remedy() {
-        let told = |why: &str| remedy(why).unwrap();
+        let remedy_of = |why: &str| remedy(why).unwrap();
         let new =
             "/lib/x86_64-linux-gnu/libc.so.6: version `GLIBC_2.38' not found (required by x.so)";
-        assert!(told(new).contains("a system with GLIBC_2.38"));
+        assert!(remedy_of(new).contains("a system with GLIBC_2.38"));
         let missing = "libgfortran.so.3: cannot open shared object file: No such file or directory";
-        assert!(told(missing).contains("install the library libgfortran.so.3"));
-        assert!(!told(missing).contains("GLIBC"));
-        assert!(told("x.so: undefined symbol: dgesv_").contains("has dgesv_"));
+        assert!(remedy_of(missing).contains("install the library libgfortran.so.3"));
+        assert!(!remedy_of(missing).contains("GLIBC"));
+        assert!(remedy_of("x.so: undefined symbol: dgesv_").contains("has dgesv_"));
         assert_eq!(remedy("invalid ELF header"), None);
     }
 }

@@ -55,7 +55,7 @@ impl Log {
     }
 
     /// Takes a message as it is shown.
-    pub(super) fn told(&self, line: &str) {
+    pub(super) fn push_line(&self, line: &str) {
         self.push(line.to_owned());
     }
 

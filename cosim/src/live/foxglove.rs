@@ -9,7 +9,7 @@ use tungstenite::Message;
 
 use super::batch::Batch;
 use super::client::Speaker;
-use super::hub::{About, Hub, Newest, Playing, SPEEDS, Wish};
+use super::hub::{About, Hub, Newest, Playing, Request, SPEEDS};
 use crate::ros::Channels;
 use crate::time::Time;
 
@@ -27,7 +27,7 @@ const CONTROL: u8 = 3;
 pub(super) struct Foxglove {
     controls: bool,
     /// How the run was going when that was told last.
-    told: Option<(Playing, bool)>,
+    sent: Option<(Playing, bool)>,
     channels: Option<Channels>,
     /// Per channel: the numbers of the subscriptions.
     subscribed: HashMap<usize, Vec<u32>>,
@@ -36,7 +36,7 @@ pub(super) struct Foxglove {
 impl Foxglove {
     pub(super) fn new(protocol: &str) -> Self {
         let controls = protocol == WITH_CONTROL;
-        Self { controls, told: None, channels: None, subscribed: HashMap::new() }
+        Self { controls, sent: None, channels: None, subscribed: HashMap::new() }
     }
 }
 
@@ -79,10 +79,10 @@ impl Speaker for Foxglove {
 
     fn newest(&mut self, newest: &Newest, _: u64) -> Option<Message> {
         let going = (newest.playing.clone(), newest.ended);
-        if !self.controls || self.told.as_ref() == Some(&going) {
+        if !self.controls || self.sent.as_ref() == Some(&going) {
             return None;
         }
-        self.told = Some(going);
+        self.sent = Some(going);
         Some(state(newest, ""))
     }
 
@@ -175,11 +175,11 @@ fn control(bytes: &[u8], hub: &Hub) -> Option<Message> {
     }
     let mut newest = hub.newest();
     if !speed.is_nan() && newest.playing.speed != Some(speed) {
-        hub.wish(Wish::Speed(Some(speed)));
+        hub.request(Request::Speed(Some(speed)));
         newest.playing.speed = Some(speed);
     }
     newest.playing.paused = command == 1;
-    hub.wish(if newest.playing.paused { Wish::Pause } else { Wish::Play });
+    hub.request(if newest.playing.paused { Request::Pause } else { Request::Play });
     Some(state(&newest, std::str::from_utf8(request).ok()?))
 }
 

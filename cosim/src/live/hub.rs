@@ -14,7 +14,7 @@ use crate::time::Time;
 
 /// What a client asks for.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Wish {
+pub enum Request {
     /// Stop before the next step.
     Pause,
     /// Go on.
@@ -82,7 +82,7 @@ pub(super) struct Hub {
     events: Mutex<(VecDeque<String>, usize)>,
     pub(super) history: Mutex<Thinned>,
     clients: Mutex<Vec<Arc<Mailbox>>>,
-    pub(super) wishes: Mutex<Sender<Wish>>,
+    pub(super) requests: Mutex<Sender<Request>>,
 }
 
 /// What a thread that panicked held is as whole as before: each change is one assignment.
@@ -111,14 +111,14 @@ impl Mailbox {
 }
 
 impl Hub {
-    pub(super) fn new(wishes: Sender<Wish>, playing: Playing) -> Self {
+    pub(super) fn new(requests: Sender<Request>, playing: Playing) -> Self {
         Self {
             about: OnceLock::new(),
             newest: Mutex::new(Newest { version: 1, playing, ..Newest::default() }),
             events: Mutex::default(),
             history: Mutex::new(Thinned::new(0, 2)),
             clients: Mutex::default(),
-            wishes: Mutex::new(wishes),
+            requests: Mutex::new(requests),
         }
     }
 
@@ -181,8 +181,8 @@ impl Hub {
         locked(&self.clients).iter().for_each(|client| client.put(&batch));
     }
 
-    pub(super) fn wish(&self, wish: Wish) {
+    pub(super) fn request(&self, request: Request) {
         // A run that has ended hears nothing.
-        let _ = locked(&self.wishes).send(wish);
+        let _ = locked(&self.requests).send(request);
     }
 }

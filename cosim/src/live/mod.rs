@@ -19,6 +19,6 @@ mod page;
 mod server;
 mod watch;
 
-pub use hub::{Playing, Wish};
+pub use hub::{Playing, Request};
 pub use server::Server;
 pub use watch::Watch;

@@ -10,7 +10,7 @@ use tungstenite::Message;
 
 use super::batch::Batch;
 use super::client::Speaker;
-use super::hub::{About, Hub, Newest, SPEEDS, Wish, locked};
+use super::hub::{About, Hub, Newest, Request, SPEEDS, locked};
 use crate::fault::KINDS;
 use crate::roles::{Axes, Body, Place};
 
@@ -77,8 +77,8 @@ impl Speaker for Page {
         if said.get("op").and_then(Value::as_str) == Some("show") {
             return self.show(&said, hub).into_iter().collect();
         }
-        if let Some(wish) = wish(said) {
-            hub.wish(wish);
+        if let Some(request) = request(said) {
+            hub.request(request);
         }
         Vec::new()
     }
@@ -111,18 +111,18 @@ impl Page {
     }
 }
 
-fn wish(mut said: Map<String, Value>) -> Option<Wish> {
+fn request(mut said: Map<String, Value>) -> Option<Request> {
     let op = said.remove("op")?;
     Some(match op.as_str()? {
-        "pause" => Wish::Pause,
-        "play" => Wish::Play,
-        "step" => Wish::Step,
+        "pause" => Request::Pause,
+        "play" => Request::Play,
+        "step" => Request::Step,
         "speed" => {
             let factor = said.get("factor").and_then(Value::as_f64);
-            Wish::Speed(factor.map(|factor| factor.clamp(SPEEDS.0, SPEEDS.1)))
+            Request::Speed(factor.map(|factor| factor.clamp(SPEEDS.0, SPEEDS.1)))
         }
         "fault" => match said.remove("fault")? {
-            Value::Object(fault) => Wish::Inject(fault),
+            Value::Object(fault) => Request::Inject(fault),
             _ => return None,
         },
         _ => return None,

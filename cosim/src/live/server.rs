@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use super::client::{FAREWELL, Speaker, serve};
 use super::foxglove::{self, Foxglove};
-use super::hub::{Hub, Playing, Wish, locked};
+use super::hub::{Hub, Playing, Request, locked};
 use super::page::{self, Page};
 use super::{Watch, http};
 use crate::error::{Code, Error, Result};
@@ -28,7 +28,7 @@ const PATIENCE: Duration = Duration::from_secs(5);
 /// Serves a run to browsers and to Foxglove.
 pub struct Server {
     shared: Arc<Shared>,
-    wishes: Receiver<Wish>,
+    requests: Receiver<Request>,
     address: SocketAddr,
 }
 
@@ -56,7 +56,7 @@ impl Server {
             Error::new(Code::Usage, "the system gives no random numbers for a token")
         })?;
         let token = random.iter().map(|byte| format!("{byte:02x}")).collect();
-        let (sender, wishes) = channel();
+        let (sender, requests) = channel();
         let shared = Arc::new(Shared {
             hub: Arc::new(Hub::new(sender, playing)),
             token,
@@ -66,7 +66,7 @@ impl Server {
         });
         let serving = shared.clone();
         std::thread::spawn(move || serving.accept(&listener));
-        Ok(Self { shared, wishes, address })
+        Ok(Self { shared, requests, address })
     }
 
     /// Where the page is.
@@ -85,16 +85,16 @@ impl Server {
     }
 
     /// The next thing that a client asks for; one is waited for so long.
-    pub fn wish(&self, wait: Duration) -> Option<Wish> {
+    pub fn request(&self, wait: Duration) -> Option<Request> {
         if wait.is_zero() {
-            self.wishes.try_recv().ok()
+            self.requests.try_recv().ok()
         } else {
-            self.wishes.recv_timeout(wait).ok()
+            self.requests.recv_timeout(wait).ok()
         }
     }
 
     /// Tells how the run is going.
-    pub fn tell(&self, now: Time, playing: &Playing) {
+    pub fn update(&self, now: Time, playing: &Playing) {
         self.shared.hub.update(|newest| {
             newest.time = now;
             newest.playing = playing.clone();

@@ -48,8 +48,8 @@ impl ConvertingSlave {
         }
         let patches = SharedPatches::default();
         let inner = Box::new(PatchedSlave::new(inner, node, patches.clone()));
-        let room = vec![0.0; node.inputs.len()];
-        let slave = Self { inner, conversions, buffer: room.clone(), slopes: room };
+        let buffer = vec![0.0; node.inputs.len()];
+        let slave = Self { inner, conversions, buffer: buffer.clone(), slopes: buffer };
         (Box::new(slave), Some(patches))
     }
 }

@@ -80,10 +80,10 @@ impl ExchangeSlave {
     ) -> Result<Self> {
         let (instance, start_values) = instantiate(component, fmu, logging)?;
         let interface = fmu.interface(InterfaceType::ModelExchange)?;
-        let told = !interface.no_completed_step;
+        let completes_steps = !interface.no_completed_step;
         let variables = &fmu.description().variables;
         Ok(Self {
-            solver: Continuous::new(settings, &instance, told),
+            solver: Continuous::new(settings, &instance, completes_steps),
             instance,
             saved: Default::default(),
             start: Time::ZERO,

@@ -21,7 +21,7 @@ pub(super) enum Discards {
     /// It is made smaller up to so many times; then, or with 0, it is an error.
     Repeated(u32),
     /// The caller is told.
-    Told,
+    Reported,
 }
 
 /// An instance and the variables exchanged with it. What every step touches comes first and lies
@@ -76,7 +76,7 @@ impl FmuSlave {
     #[cold]
     fn discarded(&mut self, start: Time, step: Time, reached: Time) -> Result<Time> {
         let retries = match self.discards {
-            Discards::Told => return Ok(reached),
+            Discards::Reported => return Ok(reached),
             Discards::Final => {
                 return Err(self.instance.discarded(reached).help(
                     "a smaller --step; its FMU does not declare both canGetAndSetFMUstate and \

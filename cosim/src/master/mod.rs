@@ -99,7 +99,7 @@ pub(crate) fn slave(
         }
         Model::Fmu(fmu) => {
             let discards = match making.controlled {
-                true => Discards::Told,
+                true => Discards::Reported,
                 false if component.can_repeat(fmu) => Discards::Repeated(making.retries),
                 false => Discards::Final,
             };

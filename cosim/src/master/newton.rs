@@ -55,20 +55,20 @@ pub(super) fn solve(v: &mut [f64], g: &mut dyn Function) -> Result<Outcome> {
     let mut image = vec![0.0; v.len()];
     let mut outcome = Outcome::default();
     outcome.evaluate(v, &mut image, g)?;
-    let mut told = true;
+    let mut has_derivatives = true;
     for _ in 0..MAX_PASSES {
         if outcome.converged() || !outcome.residual.is_finite() {
             break;
         }
         let last = outcome.residual;
-        if told {
-            let step = told_step(v, &image, g)?;
-            told = step.is_some();
+        if has_derivatives {
+            let step = derivative_step(v, &image, g)?;
+            has_derivatives = step.is_some();
             if let Some(step) = step {
                 outcome.directional += 1;
                 v.iter_mut().zip(step).for_each(|(v, s)| *v += s);
                 outcome.evaluate(v, &mut image, g)?;
-                told = outcome.residual <= 0.5 * last;
+                has_derivatives = outcome.residual <= 0.5 * last;
                 continue;
             }
         }
@@ -108,7 +108,7 @@ fn rows(v: &[f64], image: &[f64]) -> Vec<Vec<f64>> {
 }
 
 /// The step of Newton by the derivatives that `g` tells.
-fn told_step(v: &[f64], image: &[f64], g: &mut dyn Function) -> Result<Option<Vec<f64>>> {
+fn derivative_step(v: &[f64], image: &[f64], g: &mut dyn Function) -> Result<Option<Vec<f64>>> {
     let (mut rows, mut column) = (rows(v, image), vec![0.0; v.len()]);
     for position in 0..v.len() {
         if !g.column(position, &mut column)? {

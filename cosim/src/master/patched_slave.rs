@@ -223,18 +223,18 @@ impl Slave for PatchedSlave {
     }
 
     fn slopes(&mut self, slopes: &mut [f64]) -> Result<bool> {
-        let told = self.inner.slopes(slopes)?;
+        let known = self.inner.slopes(slopes)?;
         Self::slope(&mut self.patches.borrow_mut(), Way::Output, &self.outputs, slopes);
-        Ok(told)
+        Ok(known)
     }
 
     fn tangent(&mut self, seed: &[f64], outputs: &mut [f64]) -> Result<bool> {
         self.slopes.clear();
         self.slopes.extend_from_slice(seed);
         Self::slope(&mut self.patches.borrow_mut(), Way::Input, &self.inputs, &mut self.slopes);
-        let told = self.inner.tangent(&self.slopes, outputs)?;
+        let known = self.inner.tangent(&self.slopes, outputs)?;
         Self::slope(&mut self.patches.borrow_mut(), Way::Output, &self.outputs, outputs);
-        Ok(told)
+        Ok(known)
     }
 
     fn read(&mut self, values: &mut [f64]) -> Result<()> {

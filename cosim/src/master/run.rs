@@ -227,8 +227,8 @@ impl<'a> Run<'a> {
 
     /// The next instant at which a manipulator acts, after the last one.
     fn action(&self, acted: Option<Time>) -> Option<Time> {
-        let wishes = self.manipulators.iter().filter_map(|manipulator| manipulator.next());
-        wishes.filter(|at| acted.is_none_or(|acted| *at > acted)).min()
+        let requested = self.manipulators.iter().filter_map(|manipulator| manipulator.next());
+        requested.filter(|at| acted.is_none_or(|acted| *at > acted)).min()
     }
 
     /// Makes the steps until `goal`. A component that ends the run does not fail; its step is not

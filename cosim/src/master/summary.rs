@@ -136,17 +136,17 @@ impl System {
             simulated: (end - begin).seconds(),
             stopped,
             components: each()
-                .map(|(component, told)| ComponentSummary {
+                .map(|(component, report)| ComponentSummary {
                     name: component.name.clone(),
-                    steps: told.steps,
-                    rejected: told.rejected,
-                    seconds_per_step: told.seconds_per_step,
-                    share: share(told.seconds()),
+                    steps: report.steps,
+                    rejected: report.rejected,
+                    seconds_per_step: report.seconds_per_step,
+                    share: share(report.seconds()),
                 })
                 .collect(),
             messages: each()
-                .flat_map(|(component, told)| {
-                    told.messages.iter().map(|line| format!("{}: {line}", component.name))
+                .flat_map(|(component, report)| {
+                    report.messages.iter().map(|line| format!("{}: {line}", component.name))
                 })
                 .collect(),
             warnings: report.warnings,
@@ -157,7 +157,7 @@ impl System {
     /// The effort for each loop that was solved by iteration.
     fn solved(&self, efforts: &[Effort]) -> Vec<String> {
         let loops = self.solved_loops().zip(efforts);
-        let told = loops.filter(|(_, effort)| effort.solved > 0).map(|(found, effort)| {
+        let lines = loops.filter(|(_, effort)| effort.solved > 0).map(|(found, effort)| {
             let mean = effort.passes as f64 / effort.solved as f64;
             format!(
                 "loop through {}: {} solutions, {mean:.1} passes each, at most {}, greatest \
@@ -169,6 +169,6 @@ impl System {
                 effort.jacobian()
             )
         });
-        told.collect()
+        lines.collect()
     }
 }

@@ -67,11 +67,11 @@ impl Engine {
             return Ok(());
         }
         let mut slopes = vec![0.0; node.output_slots.len()];
-        let told = self.slaves[c].slopes(&mut slopes)?;
+        let known = self.slaves[c].slopes(&mut slopes)?;
         for &trend in &node.trends {
             let slot = self.plan.trends[trend];
             let (value, last) = (self.values[slot], self.trends[trend]);
-            let slope = if told {
+            let slope = if known {
                 slopes[slot - node.output_slots.start]
             } else if now > self.start {
                 (value - last.value) / (now - last.time).seconds()

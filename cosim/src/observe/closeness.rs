@@ -49,9 +49,10 @@ impl Tolerance {
         self
     }
 
-    fn of(wishes: &[(String, f64)], name: &str) -> f64 {
-        let last = |fits: &dyn Fn(&str) -> bool| wishes.iter().rev().find(|(w, _)| fits(w));
-        let found = last(&|wish| wish == name).or_else(|| last(&|wish| names::matches(wish, name)));
+    fn of(requests: &[(String, f64)], name: &str) -> f64 {
+        let last = |fits: &dyn Fn(&str) -> bool| requests.iter().rev().find(|(w, _)| fits(w));
+        let found = last(&|request| request == name)
+            .or_else(|| last(&|request| names::matches(request, name)));
         found.map_or(0.0, |(_, tolerance)| *tolerance)
     }
 }
@@ -290,8 +291,8 @@ mod tests {
         let found = Closeness::of(&a, &b, &Tolerance::new());
         assert_eq!(found.beyond[0].samples, 2);
         assert_eq!((found.beyond[0].first, found.beyond[0].worst.time), (0.0, 1.0));
-        let told = found.largest.unwrap().to_string();
-        assert_eq!(told, "m.x at t = 1: 100.0 and 101.0, 1.000e0 apart, 9.90e-3 of the greater");
+        let text = found.largest.unwrap().to_string();
+        assert_eq!(text, "m.x at t = 1: 100.0 and 101.0, 1.000e0 apart, 9.90e-3 of the greater");
         assert!(!Closeness::of(&a, &recording(&[5.0], &[0.0]), &Tolerance::new()).is_close());
     }
 

@@ -195,9 +195,9 @@ mod tests {
         let Some(Parting::Values { sample: 1, time: 1.0, variables }) = found.parting else {
             panic!("{found:?}")
         };
-        let told: Vec<String> = variables.iter().map(Differing::to_string).collect();
-        assert_eq!(told[0], "x: 1.0 and 1.0000000000000002, 1 ULP apart");
-        assert_eq!(told[1], "y: -0.0 and 0.0, 1 ULP apart");
+        let lines: Vec<String> = variables.iter().map(Differing::to_string).collect();
+        assert_eq!(lines[0], "x: 1.0 and 1.0000000000000002, 1 ULP apart");
+        assert_eq!(lines[1], "y: -0.0 and 0.0, 1 ULP apart");
     }
 
     #[test]

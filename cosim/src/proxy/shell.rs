@@ -13,10 +13,10 @@ use crate::fmi::{Fmu, archive as packed};
 /// For which platforms an FMU has a library, and its archive with description and documents alone.
 pub(crate) fn of(file: &Path) -> Result<(Vec<String>, Vec<u8>)> {
     let platforms = binaries(&*Fmu::open(file)?)?;
-    let told = packed::unpack_part(file, is_told)?;
+    let public = packed::unpack_part(file, is_public)?;
     let folder = Unpacked::new()?;
     let shell = folder.path().join("shell.fmu");
-    archive::write(&shell, &files(told.path())?)?;
+    archive::write(&shell, &files(public.path())?)?;
     let bytes = fs::read(&shell).map_err(|why| unkept(&shell).why(why))?;
     Ok((platforms.into_iter().map(str::to_owned).collect(), bytes))
 }
@@ -38,6 +38,6 @@ pub(super) fn is_for_people(path: &Path) -> bool {
     path.starts_with("documentation") || path == Path::new("model.png")
 }
 
-fn is_told(path: &Path) -> bool {
+fn is_public(path: &Path) -> bool {
     is_for_people(path) || path == Path::new("modelDescription.xml")
 }

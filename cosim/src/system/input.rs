@@ -32,14 +32,14 @@ impl std::str::FromStr for Input {
 }
 
 /// Decides for each connection; notes the components that hold against the wish.
-pub(super) fn apply(system: &mut System, wishes: &[(String, Input)]) -> Result<()> {
+pub(super) fn apply(system: &mut System, requests: &[(String, Input)]) -> Result<()> {
     let names: Vec<String> = system.connections().iter().map(|c| system.port_name(c.to)).collect();
     let mut problems = Vec::new();
-    for (wish, _) in wishes.iter().filter(|(wish, _)| !wish.is_empty()) {
-        if !names.iter().any(|name| names::matches(wish, name)) {
+    for (request, _) in requests.iter().filter(|(request, _)| !request.is_empty()) {
+        if !names.iter().any(|name| names::matches(request, name)) {
             problems.push(
-                Error::new(Code::UnknownName, format!("'{wish}' is no connected input"))
-                    .maybe_help(names::did_you_mean(wish, names.iter().map(String::as_str))),
+                Error::new(Code::UnknownName, format!("'{request}' is no connected input"))
+                    .maybe_help(names::did_you_mean(request, names.iter().map(String::as_str))),
             );
         }
     }
@@ -47,8 +47,8 @@ pub(super) fn apply(system: &mut System, wishes: &[(String, Input)]) -> Result<(
     let mut unable: Vec<&str> = Vec::new();
     let mut linear = Vec::with_capacity(names.len());
     for (connection, name) in system.connections().iter().zip(&names) {
-        let fits = |wish: &str| wish.is_empty() || names::matches(wish, name);
-        let wanted = wishes.iter().rev().find(|(wish, _)| fits(wish));
+        let fits = |request: &str| request.is_empty() || names::matches(request, name);
+        let wanted = requests.iter().rev().find(|(request, _)| fits(request));
         let wanted = wanted.is_some_and(|(_, input)| *input == Input::Linear);
         let receiver = &system.components()[connection.to.component];
         // A function follows at once; its own outputs may move.

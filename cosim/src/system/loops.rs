@@ -11,19 +11,19 @@ use crate::error::{Code, Error, Result};
 use crate::fmi::{Kind, Variability};
 
 /// Adds the loops to the system's notes or warnings; an error if they cannot be solved.
-pub(super) fn tell(system: &mut System) -> Result<()> {
+pub(super) fn report(system: &mut System) -> Result<()> {
     let mut problems = Vec::new();
     for position in 0..system.order.loops.len() {
         let found = &system.order.loops[position];
         if sampled(system, found) {
-            system.sampled.push(told(system, found));
+            system.sampled.push(describe(system, found));
         } else if system.algorithm == Algorithm::Iterative {
             problems.extend(unable(system, found));
             let members = system.members(found);
             system.notes.push(format!("algebraic loop through {members}: solved at each step"));
             system.order.loops[position].solved = true;
         } else {
-            system.warnings.push(told(system, found));
+            system.warnings.push(describe(system, found));
         }
     }
     Error::all(problems)
@@ -67,7 +67,7 @@ fn discrete(system: &System, port: Port) -> bool {
 }
 
 /// A loop in words; connections between the same two components are told once.
-fn told(system: &System, found: &Loop) -> String {
+fn describe(system: &System, found: &Loop) -> String {
     let name = |component: usize| system.components[component].name.as_str();
     let mut pairs: Vec<(usize, usize, String, usize)> = Vec::new();
     for connection in found.held.iter().map(|&c| &system.connections[c]) {

@@ -214,9 +214,9 @@ impl Overrides {
 }
 
 /// What is wanted of a component: by its name, else by a pattern, else of all. Later ones win.
-fn of<T: Copy>(wishes: &[(String, T)], component: &str) -> Option<T> {
+fn of<T: Copy>(requests: &[(String, T)], component: &str) -> Option<T> {
     let last = |fits: &dyn Fn(&str) -> bool| {
-        wishes.iter().rev().find(|(name, _)| fits(name)).map(|(_, wanted)| *wanted)
+        requests.iter().rev().find(|(name, _)| fits(name)).map(|(_, wanted)| *wanted)
     };
     last(&|name| name == component)
         .or_else(|| last(&|name| names::is_pattern(name) && names::matches(name, component)))
@@ -224,6 +224,6 @@ fn of<T: Copy>(wishes: &[(String, T)], component: &str) -> Option<T> {
 }
 
 /// Whether a wish is for one of these components.
-pub(super) fn is_for(wish: &str, component: &str) -> bool {
-    wish.is_empty() || wish == component || names::matches(wish, component)
+pub(super) fn is_for(request: &str, component: &str) -> bool {
+    request.is_empty() || request == component || names::matches(request, component)
 }

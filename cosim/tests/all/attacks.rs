@@ -138,11 +138,11 @@ fn one_component(fmu: &str) -> String {
 
 fn came(output: &Output) -> (Option<Came>, String) {
     let shown = String::from_utf8_lossy(&output.stderr).into_owned();
-    let told: Vec<&str> =
+    let reported: Vec<&str> =
         shown.lines().filter_map(|line| Some(line.split_once("attack: ")?.1)).collect();
     let came = if shown.contains("it was set back") {
         Some(SetBack)
-    } else if told.iter().any(|told| *told != "done") {
+    } else if reported.iter().any(|reported| *reported != "done") {
         Some(Refused)
     } else if !output.status.success() {
         Some(Ended)
@@ -232,7 +232,7 @@ fn table() -> String {
             Done => "succeeds",
             Refused => "is refused",
             Ended => "ends the run with an error",
-            SetBack => "is set back and told",
+            SetBack => "is set back and reported",
         });
         lines.push(format!("| {name} | {} |", came.join(" | ")));
     }
@@ -281,8 +281,8 @@ fn a_neighbour_computes_the_same() {
         for more in [&[][..], &["--workers", "2"]] {
             let (found, shown) = run(&fmu, more);
             assert!(found == wanted, "{attack} {more:?}: {shown}");
-            let told = "changed the floating-point environment";
-            let line = shown.lines().find(|line| line.contains(told));
+            let reported = "changed the floating-point environment";
+            let line = shown.lines().find(|line| line.contains(reported));
             assert!(line.is_some_and(|line| line.contains("first")), "{attack} {more:?}: {shown}");
         }
     }

@@ -146,8 +146,9 @@ fn an_fmu_that_crashes_or_hangs_costs_its_runs_and_no_other() {
     ] {
         let own: Vec<&String> = rows.iter().filter(|row| row.contains(cell)).collect();
         assert_eq!(own.len(), 4, "{rows:#?}");
-        let told = |row: &&&String| row.contains(&format!(",{status},")) && row.contains(reason);
-        assert_eq!(own.iter().filter(told).count(), 4, "{own:#?}");
+        let reported =
+            |row: &&&String| row.contains(&format!(",{status},")) && row.contains(reason);
+        assert_eq!(own.iter().filter(reported).count(), 4, "{own:#?}");
     }
 }
 
@@ -219,11 +220,11 @@ fn figures_of_results_that_exist_are_those_of_the_campaign() {
     }
     let score = ["score", "--figures", "c.toml", "r.csv", "r.parquet", "r.mcap"];
     let output = cosim(folder, &[&score[..], &["--format", "json"]].concat()).output().unwrap();
-    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let reported: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let row = &rows(folder, "c_campaign/runs.csv")[4];
     let wanted: Vec<f64> = row.split(',').skip(7).take(2).map(|v| v.parse().unwrap()).collect();
     for file in 0..3 {
-        let figures = &told[file]["figures"];
+        let figures = &reported[file]["figures"];
         assert_eq!([&figures["grown"], &figures["last"]], [&wanted[0], &wanted[1]].map(|v| v));
     }
     let (code, stderr) = outcome(folder, &["replay", "c_campaign", "3", "-o", "r.parq"]);

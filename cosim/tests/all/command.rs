@@ -337,17 +337,17 @@ fn results_are_compared_within_tolerances() {
         (output.status.code().unwrap(), text(&output.stdout) + &text(&output.stderr))
     };
     let largest = "largest difference: m.y at t = 1: 5.0 and 5.5";
-    let (code, told) = verify(&[]);
-    assert!(code == 1 && told.contains(largest), "{told}");
-    let (code, told) = verify(&["--abs", "0.01", "--abs", "m.y=1"]);
-    assert!(code == 0 && told.contains("near enough: 2 samples of 2 variables"), "{told}");
+    let (code, reported) = verify(&[]);
+    assert!(code == 1 && reported.contains(largest), "{reported}");
+    let (code, reported) = verify(&["--abs", "0.01", "--abs", "m.y=1"]);
+    assert!(code == 0 && reported.contains("near enough: 2 samples of 2 variables"), "{reported}");
     assert!(
-        told.contains(largest) && told.contains("1 samples of a.csv have no partner"),
-        "{told}"
+        reported.contains(largest) && reported.contains("1 samples of a.csv have no partner"),
+        "{reported}"
     );
-    let (code, told) = verify(&["--rel", "0.05"]);
-    assert!(code == 1 && told.contains("1 of 2 variables are too far apart"), "{told}");
-    assert!(told.contains("at 1 of 2 samples, first at t = 1: m.y"), "{told}");
+    let (code, reported) = verify(&["--rel", "0.05"]);
+    assert!(code == 1 && reported.contains("1 of 2 variables are too far apart"), "{reported}");
+    assert!(reported.contains("at 1 of 2 samples, first at t = 1: m.y"), "{reported}");
 }
 
 #[test]
@@ -359,14 +359,17 @@ fn a_run_ends_when_its_condition_holds() {
         let output = cosim(folder.path(), &arguments);
         (output.status.code().unwrap(), text(&output.stderr))
     };
-    let (code, told) = run("y >= 0.45");
-    assert!(code == 0 && told.contains("ended by --stop-when: y >= 0.45 at t = 0.5"), "{told}");
+    let (code, reported) = run("y >= 0.45");
+    assert!(
+        code == 0 && reported.contains("ended by --stop-when: y >= 0.45 at t = 0.5"),
+        "{reported}"
+    );
     let results = std::fs::read_to_string(folder.path().join("out.csv")).unwrap();
     assert!(results.lines().last().unwrap().starts_with("0.5,"), "{results}");
-    let (code, told) = run("z = 1");
-    assert!(code == 3 && told.contains("'z' is not recorded"), "{told}");
-    let (code, told) = run("y");
-    assert!(code == 2 && told.contains("has no comparison"), "{told}");
+    let (code, reported) = run("z = 1");
+    assert!(code == 3 && reported.contains("'z' is not recorded"), "{reported}");
+    let (code, reported) = run("y");
+    assert!(code == 2 && reported.contains("has no comparison"), "{reported}");
 }
 
 #[test]
@@ -401,9 +404,9 @@ fn notes_on_sampled_loops_are_told_where_loops_are_looked_at() {
     let ssd = Ssd::new().add("a", Model::Gain).add("b", Model::Gain);
     let ssd = ssd.connect("b.y", "a.u").connect("a.y", "b.u");
     let (file, replace) = (ssd.write(), format!("b={}", sampled.display()));
-    let told = |command: &str| {
+    let reported = |command: &str| {
         text(&cosim(folder.path(), &[command, path(&file), "--replace", &replace]).stderr)
     };
-    assert!(told("inspect").contains("sampled loop through a, b"));
-    assert!(!told("run").contains("sampled loop"));
+    assert!(reported("inspect").contains("sampled loop through a, b"));
+    assert!(!reported("run").contains("sampled loop"));
 }

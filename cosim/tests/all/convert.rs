@@ -152,23 +152,23 @@ fn the_verb_converts_with_changes_and_says_what_a_format_cannot() {
     let file = ssd.write();
     let from = file.to_str().unwrap();
     let changes = ["--start-value", "g.k=3", "--stop-time", "0.5", "--algorithm", "jacobi"];
-    let (code, told) = cosim(&[&["convert", from, "x.ssp"], &changes[..]].concat(), &folder);
-    assert_eq!(code, 0, "{told}");
+    let (code, reported) = cosim(&[&["convert", from, "x.ssp"], &changes[..]].concat(), &folder);
+    assert_eq!(code, 0, "{reported}");
     let overrides =
         Overrides::new().start_value("g.k", 3).stop_time(0.5).algorithm(Algorithm::Jacobi);
     let package = System::load(folder.path("x.ssp"), &Overrides::new()).unwrap();
     assert_eq!(run(&package), run(&ssd.load(&overrides).unwrap()));
-    let (code, told) = cosim(&["convert", from, "folder"], &folder);
-    assert_eq!(code, 0, "{told}");
-    assert_parts(&told, &["note: OSP has no gauss-seidel", "written: folder"]);
+    let (code, reported) = cosim(&["convert", from, "folder"], &folder);
+    assert_eq!(code, 0, "{reported}");
+    assert_parts(&reported, &["note: OSP has no gauss-seidel", "written: folder"]);
     assert!(folder.path("folder/GAIN.fmu").is_file());
     // Written over itself, the FMUs stay.
-    let (code, told) = cosim(&["convert", "folder", "folder"], &folder);
-    assert_eq!(code, 0, "{told}");
+    let (code, reported) = cosim(&["convert", "folder", "folder"], &folder);
+    assert_eq!(code, 0, "{reported}");
     assert!(System::load(folder.path("folder"), &Overrides::new()).is_ok());
-    let (code, told) = cosim(&["convert", from, "x.fmu"], &folder);
-    assert_eq!(code, 2, "{told}");
-    assert_parts(&told, &["no format ends with .fmu"]);
+    let (code, reported) = cosim(&["convert", from, "x.fmu"], &folder);
+    assert_eq!(code, 2, "{reported}");
+    assert_parts(&reported, &["no format ends with .fmu"]);
 }
 
 #[test]

@@ -36,9 +36,9 @@ fn with_derivatives(folder: &Folder) -> PathBuf {
 fn assert_newton_is_exact(system: &System, slope: f64, offset: f64) {
     let mut recording = Recording::new();
     let summary = system.run(&mut [&mut recording]).unwrap();
-    let told = &summary.notes[0];
-    assert!(told.contains("Jacobians by directional derivatives"), "{told}");
-    assert!(!told.contains("by differences") && told.contains("at most 2,"), "{told}");
+    let reported = &summary.notes[0];
+    assert!(reported.contains("Jacobians by directional derivatives"), "{reported}");
+    assert!(!reported.contains("by differences") && reported.contains("at most 2,"), "{reported}");
     let exact: Vec<f64> = recording.time().iter().map(|t| slope * t + offset).collect();
     assert_near(recording.column("a.y").unwrap(), &exact);
 }

@@ -123,8 +123,8 @@ fn what_cannot_be_injected_is_told_and_changes_nothing() {
         "is unknown",
     ];
     assert_eq!(person.refused.len(), parts.len());
-    for (part, told) in parts.iter().zip(&person.refused) {
-        assert!(told.contains(part), "{part}: {told}");
+    for (part, reported) in parts.iter().zip(&person.refused) {
+        assert!(reported.contains(part), "{part}: {reported}");
     }
     assert_eq!(person.injected.text(), None);
     assert_eq!(left, run(&system, &mut Person::new(&[])));

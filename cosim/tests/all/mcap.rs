@@ -110,17 +110,17 @@ fn the_same_without_chunks_or_a_summary() {
 fn what_is_of_other_tools_is_told() {
     let folder = TempDir::new().unwrap();
     let file = folder.path().join("other.mcap");
-    let told = |parts: &[&str]| {
+    let reported = |parts: &[&str]| {
         let error = Recording::read(&file).unwrap_err().to_string();
         assert!(parts.iter().all(|part| error.contains(part)), "{parts:?} in {error}");
     };
     let plain = || WriteOptions::new().compression(None);
     of_another_tool(plain(), &file, None);
-    told(&["other.mcap", "/other", "not written by cosim", "cosim.columns"]);
+    reported(&["other.mcap", "/other", "not written by cosim", "cosim.columns"]);
     of_another_tool(plain(), &file, Some("0 float32 other.x\n"));
-    told(&["/other", "lists no columns"]);
+    reported(&["/other", "lists no columns"]);
     of_another_tool(plain(), &file, Some("0 float64 other.x\n1 float64 other.y\n"));
-    told(&["too short"]);
+    reported(&["too short"]);
     // As other tools compress it: behind the times, size and checksum of the chunk.
     for compression in ["zstd", "lz4"] {
         let (_, whole) = results(&folder);
@@ -133,6 +133,6 @@ fn what_is_of_other_tools_is_told() {
         compressed.extend(compression.bytes());
         compressed.extend(&after[4..]);
         std::fs::write(&file, compressed).unwrap();
-        told(&["other.mcap", compression, "mcap decompress"]);
+        reported(&["other.mcap", compression, "mcap decompress"]);
     }
 }

@@ -113,7 +113,7 @@ fn an_fmu_that_ends_the_run_does_not_fail() {
     // By a discarded step, and by completedIntegratorStep.
     let picky = ending(Picky, &[("second", 0.25), ("m", 2.0)]);
     let saw = ending(Sawtooth, &[("m", 2.0)]);
-    for (ssd, end, told, why) in
+    for (ssd, end, reported, why) in
         [(&picky, 0.2, "t = 0.25 s", "fmi2Terminated"), (&saw, 2.0, "t = 2", "terminateSimulation")]
     {
         for overrides in [Overrides::new(), Overrides::new().retries(3)] {
@@ -126,7 +126,7 @@ fn an_fmu_that_ends_the_run_does_not_fail() {
             assert_eq!(time.last(), Some(&summary.simulated));
             assert_near(recording.column("clock.y").unwrap(), time);
             let warning = &summary.warnings[0];
-            assert!(warning.contains(&format!("'x' ended the run at {told}")), "{warning}");
+            assert!(warning.contains(&format!("'x' ended the run at {reported}")), "{warning}");
             assert!(warning.contains(why), "{warning}");
         }
     }
@@ -134,9 +134,9 @@ fn an_fmu_that_ends_the_run_does_not_fail() {
         .args(["run", picky.write().to_str().unwrap(), "-o-"])
         .output()
         .unwrap();
-    let (out, told) = (String::from_utf8(output.stdout), String::from_utf8(output.stderr));
+    let (out, reported) = (String::from_utf8(output.stdout), String::from_utf8(output.stderr));
     assert_eq!((output.status.code(), out.unwrap().lines().count()), (Some(0), 4));
-    assert!(told.as_ref().is_ok_and(|t| t.contains("'x' ended the run")), "{told:?}");
+    assert!(reported.as_ref().is_ok_and(|t| t.contains("'x' ended the run")), "{reported:?}");
 }
 
 #[test]
@@ -157,9 +157,9 @@ fn slopes_come_from_differences_where_a_source_tells_none() {
         let overrides = overrides.step("a", 0.01).step("b", 0.01).output_interval(0.1);
         error(&run(&masses().load(&overrides.input("", Input::Linear)).unwrap()))
     };
-    let told = error(Overrides::new());
+    let reported = error(Overrides::new());
     let guessed = error(Overrides::new().replace("a", &silent).replace("b", &silent));
-    assert!(told < guessed && guessed < 1e-2, "{told} {guessed}");
+    assert!(reported < guessed && guessed < 1e-2, "{reported} {guessed}");
 }
 
 #[test]
@@ -217,15 +217,15 @@ fn directional_derivatives_save_passes_where_they_are_provided() {
         }
         (summary.steps, summary.notes[0].clone())
     };
-    let (by_differences, told) = passes(base.clone());
-    assert!(told.contains("by differences") && told.contains("residual"), "{told}");
+    let (by_differences, reported) = passes(base.clone());
+    assert!(reported.contains("by differences") && reported.contains("residual"), "{reported}");
     let both = base.clone().replace("x", &cubic).replace("z", &affine);
-    let (by_derivatives, told) = passes(both);
-    assert!(told.contains("Jacobians by directional derivatives"), "{told}");
+    let (by_derivatives, reported) = passes(both);
+    assert!(reported.contains("Jacobians by directional derivatives"), "{reported}");
     assert!(by_derivatives * 3 < by_differences * 2, "{by_derivatives} {by_differences}");
     // One that provides none: differences for the whole loop.
-    let (_, told) = passes(base.replace("x", &cubic));
-    assert!(told.contains("by differences"), "{told}");
+    let (_, reported) = passes(base.replace("x", &cubic));
+    assert!(reported.contains("by differences"), "{reported}");
 }
 
 #[test]

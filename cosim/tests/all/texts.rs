@@ -75,8 +75,8 @@ fn files_hold_strings_and_their_digest_is_one() {
     std::fs::write(folder.path("y.csv"), written.replace("begin", "start")).unwrap();
     let output = cosim(folder.0.path(), &["verify", "x.csv", "y.csv"]);
     assert_eq!(output.status.code(), Some(1));
-    let told = text(&output.stdout);
-    assert!(told.contains("b.said: \"begin\" and \"start\""), "{told}");
+    let reported = text(&output.stdout);
+    assert!(reported.contains("b.said: \"begin\" and \"start\""), "{reported}");
     assert!(cosim(folder.0.path(), &["verify", "x.csv", "x.mcap"]).status.success());
     assert!(cosim(folder.0.path(), &["report", "x.csv"]).status.success());
 }
@@ -119,6 +119,6 @@ fn strings_are_not_distributed() {
     let folder = Folder::new();
     talk(&folder);
     let output = cosim(folder.0.path(), &["run", "talk.ssd", "-q", "--workers", "2"]);
-    let told = text(&output.stderr);
-    assert!(output.status.code() == Some(2) && told.contains("[E503] Strings"), "{told}");
+    let reported = text(&output.stderr);
+    assert!(output.status.code() == Some(2) && reported.contains("[E503] Strings"), "{reported}");
 }

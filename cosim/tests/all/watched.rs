@@ -86,7 +86,7 @@ fn stalled(endpoint: &str, quick: bool) -> Running {
 }
 
 /// A run that tells everything at an endpoint, and in its folder the results of the same one here.
-fn told() -> (TempDir, String, Running) {
+fn reported() -> (TempDir, String, Running) {
     let folder = TempDir::new().unwrap();
     let at = folder.path();
     std::fs::write(at.join("wide.ssd"), wide(1000.0).text()).unwrap();
@@ -101,7 +101,7 @@ fn told() -> (TempDir, String, Running) {
 
 #[test]
 fn a_stopped_observer_delays_no_step() {
-    let (folder, endpoint, mut run) = told();
+    let (folder, endpoint, mut run) = reported();
     let at = folder.path();
     let good = observer(&endpoint);
     let status_told = good.declare_subscriber("cosim/1/*/status").wait().unwrap();
@@ -140,7 +140,7 @@ fn a_stopped_observer_delays_no_step() {
 #[test]
 fn an_observer_that_blocks_its_line_holds_up_neither_steps_nor_the_end() {
     let begun = Instant::now();
-    let (folder, endpoint, mut run) = told();
+    let (folder, endpoint, mut run) = reported();
     let at = folder.path();
     let stopped = stalled(&endpoint, true);
     assert_eq!(run.0.wait().unwrap().code(), Some(0));

@@ -11,7 +11,7 @@ use super::*;
 /// is read is ten times its value reference, and more by one for each step made.
 fn remote() -> (Remote, Receiver<Vec<Ask>>) {
     let (ours, mut theirs) = UnixStream::pair().unwrap();
-    let (told, asked) = channel();
+    let (sender, asked) = channel();
     std::thread::spawn(move || {
         let mut steps = 0.0;
         while let Ok(Request::Calls(asks)) = read(&mut theirs) {
@@ -28,7 +28,7 @@ fn remote() -> (Remote, Receiver<Vec<Ask>>) {
             };
             let given = asks.iter().map(give).collect();
             let outcome = Outcome { given, trouble: None };
-            told.send(asks).unwrap();
+            sender.send(asks).unwrap();
             write(&mut theirs, &Reply::Done(outcome, Vec::new(), Vec::new())).unwrap();
         }
     });

@@ -162,7 +162,7 @@ impl<'a> Source<'a> {
         let values: Vec<f64> = good.map(|row| row.figure(figure)).collect();
         let mut finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
         finite.sort_by(f64::total_cmp);
-        let told = &self.judgement.figures[cell * self.campaign.summarized().len() + figure];
+        let judged = &self.judgement.figures[cell * self.campaign.summarized().len() + figure];
         let parts = if finite.is_empty() { 0 } else { 41 };
         let quantiles = (0..parts).map(|part| quantile_of_sorted(&finite, f64::from(part) / 40.0));
         let consistency = self.freedom[figure].filter(|_| !finite.is_empty()).map(|freedom| {
@@ -175,8 +175,8 @@ impl<'a> Source<'a> {
             runs: values.len(),
             infinite: values.len() - finite.len(),
             mean: mean(&finite),
-            median: told.median,
-            percentile_95: told.percentile_95,
+            median: judged.median,
+            percentile_95: judged.percentile_95,
             quantiles: Numbers::values(quantiles),
             consistency,
         }

@@ -34,7 +34,7 @@ const RUN: usize = 16_000;
 
 /// The campaign as the page has it.
 #[derive(Serialize)]
-struct Told<'a> {
+struct CampaignData<'a> {
     folder: String,
     /// The folder as a shell reads it.
     folder_quoted: String,
@@ -91,14 +91,14 @@ pub fn report(
     let mut runs = BTreeMap::new();
     if options.runs_per_cell > 0 && !contents.rows.is_empty() {
         let plan = shown::plan(&source, &cells, &main, options.runs_per_cell);
-        let room = ALL.saturating_sub(used);
-        let most = room / RUN;
+        let space = ALL.saturating_sub(used);
+        let most = space / RUN;
         if plan.len() > most {
             let left = plan.len() - most;
             notes.push(format!("{left} runs have no room on this page: replay them one by one"));
         }
         let made = shown::Shown { bench, campaign: &campaign, rows: &source.rows };
-        runs = made.make(&plan[..plan.len().min(most)], room, &mut cells, more);
+        runs = made.make(&plan[..plan.len().min(most)], space, &mut cells, more);
     }
     missing(&campaign, &judgement, &mut notes);
     let document = Document {
@@ -108,7 +108,9 @@ pub fn report(
         method: method(&campaign),
         provenance: provenance(&campaign, &contents),
         identity: identity(&contents),
-        campaign: Some(told(&campaign, folder, &judgement, &units, &main, sampling, cells)),
+        campaign: Some(campaign_data(
+            &campaign, folder, &judgement, &units, &main, sampling, cells,
+        )),
         runs,
     };
     Ok((document.html()?, notes))
@@ -181,7 +183,7 @@ fn missing(campaign: &Campaign, judgement: &Judgement, notes: &mut Vec<String>) 
     }
 }
 
-fn told<'a>(
+fn campaign_data<'a>(
     campaign: &'a Campaign,
     folder: &Path,
     judgement: &Judgement,
@@ -189,7 +191,7 @@ fn told<'a>(
     main: &Main,
     sampling: Sampling,
     cells: Vec<Cell<'a>>,
-) -> Told<'a> {
+) -> CampaignData<'a> {
     let count = |wanted: fn(&Answer) -> bool| {
         judgement.verdicts.iter().filter(|verdict| wanted(&verdict.answer)).count()
     };
@@ -204,7 +206,7 @@ fn told<'a>(
         unit: figure.unit(units),
     };
     let folder = folder.display().to_string();
-    Told {
+    CampaignData {
         folder_quoted: format!("'{}'", folder.replace('\'', "'\\''")),
         folder,
         runs: judgement.runs,

@@ -20,9 +20,9 @@ pub(super) struct Shown<'a> {
 
 /// What makes runs, if everything is as it was.
 pub(super) fn bench(contents: &Contents) -> Result<Bench, String> {
-    let told = |error: Error| error.line();
-    let bench = Bench::open(Campaign::read(&contents.campaign).map_err(told)?).map_err(told)?;
-    let now = bench.identity().map_err(told)?;
+    let line = |error: Error| error.line();
+    let bench = Bench::open(Campaign::read(&contents.campaign).map_err(line)?).map_err(line)?;
+    let now = bench.identity().map_err(line)?;
     let changed = contents.identity.iter().find(|line| !now.contains(line));
     match changed.or_else(|| now.iter().find(|line| !contents.identity.contains(line))) {
         None => Ok(bench),
@@ -99,16 +99,16 @@ impl Shown<'_> {
         if again.digest != before.digest {
             return Err(format!("it is another run now: its digest is {}", again.digest));
         }
-        let told = |error: Error| error.line();
+        let line = |error: Error| error.line();
         let mut choice = Choice::default();
         let count = self.campaign.summarized().len();
         bench.figures(run)[..count].iter().for_each(|figure| figure.choose(&mut choice));
         let shown = ShownAs {
-            units: bench.units(run, &all).map_err(told)?,
+            units: bench.units(run, &all).map_err(line)?,
             choice,
             faults: bench.windows(run, &recording),
             ..ShownAs::default()
         };
-        Trace::within(&recording, shown, most).map_err(told)
+        Trace::within(&recording, shown, most).map_err(line)
     }
 }

@@ -3,8 +3,8 @@
 mod keep;
 mod merge;
 mod pool;
+mod render;
 mod shard;
-mod told;
 mod worker;
 
 use std::path::PathBuf;
@@ -71,7 +71,7 @@ const LOOK: Duration = Duration::from_secs(5);
 impl Campaign {
     pub(crate) fn run(self) -> Result<()> {
         interrupt::listen();
-        problems::told(self.format, self.computed())
+        problems::reported(self.format, self.computed())
     }
 
     fn computed(&self) -> Result<()> {
@@ -105,9 +105,9 @@ impl Campaign {
         let judgement = self.conclude(&bench, &identity, &results)?;
         if let Some(past) = past {
             let changes = campaign::changes(bench.campaign(), results.rows(), &past);
-            results.write("changes.json", told::json(&changes)?)?;
+            results.write("changes.json", render::json(&changes)?)?;
             if self.format == Format::Text && !self.quiet {
-                print(&told::changes(&changes))?;
+                print(&render::changes(&changes))?;
             }
         }
         outcome?;
@@ -159,7 +159,7 @@ impl Campaign {
                 if looked.elapsed() > LOOK {
                     looked = Instant::now();
                     let judgement = Judgement::new(campaign, results.rows());
-                    bar.set_message(format!("{failed} failed; {}", told::counted(&judgement)));
+                    bar.set_message(format!("{failed} failed; {}", render::counted(&judgement)));
                 }
                 Ok(())
             });
@@ -182,13 +182,13 @@ impl Campaign {
         let campaign = bench.campaign();
         let judgement = Judgement::new(campaign, results.rows());
         results.write_table(campaign, identity, self.csv)?;
-        let json = told::json(&judgement)?;
+        let json = render::json(&judgement)?;
         results.write("summary.json", &json)?;
-        results.write("junit.xml", told::junit(&judgement))?;
+        results.write("junit.xml", render::junit(&judgement))?;
         if self.format == Format::Json {
             print(&json)?;
         } else if !self.quiet && self.shard.is_none() {
-            print(&told::text(&judgement))?;
+            print(&render::text(&judgement))?;
         }
         Ok(judgement)
     }
@@ -214,7 +214,7 @@ impl Campaign {
             campaign.cells(),
             campaign.seeds,
             campaign.runs(),
-            told::span(seconds / jobs as f64),
+            render::span(seconds / jobs as f64),
             row.cpu_ms,
             // The log and the table.
             1.6 * octets as f64 / 1e6

@@ -33,7 +33,7 @@ impl Shard {
         let number = |what: &str, text: &str| {
             text.parse::<u64>().map_err(|_| format!("{what} is '{text}', which is no whole number"))
         };
-        let told = |name: &str| environment(name).map(|text| number(name, &text)).transpose();
+        let number_of = |name: &str| environment(name).map(|text| number(name, &text)).transpose();
         let (first, count) = match text.split_once('/') {
             Some((first, count)) => (first, Some(number("the count", count)?)),
             None => (text, None),
@@ -45,13 +45,13 @@ impl Shard {
                 index => Self::new(index - 1, count),
             };
         }
-        if let Some(task) = told("SLURM_ARRAY_TASK_ID")? {
-            let least = told("SLURM_ARRAY_TASK_MIN")?.unwrap_or(0);
-            let count = count.or(told("SLURM_ARRAY_TASK_COUNT")?);
+        if let Some(task) = number_of("SLURM_ARRAY_TASK_ID")? {
+            let least = number_of("SLURM_ARRAY_TASK_MIN")?.unwrap_or(0);
+            let count = count.or(number_of("SLURM_ARRAY_TASK_COUNT")?);
             let count = count.ok_or("SLURM_ARRAY_TASK_COUNT is not set; write auto/8")?;
             return Self::new(task.saturating_sub(least), count);
         }
-        match (told("JOB_COMPLETION_INDEX")?, count) {
+        match (number_of("JOB_COMPLETION_INDEX")?, count) {
             (Some(index), Some(count)) => Self::new(index, count),
             (Some(_), None) => {
                 Err("Kubernetes does not say how many there are; write auto/8".into())
@@ -102,8 +102,8 @@ mod tests {
             ("auto", &[], "SLURM_ARRAY_TASK_ID"),
             ("auto", &[("JOB_COMPLETION_INDEX", "2")], "auto/8"),
         ] {
-            let told = read(text, set).unwrap_err();
-            assert!(told.contains(why), "{text}: {told}");
+            let error = read(text, set).unwrap_err();
+            assert!(error.contains(why), "{text}: {error}");
         }
     }
 

@@ -3,7 +3,7 @@
 use std::io::IsTerminal;
 use std::time::Duration;
 
-use cosim::live::Wish;
+use cosim::live::Request;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::termios::{LocalModes, OptionalActions, Termios, tcgetattr, tcgetpgrp, tcsetattr};
 
@@ -15,7 +15,7 @@ pub(super) struct Keyboard {
 
 /// What a key means.
 pub(super) enum Key {
-    Wish(Wish),
+    Request(Request),
     /// Pause, or go on.
     Turn,
     Quit,
@@ -50,7 +50,7 @@ impl Keyboard {
         Some(match key[0] {
             _ if read != 1 => Key::Quit,
             b'q' => Key::Quit,
-            b's' => Key::Wish(Wish::Step),
+            b's' => Key::Request(Request::Step),
             b' ' => Key::Turn,
             _ => Key::Other,
         })

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use cosim::live::{Playing, Server, Wish};
+use cosim::live::{Playing, Request, Server};
 use cosim::observe::Stop;
 use cosim::pace::{Overruns, Pace};
 use cosim::scenario::Injected;
@@ -47,8 +47,8 @@ impl Watching {
         };
         let playing = Playing { paused: self.paused, speed: speed.or(Some(1.0)) };
         let server = Server::listen(address, playing.clone())?;
-        messages::tell(&format!("the page is at {}", server.page()));
-        messages::tell(&format!("Foxglove and Lichtblick: {}", server.foxglove()));
+        messages::info(&format!("the page is at {}", server.page()));
+        messages::info(&format!("Foxglove and Lichtblick: {}", server.foxglove()));
         if !address.ip().is_loopback() {
             messages::note("whoever reads the address can act on the run: it is not encrypted");
         }
@@ -130,7 +130,7 @@ impl Live {
     fn prompt(&self) {
         if self.keyboard.is_some() {
             let now = self.now;
-            messages::tell(&format!("paused at t = {now}; space: go on, s: step, q: quit"));
+            messages::info(&format!("paused at t = {now}; space: go on, s: step, q: quit"));
         }
     }
 
@@ -140,9 +140,9 @@ impl Live {
         }
     }
 
-    fn tell(&self) {
+    fn update_clients(&self) {
         if let Some(server) = &self.server {
-            server.tell(self.now, &self.playing);
+            server.update(self.now, &self.playing);
         }
     }
 
@@ -154,47 +154,47 @@ impl Live {
             None => (wait, Duration::ZERO),
         };
         let key = self.keyboard.as_ref().and_then(|keyboard| keyboard.key(keys));
-        key.or_else(|| self.server.as_ref()?.wish(page).map(Key::Wish))
+        key.or_else(|| self.server.as_ref()?.request(page).map(Key::Request))
     }
 
     /// Does what is asked for, in a pause until it ends; whether the run is to end.
     fn listen(&mut self, controls: &mut Controls<'_>) -> Result<bool> {
         loop {
-            let wish = match self.key() {
+            let request = match self.key() {
                 Some(Key::Quit) => return Ok(true),
-                Some(Key::Turn) if self.playing.paused => Wish::Play,
-                Some(Key::Turn) => Wish::Pause,
-                Some(Key::Wish(wish)) => wish,
+                Some(Key::Turn) if self.playing.paused => Request::Play,
+                Some(Key::Turn) => Request::Pause,
+                Some(Key::Request(request)) => request,
                 Some(Key::Other) => continue,
                 // Ctrl-C: the observer that waits for it ends the run.
                 None if self.playing.paused && !interrupt::interrupted() => continue,
                 None => return Ok(false),
             };
-            match wish {
-                Wish::Pause if !self.playing.paused => {
+            match request {
+                Request::Pause if !self.playing.paused => {
                     self.playing.paused = true;
-                    self.tell();
+                    self.update_clients();
                     self.note("paused");
                     self.prompt();
                 }
-                Wish::Play if self.playing.paused => {
+                Request::Play if self.playing.paused => {
                     self.playing.paused = false;
-                    self.tell();
+                    self.update_clients();
                     self.note("goes on");
                     return Ok(false);
                 }
-                Wish::Pause | Wish::Play => (),
-                Wish::Step => {
+                Request::Pause | Request::Play => (),
+                Request::Step => {
                     self.playing.paused = true;
-                    self.tell();
+                    self.update_clients();
                     return Ok(false);
                 }
-                Wish::Speed(factor) => {
+                Request::Speed(factor) => {
                     self.playing.speed = factor;
                     self.pace.change(factor, self.now);
-                    self.tell();
+                    self.update_clients();
                 }
-                Wish::Inject(fault) => self.inject(&fault, controls)?,
+                Request::Inject(fault) => self.inject(&fault, controls)?,
             }
         }
     }
@@ -245,7 +245,7 @@ impl Manipulator for Live {
             if self.playing.paused || due {
                 self.looked = Some(begun);
                 if self.playing.paused {
-                    self.tell();
+                    self.update_clients();
                     self.prompt();
                 }
                 if self.listen(controls)? {

@@ -9,7 +9,7 @@ use crate::names;
 use crate::xml::Element;
 
 /// Warnings that are told one by one; more are counted.
-const TOLD: usize = 20;
+const REPORTED: usize = 20;
 
 /// Element (of a parent, `*`: of any), its attributes and its children. FMI 2.0.5, chapters 2.2,
 /// 3.3 and 4.3.
@@ -126,15 +126,15 @@ const KNOWN: &[(&str, &str, &[&str], &[&str])] = &[
 
 /// What is not of FMI 2.0 in the tree under `root`.
 pub(super) fn strangers(root: &Element, file: &Path) -> Vec<String> {
-    let mut found = Found { file, told: Vec::new(), more: 0 };
+    let mut found = Found { file, reported: Vec::new(), more: 0 };
     found.walk("", root);
     let more = (found.more > 0).then(|| format!("and {} more of this kind", found.more));
-    found.told.into_iter().chain(more).collect()
+    found.reported.into_iter().chain(more).collect()
 }
 
 struct Found<'a> {
     file: &'a Path,
-    told: Vec<String>,
+    reported: Vec<String>,
     more: usize,
 }
 
@@ -147,26 +147,26 @@ impl Found<'_> {
             // A prefix: of another namespace, as xsi:schemaLocation.
             if !attribute.name.contains(':') && !attributes.contains(&attribute.name.as_str()) {
                 let what = format!("the attribute '{}' of <{name}>", attribute.name);
-                self.tell(what, element.line, &attribute.name, attributes);
+                self.report(what, element.line, &attribute.name, attributes);
             }
         }
         for child in &element.children {
             if !children.contains(&child.name.as_str()) {
                 let what = format!("the element <{}> in <{name}>", child.name);
-                self.tell(what, child.line, &child.name, children);
+                self.report(what, child.line, &child.name, children);
             }
             self.walk(name, child);
         }
     }
 
-    fn tell(&mut self, what: String, line: usize, name: &str, known: &[&str]) {
-        if self.told.len() >= TOLD {
+    fn report(&mut self, what: String, line: usize, name: &str, known: &[&str]) {
+        if self.reported.len() >= REPORTED {
             self.more += 1;
             return;
         }
         let hint = names::did_you_mean(name, known.iter().copied());
         let hint = hint.map_or(String::new(), |hint| format!(" ({hint})"));
         let place = format!("{}:{line}", self.file.display());
-        self.told.push(format!("{what} is not of FMI 2.0 and is left out{hint}, {place}"));
+        self.reported.push(format!("{what} is not of FMI 2.0 and is left out{hint}, {place}"));
     }
 }

@@ -54,11 +54,11 @@ impl Instance {
             fmu,
         };
         for line in &instance.fmu.binary(kind)?.changed {
-            instance.log.told(line);
+            instance.log.push_line(line);
         }
         instance.instantiate(logging)?;
         if instance.attempt(|instance| instance.choose_categories(logging))?.is_err() {
-            instance.log.told("fmi2SetDebugLogging is refused: the FMU logs what it chooses");
+            instance.log.push_line("fmi2SetDebugLogging is refused: the FMU logs what it chooses");
         }
         Ok(instance)
     }

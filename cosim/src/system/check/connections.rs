@@ -2,8 +2,8 @@
 
 use super::Findings;
 use super::components::{Opened, unknown_component, variable};
+use super::connection_notes::{ConnectionNotes, Dropped};
 use super::conversion::{self, Measured, Way};
-use super::told::{Dropped, Told};
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Causality, Kind, Variable};
 use crate::names;
@@ -16,10 +16,10 @@ pub(super) fn check(
     findings: &mut Findings,
 ) -> Vec<Connection> {
     let mut connections: Vec<(Connection, &RawConnection)> = Vec::new();
-    let mut told = Told::default();
+    let mut notes = ConnectionNotes::default();
     for connection in &raw.connections {
         let checker = Checker { raw, opened, connection };
-        let found = checker.check(&mut findings.warnings, &mut told);
+        let found = checker.check(&mut findings.warnings, &mut notes);
         let Some(found) = findings.note(found).flatten() else {
             continue;
         };
@@ -28,7 +28,7 @@ pub(super) fn check(
             Some((_, first)) => findings.problems.push(checker.two_drivers(&found, first)),
         }
     }
-    told.tell(&mut findings.warnings, &mut findings.notes);
+    notes.report(&mut findings.warnings, &mut findings.notes);
     connections.into_iter().map(|(connection, _)| connection).collect()
 }
 
@@ -51,7 +51,11 @@ type Name = (String, String);
 
 impl<'a> Checker<'a> {
     /// `None`: dropped with a warning, or depends on an FMU that could not be opened.
-    fn check(&self, warnings: &mut Vec<String>, told: &mut Told) -> Result<Option<Connection>> {
+    fn check(
+        &self,
+        warnings: &mut Vec<String>,
+        notes: &mut ConnectionNotes,
+    ) -> Result<Option<Connection>> {
         let (from, to) = self.directed();
         let Some((source, source_model)) = self.component(from, "output")? else {
             return Ok(None);
@@ -61,7 +65,7 @@ impl<'a> Checker<'a> {
         };
         let has_input = sink_model.description().is_some_and(|d| d.position(&to.1).is_some());
         if self.opened[sink].replaced && !has_input {
-            told.dropped.push(Dropped {
+            notes.dropped.push(Dropped {
                 place: self.connection.place.to_string(),
                 from: format!("{}.{}", from.0, from.1),
                 to: to.clone(),
@@ -73,7 +77,7 @@ impl<'a> Checker<'a> {
         self.causality(&start, &from.0, Causality::Output)?;
         self.causality(&end, &to.0, Causality::Input)?;
         self.kinds(&start, &end)?;
-        let conversion = self.convert(&start, &end, warnings, told)?;
+        let conversion = self.convert(&start, &end, warnings, notes)?;
         Ok(Some(Connection { from: start.port, to: end.port, conversion }))
     }
 
@@ -184,7 +188,7 @@ impl<'a> Checker<'a> {
         from: &End<'_>,
         to: &End<'_>,
         warnings: &mut Vec<String>,
-        told: &mut Told,
+        notes: &mut ConnectionNotes,
     ) -> Result<Option<crate::system::Conversion>> {
         let name = |end: &End<'_>| {
             format!("{}.{}", self.opened[end.port.component].name, end.variable.name)
@@ -212,7 +216,7 @@ impl<'a> Checker<'a> {
         let Way { conversion, missing, undefined, converted } = way;
         let function = [from, to].iter().any(|e| matches!(e.model, Model::Function(_)));
         if let (Some(unit), false) = (missing, function) {
-            told.missing.push(format!("{names} ({unit})"));
+            notes.missing.push(format!("{names} ({unit})"));
         }
         if let Some(units) = undefined {
             warnings.push(format!(
@@ -222,7 +226,7 @@ impl<'a> Checker<'a> {
             ));
         }
         if let (Some((a, b)), Some(conversion)) = (converted, &conversion) {
-            told.converted.push(format!("{names} from {a} to {b}, {conversion}"));
+            notes.converted.push(format!("{names} from {a} to {b}, {conversion}"));
         }
         Ok(conversion)
     }

@@ -2,13 +2,13 @@
 
 mod columns;
 mod components;
+mod connection_notes;
 mod connections;
 mod conversion;
 mod lookup;
 mod parameters;
 mod ports;
 mod timing;
-mod told;
 
 use std::sync::Arc;
 
@@ -100,7 +100,7 @@ pub(super) fn check(
         sampled: Vec::new(),
         notes: [findings.notes, span.notes].concat(),
     };
-    loops::tell(&mut system)?;
+    loops::report(&mut system)?;
     input::apply(&mut system, &overrides.inputs)?;
     abilities::check(&system)?;
     Ok(system)

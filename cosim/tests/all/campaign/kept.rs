@@ -45,8 +45,8 @@ fn a_run_that_hangs_when_it_is_made_again_is_given_up() {
     let rows = std::fs::read_to_string(&log).unwrap();
     std::fs::write(&log, rows.replacen("timed-out", "failed", 1)).unwrap();
     let (_, stderr) = run(folder, &[]);
-    let told = "has left no trajectory: it took longer than 1 s";
-    assert_eq!(stderr.matches(told).count(), 1, "{stderr}");
+    let reported = "has left no trajectory: it took longer than 1 s";
+    assert_eq!(stderr.matches(reported).count(), 1, "{stderr}");
 }
 
 #[test]

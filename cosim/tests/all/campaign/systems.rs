@@ -35,7 +35,7 @@ fn scenarios_and_figures_are_the_same_in_a_system_with_other_names() {
     assert_eq!(code, 0, "{stderr}");
     let rows = rows(folder, "c_campaign/runs.csv");
     // Whatever does not name the run, its system and what was recorded.
-    let told = |system: &str| -> Vec<String> {
+    let reported = |system: &str| -> Vec<String> {
         let own = rows.iter().filter(|row| row.contains(&format!(",{system}/")));
         own.map(|row| {
             let cells: Vec<&str> = row.split(',').skip(3).collect();
@@ -43,8 +43,8 @@ fn scenarios_and_figures_are_the_same_in_a_system_with_other_names() {
         })
         .collect()
     };
-    assert_eq!(told("chain").len(), 24);
-    assert_eq!(told("chain"), told("other"));
+    assert_eq!(reported("chain").len(), 24);
+    assert_eq!(reported("chain"), reported("other"));
     let (code, stderr) = outcome(folder, &["replay", "c_campaign", "3"]);
     assert_eq!(code, 0, "{stderr}");
     let recorded = String::from_utf8(results(folder, "run3.csv")).unwrap();

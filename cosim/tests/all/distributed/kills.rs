@@ -30,7 +30,7 @@ fn waiting(folder: &TempDir) -> String {
 #[test]
 fn killed_groups_and_workers_change_no_byte_and_leave_nothing() {
     let file = chain(2000.0);
-    let told = survives(file.write().to_str().unwrap(), "3", |run| {
+    let reported = survives(file.write().to_str().unwrap(), "3", |run| {
         let mut dice = Dice(3);
         for round in 0..12 {
             let groups = groups_below(run, 1);
@@ -41,30 +41,30 @@ fn killed_groups_and_workers_change_no_byte_and_leave_nothing() {
             }
         }
     });
-    assert!(told.contains("went on at worker"), "{told}");
-    assert!(told.contains("was killed by SIGKILL"), "{told}");
+    assert!(reported.contains("went on at worker"), "{reported}");
+    assert!(reported.contains("was killed by SIGKILL"), "{reported}");
 }
 
 #[test]
 fn the_only_worker_is_started_again() {
     let folder = TempDir::new().unwrap();
-    let told = survives(&waiting(&folder), "1", |run| {
+    let reported = survives(&waiting(&folder), "1", |run| {
         assert!(!groups_below(run, 1).is_empty());
         let workers = children(run.id());
         waiting_below(&workers);
         workers.into_iter().for_each(|worker| signal(worker, "-KILL"));
     });
-    assert!(told.contains("went on at worker worker-1"), "{told}");
+    assert!(reported.contains("went on at worker worker-1"), "{reported}");
 }
 
 #[test]
 fn a_stopped_group_is_named_and_replaced() {
     let folder = TempDir::new().unwrap();
-    let told = survives(&waiting(&folder), "2", |run| {
+    let reported = survives(&waiting(&folder), "2", |run| {
         assert!(!groups_below(run, 2).is_empty());
         signal(waiting_below(&children(run.id())), "-STOP");
     });
-    assert!(told.contains("its process is stopped"), "{told}");
+    assert!(reported.contains("its process is stopped"), "{reported}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 mod bits;
 mod inside;
-mod lives;
+mod lifecycles;
 mod refused;
 mod scenario;
 mod shown;

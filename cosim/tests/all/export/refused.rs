@@ -100,8 +100,8 @@ fn every_fmu_inside_must_have_a_binary_for_each_platform() {
     let system = Ssd::new().add("clock", Clock);
     let file = system.write();
     let arm = ["--library", foreign.to_str().unwrap()];
-    let told = ["E105", "'clock' has no binary for aarch64-linux", "foreign.so"];
-    refused(&file, &arm, 3, &told);
+    let reported = ["E105", "'clock' has no binary for aarch64-linux", "foreign.so"];
+    refused(&file, &arm, 3, &reported);
     let both = folder.path().join("both.fmu");
     pack(
         &both,
@@ -177,10 +177,13 @@ fn without_sound_resources_there_is_no_instance_but_one_line() {
         let logging = Logging { mailbox: Some(mailbox.clone()), ..Logging::default() };
         let made = Instance::new(Fmu::open(&fmu).unwrap(), "x", &logging);
         assert!(made.is_err(), "{name}");
-        let told = mailbox.take();
-        assert_eq!(told.len(), 1, "{name}: {told:?}");
-        assert!(told[0].text.starts_with("fmi2Instantiate: "), "{told:?}");
-        assert!(told[0].text.contains(part) && !told[0].text.contains('\n'), "{told:?}");
+        let reported = mailbox.take();
+        assert_eq!(reported.len(), 1, "{name}: {reported:?}");
+        assert!(reported[0].text.starts_with("fmi2Instantiate: "), "{reported:?}");
+        assert!(
+            reported[0].text.contains(part) && !reported[0].text.contains('\n'),
+            "{reported:?}"
+        );
     }
 }
 

@@ -5,7 +5,7 @@ const SHOWN: usize = 3;
 
 /// What is good to know of units, gathered over all connections.
 #[derive(Default)]
-pub(super) struct Told {
+pub(super) struct ConnectionNotes {
     /// Connections with a unit at one end only.
     pub missing: Vec<String>,
     /// Connections whose values are converted, and how.
@@ -22,10 +22,10 @@ pub(super) struct Dropped {
     pub to: (String, String),
 }
 
-impl Told {
-    pub(super) fn tell(self, warnings: &mut Vec<String>, notes: &mut Vec<String>) {
+impl ConnectionNotes {
+    pub(super) fn report(self, warnings: &mut Vec<String>, notes: &mut Vec<String>) {
         for all in self.dropped.chunk_by(|one, next| one.to.0 == next.to.0) {
-            warnings.extend(all.first().map(|first| first.told(all)));
+            warnings.extend(all.first().map(|first| first.text(all)));
         }
         notes.extend(self.converted.into_iter().map(|text| format!("converted: {text}")));
         if self.missing.is_empty() {
@@ -42,7 +42,7 @@ impl Told {
 
 impl Dropped {
     /// This one, with the others of the same component.
-    fn told(&self, all: &[Dropped]) -> String {
+    fn text(&self, all: &[Dropped]) -> String {
         let Dropped { place, from, to: (component, input) } = self;
         let why = format!("the FMU put in place of '{component}' has no such input");
         let others = match all.len() {

@@ -115,12 +115,12 @@ pub(super) fn changes(changes: &[Change]) -> String {
             ]
         })
         .collect();
-    let told = format!("{} of {} figures have changed significantly", rows.len(), changes.len());
+    let summary = format!("{} of {} figures have changed significantly", rows.len(), changes.len());
     if rows.is_empty() {
-        return told;
+        return summary;
     }
     let head = ["cell", "figure", "pairs", "median difference [95 %]", ""];
-    format!("{}\n{told}", table(head, rows.into_iter()))
+    format!("{}\n{summary}", table(head, rows.into_iter()))
 }
 
 /// How many instants lie within their band, per cell and figure.
@@ -174,7 +174,7 @@ pub(super) fn junit(judgement: &Judgement) -> String {
         let (cell, name) =
             (escaped(&verdict.cell), format!("{} {}", verdict.figure, verdict.threshold));
         _ = write!(text, "  <testcase classname=\"{cell}\" name=\"{}\"", escaped(&name));
-        let told = format!(
+        let message = format!(
             "{} of {} runs keep it; it is {}",
             verdict.kept,
             verdict.runs,
@@ -192,7 +192,7 @@ pub(super) fn junit(judgement: &Judgement) -> String {
             text,
             "><{element} message=\"{}\">{}</{element}></testcase>",
             escaped(&word(&verdict.answer)),
-            escaped(&told)
+            escaped(&message)
         );
     }
     text + "</testsuite>\n"
