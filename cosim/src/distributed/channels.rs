@@ -1,12 +1,13 @@
-//! The two lanes on which messages travel between the coordinator and a host.
+//! The two channels on which messages travel between the coordinator and a host.
 //!
-//! Zenoh usually gives a message to a thread that sends it, in pieces if it is large. Its transport
-//! for low latency sends in the thread that has the message, which makes a step shorter by a
-//! quarter; but what is too large for one read ends the connection, and whoever sends to somebody
-//! who does not read waits without end. So a host has two sessions. By the quick one go small
-//! messages only: as a host gets a command when it has answered the one before, all that can be on
-//! the way fits into the buffers of a socket, whether it is read or not. The others go by the bulk
-//! lane. With TLS, or a side that does not offer it, there is no such transport, and both are alike.
+//! Zenoh usually hands a message to a sender thread, which splits it if it is large. Its
+//! low-latency transport sends in the calling thread, which makes a step shorter by a quarter; but
+//! a message that is too large for one read ends the connection, and sending to a peer that does
+//! not read blocks forever. A host therefore has two sessions. The quick channel carries small
+//! messages only: a host gets a command only after it has answered the one before, so everything in
+//! flight fits into the socket buffers, whether it is read or not. All other messages use the bulk
+//! channel. With TLS, or if one side does not offer it, there is no low-latency transport, and both
+//! channels behave alike.
 
 use std::any::Any;
 
@@ -18,10 +19,10 @@ use zenoh::{Session, Wait};
 
 use crate::error::{Code, Error, Result};
 
-/// Octets of the largest message on the quick lane: those of a thousand signals.
+/// Largest message on the quick channel, in octets: the size of a thousand signals.
 const SMALL: usize = 8 * 1024;
 
-/// The sessions that the lanes belong to; on the coordinator's side it is one for both.
+/// The sessions of the channels; the coordinator uses one session for both.
 pub(super) struct Channels<'a> {
     /// For small messages.
     pub quick: &'a Session,
@@ -44,13 +45,13 @@ const QUICK: &str = "/quick";
 const BULK: &str = "/bulk";
 
 impl Channels<'_> {
-    /// Each lane with its session and its key below `key`.
+    /// Each channel with its session and its key below `key`.
     fn each(&self, key: &str) -> [(&Session, String); 2] {
         [(self.quick, format!("{key}{QUICK}")), (self.bulk, format!("{key}{BULK}"))]
     }
 
-    /// A token on each lane, the quick one last: whoever sees that one can speak to us by both, as
-    /// the other side has heard of what was declared before.
+    /// Declares a token on each channel, the quick one last: a peer that sees that one can reach us
+    /// on both, because it has seen everything that was declared before.
     pub(super) fn live(&self, key: &str) -> Result<[LivelinessToken; 2]> {
         let [quick, bulk] = self.each(key);
         let token = |(session, key): (&Session, String)| {
@@ -72,7 +73,7 @@ impl Channels<'_> {
         Ok(Sender { quick: quick?, bulk: bulk? })
     }
 
-    /// Hears what comes under `key`, as long as what this gives is kept.
+    /// Calls `hear` for every message under `key` until the returned value is dropped.
     pub(super) fn hear(
         &self,
         key: &str,
@@ -98,7 +99,7 @@ impl Sender {
         publisher.put(message).wait().map_err(refused)
     }
 
-    /// Whether somebody hears both lanes.
+    /// Whether a peer subscribes to both channels.
     pub(super) fn is_heard(&self) -> Result<bool> {
         let heard = |publisher: &Publisher<'_>| {
             publisher.matching_status().wait().map(|status| status.matching()).map_err(refused)
@@ -121,7 +122,7 @@ mod tests {
 
     const LONG: Duration = Duration::from_secs(30);
 
-    /// Here to there and back, whatever somebody's configuration says of how much is sent at once.
+    /// A message in each direction, whatever batch size the user's configuration sets.
     #[test]
     fn messages_of_every_size_arrive_on_both_sides() {
         let folder = tempfile::TempDir::new().unwrap();

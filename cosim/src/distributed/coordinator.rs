@@ -1,9 +1,9 @@
-//! Drives groups of components elsewhere as one system.
+//! Drives groups of components in other processes as one system.
 //!
-//! The order of all that is computed is that of the engine in one process (`layout` says why), so
-//! the results are the same to the last bit. Every command is kept until a state that contains
-//! its effect was saved; a group that is lost begins a new life from that state and is told the
-//! same commands again, and each answer must be the same as the first time.
+//! Everything is computed in the same order as by the engine in one process (`layout` says why), so
+//! the results are identical to the last bit. Every command is kept until a state that contains its
+//! effect has been saved. A lost group is restarted as a new incarnation from that state, the same
+//! commands are sent again, and each answer must be the same as the first time.
 
 use super::dispatcher::Dispatcher;
 use super::fabric::Fabric;
@@ -17,12 +17,12 @@ use crate::master::{Change, Drive, EngineState, Plan, Report, Saved, Tally, UNSE
 use crate::system::{Model, System};
 use crate::time::Time;
 
-/// A system whose groups are elsewhere.
+/// A system whose groups run in other processes.
 pub(crate) struct Coordinator<'a> {
     pub(super) plan: Plan,
     pub(super) layout: Layout,
     dispatcher: Dispatcher<'a>,
-    /// Which groups can give their state.
+    /// Which groups can save their state.
     can_save: Vec<bool>,
     warnings: Vec<String>,
     values: Vec<f64>,
@@ -32,7 +32,7 @@ pub(crate) struct Coordinator<'a> {
 }
 
 impl<'a> Coordinator<'a> {
-    /// For groups as `layout` says, each of which is made from its set-up.
+    /// Creates a coordinator for the groups of `layout`, each with its set-up.
     pub(crate) fn new(
         system: &System,
         plan: Plan,
@@ -63,12 +63,12 @@ impl<'a> Coordinator<'a> {
         })
     }
 
-    /// Has something odd to tell at the end.
+    /// Adds warnings to the report at the end.
     pub(crate) fn warn(&mut self, warnings: Vec<String>) {
         self.warnings.extend(warnings);
     }
 
-    /// Gives up what still lives.
+    /// Stops all groups that still run.
     pub(crate) fn end(&mut self) {
         self.dispatcher.end();
     }
@@ -77,7 +77,7 @@ impl<'a> Coordinator<'a> {
         0..self.dispatcher.groups.len()
     }
 
-    /// Begins a command to a group, with the values that it waits for.
+    /// Begins a command to a group, with the held values that it is waiting for.
     fn command(&mut self, group: usize, kind: Kind, flags: u8) -> Vec<u8> {
         let handle = &mut self.dispatcher.groups[group];
         let opening = handle.opening.take();
@@ -89,7 +89,7 @@ impl<'a> Coordinator<'a> {
         message
     }
 
-    /// Tells all groups the same and reads all their outputs.
+    /// Sends all groups the same command and reads all their outputs.
     fn send_all(&mut self, kind: Kind) -> Result<()> {
         for group in self.groups() {
             let message = self.command(group, kind, 0);
@@ -120,7 +120,7 @@ impl<'a> Coordinator<'a> {
         Ok(())
     }
 
-    /// As in an ordinary run (`Engine::settle`), one stretch after the other.
+    /// As in an ordinary run (`Engine::settle`), one stretch after another.
     fn settle(&mut self) -> Result<()> {
         let mut before = vec![0; self.values.len()];
         for _ in 0..passes(&self.plan) {
@@ -138,7 +138,7 @@ impl<'a> Coordinator<'a> {
         Ok(())
     }
 
-    /// Keeps for some groups the values that they hold from now on.
+    /// Stores the values that these groups hold from now on.
     fn keep_held(&mut self, groups: impl IntoIterator<Item = usize>) {
         for group in groups {
             let held = &self.layout.groups[group].held;
@@ -208,7 +208,7 @@ impl<'a> Coordinator<'a> {
         read(body, self.plan.recorded(own), &mut self.values)
     }
 
-    /// Lets every group that can give its state do so, and forgets the commands before it.
+    /// Saves the state of every group that can, and drops the commands before it.
     fn save_groups(&mut self) -> Result<()> {
         let able: Vec<usize> = self.groups().filter(|&group| self.can_save[group]).collect();
         for (group, state) in self.states(&able)? {
@@ -217,7 +217,7 @@ impl<'a> Coordinator<'a> {
         Ok(())
     }
 
-    /// From now on new lives of a group begin from this state.
+    /// From now on, new incarnations of a group start from this state.
     fn rebase(&mut self, group: usize, state: (EngineState, Tally)) -> Result<()> {
         let setup = &self.dispatcher.groups[group].setup;
         let body = super::setup::with_state(setup, self.dispatcher.now, state)?;
@@ -375,7 +375,7 @@ impl Drive for Coordinator<'_> {
     }
 }
 
-/// Whether all of these components can give their state as bytes.
+/// Whether all of these components can serialize their state.
 fn can_save(system: &System, own: &[usize]) -> bool {
     own.iter().all(|&component| {
         let component = &system.components()[component];
@@ -401,5 +401,5 @@ fn misread(why: super::wire::Malformed) -> Error {
 }
 
 fn unusable() -> Error {
-    Error::new(Code::Protocol, "a state or a change has no form in bytes")
+    Error::new(Code::Protocol, "a state or a change cannot be serialized")
 }

@@ -1,4 +1,4 @@
-//! Commands told and answers awaited, and new lives of groups that are lost: one loop of events.
+//! Sends commands, awaits answers and recovers lost groups in one event loop.
 
 use std::time::{Duration, Instant};
 
@@ -14,18 +14,18 @@ use crate::time::Time;
 /// The groups of a run, whatever they compute.
 pub(super) struct Dispatcher<'a> {
     pub groups: Vec<GroupHandle>,
-    /// What is in each group, for people.
+    /// Names of the components in each group, for messages.
     names: Vec<String>,
     pub fabric: Box<dyn Fabric + 'a>,
     pub options: Options,
-    /// What was lost and how it went on.
+    /// What was lost, and how the run continued.
     pub notes: Vec<String>,
-    /// The instant that is computed or was computed last.
+    /// The instant that is being computed or was computed last.
     pub now: Time,
 }
 
 impl<'a> Dispatcher<'a> {
-    /// Groups by their names, with what each is set up from.
+    /// Takes each group with its name.
     pub(super) fn new(
         groups: Vec<(String, GroupHandle)>,
         fabric: Box<dyn Fabric + 'a>,
@@ -36,7 +36,7 @@ impl<'a> Dispatcher<'a> {
         Self { groups, names, fabric, options, notes: Vec::new(), now }
     }
 
-    /// Begins the first life of every group.
+    /// Starts the first incarnation of every group.
     pub(super) fn launch_all(&mut self) -> Result<()> {
         for group in 0..self.groups.len() {
             self.start_incarnation(group)?;
@@ -44,7 +44,7 @@ impl<'a> Dispatcher<'a> {
         self.answers().map(drop)
     }
 
-    /// Sends a command and keeps it. All commands before it are answered.
+    /// Sends a command and logs it. All commands before it have been answered.
     pub(super) fn send(&mut self, group: usize, message: Vec<u8>) -> Result<()> {
         self.fabric.send(group, self.groups[group].generation, &message)?;
         let handle = &mut self.groups[group];
@@ -53,7 +53,7 @@ impl<'a> Dispatcher<'a> {
         Ok(())
     }
 
-    /// Waits until every group has done what it was told, and gives their answers by group.
+    /// Waits until every group has done its command, and returns their answers by group.
     pub(super) fn answers(&mut self) -> Result<Vec<(usize, Vec<u8>)>> {
         let mut answers: Vec<(usize, Vec<u8>)> = Vec::new();
         while let Some((group, patience)) = self.most_overdue() {
@@ -64,7 +64,7 @@ impl<'a> Dispatcher<'a> {
                         answers.push((group, bytes));
                     }
                 }
-                // Of a life given up, or a second time.
+                // From an abandoned incarnation, or a duplicate.
                 Some(Event::Answer { .. }) => {}
                 Some(Event::Lost { group, generation, why }) => {
                     if self.is_current(group, generation) && !self.groups[group].is_finished() {
@@ -78,19 +78,19 @@ impl<'a> Dispatcher<'a> {
                 }
             }
         }
-        // By table, not by arrival: whoever reads them does so in the same order in every run.
+        // By group, not by arrival: the caller reads them in the same order in every run.
         answers.sort_by_key(|(group, _)| *group);
         Ok(answers)
     }
 
-    /// The group whose patience ends first, and how much of it is left.
+    /// The group whose timeout ends first, and how much time is left.
     fn most_overdue(&self) -> Option<(usize, Duration)> {
         let waiting = self.groups.iter().enumerate().filter(|(_, m)| m.awaited.is_some());
         let left = waiting.map(|(group, m)| (m.patience(&self.options), group));
         left.min().map(|(left, group)| (group, left))
     }
 
-    /// How many answers must come before there is something to do.
+    /// How many answers must arrive before there is something to do.
     fn awaited(&self) -> usize {
         let awaited = self.groups.iter().filter_map(|handle| handle.awaited);
         match awaited.clone().all(|awaited| awaited == Awaited::Last) {
@@ -115,7 +115,7 @@ impl<'a> Dispatcher<'a> {
         }
     }
 
-    /// A life can be spoken to: it gets its set-up.
+    /// An incarnation is ready: it gets its set-up.
     fn ready(&mut self, group: usize, generation: u32) -> Result<()> {
         if self.is_current(group, generation) && self.groups[group].is_launching() {
             let first = self.groups[group].first(self.now);
@@ -125,7 +125,7 @@ impl<'a> Dispatcher<'a> {
         Ok(())
     }
 
-    /// Takes the answer that was waited for; whether it is that of the last command.
+    /// Takes the expected answer; whether it answers the last command.
     fn take_answer(&mut self, group: usize, bytes: &[u8]) -> Result<bool> {
         if let Err(error) = self.judge(group, bytes) {
             if error.status() != Some(FATAL) || self.options.on_fatal == OnFatal::End {
@@ -159,7 +159,8 @@ impl<'a> Dispatcher<'a> {
         Ok(false)
     }
 
-    /// Tells a new life the command `number` of its log; the last one may not be answered yet.
+    /// Sends a new incarnation the command `number` of the log; the last one may not have been
+    /// answered yet.
     fn resend(&mut self, group: usize, number: usize) -> Result<()> {
         let handle = &mut self.groups[group];
         let generation = handle.generation;
@@ -180,7 +181,7 @@ impl<'a> Dispatcher<'a> {
         self.fabric.send(group, generation, &message)
     }
 
-    /// A new life is where the old one was.
+    /// A new incarnation has caught up with the lost one.
     fn recovered(&mut self, group: usize) {
         if let Some((since, why)) = self.groups[group].lost.take() {
             let took = since.elapsed().as_secs_f64() * 1e3;
@@ -189,7 +190,7 @@ impl<'a> Dispatcher<'a> {
         }
     }
 
-    /// An answer that failed is the error that it tells.
+    /// Turns a failed answer into the error that it carries.
     fn judge(&self, group: usize, answer: &[u8]) -> Result<()> {
         match Header::read(answer) {
             Ok((Header { kind: Kind::Failed, .. }, body)) => {
@@ -203,8 +204,8 @@ impl<'a> Dispatcher<'a> {
         }
     }
 
-    /// A group is lost, maybe by its own fault: it begins a new life from its last state, and hears
-    /// all commands since then again.
+    /// A group is lost, possibly by its own fault: starts a new incarnation from its last state,
+    /// which gets all commands since then again.
     fn lose(&mut self, group: usize, why: &str, at_fault: bool) -> Result<()> {
         let begun = Instant::now();
         let place = self.fabric.place(group);
@@ -220,16 +221,16 @@ impl<'a> Dispatcher<'a> {
         let faults = handle.faults(at_fault || status.is_some_and(|status| status.is_own_fault()));
         let losses = handle.losses();
         let help = if faults >= self.options.attempts {
-            "it does so each time that it comes there: its FMU is at fault"
+            "it fails each time at the same command: its FMU is at fault"
         } else if losses >= self.options.losses {
-            "it is lost each time that it comes there: an FMU that stops or kills its own process \
-             looks as if somebody else had done it"
+            "it is lost each time at the same command: an FMU that stops or kills its own \
+             process cannot be told from one that is killed from outside"
         } else if handle.recoveries > self.options.recoveries {
-            "--recoveries allows more new lives"
+            "--recoveries allows more restarts"
         } else if handle.base.is_none() && self.options.require_resume {
             "without --require-resume it would be computed again from the start"
         } else if since.elapsed() > self.options.give_up {
-            "nobody took it over in time"
+            "no worker took it over in time"
         } else {
             let what = format!("{} is {why}", self.names[group]);
             return self.start_incarnation(group).map_err(|error| match error.code() {
@@ -255,14 +256,15 @@ impl<'a> Dispatcher<'a> {
         self.fabric.launch(group, handle.generation)
     }
 
-    /// From now on new lives begin from this set-up, which has the effect of all commands so far.
+    /// From now on, new incarnations start from this set-up, which includes the effect of all
+    /// commands so far.
     pub(super) fn rebase(&mut self, group: usize, setup: Vec<u8>) {
         let handle = &mut self.groups[group];
         handle.base = Some((setup, handle.sequence));
         handle.log.clear();
     }
 
-    /// Gives up what still lives.
+    /// Stops all groups that still run.
     pub(super) fn end(&mut self) {
         for (group, handle) in self.groups.iter().enumerate() {
             self.fabric.abandon(group, handle.generation);

@@ -8,17 +8,22 @@
 //!                      └─ child process: ────┴── Host ── Engine ── FMUs
 //! ```
 //!
-//! * `layout` says which component is where, and who waits for whom;
-//! * `wire` is the form of the messages, `setup` what a host is told first;
-//! * `host` computes a group with the engine of an ordinary run, `check` says what a set-up must be;
-//! * `coordinator` drives the groups, `recovery` and `member` what happens when one is lost;
-//! * `fabric` is what carries messages; `net` does so over Zenoh, on two `lanes`, `present` knows who is there;
-//! * `door` opens sessions, and says who may come in and what they may do then;
-//! * `status` knows how a run stands, `telemetry` tells it and what is recorded, `watch` hears it;
-//! * `remote` drives one instance for somebody else's simulation, `single` is that instance on its worker;
-//! * `offer` is what a worker tells of an FMU that it holds;
-//! * `worker` lends a machine, `child` is the process in which FMUs run, `fate` how it ended;
-//! * `own` starts workers for one run.
+//! * `layout` says which component runs where, and which group waits for which;
+//! * `wire` is the format of the messages, `setup` the first message to a host;
+//! * `host` computes a group with the engine of an ordinary run, `check` validates a set-up;
+//! * `coordinator` drives the groups; `dispatcher` and `group_handle` send commands and recover
+//!   lost groups;
+//! * `fabric` carries messages; `net` does so over Zenoh, on two `channels`; `presence` tracks the
+//!   workers;
+//! * `access` opens sessions, and decides who may connect and with which rights;
+//! * `status` collects the state of a run, `telemetry` publishes it and the recorded values,
+//!   `watch` receives it;
+//! * `remote` drives one instance for the simulation of another tool, `single` is that instance on
+//!   its worker;
+//! * `available_fmu` is what a worker advertises of an FMU that it holds;
+//! * `worker` makes a machine available, `child` is the process in which FMUs run, `process_status`
+//!   how it ended;
+//! * `local_workers` starts workers for one run.
 
 mod access;
 mod available_fmu;

@@ -1,4 +1,4 @@
-//! The fabric over Zenoh: groups live on workers that dialled us.
+//! The fabric over Zenoh: groups run on workers that connected to us.
 
 use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -19,10 +19,11 @@ use super::presence::Presence;
 use super::process_status::ProcessStatus;
 use crate::error::{Code, Error, Result};
 
-/// How long a worker may take to tell how a life ended. It is local to it, and a run waits.
+/// How long a worker may take to report how an incarnation ended. It asks its own machine, and a
+/// run is waiting.
 const INQUIRY: Duration = Duration::from_millis(200);
 
-/// So often it is asked after lives that begin.
+/// Interval at which the worker is asked about incarnations that are starting.
 const POLL: Duration = Duration::from_millis(500);
 
 /// Groups on workers.
@@ -30,21 +31,21 @@ pub(crate) struct Net {
     session: Session,
     run: String,
     inbox: Inbox<Notification>,
-    /// What is to be told next.
+    /// Events to return next.
     due: VecDeque<Event>,
     presence: Presence,
-    /// Workers that did not answer; they are asked when nobody else is there.
+    /// Workers that did not answer; they are used only when no other worker is connected.
     unresponsive: BTreeSet<String>,
-    /// The worker that each group is meant for.
+    /// The worker that each group is assigned to.
     assigned: Vec<String>,
     /// How long to wait for a worker when none is left.
     patience: Duration,
     incarnations: BTreeMap<usize, Incarnation>,
     /// The FMUs of each group, by their hash.
     files: Vec<BTreeMap<String, PathBuf>>,
-    /// Those that a worker may fetch, because a component of them is or was there.
+    /// FMUs that a worker may fetch, because one of their components is or was placed there.
     served: BTreeMap<(String, String), Box<dyn Any>>,
-    /// The subscriber to workers ends with this.
+    /// Dropping it ends the subscription to workers.
     _presence: Box<dyn Any>,
 }
 
@@ -52,24 +53,24 @@ struct Incarnation {
     generation: u32,
     worker: String,
     commands: Sender,
-    /// It is heard as long as these are there.
+    /// Dropping them ends the subscriptions.
     _heard: [Box<dyn Any>; 2],
-    /// It can be spoken to.
+    /// It accepts messages.
     ready: bool,
 }
 
-/// What callbacks tell.
+/// What callbacks report.
 pub(super) enum Notification {
     Event(Event),
-    /// A worker is there.
+    /// A worker has connected.
     Joined(String),
-    /// It is gone.
+    /// A worker has disconnected.
     Left(String),
 }
 
 impl Net {
-    /// For a run whose groups have these FMUs, by their hash. Groups get their homes by
-    /// [`Net::settle`].
+    /// For a run whose groups have these FMUs, by hash. [`Net::settle`] assigns the groups to
+    /// workers.
     pub(crate) fn new(
         session: Session,
         run: &str,
@@ -93,7 +94,7 @@ impl Net {
         })
     }
 
-    /// Waits until `count` workers, or those named, are there.
+    /// Waits until `count` workers, and those named, are connected.
     pub(crate) fn gather(
         &self,
         count: usize,
@@ -103,13 +104,13 @@ impl Net {
         self.presence.gather(count, named, patience)
     }
 
-    /// The worker of each group, and how long to wait for one when none is left.
+    /// Sets the worker of each group, and how long to wait for one when none is left.
     pub(crate) fn settle(&mut self, assigned: Vec<String>, patience: Duration) {
         self.assigned = assigned;
         self.patience = patience;
     }
 
-    /// What the workers say of themselves.
+    /// What the workers report about themselves.
     pub(crate) fn infos(&self) -> Vec<WorkerInfo> {
         let (answers, inbox) = channel();
         for worker in self.presence.names() {
@@ -125,7 +126,7 @@ impl Net {
                     }
                 })
                 .wait();
-            // A worker that has just gone says nothing.
+            // A worker that has just disconnected does not answer.
             drop(asked);
         }
         drop(answers);
@@ -134,8 +135,8 @@ impl Net {
         infos
     }
 
-    /// The group's own worker if that is there; else the one with the fewest groups. If nobody is
-    /// there, somebody may come back.
+    /// The group's assigned worker if it is connected; otherwise the one with the fewest groups. If
+    /// none is connected, waits for one to come back.
     fn choose(&self, group: usize) -> Option<String> {
         let begun = Instant::now();
         loop {
@@ -161,8 +162,8 @@ impl Net {
         }
     }
 
-    /// What became of the lives of a worker that is gone: those that cannot be spoken to yet will
-    /// never be. The others are still connected, or tell it themselves.
+    /// Handles the incarnations of a worker that has disconnected: those that are not ready yet
+    /// never will be. The others are still connected, or report their end themselves.
     fn left(&mut self, worker: &str) {
         for (&group, incarnation) in
             self.incarnations.iter().filter(|(_, incarnation)| incarnation.worker == worker)
@@ -196,7 +197,7 @@ impl Net {
                 .declare_queryable(keys::fmu(&self.run, worker, hash))
                 .callback(move |query| {
                     let file = file.clone();
-                    // Not here: whatever comes meanwhile would wait.
+                    // In a thread of its own: other messages must not wait for it.
                     std::thread::spawn(move || deliver(&query, &file));
                 })
                 .wait();
@@ -205,7 +206,7 @@ impl Net {
         Ok(())
     }
 
-    /// Whether a life that cannot be spoken to yet has ended: nobody else would tell.
+    /// Whether an incarnation that is not ready yet has ended: nothing else would report it.
     fn poll_launches(&self) {
         for (&group, incarnation) in
             self.incarnations.iter().filter(|(_, incarnation)| !incarnation.ready)
@@ -224,7 +225,7 @@ impl Net {
                     if let Ok(Ok::<ProcessStatus, String>(status)) = answer
                         && status.has_ended()
                     {
-                        let why = "it ended before it could be spoken to".to_owned();
+                        let why = "it ended before it was ready".to_owned();
                         events.put_urgent(Notification::Event(Event::Lost {
                             group,
                             generation,
@@ -233,12 +234,12 @@ impl Net {
                     }
                 })
                 .wait();
-            // A worker that is gone is noticed otherwise.
+            // The loss of a worker is noticed elsewhere.
             drop(asked);
         }
     }
 
-    /// Hears the life of a group under its own key, which nobody else may use.
+    /// Subscribes to an incarnation under its own key, which no one else may use.
     fn hear(&self, key: &str, group: usize, generation: u32) -> Result<[Box<dyn Any>; 2]> {
         let answers = self.inbox.slot();
         let answered = self.channels().hear(&format!("{key}/rep"), move |bytes| {
@@ -255,7 +256,7 @@ impl Net {
                     SampleKind::Put if !channels::is_last(sample.key_expr()) => return,
                     SampleKind::Put => Event::Ready { group, generation },
                     SampleKind::Delete => {
-                        let why = "it is cut off".to_owned();
+                        let why = "the connection was lost".to_owned();
                         Event::Lost { group, generation, why }
                     }
                 };
@@ -266,10 +267,10 @@ impl Net {
         Ok([answered, Box::new(token)])
     }
 
-    /// Asks a worker to do something; a refusal is the loss of the life.
+    /// Sends a worker an order; a refusal counts as the loss of the incarnation.
     fn ask(&self, worker: &str, what: &str, order: &Order) -> Result<()> {
         let bytes = postcard::to_stdvec(order)
-            .map_err(|why| Error::new(Code::Protocol, "an order has no bytes").why(why))?;
+            .map_err(|why| Error::new(Code::Protocol, "an order cannot be serialized").why(why))?;
         let (events, group, generation) = (self.inbox.slot(), order.group, order.generation);
         let name = worker.to_owned();
         self.session
@@ -296,8 +297,8 @@ impl Fabric for Net {
     fn launch(&mut self, group: usize, generation: u32) -> Result<()> {
         let worker = self.choose(group).ok_or_else(|| {
             Error::new(Code::Lost, "no worker is left")
-                .why(format!("none came within {:.0} s", self.patience.as_secs_f64()))
-                .help("start some: cosim worker")
+                .why(format!("none connected within {:.0} s", self.patience.as_secs_f64()))
+                .help("start one: cosim worker")
         })?;
         self.serve_fmus(group, &worker)?;
         let key = keys::incarnation(&self.run, &worker, group, generation);
@@ -377,7 +378,7 @@ impl Fabric for Net {
             })
             .wait()
             .ok()?;
-        // The channel closes without an answer when the worker is gone, or nobody answered in time.
+        // The channel closes without an answer when the worker is gone or does not answer in time.
         let Ok(Some(answer)) = inbox.recv_timeout(2 * INQUIRY) else {
             self.unresponsive.insert(worker);
             return None;
@@ -393,7 +394,7 @@ impl Fabric for Net {
         else {
             return;
         };
-        // A worker that does not hear it is gone, or its child ends with the run.
+        // A worker that does not receive it is gone, or its child ends with the run.
         let _ = self.ask(&incarnation.worker, "stop", &self.order(group, generation));
     }
 
@@ -405,7 +406,8 @@ impl Fabric for Net {
     }
 }
 
-/// Sends an FMU to a worker that asks for it; one that is gone asks again in its next life.
+/// Sends an FMU to a worker that requests it. If the worker is gone, it requests the FMU again for
+/// the next incarnation.
 fn deliver(query: &Query, file: &Path) {
     let sent = match std::fs::read(file) {
         Ok(bytes) => query.reply(query.key_expr().clone(), bytes).wait(),

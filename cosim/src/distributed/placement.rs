@@ -1,11 +1,12 @@
-//! Which component goes to which worker.
+//! Which component runs on which worker.
 
 use crate::error::{Code, Error, Result};
 use crate::names::did_you_mean;
 use crate::system::System;
 
-/// Wishes `component=worker`, and workers for the rest: those coupled most stay together, and no
-/// worker gets more than its part. Names the worker of each component by position in `workers`.
+/// Takes requests `component=worker` and assigns the rest: strongly coupled components stay
+/// together, and no worker gets more than its share. Returns the worker of each component by
+/// position in `workers`.
 pub(crate) fn place(
     system: &System,
     requests: &[(String, String)],
@@ -13,14 +14,14 @@ pub(crate) fn place(
 ) -> Result<Vec<usize>> {
     let mut places = requested(system, requests, workers)?;
     let mut clusters = clusters(system, &places);
-    // Each worker's part, rounded up; what was wished for counts.
+    // The share of each worker, rounded up; requested placements count.
     let part = system.components().len().div_ceil(workers.len().max(1));
     while let Some((kept, merged)) = best_merge(system, &clusters, part, workers.len()) {
         let Cluster { members, worker } = clusters.remove(merged);
         clusters[kept].members.extend(members);
         clusters[kept].worker = clusters[kept].worker.or(worker);
     }
-    // The largest first, each to the worker that has least.
+    // The largest first, each to the worker with the least load.
     clusters.sort_by_key(|cluster| (cluster.worker.is_none(), usize::MAX - cluster.members.len()));
     let mut load = vec![0; workers.len()];
     for cluster in clusters {
@@ -64,7 +65,7 @@ fn requested(
     Ok(places)
 }
 
-/// Every component by itself, but the members of a solved loop together.
+/// Every component by itself, except that the members of a solved loop stay together.
 fn clusters(system: &System, places: &[Option<usize>]) -> Vec<Cluster> {
     let mut clusters: Vec<Cluster> = Vec::new();
     for component in 0..places.len() {
@@ -79,7 +80,7 @@ fn clusters(system: &System, places: &[Option<usize>]) -> Vec<Cluster> {
     clusters
 }
 
-/// The two clusters with the most connections between them that may become one.
+/// The two clusters with the most connections between them that may be merged.
 fn best_merge(
     system: &System,
     clusters: &[Cluster],

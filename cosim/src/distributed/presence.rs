@@ -1,4 +1,4 @@
-//! The workers that are there.
+//! The workers that are connected.
 
 use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
@@ -15,19 +15,20 @@ use super::wire::VERSION;
 use crate::error::{Code, Error, Result};
 use crate::names::did_you_mean;
 
-/// The workers that are there, known by their liveliness tokens.
+/// The workers that are connected, known by their liveliness tokens.
 #[derive(Clone, Default)]
 pub(super) struct Presence(Arc<Mutex<Workers>>);
 
 #[derive(Default)]
 struct Workers {
     names: BTreeSet<String>,
-    /// Those that speak another version of the protocol.
+    /// Workers that speak another version of the protocol.
     incompatible: BTreeMap<String, String>,
 }
 
 impl Presence {
-    /// Follows who comes and leaves, as long as the second value lives; `news` is told too.
+    /// Tracks which workers connect and disconnect until the second value is dropped; also reports
+    /// it to `notifications`.
     pub(super) fn follow(
         session: &Session,
         notifications: Slot<Notification>,
@@ -56,7 +57,7 @@ impl Presence {
         Ok((present, Box::new(subscriber.map_err(refused)?)))
     }
 
-    /// A worker comes or leaves; whether it speaks our version.
+    /// A worker connects or disconnects; whether it speaks our version.
     fn note(&self, version: &str, name: &str, here: bool) -> bool {
         let mut workers = self.lock();
         let ours = version == VERSION.to_string();
@@ -78,7 +79,7 @@ impl Presence {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Waits until `count` workers, or those named, are there.
+    /// Waits until `count` workers, and those named, are connected.
     pub(super) fn gather(
         &self,
         count: usize,
@@ -93,7 +94,7 @@ impl Presence {
                     format!("the worker '{name}' speaks version {version} of the protocol"),
                 )
                 .why(format!("this cosim speaks version {VERSION}"))
-                .help("the same version of cosim everywhere"));
+                .help("use the same version of cosim everywhere"));
             }
             let present = self.names();
             let missing: Vec<&String> = named.iter().filter(|n| !present.contains(*n)).collect();
@@ -115,14 +116,14 @@ fn absent(
     patience: Duration,
 ) -> Error {
     let what = match missing.first() {
-        Some(name) => format!("the worker '{name}' is not there"),
-        None => format!("{} of {count} workers are there", present.len()),
+        Some(name) => format!("the worker '{name}' is not connected"),
+        None => format!("{} of {count} workers are connected", present.len()),
     };
     let there: Vec<&str> = present.iter().map(String::as_str).collect();
     let list = if there.is_empty() { "none".to_owned() } else { there.join(", ") };
     let near = missing.first().and_then(|name| did_you_mean(name, there.iter().copied()));
     Error::new(Code::Placement, what)
-        .why(format!("after {:.0} s there are: {list}", patience.as_secs_f64()))
+        .why(format!("connected after {:.0} s: {list}", patience.as_secs_f64()))
         .maybe_help(near)
 }
 
@@ -154,6 +155,6 @@ mod tests {
         let error = present.gather(1, &["lefd".to_owned()], SHORT).unwrap_err();
         assert_eq!(error.remedy(), Some("did you mean 'left'?"));
         let error = present.gather(2, &[], SHORT).unwrap_err();
-        assert_eq!(error.what(), "1 of 2 workers are there");
+        assert_eq!(error.what(), "1 of 2 workers are connected");
     }
 }

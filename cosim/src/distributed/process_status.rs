@@ -1,4 +1,4 @@
-//! How a life of a group ended, or what it is doing: told by its worker.
+//! How an incarnation of a group ended, or what it is doing, as its worker reports it.
 
 use std::fmt;
 use std::os::unix::process::ExitStatusExt;
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::fmi::Noted;
 use crate::time::Time;
 
-/// What a worker knows of a life.
+/// What a worker knows of an incarnation.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct ProcessStatus {
     /// Its process.
@@ -25,9 +25,9 @@ pub(crate) enum ProcessState {
     Runs,
     /// A signal has stopped it.
     Stopped,
-    /// A signal has ended it.
+    /// A signal has killed it.
     Killed(i32),
-    /// It ended itself with this code.
+    /// It exited with this code.
     Exited(i32),
 }
 
@@ -41,7 +41,7 @@ pub(crate) struct Call {
 }
 
 impl ProcessState {
-    /// Of a child that ended.
+    /// From the exit status of a child.
     pub(crate) fn ended(status: ExitStatus) -> Self {
         match (status.signal(), status.code()) {
             (Some(signal), _) => Self::Killed(signal),
@@ -49,9 +49,9 @@ impl ProcessState {
         }
     }
 
-    /// Of one that lives.
+    /// Of a process that still exists.
     pub(crate) fn running(id: u32) -> Self {
-        // The state is the first word after the name, which may have brackets itself.
+        // The state is the first word after the name, which may contain brackets itself.
         let stat = std::fs::read_to_string(format!("/proc/{id}/stat")).unwrap_or_default();
         match stat.rsplit_once(") ").map(|(_, rest)| rest.as_bytes().first()) {
             Some(Some(b'T' | b't')) => Self::Stopped,
@@ -68,12 +68,13 @@ impl From<Noted> for Call {
 }
 
 impl ProcessStatus {
-    /// Its process is no more.
+    /// Its process no longer exists.
     pub(crate) fn has_ended(&self) -> bool {
         matches!(self.process, ProcessState::Killed(_) | ProcessState::Exited(_))
     }
 
-    /// The FMU is to blame, not somebody who killed or stopped its process: it would do it again.
+    /// The FMU is at fault, rather than a user who killed or stopped its process: it would fail
+    /// again.
     pub(crate) fn is_own_fault(&self) -> bool {
         let inside = self.call.as_ref().is_some_and(|call| call.inside);
         match self.process {

@@ -1,8 +1,8 @@
-//! One instance on a worker, driven by calls as somebody else's simulation makes them.
+//! One instance on a worker, driven by the calls of another tool's simulation.
 //!
-//! It is a run of one group, and lost and found again as the groups of a system are: every so many
-//! steps the state comes along with a step's answer, and from then on a new life begins with that;
-//! what was asked since is asked again. A step is one message each way.
+//! It is a run of one group, which is recovered like the groups of a system: every so many steps,
+//! the answer includes the state; a new incarnation starts from that state and gets the calls since
+//! then again. A step is one message in each direction.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -25,40 +25,40 @@ use crate::proxy::calls::{Ask, Given, Outcome};
 use crate::proxy::manifest::Manifest;
 use crate::time::Time;
 
-/// How a remote instance is reached and kept.
+/// How to reach a remote instance and keep it available.
 #[derive(Debug, Clone)]
 pub struct Reached {
-    /// Where workers dial us: the first that is free.
+    /// Where workers connect to us: the first endpoint that is free.
     pub accesses: Vec<Access>,
-    /// The worker that computes it, if it is there.
+    /// The worker that computes it, if it is connected.
     pub worker: Option<String>,
     /// How long to wait for a worker.
     pub wait: Duration,
     /// How long an answer may take.
     pub deadline: Duration,
-    /// The state comes along after so many steps; never without.
+    /// The state is saved after this many steps; `None`: never.
     pub save_every: Option<u64>,
 }
 
 /// The instance.
 pub struct Remote {
     dispatcher: Dispatcher<'static>,
-    /// As it is made; what was asked before the first step is added.
+    /// Its set-up; calls before the first step are added.
     setup: SingleSetup,
     save_every: Option<u64>,
     stepping: bool,
     steps: u64,
-    /// Where workers dial us.
+    /// Where workers connect to us.
     endpoint: String,
-    /// Why it is of no use any more.
+    /// Why it can no longer be used.
     lost: Option<String>,
-    /// Workers end what they do for this run when it goes.
+    /// Workers stop their work for this run when this is dropped.
     _running: LivelinessToken,
     session: Session,
 }
 
 impl Remote {
-    /// Makes an instance called `name` of the FMU that the resources in `folder` tell of.
+    /// Makes an instance called `name` of the FMU described by the resources in `folder`.
     pub fn make(folder: &Path, name: &str, debug: bool, reached: &Reached) -> Result<Self> {
         let manifest = Manifest::read(folder)?;
         let (session, endpoint) = listen(&reached.accesses)?;
@@ -100,7 +100,7 @@ impl Remote {
         Ok(remote)
     }
 
-    /// Makes calls; gives what became of them, what was said, and what had to be gone around.
+    /// Makes calls; returns their outcome, the messages of the FMU, and notes on recoveries.
     pub fn ask(&mut self, mut asks: Vec<Ask>) -> Result<(Outcome, Vec<Message>, Vec<String>)> {
         if asks == [Ask::Reset] && self.lost.take().is_some() {
             return self.begin_again();
@@ -128,14 +128,14 @@ impl Remote {
         Ok((outcome, messages, std::mem::take(&mut self.dispatcher.notes)))
     }
 
-    /// Ends it, as long as somebody listens.
+    /// Ends the instance if the other side is still listening.
     pub fn end(mut self) {
         if self.lost.is_none() && self.dispatcher.groups[0].awaited.is_none() {
             self.dispatcher.options.give_up = Duration::ZERO;
             self.dispatcher.options.deadline = FINISH_TIMEOUT;
             self.dispatcher.options.slowness = 0;
             let message = self.dispatcher.groups[0].command(Kind::Finish, 0, self.dispatcher.now);
-            // Whatever comes of it, it is over.
+            // The outcome does not matter any more.
             let _ =
                 self.dispatcher.send(0, message).and_then(|()| self.dispatcher.answers().map(drop));
         }
@@ -158,14 +158,14 @@ impl Remote {
             .ok_or_else(|| Error::new(Code::Protocol, "there is no answer"))
     }
 
-    /// Whether the state is to come along.
+    /// Whether the state is to be saved with these calls.
     fn is_saved_now(&mut self, asks: &[Ask]) -> bool {
         let steps = asks.iter().any(|ask| matches!(ask, Ask::Step(..)));
         self.steps += u64::from(steps);
         steps && self.save_every.is_some_and(|every| self.steps.is_multiple_of(every))
     }
 
-    /// Takes note of the first `done` calls.
+    /// Records the first `done` calls.
     fn note(&mut self, asks: &[Ask], done: usize) -> Result<()> {
         for ask in asks.iter().take(done) {
             if *ask == Ask::Reset {
@@ -175,7 +175,7 @@ impl Remote {
                 self.rebase()?;
             } else if !self.stepping && ask.changes() {
                 if matches!(ask, Ask::Restore(_)) {
-                    // What was done before has left no trace.
+                    // Earlier calls have no effect any more.
                     self.setup.before.clear();
                 }
                 self.setup.before.push(ask.clone());
@@ -191,7 +191,7 @@ impl Remote {
         Ok(())
     }
 
-    /// Reset after it was lost: another instance from the beginning.
+    /// A reset after a loss: makes a new instance from the start.
     fn begin_again(&mut self) -> Result<(Outcome, Vec<Message>, Vec<String>)> {
         self.note(&[Ask::Reset], 1)?;
         self.dispatcher.groups[0].forget();
@@ -205,7 +205,7 @@ impl Remote {
         Ok((outcome, Vec::new(), std::mem::take(&mut self.dispatcher.notes)))
     }
 
-    /// The same error, with how long somebody waited for it and where workers should have come.
+    /// The same error, with how long the caller waited and where workers should have connected.
     fn explained(&self, error: Error, begun: Instant) -> Error {
         if error.code() != Code::Lost {
             return error;
@@ -220,10 +220,10 @@ impl Remote {
     }
 }
 
-/// How long a worker may take to say farewell.
+/// How long a worker may take to finish.
 const FINISH_TIMEOUT: Duration = Duration::from_millis(300);
 
-/// Listens where it is free.
+/// Listens at the first endpoint that is free.
 pub(super) fn listen(accesses: &[Access]) -> Result<(Session, String)> {
     let mut problem = Error::new(Code::Session, "there is no endpoint to listen at");
     for access in accesses {

@@ -1,4 +1,4 @@
-//! Running a system on workers.
+//! Runs a system on workers.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
@@ -25,26 +25,26 @@ use crate::system::System;
 /// Where a distributed run is computed.
 #[derive(Debug, Clone)]
 pub struct Cluster {
-    /// Where workers dial us; without, a socket that only this user can reach.
+    /// Where workers connect to us; `None`: a socket that only this user can reach.
     pub access: Option<Access>,
-    /// So many workers are started here for this run; they end with it.
+    /// How many workers to start on this machine for this run; they end with it.
     pub local: usize,
-    /// The program to start for a worker of our own.
+    /// The program to start for a local worker.
     pub program: Vec<String>,
-    /// How many workers there must be.
+    /// How many workers are required.
     pub needed: usize,
     /// How long to wait for them.
     pub patience: Duration,
-    /// Wishes `component=worker`.
+    /// Placement requests `component=worker`.
     pub places: Vec<(String, String)>,
     /// What happens when something fails.
     pub options: Options,
 }
 
 impl Cluster {
-    /// Runs `run` of `system` there.
+    /// Runs `run` of `system` on the workers.
     pub fn go(&self, system: &System, run: Run<'_>) -> Result<Summary> {
-        // Ours alone; what a killed run leaves is removed by the next one.
+        // Only ours; what a killed run leaves behind is removed by the next one.
         let folder = Unpacked::new()?;
         let access = self.access.clone().unwrap_or_else(|| Access {
             endpoints: vec![format!("unixsock-stream/{}/socket", folder.path().display())],
@@ -57,9 +57,9 @@ impl Cluster {
         named.dedup();
         let local = local_names(self.local, system);
         let local = LocalWorkers::start(&self.program, &local, endpoint, folder.path())?;
-        // The plan needs the workers' names, and the session the FMUs of the plan.
+        // The plan needs the names of the workers, and the fabric needs the FMUs of the plan.
         let id = session.zid().to_string();
-        // Workers end what they do for this run when it is gone.
+        // Workers stop their work for this run when this token disappears.
         let _running = session.liveliness().declare_token(keys::running(&id)).wait();
         let _running = _running.map_err(super::net::refused)?;
         let waiting = Net::new(session.clone(), &id, Vec::new())?;
@@ -94,7 +94,7 @@ impl Cluster {
         driven.warn(differences);
         let sent = apart(move || sender.serve());
         let outcome = run.drive_all(&mut Fed { driven: &mut driven, feed });
-        // Its feed is gone: the sender tells the end.
+        // The feed is gone: the sender publishes the end.
         let _ = sent.recv_timeout(CLOSE_TIMEOUT);
         driven.end();
         drop(driven);
@@ -105,7 +105,8 @@ impl Cluster {
 }
 
 impl Cluster {
-    /// Who wants to be where: what is asked for here, and for the rest what the system's file says.
+    /// Placement requests: those given here, and for all other components those of the system's
+    /// file.
     fn requests(&self, system: &System) -> Vec<(String, String)> {
         let asked = |name: &str| self.places.iter().any(|(component, _)| component == name);
         let filed = system.components().iter().filter(|component| !asked(&component.name));
@@ -114,7 +115,7 @@ impl Cluster {
     }
 }
 
-/// Names for so many workers of our own: first those that the system's file knows.
+/// Names for the local workers: first those that the system's file names.
 fn local_names(count: usize, system: &System) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for name in system.components().iter().filter_map(|component| component.worker.as_ref()) {
@@ -128,17 +129,17 @@ fn local_names(count: usize, system: &System) -> Vec<String> {
     names
 }
 
-/// So long it may take to say the last.
+/// How long the last messages may take.
 const CLOSE_TIMEOUT: Duration = Duration::from_millis(500);
 
-/// Closes a session. Everything is said: one that does not close in order, because somebody does
-/// not listen any more, ends with the process.
+/// Closes a session. Everything has been sent: a session that cannot be closed in order, because
+/// the peer no longer listens, ends with the process.
 pub(super) fn close(session: Session) {
     let closed = apart(move || drop(session.close().wait()));
     let _ = closed.recv_timeout(CLOSE_TIMEOUT);
 }
 
-/// Does something in a thread of its own; what this gives is cut off at its end.
+/// Runs `what` in a thread of its own; the returned channel is closed at its end.
 fn apart(what: impl FnOnce() + Send + 'static) -> Receiver<()> {
     let (end, inbox) = channel();
     std::thread::spawn(move || {
@@ -148,7 +149,7 @@ fn apart(what: impl FnOnce() + Send + 'static) -> Receiver<()> {
     inbox
 }
 
-/// Lists the workers that dial `access` within `patience`.
+/// Lists the workers that connect to `access` within `patience`.
 pub fn workers(access: &Access, patience: Duration) -> Result<Vec<WorkerInfo>> {
     let session = access.listen()?;
     let net = Net::new(session.clone(), &session.zid().to_string(), Vec::new())?;
@@ -159,7 +160,7 @@ pub fn workers(access: &Access, patience: Duration) -> Result<Vec<WorkerInfo>> {
     Ok(infos)
 }
 
-/// What differs between workers and may change the last bit of results, and what they lack.
+/// Differences between workers that may change the last bit of results, and missing confinement.
 fn differences(infos: &[WorkerInfo]) -> Vec<String> {
     let Some((first, others)) = infos.split_first() else {
         return Vec::new();
@@ -169,8 +170,8 @@ fn differences(infos: &[WorkerInfo]) -> Vec<String> {
         let (name, one) = (&first.name, &other.name);
         let (computes, differs) = (first.computes(), other.computes());
         format!(
-            "the workers {name} ({computes}) and {one} ({differs}) differ: FMUs that use functions \
-             of the C library may give other last bits"
+            "the workers {name} ({computes}) and {one} ({differs}) differ: FMUs that call functions \
+             of the C library may differ in the last bit"
         )
     });
     let loose: Vec<&str> = infos.iter().filter(|i| i.is_loose()).map(|i| i.name.as_str()).collect();

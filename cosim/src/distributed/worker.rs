@@ -1,5 +1,5 @@
-//! `cosim worker`: lends this machine. It supervises; FMUs run in child processes, one per life
-//! of a group, so that one that crashes or spins takes nothing with it.
+//! `cosim worker`: makes this machine available. It supervises; FMUs run in child processes, one
+//! per incarnation of a group, so that an FMU that crashes or hangs takes nothing else with it.
 
 use std::collections::BTreeMap;
 use std::os::unix::process::CommandExt;
@@ -26,26 +26,27 @@ use crate::fmi::LastCall;
 use crate::fmi::temporary::Unpacked;
 use crate::shown::visible;
 
-/// A worker to be run.
+/// Configuration of a worker.
 pub struct Worker {
     /// Its name, unique in the pool.
     pub name: String,
     /// How it reaches the coordinator.
     pub access: Access,
-    /// The program to start for a life, with arguments that make it call [`super::child::serve`].
+    /// The program to start for an incarnation, with arguments that make it call
+    /// [`super::child::serve`].
     pub program: Vec<String>,
-    /// FMUs are confined where the kernel can.
+    /// FMUs are confined where the kernel supports it.
     pub confined: bool,
-    /// What it loads, and tells of where it holds the file.
+    /// The FMUs it loads, and advertises if it has the file.
     pub allowed: Allowed,
 }
 
-/// How long one of our name may stay.
+/// How long another worker of the same name may remain.
 const NAME_PATIENCE: Duration = Duration::from_secs(3);
-/// How long the death of a process may follow the end of its connection.
+/// How long after the end of its connection a process may still take to exit.
 const EXIT_DELAY: Duration = Duration::from_millis(50);
 
-/// What the supervisor is asked to do.
+/// Requests to the supervisor.
 enum Request {
     Info(Query),
     Start(Query),
@@ -56,11 +57,11 @@ enum Request {
     Gone(String),
 }
 
-/// What is asked under a name below the worker's key.
+/// A request by its name below the worker's key.
 type Asked = (&'static str, fn(Query) -> Request);
 
 impl Worker {
-    /// Serves until `ended` says so.
+    /// Serves until `ended` returns true.
     pub fn serve(&self, ended: &dyn Fn() -> bool) -> Result<()> {
         let Some(session) = self.dialled(ended)? else {
             return Ok(());
@@ -108,7 +109,8 @@ impl Worker {
         Ok(())
     }
 
-    /// A session with whoever listens; a worker that may open one waits until somebody does.
+    /// A session with the listening side; a worker that is allowed to wait does so until something
+    /// listens.
     fn dialled(&self, ended: &dyn Fn() -> bool) -> Result<Option<Session>> {
         self.access.check()?;
         while !ended() {
@@ -120,20 +122,21 @@ impl Worker {
         Ok(None)
     }
 
-    /// A worker speaks under the name in its certificate; another one is dropped in silence.
+    /// A worker speaks under the name in its certificate; messages under another name are dropped
+    /// silently.
     fn may_work(&self, session: &zenoh::Session) -> Result<()> {
         match rights::ask(session, &self.access, Role::Worker)? {
             Some((name, Role::Worker)) if name != self.name => {
                 let what = format!("the worker '{}' has the certificate of '{name}'", self.name);
                 Err(Error::new(Code::Forbidden, what)
-                    .why("a worker may speak under the name in its certificate only")
+                    .why("a worker may only use the name in its certificate")
                     .help(format!("--name {name}, or --credentials of '{}'", self.name)))
             }
             _ => Ok(()),
         }
     }
 
-    /// Waits until nobody else has our name: one that was killed is gone at once, one that was cut
+    /// Waits until no other worker has our name: a killed worker is gone at once, one that was cut
     /// off after its lease.
     fn have_name(&self, session: &Session, key: &str) -> Result<()> {
         let begun = Instant::now();
@@ -144,8 +147,8 @@ impl Worker {
                 return Ok(());
             }
             if begun.elapsed() > NAME_PATIENCE {
-                let what = format!("a worker named '{}' is there already", self.name);
-                return Err(Error::new(Code::Session, what).help("another --name"));
+                let what = format!("a worker named '{}' is already connected", self.name);
+                return Err(Error::new(Code::Session, what).help("choose another --name"));
             }
             std::thread::sleep(Duration::from_millis(50));
         }
@@ -156,18 +159,18 @@ fn refused(why: zenoh::Error) -> Error {
     Error::new(Code::Session, "the worker cannot announce itself").why(why)
 }
 
-/// The lives that this worker keeps.
+/// The incarnations that this worker runs.
 struct Children<'a> {
     worker: &'a Worker,
     incarnations: BTreeMap<(String, usize), Incarnation>,
 }
 
-/// A child process and the folder that is its own: whatever it leaves there goes with it.
+/// A child process and its own folder, which is removed with everything left in it.
 struct Incarnation {
     generation: u32,
     child: Child,
     folder: Unpacked,
-    /// How it ended by itself.
+    /// Its exit status if it exited by itself.
     ended: Option<ExitStatus>,
 }
 
@@ -257,7 +260,7 @@ impl Children<'_> {
         Ok(())
     }
 
-    /// How a life ended, or what it does.
+    /// How an incarnation ended, or what it is doing.
     fn status(&mut self, order: &Order) -> std::io::Result<ProcessStatus> {
         let incarnation = self.incarnations.get_mut(&(order.run.clone(), order.group));
         let incarnation =
@@ -277,7 +280,7 @@ impl Children<'_> {
         Ok(ProcessStatus { process, call })
     }
 
-    /// Ends all lives of a run.
+    /// Ends all incarnations of a run.
     fn end_run(&mut self, run: &str) {
         let all = std::mem::take(&mut self.incarnations);
         for (key, incarnation) in all {
@@ -289,7 +292,7 @@ impl Children<'_> {
         }
     }
 
-    /// Notes which children ended by themselves; they are asked after.
+    /// Notes which children exited by themselves; the coordinator asks for them.
     fn reap(&mut self) {
         let mut left = false;
         for incarnation in
@@ -310,17 +313,17 @@ impl Drop for Children<'_> {
     }
 }
 
-/// Kills a child with all that it started: an FMU that spins listens to nothing softer.
+/// Kills a child with everything it started: an FMU in an endless loop reacts to nothing gentler.
 fn end(mut incarnation: Incarnation) {
-    // First those below it, which would otherwise be the worker's.
+    // Its descendants first, which would otherwise become the worker's.
     if let Ok(None) = incarnation.child.try_wait() {
         kill_descendants(incarnation.child.id());
     }
-    // It may have ended already.
+    // It may have exited already.
     let _ = incarnation.child.kill();
     let _ = incarnation.child.wait();
     forget(incarnation.child.id());
-    // What it left in its last moment.
+    // Processes that it started in its last moments.
     kill_orphans();
 }
 

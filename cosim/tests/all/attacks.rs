@@ -377,6 +377,6 @@ fn a_group_that_dies_while_it_begins_is_noticed() {
     let environment = [("LD_PRELOAD", library.to_str().unwrap())];
     let (code, shown) = on_worker(folder.path(), &system, &["--allow-upload"], &environment);
     assert_eq!(code, 1, "{shown}");
-    assert!(shown.contains("ended before it could be spoken to"), "{shown}");
+    assert!(shown.contains("ended before it was ready"), "{shown}");
     assert!(shown.contains("ended with code 7"), "{shown}");
 }

@@ -116,7 +116,7 @@ fn a_stopped_observer_delays_no_step() {
     let mut status = serde_json::Value::Null;
     while status["ended"] != true {
         let message =
-            status_told.recv_timeout(Duration::from_secs(30)).unwrap().expect("the run tells");
+            status_told.recv_timeout(Duration::from_secs(30)).unwrap().expect("the status of the run");
         status = serde_json::from_slice(&message.payload().to_bytes()).unwrap();
     }
     let ended = Instant::now();
@@ -180,5 +180,5 @@ fn watch_shows_a_run_until_it_ends() {
     assert_eq!(places, ["worker worker-1", "worker worker-2"]);
     let (code, stderr) = outcome(at, &["watch", "--connect", &endpoint]);
     assert_eq!(code, 1);
-    assert!(stderr.contains("[E504]") && stderr.contains("nobody listens"), "{stderr}");
+    assert!(stderr.contains("[E504]") && stderr.contains("nothing listens"), "{stderr}");
 }

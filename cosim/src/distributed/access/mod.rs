@@ -1,11 +1,11 @@
-//! The door of distributed runs: who may come in, what they may do then, and why somebody may not.
+//! Access to distributed runs: who may connect, with which rights, and why a client is refused.
 //!
-//! * `session` opens sessions as `configuration` and the command line say;
-//! * `endpoint` says which addresses are on this machine, `credentials` reads certificates, `members`
-//!   who has which role, `rights` what a role may do;
-//! * `diagnose` says why somebody is refused, `authority` makes certificates;
-//! * `runtime` says on which threads Zenoh works;
-//! * `allowed` says which FMUs a worker loads.
+//! * `session` opens sessions as `configuration` and the command line specify;
+//! * `endpoint` decides which addresses are on this machine, `credentials` reads certificates,
+//!   `members` defines who has which role, `rights` answers queries for rights;
+//! * `diagnose` finds out why a client is refused, `authority` makes certificates;
+//! * `runtime` defines on which threads Zenoh works;
+//! * `allowed` defines which FMUs a worker loads.
 
 pub(super) mod allowed;
 pub(super) mod authority;

@@ -1,24 +1,26 @@
-//! The threads on which Zenoh works, as the program says at its beginning.
+//! The threads on which Zenoh works, chosen when the program starts.
 //!
-//! Usually one waits for sockets and wakes another that receives, which costs a step a quarter more;
-//! here one does both. If it is the one that sends, too, a callback that sends more than the queues
-//! hold waits for itself. But TLS needs that: the state of a connection is used for sending and for
-//! receiving without a lock (zenoh-link-tls 1.10, <https://github.com/eclipse-zenoh/zenoh/issues/2557>);
-//! by two threads it is damaged sooner or later, by one it is not. Connections are closed by another
-//! one in any case, when nobody uses them any more: that takes seconds where a cable is cut.
+//! By default, one thread waits for sockets and wakes another that receives, which makes a step a
+//! quarter slower; here one thread does both. If the same thread also sends, a callback that sends
+//! more than the queues hold waits for itself. But TLS requires that: the state of a connection is
+//! used for sending and for receiving without a lock (zenoh-link-tls 1.10,
+//! <https://github.com/eclipse-zenoh/zenoh/issues/2557>); two threads corrupt it sooner or later,
+//! one does not. Connections are always closed by another thread once they are no longer used: that
+//! takes seconds if a cable is cut.
 
 use crate::error::{Code, Error, Result};
 
-/// Which threads there are.
+/// The threads of Zenoh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Threads {
-    /// One for all.
+    /// One thread for everything.
     One,
-    /// One that receives and one that sends: for who tells so much that queues are full.
+    /// One thread that receives and one that sends: for programs that send so much that queues fill
+    /// up.
     SenderApart,
 }
 
-/// Zenoh reads it when it is used first.
+/// Zenoh reads it on first use.
 const VARIABLE: &str = "ZENOH_RUNTIME";
 
 impl Threads {
@@ -29,8 +31,9 @@ impl Threads {
         }
     }
 
-    /// The variable to be set, and to what, while there is no other thread; nothing if somebody
-    /// else has set it. What a program of ours has set for itself is not for those that it starts.
+    /// The environment variable to set while there is no other thread, with its value; `None` if
+    /// the user has already set it. A value that one of our programs set for itself does not apply
+    /// to its children.
     pub fn setting(self) -> Option<(&'static str, &'static str)> {
         let ours = |said: &str| [Self::One, Self::SenderApart].iter().any(|t| t.value() == said);
         match std::env::var(VARIABLE) {
@@ -40,13 +43,13 @@ impl Threads {
     }
 }
 
-/// Refuses to go on with several threads.
+/// Fails if Zenoh uses several threads.
 pub(super) fn is_one_thread() -> Result<()> {
     let wanted = Threads::One.value();
     match std::env::var(VARIABLE) {
         Ok(said) if said == wanted => Ok(()),
         said => Err(Error::new(Code::Session, "TLS needs one thread for all of Zenoh")
             .why(format!("{VARIABLE} is {}", said.unwrap_or("not set".to_owned())))
-            .help(format!("unset it for cosim; a program of one's own sets {wanted}"))),
+            .help(format!("unset it for cosim; your own program must set {wanted}"))),
     }
 }

@@ -1,4 +1,4 @@
-//! No bytes make a host panic, and none that are damaged make it do something twice.
+//! No bytes make a host panic, and no damaged bytes make it do something twice.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -23,7 +23,7 @@ fn mutated(message: &[u8], dice: &mut Dice) -> Vec<u8> {
         match dice.below(5) {
             0 => bytes.truncate(at),
             1 => bytes.insert(at.min(bytes.len()), dice.below(256) as u8),
-            // The header decides most.
+            // The header has the greatest effect.
             2 if bytes.len() > HEADER => {
                 bytes[dice.below(HEADER as u64) as usize] ^= 1 << dice.below(8)
             }
@@ -43,8 +43,8 @@ fn damaged_messages_are_refused_or_ignored() {
         let mut host = Host::new(1, Box::new(Files(outcome.files.clone())));
         for message in outcome.sent_to_first.iter().take(10 + 2 * round) {
             for _ in 0..20 {
-                // A value may be another after this, a count of commands may be too large: what
-                // counts is that the host answers.
+                // A value may differ after this, a count of commands may be too large: what matters
+                // is that the host answers.
                 host.handle(&mutated(message, &mut dice));
             }
             host.handle(message);
@@ -83,7 +83,7 @@ fn commands_out_of_turn_are_refused_with_both_numbers() {
         panic!("no answer")
     };
     assert!(String::from_utf8_lossy(&answer).contains("command 3 came where 1 was due"));
-    // The one that was due is still welcome, and welcome twice.
+    // The command that was due is still accepted, even twice.
     let first = host.handle(&outcome.sent_to_first[1]);
     assert_eq!(host.handle(&outcome.sent_to_first[1]), first);
     let mut foreign = outcome.sent_to_first[2].clone();
@@ -93,19 +93,19 @@ fn commands_out_of_turn_are_refused_with_both_numbers() {
     );
 }
 
-/// Octets of a checksum, which stands between header and body of a set-up.
+/// Octets of the checksum between header and body of a set-up.
 const SUM: usize = 32;
 
 fn is_setup(message: &[u8]) -> bool {
     Header::read(message).is_ok_and(|(header, _)| header.kind == Kind::Setup)
 }
 
-/// A set-up whose body somebody changed who knows how checksums are made.
+/// A set-up with a changed body and a matching checksum.
 fn resigned(setup: &[u8], body: &[u8]) -> Vec<u8> {
     [&setup[..HEADER], &Sha256::digest(body), body].concat()
 }
 
-/// Runs that tell group 0 set-ups with and without a state, and what they told.
+/// Runs in which group 0 gets set-ups with and without a state, and the messages it was sent.
 fn runs() -> Vec<Outcome> {
     let run = |sample: Sample, places: &[usize]| {
         let options = Options { save_every: Some(2), ..Options::default() };
@@ -148,7 +148,7 @@ fn set_ups_that_contradict_themselves_are_refused_by_name() {
                     Kind::Done => made += 1,
                     _ => refused += usize::from(contradicts(&answer)),
                 }
-                // What was made computes something, or fails by name.
+                // A set-up that was accepted computes something, or fails with a clear error.
                 for message in
                     outcome.sent_to_first[at + 1..].iter().take_while(|m| !is_setup(m)).take(30)
                 {

@@ -1,4 +1,4 @@
-//! Which component goes to which worker.
+//! Which component runs on which worker.
 
 use super::fmu::Nature;
 use super::systems::{Sample, sample, solved};
@@ -41,7 +41,7 @@ fn a_wish_takes_along_what_is_coupled_to_it() {
     let system = pairs().system;
     assert_eq!(place(&system, &[request("d", "w0")], &workers(2)).unwrap(), [1, 0, 1, 0]);
     assert_eq!(place(&system, &[request("d", "w1")], &workers(2)).unwrap(), [0, 1, 0, 1]);
-    // Two wishes part a pair.
+    // Two requests separate a pair.
     let places = place(&system, &[request("a", "w0"), request("b", "w1")], &workers(2)).unwrap();
     assert_eq!((places[0], places[2]), (0, 1));
 }
