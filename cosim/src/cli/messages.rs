@@ -10,12 +10,12 @@ pub(crate) fn error(error: &Error) {
     tagged("error", "31", &error.to_string());
 }
 
-/// Prints what is odd but not wrong.
+/// Prints a warning.
 pub(crate) fn warning(text: &str) {
     tagged("warning", "33", &set_in(text));
 }
 
-/// Prints what is neither odd nor wrong, and good to know.
+/// Prints a note.
 pub(crate) fn note(text: &str) {
     tagged("note", "36", &set_in(text));
 }
@@ -25,12 +25,12 @@ pub(crate) fn info(text: &str) {
     line(&visible(text));
 }
 
-/// Prints what a component said.
+/// Prints a message of a component.
 pub(crate) fn said(text: &str) {
     line(&set_in(text));
 }
 
-/// Prints what a system's check found: warnings always, notes unless `quiet`.
+/// Prints the findings of a system's check: warnings always, notes unless `quiet`.
 pub(crate) fn findings(system: &System, quiet: bool) {
     report_some(system.warnings(), warning);
     if !quiet {
@@ -38,10 +38,10 @@ pub(crate) fn findings(system: &System, quiet: bool) {
     }
 }
 
-/// So many of one kind are told; a file can have a million.
+/// How many messages of one kind are shown; a file can have a million.
 const SHOWN: usize = 100;
 
-/// Tells the first of many.
+/// Reports the first of many messages.
 pub(crate) fn report_some(texts: &[String], report: fn(&str)) {
     texts.iter().take(SHOWN).for_each(|text| report(text));
     if texts.len() > SHOWN {
@@ -60,6 +60,6 @@ fn tagged(tag: &str, colour: &str, text: &str) {
 }
 
 fn line(text: &str) {
-    // Nobody is left to be told that stderr is closed.
+    // If stderr is closed, there is no channel left to report it.
     drop(writeln!(std::io::stderr(), "{text}"));
 }

@@ -1,26 +1,27 @@
-//! The end of a run, for people and for programs.
+//! The summary of a run as text and as JSON.
 
 use cosim::pace::Overruns;
 use cosim::shown;
 use cosim::{Summary, System};
 use serde_json::{Value, json};
 
-/// What is told.
+/// The outcome of a run.
 pub(crate) struct RunResult<'a> {
     pub system: &'a System,
     pub summary: &'a Summary,
-    /// Seconds of the wall clock.
+    /// Seconds of wall-clock time.
     pub spent: f64,
     pub target: &'a str,
     pub overruns: Option<Overruns>,
-    /// Of all that was recorded.
+    /// Digest of all recorded values.
     pub digest: String,
 }
 
-/// So many components are told one by one.
+/// How many components are listed individually.
 const SHOWN: usize = 20;
 
-/// A line for the whole, a table of the components; of many those that took the most time.
+/// A line for the whole run and a table of the components; if there are many, those that took the
+/// most time.
 pub(crate) fn text(result: &RunResult) -> String {
     let RunResult { system, summary, spent, target, overruns, digest } = result;
     let mut lines = table(summary);
@@ -72,7 +73,7 @@ fn table(summary: &Summary) -> Vec<String> {
     if !rest.is_empty() {
         let share: f64 = rest.iter().map(|c| c.share).sum();
         lines.push(format!(
-            "and {} more with {:.1} % together (--format json has them all)",
+            "and {} more with {:.1} % in total (--format json has them all)",
             rest.len(),
             share * 100.0
         ));

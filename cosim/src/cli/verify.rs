@@ -1,4 +1,4 @@
-//! `cosim verify`: whether two runs gave the same, and if not, where they part.
+//! `cosim verify`: whether two runs gave the same results, and if not, where they diverge.
 
 use std::path::{Path, PathBuf};
 
@@ -9,27 +9,27 @@ use cosim::{Code, Error, Recording, Result};
 use super::output::print;
 use super::values;
 
-/// Compare two files of results bit by bit or within tolerances, or one with a digest
+/// Compare two result files bit by bit or within tolerances, or one with a digest
 #[derive(Args)]
 pub(crate) struct Verify {
     /// Results: CSV or MCAP; or a list of digests (--digest-file)
     a: PathBuf,
-    /// The other results, CSV or MCAP, or the digest that a run printed
+    /// The other results (CSV or MCAP), or the digest that a run printed
     b: PathBuf,
-    /// Values may differ by this, or those of a variable or pattern (repeatable)
+    /// Allowed difference, for all variables or for a name or pattern (repeatable)
     #[arg(long, value_name = "[NAME=]NUMBER", value_parser = values::tolerance)]
     abs: Vec<(String, f64)>,
-    /// Values may differ by this part of the greater one, or those of a variable or pattern
-    /// (repeatable); both together: by the sum
+    /// Allowed difference relative to the greater value, for all variables or for a name or pattern
+    /// (repeatable); if both are given, their sum
     #[arg(long, value_name = "[NAME=]NUMBER", value_parser = values::tolerance)]
     rel: Vec<(String, f64)>,
-    /// Compare at every instant of A: B is the straight line between its samples (default: at the
-    /// instants that both have)
+    /// Compare at every instant of A: B is interpolated linearly between its samples (default: at
+    /// common instants)
     #[arg(long)]
     interpolate: bool,
 }
 
-/// So many variables are told one by one.
+/// How many variables are listed individually.
 const SHOWN: usize = 20;
 
 impl Verify {
@@ -59,7 +59,7 @@ impl Verify {
         self.print_comparison(&found, largest)
     }
 
-    /// What may differ; nothing without such an option.
+    /// The tolerances; `None` without such an option.
     fn tolerance(&self) -> Option<Tolerance> {
         if self.abs.is_empty() && self.rel.is_empty() && !self.interpolate {
             return None;
@@ -143,7 +143,7 @@ impl Verify {
             false => Err(Error::new(Code::Parted, "the results have another digest")
                 .at(&self.a)
                 .why(format!("it is {found}"))
-                .help("two files tell where they part: cosim verify A B")),
+                .help("compare two files to see where they diverge: cosim verify A B")),
         }
     }
 
@@ -164,7 +164,7 @@ impl Verify {
                 let what = format!("the runs part at sample {sample}, {when}");
                 Err(Error::new(Code::Parted, what)
                     .why(format!("{sample} digests before it are the same"))
-                    .help("the results themselves tell the variables: cosim verify A B"))
+                    .help("compare the results themselves to see the variables: cosim verify A B"))
             }
         }
     }

@@ -115,8 +115,10 @@ fn a_stopped_observer_delays_no_step() {
     let stopped = stalled(&endpoint, false);
     let mut status = serde_json::Value::Null;
     while status["ended"] != true {
-        let message =
-            status_told.recv_timeout(Duration::from_secs(30)).unwrap().expect("the status of the run");
+        let message = status_told
+            .recv_timeout(Duration::from_secs(30))
+            .unwrap()
+            .expect("the status of the run");
         status = serde_json::from_slice(&message.payload().to_bytes()).unwrap();
     }
     let ended = Instant::now();

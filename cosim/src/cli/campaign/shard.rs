@@ -1,22 +1,23 @@
-//! A part of a campaign: which runs it has, and where its number comes from.
+//! A part of a campaign: which runs belong to it, and where its number comes from.
 
 use std::str::FromStr;
 
 /// One of several parts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Shard {
-    /// From 0 on.
+    /// Counted from 0.
     index: u64,
     count: u64,
 }
 
 impl Shard {
-    /// Its folder among those of the others.
+    /// Its folder beside those of the others.
     pub(super) fn folder(self) -> String {
         format!("shard-{}-of-{}", self.index + 1, self.count)
     }
 
-    /// Whether a run is in it: every part has runs of all cells, and more seeds move no run.
+    /// Whether a run belongs to it: every part has runs of all cells, and further seeds do not move
+    /// a run to another part.
     pub(super) fn has(self, run: u64, cells: usize) -> bool {
         let cells = cells as u64;
         (run / cells + run % cells) % self.count == self.index
@@ -31,7 +32,7 @@ impl Shard {
 
     fn read(text: &str, environment: impl Fn(&str) -> Option<String>) -> Result<Self, String> {
         let number = |what: &str, text: &str| {
-            text.parse::<u64>().map_err(|_| format!("{what} is '{text}', which is no whole number"))
+            text.parse::<u64>().map_err(|_| format!("{what} is '{text}', which is not an integer"))
         };
         let number_of = |name: &str| environment(name).map(|text| number(name, &text)).transpose();
         let (first, count) = match text.split_once('/') {
@@ -54,7 +55,7 @@ impl Shard {
         match (number_of("JOB_COMPLETION_INDEX")?, count) {
             (Some(index), Some(count)) => Self::new(index, count),
             (Some(_), None) => {
-                Err("Kubernetes does not say how many there are; write auto/8".into())
+                Err("Kubernetes does not provide the number of parts; write auto/8".into())
             }
             (None, _) => {
                 Err("neither SLURM_ARRAY_TASK_ID nor JOB_COMPLETION_INDEX is set".to_owned())
