@@ -118,7 +118,7 @@ def test_what_is_missing_or_does_not_agree_is_told(tmp_path, file):
     manifest = copy / "campaign.json"
     manifest.write_text(manifest.read_text().replace("seed = 0", "seed = 1"))
     done = cosim("--merge", *parts, copy, f"--output-dir={tmp_path / 'other'}")
-    assert "the results that are there are of another campaign" in done.stderr and "seed = 1" in done.stderr
+    assert "the existing results belong to another campaign" in done.stderr and "seed = 1" in done.stderr
 
 
 def test_an_error_of_a_part_is_the_campaign_s(tmp_path, file):

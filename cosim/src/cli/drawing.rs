@@ -146,8 +146,8 @@ pub(super) fn svg(system: &System) -> String {
         _ = writeln!(
             text,
             "<g><title>{}</title><path d=\"{way}\" fill=\"none\" stroke=\"black\"{dashes} \
-             marker-end=\"url(#tip)\"/><text x=\"{}\" y=\"{}\" font-size=\"11\" text-anchor=\"middle\">{}\
-             </text></g>",
+             marker-end=\"url(#tip)\"/><text x=\"{}\" y=\"{}\" font-size=\"11\" \
+             text-anchor=\"middle\">{}</text></g>",
             escaped(&arrow.names.join("\n")),
             at.0,
             at.1 - 4.0,
@@ -159,9 +159,10 @@ pub(super) fn svg(system: &System) -> String {
         let (middle, first, second) = (x + width / 2.0, y + 18.0, y + 34.0);
         _ = writeln!(
             text,
-            "<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{HEIGHT}\" rx=\"4\" fill=\"#eef\" \
-             stroke=\"black\"/><text x=\"{middle}\" y=\"{first}\" text-anchor=\"middle\">{}</text>\
-             <text x=\"{middle}\" y=\"{second}\" font-size=\"11\" text-anchor=\"middle\">every {}</text>",
+            "<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{HEIGHT}\" rx=\"4\" \
+             fill=\"#eef\" stroke=\"black\"/><text x=\"{middle}\" y=\"{first}\" \
+             text-anchor=\"middle\">{}</text><text x=\"{middle}\" y=\"{second}\" font-size=\"11\" \
+             text-anchor=\"middle\">every {}</text>",
             escaped(&component.name),
             component.step
         );

@@ -170,8 +170,8 @@ fn differences(infos: &[WorkerInfo]) -> Vec<String> {
         let (name, one) = (&first.name, &other.name);
         let (computes, differs) = (first.computes(), other.computes());
         format!(
-            "the workers {name} ({computes}) and {one} ({differs}) differ: FMUs that call functions \
-             of the C library may differ in the last bit"
+            "the workers {name} ({computes}) and {one} ({differs}) differ: FMUs that call \
+             functions of the C library may differ in the last bit"
         )
     });
     let loose: Vec<&str> = infos.iter().filter(|i| i.is_loose()).map(|i| i.name.as_str()).collect();

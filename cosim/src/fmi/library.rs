@@ -262,8 +262,8 @@ fn remedy(why: &str) -> Option<String> {
     if let Some((_, version)) = why.split_once("version `") {
         let version = version.split('\'').next().unwrap_or_default();
         return Some(format!(
-            "the FMU was built on a system with {version}, which this one does not have: run it on a \
-             newer one, or build it on one as old as this"
+            "the FMU was built on a system with {version}, which this one does not have: run it on \
+             a newer one, or build it on one as old as this"
         ));
     }
     if let Some((missing, _)) = why.split_once(": cannot open shared object file") {

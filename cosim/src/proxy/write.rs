@@ -251,7 +251,7 @@ fn check_ending(path: &Path) -> Result<()> {
     }
     Err(Error::new(Code::Usage, "what is to be written is no .fmu")
         .at(path)
-        .help("give it a name that ends with .fmu"))
+        .help("use a name that ends in .fmu"))
 }
 
 fn check_paths(fmu: &Path, path: &Path) -> Result<()> {

@@ -27,9 +27,11 @@ impl CampaignWorker {
         let mut rows = standard::out();
         let bench = Bench::open(Campaign::read(&self.file)?)?;
         if fingerprint(&bench.identity()?) != self.identity {
-            return Err(
-                Error::new(Code::Campaign, "the campaign has changed while it was running").at(&self.file)
-            );
+            return Err(Error::new(
+                Code::Campaign,
+                "the campaign has changed while it was running",
+            )
+            .at(&self.file));
         }
         for line in std::io::stdin().lock().lines() {
             let line = line.map_err(broken)?;

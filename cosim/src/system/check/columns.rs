@@ -63,5 +63,5 @@ fn by_pattern(
     }
     Err(Error::new(Code::UnknownName, format!("the pattern '{pattern}' matches no variable"))
         .why("* stands for any text, ? for one character")
-        .help("list the variables by: cosim info FILE"))
+        .help("list the variables with cosim info FILE"))
 }
