@@ -1,6 +1,6 @@
-//! The Foxglove WebSocket protocol, as far as a server of data with time and playback control needs
-//! it. Foxglove calls it `foxglove.sdk.v1`; Lichtblick and older programs have `foxglove.websocket.v1`,
-//! which knows no control.
+//! The Foxglove WebSocket protocol, as far as needed by a server of data with time and playback
+//! control. Foxglove calls it `foxglove.sdk.v1`; Lichtblick and older programs use
+//! `foxglove.websocket.v1`, which has no playback control.
 
 use std::collections::HashMap;
 
@@ -16,20 +16,20 @@ use crate::time::Time;
 const WITH_CONTROL: &str = "foxglove.sdk.v1";
 pub(super) const PROTOCOLS: [&str; 2] = [WITH_CONTROL, "foxglove.websocket.v1"];
 
-/// Kinds of binary messages of a server.
+/// Binary message types of a server.
 const DATA: u8 = 1;
 const TIME: u8 = 2;
 const STATE: u8 = 5;
-/// A kind of a client's.
+/// A binary message type of a client.
 const CONTROL: u8 = 3;
 
 /// Foxglove or Lichtblick.
 pub(super) struct Foxglove {
     controls: bool,
-    /// How the run was going when that was told last.
+    /// The status that was sent last.
     sent: Option<(Playing, bool)>,
     channels: Option<Channels>,
-    /// Per channel: the numbers of the subscriptions.
+    /// For each channel: the ids of the subscriptions.
     subscribed: HashMap<usize, Vec<u32>>,
 }
 
@@ -99,7 +99,7 @@ impl Speaker for Foxglove {
             return messages;
         };
         for (time, row) in batch.rows() {
-            // The protocol knows no time before zero.
+            // The protocol has no times before zero.
             let Ok(stamp) = u64::try_from(time) else { continue };
             let subscribed = &self.subscribed;
             let Ok(()) = channels.each(Time::from_nanoseconds(time), row, |channel, data| {
@@ -136,7 +136,7 @@ impl Speaker for Foxglove {
 }
 
 impl Foxglove {
-    /// Subscribes, or ends subscriptions; anything else is not understood and left alone.
+    /// Subscribes or unsubscribes; anything else is ignored.
     fn subscription(&mut self, said: &Value) -> Option<()> {
         let number = |value: &Value| u32::try_from(value.as_u64()?).ok();
         match said["op"].as_str()? {
@@ -162,7 +162,7 @@ impl Foxglove {
     }
 }
 
-/// Play or pause at a speed; there is no going back in a run, so a time that is sought is not.
+/// Plays or pauses at a speed; a run cannot go back, so seek requests are ignored.
 fn control(bytes: &[u8], hub: &Hub) -> Option<Message> {
     let (&[kind, command], rest) = bytes.split_first_chunk::<2>()?;
     let (speed, rest) = rest.split_first_chunk::<4>()?;

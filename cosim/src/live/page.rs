@@ -1,9 +1,10 @@
-//! What the page's script and the server say to each other.
+//! The protocol between the page's script and the server.
 //!
-//! Texts are JSON with `op`. The server says `hello`, `state` and `event`, the script `show` (which
-//! columns it wants), `pause`, `play`, `step`, `speed` and `fault`. Values come as binary messages,
-//! little endian: the number of rows, the number of the `show` they answer, 1 if they are the history
-//! that replaces all before, the number of columns (32 bit each); the times; the rows (64 bit floats).
+//! Texts are JSON with `op`. The server sends `hello`, `state` and `event`; the script sends `show`
+//! (which columns it wants), `pause`, `play`, `step`, `speed` and `fault`. Values are sent as
+//! binary messages, little-endian: the number of rows, the number of the `show` they answer, 1 if
+//! they are the history that replaces everything before, the number of columns (32 bits each); the
+//! times; the rows (64-bit floats).
 
 use serde_json::{Map, Value, json};
 use tungstenite::Message;
@@ -129,7 +130,7 @@ fn request(mut said: Map<String, Value>) -> Option<Request> {
     })
 }
 
-/// The columns of a body, each with what makes base units of it: a factor and an offset.
+/// The columns of a body, each with its conversion to base units: a factor and an offset.
 fn body(body: &Body) -> Value {
     let places = |places: [Option<Place>; 6]| places.map(|place| place.map(Place::numbers));
     let both = body.covariances.iter().find(|(one, other, _)| (*one, *other) == (0, 1));

@@ -660,6 +660,6 @@ fn a_missing_temporary_folder_is_named() {
         .unwrap();
     let shown = text(&output.stderr);
     assert_eq!(output.status.code(), Some(3), "{shown}");
-    assert!(shown.contains("no temporary folder can be made"), "{shown}");
+    assert!(shown.contains("no temporary folder can be created"), "{shown}");
     assert!(shown.contains("missing") && shown.contains("TMPDIR"), "{shown}");
 }

@@ -1,14 +1,14 @@
-//! Elements and attributes that FMI 2.0 does not have in a modelDescription.xml.
+//! Elements and attributes in a modelDescription.xml that FMI 2.0 does not define.
 //!
-//! They are left out, and told: a misspelt attribute is otherwise a default that nobody wanted.
-//! `VendorAnnotations` and `Annotations` belong to others and are not looked into.
+//! They are ignored and reported: otherwise a misspelt attribute would silently become a default.
+//! `VendorAnnotations` and `Annotations` belong to other tools and are not checked.
 
 use std::path::Path;
 
 use crate::names;
 use crate::xml::Element;
 
-/// Warnings that are told one by one; more are counted.
+/// Warnings that are reported individually; further ones are counted.
 const REPORTED: usize = 20;
 
 /// Element (of a parent, `*`: of any), its attributes and its children. FMI 2.0.5, chapters 2.2,
@@ -124,7 +124,7 @@ const KNOWN: &[(&str, &str, &[&str], &[&str])] = &[
     ("*", "Unknown", &["index", "dependencies", "dependenciesKind"], &[]),
 ];
 
-/// What is not of FMI 2.0 in the tree under `root`.
+/// Everything in the tree under `root` that FMI 2.0 does not define.
 pub(super) fn strangers(root: &Element, file: &Path) -> Vec<String> {
     let mut found = Found { file, reported: Vec::new(), more: 0 };
     found.walk("", root);
@@ -144,7 +144,7 @@ impl Found<'_> {
         let known = KNOWN.iter().find(|(of, n, ..)| *n == name && (*of == "*" || *of == parent));
         let Some((_, _, attributes, children)) = known else { return };
         for attribute in &element.attributes {
-            // A prefix: of another namespace, as xsi:schemaLocation.
+            // A prefix: from another namespace, such as xsi:schemaLocation.
             if !attribute.name.contains(':') && !attributes.contains(&attribute.name.as_str()) {
                 let what = format!("the attribute '{}' of <{name}>", attribute.name);
                 self.report(what, element.line, &attribute.name, attributes);
@@ -167,6 +167,6 @@ impl Found<'_> {
         let hint = names::did_you_mean(name, known.iter().copied());
         let hint = hint.map_or(String::new(), |hint| format!(" ({hint})"));
         let place = format!("{}:{line}", self.file.display());
-        self.reported.push(format!("{what} is not of FMI 2.0 and is left out{hint}, {place}"));
+        self.reported.push(format!("{what} is not part of FMI 2.0 and is ignored{hint}, {place}"));
     }
 }

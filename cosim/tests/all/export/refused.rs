@@ -128,7 +128,7 @@ fn other_libraries_are_refused() {
     let file = system.write();
     for (name, bytes, part) in [
         ("wrong.so", fs::read(compile(Gain)).unwrap(), "does not say"),
-        ("text.so", b"no library, but long enough".to_vec(), "no ELF"),
+        ("text.so", b"no library, but long enough".to_vec(), "not an ELF"),
     ] {
         let path = folder.path().join(name);
         fs::write(&path, bytes).unwrap();
