@@ -112,7 +112,7 @@ fn exit_codes_tell_what_kind_of_failure() {
         (&["run", path(&file), "--step", "g=0"], 3, "at least one nanosecond"),
         (&["run", path(&file), "--algorithm", "magic"], 2, "jacobi"),
         (&["run", path(&file), "--output-file", "no/such/folder.csv"], 1, "no/such/folder.csv"),
-        (&["run", path(&file), "--output-file", "x.parq"], 2, "end in .csv, .mcap or .parquet"),
+        (&["run", path(&file), "--output-file", "x.parq"], 2, "ends in .csv, .mcap or .parquet"),
         (&["run", path(&failing)], 1, "the results until then are in test_out.csv"),
         (&["simulate", path(&file)], 3, "ZIP"),
         (&["nonsense"], 2, "nonsense"),

@@ -44,7 +44,7 @@ fn a_file_cut_at_any_byte_is_read_as_far_as_it_goes() {
         std::fs::write(&cut, &bytes[..length]).unwrap();
         let read = Recording::read(&cut);
         if length < 8 {
-            assert!(read.unwrap_err().to_string().contains("no MCAP"), "{length}");
+            assert!(read.unwrap_err().to_string().contains("not MCAP"), "{length}");
             continue;
         }
         let read = read.unwrap_or_else(|error| panic!("{length}: {error}"));
