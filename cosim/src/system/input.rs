@@ -1,8 +1,8 @@
-//! What connected inputs do during a step: hold a value or move linearly.
+//! What connected inputs do during a step: hold a value or change linearly.
 //!
-//! Linear is for continuous Reals at both ends, into a component that can take it: model exchange
-//! always (we integrate it), co-simulation where the FMU declares canInterpolateInputs. Other
-//! inputs hold their value, and that is said when linear was asked for.
+//! Linear inputs need continuous Reals at both ends, and a component that supports it: model
+//! exchange always (we integrate it), co-simulation if the FMU declares canInterpolateInputs. Other
+//! inputs hold their value, which is noted if linear was requested.
 
 use super::{Connection, Model, System};
 use crate::error::{Code, Error, Result};
@@ -12,10 +12,10 @@ use crate::names;
 /// What an input does during a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Input {
-    /// It keeps one value: that of the step's beginning, or fresh that of its end.
+    /// It keeps one value: that of the start of the step, or if fresh that of its end.
     #[default]
     Hold,
-    /// It moves: on by the slope of its source, or fresh from one value to the other.
+    /// It moves: with the slope of its source, or if fresh from one value to the other.
     Linear,
 }
 
@@ -31,14 +31,14 @@ impl std::str::FromStr for Input {
     }
 }
 
-/// Decides for each connection; notes the components that hold against the wish.
+/// Decides for each connection; notes the components that hold despite the request.
 pub(super) fn apply(system: &mut System, requests: &[(String, Input)]) -> Result<()> {
     let names: Vec<String> = system.connections().iter().map(|c| system.port_name(c.to)).collect();
     let mut problems = Vec::new();
     for (request, _) in requests.iter().filter(|(request, _)| !request.is_empty()) {
         if !names.iter().any(|name| names::matches(request, name)) {
             problems.push(
-                Error::new(Code::UnknownName, format!("'{request}' is no connected input"))
+                Error::new(Code::UnknownName, format!("'{request}' is not a connected input"))
                     .maybe_help(names::did_you_mean(request, names.iter().map(String::as_str))),
             );
         }
@@ -51,7 +51,7 @@ pub(super) fn apply(system: &mut System, requests: &[(String, Input)]) -> Result
         let wanted = requests.iter().rev().find(|(request, _)| fits(request));
         let wanted = wanted.is_some_and(|(_, input)| *input == Input::Linear);
         let receiver = &system.components()[connection.to.component];
-        // A function follows at once; its own outputs may move.
+        // A function follows immediately; its own outputs may move.
         let function = matches!(receiver.model, Model::Function(_));
         let moves = wanted && !function && smooth(system, connection);
         let able = match &receiver.model {

@@ -66,7 +66,7 @@ fn all_kinds_of_problems_at_once_with_file_and_line() {
         ("E202", "no component 'clok'", "did you mean 'clock'?"),
         ("E202", "no variable 'yy'", "did you mean 'y'?"),
         ("E203", "'unsettable.u' has two drivers", "remove one"),
-        ("E203", "gain.y -> unsettable.m", "Real joins Real"),
+        ("E203", "gain.y -> unsettable.m", "Real connects to Real"),
         ("E203", "'unparsed.y' is no input", "an output and an input"),
         ("E202", "'gain' has no variable 'kk'", "did you mean 'k'?"),
         ("E204", "'unsettable.y' cannot be given a start value", "set a parameter"),

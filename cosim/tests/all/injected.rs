@@ -118,7 +118,7 @@ fn what_cannot_be_injected_is_told_and_changes_nothing() {
         "'value' is missing",
         "'from'",
         "'when'",
-        "no number",
+        "not a number",
         "no fault",
         "is unknown",
     ];

@@ -165,7 +165,7 @@ fn groups_of_variables_and_vectors() {
             "name='prot'/><SignalGroup",
             &["E202", "no variable group 'prot'", "'port'?", "OspSystemStructure.xml:11"][..],
         ),
-        ("simulator='b' name='in'", "simulator='g' name='in'", &["not of the same size"]),
+        ("simulator='b' name='in'", "simulator='g' name='in'", &["differ in size"]),
         ("dimension='1'", "dimension='2'", &["vectors of 'v' have 2"]),
         ("inputCount='2'", "inputCount='0'", &["'v' has 0 inputs"]),
         ("inputCount='2'", "inputCount='99999999'", &["must be 1 to"]),

@@ -30,7 +30,7 @@ fn what_is_not_signed_by_that_key_is_neither_valid_nor_allowed() {
     assert_eq!(run(&["keys", "sign", "--key", "ours.key", "gain.fmu"]).0, 0);
     assert_eq!(validate("ours.pub").0, 0);
     let (code, stderr) = validate("theirs.pub");
-    assert!(code == 3 && stderr.contains("of another key"), "{stderr}");
+    assert!(code == 3 && stderr.contains("with another key"), "{stderr}");
     let (code, stderr) = validate("ours.key");
     assert!(code == 1 && stderr.contains("no public key"), "{stderr}");
 

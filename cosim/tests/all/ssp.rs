@@ -224,7 +224,7 @@ fn descriptions_in_descriptions() {
     let part = "<ssd:Component name='x' type='application/x-ssp-definition' source='test.ssd'/>";
     assert_parts(
         &folder.error(&ssd(&system(part, ""), "")),
-        &["too many descriptions lie one in the other"],
+        &["descriptions are nested too deeply"],
     );
 }
 
@@ -290,10 +290,10 @@ fn a_text_is_read_without_any_file() {
     assert_eq!(cosim::System::read_text(&text).unwrap(), 2);
     let binding = bound("<ssd:ParameterBinding source='/etc/hostname'/>");
     let error = cosim::System::read_text(&ssd(&binding, "")).unwrap_err().to_string();
-    assert_parts(&error, &["E208", "text:8", "without a place"]);
+    assert_parts(&error, &["E208", "text:8", "without a location"]);
     let part = "<ssd:Component name='x' type='application/x-ssp-package' source='/x.ssp'/>";
     let error = cosim::System::read_text(&ssd(&system(part, ""), "")).unwrap_err().to_string();
-    assert_parts(&error, &["E208", "without a place"]);
+    assert_parts(&error, &["E208", "without a location"]);
     assert!(cosim::System::read_text("<OspSystemStructure").is_err());
 }
 

@@ -1,4 +1,4 @@
-//! Connections: both ends exist, an output drives an input of its type, and no other does.
+//! Checks connections: both ends exist, an output drives an input of its type, and no other does.
 
 use super::Findings;
 use super::components::{Opened, unknown_component, variable};
@@ -46,7 +46,7 @@ struct End<'a> {
     listed: Option<&'a RawConnector>,
 }
 
-/// Component and connector as they are written.
+/// Component and connector as written.
 type Name = (String, String);
 
 impl<'a> Checker<'a> {
@@ -81,7 +81,7 @@ impl<'a> Checker<'a> {
         Ok(Some(Connection { from: start.port, to: end.port, conversion }))
     }
 
-    /// Source and destination: which end is written first says nothing.
+    /// Source and destination: the order in the file does not matter.
     fn directed(&self) -> (&'a Name, &'a Name) {
         let (first, second) = (&self.connection.from, &self.connection.to);
         let causality = |name: &Name| {
@@ -95,7 +95,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// The component of an end; where connectors are listed, its own must be.
+    /// The component of an end; if connectors are listed, this one must be among them.
     fn component(
         &self,
         (component, connector): &Name,
@@ -142,12 +142,12 @@ impl<'a> Checker<'a> {
                 (Some(Model::Fmu(fmu)), true) => self
                     .wrong(Code::Replacement, format!("'{}' has no output '{name}'", opened.name))
                     .why(format!(
-                        "{} was put in its place, and the connection to {}.{} needs it",
+                        "{} replaces it, and the connection to {}.{} needs that output",
                         fmu.path().display(),
                         self.connection.to.0,
                         self.connection.to.1,
                     ))
-                    .help("take an FMU with the same outputs"),
+                    .help("use an FMU with the same outputs"),
                 _ => self.place(unknown),
             })?;
         let connectors = self.raw.components[component].connectors.as_ref();
@@ -162,7 +162,7 @@ impl<'a> Checker<'a> {
         }
         let (name, causality) = (&end.variable.name, end.variable.causality.name());
         Err(self
-            .wrong(Code::Connection, format!("'{component}.{name}' is no {}", wanted.name()))
+            .wrong(Code::Connection, format!("'{component}.{name}' is not an {}", wanted.name()))
             .why(format!("its causality is {causality}"))
             .help("a connection joins an output and an input"))
     }
@@ -179,7 +179,7 @@ impl<'a> Checker<'a> {
             .wrong(Code::Connection, format!("{}.{} -> {}.{}", from.0, from.1, to.0, to.1))
             .why(format!("it joins {} and {}", start.name(), end.name()))
             .help(
-                "Real joins Real, Integer and Enumeration each other, Boolean and String their own",
+                "Real connects to Real, Integer and Enumeration to each other, Boolean and String to their own type",
             ))
     }
 
@@ -200,7 +200,7 @@ impl<'a> Checker<'a> {
         let way = conversion::between(&start, &end, &self.connection.stages).map_err(|error| {
             let help = match error.code() {
                 Code::Unit => Some(
-                    "correct a unit, or say what is meant: a transformation with \
+                    "correct a unit, or specify the conversion: a transformation with \
                      suppressUnitConversion=\"true\""
                         .to_owned(),
                 ),
@@ -236,7 +236,7 @@ impl<'a> Checker<'a> {
         let name = component.description().map_or("", |d| &d.variables[found.to.variable].name);
         let what = format!("the input '{}.{name}' has two drivers", component.name);
         self.wrong(Code::Connection, what)
-            .why(format!("the connection on line {} drives it already", first.place.line))
+            .why(format!("the connection on line {} already drives it", first.place.line))
             .help("remove one of the two")
     }
 

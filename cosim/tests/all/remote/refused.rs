@@ -62,7 +62,7 @@ fn where_nothing_can_be_written_it_is_said() {
     std::fs::copy(Gain.fmu(), &own).unwrap();
     let arguments = ["proxy", "own.fmu", "-o", "own.fmu", "--library", library];
     let (code, stderr) = crate::distributed::outcome(folder.path(), &arguments);
-    assert!(code == 2 && stderr.contains("take the place of"), "{stderr}");
+    assert!(code == 2 && stderr.contains("replace the FMU itself"), "{stderr}");
     assert_eq!(std::fs::read(own).unwrap(), std::fs::read(Gain.fmu()).unwrap());
 }
 
