@@ -1,10 +1,10 @@
-//! What distribution costs, beside a raw TCP ping-pong of the same run: microseconds of a
-//! macro-step on 2 and 8 workers, with and without snapshots and TLS; how long it takes from a
-//! kill until the run goes on; how long an FMU of 100 MB is on its way.
+//! The cost of distribution, compared with a raw TCP ping-pong in the same run: microseconds per
+//! macro-step on 2 and 8 workers, with and without snapshots and TLS; the time from a kill until
+//! the run continues; the time to transfer an FMU of 100 MB.
 //!
-//! `cargo bench -p cosim --bench distributed`. All are measured in turn, several times over, and
-//! medians are shown. A cost per step is the difference of a long and a short run, divided by the
-//! steps between them, so start and end do not count.
+//! `cargo bench -p cosim --bench distributed`. All are measured alternately, several times, and
+//! medians are shown. A cost per step is the difference between a long and a short run, divided by
+//! the steps between them, so start and end do not count.
 
 #[path = "../tests/element/mod.rs"]
 mod element;
@@ -22,10 +22,10 @@ const REPETITIONS: usize = 5;
 const STEP: f64 = 1e-3;
 /// Steps of the short and of the long run.
 const STEPS: [u32; 2] = [1_000, 25_000];
-/// Octets of a ping, about those of a step.
+/// Size of a ping in octets, about that of a step.
 const PING: usize = 64;
 const PINGS: u32 = 4_000;
-/// Says that this process is the other side of a ping-pong.
+/// Marks this process as the other side of a ping-pong.
 const ECHO: &str = "COSIM_BENCH_ECHO";
 const KILLS: usize = 12;
 
@@ -86,7 +86,7 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// The other side: gives back what comes.
+/// The other side: echoes what it receives.
 fn echo(address: &str) {
     let mut stream = TcpStream::connect(address).unwrap();
     stream.set_nodelay(true).unwrap();
@@ -96,7 +96,7 @@ fn echo(address: &str) {
     }
 }
 
-/// Microseconds until all of `others` have given back a message.
+/// Microseconds until all of `others` have echoed a message.
 fn ping_pong(others: usize) -> f64 {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap().to_string();
@@ -144,7 +144,7 @@ impl Bench {
         command
     }
 
-    /// Microseconds of a macro-step: two FMUs a worker, all workers at once.
+    /// Microseconds per macro-step: two FMUs per worker, all workers at once.
     fn step(&self, workers: usize, tls: bool, save_every: u32) -> f64 {
         let stop = f64::from(STEPS[1]) * STEP;
         let system = element::chain(&self.fmu, 2 * workers, STEP, stop);
@@ -201,11 +201,11 @@ impl Bench {
         let mut command = Command::new(env!("CARGO_BIN_EXE_cosim"));
         command.args(["worker", "--name", name, "--connect", endpoint, "--allow-upload"]);
         command.arg("--credentials").arg(keys.join(name)).stderr(Stdio::null());
-        // It dials again until somebody listens.
+        // It reconnects until something listens.
         Lent(command.spawn().unwrap())
     }
 
-    /// Milliseconds from kills of groups until the run went on, as it tells them.
+    /// Milliseconds from kills of groups until the run continued, as it reports them.
     fn kills(&self) -> Vec<f64> {
         let system = element::chain(&self.fmu, 4, STEP, 1e4);
         let mut command = self.command(&system, 400_000, &["--workers", "2"]);
@@ -231,8 +231,8 @@ impl Bench {
             .collect()
     }
 
-    /// Seconds that a worker makes a run of one step longer, with an FMU of 100 MB more than with a
-    /// small one.
+    /// By how many seconds a run of one step on a worker is longer with an FMU of 100 MB than with
+    /// a small one.
     fn delivery(&self) -> f64 {
         let large = self.folder.path().join("large").join("element.fmu");
         std::fs::create_dir_all(large.parent().unwrap()).unwrap();
@@ -261,7 +261,7 @@ impl Drop for Lent {
     }
 }
 
-/// The same FMU with 100 MB that do not shrink among its resources.
+/// The same FMU with 100 MB of incompressible data among its resources.
 fn padded(fmu: &Path, large: &Path) {
     let library = fmu.with_file_name("element.so");
     let mut state = 1_u64;

@@ -433,7 +433,7 @@ mod tests {
     }
 
     #[test]
-    fn every_mistake_is_told_with_its_event() {
+    fn every_mistake_is_reported_with_its_event() {
         let text = r#"{"event": [], "events": [{"time": "x"}, {"time": 1, "model": "a"},
             {"time": 1, "model": "a", "variable": "x", "action": "overide", "value": 1}]}"#;
         let error = parse(text, Path::new("s.json")).unwrap_err().to_string();

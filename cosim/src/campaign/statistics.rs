@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn verdicts_are_open_until_the_runs_tell_and_say_how_many_more_would() {
+    fn verdicts_are_open_until_the_runs_decide_and_say_how_many_more_would() {
         assert_eq!(decide(100, 100, 0.95, 0.95), Answer::Pass);
         assert_eq!(decide(50, 100, 0.95, 0.95), Answer::Fail);
         let Answer::Undecided(Some(more)) = decide(20, 20, 0.95, 0.95) else { panic!() };

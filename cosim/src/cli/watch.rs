@@ -106,7 +106,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn who_is_waited_for_is_named() {
+    fn the_awaited_group_is_named() {
         let group = |name: &str, awaited| GroupStatus {
             components: vec![name.to_owned()],
             place: format!("worker {name}"),

@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn whoever_sleeps_is_woken_by_as_many_as_it_waits_for_or_by_an_urgent_one() {
+    fn a_sleeping_thread_is_woken_by_as_many_as_it_waits_for_or_by_an_urgent_one() {
         let shared = Inbox::new().0;
         let slot = Slot(shared.clone());
         let sleep = |wanted| {

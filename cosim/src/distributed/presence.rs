@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn who_is_missing_is_told_with_the_nearest_name() {
+    fn a_missing_worker_is_reported_with_the_nearest_name() {
         let present = Presence::default();
         present.note(&VERSION.to_string(), "left", true);
         let error = present.gather(1, &["lefd".to_owned()], SHORT).unwrap_err();

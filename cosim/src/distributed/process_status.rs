@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn who_is_killed_from_outside_has_no_fault() {
+    fn a_process_killed_from_outside_is_not_at_fault() {
         assert!(!status(ProcessState::Killed(libc::SIGKILL), true).is_own_fault());
         assert!(!status(ProcessState::Stopped, true).is_own_fault());
         assert!(!status(ProcessState::Runs, false).is_own_fault());

@@ -189,7 +189,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn another_processor_or_library_is_told_and_another_machine_is_not() {
+    fn another_processor_or_library_is_reported_and_another_machine_is_not() {
         let like = WorkerInfo::of_this("left", true);
         let other = WorkerInfo { name: "right".to_owned(), host: "far".to_owned(), ..like.clone() };
         assert_eq!(differences(&[like.clone(), other.clone()]).len(), usize::from(like.is_loose()));

@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn told_derivatives_save_passes_and_wrong_ones_do_not_harm() {
+    fn known_derivatives_save_passes_and_wrong_ones_do_no_harm() {
         let g = |v: &[f64], g: &mut [f64]| g[0] = 5.0 - 3.0 * v[0];
         let mut exact = Counted::new(Some(-3.0), g);
         let outcome = solve(&mut [0.0], &mut exact).unwrap();
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_solution_is_told() {
+    fn what_has_no_solution_is_reported() {
         let mut g = Counted::new(None, |v, g| g[0] = v[0] + 1.0);
         assert!(!solve(&mut [0.0], &mut g).unwrap().converged());
     }

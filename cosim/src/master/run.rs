@@ -176,7 +176,7 @@ impl<'a> Run<'a> {
                 if output == stop {
                     return Ok((stop, None));
                 }
-                if let Some(reason) = self.wish_to_stop() {
+                if let Some(reason) = self.stop_request() {
                     return Ok((output, Some(reason)));
                 }
                 output = start + interval.after(output - start);
@@ -194,7 +194,7 @@ impl<'a> Run<'a> {
             if now == output {
                 self.take_snapshots(driven, now, &mut taken)?;
                 output = start + interval.after(output - start);
-                ended = ended.or_else(|| self.wish_to_stop());
+                ended = ended.or_else(|| self.stop_request());
             }
             if now == stop {
                 return Ok((stop, None));
@@ -221,7 +221,7 @@ impl<'a> Run<'a> {
         self.observers.iter_mut().try_for_each(|observer| observer.sample(now, row))
     }
 
-    fn wish_to_stop(&self) -> Option<Stop> {
+    fn stop_request(&self) -> Option<Stop> {
         self.observers.iter().find_map(|observer| observer.stop())
     }
 

@@ -83,7 +83,7 @@ impl Engine {
 
     pub(super) fn report(&mut self) -> Report {
         let (mut warnings, mut notes) = (self.warnings.clone(), Vec::new());
-        self.tell_control(&mut warnings, &mut notes);
+        self.report_control(&mut warnings, &mut notes);
         let taken_back = self.control.as_ref().map_or(0, |control| control.rejected);
         let each = self.slaves.iter_mut().zip(&self.paces).zip(&self.meter.costs);
         let components = each.map(|((slave, pace), cost)| ComponentReport {
@@ -95,7 +95,7 @@ impl Engine {
         Report { components: components.collect(), efforts: self.efforts.clone(), warnings, notes }
     }
 
-    fn tell_control(&self, warnings: &mut Vec<String>, notes: &mut Vec<String>) {
+    fn report_control(&self, warnings: &mut Vec<String>, notes: &mut Vec<String>) {
         let Some(control) = &self.control else {
             return;
         };

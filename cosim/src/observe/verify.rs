@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_sample_that_differs_is_told_with_all_its_variables() {
+    fn the_first_sample_that_differs_is_reported_with_all_its_variables() {
         let a = recording(&[("x", &[0.0, 1.0, 1.0]), ("y", &[0.0, -0.0, 5.0]), ("z", &[1.0; 3])]);
         let next = 1.0_f64.next_up();
         let b = recording(&[("z", &[1.0; 3]), ("x", &[0.0, next, 2.0]), ("y", &[0.0, 0.0, 5.0])]);

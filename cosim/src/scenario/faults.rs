@@ -257,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn every_mistake_is_told_with_its_line_and_a_typo_with_the_nearest_key() {
+    fn every_mistake_is_reported_with_its_line_and_a_typo_with_the_nearest_key() {
         let text = "sed = 1\n[[fault]]\nkind = \"wite-noise\"\non = \"a.x\"\n\n[[fault]]\n\
                     kind = \"white-noise\"\nsigma = 0\nfron = 2\n\n[[fault]]\nkind = \"stuck\"\n\
                     on = \"a.x\"\nfrom = 5\nuntil = 4\n[[fault]]\nkind = \"ramp\"\non = \"b.y\"\n\

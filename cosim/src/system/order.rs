@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn a_loop_goes_by_the_file_and_is_told() {
+    fn a_loop_goes_by_the_file_and_is_reported() {
         // 0 -> 2 -> 1 -> 0 is a loop, 3 feeds it, 4 is fed.
         let edges = [(0, 2), (2, 1), (1, 0), (3, 0), (1, 4)];
         let order = of_graph(5, &edges, &[true; 5]);

@@ -1,5 +1,5 @@
 //! What FMUs try, in the three places where they run: in the process of `cosim`, isolated, and on
-//! workers. SECURITY.md shows the same table.
+//! workers. SECURITY.md contains the same table.
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -13,21 +13,21 @@ use crate::locked::on_worker;
 use crate::models::Model;
 use crate::ssd::Ssd;
 
-/// What came of an attack.
+/// The outcome of an attack.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Came {
     /// It succeeded.
     Done,
     /// The kernel refused it.
     Refused,
-    /// The run ended with an error that says so.
+    /// The run ended with an error that reports it.
     Ended,
-    /// It was set back, and told.
+    /// It was undone, and reported.
     SetBack,
 }
 use Came::{Done, Ended, Refused, SetBack};
 
-/// An attack: in words, as C, and what comes of it in the process, isolated, and on a worker.
+/// An attack: as text, as C, and its outcome in the process, isolated, and on a worker.
 const ATTACKS: [(&str, &str, [Came; 3]); 22] = [
     (
         "writes a file in the home folder",
@@ -91,7 +91,7 @@ const ATTACKS: [(&str, &str, [Came; 3]); 22] = [
 
 const PLACES: [&str; 3] = ["in process", "`--isolate`", "worker"];
 
-/// A home folder with something to take.
+/// A home folder with something to steal.
 struct Home(TempDir);
 
 impl Home {
@@ -201,7 +201,7 @@ fn what_comes_of_attacks_is_what_the_documentation_says() {
     for (name, attack, wanted) in ATTACKS {
         let fmu = attacker(folder.path(), attack);
         for (place, wanted) in wanted.into_iter().enumerate() {
-            // A stopped process would have to be waited for.
+            // A stopped process would have to time out.
             if (name, place) == ("stops itself", 0) {
                 continue;
             }
@@ -223,7 +223,7 @@ fn what_comes_of_attacks_is_what_the_documentation_says() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// The table as the documentation has it.
+/// The table in the form of the documentation.
 fn table() -> String {
     let mut lines =
         vec![format!("| an FMU | {} |", PLACES.join(" | ")), "|---|---|---|---|".to_owned()];
@@ -246,7 +246,8 @@ fn the_table_stands_in_security_md() {
     assert!(text.contains(&table()), "SECURITY.md should have:\n{}", table());
 }
 
-/// A neighbour computes the same, whatever an FMU does to the process, in one process and in two.
+/// Another FMU computes the same results, whatever an FMU does to the process, in one process and
+/// in two.
 #[test]
 fn a_neighbour_computes_the_same() {
     let folder = TempDir::new().unwrap();
@@ -288,7 +289,7 @@ fn a_neighbour_computes_the_same() {
     }
 }
 
-/// What an FMU starts ends with the run, also where nothing confines it.
+/// Everything an FMU starts ends with the run, even if nothing confines it.
 #[test]
 fn what_an_fmu_starts_ends_with_the_run() {
     let folder = TempDir::new().unwrap();
@@ -320,7 +321,7 @@ fn what_an_fmu_starts_ends_with_the_run() {
     }
 }
 
-/// A signal ends a run in an FMU that does not come back; its results are kept.
+/// A signal ends a run in an FMU that does not return; its results are kept.
 #[test]
 fn one_signal_ends_a_run_in_an_fmu_that_spins() {
     let folder = TempDir::new().unwrap();
@@ -340,8 +341,8 @@ fn one_signal_ends_a_run_in_an_fmu_that_spins() {
     }
 }
 
-/// Where nothing confines it, an FMU that stops its process looks as if somebody else had done it. It is not
-/// tried for ever.
+/// Without confinement, an FMU that stops its process looks like one stopped by a user. It is not
+/// retried forever.
 #[test]
 fn an_fmu_that_stops_itself_ends_the_run() {
     let folder = TempDir::new().unwrap();
@@ -357,7 +358,7 @@ fn an_fmu_that_stops_itself_ends_the_run() {
     );
 }
 
-/// A group whose process ends before it can be spoken to is not waited for.
+/// A group whose process ends before it is ready is not waited for.
 #[test]
 fn a_group_that_dies_while_it_begins_is_noticed() {
     let folder = TempDir::new().unwrap();

@@ -1,4 +1,5 @@
-//! Campaigns as a user sees them: the same rows however they are made, nothing lost, verdicts.
+//! Campaigns from the user's point of view: the same rows however they are made, nothing lost,
+//! verdicts.
 
 use std::path::Path;
 use std::process::Stdio;
@@ -43,7 +44,7 @@ noisy = "noise.toml"
 last = { kind = "final", of = "x.y" }
 "#;
 
-/// The rows, without the time that they took.
+/// The rows, without the time of the runs.
 fn rows(folder: &Path, name: &str) -> Vec<String> {
     let text = String::from_utf8(results(folder, name)).unwrap();
     text.lines().map(|line| line.rsplit_once(',').unwrap().0.to_owned()).collect()
@@ -72,7 +73,7 @@ fn rows_are_the_same_however_many_processes_made_them_and_after_kills() {
         let mut again =
             cosim(folder, &["campaign", "c.toml", "-q", "--csv", "--output-dir", "killed"]);
         let mut process = again.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-        // It is killed when some more rows are there, if it is not over.
+        // It is killed when there are some more rows, unless it has finished.
         let log = folder.join("killed/runs.jsonl");
         let length = || std::fs::metadata(&log).map_or(0, |log| log.len());
         let before = length();
@@ -101,14 +102,14 @@ fn a_run_is_made_again_to_the_last_bit_and_a_changed_campaign_is_refused() {
     let (code, stderr) = outcome(folder, &["replay", "c_campaign", "5"]);
     assert_eq!(code, 0, "{stderr}");
     assert!(stderr.contains("the same to the last bit"), "{stderr}");
-    // Everything is recorded, and what the figure is of as well.
+    // Everything is recorded, including the variable of the figure.
     let recorded = String::from_utf8(results(folder, "run5.csv")).unwrap();
     assert!(recorded.lines().next().unwrap().contains("g.k"), "{recorded}");
     let last = rows(folder, "c_campaign/runs.csv")[6].split(',').nth(7).unwrap().to_owned();
     let place = recorded.lines().next().unwrap().split(',').position(|name| name == "x.y");
     let end = recorded.lines().last().unwrap().split(',').nth(place.unwrap()).unwrap();
     assert_eq!(end.parse::<f64>().unwrap(), last.parse::<f64>().unwrap());
-    // More seeds are more of the same; another distribution is another campaign.
+    // More seeds extend the campaign; another distribution makes it another campaign.
     let text = HEAD.replace("seeds = 12", "seeds = 13");
     std::fs::write(folder.join("c.toml"), &text).unwrap();
     let before = rows(folder, "c_campaign/runs.csv");
@@ -168,7 +169,7 @@ fn thresholds_decide_the_exit_code() {
     }
 }
 
-/// What a file of JSON in the results has at this place.
+/// The value at this position of a JSON file in the results.
 fn json(folder: &Path, name: &str, pointer: &str) -> serde_json::Value {
     let json: serde_json::Value = serde_json::from_slice(&results(folder, name)).unwrap();
     json.pointer(pointer).unwrap_or_else(|| panic!("{pointer} of {json:#}")).clone()
@@ -186,7 +187,7 @@ fn a_sequential_campaign_leaves_cells_alone_that_are_decided() {
     let rows = rows(folder, "c_campaign/runs.csv");
     let count = |cell: &str| rows.iter().filter(|row| row.contains(cell)).count();
     assert_eq!((count("chain/clean"), count("chain/noisy")), (10, 40));
-    // Three looks share what the verdict may be wrong.
+    // Three checks share the error probability of the verdict.
     assert_eq!(json(folder, "c_campaign/summary.json", "/verdicts/0/answer"), "pass");
 }
 
@@ -257,7 +258,7 @@ fn normalised_errors_are_held_against_chi_square_over_time() {
 }
 
 #[test]
-fn a_dry_run_says_how_much_there_is_and_mistakes_are_told_before_it() {
+fn a_dry_run_says_how_much_there_is_and_mistakes_are_reported_before_it() {
     let folder = TempDir::new().unwrap();
     let folder = folder.path();
     campaign(folder, "");

@@ -1,4 +1,4 @@
-//! Checked before it runs: everything that is wrong, at once, with file and line, for programs.
+//! Validation before a run: all problems at once, with file and line, also as JSON.
 
 use std::process::Command;
 

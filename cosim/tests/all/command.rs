@@ -100,7 +100,7 @@ fn one_fmu_with_inputs_of_a_file() {
 }
 
 #[test]
-fn exit_codes_tell_what_kind_of_failure() {
+fn exit_codes_show_what_kind_of_failure() {
     let good = Ssd::new().add("g", Model::Gain);
     let file = good.write();
     let failing = Ssd::new().add_with("g", Model::Failing, &[("second", 0.5)], None);
@@ -154,7 +154,7 @@ fn info_is_readable_by_programs() {
 }
 
 #[test]
-fn info_tells_platforms_and_what_can_be_done_with_states() {
+fn info_shows_platforms_and_what_can_be_done_with_states() {
     let folder = TempDir::new().unwrap();
     let fmu = Model::Gain.varied(folder.path(), "canSerializeFMUstate=\"true\"", "");
     let output = cosim(folder.path(), &["info", path(&fmu)]);
@@ -171,7 +171,7 @@ fn info_tells_platforms_and_what_can_be_done_with_states() {
 }
 
 #[test]
-fn inspect_tells_how_late_values_are_and_why() {
+fn inspect_shows_how_late_values_are_and_why() {
     let folder = TempDir::new().unwrap();
     let ssd = Ssd::new()
         .add("g", Model::Gain)
@@ -253,7 +253,7 @@ fn a_closed_pipe_ends_the_run_without_a_word() {
 #[test]
 fn an_interrupted_run_keeps_its_results() {
     let (fmu, folder) = (Model::Clock.fmu(), TempDir::new().unwrap());
-    // A shell lets what it starts in the background ignore SIGINT, and that is inherited.
+    // A shell makes background processes ignore SIGINT, and that is inherited.
     let mut child = Command::new("env")
         .args(["--default-signal=INT", env!("CARGO_BIN_EXE_cosim")])
         .args(["simulate", path(&fmu), "-o", "kept.csv", "--stop-time", "1e8"])
@@ -262,7 +262,7 @@ fn an_interrupted_run_keeps_its_results() {
         .stderr(std::process::Stdio::piped())
         .spawn()
         .unwrap();
-    // The file is there when the handler is.
+    // The file exists once the handler is installed.
     let file = folder.path().join("kept.csv");
     while !file.is_file() {
         std::thread::sleep(std::time::Duration::from_millis(5));
@@ -278,7 +278,7 @@ fn an_interrupted_run_keeps_its_results() {
 }
 
 #[test]
-fn validate_tells_all_problems_with_their_lines() {
+fn validate_reports_all_problems_with_their_lines() {
     let folder = TempDir::new().unwrap();
     let ssd = Ssd::new().add("g", Model::Gain).add("c", Model::Clock).connect("c.y", "g.u");
     let file = ssd.write();
@@ -302,7 +302,7 @@ fn validate_tells_all_problems_with_their_lines() {
 }
 
 #[test]
-fn programs_are_told_what_is_wrong_with_a_run_as_people_are() {
+fn what_is_wrong_with_a_run_is_reported_as_json_as_well() {
     let folder = TempDir::new().unwrap();
     let fmu = Model::Gain.fmu();
     let wrong = ["--start-value", "gian=1", "--start-value", "k=much", "--format=json"];
@@ -397,7 +397,7 @@ fn a_system_is_drawn() {
 }
 
 #[test]
-fn notes_on_sampled_loops_are_told_where_loops_are_looked_at() {
+fn notes_on_sampled_loops_are_reported_where_loops_are_looked_at() {
     let folder = TempDir::new().unwrap();
     let y = "name=\"y\" valueReference=\"2\" causality=\"output\"";
     let sampled = Model::Gain.varied(folder.path(), y, &format!("{y} variability=\"discrete\""));

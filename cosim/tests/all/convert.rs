@@ -1,4 +1,4 @@
-//! What is written is read as the same system, in every format.
+//! Written systems read back as the same system, in every format.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use crate::ssd::{Ssd, run};
 /// A component: name, model, step, start values.
 type Seen = (String, String, f64, Vec<(usize, Value)>);
 
-/// All of a system that can be compared.
+/// Everything in a system that can be compared.
 #[derive(Debug, PartialEq)]
 struct Outline {
     components: Vec<Seen>,
@@ -162,7 +162,7 @@ fn the_verb_converts_with_changes_and_says_what_a_format_cannot() {
     assert_eq!(code, 0, "{reported}");
     assert_parts(&reported, &["note: OSP has no gauss-seidel", "written: folder"]);
     assert!(folder.path("folder/GAIN.fmu").is_file());
-    // Written over itself, the FMUs stay.
+    // When written over itself, the FMUs stay.
     let (code, reported) = cosim(&["convert", "folder", "folder"], &folder);
     assert_eq!(code, 0, "{reported}");
     assert!(System::load(folder.path("folder"), &Overrides::new()).is_ok());
@@ -220,12 +220,12 @@ fn conversions_of_units_are_written_as_what_they_amount_to() {
     assert_eq!(again(&original, &folder.path("a.ssp")), wanted);
     assert_eq!(again(&original, &folder.path("b/a.ssd")), wanted);
     assert_eq!(again(&original, &folder.path("osp")).connections, wanted.connections);
-    // Suppressed, nothing is converted, and that is kept too.
+    // Suppressed conversions are not made, and that is preserved too.
     let suppressed =
         text.replace("<ssd:Connection ", "<ssd:Connection suppressUnitConversion='true' ");
     let original = folder.load(&suppressed).unwrap();
     assert_eq!(again(&original, &folder.path("c.ssp")), outline(&original));
     assert_eq!(crate::formats::last(&run(&original), "g.y"), 1.0);
-    // OSP has no word for it: a function that changes nothing keeps the units apart.
+    // OSP cannot express it: a function that changes nothing keeps the units apart.
     assert_eq!(again(&original, &folder.path("d.xml")).connections, original.connections());
 }

@@ -1,5 +1,5 @@
-//! Files that must be refused, through the real binary: each with exit code 3 and the entry or
-//! line named, in bounded time and memory, with nothing written outside and nothing left behind.
+//! Files that must be refused, through the real binary: each with exit code 3 and the entry or line
+//! named, in bounded time and memory, with nothing written outside and nothing left behind.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -15,7 +15,7 @@ use crate::rawzip::{End, Entry, archive, archive_with};
 const MEMORY: u32 = 3 << 20;
 const TIME: Duration = Duration::from_secs(60);
 
-/// A folder with the file to open and an own place for temporary folders.
+/// A folder with the file to open and its own temporary folder.
 struct Workspace {
     folder: TempDir,
 }
@@ -32,7 +32,7 @@ impl Workspace {
         self.run_in(MEMORY, verb, name, bytes)
     }
 
-    /// The same with other memory, in KiB.
+    /// The same with a different memory limit, in KiB.
     fn run_in(&self, memory: u32, verb: &str, name: &str, bytes: &[u8]) -> (i32, String) {
         let inside = self.folder.path().join("a/b");
         std::fs::write(inside.join(name), bytes).unwrap();
@@ -56,7 +56,7 @@ impl Workspace {
         (code.unwrap_or_else(|| panic!("{}: {shown}", output.status)), shown)
     }
 
-    /// Every file and folder, to see that nothing came.
+    /// Every file and folder, to check that nothing was added.
     fn files(&self) -> Vec<String> {
         fn walk(folder: &Path, found: &mut Vec<String>) {
             for entry in std::fs::read_dir(folder).unwrap().flatten() {
@@ -155,7 +155,7 @@ fn names_that_meet() {
     }
 }
 
-/// Odd, and yet files of their own inside the folder.
+/// Unusual, but valid files inside the folder.
 #[test]
 fn names_that_are_only_names_here() {
     let names = [
@@ -260,7 +260,7 @@ fn bombs() {
     pack(&packed, &[("modelDescription.xml", vec![]), ("resources/zeros", zeros())]);
     let parts = ["'resources/zeros'", "ratio"];
     workspace.refuses("x.fmu", &std::fs::read(&packed).unwrap(), &parts);
-    // Many entries, each below the limit of one.
+    // Many entries, each below the limit for one.
     let names: Vec<String> = (0..20).map(|n| format!("resources/{n}")).collect();
     let entries: Vec<_> = names.iter().map(|n| (n.as_str(), vec![0; 9 << 20])).collect();
     pack(&packed, &entries);
@@ -393,7 +393,7 @@ fn floods_of_variables_types_and_dependencies_end_in_time() {
         workspace.run("validate", "outputs.fmu", &described(with_variables(&outputs)));
     assert_eq!(code, 3, "{shown}");
     assert!(shown.contains("index '3'") || shown.contains("binary"), "{shown}");
-    // One long type of many variables: it is kept once.
+    // One long type of many variables: it is stored once.
     let items: String = (0..50_000).map(|n| format!("<Item name='i{n}' value='{n}'/>")).collect();
     let typed = many(50_000, "><Enumeration declaredType='Mode' start='1'/>");
     let text = with_variables(&typed).replace("<Item name=\"Slow\" value=\"1\"/>", &items);
@@ -413,7 +413,7 @@ fn floods_of_variables_types_and_dependencies_end_in_time() {
 }
 
 #[test]
-fn what_fmi_does_not_have_is_told() {
+fn what_fmi_does_not_have_is_reported() {
     let workspace = Workspace::new();
     let folder = workspace.folder.path().join("outside");
     std::fs::create_dir(&folder).unwrap();
@@ -434,7 +434,7 @@ fn what_fmi_does_not_have_is_told() {
 }
 
 #[test]
-fn a_wrong_guid_is_refused_by_the_fmu_and_told() {
+fn a_wrong_guid_is_refused_by_the_fmu_and_reported() {
     let workspace = Workspace::new();
     let folder = workspace.folder.path().join("outside");
     std::fs::create_dir(&folder).unwrap();
@@ -442,7 +442,7 @@ fn a_wrong_guid_is_refused_by_the_fmu_and_told() {
     let bytes = std::fs::read(fmu).unwrap();
     std::fs::remove_dir_all(folder).unwrap();
     let (code, shown) = workspace.run("simulate -o -", "x.fmu", &bytes);
-    // Only running tells: the library decides.
+    // Only running it shows the problem: the library decides.
     assert_eq!(code, 1, "{shown}");
     assert!(shown.contains("returned NULL") && shown.contains("wrong GUID {other}"), "{shown}");
 }
@@ -460,8 +460,8 @@ fn results_that_lie_about_their_lengths() {
     assert!(shown.contains("r.mcap") && shown.contains("a channel is damaged"), "{shown}");
 }
 
-/// A tree takes a bounded multiple of its text: a namespace that every element is in, names that
-/// occur a million times, attributes by the million. Where that is too much, it is refused in time.
+/// A tree takes a bounded multiple of its text: a namespace shared by all elements, names that
+/// occur a million times, a million attributes. If that is too much, it is refused in time.
 #[test]
 fn small_files_that_would_become_large_trees() {
     let workspace = Workspace::new();
@@ -540,10 +540,10 @@ fn a_million_columns_are_compared_in_time() {
     assert!(shown.contains("2000000 columns"), "{shown}");
 }
 
-/// With a million wrong names and a thousand valid ones, looking for those that may be meant would
-/// take hours.
+/// With a million wrong names and a thousand valid ones, the search for suggestions would take
+/// hours.
 #[test]
-fn wrong_names_by_the_thousand_are_told_in_time() {
+fn wrong_names_by_the_thousand_are_reported_in_time() {
     let workspace = Workspace::new();
     let name = |n: usize| format!("{}{n}", "variable_with_a_long_name_".repeat(6));
     let variables: String = (0..2_000)
@@ -579,14 +579,15 @@ fn wrong_names_by_the_thousand_are_told_in_time() {
     assert!(shown.len() < 1 << 20, "{} bytes are reported", shown.len());
 }
 
-/// What a terminal obeys is shown, wherever it comes from: a name in an FMU, a scenario, a message.
+/// Control characters are shown escaped, wherever they come from: a name in an FMU, a scenario, a
+/// message.
 #[test]
 fn no_text_of_a_file_commands_the_terminal() {
     let workspace = Workspace::new();
     let inside = workspace.folder.path().join("a/b");
     let hostile = "&#27;]0;owned&#7;&#x9b;2J\u{202e}&#10;error: forged";
     let description = Model::Gain.description().replace("\"GAIN\"", "'GAIN'");
-    // The identifier names the library; only the model's name is free.
+    // The identifier names the library; only the name of the model is free.
     let description =
         description.replacen("modelName='GAIN'", &format!("modelName='{hostile}'"), 1);
     let description = description.replace("&#27;", "&#x1b;");

@@ -1,4 +1,4 @@
-//! Reports through the binary: what their data say, and what they do with bad input.
+//! Reports through the binary: their data, and the handling of bad input.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -9,7 +9,7 @@ use tempfile::TempDir;
 use crate::campaign::{HEAD, campaign};
 use crate::distributed::{cosim, outcome, results};
 
-/// The data of a page; nothing of it may be markup.
+/// The data of a page, which must not contain markup.
 fn data(page: &str) -> Value {
     let start = "<script type=\"application/json\" id=\"data\">";
     let (_, rest) = page.split_once(start).expect(page);
@@ -18,7 +18,7 @@ fn data(page: &str) -> Value {
     serde_json::from_str(data).unwrap()
 }
 
-/// The data of the report that this command writes, and what it says on stderr.
+/// The data of the report written by this command, and its stderr.
 fn report(folder: &Path, arguments: &[&str]) -> (Value, String) {
     let arguments = [&["report"][..], arguments, &["--output-file", "out.html"]].concat();
     let (code, stderr) = outcome(folder, &arguments);
@@ -35,7 +35,7 @@ fn strings(list: &Value) -> Vec<&str> {
 }
 
 #[test]
-fn a_campaign_is_told_with_its_worst_and_its_median_run() {
+fn a_campaign_is_reported_with_its_worst_and_its_median_run() {
     let folder = TempDir::new().unwrap();
     let folder = folder.path();
     campaign(folder, "[[verdict]]\nfigure = 'last'\nat-most = 100\n");
@@ -51,7 +51,7 @@ fn a_campaign_is_told_with_its_worst_and_its_median_run() {
     let cells = campaign["cells"].as_array().unwrap();
     assert_eq!(cells.len(), 2);
     for cell in cells {
-        // All runs are points, and the worst run is the greatest of them.
+        // All runs are points, and the worst run is the maximum of them.
         let (runs, values) = (&cell["sample"]["run"], &cell["sample"]["figures"][0]);
         assert_eq!(runs.as_array().unwrap().len(), 12);
         let values: Vec<f64> =
@@ -61,10 +61,10 @@ fn a_campaign_is_told_with_its_worst_and_its_median_run() {
         assert_eq!((&shown[0]["why"], &shown[1]["why"]), (&"worst".into(), &"median".into()));
         assert_eq!(shown[0]["run"], runs[worst]);
         assert!(shown[0]["problem"].is_null(), "{shown:?}");
-        // The run that was made again ends with the figure of its row.
+        // The repeated run ends with the figure in its row.
         let trace = &reported["runs"][&shown[0]["run"].to_string()];
         assert_eq!((&trace["start"], &trace["stop"]), (&0.0.into(), &1.0.into()));
-        // The gain decides the result.
+        // The gain determines the result.
         let correlation = cell["sensitivity"][0][0].as_f64().unwrap();
         assert!(correlation > 0.5, "{correlation}");
     }
@@ -85,7 +85,7 @@ fn what_a_folder_lacks_is_named_and_the_rest_is_shown() {
     let folder = folder.path();
     campaign(folder, "");
     assert_eq!(outcome(folder, &["campaign", "c.toml", "-q"]).0, 0);
-    // A row cut short, one that is no row, and one that failed.
+    // A truncated row, one that is not a row, and one that failed.
     let log = std::fs::read_to_string(folder.join("c_campaign/runs.jsonl")).unwrap();
     let mut lines: Vec<&str> = log.lines().take(20).collect();
     lines.push("{\"run\":\"seven\"}");
@@ -104,7 +104,7 @@ fn what_a_folder_lacks_is_named_and_the_rest_is_shown() {
         (&reported["campaign"]["runs"], &reported["campaign"]["failed"]),
         (&21.into(), &1.into())
     );
-    // Nothing but the manifest: no run is over.
+    // Only the manifest: no run is finished.
     std::fs::remove_file(folder.join("c_campaign/runs.jsonl")).unwrap();
     let (reported, _) = report(folder, &["c_campaign"]);
     assert_eq!(reported["campaign"]["runs"], 0);
@@ -153,7 +153,8 @@ fn folders_and_endings_that_are_no_such_thing_are_refused_with_a_remedy() {
     assert!(!folder.join("x.png").exists());
 }
 
-/// A run on a circle with an estimate that is sure to 0.5 m, and a variable that is no number.
+/// A run on a circle with an estimate that is accurate to 0.5 m, and a variable that is not a
+/// number.
 fn circle() -> String {
     let mut text = "time,t.pose.x,t.pose.y,t.pose.z,t.pose.yaw,e.pose.x,e.pose.y,e.pose.yaw,\
         e.sigma.x,e.sigma.y,e.sigma.yaw,e.innovation.fix.x,e.innovation_sigma.fix.x,\
@@ -203,7 +204,7 @@ fn a_run_has_its_map_errors_and_innovations_with_units() {
     let error = plot("e.pose.x: error");
     assert_eq!((&error["unit"], &error["lines"][0]["v"][7]), (&"m".into(), &0.25.into()));
     assert_eq!(error["band"]["v"][7], 1.5);
-    // The short way round from 3.1 to -3.1.
+    // The shortest rotation from 3.1 to -3.1.
     let yaw = plot("e.pose.yaw: error")["lines"][0]["v"][0].as_f64().unwrap();
     assert!((yaw - (std::f64::consts::TAU - 6.2)).abs() < 1e-4, "{yaw}");
     let innovation = plot("e.innovation.fix.x");
@@ -232,7 +233,7 @@ fn recordings_that_lack_things_are_shown_as_far_as_they_go() {
     let run = &reported["runs"][""];
     assert!(strings(&reported["notes"])[0].contains("no truth is recorded"));
     assert!(run["map"].is_null());
-    // Their units are not known: each has an axis of its own.
+    // Their units are not known: each has its own axis.
     assert_eq!(run["signals"].as_array().unwrap().len(), 2);
     write(folder, "nan.csv", "time,a.pose.x,a.pose.y,b\n0,NaN,NaN,NaN\n1,NaN,NaN,NaN\n");
     let (reported, _) = report(folder, &["nan.csv"]);

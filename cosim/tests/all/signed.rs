@@ -42,7 +42,7 @@ fn what_is_not_signed_by_that_key_is_neither_valid_nor_allowed() {
     }
     let (code, stderr) = run(&[&allow[..], &["--allow-upload"]].concat());
     assert!(code == 2 && stderr.contains("--allow-upload"), "{stderr}");
-    // A folder for certificates is still made by its name alone.
+    // A folder for certificates is still created by its name alone.
     assert_eq!(run(&["keys", "members"]).0, 0);
     assert!(folder.path().join("members/authority/ca.pem").is_file());
 }

@@ -1,4 +1,4 @@
-//! Steps that are taken back, made again, and made by their error; inputs that move.
+//! Steps that are rejected, repeated, and controlled by their error; inputs that move.
 
 use cosim::fmi::Fmu;
 use cosim::observe::Stop;
@@ -20,7 +20,7 @@ fn masses() -> Ssd {
         .stop(4.0)
 }
 
-/// The greatest error of the first mass: its exact solution has the modes 2 and 8.
+/// The maximum error of the first mass: its exact solution has the modes 2 and 8.
 fn error(results: &Recording) -> f64 {
     let exact = |t: f64| 0.5 * ((2.0_f64.sqrt() * t).cos() + (8.0_f64.sqrt() * t).cos());
     let found = results.time().iter().zip(results.column("a.y").unwrap());
@@ -39,7 +39,8 @@ fn the_error_follows_the_tolerance_of_the_step_control() {
             assert!(summary.notes.iter().any(|n| n.contains("accepted")), "{:?}", summary.notes);
             (error(&recording), summary)
         };
-        // Held forces are integrated twice before they show: 1000^(1/3) is the least to expect.
+        // Held forces are integrated twice before they have an effect: at least 1000^(1/3) is
+        // expected.
         let ((coarse, few), (fine, many)) = (outcome(1e-3), outcome(1e-6));
         assert!(coarse < 0.1 && fine < coarse / 5.0, "{input:?}: {coarse} {fine}");
         assert!(many.steps > 2 * few.steps && many.components[0].rejected > 0, "{many:?}");
@@ -64,7 +65,7 @@ fn taking_steps_back_neither_loses_nor_doubles_an_event() {
 }
 
 #[test]
-fn who_cannot_go_back_is_named() {
+fn a_component_that_cannot_go_back_is_named() {
     let folder = TempDir::new().unwrap();
     let flag = "canHandleVariableCommunicationStepSize=\"true\"";
     let fixed = Gain.varied(folder.path(), flag, "");
@@ -78,7 +79,7 @@ fn who_cannot_go_back_is_named() {
 
 #[test]
 fn a_discarded_step_is_made_again_by_smaller_ones() {
-    // It gives up steps longer than 0.04 s, after 0.02 s or without saying how far it came.
+    // It discards steps longer than 0.04 s, after 0.02 s or without reporting how far it got.
     for silent in [0.0, 1.0] {
         let values = [("second", 0.04), ("m", silent)];
         let ssd = Ssd::new()
@@ -93,7 +94,7 @@ fn a_discarded_step_is_made_again_by_smaller_ones() {
         let summary = system.run(&mut [&mut recording]).unwrap();
         assert_near(recording.column("x.y").unwrap(), &[0.0, 0.0, 0.01, 0.03, 0.06]);
         assert!(summary.components[1].rejected >= 4, "{summary:?}");
-        // The half of 0.1 s is still too long; 0.02 s, where it says so, is not.
+        // The half of 0.1 s is still too long; 0.02 s, where it reports that, is not.
         let outcome = ssd.load(&Overrides::new().retries(1)).unwrap().run(&mut []);
         assert_eq!(outcome.err().map(|e| e.code()), (silent == 1.0).then_some(Code::Step));
         let controlled = ssd.load(&Overrides::new().step_control(0.1)).unwrap();
@@ -150,7 +151,7 @@ fn linear_inputs_serve_slow_and_fast_components() {
 }
 
 #[test]
-fn slopes_come_from_differences_where_a_source_tells_none() {
+fn slopes_come_from_differences_where_a_source_provides_none() {
     let folder = TempDir::new().unwrap();
     let silent = Mass.varied(folder.path(), "maxOutputDerivativeOrder=\"1\"", "");
     let error = |overrides: Overrides| {
@@ -223,13 +224,13 @@ fn directional_derivatives_save_passes_where_they_are_provided() {
     let (by_derivatives, reported) = passes(both);
     assert!(reported.contains("Jacobians by directional derivatives"), "{reported}");
     assert!(by_derivatives * 3 < by_differences * 2, "{by_derivatives} {by_differences}");
-    // One that provides none: differences for the whole loop.
+    // One member provides none: differences for the whole loop.
     let (_, reported) = passes(base.replace("x", &cubic));
     assert!(reported.contains("by differences"), "{reported}");
 }
 
 #[test]
-fn costs_are_told_for_each_component() {
+fn costs_are_reported_for_each_component() {
     let ssd = Ssd::new()
         .add("a", Inertia)
         .add_with("slow", Integrator, &[], Some(0.5))

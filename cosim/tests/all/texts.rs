@@ -7,7 +7,7 @@ use crate::command::{cosim, text};
 use crate::formats::{Folder, component, connection, ssd, system};
 use crate::models::Model::Gain;
 
-/// What `said` tells the time to `heard` and that passes it on, with the length as k.
+/// What `said` sends to `heard`, which passes it on, with the length as k.
 fn talk(folder: &Folder) -> std::path::PathBuf {
     let last = "</ModelVariables>";
     let ports = "<ScalarVariable name=\"heard\" valueReference=\"1\" causality=\"input\" \
@@ -46,7 +46,7 @@ fn strings_pass_as_other_values_do() {
         assert_eq!(last(&recording, "b.said"), format!("{heard}, \"said\""));
         assert_eq!(*recording.column("b.k").unwrap().last().unwrap(), 13.0);
     }
-    // By a pattern, too; without being asked for no String is recorded.
+    // Also by a pattern; unless requested, no String is recorded.
     let names = |overrides: &Overrides| {
         let system = System::load(&file, overrides).unwrap();
         system.columns().iter().map(|c| c.name.clone()).collect::<Vec<_>>()
@@ -96,7 +96,7 @@ fn a_run_with_strings_goes_on_from_its_snapshots() {
     Run::new(&system).observe(&mut recorder).snapshots(None, &[at], &mut keep).go().unwrap();
     let file = folder.path("x.snapshot");
     kept.unwrap().write(&file).unwrap();
-    // Another process has other numbers: this one has given out more since then.
+    // Another process has other numbers: this one has assigned more since then.
     cosim::texts::number("something that nobody said before");
     let old = Recording::read_csv(&whole).unwrap();
     let recorder: Box<dyn Observer> = Box::new(CsvRecorder::create(&resumed).unwrap());

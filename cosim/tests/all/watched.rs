@@ -1,4 +1,4 @@
-//! Observers of a distributed run: what they read, and that they can harm nothing.
+//! Observers of a distributed run: what they read, and that they cannot disturb it.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
@@ -32,7 +32,7 @@ fn observer(endpoint: &str) -> zenoh::Session {
     observer_by(endpoint, false)
 }
 
-/// The same, maybe by Zenoh's transport for low latency, which asks for no priorities.
+/// The same, optionally with Zenoh's low-latency transport, which has no priorities.
 fn observer_by(endpoint: &str, quick: bool) -> zenoh::Session {
     let mut config = zenoh::Config::default();
     for (key, value) in [
@@ -68,7 +68,7 @@ fn an_observer_of_everything() {
     while all.recv().is_ok() {}
 }
 
-/// A process that listens to everything, and then does not read any more.
+/// A process that subscribes to everything, and then stops reading.
 fn stalled(endpoint: &str, quick: bool) -> Running {
     let mut command = Command::new(std::env::current_exe().unwrap());
     command.args(["--exact", "watched::an_observer_of_everything", "--nocapture"]);
@@ -85,7 +85,8 @@ fn stalled(endpoint: &str, quick: bool) -> Running {
     observer
 }
 
-/// A run that tells everything at an endpoint, and in its folder the results of the same one here.
+/// A run that publishes everything at an endpoint, and a folder with the results of the same run in
+/// one process.
 fn reported() -> (TempDir, String, Running) {
     let folder = TempDir::new().unwrap();
     let at = folder.path();
@@ -94,7 +95,7 @@ fn reported() -> (TempDir, String, Running) {
     assert_eq!(code, 0, "{stderr}");
     let endpoint = format!("tcp/127.0.0.1:{}", free_port());
     let run = ["run", "wide.ssd", "-q", "-o", "there.csv", "--workers", "2", "--telemetry"];
-    // Slow enough not to be over before its observers are there.
+    // Slow enough not to finish before its observers are connected.
     let run = start(at, &[&run[..], &["--listen", &endpoint, "--real-time=150"]].concat());
     (folder, endpoint, run)
 }
@@ -131,14 +132,14 @@ fn a_stopped_observer_delays_no_step() {
     let groups = status["groups"].as_array().unwrap();
     assert_eq!(groups.len(), 2);
     for group in groups {
-        // One stalled line would hold a step up for the lease, or five seconds.
+        // A stalled connection would hold up a step for the lease, or five seconds.
         let longest = group["longest"].as_f64().unwrap();
         assert!(longest < 4.0, "{status}");
         assert_eq!(group["generation"], 1, "{status}");
     }
 }
 
-/// Zenoh waits without end for somebody who asked for low latency and does not read.
+/// Zenoh waits forever for a peer that requested low latency and does not read.
 #[test]
 fn an_observer_that_blocks_its_line_holds_up_neither_steps_nor_the_end() {
     let begun = Instant::now();

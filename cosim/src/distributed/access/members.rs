@@ -256,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn everybody_has_the_rights_of_his_role_and_no_more() {
+    fn every_name_has_the_rights_of_its_role_and_no_more() {
         let list = members().access_control();
         let key = keys::incarnation("r", "left", 1, 2);
         let (command, answer) = (format!("{key}/cmd/bulk"), format!("{key}/rep/quick"));

@@ -89,7 +89,7 @@ fn what_is_not_deterministic_is_found() {
 }
 
 #[test]
-fn new_lives_are_counted() {
+fn restarts_are_counted() {
     let sample = pair(Nature::State);
     let options = Options { recoveries: 2, ..Options::default() };
     let faults = |count| (0..count).map(|k| (10 + 4 * k, Fault::DiesBefore)).collect();

@@ -37,7 +37,7 @@ fn those_coupled_most_stay_together() {
 }
 
 #[test]
-fn a_wish_takes_along_what_is_coupled_to_it() {
+fn a_request_takes_along_what_is_coupled_to_it() {
     let system = pairs().system;
     assert_eq!(place(&system, &[request("d", "w0")], &workers(2)).unwrap(), [1, 0, 1, 0]);
     assert_eq!(place(&system, &[request("d", "w1")], &workers(2)).unwrap(), [0, 1, 0, 1]);
@@ -56,7 +56,7 @@ fn a_solved_loop_is_in_one_place() {
 }
 
 #[test]
-fn a_wish_that_cannot_be_is_refused_with_the_nearest_name() {
+fn an_impossible_request_is_refused_with_the_nearest_name() {
     let system = pairs().system;
     for (requests, part) in [
         (vec![request("aa", "w0")], "no component 'aa'"),

@@ -1,4 +1,4 @@
-//! The same bytes as in one process, however it is distributed and disturbed.
+//! The same bytes as in one process, however the run is distributed and disturbed.
 
 use super::*;
 
@@ -62,7 +62,7 @@ fn workers_that_were_there_before_serve_several_runs() {
 }
 
 #[test]
-fn an_endpoint_where_a_stranger_listens_does_not_end_the_service_of_others() {
+fn an_endpoint_of_another_program_does_not_end_the_service_of_others() {
     let (file, folder) = (chain(2.0), TempDir::new().unwrap());
     let file = file.write();
     let path = file.to_str().unwrap();
@@ -70,7 +70,7 @@ fn an_endpoint_where_a_stranger_listens_does_not_end_the_service_of_others() {
     let stranger = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let place = endpoint();
     let both = format!("tcp/{},{place}", stranger.local_addr().unwrap());
-    // It answers every call by hanging up.
+    // It answers every call by closing the connection.
     std::thread::spawn(move || stranger.incoming().for_each(drop));
     let _worker = Kept::worker(folder.path(), "left", &both);
     for _ in 0..2 {

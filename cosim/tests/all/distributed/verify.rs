@@ -1,4 +1,4 @@
-//! `cosim verify`: the same or not, and where results part.
+//! `cosim verify`: the same or not, and where results diverge.
 
 use super::*;
 
@@ -30,7 +30,7 @@ fn files_are_the_same_or_part_at_a_named_sample_and_variable() {
     let (code, reported) = verify(folder, "a.csv.digests", "a.mcap.digests");
     assert_eq!(code, 0, "{reported}");
 
-    // One value of one sample, by its last bit.
+    // One value of one sample, in its last bit.
     let text = std::fs::read_to_string(folder.join("a.csv")).unwrap();
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     let column = lines[0].split(',').position(|name| name == "x.y").unwrap();

@@ -1,4 +1,4 @@
-//! Exported systems as parts of systems, side by side, and what the FMUs inside have to say.
+//! Exported systems as parts of systems, side by side, and the messages of their inner FMUs.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use crate::formats::{Folder, component, connection, ssd};
 use crate::models::Model::{self, Clock, Failing, Gain, Integrator};
 use crate::ssd::{Ssd, run, zoo};
 
-/// The chain clock -> gain -> integrator with its middle as an FMU of its own.
+/// The chain clock -> gain -> integrator with its middle exported as an FMU.
 fn around(inner: &Path) -> String {
     let parts = [
         component("clock", &Clock.fmu(), "y:output:Real", ""),
@@ -80,7 +80,7 @@ fn many_instances_on_many_threads_do_not_meet() {
     });
 }
 
-/// Status, text of each message of the exported FMU.
+/// Status and text of each message of the exported FMU.
 fn failing(parameter: f64) -> (cosim::Error, Vec<(i32, String)>) {
     let system = Ssd::new().add("tank", Failing).add("clock", Clock).connect("clock.y", "tank.u");
     let exported = export(&system.write(), &[]);
@@ -97,7 +97,7 @@ fn failing(parameter: f64) -> (cosim::Error, Vec<(i32, String)>) {
 }
 
 #[test]
-fn a_failure_inside_is_told_by_the_component_and_once_by_the_system() {
+fn a_failure_inside_is_reported_by_the_component_and_once_by_the_system() {
     let (error, reported) = failing(0.45);
     assert_eq!(error.status(), Some(3));
     let [(3, inner), (3, own)] = &reported[..] else { panic!("{reported:?}") };

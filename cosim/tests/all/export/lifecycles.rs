@@ -1,5 +1,5 @@
-//! An exported system that is loaded, run and unloaded again and again leaves nothing, and comes back
-//! from steps that no simulation has.
+//! An exported system that is loaded, run and unloaded repeatedly leaves nothing behind, and
+//! returns from steps that no simulation makes.
 #![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 
 use std::path::PathBuf;
@@ -12,7 +12,8 @@ use crate::command::text;
 use crate::models::Model::{Gain, Integrator};
 use crate::ssd::Ssd;
 
-/// Lifecycles, and what each may leave (bytes): some of the dynamic linker's lists grow for a while.
+/// Number of lifecycles, and what each may leave (bytes): some lists of the dynamic linker grow for
+/// a while.
 const CYCLES: usize = 60;
 const LEFT: usize = 1024;
 /// Names the FMU to the child process.

@@ -1,4 +1,4 @@
-//! States of a whole system: kept, set back, as bytes elsewhere, and refused when they are wrong.
+//! States of a whole system: saved, restored, serialized, and refused if they are wrong.
 
 use cosim::Time;
 use cosim::fmi::{Instance, Place};

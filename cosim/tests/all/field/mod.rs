@@ -1,4 +1,4 @@
-//! What FMUs in the field do, each trait on an FMU made for it.
+//! Traits of FMUs in the field, each tested on an FMU made for it.
 
 mod exchange;
 mod files;
@@ -19,7 +19,7 @@ fn with(folder: &TempDir, model: Model, define: &str) -> std::path::PathBuf {
     model.variant(&folder.path().join(format!("{define}.fmu")), &[define], |text| text)
 }
 
-/// Runs an FMU alone: what was recorded, and what was odd.
+/// Runs an FMU alone; returns the recording and the warnings.
 fn run(fmu: &std::path::Path, overrides: &Overrides) -> (Recording, Vec<String>) {
     let overrides = overrides.clone().output_variables(["y", "k", "second"]);
     let system = System::single(fmu, &overrides, None).unwrap();
@@ -55,7 +55,7 @@ fn a_start_value_that_is_not_taken_is_named_once() {
 }
 
 #[test]
-fn messages_of_fmus_with_an_environment_of_their_own_are_told() {
+fn messages_of_fmus_with_an_environment_of_their_own_are_reported() {
     let folder = TempDir::new().unwrap();
     for define in ["ENVIRONMENT_IS_COMPONENT", "ENVIRONMENT_IS_ONE"] {
         let fmu = with(&folder, Gain, define);
@@ -94,7 +94,7 @@ fn model_exchange_without_listed_derivatives_is_refused_and_co_simulation_is_not
             "{reported}"
         );
     }
-    // An empty list says that there are none.
+    // An empty list means that there are none.
     let empty = Lag.varied(folder.path(), list, "<Derivatives></Derivatives>");
     assert!(System::single(&empty, &Overrides::new(), None).is_ok());
 }
@@ -189,7 +189,7 @@ fn what_is_missing_to_run_a_system_does_not_make_it_invalid() {
         assert!(reported.contains("--stop-time") && reported.contains("--step-size"), "{reported}");
     }
     assert!(cosim(at, &["info", "x.ssd"]).status.success());
-    // Nor does it that nothing is in it.
+    // Nor does it report an empty system.
     folder.write("empty.ssd", &ssd(&system("", ""), ""));
     assert!(cosim(at, &["validate", "empty.ssd"]).status.success());
     let reported = crate::command::text(&cosim(at, &["run", "empty.ssd"]).stderr);

@@ -1,4 +1,4 @@
-//! When FMUs take values, give them, and end their steps.
+//! When FMUs accept values, provide them, and end their steps.
 
 use cosim::{Overrides, Recording, System};
 use tempfile::TempDir;

@@ -1,4 +1,4 @@
-//! What FMUs expect of the process that they are in, and of the files around them.
+//! What FMUs expect from their process and from the files around them.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -13,7 +13,7 @@ use crate::models::Model::Gain;
 use crate::models::{compile_into, pack};
 use crate::ssd::Ssd;
 
-/// An FMU of a gain with this library, and with more files in it.
+/// An FMU of a gain with this library, and with additional files.
 fn filled(folder: &Path, library: &Path, more: &[(&str, Vec<u8>)]) -> PathBuf {
     let mut entries = vec![
         ("modelDescription.xml", Gain.description().into_bytes()),
@@ -25,7 +25,7 @@ fn filled(folder: &Path, library: &Path, more: &[(&str, Vec<u8>)]) -> PathBuf {
     fmu
 }
 
-/// One that reads its gain from a file in the folder that this C expression names.
+/// An FMU that reads its gain from a file in the folder given by this C expression.
 fn reading(folder: &Path, place: &str) -> PathBuf {
     let library = folder.join("reading.so");
     compile_into(Gain, &library, &[&format!("READS={place}")], &[]);
@@ -49,7 +49,7 @@ fn resources_are_found_by_fmus_that_cut_the_uri_to_a_path() {
     let fmu = reading(folder.path(), "resources+7");
     let (recording, _) = run(&fmu, &Overrides::new().start_value("u", 1.0));
     assert_eq!(recording.column("y").unwrap()[0], 4.0);
-    // The URI of such a folder is no path, and the FMU itself says what it misses.
+    // The URI of such a folder is not a path, and the FMU itself reports what is missing.
     let odd = folder.path().join("temporary folder \u{fc}");
     std::fs::create_dir(&odd).unwrap();
     let (code, reported) = simulate(folder.path(), &fmu, &odd);

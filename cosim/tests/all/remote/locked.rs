@@ -1,4 +1,4 @@
-//! The door of remote FMUs: mutual TLS, as for runs.
+//! Access to remote FMUs: mutual TLS, as for runs.
 
 use tempfile::TempDir;
 
@@ -18,7 +18,7 @@ fn keys() -> TempDir {
 }
 
 #[test]
-fn only_who_has_a_certificate_computes() {
+fn only_a_worker_with_a_certificate_computes() {
     let folder = keys();
     let endpoint = format!("tls/127.0.0.1:{}", free_port());
     let arguments = ["--credentials", "keys/orchestrator", "--wait", "3"];

@@ -1,4 +1,4 @@
-//! What is refused, and that nothing is written then.
+//! What is refused, and that nothing is written in that case.
 
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
@@ -39,7 +39,7 @@ fn what_cannot_be_computed_elsewhere_is_not_written() {
 }
 
 #[test]
-fn a_door_that_is_open_or_without_keys_is_not_written() {
+fn an_endpoint_that_is_open_or_without_keys_is_not_written() {
     let fmu = Gain.fmu();
     refused(&fmu, &["--listen", "tcp/0.0.0.0:7447"], 1, &["[E504]", "is refused", "--insecure"]);
     refused(&fmu, &["--listen", "udp/127.0.0.1:7447"], 1, &["[E504]", "the protocols are"]);

@@ -30,7 +30,7 @@ impl Reader {
         let step = element.parse::<f64>("stepSize", &self.file, Code::Ssd);
         // 0 means the default, as in libcosim.
         let step = self.gathered.take(step).flatten().filter(|step| *step != 0.0);
-        self.tell_of_rounding(element, &name, step, base_step);
+        self.report_rounding(element, &name, step, base_step);
         if let (Some(path), true) = (&path, self.base.folder.is_some()) {
             self.read_groups(&name, path);
         }
@@ -53,7 +53,7 @@ impl Reader {
     }
 
     /// libcosim steps by integer multiples of the base step.
-    fn tell_of_rounding(
+    fn report_rounding(
         &mut self,
         element: &Element,
         name: &str,
