@@ -125,7 +125,7 @@ mod tests {
         let folder = tempfile::TempDir::new().unwrap();
         let path = |name: &str| folder.path().join(name);
         let [key, public] = make(&path("a")).unwrap();
-        let [_, stranger] = make(&path("b")).unwrap();
+        let [_, other] = make(&path("b")).unwrap();
         assert!(make(&path("a")).unwrap_err().to_string().contains("E302"));
         let file = path("x.fmu");
         fs::write(&file, b"content").unwrap();
@@ -134,7 +134,7 @@ mod tests {
         let beside = sign(&file, &key).unwrap();
         assert_eq!((beside.clone(), fs::read(&beside).unwrap().len()), (path("x.fmu.sig"), 64));
         assert_eq!(code(&public), Ok(()));
-        assert_eq!(code(&stranger), Err(Code::Signature), "another key");
+        assert_eq!(code(&other), Err(Code::Signature), "another key");
         assert_eq!(code(&key), Err(Code::Certificate), "no public key");
         assert!(sign(&file, &public).is_err());
         fs::write(&file, b"Content").unwrap();

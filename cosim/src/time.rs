@@ -34,7 +34,7 @@ impl Time {
     /// The nearest nanosecond to `seconds`; `name` describes the value in the error.
     pub fn from_seconds(seconds: f64, name: &str) -> Result<Self> {
         let ns = (seconds * NANOSECONDS).round();
-        // 2^62 ns (146 years) leaves room for additions.
+        // 2^62 ns (146 years) leaves space for additions.
         if ns.is_finite() && ns.abs() < (1_i64 << 62) as f64 {
             return Ok(Self(ns as i64));
         }

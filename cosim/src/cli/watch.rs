@@ -59,7 +59,7 @@ fn unshown(why: impl std::fmt::Display) -> Error {
 /// One line, for logs.
 fn line(status: &Status) -> String {
     let awaited: Vec<String> = status.groups.iter().filter_map(waiting).collect();
-    let awaited = if awaited.is_empty() { "nobody".to_owned() } else { awaited.join("; ") };
+    let awaited = if awaited.is_empty() { "no group".to_owned() } else { awaited.join("; ") };
     let end = if status.ended { ", ended" } else { "" };
     format!("{}; waiting for {awaited}{end}", head(status))
 }

@@ -31,7 +31,7 @@ const LOOK: Duration = Duration::from_millis(15);
 /// A client that takes nothing for this long is gone.
 const STALLED: Duration = Duration::from_secs(10);
 /// How long a client has to acknowledge the end.
-pub(super) const FAREWELL: Duration = Duration::from_secs(1);
+pub(super) const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// Serves a client until it or the run ends.
 pub(super) fn serve(stream: TcpStream, rest: Vec<u8>, hub: &Hub, speaker: &mut dyn Speaker) {
@@ -106,7 +106,7 @@ fn heard(socket: &mut WebSocket<TcpStream>) -> Option<Option<Message>> {
 /// lose the last messages.
 fn part(socket: &mut WebSocket<TcpStream>) -> Option<()> {
     socket.close(None).ok()?;
-    let mut left = FAREWELL.as_millis() / LOOK.as_millis();
+    let mut left = CLOSE_TIMEOUT.as_millis() / LOOK.as_millis();
     while left > 0 {
         left -= u128::from(heard(socket)?.is_none());
     }

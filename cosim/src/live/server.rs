@@ -9,7 +9,7 @@ use std::time::Duration;
 use ring::rand::{SecureRandom, SystemRandom};
 use serde_json::{Value, json};
 
-use super::client::{FAREWELL, Speaker, serve};
+use super::client::{CLOSE_TIMEOUT, Speaker, serve};
 use super::foxglove::{self, Foxglove};
 use super::hub::{Hub, Playing, Request, locked};
 use super::page::{self, Page};
@@ -133,7 +133,7 @@ impl Drop for Server {
         let some = |_: &mut ()| clients.load(Ordering::Acquire) > 0;
         // Clients that have not acknowledged the end by then are disconnected when the process
         // ends.
-        drop(fewer.1.wait_timeout_while(guard, FAREWELL, some));
+        drop(fewer.1.wait_timeout_while(guard, CLOSE_TIMEOUT, some));
     }
 }
 

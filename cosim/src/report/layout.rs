@@ -85,13 +85,13 @@ impl Layout {
             LegendPlace::Beneath => entries(&figure.panels),
             LegendPlace::Right => Vec::new(),
         };
-        let room = width - Y_AXIS - RIGHT;
-        let (_, legend_height) = flow(&common, room);
+        let space = width - Y_AXIS - RIGHT;
+        let (_, legend_height) = flow(&common, space);
         Layout {
             width,
             height: bottom + ABOVE_LEGEND + legend_height + TOP,
             cells: plan.cells,
-            legend: Legend::rows(common, (Y_AXIS, bottom + ABOVE_LEGEND), room),
+            legend: Legend::rows(common, (Y_AXIS, bottom + ABOVE_LEGEND), space),
         }
     }
 }

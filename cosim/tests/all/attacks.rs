@@ -31,48 +31,52 @@ use Came::{Done, Ended, Refused, SetBack};
 const ATTACKS: [(&str, &str, [Came; 3]); 22] = [
     (
         "writes a file in the home folder",
-        "TELL(open(in_home(\"new\"), O_CREAT | O_WRONLY, 0600))",
+        "REPORT(open(in_home(\"new\"), O_CREAT | O_WRONLY, 0600))",
         [Done, Refused, Refused],
     ),
-    ("reads a file of the user", "TELL(read_file(in_home(\"secret\")))", [Done, Refused, Refused]),
+    (
+        "reads a file of the user",
+        "REPORT(read_file(in_home(\"secret\")))",
+        [Done, Refused, Refused],
+    ),
     (
         "changes the rights of a file",
-        "TELL(chmod(in_home(\"secret\"), 0644))",
+        "REPORT(chmod(in_home(\"secret\"), 0644))",
         [Done, Refused, Refused],
     ),
     (
         "changes the owner of a file",
-        "TELL(chown(in_home(\"secret\"), getuid(), getgid()))",
+        "REPORT(chown(in_home(\"secret\"), getuid(), getgid()))",
         [Done, Refused, Refused],
     ),
     (
         "changes the times of a file",
-        "TELL(utimensat(AT_FDCWD, in_home(\"secret\"), NULL, 0))",
+        "REPORT(utimensat(AT_FDCWD, in_home(\"secret\"), NULL, 0))",
         [Done, Refused, Refused],
     ),
-    ("removes a file", "TELL(unlink(in_home(\"doomed\")))", [Done, Refused, Refused]),
-    ("sends a datagram", "TELL(send_udp(9))", [Done, Refused, Refused]),
-    ("opens a Unix socket", "TELL(socket(AF_UNIX, SOCK_STREAM, 0))", [Done, Refused, Refused]),
+    ("removes a file", "REPORT(unlink(in_home(\"doomed\")))", [Done, Refused, Refused]),
+    ("sends a datagram", "REPORT(send_udp(9))", [Done, Refused, Refused]),
+    ("opens a Unix socket", "REPORT(socket(AF_UNIX, SOCK_STREAM, 0))", [Done, Refused, Refused]),
     (
         "starts a process that outlives the run",
-        "const int child = fork(); if (!child) { setsid(); if (fork()) _exit(0); linger(in_home(\"lingers\")); } TELL(child)",
+        "const int child = fork(); if (!child) { setsid(); if (fork()) _exit(0); linger(in_home(\"lingers\")); } REPORT(child)",
         [Done, Refused, Refused],
     ),
     (
         "starts a program",
-        "TELL(fork() ? 0 : execl(\"/bin/true\", \"true\", NULL)); const int ended = wait(NULL); TELL(ended)",
+        "REPORT(fork() ? 0 : execl(\"/bin/true\", \"true\", NULL)); const int ended = wait(NULL); REPORT(ended)",
         [Done, Refused, Refused],
     ),
     (
         "looks into the process that started it",
-        "TELL(read_file(in_proc(getppid(), \"environ\")))",
+        "REPORT(read_file(in_proc(getppid(), \"environ\")))",
         [Done, Refused, Refused],
     ),
-    ("stops itself", "TELL(raise(SIGSTOP) ? -1 : 0)", [Done, Refused, Refused]),
+    ("stops itself", "REPORT(raise(SIGSTOP) ? -1 : 0)", [Done, Refused, Refused]),
     ("ends the process with exit(0)", "exit(0)", [Ended, Ended, Ended]),
     ("ends the process with _exit(0)", "_exit(0)", [Ended, Ended, Ended]),
     ("ends the process by a system call", "syscall(SYS_exit_group, 0)", [Done, Ended, Ended]),
-    ("kills its process", "kill(getpid(), SIGKILL); TELL(-1)", [Ended, Refused, Refused]),
+    ("kills its process", "kill(getpid(), SIGKILL); REPORT(-1)", [Ended, Refused, Refused]),
     ("sets the rounding of its neighbours", "fesetround(FE_UPWARD)", [SetBack, SetBack, SetBack]),
     (
         "flushes their subnormals to zero",
@@ -80,7 +84,7 @@ const ATTACKS: [(&str, &str, [Came; 3]); 22] = [
         [SetBack, SetBack, SetBack],
     ),
     ("changes the locale", "setlocale(LC_ALL, \"C.UTF-8\")", [SetBack, SetBack, SetBack]),
-    ("changes the working folder", "if (chdir(\"/usr\")) TELL(-1)", [SetBack, SetBack, SetBack]),
+    ("changes the working folder", "if (chdir(\"/usr\")) REPORT(-1)", [SetBack, SetBack, SetBack]),
     (
         "takes SIGTERM and blocks SIGINT",
         "signal(SIGTERM, SIG_IGN); sigset_t s; sigemptyset(&s); sigaddset(&s, SIGINT); sigprocmask(SIG_BLOCK, &s, NULL)",
@@ -161,7 +165,7 @@ fn on_workers_the_user_decides_which_files_are_read_and_the_system_does_not() {
     let (folder, home) = (TempDir::new().unwrap(), Home::new());
     let secret = home.path().join("secret");
     let secret = secret.to_str().unwrap();
-    let fmu = attacker(folder.path(), "TELL(read_file(in_home(\"secret\")))");
+    let fmu = attacker(folder.path(), "REPORT(read_file(in_home(\"secret\")))");
     let named = format!(
         "><ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues>\
          <ssv:ParameterSet xmlns:ssv='http://ssp-standard.org/SSP1/SystemStructureParameterValues' \
@@ -325,7 +329,7 @@ fn what_an_fmu_starts_ends_with_the_run() {
 #[test]
 fn one_signal_ends_a_run_in_an_fmu_that_spins() {
     let folder = TempDir::new().unwrap();
-    let fmu = attacker(folder.path(), "TELL(0); for (;;) __asm__ volatile(\"\")");
+    let fmu = attacker(folder.path(), "REPORT(0); for (;;) __asm__ volatile(\"\")");
     for more in [&[][..], &["--isolate"]] {
         let arguments = ["simulate", fmu.to_str().unwrap(), "-o", "out.csv", "--debug-logging"];
         let mut command = cosim(folder.path(), &[&arguments, more].concat());

@@ -97,7 +97,7 @@ fn a_run_with_strings_goes_on_from_its_snapshots() {
     let file = folder.path("x.snapshot");
     kept.unwrap().write(&file).unwrap();
     // Another process has other numbers: this one has assigned more since then.
-    cosim::texts::number("something that nobody said before");
+    cosim::texts::number("a text that was not used before");
     let old = Recording::read_csv(&whole).unwrap();
     let recorder: Box<dyn Observer> = Box::new(CsvRecorder::create(&resumed).unwrap());
     let mut continued = Continued::new(recorder, old);

@@ -125,7 +125,7 @@ const KNOWN: &[(&str, &str, &[&str], &[&str])] = &[
 ];
 
 /// Everything in the tree under `root` that FMI 2.0 does not define.
-pub(super) fn strangers(root: &Element, file: &Path) -> Vec<String> {
+pub(super) fn unknown(root: &Element, file: &Path) -> Vec<String> {
     let mut found = Found { file, reported: Vec::new(), more: 0 };
     found.walk("", root);
     let more = (found.more > 0).then(|| format!("and {} more of this kind", found.more));

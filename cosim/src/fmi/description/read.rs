@@ -119,7 +119,7 @@ impl Reader<'_> {
                 .iter()
                 .filter_map(|category| category.get("name").map(str::to_owned))
                 .collect(),
-            warnings: known::strangers(root, self.file),
+            warnings: known::unknown(root, self.file),
             variables,
             positions,
         })

@@ -67,11 +67,11 @@ fn an_endpoint_of_another_program_does_not_end_the_service_of_others() {
     let file = file.write();
     let path = file.to_str().unwrap();
     let here = undisturbed(folder.path(), path);
-    let stranger = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let place = endpoint();
-    let both = format!("tcp/{},{place}", stranger.local_addr().unwrap());
+    let both = format!("tcp/{},{place}", listener.local_addr().unwrap());
     // It answers every call by closing the connection.
-    std::thread::spawn(move || stranger.incoming().for_each(drop));
+    std::thread::spawn(move || listener.incoming().for_each(drop));
     let _worker = Kept::worker(folder.path(), "left", &both);
     for _ in 0..2 {
         let arguments = ["run", path, "-q", "-o", "there.csv", "--distributed", "--listen", &place];

@@ -53,7 +53,8 @@ fn one_that_is_fatal_each_time_ends_the_run_that_was_to_be_resumed() {
 #[test]
 fn one_that_is_fatal_once_is_resumed_where_that_is_wanted() {
     let folder = TempDir::new().unwrap();
-    let system = with(folder.path(), 2.0, &["FIRST_LIFE=return 4"], |description| description);
+    let system =
+        with(folder.path(), 2.0, &["FIRST_INCARNATION=return 4"], |description| description);
     let here = undisturbed(folder.path(), &system);
     for (more, code) in [(&["--on-fatal", "resume"][..], 0), (&["--on-fatal", "end"], 1)] {
         let arguments = ["run", &system, "-o", "there.csv", "--workers", "2"];
@@ -123,7 +124,8 @@ fn a_component_is_where_its_file_says_and_rather_where_the_command_line_says() {
 #[test]
 fn one_that_crashes_once_is_resumed() {
     let folder = TempDir::new().unwrap();
-    let system = with(folder.path(), 2.0, &["FIRST_LIFE=abort()"], |description| description);
+    let system =
+        with(folder.path(), 2.0, &["FIRST_INCARNATION=abort()"], |description| description);
     let here = undisturbed(folder.path(), &system);
     let arguments = ["run", &system, "-o", "there.csv", "--workers", "2"];
     let (code, stderr) = outcome(folder.path(), &arguments);
@@ -136,7 +138,7 @@ fn one_that_crashes_once_is_resumed() {
 fn one_that_cannot_be_saved_is_computed_again_unless_that_is_refused() {
     let folder = TempDir::new().unwrap();
     let mute = |description: String| description.replace("canSerializeFMUstate=\"true\"", "");
-    let system = with(folder.path(), 2.0, &["FIRST_LIFE=abort()"], mute);
+    let system = with(folder.path(), 2.0, &["FIRST_INCARNATION=abort()"], mute);
     let here = undisturbed(folder.path(), &system);
     for (more, code) in [(&[][..], 0), (&["--require-resume"], 1)] {
         let arguments = ["run", &system, "-o", "there.csv", "--workers", "1"];

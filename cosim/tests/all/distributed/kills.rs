@@ -25,7 +25,7 @@ fn survives(system: &str, workers: &str, disturb: impl FnOnce(&mut Child)) -> St
 
 /// A system in which one group waits in the middle of the run for the disturbance.
 fn waiting(folder: &TempDir) -> String {
-    with(folder.path(), 2.0, &["FIRST_LIFE=wait_for_the_end()"], |description| description)
+    with(folder.path(), 2.0, &["FIRST_INCARNATION=wait_for_the_end()"], |description| description)
 }
 
 #[test]

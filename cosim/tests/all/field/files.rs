@@ -28,8 +28,8 @@ fn backslashes_separate_the_folders_of_an_archive() {
         ("binaries\\linux64\\GAIN.so", library),
         ("modelDescription.xml", Gain.description().into_bytes()),
     ];
-    pack(&folder.path("house.fmu"), &entries);
-    assert_eq!(record(&folder.path("house.fmu"), &Overrides::new()).time().len(), 11);
+    pack(&folder.path("packed.fmu"), &entries);
+    assert_eq!(record(&folder.path("packed.fmu"), &Overrides::new()).time().len(), 11);
 }
 
 #[test]
