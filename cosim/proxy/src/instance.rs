@@ -168,7 +168,7 @@ impl Inside for Remote {
                 }
                 Ok(values)
             }
-            _ => Err(Error::new(Code::Protocol, "no values came back")),
+            _ => Err(Error::new(Code::Protocol, "no values were returned")),
         }
     }
 
@@ -196,14 +196,14 @@ impl Inside for Remote {
         let ask = Ask::Derivative(unknowns.to_vec(), knowns.to_vec(), along.to_vec());
         Some(self.all([ask]).and_then(|given| match given.into_iter().next() {
             Some(Given::Values(Values::Real(values))) => Ok(values),
-            _ => Err(Error::new(Code::Protocol, "no derivatives came back")),
+            _ => Err(Error::new(Code::Protocol, "no derivatives were returned")),
         }))
     }
 
     fn save(&mut self) -> Result<Self::Kept> {
         match self.all([Ask::Save])?.pop() {
             Some(Given::State(state)) => Ok((state, self.stepping)),
-            _ => Err(Error::new(Code::Protocol, "no state came back")),
+            _ => Err(Error::new(Code::Protocol, "no state was returned")),
         }
     }
 

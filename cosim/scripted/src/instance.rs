@@ -105,7 +105,7 @@ impl Scripted {
         let given = process.ask(Ask::Step, &[&octets])?;
         let (given, rest) = given.as_chunks::<8>();
         if given.len() != outputs || !rest.is_empty() {
-            return Err(Error::new(Code::Protocol, "other values came back than the outputs"));
+            return Err(Error::new(Code::Protocol, "the returned values do not match the outputs"));
         }
         let places = &mut self.run.reals[inputs..inputs + outputs];
         places
@@ -127,7 +127,7 @@ impl Scripted {
         match (is_input, is_parameter, self.run.stage) {
             (true, ..) => Ok(()),
             (_, true, Stage::Stepping) => {
-                wrong("a parameter is fixed once the simulation has begun")
+                wrong("a parameter is fixed once the simulation has started")
             }
             (_, true, _) if !finite => wrong("a parameter must be finite"),
             (_, true, _) => Ok(()),
@@ -300,7 +300,7 @@ impl Inside for Scripted {
 
     fn restore(&mut self, kept: &Kept) -> Result<()> {
         if kept.run.counts() != self.run.counts() || kept.run.made != kept.object.is_some() {
-            return Err(Error::new(Code::State, "the state is not of this class"));
+            return Err(Error::new(Code::State, "the state does not belong to this class"));
         }
         if let Some(object) = &kept.object {
             self.process()?.ask(Ask::Restore, &[object])?;

@@ -154,7 +154,7 @@ impl Process {
             if let (HEAD, Some(head)) = (need, self.message[..have].first_chunk::<4>()) {
                 let length = u32::from_le_bytes(*head) as usize;
                 if length >= MOST {
-                    let why = format!("{length} octets are no message");
+                    let why = format!("{length} octets are not a message");
                     return Err(IoError::new(ErrorKind::InvalidData, why));
                 }
                 need += length;

@@ -79,7 +79,7 @@ impl<I: Inside> Around<I> {
             return Err("the FMU offers co-simulation only, not model exchange".to_owned());
         }
         let folder = request.resources.folder().ok_or(
-            "fmuResourceLocation is missing or names no folder; what the FMU is made of lies in \
+            "fmuResourceLocation is missing or not a folder; the FMU needs the files in \
              its resources",
         )?;
         let inside = open(&request, folder).map_err(|error| error.line())?;
@@ -132,7 +132,7 @@ impl<I: Inside> Around<I> {
         self.call(call, |me| {
             spare(VALUE * references.len())?;
             let values = me.inside.get(basic, references).map_err(|error| trouble(&error))?;
-            let strange = || Trouble::error("what came back is of another type or number");
+            let strange = || Trouble::error("the returned values have a different type or number");
             if values.len() != references.len() {
                 return Err(strange());
             }
@@ -154,7 +154,7 @@ impl<I: Inside> Around<I> {
     fn is_own(&self, state: &State<I::Kept>) -> Result<(), Trouble> {
         match state.guid == self.inside.guid() {
             true => Ok(()),
-            false => Err(Trouble::error("the state is another FMU's")),
+            false => Err(Trouble::error("the state belongs to another FMU")),
         }
     }
 
@@ -369,7 +369,7 @@ impl<I: Inside> Served for Around<I> {
                 .map_err(|cause| unread(format!("cannot be read as a state: {cause}")))?;
             me.is_own(&read)?;
             if !read.run.is_sound() {
-                return Err(unread("are a state at a time that cannot be".to_owned()));
+                return Err(unread("are a state with an invalid time".to_owned()));
             }
             *state = Some(Box::new(read));
             Ok(())
@@ -415,7 +415,7 @@ impl<I: Inside> Served for Around<I> {
             }
             Some(slopes) => {
                 let slopes = slopes.map_err(|error| trouble(&error))?;
-                put(into, slopes).ok_or_else(|| Trouble::error("what came back is cut"))
+                put(into, slopes).ok_or_else(|| Trouble::error("the returned values are truncated"))
             }
         });
         match known {

@@ -256,7 +256,7 @@ fn fits(before: &[String], now: &[String], path: &Path) -> Result<()> {
     Err(Error::new(Code::Campaign, "the existing results belong to another campaign")
         .at(path)
         .why(format!("they were made with: {}. Now: {}", shown(gone), shown(new)))
-        .help("undo the change, or give another --output-dir"))
+        .help("undo the change, or choose another --output-dir"))
 }
 
 #[cfg(test)]

@@ -96,7 +96,7 @@ impl Isolation {
             return Ok(());
         }
         Err(Error::new(Code::Usage, "--allow-read is for FMUs that are confined")
-            .help("give --isolate, or --workers"))
+            .help("add --isolate, or --workers"))
     }
 
     /// What confined FMUs may read.

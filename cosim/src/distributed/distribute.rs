@@ -33,7 +33,7 @@ impl Distribution {
             let names = &plan.loops[position].names;
             Error::new(Code::Placement, format!("the loop through {names} is in several places"))
                 .why("its members are iterated together at every step")
-                .help("place them on the same worker, or take --algorithm gauss-seidel")
+                .help("place them on the same worker, or use --algorithm gauss-seidel")
         })?;
         let mut known = BTreeMap::new();
         let mut blueprints = Vec::new();
@@ -64,7 +64,7 @@ fn possible(system: &System, places: &[usize]) -> Result<()> {
     if system.step_control().is_some() {
         return Err(Error::new(Code::Placement, "steps under error control are not distributed")
             .why("a rejected step would have to be taken back everywhere")
-            .help("leave the error control out, or run in one process"));
+            .help("remove the error control, or run in one process"));
     }
     let connections = system.connections().iter().enumerate();
     let apart = connections

@@ -188,7 +188,7 @@ fn distinct(chosen: &[Chosen]) -> Result<()> {
         let (name, end) = (&chosen.exposed.name, chosen.exposed.ends.first());
         let owner = end.map_or("", |end| &end.component);
         Error::new(Code::Format, format!("two variables of the FMU would be named '{name}'"))
-            .why(format!("one is of the component '{owner}', whose name begins like that of another component"))
+            .why(format!("the name of the component '{owner}' begins like that of another one"))
             .help("rename a component, or omit the variable with --hide")
     });
     Error::all(problems.collect())

@@ -96,7 +96,7 @@ impl Campaign {
             if bench.campaign().looks().len() > 1 {
                 return Err(Error::new(Code::Usage, "a sequential campaign has no shards")
                     .why("which runs it makes depends on all previous runs")
-                    .help("leave out --shard, or `sequential` in the file"));
+                    .help("remove --shard, or `sequential` from the file"));
             }
             folder.push(shard.folder());
         }

@@ -29,7 +29,7 @@ impl Allowed {
     pub fn new(all: bool, list: &[String], key: Option<&Path>) -> Result<Self> {
         if all && key.is_some() {
             return Err(Error::new(Code::Usage, "FMUs that a run sends have no signature")
-                .help("leave out --allow-upload, or --verify-signature"));
+                .help("remove --allow-upload, or --verify-signature"));
         }
         let mut hashes = BTreeMap::new();
         for item in list {

@@ -85,7 +85,7 @@ fn bytes_that_are_no_state_of_this_system_are_refused() {
     altered[30] ^= 1;
     refused(&exported, &altered, "altered");
     let other = export(&Ssd::new().add("g", Counter).write(), &[]);
-    refused(&other, &bytes, "another FMU's");
+    refused(&other, &bytes, "another FMU");
 }
 
 #[test]
