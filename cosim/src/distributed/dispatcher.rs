@@ -212,8 +212,8 @@ impl<'a> Dispatcher<'a> {
         let known = format!("lost at {place}, t = {}: {why}", self.now);
         (self.options.report)(&format!("{}: {known}", self.names[group]));
         let status = self.fabric.inquire(group, self.groups[group].generation);
-        let sent = status.as_ref().map_or_else(String::new, |status| format!("; {status}"));
-        let why = format!("{known}{sent}");
+        let detail = status.as_ref().map_or_else(String::new, |status| format!("; {status}"));
+        let why = format!("{known}{detail}");
         let handle = &mut self.groups[group];
         let since = handle.lost.as_ref().map_or(begun, |(since, _)| *since);
         handle.lost = Some((since, why.clone()));
