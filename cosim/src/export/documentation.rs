@@ -149,7 +149,7 @@ fn stepping(described: &Description<'_>) -> Section {
 
 fn connections(described: &Description<'_>) -> Section {
     let system = described.system;
-    let mut table = Table::new("Connections", &["from", "to", "on the way"]);
+    let mut table = Table::new("Sources and destinations", &["from", "to", "on the way"]);
     for connection in system.connections() {
         let change = connection.conversion.as_ref().map_or(String::new(), ToString::to_string);
         let (from, to) = (system.port_name(connection.from), system.port_name(connection.to));
