@@ -1,4 +1,4 @@
-/* The yardstick: a chain of FMUs stepped by a plain C loop: set, step, get, nothing else.
+/* The reference: a chain of FMUs stepped by a plain C loop: set, step, get, nothing else.
  * usage: chain LIBRARY LENGTH STEPS; prints nanoseconds of processor time per FMU-step. */
 #include <dlfcn.h>
 #include <stdio.h>

@@ -1,9 +1,9 @@
-//! What the master costs: nanoseconds per FMU-step in chains of small FMUs, against a plain C loop over
-//! the same library, and where COSIM_BENCH_PYTHON names an interpreter with libcosimpy and fmpy, against
-//! libcosim and a loop over FMPy's instances.
+//! The cost of the master: nanoseconds per FMU-step in chains of small FMUs, compared with a plain
+//! C loop over the same library and, if COSIM_BENCH_PYTHON names an interpreter with libcosimpy and
+//! fmpy, with libcosim and a loop over FMPy's instances.
 //!
 //! `cargo bench -p cosim --bench chain`, `cargo xtask bench --third-party`. Processor time; all are
-//! measured in turn, several times over, and medians are shown: what disturbs one disturbs all.
+//! measured alternately, several times, and medians are shown: a disturbance affects all of them.
 #![allow(unsafe_code, reason = "time of the processor")]
 
 #[path = "../tests/element/mod.rs"]
@@ -20,14 +20,14 @@ use cosim::{Algorithm, Observer, Overrides, Recording, Result, System, Time};
 const LENGTHS: [usize; 4] = [2, 10, 50, 500];
 /// FMU-steps of one measurement.
 const WORK: usize = 1_000_000;
-/// Of one with recorded outputs, which are kept in memory or written.
+/// With recorded outputs, which are kept in memory or written.
 const RECORDED_WORK: usize = 200_000;
-/// Of one in Python.
+/// In Python.
 const PYTHON_WORK: usize = 20_000;
 const REPETITIONS: usize = 5;
 const STEP: f64 = 1e-3;
-/// Column, and how many times the plain loop it may cost at most; or for the others at least, in
-/// multiples of `gauss-seidel`.
+/// Column, and the maximum cost as a multiple of the plain loop; for the other tools the minimum,
+/// as a multiple of `gauss-seidel`.
 const COLUMNS: [(&str, Option<f64>); 7] = [
     ("plain C", None),
     ("gauss-seidel", Some(2.0)),
@@ -71,7 +71,7 @@ fn main() {
     );
 }
 
-/// What it takes to see that an FMU left the floating-point environment as it was (ns).
+/// The cost of checking that an FMU left the floating-point environment unchanged (ns).
 fn guard() -> f64 {
     let float = Float::now();
     let mut changed = 0;
@@ -106,7 +106,7 @@ impl Bench {
         Self { folder, fmu, library, plain, python }
     }
 
-    /// Of each column, in their order.
+    /// For each column, in order.
     fn medians(&self, length: usize) -> [Option<f64>; 7] {
         let mut samples: [Vec<f64>; 7] = Default::default();
         for _ in 0..REPETITIONS {
@@ -141,8 +141,8 @@ impl Bench {
         output(&mut run)[0]
     }
 
-    /// Runs the chain; with an observer every y is recorded at every step, without one only the last
-    /// y at the end of the run.
+    /// Runs the chain; with an observer every y is recorded at every step, without one only the
+    /// last y at the end of the run.
     fn master(
         &self,
         length: usize,
@@ -177,7 +177,7 @@ impl Bench {
     }
 }
 
-/// Nanoseconds that this thread has computed: other programs take none of them.
+/// Nanoseconds computed by this thread, independent of other programs.
 fn processor_time() -> f64 {
     let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
     // SAFETY: the structure lives during the call.
@@ -185,7 +185,8 @@ fn processor_time() -> f64 {
     time.tv_sec as f64 * 1e9 + time.tv_nsec as f64
 }
 
-/// Takes the time from the first sample on, when all is initialized, and passes everything on.
+/// Measures the time from the first sample on, when everything is initialized, and passes
+/// everything on.
 struct Clock<'a> {
     begun: Option<f64>,
     observer: Option<&'a mut dyn Observer>,
@@ -208,7 +209,7 @@ impl Observer for Clock<'_> {
     }
 }
 
-/// Lays the FMU out as FMPy wants it, unpacked.
+/// Unpacks the FMU in the layout that FMPy expects.
 fn unpack(folder: &Path, library: &Path) {
     let description = include_str!("../tests/element/element.xml");
     std::fs::write(folder.join("modelDescription.xml"), description).unwrap();

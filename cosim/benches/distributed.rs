@@ -1,10 +1,10 @@
-//! What distribution costs, beside a raw TCP ping-pong of the same run: microseconds of a
-//! macro-step on 2 and 8 workers, with and without snapshots and TLS; how long it takes from a
-//! kill until the run goes on; how long an FMU of 100 MB is on its way.
+//! The cost of distribution, compared with a raw TCP ping-pong in the same run: microseconds per
+//! macro-step on 2 and 8 workers, with and without snapshots and TLS; the time from a kill until
+//! the run continues; the time to transfer an FMU of 100 MB.
 //!
-//! `cargo bench -p cosim --bench distributed`. All are measured in turn, several times over, and
-//! medians are shown. A cost per step is the difference of a long and a short run, divided by the
-//! steps between them, so start and end do not count.
+//! `cargo bench -p cosim --bench distributed`. All are measured alternately, several times, and
+//! medians are shown. A cost per step is the difference between a long and a short run, divided by
+//! the steps between them, so start and end do not count.
 
 #[path = "../tests/element/mod.rs"]
 mod element;
@@ -22,10 +22,10 @@ const REPETITIONS: usize = 5;
 const STEP: f64 = 1e-3;
 /// Steps of the short and of the long run.
 const STEPS: [u32; 2] = [1_000, 25_000];
-/// Octets of a ping, about those of a step.
+/// Size of a ping in octets, about that of a step.
 const PING: usize = 64;
 const PINGS: u32 = 4_000;
-/// Says that this process is the other side of a ping-pong.
+/// Marks this process as the other side of a ping-pong.
 const ECHO: &str = "COSIM_BENCH_ECHO";
 const KILLS: usize = 12;
 
@@ -50,20 +50,34 @@ fn main() {
     }
     let [rtt, barrier, two, saved, tls, eight] = samples.map(median);
     println!("raw TCP, {PING} octets, two processes: {rtt:.1} us; barrier of 8: {barrier:.1} us");
-    tell("2 workers, a macro-step", two, "us", two / rtt, "x RTT", 6.0);
-    tell("2 workers with TLS", tls, "us", tls / rtt, "x RTT", 7.0);
-    tell("8 workers", eight, "us", eight / barrier, "x barrier", 8.0);
-    tell("snapshots every 50 steps", saved, "us", 100.0 * (saved / two - 1.0), "% more", 10.0);
+    print_result("2 workers, a macro-step", two, "us", two / rtt, "x RTT", 6.0);
+    print_result("2 workers with TLS", tls, "us", tls / rtt, "x RTT", 7.0);
+    print_result("8 workers", eight, "us", eight / barrier, "x barrier", 8.0);
+    print_result(
+        "snapshots every 50 steps",
+        saved,
+        "us",
+        100.0 * (saved / two - 1.0),
+        "% more",
+        10.0,
+    );
     let mut resumed = bench.kills();
     resumed.sort_by(f64::total_cmp);
     let worst = resumed.last().copied().unwrap_or(f64::NAN);
     let (count, middle) = (resumed.len(), median(resumed));
-    tell(&format!("killed to resumed, median of {count}"), middle, "ms", worst, "ms worst", 500.0);
+    print_result(
+        &format!("killed to resumed, median of {count}"),
+        middle,
+        "ms",
+        worst,
+        "ms worst",
+        500.0,
+    );
     let delivered = bench.delivery();
-    tell("an FMU of 100 MB", delivered, "s", delivered, "s", 2.0);
+    print_result("an FMU of 100 MB", delivered, "s", delivered, "s", 2.0);
 }
 
-fn tell(what: &str, value: f64, unit: &str, ratio: f64, of: &str, goal: f64) {
+fn print_result(what: &str, value: f64, unit: &str, ratio: f64, of: &str, goal: f64) {
     println!("{what:34} {value:9.1} {unit:2} {ratio:8.2} {of} (at most {goal})");
 }
 
@@ -72,7 +86,7 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// The other side: gives back what comes.
+/// The other side: echoes what it receives.
 fn echo(address: &str) {
     let mut stream = TcpStream::connect(address).unwrap();
     stream.set_nodelay(true).unwrap();
@@ -82,7 +96,7 @@ fn echo(address: &str) {
     }
 }
 
-/// Microseconds until all of `others` have given back a message.
+/// Microseconds until all of `others` have echoed a message.
 fn ping_pong(others: usize) -> f64 {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap().to_string();
@@ -130,7 +144,7 @@ impl Bench {
         command
     }
 
-    /// Microseconds of a macro-step: two FMUs a worker, all workers at once.
+    /// Microseconds per macro-step: two FMUs per worker, all workers at once.
     fn step(&self, workers: usize, tls: bool, save_every: u32) -> f64 {
         let stop = f64::from(STEPS[1]) * STEP;
         let system = element::chain(&self.fmu, 2 * workers, STEP, stop);
@@ -174,8 +188,8 @@ impl Bench {
     fn difference(&self, system: &Path, more: &[&str]) -> f64 {
         let spent = STEPS.map(|steps| {
             let output = self.command(system, steps, more).output().unwrap();
-            let told = String::from_utf8_lossy(&output.stderr);
-            assert!(output.status.success(), "{told}");
+            let reported = String::from_utf8_lossy(&output.stderr);
+            assert!(output.status.success(), "{reported}");
             let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
             summary["spent"].as_f64().unwrap()
         });
@@ -187,11 +201,11 @@ impl Bench {
         let mut command = Command::new(env!("CARGO_BIN_EXE_cosim"));
         command.args(["worker", "--name", name, "--connect", endpoint, "--allow-upload"]);
         command.arg("--credentials").arg(keys.join(name)).stderr(Stdio::null());
-        // It dials again until somebody listens.
+        // It reconnects until something listens.
         Lent(command.spawn().unwrap())
     }
 
-    /// Milliseconds from kills of groups until the run went on, as it tells them.
+    /// Milliseconds from kills of groups until the run continued, as it reports them.
     fn kills(&self) -> Vec<f64> {
         let system = element::chain(&self.fmu, 4, STEP, 1e4);
         let mut command = self.command(&system, 400_000, &["--workers", "2"]);
@@ -207,18 +221,18 @@ impl Bench {
         std::thread::sleep(Duration::from_millis(500));
         // Ctrl-C ends it in order, with a summary.
         drop(Command::new("kill").args(["-INT", &run.id().to_string()]).status());
-        let mut told = String::new();
-        run.stdout.take().unwrap().read_to_string(&mut told).unwrap();
+        let mut reported = String::new();
+        run.stdout.take().unwrap().read_to_string(&mut reported).unwrap();
         run.wait().unwrap();
-        let summary: serde_json::Value = serde_json::from_str(&told).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&reported).unwrap();
         let notes = summary["notes"].as_array().unwrap().iter().filter_map(|note| note.as_str());
         notes
             .filter_map(|note| note.split("after ").last()?.strip_suffix(" ms")?.parse().ok())
             .collect()
     }
 
-    /// Seconds that a worker makes a run of one step longer, with an FMU of 100 MB more than with a
-    /// small one.
+    /// By how many seconds a run of one step on a worker is longer with an FMU of 100 MB than with
+    /// a small one.
     fn delivery(&self) -> f64 {
         let large = self.folder.path().join("large").join("element.fmu");
         std::fs::create_dir_all(large.parent().unwrap()).unwrap();
@@ -247,7 +261,7 @@ impl Drop for Lent {
     }
 }
 
-/// The same FMU with 100 MB that do not shrink among its resources.
+/// The same FMU with 100 MB of incompressible data among its resources.
 fn padded(fmu: &Path, large: &Path) {
     let library = fmu.with_file_name("element.so");
     let mut state = 1_u64;

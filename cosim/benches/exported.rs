@@ -1,9 +1,9 @@
-//! What a system exported as one FMU costs: nanoseconds per inner FMU-step in chains of small FMUs,
-//! stepped through `fmi2DoStep` of the whole; and where COSIM_BENCH_PYTHON names an interpreter with
-//! fmu-manipulation-toolbox, the same of its container of the same FMUs.
+//! The cost of a system exported as one FMU: nanoseconds per inner FMU-step in chains of small
+//! FMUs, stepped through `fmi2DoStep` of the whole; and, if COSIM_BENCH_PYTHON names an interpreter
+//! with fmu-manipulation-toolbox, the same for its container of the same FMUs.
 //!
-//! `cargo bench -p cosim --bench exported`, `cargo xtask bench --third-party`. Processor time; both are
-//! measured in turn, several times over, and medians are shown: what disturbs one disturbs both.
+//! `cargo bench -p cosim --bench exported`, `cargo xtask bench --third-party`. Processor time; both
+//! are measured alternately, several times, and medians are shown: a disturbance affects both.
 #![allow(unsafe_code, reason = "time of the processor")]
 
 #[path = "../tests/element/mod.rs"]
@@ -56,7 +56,7 @@ fn exported(fmu: &Path, length: usize) -> PathBuf {
     file
 }
 
-/// The same by the yardstick, which knows FMUs by their files: each gets one of its own.
+/// The same by the reference tool, which identifies FMUs by their files: each gets its own.
 fn container(python: &Path, fmu: &Path, length: usize) -> PathBuf {
     let folder = fmu.with_file_name(format!("container-{length}"));
     std::fs::create_dir_all(&folder).unwrap();
@@ -110,7 +110,7 @@ fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// Nanoseconds that this thread has computed: other programs take none of them.
+/// Nanoseconds computed by this thread, independent of other programs.
 fn processor_time() -> f64 {
     let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
     // SAFETY: the structure lives during the call.

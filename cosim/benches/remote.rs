@@ -1,8 +1,8 @@
-//! What a step of a remote FMU costs, beside a raw Zenoh ping-pong of the same run: microseconds
-//! of set, step and get of one instance on a worker of this machine.
+//! The cost of a step of a remote FMU, compared with a raw Zenoh ping-pong in the same run:
+//! microseconds for set, step and get of one instance on a worker of this machine.
 //!
-//! `cargo bench -p cosim --bench remote`. Both are measured in turn, several times over, and
-//! medians are shown: what disturbs one disturbs both.
+//! `cargo bench -p cosim --bench remote`. Both are measured alternately, several times, and medians
+//! are shown: a disturbance affects both.
 
 #[path = "../tests/element/mod.rs"]
 #[allow(dead_code, reason = "a chain is not needed here")]
@@ -22,9 +22,9 @@ use zenoh::{Config, Session, Wait};
 
 const REPETITIONS: usize = 9;
 const STEPS: u32 = 2_000;
-/// Octets of a ping, about those of a step.
+/// Size of a ping in octets, about that of a step.
 const PING: usize = 64;
-/// Says where the other side of a ping-pong dials.
+/// The endpoint to which the other side of a ping-pong connects.
 const ECHO: &str = "COSIM_BENCH_ECHO";
 
 fn main() {
@@ -51,7 +51,7 @@ fn main() {
     println!("a step of the same FMU here        {here:9.3} us");
 }
 
-/// A process that ends with the bench.
+/// A process that ends with the benchmark.
 struct Running(Child);
 
 impl Drop for Running {
@@ -88,7 +88,7 @@ fn instance(fmu: &Path) -> Instance {
     instance
 }
 
-/// Microseconds of a step: an input is set, the step made, the output read.
+/// Microseconds per step: an input is set, the step made, the output read.
 fn stepped(instance: &mut Instance, number: u32) -> f64 {
     let reference =
         |name: &str| [instance.fmu().description().variable(name).unwrap().value_reference];
@@ -106,7 +106,7 @@ fn stepped(instance: &mut Instance, number: u32) -> f64 {
     begun.elapsed().as_secs_f64() / f64::from(STEPS) * 1e6
 }
 
-/// A session as runs have them.
+/// A session configured as in runs.
 fn open(mode: &str, what: &str, endpoint: &str) -> Session {
     let mut config = Config::default();
     for (key, value) in [
@@ -122,7 +122,7 @@ fn open(mode: &str, what: &str, endpoint: &str) -> Session {
     zenoh::open(config).wait().unwrap()
 }
 
-/// The other side: gives back what comes, until it is killed.
+/// The other side: echoes what it receives, until it is killed.
 fn echo(endpoint: &str) {
     let session = open("client", "connect/endpoints", endpoint);
     let (heard, pings) = channel();
@@ -173,7 +173,7 @@ impl Pings {
             .express(true)
             .wait()
             .unwrap();
-        // What is sent before the other side listens is lost.
+        // Messages sent before the other side listens are lost.
         while !publisher.matching_status().wait().unwrap().matching() {
             std::thread::sleep(Duration::from_millis(5));
         }

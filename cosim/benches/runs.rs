@@ -1,7 +1,7 @@
-//! Memory over 10,000 runs in one process, each of which opens its FMU anew: resident kilobytes,
+//! Memory over 10,000 runs in one process, each of which opens its FMU again: resident kilobytes,
 //! open files and mappings after 1, 100, 1,000 and 10,000 of them.
 //!
-//! `cargo bench -p cosim --bench runs`; `tests/memory.rs` holds it to a bound with fewer runs.
+//! `cargo bench -p cosim --bench runs`; `tests/memory.rs` checks a bound with fewer runs.
 
 #[path = "../tests/element/mod.rs"]
 mod element;

@@ -1,15 +1,15 @@
-//! What readers may take: memory at most a multiple of what they read. Counted by an allocator, thread
-//! by thread.
+//! Limits the memory of readers to a multiple of their input. Counted by an allocator, separately
+//! for each thread.
 #![allow(unsafe_code, reason = "counts what is allocated")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-/// Bytes of memory for each byte that is read, and for what a reader needs anyway.
+/// Bytes of memory allowed for each byte of input, and a fixed amount for the reader itself.
 const MULTIPLE: i64 = 512;
 const ANYWAY: i64 = 16 << 20;
 
-/// Counts what this thread has, and the most that it had.
+/// Counts the memory of this thread, and its maximum.
 struct Counting;
 
 #[global_allocator]
@@ -20,14 +20,14 @@ thread_local! {
 }
 
 fn count(bytes: i64) {
-    // A thread that ends has nobody who asks.
+    // For a thread that is ending, nothing needs the counters any more.
     let _ = COUNTED.try_with(|counted| {
         let (has, most) = counted.get();
         counted.set((has + bytes, most.max(has + bytes)));
     });
 }
 
-// SAFETY: all is done by the system's allocator; counting allocates nothing.
+// SAFETY: everything is delegated to the system allocator; counting allocates nothing.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count(layout.size() as i64);
@@ -42,7 +42,7 @@ unsafe impl GlobalAlloc for Counting {
     }
 
     unsafe fn realloc(&self, place: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        // While it is copied, both are there.
+        // During the copy, both exist.
         count(size as i64);
         count(-(layout.size() as i64));
         // SAFETY: as above.
@@ -50,7 +50,7 @@ unsafe impl GlobalAlloc for Counting {
     }
 }
 
-/// Feeds a reader and sees that it keeps to its memory.
+/// Runs a reader and checks that it stays within its memory budget.
 pub fn within(reader: fn(&[u8]), bytes: &[u8]) {
     let before = COUNTED.with(|counted| {
         let (has, _) = counted.get();

@@ -1,6 +1,6 @@
-//! The readers of strangers' files as functions of bytes: they may refuse, and must neither panic
-//! nor take long nor write elsewhere. Shared by the fuzz targets and by the test that mutates good
-//! files (`cosim/tests/all/mutations.rs`).
+//! The readers of untrusted files as functions of bytes: they may refuse, and must not panic, take
+//! long or write elsewhere. Shared by the fuzz targets and by the test that mutates valid files
+//! (`cosim/tests/all/mutations.rs`).
 
 use std::io::Cursor;
 use std::path::Path;
@@ -20,7 +20,7 @@ mod samples;
 pub use budget::within;
 pub use samples::*;
 
-/// Archives are unpacked, and what was unpacked is looked at.
+/// Unpacks archives, and checks what was unpacked.
 pub fn archive(bytes: &[u8]) {
     let Ok(unpacked) = archive::unpack_from(Cursor::new(bytes), Path::new("x.fmu")) else {
         return;
@@ -40,7 +40,7 @@ fn inside(folder: &Path, depth: usize) {
     }
 }
 
-/// Descriptions are read, and what was read is asked.
+/// Reads descriptions, and queries the result.
 pub fn description(bytes: &[u8]) {
     let Ok(read) = description::parse(bytes, Path::new("x.fmu/modelDescription.xml")) else {
         return;
@@ -59,7 +59,7 @@ pub fn description(bytes: &[u8]) {
 
 const GROUPS_FILE: &str = "tank_OspModelDescription.xml";
 
-/// A folder with an FMU, used again and again; the FMU stays open, so it is unpacked once.
+/// A folder with an FMU, used repeatedly; the FMU stays open, so it is unpacked only once.
 fn folder() -> &'static TempDir {
     static FOLDER: OnceLock<(TempDir, Arc<Fmu>)> = OnceLock::new();
     let (folder, _) = FOLDER.get_or_init(|| {
@@ -81,13 +81,13 @@ fn load(name: &str, bytes: &[u8]) {
     }
 }
 
-/// Systems are read and checked.
+/// Reads and checks systems.
 pub fn ssd(bytes: &[u8]) {
     load("fuzzed.ssd", bytes);
 }
 
 /// OSP structures with the files that belong to them: the three texts follow one another, each
-/// from its root element on.
+/// starting at its root element.
 pub fn osp(bytes: &[u8]) {
     let (structure, rest) = split(bytes, b"<OspModelDescription");
     let (groups, log_config) = split(rest, b"<simulators");
@@ -104,18 +104,18 @@ fn split<'a>(bytes: &'a [u8], at: &[u8]) -> (&'a [u8], &'a [u8]) {
     bytes.split_at(found.unwrap_or(bytes.len()))
 }
 
-/// Packages are unpacked, read and checked.
+/// Unpacks, reads and checks packages.
 pub fn ssp(bytes: &[u8]) {
     load("fuzzed.ssp", bytes);
 }
 
-/// Parameters are read by a good system.
+/// Reads parameters through a valid system.
 pub fn ssv(bytes: &[u8]) {
     std::fs::write(folder().path().join("fuzzed.ssv"), bytes).unwrap();
     load("good.ssd", SYSTEM.replace("tank.ssv", "fuzzed.ssv").as_bytes());
 }
 
-/// Tables are read, written, read again the same, and used as signals.
+/// Reads tables, writes them, reads them back the same, and uses them as signals.
 pub fn csv(bytes: &[u8]) {
     let (file, again) = (folder().path().join("fuzzed.csv"), folder().path().join("again.csv"));
     std::fs::write(&file, bytes).unwrap();
@@ -132,7 +132,7 @@ pub fn csv(bytes: &[u8]) {
     drop(Signals::new(read.time(), signals.collect()));
 }
 
-/// Results as MCAP, as they are and behind the checksums of their chunks.
+/// Results as MCAP, unchanged and with the checksums of their chunks removed.
 pub fn mcap(bytes: &[u8]) {
     for bytes in [bytes, &without_checksums(bytes)] {
         let file = folder().path().join("fuzzed.mcap");
@@ -158,7 +158,7 @@ fn without_checksums(bytes: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// Snapshots of runs, as they are and behind their checksum.
+/// Snapshots of runs, unchanged and with a valid checksum.
 pub fn snapshot(bytes: &[u8]) {
     let mut sealed = bytes.to_vec();
     if let Some((header, body)) = sealed.split_at_mut_checked(44) {

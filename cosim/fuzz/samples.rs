@@ -1,9 +1,9 @@
-//! Good files for the readers of strangers' files: what the fuzz targets start from, and what the
-//! test breaks.
+//! Valid files for the readers of untrusted files: the seeds of the fuzz targets, and the files
+//! that the test mutates.
 
 use std::io::{Cursor, Write};
 
-/// An FMU in the shape of those that real systems use, without a binary: nothing is run.
+/// An FMU shaped like those in real systems, without a binary: nothing is run.
 pub const DESCRIPTION: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="tank" guid="{1}" numberOfEventIndicators="1">
   <ModelExchange modelIdentifier="tank" completedIntegratorStepNotNeeded="true"/>
@@ -30,7 +30,7 @@ pub const DESCRIPTION: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 </fmiModelDescription>
 "#;
 
-/// A system of two of them, with parameters of its own and of a file.
+/// A system of two of them, with inline parameters and parameters from a file.
 pub const SYSTEM: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 <ssd:SystemStructureDescription version="1.0" name="tanks"
  xmlns:ssd="http://ssp-standard.org/SSP1/SystemStructureDescription"
@@ -119,7 +119,7 @@ pub const GROUPS: &str = r#"<OspModelDescription version="1.0"
 </OspModelDescription>
 "#;
 
-/// What is recorded of it.
+/// The recorded variables of it.
 pub const LOG_CONFIG: &str = r#"<simulators xmlns="http://opensimulationplatform.com/LogConfig">
   <simulator name="a" decimationFactor="10"><variable name="y"/></simulator>
   <simulator name="b"/>
@@ -129,7 +129,7 @@ pub const LOG_CONFIG: &str = r#"<simulators xmlns="http://opensimulationplatform
 /// Recorded signals.
 pub const TABLE: &str = "time,a.y,\"b[1,2]\"\n0.0,1,True\n1e-3, 2.5,false\n0.002,-1e300,0\n";
 
-/// The three texts as one.
+/// The three texts concatenated.
 pub fn structure() -> Vec<u8> {
     [STRUCTURE, GROUPS, LOG_CONFIG].concat().into_bytes()
 }

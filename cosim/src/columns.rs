@@ -1,7 +1,7 @@
 //! Tables of columns as Apache Parquet: results of runs, and rows of campaigns.
 //!
-//! Rows come in groups, each a block of every column, compressed by Snappy. The index of the
-//! groups is the end of the file, so a file that was not closed cannot be read.
+//! Rows are stored in groups, each with a block for every column, compressed with Snappy. The index
+//! of the groups is at the end of the file, so a file that was not closed cannot be read.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::Type;
 
-/// What a column holds.
+/// The type of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Holds {
     /// `DOUBLE`.
@@ -31,7 +31,7 @@ pub(crate) enum Holds {
 /// The values of a column in a group of rows.
 pub(crate) enum Values {
     Real(Vec<f64>),
-    /// What is not there is `None`.
+    /// Missing values are `None`.
     OptionalReal(Vec<Option<f64>>),
     Whole(Vec<i64>),
     Text(Vec<ByteArray>),
@@ -41,7 +41,7 @@ pub(crate) enum Values {
 pub(crate) struct Table<W: Write + Send>(SerializedFileWriter<W>);
 
 impl<W: Write + Send> Table<W> {
-    /// Begins a table with these columns; `about` is kept with it, by keys.
+    /// Begins a table with these columns; `about` is stored with it as key-value metadata.
     pub(crate) fn new(
         output: W,
         columns: impl IntoIterator<Item = (String, Holds)>,
@@ -72,7 +72,7 @@ impl<W: Write + Send> Table<W> {
         SerializedFileWriter::new(output, Arc::new(schema), Arc::new(properties.build())).map(Self)
     }
 
-    /// Writes a group of rows: all columns in their order, equally long.
+    /// Writes a group of rows: all columns in order, with the same length.
     pub(crate) fn group(&mut self, columns: impl IntoIterator<Item = Values>) -> Result<()> {
         let mut group = self.0.next_row_group()?;
         for values in columns {
@@ -84,7 +84,7 @@ impl<W: Write + Send> Table<W> {
         group.close().map(drop)
     }
 
-    /// What is written to.
+    /// The output.
     pub(crate) fn output(&mut self) -> &mut W {
         self.0.inner_mut()
     }

@@ -1,9 +1,9 @@
-//! Conditions on recorded variables, `VARIABLE RELATION NUMBER`: they end runs and begin faults.
+//! Conditions on recorded variables, `VARIABLE RELATION NUMBER`: they end runs and start faults.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// Whether a value and a number are so related.
+/// Whether a value and a number satisfy the relation.
 type Holds = fn(f64, f64) -> bool;
 
 /// A variable compared with a number.
@@ -16,7 +16,7 @@ pub struct Condition {
     number: f64,
 }
 
-/// Longer signs first: `<=` is no `<`.
+/// Longer operators first: `<=` is not `<`.
 const RELATIONS: [(&str, Holds); 7] = [
     ("<=", |a, b| a <= b),
     (">=", |a, b| a >= b),
@@ -56,10 +56,10 @@ impl FromStr for Condition {
         let number = match value {
             "true" => 1.0,
             "false" => 0.0,
-            _ => value.parse().map_err(|_| format!("'{value}' is no number; {wanted}"))?,
+            _ => value.parse().map_err(|_| format!("'{value}' is not a number; {wanted}"))?,
         };
         if variable.is_empty() {
-            return Err(format!("'{text}' names no variable; {wanted}"));
+            return Err(format!("'{text}' does not name a variable; {wanted}"));
         }
         Ok(Self { variable: variable.to_owned(), relation, holds, number })
     }

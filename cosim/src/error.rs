@@ -1,7 +1,7 @@
-//! The one error of this crate: what happened, where, why, and what to do.
+//! The only error type of this crate: what happened, where, why, and what to do.
 //!
 //! A check that finds several problems reports them together ([`Error::all`]); the command line
-//! prints them one after the other and exits with the code of the first.
+//! prints all of them and exits with the code of the first.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ mod code;
 mod remedy;
 pub use code::Code;
 
-/// Short for results of this crate.
+/// The result type of this crate.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// What happened, where, why and what to do about it. One pointer wide, so that results stay small.
@@ -28,11 +28,11 @@ struct Detail {
     /// What an FMI function returned.
     status: Option<i32>,
     others: Vec<Error>,
-    /// So many more were found, and are not kept.
+    /// How many more were found, which are not kept.
     more: usize,
 }
 
-/// Problems that are kept of those found together: a file can have a million.
+/// The maximum number of problems that are reported together: a file can have a million.
 const KEPT: usize = 100;
 
 impl Error {
@@ -79,7 +79,7 @@ impl Error {
         self
     }
 
-    /// The remedy, when there is one to tell.
+    /// The remedy, if there is one.
     #[must_use]
     pub fn maybe_help(mut self, help: Option<String>) -> Self {
         self.0.help = help.or(self.0.help.take());
@@ -100,7 +100,7 @@ impl Error {
         self
     }
 
-    /// Several problems as one error; `Ok` when there is none. Of many the first hundred are kept.
+    /// Several problems as one error; `Ok` if there is none. At most the first hundred are kept.
     pub fn all(problems: Vec<Error>) -> Result<()> {
         let mut more: usize = problems.iter().map(|problem| problem.0.more).sum();
         let mut rest = problems.into_iter().flat_map(|mut problem| {
@@ -118,7 +118,7 @@ impl Error {
         }
     }
 
-    /// The kind, and with it the exit code.
+    /// The kind, which determines the exit code.
     pub fn code(&self) -> Code {
         self.0.code
     }
@@ -138,7 +138,7 @@ impl Error {
         self.0.why.as_deref()
     }
 
-    /// The remedy, if there is one to tell.
+    /// The remedy, if there is one.
     pub fn remedy(&self) -> Option<&str> {
         self.0.help.as_deref()
     }
@@ -158,7 +158,7 @@ impl Error {
         std::iter::once(self).chain(&self.0.others)
     }
 
-    /// Everything in one line, for logs: what, where, why, what to do.
+    /// Everything on one line, for logs: what, where, why, what to do.
     pub fn line(&self) -> String {
         let one = |error: &Self| {
             let mut text = error.what().to_owned();
@@ -209,7 +209,7 @@ impl fmt::Display for Error {
             write!(f, "\n{} problems", self.0.others.len() + 1 + self.0.more)?;
         }
         if self.0.more > 0 {
-            write!(f, ", of which the first {KEPT} are told")?;
+            write!(f, ", of which the first {KEPT} are shown")?;
         }
         Ok(())
     }

@@ -1,10 +1,10 @@
-//! Files that are written: never in the place of something else, whole or not at all, and still
-//! there after a power loss.
+//! Writes files: never replacing something else, completely or not at all, and safe against power
+//! loss.
 //!
-//! What replaces a file as a whole is written to a file without a name, synced, and only then takes
-//! the name, which is synced with its folder. So a process that is killed leaves the old file or the
-//! new one, and nothing else. File systems without nameless files get a hidden one, locked by its
-//! writer; whoever writes there next removes those that nobody locks any more.
+//! A file that replaces another as a whole is written to a file without a name, synced, and only
+//! then gets the name, which is synced with its folder. A process that is killed therefore leaves
+//! either the old file or the new one. File systems without unnamed files get a hidden one, locked
+//! by its writer; the next process that writes there removes those that are no longer locked.
 #![allow(unsafe_code, reason = "system calls without a safe form")]
 
 use std::ffi::{CString, OsStr, OsString};
@@ -18,10 +18,10 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
 
 use crate::error::{Code, Error, Result};
 
-/// Of hidden files that are being written: `.NAME.PROCESS-NUMBER.unfinished`.
+/// Extension of hidden files that are being written: `.NAME.PROCESS-NUMBER.unfinished`.
 const UNFINISHED: &str = ".unfinished";
 
-/// How files begin that are no results, and what they are.
+/// First bytes of files that are not results, and what they are.
 const OTHERS: [(&[u8], &str); 6] = [
     (b"PK\x03\x04", "an archive (.fmu, .ssp)"),
     (b"PK\x05\x06", "an archive"),
@@ -32,14 +32,14 @@ const OTHERS: [(&[u8], &str); 6] = [
 ];
 const SNAPSHOT: (&[u8], &str) = (b"COSIMSNP", "a snapshot");
 
-/// Creates a file of results, of digests or a log, and empties one that is there; `what` is what
-/// cannot be written otherwise. A file that is clearly something else is never replaced.
+/// Creates a file for results, digests or a log, emptying an existing one; `what` is the error
+/// message. A file that is clearly something else is never replaced.
 pub fn create(target: &Path, what: &str) -> Result<Durable> {
     let folder = given(target).is_none().then(|| folder_of(target));
     Ok(Durable::new(create_plain(target, what)?, folder))
 }
 
-/// The same for a log, which is not worth a sync.
+/// The same for a log, which is not worth syncing.
 pub fn create_plain(target: &Path, what: &str) -> Result<File> {
     if let Some(file) = given(target) {
         return Ok(file);
@@ -48,7 +48,7 @@ pub fn create_plain(target: &Path, what: &str) -> Result<File> {
     File::create(target).map_err(|why| Error::new(Code::Output, what).at(target).why(why))
 }
 
-/// Refuses a name under which there is a file of another kind; `more` is one that is refused here.
+/// Refuses a name if there is a file of another kind; `more` is an additional kind to refuse.
 pub(crate) fn refuse_others(target: &Path, what: &str, more: Option<(&[u8], &str)>) -> Result<()> {
     if !target.metadata().is_ok_and(|metadata| metadata.is_file()) {
         return Ok(());
@@ -60,30 +60,30 @@ pub(crate) fn refuse_others(target: &Path, what: &str, more: Option<(&[u8], &str
     match OTHERS.into_iter().chain(more).find(|(start, _)| begin.starts_with(start)) {
         Some((_, kind)) if !html => Err(Error::new(Code::Output, what)
             .at(target)
-            .why(format!("the file that is there is {kind}, which would be lost"))
-            .help("give another name, or remove the file")),
+            .why(format!("the existing file is {kind}, which would be lost"))
+            .help("choose another name, or remove the file")),
         _ => Ok(()),
     }
 }
 
-/// Refuses a name under which one of the files lies that are read.
+/// Refuses a name that belongs to one of the input files.
 pub fn refuse_inputs<'a>(target: &Path, inputs: impl IntoIterator<Item = &'a Path>) -> Result<()> {
     let identity = |path: &Path| path.metadata().map(|m| (m.dev(), m.ino(), m.is_file())).ok();
     let Some(there @ (.., true)) = identity(target) else { return Ok(()) };
     match inputs.into_iter().find(|input| identity(input) == Some(there)) {
-        Some(input) => Err(Error::new(Code::Usage, "the output would take the place of an input")
+        Some(input) => Err(Error::new(Code::Usage, "the output would replace an input")
             .at(target)
             .why(format!("{} is read by this command", input.display()))
-            .help("give the output another name")),
+            .help("choose another name for the output")),
         None => Ok(()),
     }
 }
 
-/// A file whose content survives a power loss once it is flushed. What was written but not flushed is
-/// in a buffer that [`save_all`] finds.
+/// A file whose content survives a power loss once it is flushed. What was written but not flushed
+/// is in a buffer that [`save_all`] finds.
 pub struct Durable {
     shared: Arc<Mutex<Buffered>>,
-    /// Where its name was not synced yet.
+    /// The folder, until its entry has been synced.
     folder: Option<PathBuf>,
 }
 
@@ -98,13 +98,13 @@ const PIECE: usize = 1 << 16;
 /// The files that are being written.
 static OPEN: Mutex<Vec<Weak<Mutex<Buffered>>>> = Mutex::new(Vec::new());
 
-/// Writes what waits in buffers, as far as nobody is writing there: for a process that ends without
-/// coming back to those who write.
+/// Flushes all buffers that are not in use: for a process that ends without returning to the
+/// writers.
 pub fn save_all() {
     let open = OPEN.try_lock();
     for file in open.iter().flat_map(|open| open.iter()).filter_map(Weak::upgrade) {
         if let Ok(mut file) = file.try_lock() {
-            // There is nobody to be told.
+            // If this flush fails there is no channel left to report it.
             drop(file.save());
         }
     }
@@ -164,28 +164,28 @@ impl Seek for Durable {
 
 impl Drop for Durable {
     fn drop(&mut self) {
-        // Whoever wants to know whether it can be written flushes it.
+        // A caller that needs to know whether it can be written flushes it.
         drop(self.buffered().save());
     }
 }
 
-/// Files that were opened by the process that confined this one, which may open none itself.
+/// Files that were opened by the process that confined this one, which may not open any itself.
 struct Given {
     files: Vec<(PathBuf, RawFd)>,
-    /// Where whole files are left for that process.
+    /// Where complete files are left for that process.
     folder: PathBuf,
 }
 
 static GIVEN: OnceLock<Given> = OnceLock::new();
 
-/// From now on these files are written through the descriptors that this process was given, and files
-/// that are replaced as a whole are left in `folder` for the process around, by their [`outbox_name`].
+/// From now on, these files are written through the given descriptors, and files that are replaced
+/// as a whole are left in `folder` for the parent process, under their [`outbox_name`].
 pub fn give(files: Vec<(PathBuf, RawFd)>, folder: PathBuf) {
-    // Once in a process.
+    // Once per process.
     drop(GIVEN.set(Given { files, folder }));
 }
 
-/// The descriptor that was given for a file.
+/// The descriptor for a file.
 fn given(target: &Path) -> Option<File> {
     let given = GIVEN.get()?;
     let (_, file) = given.files.iter().find(|(path, _)| path == target)?;
@@ -194,12 +194,12 @@ fn given(target: &Path) -> Option<File> {
     borrowed.try_clone_to_owned().ok().map(File::from)
 }
 
-/// The name of a file that was replaced as a whole, in the folder of [`give`]; it has no `/`.
+/// The name in the folder of [`give`] of a file that was replaced as a whole; it contains no `/`.
 pub fn outbox_name(target: &Path) -> String {
     target.as_os_str().as_bytes().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// The file of such a name.
+/// The file with such a name.
 pub fn of_outbox(name: &str) -> Option<PathBuf> {
     let digits = name.as_bytes().chunks(2);
     let bytes: Option<Vec<u8>> =
@@ -207,29 +207,29 @@ pub fn of_outbox(name: &str) -> Option<PathBuf> {
     Some(OsString::from_vec(bytes?).into())
 }
 
-/// In that folder: the results that are continued are in the new file.
+/// In that folder: the continued results are in the new file.
 pub const CONTINUED: &str = "continued";
 
-/// A file that has its name only when it is whole.
+/// A file that gets its name only when it is complete.
 pub struct Unfinished {
     file: File,
     target: PathBuf,
-    /// Where the file system knows no files without a name.
+    /// If the file system does not support unnamed files.
     hidden: Option<Hidden>,
 }
 
-/// A file that goes with its value.
+/// A file that is removed with its value.
 struct Hidden(PathBuf);
 
 impl Drop for Hidden {
     fn drop(&mut self) {
-        // It is gone already when it got its name.
+        // It no longer exists if it has got its final name.
         drop(fs::remove_file(&self.0));
     }
 }
 
 impl Unfinished {
-    /// For `target`, of which the folder must be there.
+    /// For `target`, whose folder must exist.
     pub fn new(target: &Path) -> io::Result<Self> {
         if let Some(file) = given(target) {
             return Ok(Self { file, target: target.to_owned(), hidden: None });
@@ -261,24 +261,24 @@ impl Unfinished {
         Ok(Self { file, target: target.to_owned(), hidden })
     }
 
-    /// Where it is written.
+    /// Its current path.
     pub fn file(&self) -> &File {
         &self.file
     }
 
-    /// A second handle to write by.
+    /// A second handle for writing.
     pub fn writer(&self) -> io::Result<Durable> {
         Ok(Durable::new(self.file.try_clone()?, None))
     }
 
-    /// Gives the file its name, in the place of what has it.
+    /// Gives the file its name, replacing an existing one.
     pub fn finish(self) -> io::Result<()> {
         if let Some(given) = GIVEN.get().filter(|_| given(&self.target).is_some()) {
             synced(self.file.sync_all())?;
             return fs::write(given.folder.join(CONTINUED), b"");
         }
         let folder = folder_of(&self.target);
-        // As readable as what it replaces, or as a new file would be.
+        // With the permissions of the file it replaces, or of a new file.
         let mode = fs::metadata(&self.target).map_or(0o666 & !umask(), |there| there.mode());
         self.file.set_permissions(fs::Permissions::from_mode(mode & 0o777))?;
         synced(self.file.sync_all())?;
@@ -296,10 +296,10 @@ impl Unfinished {
     }
 }
 
-/// Replaces `target` by these bytes, or leaves it as it is.
+/// Replaces `target` by these bytes, or leaves it unchanged.
 pub fn replace(target: &Path, bytes: &[u8]) -> io::Result<()> {
     if let Some(given) = GIVEN.get() {
-        // Under its name when it is whole; it is the process around that keeps it.
+        // Under its final name once complete; the parent process keeps it.
         let (begun, whole) = (given.folder.join("begun"), given.folder.join(outbox_name(target)));
         return fs::write(&begun, bytes).and_then(|()| fs::rename(begun, whole));
     }
@@ -308,7 +308,7 @@ pub fn replace(target: &Path, bytes: &[u8]) -> io::Result<()> {
     unfinished.finish()
 }
 
-/// Removes what processes that were killed left beside `target`.
+/// Removes files that killed processes left beside `target`.
 fn sweep(folder: &Path, target: &Path) {
     let prefix = hidden_prefix(target);
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
@@ -317,7 +317,7 @@ fn sweep(folder: &Path, target: &Path) {
         let ours = bytes.starts_with(prefix.as_bytes()) && bytes.ends_with(UNFINISHED.as_bytes());
         let plain = entry.file_type().is_ok_and(|kind| kind.is_file());
         if ours && plain && File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok()) {
-            // What cannot be removed is somebody else's matter.
+            // Files that cannot be removed belong to other users.
             drop(fs::remove_file(entry.path()));
         }
     }
@@ -330,7 +330,7 @@ fn hidden_prefix(target: &Path) -> OsString {
     prefix
 }
 
-/// A name that nobody else takes: of this process, and of a number that it gives once.
+/// A unique name: from the process id, and a number used only once.
 fn hidden(folder: &Path, target: &Path) -> PathBuf {
     static NUMBER: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
     let number = NUMBER.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
@@ -339,12 +339,12 @@ fn hidden(folder: &Path, target: &Path) -> PathBuf {
     folder.join(name)
 }
 
-/// Gives a name to a file that has none.
+/// Gives a name to an unnamed file.
 fn link(file: &File, name: &Path) -> io::Result<()> {
     let from = CString::new(format!("/proc/self/fd/{}", file.as_raw_fd()))?;
     let to = CString::new(name.as_os_str().as_bytes())?;
     let (here, follow) = (libc::AT_FDCWD, libc::AT_SYMLINK_FOLLOW);
-    // SAFETY: both are C strings, alive until the call returns.
+    // SAFETY: both are C strings that live until the call returns.
     match unsafe { libc::linkat(here, from.as_ptr(), here, to.as_ptr(), follow) } {
         0 => Ok(()),
         _ => Err(io::Error::last_os_error()),
@@ -374,7 +374,7 @@ fn synced(result: io::Result<()>) -> io::Result<()> {
     }
 }
 
-/// Whether a file system knows no files without a name.
+/// Whether a file system does not support unnamed files.
 fn is_unknown(why: &io::Error) -> bool {
     matches!(why.raw_os_error(), Some(libc::EOPNOTSUPP | libc::EISDIR | libc::EINVAL))
 }
@@ -397,7 +397,7 @@ mod tests {
         let folder = TempDir::new().unwrap();
         let target = folder.path().join("a");
         fs::write(&target, "old").unwrap();
-        // Of a process that was killed, and of one that writes.
+        // Of a process that was killed, and of one that is writing.
         fs::write(folder.path().join(".a.1-0.unfinished"), "cut").unwrap();
         let busy = File::create(folder.path().join(".a.2-0.unfinished")).unwrap();
         busy.lock().unwrap();

@@ -1,9 +1,9 @@
 //! A co-simulation master for FMI 2.0.
 //!
-//! Loads FMUs (those of model exchange get an integrator of ours), links them as an SSP or OSP system description says, steps them by a
-//! deterministic schedule in integer time and records the results. It knows FMI and these formats,
-//! and no component in particular. The feature `distributed` (by default) adds runs over several
-//! processes and machines.
+//! Loads FMUs (our solvers integrate those for model exchange), connects them according to an SSP
+//! or OSP system description, steps them with a deterministic schedule in integer time, and records
+//! the results. It knows FMI and these formats, but no particular component. The feature
+//! `distributed` (on by default) adds runs over several processes and machines.
 //!
 //! ```no_run
 //! use cosim::{Overrides, Recording, System};
@@ -17,14 +17,14 @@
 //! ```
 //!
 //! An FMU file is unpacked and mapped once per process while any [`System`] with it is alive: for
-//! many runs keep one and derive the others by [`System::with`].
+//! many runs, keep one and derive the others with [`System::with`].
 //!
-//! # Watching and acting
+//! # Observers and manipulators
 //!
 //! An [`Observer`] gets the recorded values at each output instant and changes nothing; a
-//! [`Manipulator`] says when it wants to act, and then overrides, biases or releases variables, or
-//! ends the run. A [`Run`] brings them together with a system, and with a [`Snapshot`] to go on
-//! from. The example `campaign` is this in whole:
+//! [`Manipulator`] decides when to act, and then overrides, biases or releases variables, or ends
+//! the run. A [`Run`] combines them with a system, and optionally with a [`Snapshot`] to continue
+//! from. The example `campaign` shows all of this:
 //!
 //! ```no_run
 //! use cosim::{Controls, Manipulator, Overrides, Recording, Result, Run, System, Time};
@@ -49,10 +49,10 @@
 //! # Ok::<(), cosim::Error>(())
 //! ```
 //!
-//! Ready made: [`scenario::Scenario`] from a file, [`pace::Pace`] for the pace of the clock,
-//! [`observe::create`] for files of results.
+//! Included: [`scenario::Scenario`] from a file, [`pace::Pace`] for real time, [`observe::create`]
+//! for results files.
 
-// Without distributed runs nobody drives the engine in parts.
+// Without distributed runs, the engine is not driven in parts.
 #![cfg_attr(not(feature = "distributed"), allow(dead_code, unused_imports))]
 
 #[cfg(feature = "campaign")]
@@ -102,7 +102,7 @@ pub use observe::{Observer, Recording};
 pub use system::{Algorithm, Input, Overrides, System};
 pub use time::{Step, Time};
 
-/// The code of the README, for the tests.
+/// The code in the README, for the tests.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

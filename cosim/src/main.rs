@@ -1,4 +1,4 @@
-//! The command line: parse, run, one error.
+//! The command line: parses, runs, reports one error.
 
 mod cli;
 
@@ -7,7 +7,8 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-/// In the place of the C library's: see `cli::interrupt`. FMUs find it, for the program exports it.
+/// Replaces the function of the C library: see `cli::interrupt`. FMUs find it because the program
+/// exports it.
 #[allow(unsafe_code, reason = "the place of a function of the C library")]
 #[unsafe(no_mangle)]
 extern "C" fn _exit(code: libc::c_int) -> ! {
@@ -18,7 +19,7 @@ extern "C" fn _exit(code: libc::c_int) -> ! {
     }
 }
 
-/// The same under its name in C.
+/// The same under its C name.
 #[allow(unsafe_code, reason = "the place of a function of the C library")]
 #[unsafe(no_mangle)]
 extern "C" fn _Exit(code: libc::c_int) -> ! {
@@ -27,7 +28,7 @@ extern "C" fn _Exit(code: libc::c_int) -> ! {
 
 #[allow(unsafe_code, reason = "the environment before there are threads, and the end")]
 fn main() -> ExitCode {
-    // Before there is a second thread: an isolated run goes on in a process behind namespaces.
+    // While there is only one thread: an isolated run continues in a process in its own namespaces.
     match cli::isolate::enter() {
         Ok(None) => (),
         Ok(Some(status)) => return ExitCode::from(u8::try_from(status).unwrap_or(1)),
@@ -38,7 +39,7 @@ fn main() -> ExitCode {
     }
     let arguments = cli::Arguments::parse();
     if let Some((name, value)) = arguments.threads().setting() {
-        // SAFETY: there is no other thread yet that could read the environment meanwhile.
+        // SAFETY: no other thread exists yet that could read the environment meanwhile.
         unsafe { std::env::set_var(name, value) }
     }
     let code = match cli::run(arguments) {
@@ -50,9 +51,9 @@ fn main() -> ExitCode {
     };
     cli::isolate::leave(code);
     if cosim::fmi::has_mapped_python() {
-        // What cannot be written has nobody to be told to.
+        // If this flush fails there is no channel left to report it.
         drop(std::io::stdout().flush());
-        // SAFETY: nothing of ours is left to be done at the end of the process.
+        // SAFETY: nothing of ours is left to do at the end of the process.
         unsafe { libc::_exit(code.into()) }
     }
     ExitCode::from(code)

@@ -1,16 +1,17 @@
-//! Names as people type them: the nearest valid one, and patterns with `*` and `?`.
+//! Names typed by users: the nearest valid one, and patterns with `*` and `?`.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Longest name that is compared: the comparison takes time and memory by the square.
+/// Longest name that is compared: time and memory of the comparison grow with its square.
 const MAX_COMPARED: usize = 256;
-/// Pairs of characters that are compared for one name, and in all by a process. Names come from
-/// files, too: one with many wrong names and many valid ones would keep it busy for hours.
+/// Maximum number of compared character pairs, for one name and in total for a process. Names also
+/// come from files: a file with many wrong and many valid names would keep the process busy for
+/// hours.
 const MAX_PAIRS: u64 = 1 << 22;
 const MAX_PAIRS_IN_ALL: u64 = 1 << 28;
 
-/// The candidate nearest to `name`, when one is near enough to be meant.
+/// The candidate nearest to `name`, if one is close enough to be meant.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     static SPENT: AtomicU64 = AtomicU64::new(0);
     if name.len() > MAX_COMPARED || SPENT.load(Ordering::Relaxed) > MAX_PAIRS_IN_ALL {
@@ -41,7 +42,7 @@ pub fn did_you_mean<'a>(
     nearest(name, candidates).map(|found| format!("did you mean '{found}'?"))
 }
 
-/// `did you mean 'x.fmu'?`, of the files in the folder of `path` that end as it does.
+/// `did you mean 'x.fmu'?`, among the files in the folder of `path` with the same extension.
 pub fn file_like(path: &Path) -> Option<String> {
     let files = std::fs::read_dir(path.parent()?).ok()?.flatten().map(|file| file.path());
     let alike = files.filter(|file| file.extension() == path.extension());
@@ -50,7 +51,7 @@ pub fn file_like(path: &Path) -> Option<String> {
     did_you_mean(path.file_name()?.to_str()?, names.iter().map(String::as_str))
 }
 
-/// Whether `pattern` is more than a plain name. Brackets are ordinary: variables use them.
+/// Whether `pattern` is more than a plain name. Brackets are literal: variables use them.
 pub fn is_pattern(pattern: &str) -> bool {
     pattern.contains(['*', '?'])
 }
@@ -82,19 +83,19 @@ pub fn matches(pattern: &str, name: &str) -> bool {
     pattern[p..].iter().all(|&c| c == b'*')
 }
 
-/// What variables and components are called elsewhere: with `gps` for `fix`, `gps.stamp` is `fix.stamp`.
+/// Aliases of variables and components: with `gps` for `fix`, `gps.stamp` is `fix.stamp`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Aliases(Vec<(String, String)>);
 
 impl Aliases {
-    /// From pairs of an alias, which is a name or its beginning up to a dot, and what it means.
+    /// From pairs of an alias, which is a name or its prefix up to a dot, and its meaning.
     pub(crate) fn new(mut pairs: Vec<(String, String)>) -> Self {
-        // Of two that fit the longer one is meant.
+        // If two match, the longer one is meant.
         pairs.sort_by_key(|(alias, _)| std::cmp::Reverse(alias.len()));
         Self(pairs)
     }
 
-    /// What a name, or a pattern that begins with an alias, means.
+    /// The meaning of a name, or of a pattern that starts with an alias.
     pub(crate) fn resolve(&self, name: &str) -> String {
         let meant = self.0.iter().find_map(|(alias, meant)| {
             let rest = name.strip_prefix(alias.as_str())?;

@@ -1,8 +1,7 @@
-//! Runs at the pace of the wall clock, or a multiple of it.
+//! Runs in real time, or at a multiple of it.
 //!
-//! At each instant the run waits until the clock has come as far. When the clock is ahead, that
-//! is an overrun: the run does not wait until it has caught up. What is computed does not depend
-//! on any of this.
+//! At each instant the run waits for the clock. If the clock is ahead, that is an overrun: the run
+//! does not wait until it has caught up. Results do not depend on any of this.
 
 use std::time::{Duration, Instant};
 
@@ -11,15 +10,15 @@ use crate::master::{Controls, Manipulator};
 use crate::system::System;
 use crate::time::Time;
 
-/// The shortest time between two looks at the clock.
+/// The minimum interval between two readings of the clock.
 const SHORTEST: Duration = Duration::from_millis(1);
 
-/// Holds a run to the pace of the clock.
+/// Limits a run to the pace of the clock.
 #[derive(Debug)]
 pub struct Pace {
-    /// Simulated seconds per second; none: as fast as it can.
+    /// Simulated seconds per second; `None`: as fast as possible.
     factor: Option<f64>,
-    /// The clock and the simulated time when the run began.
+    /// The clock and the simulated time at the start of the run.
     begun: Option<(Instant, Time)>,
     /// The smallest step of the system.
     smallest: Time,
@@ -35,7 +34,7 @@ pub struct Overruns {
     pub count: u64,
     /// How many instants there were.
     pub instants: u64,
-    /// How late the latest was, in seconds of the clock.
+    /// How late the latest was, in seconds of wall-clock time.
     pub worst: f64,
     /// Which instant that was.
     pub when: Time,
@@ -49,14 +48,14 @@ impl Pace {
         Self { factor, begun: None, smallest: zero, step: zero, next: zero, overruns }
     }
 
-    /// Goes at another pace from now on; none: as fast as it can.
+    /// Changes the pace from now on; `None`: as fast as possible.
     pub fn change(&mut self, factor: Option<f64>, now: Time) {
         (self.factor, self.begun) = (factor, None);
         self.choose_step();
         self.next = now + self.step;
     }
 
-    /// So many steps that looks at the clock are not too near one another.
+    /// The number of steps between readings of the clock, so that they are not too frequent.
     fn choose_step(&mut self) {
         let shortest = SHORTEST.as_nanos() as f64 * self.factor.unwrap_or(1.0);
         let smallest = self.smallest.nanoseconds();
@@ -64,12 +63,12 @@ impl Pace {
         self.step = Time::from_nanoseconds(smallest.saturating_mul(count));
     }
 
-    /// What came too late so far.
+    /// The overruns so far.
     pub fn overruns(&self) -> Overruns {
         self.overruns
     }
 
-    /// The clock went on for so long while the run was paused.
+    /// The time for which the run was paused.
     pub fn paused(&mut self, length: Duration) {
         if let Some((begun, _)) = &mut self.begun {
             *begun += length;

@@ -1,4 +1,4 @@
-//! Scenarios: what happens to a system when, from a file.
+//! Scenarios: timed events in a system, from a file.
 //!
 //! A file whose name ends in `.toml` lists faults (see [`crate::fault`]):
 //!
@@ -24,9 +24,9 @@
 //!   "end": 200 }
 //! ```
 //!
-//! `override` gives the variable that value from then on, `bias` adds the value to it, `reset`
-//! ends either. `defaults` stand in for what an event leaves out; `end` ends the run early.
-//! Events at one instant happen in the order of the file.
+//! `override` sets the variable to that value from then on, `bias` adds the value to it, `reset`
+//! ends either. `defaults` are used for keys that an event omits; `end` ends the run early. Events
+//! at the same instant happen in the order of the file.
 
 mod faults;
 mod injected;
@@ -54,13 +54,13 @@ pub struct Scenario {
     done: usize,
     faults: Vec<Fault>,
     seed: u64,
-    /// Per fault: its variables by their full names, or its components.
+    /// For each fault: its variables by full name, or its components.
     targets: Vec<Vec<String>>,
-    /// The resets that are still to come, with their faults, the next one last.
+    /// The pending resets with their faults, the next one last.
     resets: Vec<(Time, usize)>,
-    /// The faults that are still to be put in their places, and when, the next one last.
+    /// The faults that are not yet installed, and when they will be, the next one last.
     installs: Vec<(Time, usize)>,
-    /// Faults whose condition has not held yet, and when it is looked at next.
+    /// Faults whose condition has not held yet, and when it is checked next.
     waiting: Vec<usize>,
     look: Time,
     start: Time,
@@ -95,14 +95,14 @@ impl Scenario {
         parse(&text, file)
     }
 
-    /// Draws all random numbers of the faults from another root seed than the file's.
+    /// Draws all random numbers of the faults from another root seed than that of the file.
     #[must_use]
     pub fn seeded(mut self, seed: u64) -> Self {
         self.seed = seed;
         self
     }
 
-    /// With other names of variables and components.
+    /// Resolves other names of variables and components.
     #[must_use]
     pub(crate) fn renamed(mut self, aliases: &Aliases) -> Self {
         let of_events = self.events.iter_mut().filter_map(|event| match &mut event.what {
@@ -120,22 +120,23 @@ impl Scenario {
         self
     }
 
-    /// Whether it acts where nothing is recorded and the end is up to others, or why not.
+    /// Whether it can act where nothing is recorded and the importer decides the end; the error
+    /// says why not.
     pub(crate) fn runs_without_records(&self) -> Result<()> {
         let wrong = |what: &str, help: &str| Err(Error::new(Code::Scenario, what).help(help));
         if self.watched().next().is_some() {
             return wrong(
                 "a fault that waits for a condition cannot be exported",
-                "let it begin at an instant: `from` or `between`",
+                "start it at an instant: `from` or `between`",
             );
         }
         if self.events.iter().any(|event| event.what == Action::End) {
-            return wrong("an end cannot be exported", "leave it out: the importer ends the run");
+            return wrong("an end cannot be exported", "remove it: the importer ends the run");
         }
         Ok(())
     }
 
-    /// The variables that conditions of faults look at: they must be recorded.
+    /// The variables used in conditions of faults: they must be recorded.
     pub fn watched(&self) -> impl Iterator<Item = &str> {
         self.faults.iter().filter_map(|fault| match &fault.begin {
             Begin::When(condition) => Some(condition.variable.as_str()),
@@ -144,7 +145,7 @@ impl Scenario {
     }
 
     fn new(mut events: Vec<Event>, faults: Vec<Fault>, seed: u64) -> Self {
-        // Stable: events of one instant stay in the order of the file.
+        // Stable: events at the same instant stay in the order of the file.
         events.sort_by_key(|event| event.time);
         Self {
             events,
@@ -161,7 +162,7 @@ impl Scenario {
         }
     }
 
-    /// The variables of the faults, and what is wrong with their times.
+    /// The variables of the faults, and problems with their times.
     fn aim(&mut self, system: &System) -> Vec<Error> {
         let mut problems = Vec::new();
         self.targets.clear();
@@ -194,7 +195,7 @@ impl Scenario {
                             Error::new(Code::UnknownName, format!("'{name}' is not recorded"))
                                 .why(format!("fault {} begins when {condition}", position + 1))
                                 .help(help.unwrap_or_else(|| {
-                                    format!("record it, too: --output-variable '{name}'")
+                                    format!("also record it: --output-variable '{name}'")
                                 })),
                         );
                     }
@@ -203,7 +204,7 @@ impl Scenario {
             };
             if first >= stop {
                 let what = format!("it begins at {first}, and the run ends at {stop}");
-                problems.push(wrong(what).help("an earlier beginning, or a later stop time"));
+                problems.push(wrong(what).help("use an earlier start, or a later stop time"));
             }
             if matches!(fault.end, End::At(end) if end <= system.start_time()) {
                 problems.push(wrong("it ends before the run begins".to_owned()));
@@ -215,11 +216,11 @@ impl Scenario {
 
 fn parse(text: &str, file: &Path) -> Result<Scenario> {
     let json: Value = serde_json::from_str(text).map_err(|e| {
-        Error::new(Code::Scenario, "the scenario is no JSON").at_line(file, e.line()).why(e)
+        Error::new(Code::Scenario, "the scenario is not JSON").at_line(file, e.line()).why(e)
     })?;
     let wrong = |what: String| Error::new(Code::Scenario, what).at(file);
     let Value::Object(root) = &json else {
-        return Err(wrong("the scenario is no JSON object".to_owned()));
+        return Err(wrong("the scenario is not a JSON object".to_owned()));
     };
     let mut problems = Vec::new();
     problems.extend(unknown_key(root, &["description", "defaults", "events", "end"]).map(wrong));
@@ -247,7 +248,7 @@ fn parse(text: &str, file: &Path) -> Result<Scenario> {
 }
 
 fn read_event(event: &Value, defaults: &Map<String, Value>) -> Result<Event, String> {
-    let event = event.as_object().ok_or("it is no JSON object")?;
+    let event = event.as_object().ok_or("it is not a JSON object")?;
     let known = ["time", "model", "variable", "action", "value"];
     if let Some(what) = unknown_key(event, &known) {
         return Err(what);
@@ -263,7 +264,7 @@ fn read_event(event: &Value, defaults: &Map<String, Value>) -> Result<Event, Str
         Some(Value::Bool(value)) => Some(f64::from(u8::from(*value))),
         value => value.and_then(Value::as_f64),
     };
-    let value = || value.ok_or("\"value\" is missing, or neither number nor Boolean");
+    let value = || value.ok_or("\"value\" is missing, or neither a number nor a Boolean");
     let what = match text("action")? {
         "override" => Action::Override(name, value()?),
         "bias" => Action::Bias(name, value()?),
@@ -271,14 +272,14 @@ fn read_event(event: &Value, defaults: &Map<String, Value>) -> Result<Event, Str
         other => {
             let help =
                 names::did_you_mean(other, ACTIONS).map_or(String::new(), |h| format!(", {h}"));
-            return Err(format!("\"{other}\" is none of {}{help}", ACTIONS.join(", ")));
+            return Err(format!("\"{other}\" is not one of {}{help}", ACTIONS.join(", ")));
         }
     };
     Ok(Event { time, what })
 }
 
 fn time(value: Option<&Value>) -> Result<Time, String> {
-    let seconds = value.and_then(Value::as_f64).ok_or("\"time\" is missing or no number")?;
+    let seconds = value.and_then(Value::as_f64).ok_or("\"time\" is missing or not a number")?;
     Time::from_seconds(seconds, "the time").map_err(|e| e.what().to_owned())
 }
 
@@ -301,7 +302,7 @@ impl Manipulator for Scenario {
         let happened = |event: &&Event| resumed.is_some_and(|resumed| event.time <= resumed);
         self.done = self.events.iter().take_while(happened).count();
         (self.start, self.interval) = (system.start_time(), system.output_interval());
-        // A snapshot has them in their places.
+        // In a snapshot they are already installed.
         let install = |(number, fault): (usize, &Fault)| {
             (fault.installed.map_or(self.start, |at| at.max(self.start)), number)
         };
@@ -351,7 +352,7 @@ impl Manipulator for Scenario {
             self.targets[fault].iter().try_for_each(|name| controls.reset(name))?;
         }
         if self.look <= now {
-            self.look_at_conditions(controls)?;
+            self.check_conditions(controls)?;
             let next = self.start + self.interval.after(now - self.start);
             self.look = if self.waiting.is_empty() { Time::NEVER } else { next };
         }
@@ -360,7 +361,7 @@ impl Manipulator for Scenario {
 }
 
 impl Scenario {
-    /// Puts a fault in its places.
+    /// Installs a fault on its variables.
     fn install(&self, number: usize, controls: &mut Controls<'_>) -> Result<()> {
         let fault = &self.faults[number];
         let is_reset = fault.kind == Kind::Reset;
@@ -378,9 +379,9 @@ impl Scenario {
         })
     }
 
-    /// Begins the faults whose condition holds. After a resumption that is told again to faults that
-    /// have begun; they know.
-    fn look_at_conditions(&mut self, controls: &mut Controls<'_>) -> Result<()> {
+    /// Starts the faults whose condition holds. After a resumption, faults that have already
+    /// started are notified again; they ignore it.
+    fn check_conditions(&mut self, controls: &mut Controls<'_>) -> Result<()> {
         let mut waiting = std::mem::take(&mut self.waiting);
         let mut outcome = Ok(());
         waiting.retain(|&fault| {
@@ -390,12 +391,12 @@ impl Scenario {
                 return true;
             }
             for target in &self.targets[fault] {
-                let told = match self.faults[fault].kind {
+                let triggered = match self.faults[fault].kind {
                     Kind::Reset => controls.trigger_reset(target, fault as u32),
                     _ => controls.trigger(target, fault as u32),
                 };
                 if outcome.is_ok() {
-                    outcome = told;
+                    outcome = triggered;
                 }
             }
             false
@@ -405,7 +406,7 @@ impl Scenario {
     }
 }
 
-/// Whether a fault begins when it is put in its place: a reset then happens between what is put in
+/// Whether a fault begins when it is installed: then a reset happens between the faults installed
 /// before and after it.
 fn at_once(fault: &Fault) -> bool {
     matches!((&fault.begin, fault.installed), (Begin::At(from), Some(at)) if *from == at)
@@ -432,7 +433,7 @@ mod tests {
     }
 
     #[test]
-    fn every_mistake_is_told_with_its_event() {
+    fn every_mistake_is_reported_with_its_event() {
         let text = r#"{"event": [], "events": [{"time": "x"}, {"time": 1, "model": "a"},
             {"time": 1, "model": "a", "variable": "x", "action": "overide", "value": 1}]}"#;
         let error = parse(text, Path::new("s.json")).unwrap_err().to_string();

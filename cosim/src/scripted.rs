@@ -1,7 +1,8 @@
-//! FMUs whose component is a Python class, as `rexrov.component` of the Python package writes them.
+//! FMUs whose component is a Python class, as written by `rexrov.component` of the Python package.
 //!
-//! Their library (`cosim/scripted`) starts the Python that the manifest in their resources names. An
-//! importer must have it: `needsExecutionTool`. This crate looks for it instead of asking the user.
+//! Their library (`cosim/scripted`) starts the Python interpreter named in the manifest in their
+//! resources. The importer's machine must have it: `needsExecutionTool`. This crate searches for it
+//! instead of asking the user.
 
 use std::env;
 use std::fs;
@@ -16,16 +17,16 @@ use crate::export::interface::Basic;
 const FILE: &str = "component.json";
 /// The program in the resources that serves the class.
 const HOST: &str = "host.py";
-/// The environment names another Python than the manifest by this.
+/// The environment variable that selects another Python than the manifest.
 const PYTHON: &str = "COSIM_PYTHON";
-/// Of the form of the manifest, and of what library and program say to each other.
+/// Version of the manifest, and of the protocol between library and program.
 const VERSION: u32 = 1;
 
-/// What the resources say of the class.
+/// The description of the class in the resources.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Manifest {
     version: u32,
-    /// The identity of the FMU.
+    /// The GUID of the FMU.
     pub guid: String,
     /// The name of the class.
     pub class: String,
@@ -54,7 +55,7 @@ pub struct Parameter {
 }
 
 impl Manifest {
-    /// Reads it from the resources of an FMU.
+    /// Reads the resources of an FMU.
     pub fn read(resources: &Path) -> Result<Self> {
         let file = resources.join(FILE);
         let unread = |why: String| {
@@ -72,7 +73,7 @@ impl Manifest {
         }
     }
 
-    /// The interpreter: that of the manifest, unless the environment names another.
+    /// The interpreter: that of the manifest, unless the environment selects another.
     pub fn python(&self) -> PathBuf {
         let named = env::var_os(PYTHON).filter(|named| !named.is_empty());
         named.map_or_else(|| self.python.clone(), PathBuf::from)
@@ -85,17 +86,22 @@ impl Manifest {
 
     /// Why there is no process: the interpreter cannot be started.
     pub fn unstarted(&self, why: impl std::fmt::Display) -> Error {
-        Error::new(Code::Library, format!("Python, which '{}' needs, cannot be started", self.class))
-            .at(self.python())
-            .why(why)
-            .help(format!(
-                "write the FMU again with a Python of this machine, or name one by {PYTHON}; an isolated \
-                 run needs --execution-tool and --allow-read for its folders, a worker --no-confine"
-            ))
+        Error::new(
+            Code::Library,
+            format!("Python, which '{}' needs, cannot be started", self.class),
+        )
+        .at(self.python())
+        .why(why)
+        .help(format!(
+            "write the FMU again with a Python of this machine, or select one with {PYTHON}; \
+                 an isolated run needs --execution-tool and --allow-read for its folders, a worker \
+                 --no-confine"
+        ))
     }
 }
 
-/// Whether an FMU with these resources is one of a Python class; an error if its Python is not here.
+/// Whether an FMU with these resources is made from a Python class; an error if its Python is
+/// missing.
 pub(crate) fn is_ready(resources: &Path) -> Result<bool> {
     if !resources.join(FILE).is_file() {
         return Ok(false);

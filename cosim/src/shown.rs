@@ -1,32 +1,32 @@
-//! Text of strangers on its way to a terminal: names in files, messages of FMUs, errors about both.
+//! Makes third-party text safe for a terminal: names in files, messages of FMUs, errors about both.
 //!
-//! A terminal obeys what is printed to it: sequences of control characters move the cursor, set the
-//! title, answer as if the user had typed. So whatever `cosim` prints passes one of these functions;
-//! files of results and logs keep what they were given.
+//! A terminal obeys what is printed to it: control sequences move the cursor, set the title, or
+//! answer as if the user had typed. Everything that `cosim` prints therefore passes through one of
+//! these functions; results files and logs keep the original text.
 
 use std::borrow::Cow;
 use std::io::{self, Write};
 
-/// Names are aligned up to this width; one that is longer pushes its own line only.
+/// Names are aligned up to this width; a longer one only shifts its own line.
 const MAX_WIDTH: usize = 80;
 
-/// Control characters (but the end of a line and tabs), and those that turn the direction of
-/// writing, as `\u001b`: JSON remains JSON.
+/// Escapes control characters (except line feeds and tabs) and characters that change the writing
+/// direction, as `\u001b`: JSON remains JSON.
 pub fn visible(text: &str) -> Cow<'_, str> {
     escaped(text, |c| !matches!(c, '\n' | '\t') && is_control(c))
 }
 
-/// The same for a text that must not begin lines of its own.
+/// The same for a text that must not start lines of its own.
 pub fn one_line(text: &str) -> Cow<'_, str> {
     escaped(text, is_control)
 }
 
-/// The same with all lines but the first set in, so that none can be taken for one of ours.
+/// The same with all lines except the first indented, so that none can be mistaken for one of ours.
 pub fn set_in(text: &str) -> String {
     visible(text).replace('\n', "\n        ")
 }
 
-/// A width for a column of such texts.
+/// The width of a column for such texts.
 pub fn width<'a>(texts: impl IntoIterator<Item = &'a str>) -> usize {
     texts.into_iter().map(|text| text.chars().count()).max().unwrap_or(0).min(MAX_WIDTH)
 }
@@ -52,10 +52,10 @@ fn is_control(c: char) -> bool {
         || matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// A writer to a terminal: what is written to it becomes [`visible`].
+/// A writer to a terminal, which makes everything written to it [`visible`].
 pub struct Terminal<W> {
     inner: W,
-    /// The beginning of a character whose end was not written yet.
+    /// The first bytes of an incomplete character.
     begun: Vec<u8>,
 }
 

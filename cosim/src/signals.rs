@@ -1,4 +1,4 @@
-//! Signals given in advance: what drives inputs of an FMU that no other component drives.
+//! Signals from a file, which drive otherwise unconnected inputs of an FMU.
 
 use serde::{Deserialize, Serialize};
 
@@ -37,7 +37,7 @@ impl Signals {
         Ok(signals)
     }
 
-    /// Whether there is a value of every signal at every instant.
+    /// Whether every signal has a value at every instant.
     pub(crate) fn check(&self) -> Result<()> {
         let wrong = |what: String| Err(Error::new(Code::Results, what));
         let (time, signals) = (&self.time, &self.signals);
@@ -48,10 +48,10 @@ impl Signals {
             return wrong(format!("the time decreases at sample {}", late + 2));
         }
         if let Some(short) = signals.iter().find(|s| s.values.len() != time.len()) {
-            return wrong(format!("'{}' has another number of samples than time", short.name));
+            return wrong(format!("'{}' has a different number of samples than time", short.name));
         }
         if self.names.len() != signals.len() {
-            return wrong("there are more names than signals, or fewer".to_owned());
+            return wrong("the numbers of names and signals differ".to_owned());
         }
         Ok(())
     }
@@ -91,8 +91,8 @@ impl Signals {
         }
     }
 
-    /// Values of `wanted` at `time`: the first before the first sample, the last after the last.
-    /// At an instant that occurs twice (a jump) the later value counts.
+    /// Values of `wanted` at `time`: the first before the first sample, the last after the last. At
+    /// an instant that occurs twice (a discontinuity), the later value counts.
     pub fn values_at(&self, time: Time, wanted: &[usize], values: &mut [f64]) {
         let t = time.seconds();
         let after = self.time.partition_point(|&sample| sample <= t);

@@ -1,5 +1,5 @@
-//! Detached signatures of files: Ed25519 over all bytes of FILE, 64 bytes in FILE.sig. Keys are in PEM
-//! form (PKCS#8, SubjectPublicKeyInfo), as OpenSSL reads and writes them.
+//! Detached signatures of files: Ed25519 over all bytes of FILE, 64 bytes in FILE.sig. Keys are in
+//! PEM format (PKCS#8, SubjectPublicKeyInfo), as read and written by OpenSSL.
 
 use std::fs::File;
 use std::io::{Read, Write};
@@ -14,17 +14,17 @@ use rustls::pki_types::pem::PemObject;
 use crate::error::{Code, Error, Result};
 use crate::files;
 
-/// What a file with a key holds at most, bytes.
+/// Maximum size of a key file, bytes.
 const MAX_KEY: u64 = 1 << 16;
 /// Length of a signature, bytes.
 const LENGTH: u64 = 64;
-/// What stands before the 32 bytes of an Ed25519 key in a SubjectPublicKeyInfo (RFC 8410, section 4).
+/// The bytes before the 32 bytes of an Ed25519 key in a SubjectPublicKeyInfo (RFC 8410, section 4).
 const PREFIX: [u8; 12] = [0x30, 0x2a, 0x30, 0x05, 0x06, 0x03, 0x2b, 0x65, 0x70, 0x03, 0x21, 0x00];
 
-/// Makes a pair of keys, `NAME.key`, which only its owner may read, and `NAME.pub`.
+/// Makes a key pair: `NAME.key`, which only its owner may read, and `NAME.pub`.
 ///
 /// # Errors
-/// `E302` if one of them cannot be written or is there already.
+/// `E302` if one of them cannot be written or already exists.
 pub fn make(name: &Path) -> Result<[PathBuf; 2]> {
     let pair = KeyPair::generate_for(&PKCS_ED25519).map_err(|why| unmade().why(why))?;
     let paths = ["key", "pub"].map(|ending| with(name, ending));
@@ -38,11 +38,11 @@ pub fn make(name: &Path) -> Result<[PathBuf; 2]> {
     Ok(paths)
 }
 
-/// Signs a file; gives the path of its signature.
+/// Signs a file; returns the path of its signature.
 ///
 /// # Errors
-/// `E101` if the file or the key cannot be read, `E506` if that is no key of Ed25519, `E302` if the
-/// signature cannot be written.
+/// `E101` if the file or the key cannot be read, `E506` if that is not an Ed25519 key, `E302` if
+/// the signature cannot be written.
 pub fn sign(file: &Path, key: &Path) -> Result<PathBuf> {
     let text = String::from_utf8_lossy(&read(key, MAX_KEY, "the key")?).into_owned();
     let pair = KeyPair::from_pem(&text).map_err(|why| no_key(key, "private").why(why))?;
@@ -60,8 +60,8 @@ pub fn sign(file: &Path, key: &Path) -> Result<PathBuf> {
 /// Verifies the signature beside a file.
 ///
 /// # Errors
-/// `E108` if it is missing, or of another key or of other bytes; `E101` if file or key cannot be read,
-/// `E506` if that is no key of Ed25519.
+/// `E108` if it is missing, or by another key or for other content; `E101` if file or key cannot be
+/// read, `E506` if that is not an Ed25519 key.
 pub fn verify(file: &Path, key: &Path) -> Result<()> {
     verify_bytes(&read(file, u64::MAX, "the file")?, file, key)
 }
@@ -77,15 +77,15 @@ pub(crate) fn verify_bytes(bytes: &[u8], file: &Path, key: &Path) -> Result<()> 
         Error::new(Code::Signature, "the file is not signed").at(file).why(error.what())
     })?;
     UnparsedPublicKey::new(&ED25519, public).verify(bytes, &signature).map_err(|_| {
-        Error::new(Code::Signature, "the signature does not fit the file").at(file).why(format!(
-            "{} is of another key than {}, or of other bytes",
+        Error::new(Code::Signature, "the signature does not match the file").at(file).why(format!(
+            "{} was made with another key than {}, or for other content",
             beside.display(),
             key.display()
         ))
     })
 }
 
-/// The path with one more ending.
+/// The path with an additional extension.
 fn with(path: &Path, ending: &str) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(".");
@@ -93,7 +93,7 @@ fn with(path: &Path, ending: &str) -> PathBuf {
     name.into()
 }
 
-/// All bytes of a file, at most so many.
+/// All bytes of a file, up to a limit.
 fn read(path: &Path, most: u64, what: &str) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let read = File::open(path).and_then(|file| file.take(most).read_to_end(&mut bytes));
@@ -110,7 +110,7 @@ fn unmade() -> Error {
 }
 
 fn no_key(key: &Path, kind: &str) -> Error {
-    Error::new(Code::Certificate, format!("there is no {kind} key of Ed25519 in it"))
+    Error::new(Code::Certificate, format!("it contains no {kind} Ed25519 key"))
         .at(key)
         .help("`cosim keys pair NAME` makes NAME.key and NAME.pub")
 }
@@ -125,7 +125,7 @@ mod tests {
         let folder = tempfile::TempDir::new().unwrap();
         let path = |name: &str| folder.path().join(name);
         let [key, public] = make(&path("a")).unwrap();
-        let [_, stranger] = make(&path("b")).unwrap();
+        let [_, other] = make(&path("b")).unwrap();
         assert!(make(&path("a")).unwrap_err().to_string().contains("E302"));
         let file = path("x.fmu");
         fs::write(&file, b"content").unwrap();
@@ -134,7 +134,7 @@ mod tests {
         let beside = sign(&file, &key).unwrap();
         assert_eq!((beside.clone(), fs::read(&beside).unwrap().len()), (path("x.fmu.sig"), 64));
         assert_eq!(code(&public), Ok(()));
-        assert_eq!(code(&stranger), Err(Code::Signature), "another key");
+        assert_eq!(code(&other), Err(Code::Signature), "another key");
         assert_eq!(code(&key), Err(Code::Certificate), "no public key");
         assert!(sign(&file, &public).is_err());
         fs::write(&file, b"Content").unwrap();

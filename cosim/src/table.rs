@@ -1,4 +1,5 @@
-//! Tables of TOML read by hand: every mistake is told with its line, a typo with the nearest key.
+//! Reads TOML tables manually: every mistake is reported with its line, a typo with the nearest
+//! key.
 
 use std::cell::RefCell;
 use std::ops::Range;
@@ -11,7 +12,7 @@ use crate::error::{Code, Error, Result};
 use crate::names;
 use crate::time::Time;
 
-/// A file of TOML and what is wrong with it.
+/// A TOML file and its problems.
 pub(crate) struct Document<'a> {
     file: &'a Path,
     text: &'a str,
@@ -24,7 +25,7 @@ pub(crate) struct Document<'a> {
 pub(crate) struct Table<'d> {
     document: &'d Document<'d>,
     table: &'d DeTable<'d>,
-    /// How it is called in messages.
+    /// Its name in messages.
     name: String,
     line: usize,
 }
@@ -33,7 +34,7 @@ pub(crate) struct Table<'d> {
 #[derive(Clone)]
 pub(crate) struct Entry<'d> {
     document: &'d Document<'d>,
-    /// How it is called in messages.
+    /// Its name in messages.
     pub(crate) name: String,
     value: &'d DeValue<'d>,
     pub(crate) line: usize,
@@ -49,7 +50,7 @@ impl<'a> Document<'a> {
     pub(crate) fn parse(&self) -> Result<Spanned<DeTable<'a>>> {
         DeTable::parse(self.text).map_err(|e| {
             let line = e.span().map_or(1, |span| self.line(&span));
-            Error::new(self.code, "the file is no TOML").at_line(self.file, line).why(e.message())
+            Error::new(self.code, "the file is not TOML").at_line(self.file, line).why(e.message())
         })
     }
 
@@ -67,12 +68,12 @@ impl<'a> Document<'a> {
         self.note(Error::new(self.code, what).at_line(self.file, line));
     }
 
-    /// Notes a problem that is worded already.
+    /// Notes a problem that already has its text.
     pub(crate) fn note(&self, problem: Error) {
         self.problems.borrow_mut().push(problem);
     }
 
-    /// All problems noted.
+    /// All recorded problems.
     pub(crate) fn finish(&self) -> Result<()> {
         Error::all(self.problems.take())
     }
@@ -84,13 +85,13 @@ impl<'d> Table<'d> {
         self.document.wrong(self.line, format!("{}: {what}", self.name));
     }
 
-    /// Its name in messages from now on.
+    /// Sets its name in messages.
     pub(crate) fn named(mut self, name: impl Into<String>) -> Self {
         self.name = name.into();
         self
     }
 
-    /// Notes every key that is none of these.
+    /// Notes every key that is not one of these.
     pub(crate) fn allow(&self, known: &[&str]) {
         for key in self.table.keys() {
             let name: &str = key.get_ref();
@@ -103,7 +104,7 @@ impl<'d> Table<'d> {
         }
     }
 
-    /// All values with their keys, by the alphabet.
+    /// All values with their keys, in alphabetical order.
     pub(crate) fn entries(&self) -> impl Iterator<Item = (&'d str, Entry<'d>)> + use<'d> {
         let document = self.document;
         self.table.iter().map(move |(key, value)| {
@@ -128,17 +129,17 @@ impl<'d> Table<'d> {
         found
     }
 
-    /// A number, if it is there.
+    /// An optional number.
     pub(crate) fn number(&self, key: &str) -> Option<f64> {
         self.get(key)?.number()
     }
 
-    /// A number that must be there.
+    /// A required number.
     pub(crate) fn needed_number(&self, key: &str) -> Option<f64> {
         self.needed(key, self.number(key))
     }
 
-    /// A number greater than zero, if it is there.
+    /// An optional number greater than zero.
     pub(crate) fn positive(&self, key: &str) -> Option<f64> {
         let entry = self.get(key)?;
         let number = entry.number()?;
@@ -149,38 +150,38 @@ impl<'d> Table<'d> {
         None
     }
 
-    /// A number greater than zero that must be there.
+    /// A required number greater than zero.
     pub(crate) fn needed_positive(&self, key: &str) -> Option<f64> {
         self.needed(key, self.positive(key))
     }
 
-    /// A whole number from zero on, if it is there.
+    /// An optional non-negative integer.
     pub(crate) fn count(&self, key: &str) -> Option<u64> {
         self.get(key)?.count()
     }
 
-    /// An instant or a duration in seconds, if it is there.
+    /// An optional instant or duration in seconds.
     pub(crate) fn time(&self, key: &str) -> Option<Time> {
         let entry = self.get(key)?;
         entry.seconds(entry.number()?)
     }
 
-    /// A text, if it is there.
+    /// An optional text.
     pub(crate) fn text(&self, key: &str) -> Option<&'d str> {
         self.get(key)?.text()
     }
 
-    /// A text that must be there.
+    /// A required text.
     pub(crate) fn needed_text(&self, key: &str) -> Option<&'d str> {
         self.needed(key, self.text(key))
     }
 
-    /// A text or a list of texts; empty if it is not there.
+    /// A text or a list of texts; empty if absent.
     pub(crate) fn texts(&self, key: &str) -> Vec<&'d str> {
         self.get(key).map(|entry| entry.texts()).unwrap_or_default()
     }
 
-    /// A table in this one, if it is there.
+    /// An optional subtable.
     pub(crate) fn table(&self, key: &str) -> Option<Table<'d>> {
         self.get(key)?.table()
     }
@@ -204,8 +205,8 @@ impl<'d> Entry<'d> {
         self.document.wrong(self.line, format!("{}: {what}", self.name));
     }
 
-    fn is_no<T>(&self, what: &str) -> Option<T> {
-        self.wrong(format!("this is no {what} but a {}", self.value.type_str()));
+    fn is_not<T>(&self, what: &str) -> Option<T> {
+        self.wrong(format!("this is not a {what} but a {}", self.value.type_str()));
         None
     }
 
@@ -217,16 +218,16 @@ impl<'d> Entry<'d> {
             DeValue::Boolean(value) => Some(f64::from(u8::from(*value))),
             _ => None,
         };
-        number.or_else(|| self.is_no("number"))
+        number.or_else(|| self.is_not("number"))
     }
 
-    /// As a whole number from zero on.
+    /// As a non-negative integer.
     pub(crate) fn count(&self) -> Option<u64> {
         match self.value {
             DeValue::Integer(number) if number.radix() == 10 => number.as_str().parse().ok(),
             _ => None,
         }
-        .or_else(|| self.is_no("whole number from 0 on"))
+        .or_else(|| self.is_not("non-negative integer"))
     }
 
     /// As seconds.
@@ -238,7 +239,7 @@ impl<'d> Entry<'d> {
     pub(crate) fn text(&self) -> Option<&'d str> {
         match self.value {
             DeValue::String(text) => Some(text),
-            _ => self.is_no("text"),
+            _ => self.is_not("text"),
         }
     }
 
@@ -247,7 +248,7 @@ impl<'d> Entry<'d> {
         self.list().iter().filter_map(Entry::text).collect()
     }
 
-    /// As a list; anything else is a list of one.
+    /// As a list; anything else becomes a list of one.
     pub(crate) fn list(&self) -> Vec<Entry<'d>> {
         let DeValue::Array(parts) = self.value else { return vec![self.clone()] };
         let part = |part: &'d Spanned<DeValue<'d>>| Entry {
@@ -278,18 +279,18 @@ impl<'d> Entry<'d> {
                 name: self.name.trim_start_matches("the file: ").to_owned(),
                 line: self.line,
             }),
-            _ => self.is_no("table"),
+            _ => self.is_not("table"),
         }
     }
 
-    /// What stands there as the start value of a parameter: a number, a Boolean or a text.
+    /// As the start value of a parameter: a number, a Boolean or a text.
     pub(crate) fn start_value(&self) -> Option<String> {
         match self.value {
             DeValue::String(text) => Some(text.to_string()),
             DeValue::Boolean(value) => Some(value.to_string()),
             DeValue::Integer(number) => Some(number.as_str().to_owned()),
             DeValue::Float(number) => Some(number.as_str().to_owned()),
-            _ => self.is_no("number, Boolean or text"),
+            _ => self.is_not("number, Boolean or text"),
         }
     }
 }

@@ -1,12 +1,12 @@
-//! Values that are no numbers, by number.
+//! Values that are not numbers, represented by numbers.
 //!
-//! A master carries `f64`, which every FMI Real, Integer and Boolean is exactly. A String is
-//! carried as its place in one table of this process: equal Strings have equal numbers, so what is
-//! done with values (passed on, compared, kept, recorded) needs no second way, and that of Reals
-//! stays as it is. Other types that are no `f64` would come in here, too.
+//! A master transfers `f64`, which represents every FMI Real, Integer and Boolean exactly. A String
+//! is represented by its position in a table of this process: equal Strings have equal numbers, so
+//! operations on values (passing on, comparing, storing, recording) need no second code path, and
+//! those for Reals stay unchanged. Other types that do not fit into an `f64` could be added here.
 //!
-//! Places are never given up, for results hold them: a String that changes in each step takes
-//! memory for each of its values.
+//! Positions are never freed, because results contain them: a String that changes in each step
+//! takes memory for each of its values.
 
 use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
@@ -31,7 +31,7 @@ impl Table {
 
 static TABLE: LazyLock<Mutex<Table>> = LazyLock::new(|| {
     let mut table = Table::default();
-    // Values that nobody has given yet are 0.
+    // Values that have not been set yet are 0.
     table.place("");
     Mutex::new(table)
 });

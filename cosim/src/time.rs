@@ -1,8 +1,8 @@
 //! Time as integer nanoseconds; seconds as `f64` exist only at the edges (files, FMI calls).
 //!
-//! Instants are compared and added exactly, so a run of any length has no drift, and two
-//! components whose steps end together are seen to do so. A [`Step`] may be a fraction of
-//! nanoseconds, as 1/30 s is: each of its multiples is rounded once, to the nearest nanosecond.
+//! Instants are compared and added exactly, so a run of any length has no drift, and steps of two
+//! components that end together are recognized as such. A [`Step`] may be a fraction of
+//! nanoseconds, such as 1/30 s: each of its multiples is rounded once, to the nearest nanosecond.
 
 use std::cmp::Ordering;
 use std::fmt;
@@ -23,7 +23,7 @@ impl Time {
     /// Zero.
     pub const ZERO: Time = Time(0);
 
-    /// After all instants: the stop time of who does not know one.
+    /// After all instants: used if the stop time is unknown.
     pub const NEVER: Time = Time(i64::MAX);
 
     /// From nanoseconds.
@@ -31,10 +31,10 @@ impl Time {
         Self(ns)
     }
 
-    /// The nearest nanosecond to `seconds`; `name` is what the value is, for the error.
+    /// The nearest nanosecond to `seconds`; `name` describes the value in the error.
     pub fn from_seconds(seconds: f64, name: &str) -> Result<Self> {
         let ns = (seconds * NANOSECONDS).round();
-        // 2^62 ns (146 years) leaves room for additions.
+        // 2^62 ns (146 years) leaves space for additions.
         if ns.is_finite() && ns.abs() < (1_i64 << 62) as f64 {
             return Ok(Self(ns as i64));
         }
@@ -53,10 +53,10 @@ impl Time {
     }
 }
 
-/// The length of steps: a positive number of nanoseconds, whole or not.
+/// The length of steps: a positive number of nanoseconds, integer or not.
 ///
-/// An instant is a multiple of this rational number, rounded once: steps of 1/30 s and 1/60 s meet at
-/// the same instants.
+/// An instant is a multiple of this rational number, rounded once: steps of 1/30 s and 1/60 s
+/// coincide at the same instants.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Step {
     /// Both positive, without a common divisor.
@@ -64,16 +64,16 @@ pub struct Step {
     parts: i64,
 }
 
-/// A number of nanoseconds that is no whole one is a fraction with a denominator up to this …
+/// A non-integer number of nanoseconds is a fraction with a denominator up to this …
 const MOST_PARTS: i64 = 1_000_000;
-/// … which it is to the precision of its digits, …
+/// … if it equals it to the precision of its digits, …
 const EXACTLY: f64 = 4.5e-16;
-/// … or to that of some digits less, when the denominator is small.
+/// … or to that of a few digits less, if the denominator is small.
 const FEW_PARTS: i64 = 64;
 const NEARLY: f64 = 2e-12;
 
 impl Step {
-    /// A step of so many seconds; `name` is what the value is, for the error.
+    /// A step of this many seconds; `name` describes the value in the error.
     pub fn from_seconds(seconds: f64, name: &str) -> Result<Self> {
         let time = Time::from_seconds(seconds, name)?;
         if time <= Time::ZERO {
@@ -86,7 +86,7 @@ impl Step {
         })
     }
 
-    /// A whole number of nanoseconds, at least one.
+    /// An integer number of nanoseconds, at least one.
     pub fn whole(time: Time) -> Self {
         Self { nanoseconds: time.0.max(1), parts: 1 }
     }
@@ -97,7 +97,7 @@ impl Step {
         Some(Self { nanoseconds: part(nanoseconds)?, parts: part(parts)? })
     }
 
-    /// Whether it is a whole number of nanoseconds.
+    /// Whether it is an integer number of nanoseconds.
     #[inline]
     pub fn is_whole(self) -> bool {
         self.parts == 1
@@ -108,12 +108,12 @@ impl Step {
         self.nanoseconds as f64 / (self.parts as f64 * NANOSECONDS)
     }
 
-    /// The nearest whole number of nanoseconds, but not zero.
+    /// The nearest integer number of nanoseconds, but not zero.
     pub fn rounded(self) -> Time {
         self.multiple(1).max(Time(1))
     }
 
-    /// So many steps, to the nearest nanosecond.
+    /// This many steps, to the nearest nanosecond.
     pub fn multiple(self, count: i64) -> Time {
         let (whole, parts) = (i128::from(self.nanoseconds), i128::from(self.parts));
         Time(((2 * i128::from(count) * whole + parts).div_euclid(2 * parts)) as i64)
@@ -123,7 +123,7 @@ impl Step {
     pub fn count(self, duration: Time) -> i64 {
         let (whole, parts) = (i128::from(self.nanoseconds), i128::from(self.parts));
         let mut count = (i128::from(duration.0) * parts).div_euclid(whole) as i64;
-        // A multiple that is rounded up to that instant belongs to it.
+        // A multiple that is rounded up to that instant counts.
         while self.multiple(count + 1) <= duration {
             count += 1;
         }
@@ -139,31 +139,31 @@ impl Step {
         self.multiple(self.count(duration) + 1)
     }
 
-    /// So many steps as one.
+    /// This many steps as one.
     #[must_use]
     pub fn times(self, count: i64) -> Step {
         let nanoseconds = i128::from(self.nanoseconds) * i128::from(count);
         Self::reduced(nanoseconds, i128::from(self.parts)).unwrap_or(self)
     }
 
-    /// This in so many equal steps.
+    /// This divided into this many equal steps.
     #[must_use]
     pub fn part(self, count: i64) -> Step {
         let parts = i128::from(self.parts) * i128::from(count.max(1));
         Self::reduced(i128::from(self.nanoseconds), parts).unwrap_or(self)
     }
 
-    /// Whether its numbers are those of a step: it may come from elsewhere.
+    /// Whether its numbers are valid for a step: it may come from another process.
     pub(crate) fn is_sound(self) -> bool {
         self.nanoseconds > 0 && self.parts > 0
     }
 
-    /// Whether `duration` is a whole number of steps.
+    /// Whether `duration` is an integer number of steps.
     pub fn divides(self, duration: Time) -> bool {
         self.multiple(self.count(duration)) == duration
     }
 
-    /// How many steps `other` is, if that is a whole number.
+    /// How many steps `other` is, if that is an integer.
     pub fn parts_of(self, other: Step) -> Option<i64> {
         let quotient = Self::reduced(
             i128::from(other.nanoseconds) * i128::from(self.parts),
@@ -172,8 +172,8 @@ impl Step {
         (quotient.parts == 1).then_some(quotient.nanoseconds)
     }
 
-    /// The seconds of an instant that is a multiple of the step after `start`, rounded once; those
-    /// of its nanoseconds if it is none.
+    /// The seconds of an instant that is a multiple of the step after `start`, rounded once;
+    /// otherwise those of its nanoseconds.
     pub fn seconds_at(self, start: Time, now: Time) -> f64 {
         let count = self.count(now - start);
         if self.is_whole() || self.multiple(count) != now - start {
@@ -184,7 +184,8 @@ impl Step {
         exact as f64 / (self.parts as f64 * NANOSECONDS)
     }
 
-    /// The greatest step of which both are multiples; the shortest there is if none can be told.
+    /// The greatest step of which both are multiples; the shortest possible one if it cannot be
+    /// determined.
     #[must_use]
     pub fn gcd(self, other: Step) -> Step {
         let (a, b) = (i128::from(self.nanoseconds), i128::from(other.nanoseconds));
@@ -193,7 +194,7 @@ impl Step {
     }
 }
 
-/// The simplest fraction that a number is, by its continued fraction.
+/// The simplest fraction for a number, by its continued fraction.
 fn fraction(number: f64) -> Option<Step> {
     let (mut before, mut convergent) = ((0_i128, 1_i128), (1_i128, 0_i128));
     let mut rest = number;
@@ -312,7 +313,7 @@ mod tests {
         assert_eq!(parts(1001.0 / 30_000.0), (100_100_000, 3));
         assert_eq!(parts(1.0 / 1024.0), (1_953_125, 2));
         assert_eq!(parts(100.0 / 3.0), (100_000_000_000, 3));
-        // Nine decimals are meant as they stand.
+        // Nine decimals are meant literally.
         assert_eq!(parts(0.033_333_333), (33_333_333, 1));
     }
 

@@ -1,4 +1,4 @@
-//! Results in another format, and as trajectories for the tools of odometry and SLAM.
+//! Converts results to another format, or to trajectories for odometry and SLAM tools.
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
@@ -12,7 +12,7 @@ use crate::system::{Column, Port, RawUnit};
 use crate::time::{Step, Time};
 
 impl Recording {
-    /// Gives to a recorder what was recorded. Booleans have become Integers.
+    /// Passes a recording to a recorder. Booleans have become Integers.
     pub fn replay(&self, name: &str, recorder: &mut dyn Observer) -> Result<()> {
         let units = self.known_units();
         let columns = self.names().iter().enumerate().zip(units).map(|((place, name), unit)| {
@@ -72,9 +72,9 @@ impl Recording {
         Roles::find(&names, &measures.collect::<Vec<_>>(), declared)
     }
 
-    /// The truth and each estimate as a text of the format, by their names: axes are those of ROS
-    /// (east, north, up; forward, port, up). Rows in which a value of any of them is not finite are left
-    /// out, so that all have the same rows.
+    /// The truth and each estimate as text in the format, by name: axes are those of ROS (east,
+    /// north, up; forward, port, up). Rows with a value that is not finite in any of them are
+    /// skipped, so that all have the same rows.
     pub fn trajectories(
         &self,
         declared: Option<&Declaration>,
@@ -84,7 +84,7 @@ impl Recording {
         if roles.bodies.is_empty() {
             return Err(Error::new(Code::Results, "no path is recorded")
                 .why("a path is a group called pose with x and y")
-                .help("a file that names the variables of the paths: --roles"));
+                .help("specify the variables of the paths with a file: --roles"));
         }
         let mut texts = vec![String::new(); roles.bodies.len()];
         let mut row = vec![0.0; self.names().len()];
@@ -102,7 +102,7 @@ impl Recording {
         Ok(names.zip(texts).collect())
     }
 
-    /// A layout for Foxglove and Lichtblick of the topics that the results have as MCAP.
+    /// A layout for Foxglove and Lichtblick with the topics that the results have as MCAP.
     pub fn foxglove_layout(&self, declared: Option<&Declaration>) -> Result<String> {
         Ok(ros::layout(&Topics::new(self.roles(declared)?)))
     }
@@ -113,7 +113,7 @@ impl Recording {
 pub enum Trajectories {
     /// TUM: time, x, y, z and the quaternion x, y, z, w.
     Tum,
-    /// KITTI: the rotation matrix beside the place, row by row; without the time.
+    /// KITTI: the rotation matrix with the position, row by row; without the time.
     Kitti,
 }
 
@@ -121,7 +121,7 @@ impl Trajectories {
     fn line(self, text: &mut String, time: f64, pose: &ros::Pose) {
         let [x, y, z] = pose.position;
         let [qx, qy, qz, qw] = pose.orientation;
-        // Writing into a text does not fail.
+        // Writing to a string cannot fail.
         let _ = match self {
             Self::Tum => writeln!(text, "{time:?} {x:?} {y:?} {z:?} {qx:?} {qy:?} {qz:?} {qw:?}"),
             Self::Kitti => {

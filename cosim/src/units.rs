@@ -1,8 +1,8 @@
 //! Units by their dimension: exponents of the SI base units, a factor and an offset.
 //!
-//! FMI 2.0.5, 2.2.2 and SSP 1.0, 4.4.4 define them alike: a value x in the unit is
-//! `factor x + offset` in the base units. Two units of the same dimension convert into one
-//! another; rad counts as a base unit, so a rate in Hz does not silently become one in rad/s.
+//! FMI 2.0.5, 2.2.2 and SSP 1.0, 4.4.4 define them in the same way: a value x in the unit is
+//! `factor x + offset` in base units. Two units of the same dimension convert into each other; rad
+//! counts as a base unit, so a rate in Hz does not silently become one in rad/s.
 
 pub(crate) mod recorded;
 pub(crate) mod suggested;
@@ -16,10 +16,10 @@ use crate::xml::Element;
 /// The base units in the order of the exponents.
 pub const BASES: [&str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
 
-/// Definitions by their names.
+/// Definitions by name.
 pub type Units = BTreeMap<String, Unit>;
 
-/// A unit by what it is made of.
+/// A unit by its components.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
     /// Exponents of kg, m, s, A, K, mol, cd and rad.
@@ -48,7 +48,7 @@ impl Unit {
         })
     }
 
-    /// The dimension in words: `kg.m.s-2`, `1` for a pure number.
+    /// The dimension as text: `kg.m.s-2`, `1` for a pure number.
     pub fn dimension(&self) -> String {
         let parts = BASES.iter().zip(self.exponents).filter(|(_, exponent)| *exponent != 0);
         let parts: Vec<String> = parts
@@ -96,8 +96,8 @@ impl Linear {
     }
 }
 
-/// Reads `<Unit name="..."><BaseUnit .../></Unit>` elements; a unit without a base is left out,
-/// and one whose factor is zero or not finite too: nothing converts to it.
+/// Reads `<Unit name="..."><BaseUnit .../></Unit>` elements; a unit without a base is skipped, and
+/// so is one whose factor is zero or not finite: nothing converts to it.
 pub fn read(list: &[Element], file: &Path, code: Code) -> Result<Units> {
     let mut units = Units::new();
     for element in list.iter().filter(|e| e.name == "Unit") {

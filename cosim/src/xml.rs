@@ -1,9 +1,9 @@
 //! XML files as a small owned tree with line numbers.
 //!
-//! Both kinds of file read here (modelDescription.xml, SSP) are small enough for a tree, and a
-//! tree lets the readers be plain functions. Files come from strangers, so a DTD, entities other
-//! than the five predefined ones, great depth and great numbers are refused, and a tree takes no
-//! more memory than `MAX_TREE`, nor than 128 times its text: names and namespaces are kept once,
+//! Both kinds of file read here (modelDescription.xml, SSP) are small enough for a tree, and a tree
+//! allows the readers to be plain functions. Files are untrusted, so a DTD, entities other than the
+//! five predefined ones, deep nesting and large numbers of elements are refused, and a tree takes
+//! no more memory than `MAX_TREE` or 128 times its text: names and namespaces are stored once,
 //! however often they occur.
 
 use std::borrow::Cow;
@@ -26,18 +26,18 @@ const MAX_BYTES: u64 = 256 << 20;
 const MAX_DEPTH: usize = 64;
 const MAX_ELEMENTS: usize = 2_000_000;
 const MAX_ATTRIBUTES: usize = 256;
-/// Of an element or attribute, in bytes.
+/// Maximum length of the name of an element or attribute, in bytes.
 const MAX_NAME: usize = 1024;
-/// Bytes of memory for the tree of one file; where the process may have little, a quarter of that.
+/// Memory for the tree of one file in bytes; if the process may have little, a quarter of that.
 const MAX_TREE: u64 = 768 << 20;
-/// What an element takes at most: the list that it is in doubles when it grows, and is copied then.
+/// Maximum memory of an element: the list that contains it doubles when it grows, and is copied.
 const PER_ELEMENT: usize = 3 * size_of::<Element>();
-/// What a text on the heap takes beside itself.
+/// Overhead of a text on the heap.
 const PER_TEXT: usize = 32;
 const LATIN_1: &str = "ISO-8859-1";
 
-/// Reads and parses `file`; `shown` is its name in messages (a file in an archive is unpacked
-/// somewhere the user has never seen).
+/// Reads and parses `file`; `shown` is its name in messages (a file in an archive is unpacked to a
+/// location that the user has never seen).
 pub fn read(file: &Path, shown: &Path) -> Result<Element> {
     let unreadable =
         |e: std::io::Error| Error::new(Code::File, "the file cannot be read").at(shown).why(e);
@@ -50,8 +50,8 @@ pub fn read(file: &Path, shown: &Path) -> Result<Element> {
     decode(&std::fs::read(file).map_err(unreadable)?, shown)
 }
 
-/// Parses the bytes of a file: UTF-8, or ISO-8859-1 where it declares that, as 20-sim's and Modelon's
-/// do. `file` is its name in messages.
+/// Parses the bytes of a file: UTF-8, or ISO-8859-1 if declared, as in files of 20-sim and Modelon.
+/// `file` is its name in messages.
 pub fn decode(bytes: &[u8], file: &Path) -> Result<Element> {
     if declares_latin_1(bytes) {
         let text: String = bytes.iter().copied().map(char::from).collect();
@@ -60,7 +60,7 @@ pub fn decode(bytes: &[u8], file: &Path) -> Result<Element> {
     let wrong = |line| Error::new(Code::Xml, "the file is not UTF-8").at_line(file, line);
     let help = "save it as UTF-8 with encoding=\"UTF-8\" in its first line";
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
-        return Err(wrong(1).why("it begins with the mark of UTF-16").help(help));
+        return Err(wrong(1).why("it begins with the byte order mark of UTF-16").help(help));
     }
     let text = std::str::from_utf8(bytes).map_err(|e| {
         let before = &bytes[..e.valid_up_to()];
@@ -106,7 +106,7 @@ struct Parser<'a> {
     /// The elements not yet closed, outermost first.
     open: Vec<Element>,
     elements: usize,
-    /// Names and namespaces met so far.
+    /// Names and namespaces found so far.
     names: HashSet<Arc<str>>,
     /// Bytes of memory that the tree may still take.
     left: u64,
@@ -117,7 +117,7 @@ impl Parser<'_> {
         let mut reader = NsReader::from_str(self.text);
         let mut root = None;
         loop {
-            // An event begins where the last one ended; text before a tag is its own event.
+            // An event starts where the last one ended; text before a tag is a separate event.
             self.count_lines(reader.buffer_position() as usize);
             let (namespace, event) = match reader.read_resolved_event() {
                 Ok(read) => read,
@@ -176,8 +176,8 @@ impl Parser<'_> {
         root.ok_or_else(|| self.wrong("the file has no element"))
     }
 
-    /// The text is decoded already. A file that declares something else and has only ASCII means
-    /// the same; with other characters it would be misread.
+    /// The text has already been decoded. A file that declares something else but contains only
+    /// ASCII means the same; other characters would be misread.
     fn encoding(&self, declared: Option<Result<Cow<'_, str>, AttrError>>) -> Result<()> {
         let name = declared
             .transpose()
@@ -189,7 +189,7 @@ impl Parser<'_> {
         }
         Err(self
             .wrong(format!("the file declares the encoding {name}"))
-            .why("FMI and SSP files are UTF-8; ISO-8859-1 is read, too")
+            .why("FMI and SSP files are UTF-8; ISO-8859-1 is also read")
             .help("save it as UTF-8 with encoding=\"UTF-8\" in its first line"))
     }
 
@@ -208,7 +208,7 @@ impl Parser<'_> {
                 None => {
                     return Err(self
                         .wrong(format!("the prefix '{prefix}:' is not declared"))
-                        .help(format!("declare it by xmlns:{prefix}=\"...\"")));
+                        .help(format!("declare it with xmlns:{prefix}=\"...\"")));
                 }
             },
         };
@@ -223,7 +223,7 @@ impl Parser<'_> {
 
     fn attributes(&mut self, tag: &BytesStart<'_>) -> Result<Vec<Attribute>> {
         let mut attributes = Vec::new();
-        // Names are compared below: the reader's own way takes the square of their number.
+        // Names are compared below: the check in the reader is quadratic.
         for attribute in tag.attributes().with_checks(false) {
             let attribute = attribute.map_err(|e| self.wrong("an attribute is wrong").why(e))?;
             if attributes.len() == MAX_ATTRIBUTES {
@@ -241,14 +241,14 @@ impl Parser<'_> {
         let mut names: Vec<&str> = attributes.iter().map(|a| a.name.as_str()).collect();
         names.sort_unstable();
         if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
-            return Err(self.wrong(format!("the attribute '{}' stands there twice", pair[0])));
+            return Err(self.wrong(format!("the attribute '{}' occurs twice", pair[0])));
         }
         attributes.retain(|a| a.name != "xmlns" && !a.name.starts_with("xmlns:"));
         attributes.shrink_to_fit();
         Ok(attributes)
     }
 
-    /// A name of this document, kept once.
+    /// A name of this document, stored once.
     fn name(&mut self, text: &str) -> Result<Name> {
         if let Some(known) = self.names.get(text) {
             return Ok(Name::from(known.clone()));
@@ -259,7 +259,7 @@ impl Parser<'_> {
         Ok(Name::from(name))
     }
 
-    /// Refuses what would take more memory than there is for the tree.
+    /// Refuses content that would take more memory than the tree may have.
     fn spend(&mut self, bytes: usize) -> Result<()> {
         match self.left.checked_sub(bytes as u64) {
             Some(left) => {
@@ -285,7 +285,7 @@ impl Parser<'_> {
         match self.open.last_mut() {
             Some(element) => element.text.push_str(text),
             None if text.trim().is_empty() => (),
-            None => return Err(self.wrong("text outside of the root element")),
+            None => return Err(self.wrong("text outside the root element")),
         }
         Ok(())
     }

@@ -1,5 +1,5 @@
-//! Runs leave nothing behind: no memory, no file, no mapping. A process of its own, because it looks at
-//! all of the process.
+//! Runs leave nothing behind: no memory, no file, no mapping. A process of its own, because it
+//! checks the whole process.
 
 mod element;
 mod resources;
@@ -20,7 +20,7 @@ fn runs_leave_nothing_behind() {
     let before = resources::of_this_process();
     (0..400).for_each(|_| run());
     let after = resources::of_this_process();
-    // 400 runs that lose 1 kB each would be 400 kB.
+    // 400 runs that leak 1 kB each would be 400 kB.
     let grown = after.resident_kb.saturating_sub(before.resident_kb);
     assert!(grown < 200, "{grown} kB more");
     assert_eq!(after.files, before.files, "open files");

@@ -106,7 +106,7 @@ def test_what_is_missing_or_does_not_agree_is_told(tmp_path, file):
         assert cosim(file, f"--shard={part}", f"--output-dir={tmp_path}").returncode == 0
     parts = sorted(tmp_path.glob("shard-*"))
     done = cosim("--merge", *parts, f"--output-dir={tmp_path / 'all'}")
-    assert "2 of 6 runs are missing" in done.stderr and "give the commands of the shards again" in done.stderr
+    assert "2 of 6 runs are missing" in done.stderr and "run the shards again" in done.stderr
     # The same rows twice are no harm, other ones are.
     copy = shutil.copytree(parts[0], tmp_path / "copy")
     done = cosim("--merge", *parts, copy, f"--output-dir={tmp_path / 'all'}")
@@ -114,11 +114,11 @@ def test_what_is_missing_or_does_not_agree_is_told(tmp_path, file):
     log = copy / "runs.jsonl"
     log.write_text(log.read_text().replace('"status":"ok"', '"status":"crashed"', 1))
     done = cosim("--merge", *parts, copy, f"--output-dir={tmp_path / 'other'}")
-    assert "is not the same in" in done.stderr and "E403" in done.stderr
+    assert "differs between" in done.stderr and "E403" in done.stderr
     manifest = copy / "campaign.json"
     manifest.write_text(manifest.read_text().replace("seed = 0", "seed = 1"))
     done = cosim("--merge", *parts, copy, f"--output-dir={tmp_path / 'other'}")
-    assert "the results that are there are of another campaign" in done.stderr and "seed = 1" in done.stderr
+    assert "the existing results belong to another campaign" in done.stderr and "seed = 1" in done.stderr
 
 
 def test_an_error_of_a_part_is_the_campaign_s(tmp_path, file):

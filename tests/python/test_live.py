@@ -120,7 +120,7 @@ def test_a_run_is_watched_steered_and_repeated(browser, tmp_path):
         expect(page.locator("#where")).to_contain_text("vehicle:")
         assert wrong == []
         page.close()
-        assert "--scenario run.injected.toml does so again" in live.end()
+        assert "--scenario run.injected.toml repeats them" in live.end()
     watched = (tmp_path / "run.csv").read_bytes()
     assert watched == plain(tmp_path, *arguments, "--scenario", "run.injected.toml")
     assert watched != plain(tmp_path, *arguments)

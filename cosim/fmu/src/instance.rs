@@ -1,4 +1,4 @@
-//! A system inside of an FMU.
+//! A system inside an FMU.
 
 use std::path::Path;
 
@@ -8,12 +8,12 @@ use cosim::proxy::calls::Values;
 use cosim::{Code, Error, Result, Time};
 use cosim_served::{Experiment, Inside};
 
-/// A hosted system, which nobody else refers to.
+/// A hosted system with no other references to it.
 pub struct System(Hosted);
 
-// SAFETY: what is shared inside (patches by `Rc`, handles of FMUs) is shared among parts of this
-// one value, which go from thread to thread together; FMI has its importers call an instance from
-// one thread at a time, and so do we with the FMUs inside.
+// SAFETY: shared data inside (patches in `Rc`, handles of FMUs) are shared only among parts of this
+// value, which move between threads together; FMI requires importers to call an instance from one
+// thread at a time, and the same holds for our calls of the inner FMUs.
 #[allow(unsafe_code)]
 unsafe impl Send for System {}
 

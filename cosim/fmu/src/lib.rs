@@ -1,6 +1,6 @@
 //! The library of FMUs that `cosim export` writes: one for all systems.
 //!
-//! What a system does is `cosim::hosted`, what any FMU of `cosim` does around it `cosim-served`.
+//! `cosim::hosted` implements the system, `cosim-served` what every FMU of `cosim` needs around it.
 
 mod instance;
 
@@ -10,7 +10,7 @@ use fmu_kit::kernel::Request;
 
 pub use instance::System;
 
-/// Tells whoever exports a system that this library serves it.
+/// Marks the library for `cosim export`.
 #[used]
 static MARK: &str = cosim::export::MARK;
 

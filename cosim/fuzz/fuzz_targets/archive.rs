@@ -1,4 +1,4 @@
-//! The ZIP reader: what it unpacks lies in its folder and is of the size it claimed.
+//! The ZIP reader: what it unpacks is in its folder and has the declared size.
 #![no_main]
 #![allow(dead_code)]
 

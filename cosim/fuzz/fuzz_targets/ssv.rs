@@ -1,4 +1,4 @@
-//! A file of parameters that a system description names.
+//! A parameter file referenced by a system description.
 #![no_main]
 #![allow(dead_code)]
 

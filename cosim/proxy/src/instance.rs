@@ -1,4 +1,4 @@
-//! An instance elsewhere, inside of an FMU here.
+//! An instance in another process, inside an FMU here.
 
 use std::path::Path;
 
@@ -12,10 +12,10 @@ use cosim_served::{Experiment, Inside};
 
 use crate::values::Known;
 
-/// Of a message that tells of something odd.
+/// Category of warnings.
 const WARNING: i32 = 1;
 
-/// An instance elsewhere.
+/// An instance in another process.
 pub struct Remote {
     manifest: Manifest,
     name: String,
@@ -23,7 +23,7 @@ pub struct Remote {
     known: Known,
     /// Inputs that were set and are sent with the next step.
     held: Vec<Ask>,
-    /// Steps are made.
+    /// Steps are being made.
     stepping: bool,
     messages: Vec<Message>,
 }
@@ -32,7 +32,7 @@ impl Remote {
     pub(crate) fn make(resources: &Path, name: &str, guid: &str, debug: bool) -> Result<Self> {
         let manifest = Manifest::read(resources)?;
         let mut link = Link::start(resources)?;
-        // Nobody is asked to compute what would be refused then.
+        // Nothing is requested that would be refused afterwards.
         if manifest.guid == guid {
             let (resources, name) = (resources.to_owned(), name.to_owned());
             if let Reply::Lost(why) = link.ask(&Request::Make { resources, name, debug })? {
@@ -54,7 +54,7 @@ impl Remote {
         }
     }
 
-    /// Makes calls, after what was held back.
+    /// Makes calls, after those that were held back.
     fn ask(&mut self, asks: impl IntoIterator<Item = Ask>) -> Result<Outcome> {
         let mut all = std::mem::take(&mut self.held);
         let held = all.len();
@@ -76,7 +76,7 @@ impl Remote {
         Ok(outcome)
     }
 
-    /// Makes calls that all must go well.
+    /// Makes calls that must all succeed.
     fn all(&mut self, asks: impl IntoIterator<Item = Ask>) -> Result<Vec<Given>> {
         let outcome = self.ask(asks)?;
         outcome.trouble.map_or(Ok(outcome.given), |trouble| Err(failed(trouble)))
@@ -93,7 +93,7 @@ impl Remote {
 }
 
 impl Inside for Remote {
-    /// The state as the instance gave it, and whether it made steps.
+    /// The state of the instance, and whether it has made steps.
     type Kept = (Vec<u8>, bool);
 
     fn guid(&self) -> &str {
@@ -127,7 +127,7 @@ impl Inside for Remote {
         Ok(Vec::new())
     }
 
-    /// The instance is terminated when it is freed: whoever ends waits for nobody.
+    /// The instance is terminated when it is freed: the caller does not wait.
     fn terminate(&mut self) -> Result<()> {
         self.held.clear();
         Ok(())
@@ -139,7 +139,7 @@ impl Inside for Remote {
         let outcome = self.ask([Ask::Step(t, h)].into_iter().chain(reads))?;
         match outcome.trouble {
             Some(trouble) if outcome.given.is_empty() => Err(failed(trouble)),
-            // The step was made. Whoever reads what cannot be read will be told.
+            // The step was made. If a value cannot be read, reading it reports the error.
             Some(_) => {
                 self.known.forget();
                 Ok(())
@@ -168,7 +168,7 @@ impl Inside for Remote {
                 }
                 Ok(values)
             }
-            _ => Err(Error::new(Code::Protocol, "no values came back")),
+            _ => Err(Error::new(Code::Protocol, "no values were returned")),
         }
     }
 
@@ -196,14 +196,14 @@ impl Inside for Remote {
         let ask = Ask::Derivative(unknowns.to_vec(), knowns.to_vec(), along.to_vec());
         Some(self.all([ask]).and_then(|given| match given.into_iter().next() {
             Some(Given::Values(Values::Real(values))) => Ok(values),
-            _ => Err(Error::new(Code::Protocol, "no derivatives came back")),
+            _ => Err(Error::new(Code::Protocol, "no derivatives were returned")),
         }))
     }
 
     fn save(&mut self) -> Result<Self::Kept> {
         match self.all([Ask::Save])?.pop() {
             Some(Given::State(state)) => Ok((state, self.stepping)),
-            _ => Err(Error::new(Code::Protocol, "no state came back")),
+            _ => Err(Error::new(Code::Protocol, "no state was returned")),
         }
     }
 

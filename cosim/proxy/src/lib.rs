@@ -1,8 +1,9 @@
 //! The library of FMUs that `cosim proxy` writes: one for all of them.
 //!
-//! It holds back inputs until the step, asks for the values that the importer reads together with
-//! the step, and hands everything else on: to the program in the FMU's resources, which speaks to
-//! the workers (`cosim::proxy`). What any FMU of `cosim` does around that is `cosim-served`.
+//! It holds back inputs until the step, requests the values that the importer reads together with
+//! the step, and passes everything else on to the program in the FMU's resources, which talks to
+//! the workers (`cosim::proxy`). `cosim-served` implements what every FMU of `cosim` needs around
+//! that.
 
 mod instance;
 mod values;
@@ -13,7 +14,7 @@ use fmu_kit::kernel::Request;
 
 pub use instance::Remote;
 
-/// Tells whoever makes such an FMU that this library serves it.
+/// Marks the library for `cosim proxy`.
 #[used]
 static MARK: &str = cosim::proxy::MARK;
 

@@ -1,10 +1,10 @@
-//! Values that came with the last step: what the importer reads after each one.
+//! Values that arrived with the last step: what the importer reads after each one.
 
 use std::collections::HashMap;
 
 use cosim::proxy::calls::{Ask, Basic, Given, Values};
 
-/// The variables that are read after steps, and their values if these are of now.
+/// The variables that are read after steps, and their values if they are current.
 pub(crate) struct Known {
     lists: [List; Basic::ALL.len()],
 }
@@ -17,14 +17,14 @@ struct List {
 }
 
 impl Known {
-    /// It is expected that these Reals will be read.
+    /// These Reals are expected to be read.
     pub(crate) fn new(reals: &[u32]) -> Self {
         let mut known = Self { lists: Default::default() };
         known.expect(Basic::Real, reals);
         known
     }
 
-    /// From now on these are asked for with every step.
+    /// From now on, these are requested with every step.
     pub(crate) fn expect(&mut self, basic: Basic, references: &[u32]) {
         let list = &mut self.lists[basic as usize];
         for &reference in references {
@@ -45,7 +45,7 @@ impl Known {
         used.map(|(basic, list)| Ask::Get(basic, list.references.clone()))
     }
 
-    /// Takes what these calls gave.
+    /// Takes the results of these calls.
     pub(crate) fn take(&mut self, given: impl Iterator<Item = Given>) {
         let used = self.lists.iter_mut().filter(|list| !list.references.is_empty());
         for (list, given) in used.zip(given) {
@@ -56,12 +56,12 @@ impl Known {
         }
     }
 
-    /// Something was set or done: what is known is of before.
+    /// Something was set or done: the known values are outdated.
     pub(crate) fn age(&mut self) {
         self.lists.iter_mut().for_each(|list| list.values = None);
     }
 
-    /// Not all of them can be read: only what is asked for again is asked for from now on.
+    /// Some of them cannot be read: from now on, only variables that are read again are requested.
     pub(crate) fn forget(&mut self) {
         self.lists = Default::default();
     }
@@ -73,7 +73,7 @@ impl Known {
         let Some(Values::Real(values)) = &list.values else {
             return None;
         };
-        // Most read the same variables in the same order, all of them.
+        // Most importers read the same variables in the same order, all of them.
         if references == list.references {
             into.copy_from_slice(values);
             return Some(());

@@ -1,4 +1,4 @@
-//! An object of a Python class, inside of an FMU.
+//! An object of a Python class, inside an FMU.
 
 use std::path::{Path, PathBuf};
 
@@ -12,8 +12,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::process::{Ask, Process};
 
-/// An object of a class, and the variables around it. The Reals are inputs, outputs and parameters, one after
-/// the other.
+/// An object of a class, and its variables. The Reals are inputs, outputs and parameters, one after
+/// another.
 pub struct Scripted {
     manifest: Manifest,
     resources: PathBuf,
@@ -22,7 +22,7 @@ pub struct Scripted {
     run: Run,
 }
 
-/// Everything that a saved state has beside the object.
+/// Everything in a saved state besides the object.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Run {
     stage: Stage,
@@ -32,7 +32,7 @@ struct Run {
     texts: Vec<String>,
     /// When the class is stepped.
     sampler: Sampler,
-    /// There is an object, and the outputs are those of its last step.
+    /// The object exists, and the outputs are those of its last step.
     made: bool,
 }
 
@@ -53,7 +53,7 @@ pub struct Kept {
 impl Scripted {
     pub(crate) fn open(resources: &Path, guid: &str) -> Result<Self> {
         let manifest = Manifest::read(resources)?;
-        // Python is not started for what would be refused then.
+        // Python is not started if the request would be refused afterwards.
         let own = manifest.guid == guid;
         let process = own.then(|| Process::of(resources, &manifest)).transpose()?;
         let run = Run::fresh(&manifest);
@@ -64,16 +64,16 @@ impl Scripted {
         self.process.as_mut().ok_or_else(|| Error::new(Code::Lost, "there is no Python process"))
     }
 
-    /// Makes the object, and steps it at the start.
+    /// Creates the object, and steps it at the start.
     fn begin(&mut self) -> Result<()> {
-        let told = serde_json::Value::from_iter(self.parameters());
-        self.process()?.ask(Ask::Make, &[told.to_string().as_bytes()])?;
+        let parameters = serde_json::Value::from_iter(self.parameters());
+        self.process()?.ask(Ask::Make, &[parameters.to_string().as_bytes()])?;
         self.sample(self.run.sampler.last())?;
         self.run.made = true;
         Ok(())
     }
 
-    /// The parameters as they are now.
+    /// The current parameters.
     fn parameters(&self) -> impl Iterator<Item = (String, serde_json::Value)> {
         let mut next = self.first_parameters();
         self.manifest.parameters.iter().map(move |parameter| {
@@ -89,7 +89,7 @@ impl Scripted {
         })
     }
 
-    /// Per type, the value reference of the first parameter.
+    /// For each type, the value reference of the first parameter.
     fn first_parameters(&self) -> [usize; Basic::ALL.len()] {
         [self.manifest.inputs.len() + self.manifest.outputs.len(), 0, 0, 0]
     }
@@ -105,7 +105,7 @@ impl Scripted {
         let given = process.ask(Ask::Step, &[&octets])?;
         let (given, rest) = given.as_chunks::<8>();
         if given.len() != outputs || !rest.is_empty() {
-            return Err(Error::new(Code::Protocol, "other values came back than the outputs"));
+            return Err(Error::new(Code::Protocol, "the returned values do not match the outputs"));
         }
         let places = &mut self.run.reals[inputs..inputs + outputs];
         places
@@ -115,7 +115,7 @@ impl Scripted {
         Ok(())
     }
 
-    /// Whether these may be set now: inputs, and before the simulation parameters.
+    /// Whether these may be set now: inputs always, parameters before the simulation.
     fn settable(&self, basic: Basic, reference: u32, finite: bool) -> Result<()> {
         let (inputs, first) = (self.manifest.inputs.len(), self.first_parameters()[basic as usize]);
         let is_input = basic == Basic::Real && (reference as usize) < inputs;
@@ -127,7 +127,7 @@ impl Scripted {
         match (is_input, is_parameter, self.run.stage) {
             (true, ..) => Ok(()),
             (_, true, Stage::Stepping) => {
-                wrong("a parameter is fixed once the simulation has begun")
+                wrong("a parameter is fixed once the simulation has started")
             }
             (_, true, _) if !finite => wrong("a parameter must be finite"),
             (_, true, _) => Ok(()),
@@ -180,7 +180,7 @@ fn unknown(reference: u32) -> Error {
     Error::new(Code::UnknownName, format!("there is no variable {reference} of this type"))
 }
 
-/// Puts values in their places, all of which are there.
+/// Sets values, all of which exist.
 fn assign<T>(all: &mut [T], references: &[u32], values: Vec<T>) {
     for (reference, value) in references.iter().zip(values) {
         if let Some(place) = all.get_mut(*reference as usize) {
@@ -191,7 +191,7 @@ fn assign<T>(all: &mut [T], references: &[u32], values: Vec<T>) {
 
 impl Inside for Scripted {
     type Kept = Kept;
-    /// A class gets what a sensor says, and is judged by what it makes of it.
+    /// A class gets the measurements of sensors as they are, finite or not, and has to handle them.
     const TAKES_ANY_REAL: bool = true;
 
     fn guid(&self) -> &str {
@@ -249,7 +249,7 @@ impl Inside for Scripted {
     }
 
     fn get(&mut self, basic: Basic, references: &[u32]) -> Result<Values> {
-        // Outputs at the start follow from the inputs then.
+        // Outputs at the start depend on the inputs at that time.
         if basic == Basic::Real && self.run.stage == Stage::Initializing && !self.run.made {
             self.begin()?;
         }
@@ -300,7 +300,7 @@ impl Inside for Scripted {
 
     fn restore(&mut self, kept: &Kept) -> Result<()> {
         if kept.run.counts() != self.run.counts() || kept.run.made != kept.object.is_some() {
-            return Err(Error::new(Code::State, "the state is not of this class"));
+            return Err(Error::new(Code::State, "the state does not belong to this class"));
         }
         if let Some(object) = &kept.object {
             self.process()?.ask(Ask::Restore, &[object])?;

@@ -1,8 +1,8 @@
 //! The library of FMUs that `rexrov.component` writes from Python classes: one for all of them.
 //!
-//! The class runs in a Python process beside the importer. Inputs and outputs are kept here: only a step of
-//! the class, at its own rate, is a message there and back. What any FMU of `cosim` does around that is
-//! `cosim-served`.
+//! The class runs in a Python process beside the importer. Inputs and outputs are kept here: only a
+//! step of the class, at its own rate, needs a message in each direction. `cosim-served` implements
+//! what every FMU of `cosim` needs around that.
 
 mod instance;
 mod process;

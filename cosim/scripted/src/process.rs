@@ -1,11 +1,12 @@
-//! The Python process: it imports the module once, and makes an object for each instance.
+//! The Python process: it imports the module once, and creates an object for each instance.
 //!
-//! A message is its length as a `u32`, a letter, and that many octets, all little-endian; `host.py` is the
-//! other end. Each request has one answer, and none is sent before that has come. A process whose object is
-//! ended waits for the next instance: a campaign pays for the start of Python once per worker.
+//! A message is its length as a `u32`, a letter, and that many octets, all little-endian; `host.py`
+//! is the other end. Each request has one answer, and the next one is not sent before that has
+//! arrived. A process whose object has ended waits for the next instance: a campaign starts Python
+//! only once per worker.
 //!
-//! Nothing here limits how long a call takes. That is up to the importer, and when it ends, or is killed,
-//! the socket closes and the kernel ends the Python process whatever it is doing.
+//! Nothing here limits the duration of a call. That is up to the importer, and when it ends or is
+//! killed, the socket closes and the kernel ends the Python process whatever it is doing.
 
 use std::io::{Error as IoError, ErrorKind, Read, Write};
 use std::os::fd::{AsFd, OwnedFd};
@@ -18,33 +19,33 @@ use std::sync::{Mutex, PoisonError};
 use cosim::scripted::Manifest;
 use cosim::{Code, Error, Result};
 
-/// What is asked.
+/// Requests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(u8)]
 pub(crate) enum Ask {
-    /// Make an object from parameters (JSON).
+    /// Create an object from parameters (JSON).
     Make = b'M',
     /// Step it: the time and the inputs as `f64`; the answer has the outputs.
     Step = b'S',
-    /// Its state as octets.
+    /// Return its state as octets.
     Save = b'G',
-    /// An object from a state.
+    /// Create an object from a state.
     Restore = b'R',
-    /// It is not needed any more. The answer is awaited by the next instance.
+    /// The object is no longer needed. The next instance awaits the answer.
     End = b'E',
 }
 
 const DONE: u8 = b'.';
-/// The class raised an exception or gave something wrong; the object is still there.
+/// The class raised an exception or returned something wrong; the object still exists.
 const FAILED: u8 = b'!';
 
 /// Octets of length and letter.
 const HEAD: usize = 5;
-/// More octets than these are no message.
+/// Maximum size of a message in octets.
 const MOST: usize = 1 << 30;
 
-/// Numeric libraries start a thread per core by default: too many when runs share the cores, and results
-/// may depend on their number.
+/// Numeric libraries start a thread per core by default: too many when runs share the cores, and
+/// results may depend on the number of threads.
 const SINGLE: [&str; 3] = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"];
 
 /// Processes without an object, by the resources whose module they have imported.
@@ -60,7 +61,7 @@ pub(crate) struct Process {
 }
 
 impl Process {
-    /// One that has imported the module in these resources.
+    /// A process that has imported the module in these resources.
     pub(crate) fn of(resources: &Path, manifest: &Manifest) -> Result<Self> {
         let mut idle = IDLE.lock().unwrap_or_else(PoisonError::into_inner);
         let place = idle.iter().position(|(folder, _)| folder == resources);
@@ -74,7 +75,7 @@ impl Process {
         Self::start(resources, manifest)
     }
 
-    /// Keeps it for the next instance of the same resources.
+    /// Keeps it for the next instance with the same resources.
     pub(crate) fn release(mut self, resources: &Path) {
         if self.sound && self.send(Ask::End, &[]).is_ok() {
             let mut idle = IDLE.lock().unwrap_or_else(PoisonError::into_inner);
@@ -82,7 +83,7 @@ impl Process {
         }
     }
 
-    /// Ends those without an object.
+    /// Ends processes without an object.
     pub(crate) fn forget_all() {
         IDLE.lock().unwrap_or_else(PoisonError::into_inner).clear();
     }
@@ -90,7 +91,7 @@ impl Process {
     fn start(resources: &Path, manifest: &Manifest) -> Result<Self> {
         let unstarted = |why: IoError| manifest.unstarted(why);
         let (ours, theirs) = UnixStream::pair().map_err(unstarted)?;
-        // What the class prints must not get between the results of the importer.
+        // What the class prints must not appear among the results of the importer.
         let printed = std::io::stderr().as_fd().try_clone_to_owned().map_err(unstarted)?;
         let mut command = Command::new(manifest.python());
         command.args(["-P", "-B", "-u"]).arg(Manifest::host(resources)).arg(resources);
@@ -99,14 +100,14 @@ impl Process {
             command.env(name, "1");
         }
         command.stdin(OwnedFd::from(theirs)).stdout(Stdio::from(printed));
-        // Ctrl-C at a terminal is for the process that the user started.
+        // Ctrl-C at a terminal is meant for the process that the user started.
         let child = command.process_group(0).spawn().map_err(unstarted)?;
         let mut process = Self { stream: ours, child, message: Vec::new(), sound: true };
         process.answer().map(drop)?;
         Ok(process)
     }
 
-    /// Asks, and gives the answer.
+    /// Sends a request, and returns the answer.
     pub(crate) fn ask(&mut self, what: Ask, parts: &[&[u8]]) -> Result<&[u8]> {
         if let Err(why) = self.send(what, parts) {
             return Err(self.lost(&why));
@@ -116,10 +117,10 @@ impl Process {
 
     fn send(&mut self, what: Ask, parts: &[&[u8]]) -> std::io::Result<()> {
         let length: usize = parts.iter().map(|part| part.len()).sum();
-        let told = u32::try_from(length).ok().filter(|_| length < MOST);
-        let told = told.ok_or_else(|| IoError::new(ErrorKind::InvalidData, "it is too large"))?;
+        let size = u32::try_from(length).ok().filter(|_| length < MOST);
+        let size = size.ok_or_else(|| IoError::new(ErrorKind::InvalidData, "it is too large"))?;
         self.message.clear();
-        self.message.extend_from_slice(&told.to_le_bytes());
+        self.message.extend_from_slice(&size.to_le_bytes());
         self.message.push(what as u8);
         parts.iter().for_each(|part| self.message.extend_from_slice(part));
         self.stream.write_all(&self.message)
@@ -138,13 +139,13 @@ impl Process {
         Err(Error::new(Code::Fmu, text))
     }
 
-    /// Reads a message, of which mostly all is there at once; gives its letter.
+    /// Reads a message, which usually arrives as a whole; returns its letter.
     fn receive(&mut self) -> std::io::Result<u8> {
         self.message.resize(4096, 0);
         let (mut have, mut need) = (0, HEAD);
         while have < need {
-            let Some(room) = self.message.get_mut(have..) else { break };
-            match self.stream.read(room) {
+            let Some(buffer) = self.message.get_mut(have..) else { break };
+            match self.stream.read(buffer) {
                 Ok(0) => return Err(ErrorKind::UnexpectedEof.into()),
                 Ok(count) => have += count,
                 Err(why) if why.kind() == ErrorKind::Interrupted => {}
@@ -153,7 +154,7 @@ impl Process {
             if let (HEAD, Some(head)) = (need, self.message[..have].first_chunk::<4>()) {
                 let length = u32::from_le_bytes(*head) as usize;
                 if length >= MOST {
-                    let why = format!("{length} octets are no message");
+                    let why = format!("{length} octets are not a message");
                     return Err(IoError::new(ErrorKind::InvalidData, why));
                 }
                 need += length;
@@ -177,9 +178,9 @@ impl Process {
 
 impl Drop for Process {
     fn drop(&mut self) {
-        // The object, if there is one, ends with the socket; the process that made it has nothing to do then.
+        // The object, if there is one, ends with the socket; the process then has nothing to do.
         drop(self.stream.shutdown(std::net::Shutdown::Both));
-        // Of one that is over already there is nothing to be killed.
+        // If it has already ended, there is nothing to kill.
         drop(self.child.kill());
         drop(self.child.wait());
     }

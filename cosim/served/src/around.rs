@@ -1,4 +1,4 @@
-//! One instance: the states of FMI around what is inside.
+//! One instance: FMI's states around the inner implementation.
 
 use std::ffi::{CStr, CString};
 use std::path::Path;
@@ -13,11 +13,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Experiment, Inside};
 
-/// `fmi2Discard` and `fmi2Fatal` as the FMUs inside return them.
+/// `fmi2Discard` and `fmi2Fatal` as returned by the inner FMUs.
 const DISCARD: i32 = 2;
 const FATAL: i32 = 4;
 
-/// Memory for each value that is read or set (bytes); texts are counted before.
+/// Memory for each value that is read or set (bytes); texts are checked before.
 const VALUE: usize = 64;
 
 /// An instance.
@@ -25,11 +25,11 @@ pub struct Around<I> {
     inside: I,
     run: Run,
     log: Log,
-    /// Texts that the importer was given and may still read.
+    /// Texts that were returned to the importer and may still be read.
     texts: Vec<CString>,
 }
 
-/// Where a simulation is.
+/// The phase of a simulation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Run {
     phase: Phase,
@@ -51,7 +51,7 @@ impl Run {
         ended: false,
     };
 
-    /// Whether its numbers are such as the importer could have given.
+    /// Whether its numbers are values that the importer could have passed.
     fn is_sound(&self) -> bool {
         let stop = self.stop_s.is_none_or(|stop| !stop.is_nan());
         is_instant(self.start_s) && is_instant(self.time_s) && stop && self.phase != Phase::Fatal
@@ -67,10 +67,10 @@ pub struct State<K> {
 }
 
 impl<I: Inside> Around<I> {
-    /// Makes what is inside from the folder of the FMU's resources, by `open`.
+    /// Creates the inner implementation from the folder of the FMU's resources with `open`.
     ///
     /// # Errors
-    /// In one line.
+    /// As one line.
     pub fn new(
         request: Request<'_>,
         open: impl FnOnce(&Request<'_>, &Path) -> cosim::Result<I>,
@@ -79,7 +79,7 @@ impl<I: Inside> Around<I> {
             return Err("the FMU offers co-simulation only, not model exchange".to_owned());
         }
         let folder = request.resources.folder().ok_or(
-            "fmuResourceLocation is missing or names no folder; what the FMU is made of lies in \
+            "fmuResourceLocation is missing or not a folder; the FMU needs the files in \
              its resources",
         )?;
         let inside = open(&request, folder).map_err(|error| error.line())?;
@@ -95,8 +95,8 @@ impl<I: Inside> Around<I> {
         Ok(Self { inside, run: Run::FRESH, log, texts: Vec::new() })
     }
 
-    /// Hands on what was said inside.
-    fn tell(&mut self) {
+    /// Passes on the messages of the inner implementation.
+    fn pass_on_messages(&mut self) {
         for message in self.inside.messages() {
             let text = || format!("{} ({}): {}", message.instance, message.category, message.text);
             match message.status {
@@ -109,7 +109,7 @@ impl<I: Inside> Around<I> {
         }
     }
 
-    /// The phase after something inside failed.
+    /// The phase after an inner failure.
     fn fail(&mut self, error: &Error) -> Trouble {
         let trouble = trouble(error);
         self.run.phase = match trouble.status {
@@ -121,7 +121,7 @@ impl<I: Inside> Around<I> {
         trouble
     }
 
-    /// Reads variables and hands the values on.
+    /// Reads variables and passes on the values.
     fn get(
         &mut self,
         call: Call,
@@ -132,7 +132,7 @@ impl<I: Inside> Around<I> {
         self.call(call, |me| {
             spare(VALUE * references.len())?;
             let values = me.inside.get(basic, references).map_err(|error| trouble(&error))?;
-            let strange = || Trouble::error("what came back is of another type or number");
+            let strange = || Trouble::error("the returned values have a different type or number");
             if values.len() != references.len() {
                 return Err(strange());
             }
@@ -154,7 +154,7 @@ impl<I: Inside> Around<I> {
     fn is_own(&self, state: &State<I::Kept>) -> Result<(), Trouble> {
         match state.guid == self.inside.guid() {
             true => Ok(()),
-            false => Err(Trouble::error("the state is another FMU's")),
+            false => Err(Trouble::error("the state belongs to another FMU")),
         }
     }
 
@@ -164,7 +164,7 @@ impl<I: Inside> Around<I> {
     }
 }
 
-/// What happened inside as one line and the status that it means.
+/// An inner error as one line, and the corresponding status.
 fn trouble(error: &Error) -> Trouble {
     let status = match (error.status(), error.code()) {
         (Some(DISCARD), _) | (None, Code::Step | Code::Ended) => Status::Discard,
@@ -183,7 +183,7 @@ impl<I: Inside> Served for Around<I> {
             return self.log.out_of_order(call, self.run.phase, Interface::CoSimulation);
         }
         let done = work(self);
-        self.tell();
+        self.pass_on_messages();
         match done {
             Ok(()) => Status::Ok,
             Err(trouble) => self.log.failed(call, &trouble),
@@ -369,7 +369,7 @@ impl<I: Inside> Served for Around<I> {
                 .map_err(|cause| unread(format!("cannot be read as a state: {cause}")))?;
             me.is_own(&read)?;
             if !read.run.is_sound() {
-                return Err(unread("are a state at a time that cannot be".to_owned()));
+                return Err(unread("are a state with an invalid time".to_owned()));
             }
             *state = Some(Box::new(read));
             Ok(())
@@ -415,7 +415,7 @@ impl<I: Inside> Served for Around<I> {
             }
             Some(slopes) => {
                 let slopes = slopes.map_err(|error| trouble(&error))?;
-                put(into, slopes).ok_or_else(|| Trouble::error("what came back is cut"))
+                put(into, slopes).ok_or_else(|| Trouble::error("the returned values are truncated"))
             }
         });
         match known {
@@ -425,7 +425,7 @@ impl<I: Inside> Served for Around<I> {
     }
 }
 
-/// Puts values into their places, if there are as many.
+/// Stores values, if their number is right.
 fn put<T>(into: &mut [T], values: Vec<T>) -> Option<()> {
     if into.len() != values.len() {
         return None;

@@ -1,4 +1,4 @@
-//! What is inside of an FMU that `cosim` writes: a whole system, or one that is computed elsewhere.
+//! The inner implementation of an FMU that `cosim` writes: a complete system, or a remote one.
 
 use cosim::Result;
 use cosim::fmi::Message;
@@ -6,41 +6,42 @@ use cosim::proxy::calls::{Basic, Values};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// What the importer said in `fmi2SetupExperiment`, in seconds.
+/// The arguments of `fmi2SetupExperiment`, in seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Experiment {
     /// Relative tolerance, if there is one.
     pub tolerance: Option<f64>,
-    /// First instant.
+    /// Start time.
     pub start_s: f64,
-    /// Last instant, if it is known.
+    /// Stop time, if it is known.
     pub stop_s: Option<f64>,
 }
 
-/// What is inside. It is asked only what is legal; a failure leaves it as FMI has it after one.
+/// The inner implementation. It gets only legal calls; a failure leaves it in the state that FMI
+/// defines.
 pub trait Inside: Sized + Send + 'static {
     /// Its saved state.
     type Kept: Clone + Serialize + DeserializeOwned + Send + 'static;
 
-    /// Whether it decides itself what to do with Reals that are not finite.
+    /// Whether it decides itself how to handle Reals that are not finite.
     const TAKES_ANY_REAL: bool = false;
 
-    /// The identity of the FMU.
+    /// The GUID of the FMU.
     fn guid(&self) -> &str;
 
-    /// What was said inside since this was asked last.
+    /// Messages since the last call.
     fn messages(&mut self) -> Vec<Message>;
 
-    /// Asks for debug messages, or not.
+    /// Switches debug messages on or off.
     fn debug(&mut self, on: bool, categories: &[&str]) -> Result<()>;
 
-    /// Back to the beginning.
+    /// Back to the start.
     fn reset(&mut self) -> Result<()>;
 
     /// Enters initialization mode.
     fn enter(&mut self, experiment: &Experiment) -> Result<()>;
 
-    /// Leaves initialization mode; gives what was odd.
+    /// Leaves initialization mode; returns warnings.
     fn exit(&mut self) -> Result<Vec<String>>;
 
     /// Ends the simulation.
@@ -49,7 +50,7 @@ pub trait Inside: Sized + Send + 'static {
     /// Makes the step from `t` by `h`.
     fn step(&mut self, t: f64, h: f64) -> Result<()>;
 
-    /// Reals between steps that only need copying; `None` if it is not so simple.
+    /// Reals that only need copying between steps; `None` if that is not possible.
     fn at_hand(&self, references: &[u32], into: &mut [f64]) -> Option<()>;
 
     /// Reads variables.
@@ -58,8 +59,8 @@ pub trait Inside: Sized + Send + 'static {
     /// Sets all of these variables or none.
     fn set(&mut self, references: &[u32], values: Values) -> Result<()>;
 
-    /// How unknowns change at once along a direction of knowns; without an answer the FMU does
-    /// not declare that it has one.
+    /// How unknowns change along a direction of knowns, without delay; if this is not implemented,
+    /// the FMU must not declare it.
     fn slope(
         &mut self,
         unknowns: &[u32],
@@ -67,9 +68,9 @@ pub trait Inside: Sized + Send + 'static {
         along: &[f64],
     ) -> Option<Result<Vec<f64>>>;
 
-    /// The present state.
+    /// The current state.
     fn save(&mut self) -> Result<Self::Kept>;
 
-    /// Back to a state.
+    /// Restores a state.
     fn restore(&mut self, kept: &Self::Kept) -> Result<()>;
 }

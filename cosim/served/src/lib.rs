@@ -1,7 +1,7 @@
-//! What the libraries of FMUs that `cosim` writes have in common.
+//! Common parts of the libraries of FMUs that `cosim` writes.
 //!
-//! The C interface, the rules what is legal when, and the log are those of `fmu-kit`; what is
-//! inside ([`Inside`]) is `cosim`'s. Between them stands [`Around`], one instance.
+//! `fmu-kit` provides the C interface, the rules for legal calls, and the log; the inner
+//! implementation ([`Inside`]) is `cosim`'s. [`Around`] connects them: one instance.
 
 mod around;
 mod inside;

@@ -1,4 +1,4 @@
-//! Makes runs of a campaign: any of them, in any order.
+//! Makes the runs of a campaign: any of them, in any order.
 #![allow(unsafe_code, reason = "system calls without a safe form")]
 
 use std::collections::HashMap;
@@ -24,7 +24,7 @@ use crate::scenario::Scenario;
 use crate::system::{Overrides, Port, System};
 use crate::time::Time;
 
-/// The first numbers of the addresses of random streams, after the root seed.
+/// The first components of the addresses of random streams, after the root seed.
 const SEEDS: u64 = 0x0073_6565_6473;
 const FAULTS: u64 = 0x6661_756c_7473;
 
@@ -32,14 +32,14 @@ const FAULTS: u64 = 0x6661_756c_7473;
 pub struct Bench {
     campaign: Campaign,
     points: Points,
-    /// Per system of the file.
+    /// One for each system of the file.
     systems: Vec<Opened>,
-    /// Per system and replacement: the parameters that get seeds.
+    /// For each system and replacement: the parameters that get seeds.
     seeds: HashMap<(usize, usize), Vec<String>>,
     scenarios: Vec<Option<Scenario>>,
 }
 
-/// A system of the file, with what is asked of its variables by their names in it.
+/// A system of the file, with the requests for its variables under their names in it.
 struct Opened {
     system: System,
     figures: Vec<Figure>,
@@ -125,18 +125,19 @@ impl Bench {
             system.err()
         });
         let problems: Vec<Error> = problems.collect();
-        // One mistake is often in many cells.
-        let mut told: Vec<String> = Vec::new();
+        // The same mistake is often in many cells.
+        let mut reported: Vec<String> = Vec::new();
         let new = problems.into_iter().filter(|problem| {
             let text = problem.to_string();
-            let new = !told.contains(&text);
-            told.push(text);
+            let new = !reported.contains(&text);
+            reported.push(text);
             new
         });
         Error::all(new.collect())
     }
 
-    /// Everything that decides what the runs are, as lines of text: files by their hashes.
+    /// Everything that determines the runs, as lines of text; files are represented by their
+    /// hashes.
     pub fn identity(&self) -> Result<Vec<String>> {
         let mut lines = self.campaign.identity();
         let hash = |name: &str, file: &Path| -> Result<String> {
@@ -176,7 +177,7 @@ impl Bench {
         })
     }
 
-    /// The parameters that get a seed of their own in each run.
+    /// The parameters that get their own seed in each run.
     fn find_seeds(&self, system: usize, replacement: usize) -> Result<Vec<String>> {
         let names = &self.campaign.systems[system].1.names;
         let system = self.systems[system].system.with(&self.replaced(system, replacement))?;
@@ -203,7 +204,7 @@ impl Bench {
         Ok(seeds)
     }
 
-    /// The values of the parameters that the file lets vary, for a run.
+    /// The values of the varied parameters of a run.
     fn inputs(&self, run: u64) -> Vec<String> {
         let campaign = &self.campaign;
         let (cell, point) = (&campaign.cells[campaign.cell_of(run)], campaign.replicate_of(run));
@@ -217,7 +218,8 @@ impl Bench {
         factors.chain(list).chain(drawn).collect()
     }
 
-    /// The seed of a stream of a run: the same in all cells, so that these are compared by pairs.
+    /// The seed of a stream of a run: the same in all cells, so that cells can be compared in
+    /// pairs.
     fn seed(&self, run: u64, kind: u64, name: &str) -> Random {
         let hash = Sha256::digest(name);
         let name = u64::from_le_bytes(std::array::from_fn(|place| hash[place]));
@@ -229,7 +231,7 @@ impl Bench {
         &self.campaign.cells[self.campaign.cell_of(run)]
     }
 
-    /// The start values of a run, by the names in its system: what the file gives, and the seeds.
+    /// The start values of a run, by their names in its system: those in the file, and the seeds.
     pub fn start_values(&self, run: u64) -> Vec<(String, String)> {
         let (campaign, cell) = (&self.campaign, self.cell(run));
         let names = &campaign.systems[cell.system].1.names;
@@ -249,7 +251,7 @@ impl Bench {
         given.chain(inputs).chain(counted).chain(drawn).collect()
     }
 
-    /// The system of a run; `more` is recorded beside what the figures need.
+    /// The system of a run; `more` is recorded in addition to what the figures need.
     fn system(&self, run: u64, more: &[String]) -> Result<System> {
         let (campaign, cell) = (&self.campaign, self.cell(run));
         let mut overrides = self.replaced(cell.system, cell.replacement);
@@ -266,7 +268,7 @@ impl Bench {
         self.systems[cell.system].system.with(&overrides)
     }
 
-    /// What must be recorded in a cell, each once.
+    /// Variables that must be recorded in a cell, each once.
     fn columns(&self, cell: &Cell) -> Vec<String> {
         let Opened { figures, stop_when, .. } = &self.systems[cell.system];
         let names = &self.campaign.systems[cell.system].1.names;
@@ -287,33 +289,33 @@ impl Bench {
         Some(scenario.renamed(&self.campaign.systems[cell.system].1.names).seeded(seed))
     }
 
-    /// The row of a run that came to nothing where it was made.
+    /// The row of a run that failed in the process that made it.
     pub fn lost(&self, run: u64, status: Status, reason: impl Into<String>) -> Row {
         Row { inputs: self.inputs(run), ..Row::without_figures(run, status, reason) }
     }
 
-    /// Makes a run: its row.
+    /// Makes a run and returns its row.
     pub fn run(&self, run: u64) -> Row {
         self.row(run, &[], &mut Recording::new())
     }
 
-    /// Makes a run again and records these variables (`*` and `?` make a pattern) as well.
+    /// Repeats a run and also records these variables (`*` and `?` match parts of names).
     pub fn replay(&self, run: u64, variables: &[String], results: &mut dyn Observer) -> Row {
         self.row(run, variables, results)
     }
 
-    /// The units of what a run records with these variables, by all names that they have.
+    /// The units of everything that a run records with these variables, by all their names.
     pub(super) fn units(&self, run: u64, variables: &[String]) -> Result<Units> {
         let names = &self.campaign.systems[self.cell(run).system].1.names;
         self.system(run, variables).map(|system| Units::of(&system).with(names))
     }
 
-    /// The figures of a run, of the variables as its system names them.
+    /// The figures of a run, with the names of variables in its system.
     pub(super) fn figures(&self, run: u64) -> &[Figure] {
         &self.systems[self.cell(run).system].figures
     }
 
-    /// The times in which something is wrong in a run that was recorded.
+    /// The time spans in which a fault is active in a recorded run.
     pub(super) fn windows(&self, run: u64, recording: &Recording) -> Vec<Window> {
         self.scenario(run).map_or_else(Vec::new, |scenario| scenario.windows(recording))
     }
@@ -359,13 +361,13 @@ impl Bench {
     }
 }
 
-/// What went wrong, and what the FMU had to say of it.
+/// What went wrong, and what the FMU logged about it.
 fn reason(problem: &Error) -> String {
     let said = problem.logged().last().map(String::as_str);
     std::iter::once(problem.line().as_str()).chain(said).collect::<Vec<_>>().join("; ")
 }
 
-/// When the first fault of a run began and when the last one ended (s); infinite if one went on.
+/// When the first fault of a run began and the last one ended (s); infinite if one did not end.
 fn span(scenario: &Scenario, recording: &Recording) -> Option<[f64; 2]> {
     let windows = scenario.windows(recording).into_iter();
     let spans = windows.map(|w| [w.from, w.until.unwrap_or(f64::INFINITY)]);
@@ -385,11 +387,11 @@ struct Kept<'a> {
     recording: Recording,
     digest: RunningDigest,
     names: Vec<String>,
-    /// Their places among all columns.
+    /// Their positions among all columns.
     places: Vec<usize>,
     row: Vec<f64>,
     stop_when: &'a [Condition],
-    /// Per condition: the place of its variable among all columns.
+    /// For each condition: the position of its variable among all columns.
     looked_at: Vec<usize>,
     held: Option<String>,
 }

@@ -1,4 +1,4 @@
-//! What has changed from one campaign to another: figures of the same cells, run by run.
+//! Changes from one campaign to another: figures of the same cells, run by run.
 
 use std::collections::HashMap;
 
@@ -14,11 +14,11 @@ pub struct Change {
     pub cell: String,
     /// The figure.
     pub figure: String,
-    /// Runs with the same number of their cell in both.
+    /// Runs with the same number in their cell in both campaigns.
     pub pairs: usize,
     /// The median of now minus before, with 95 % confidence.
     pub difference: Estimate,
-    /// What that means.
+    /// The meaning of that.
     pub meaning: Meaning,
 }
 
@@ -34,7 +34,7 @@ pub enum Meaning {
     Unclear,
 }
 
-/// Every figure that both campaigns have, of the cells that both have. Less is better, unless a
+/// Every figure that both campaigns have, for the cells that both have. Smaller is better, unless a
 /// threshold says `at-least`.
 pub fn changes(campaign: &Campaign, rows: &[Row], past: &Contents) -> Vec<Change> {
     let mut before: HashMap<(&str, u64), &Row> = HashMap::new();

@@ -1,13 +1,13 @@
-//! Where the numbers of runs come from: distributions, and the points at which they are asked.
+//! Where the values of runs come from: distributions, and the points at which they are evaluated.
 //!
-//! Every number is the quantile of a point in (0, 1). Points are independent, of a Latin hypercube
-//! (McKay, Beckman & Conover 1979), or of a Sobol sequence with the direction numbers of Joe & Kuo
-//! 2008, shifted by a random number modulo 1 (Cranley & Patterson 1976).
+//! Every value is the quantile of a point in (0, 1). Points are independent, from a Latin hypercube
+//! (McKay, Beckman & Conover 1979), or from a Sobol sequence with the direction numbers of Joe &
+//! Kuo 2008, shifted by a random number modulo 1 (Cranley & Patterson 1976).
 
 use crate::fault::{Random, normal_quantile};
 use crate::table::Table;
 
-/// How the numbers of a parameter are spread.
+/// The distribution of a parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Distribution {
     Normal {
@@ -24,16 +24,16 @@ pub(super) enum Distribution {
         min: f64,
         max: f64,
     },
-    /// One of these texts with equal chances.
+    /// One of these texts, with equal probability.
     Choice(Vec<String>),
-    /// A whole number with equal chances, both ends included.
+    /// An integer with equal probability, both ends included.
     Discrete {
         min: i64,
         max: i64,
     },
 }
 
-/// At which points the distributions are asked.
+/// The points at which the distributions are evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Design {
     #[default]
@@ -51,7 +51,7 @@ pub(super) const DESIGNS: [(&str, Design); 3] = [
 pub(super) const KINDS: [&str; 5] = ["normal", "uniform", "log-uniform", "choice", "discrete"];
 
 impl Distribution {
-    /// From a table of the file; nothing if that is wrong.
+    /// From a table of the file; `None` if that is wrong.
     pub(super) fn read(table: &Table<'_>) -> Option<Self> {
         let kind = table.needed_text("kind")?;
         match kind {
@@ -72,7 +72,7 @@ impl Distribution {
                     return Some(Self::Uniform { min, max });
                 }
                 if min <= 0.0 {
-                    table.wrong("'min' must be greater than 0: logarithms are spread");
+                    table.wrong("'min' must be greater than 0: its logarithm is varied");
                     return None;
                 }
                 Some(Self::LogUniform { min, max })
@@ -111,7 +111,7 @@ impl Distribution {
         None
     }
 
-    /// Its quantile at a point in (0, 1), as the text of a start value.
+    /// The quantile at a point in (0, 1), as the text of a start value.
     pub(super) fn quantile(&self, point: f64) -> String {
         match self {
             Self::Normal { mean, sigma, min, max } => {
@@ -135,7 +135,7 @@ impl Distribution {
     }
 }
 
-/// In which of so many equal parts a point lies.
+/// Which of this many equal parts a point lies in.
 fn part(point: f64, count: usize) -> usize {
     ((point * count as f64) as usize).min(count - 1)
 }
@@ -145,19 +145,19 @@ pub(super) fn normal_probability(z: f64) -> f64 {
     0.5 * libm::erfc(-z / std::f64::consts::SQRT_2)
 }
 
-/// The points of a campaign: one coordinate for each spread parameter.
+/// The points of a campaign: one coordinate for each varied parameter.
 pub(super) struct Points {
     design: Design,
     seed: u64,
-    /// Per coordinate, for Latin hypercubes: in which part the points lie.
+    /// For each coordinate of a Latin hypercube: in which part the points lie.
     parts: Vec<Vec<usize>>,
 }
 
-/// The first number of the addresses of random streams, after the root seed.
+/// The first component of the addresses of random streams, after the root seed.
 const POINTS: u64 = 0x706f_696e_7473;
 
 impl Points {
-    /// For `count` points of so many coordinates.
+    /// For `count` points with this many coordinates.
     pub(super) fn new(design: Design, seed: u64, coordinates: usize, count: usize) -> Self {
         let permutation = |coordinate: usize| {
             let mut stream = Random::new(&[seed, POINTS, 0, coordinate as u64]);
@@ -174,12 +174,12 @@ impl Points {
         Self { design, seed, parts }
     }
 
-    /// How many coordinates a design can have.
+    /// The maximum number of coordinates of a design.
     pub(super) fn most(design: Design) -> usize {
         if design == Design::Sobol { SOBOL.len() + 1 } else { usize::MAX }
     }
 
-    /// A coordinate of a point.
+    /// One coordinate of a point.
     pub(super) fn at(&self, point: usize, coordinate: usize) -> f64 {
         let own =
             |number: u64| Random::new(&[self.seed, POINTS, number, coordinate as u64]).uniform();
@@ -197,8 +197,8 @@ impl Points {
     }
 }
 
-/// Degree and coefficients of primitive polynomials, and the first direction numbers, of Joe & Kuo's
-/// table new-joe-kuo-6.21201, for the coordinates from the second on.
+/// Degree and coefficients of primitive polynomials, and the first direction numbers, from the
+/// table new-joe-kuo-6.21201 of Joe & Kuo, for the coordinates from the second on.
 const SOBOL: [(u32, u32, &[u32]); 9] = [
     (1, 0, &[1]),
     (2, 1, &[1, 3]),
@@ -211,7 +211,7 @@ const SOBOL: [(u32, u32, &[u32]); 9] = [
     (5, 7, &[1, 1, 7, 11, 19]),
 ];
 
-/// A coordinate of a point of the Sobol sequence, in [0, 1).
+/// One coordinate of a point of the Sobol sequence, in [0, 1).
 fn sobol(point: u32, coordinate: usize) -> f64 {
     const BITS: usize = 32;
     let mut directions = [0_u32; BITS];
@@ -232,7 +232,7 @@ fn sobol(point: u32, coordinate: usize) -> f64 {
             };
         }
     }
-    // In the order of the Gray code the points are the same, and so is any start of 2^k of them.
+    // In Gray code order the points are the same, and so are any first 2^k of them.
     let gray = point ^ (point >> 1);
     let bits = (0..BITS).filter(|bit| gray >> bit & 1 == 1);
     f64::from(bits.fold(0, |value, bit| value ^ directions[bit])) / 4_294_967_296.0
@@ -260,7 +260,7 @@ mod tests {
                 assert_eq!(sobol(point as u32, coordinate), *wanted, "{point} {coordinate}");
             }
         }
-        // Each coordinate of 2^k points has one in each of 2^k parts.
+        // For 2^k points, each coordinate has one point in each of 2^k parts.
         for coordinate in 0..Points::most(Design::Sobol) {
             let mut parts: Vec<u32> =
                 (0..64).map(|point| (sobol(point, coordinate) * 64.0) as u32).collect();

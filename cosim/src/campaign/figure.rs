@@ -1,4 +1,4 @@
-//! Figures of merit: a number from what was recorded in a run.
+//! Figures of merit: one number from the recording of a run.
 
 mod compute;
 mod expression;
@@ -12,13 +12,13 @@ use crate::table::{Entry, Table};
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Figure {
     what: What,
-    /// The part of the run that counts (s), and its part with regard to the scenario's faults.
+    /// The part of the run that counts (s), and its relation to the faults of the scenario.
     from: f64,
     until: f64,
     window: Window,
 }
 
-/// A part of a run with regard to its faults, from the beginning of the first to the end of the last.
+/// A part of a run relative to its faults, from the start of the first to the end of the last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Window {
     All,
@@ -33,22 +33,22 @@ const WINDOWS: [(&str, Window); 3] =
 /// What is computed.
 #[derive(Debug, Clone, PartialEq)]
 enum What {
-    /// Of a variable or an expression, or of how far it is above another one.
+    /// Of a variable or an expression, or of how far it exceeds another one.
     Of { of: Expression, minus: Option<Expression>, absolute: bool, angle: bool, take: Take },
     /// Absolute trajectory error.
     Ate { poses: Poses, align: Alignment, greatest: bool },
     /// Relative pose error, root mean square.
     Rpe { poses: Poses, heading: String, over: Over },
-    /// The distance in the end, in % of the way.
+    /// The final distance, in % of the distance travelled.
     Drift(Poses),
     /// Distance of the estimate from the line along which the truth moves, in the first two axes.
     CrossTrack { poses: Poses, greatest: bool },
-    /// Share of the errors, axis by axis, that are larger than so many standard deviations.
+    /// Share of the errors, per axis, that exceed this many standard deviations.
     Beyond { poses: Poses, sigma: String, sigmas: f64 },
     /// Normalised estimation error squared: its mean, or its value at an instant (s).
     Nees { poses: Poses, sigma: String, covariance: Option<String>, at: Option<f64> },
-    /// Normalised innovation squared, of the samples at which `count` grew: their mean, or the last
-    /// one at an instant (s).
+    /// Normalised innovation squared, of the samples at which `count` increased: their mean, or the
+    /// last one at an instant (s).
     Nis { nis: String, count: String, at: Option<f64> },
     /// Correlation of successive innovations, normalised (Bar-Shalom et al. 2001, eq 5.4.2-19).
     Whiteness { innovation: String, count: String },
@@ -73,7 +73,7 @@ enum Over {
     Metres(f64),
 }
 
-/// The variables of a truth and an estimate, axis by axis.
+/// The variables of a truth and an estimate, per axis.
 #[derive(Debug, Clone, PartialEq)]
 struct Poses {
     truth: String,
@@ -117,18 +117,18 @@ impl Poses {
     }
 }
 
-/// What every figure can say.
+/// Keys that every figure accepts.
 const PART: [&str; 4] = ["kind", "from", "until", "window"];
-/// And those that compare an estimate with the truth.
+/// Additional keys of those that compare an estimate with the truth.
 const POSES: [&str; 3] = ["truth", "estimate", "axes"];
 
-/// Whether the greatest value is taken, and not the root mean square.
+/// Whether the maximum is taken instead of the root mean square.
 fn greatest(table: &Table<'_>) -> Option<bool> {
     match table.text("take") {
         None | Some("rmse") => Some(false),
         Some("max") => Some(true),
         Some(other) => {
-            table.get("take")?.wrong(format!("'{other}' is none of rmse, max"));
+            table.get("take")?.wrong(format!("'{other}' is not one of rmse, max"));
             None
         }
     }
@@ -145,7 +145,7 @@ fn expression(entry: &Entry<'_>) -> Option<Expression> {
 }
 
 impl Figure {
-    /// From a table of the file; nothing if that is wrong.
+    /// From a table of the file; `None` if that is wrong.
     pub(super) fn read(table: &Table<'_>) -> Option<Self> {
         let kind = table.needed_text("kind")?;
         let allow = |own: &[&str]| table.allow(&[&PART[..], &POSES, own].concat());
@@ -155,7 +155,7 @@ impl Figure {
                 let align = table.text("align").unwrap_or("none");
                 let found = ALIGNMENTS.iter().find(|(name, _)| *name == align);
                 if found.is_none() {
-                    table.get("align")?.wrong(format!("'{align}' is none of none, se2, se3"));
+                    table.get("align")?.wrong(format!("'{align}' is not one of none, se2, se3"));
                 }
                 let greatest = greatest(table)?;
                 What::Ate { poses: Poses::read(table)?, align: found?.1, greatest }
@@ -166,7 +166,7 @@ impl Figure {
                     (Some(_), None) => Over::Seconds(table.positive("seconds")?),
                     (None, Some(_)) => Over::Metres(table.positive("metres")?),
                     _ => {
-                        table.wrong("one of 'seconds' and 'metres' must say over what");
+                        table.wrong("either 'seconds' or 'metres' must be given");
                         return None;
                     }
                 };
@@ -216,7 +216,7 @@ impl Figure {
             Some(name) => {
                 let found = WINDOWS.iter().find(|(known, _)| *known == name);
                 if found.is_none() {
-                    let what = format!("'{name}' is none of before, during, after");
+                    let what = format!("'{name}' is not one of before, during, after");
                     table.get("window")?.wrong(what);
                 }
                 found?.1
@@ -225,7 +225,8 @@ impl Figure {
         Some(Self { what, from, until, window })
     }
 
-    /// The same at an instant (s), if it is one of those that are looked at one by one over time.
+    /// The same figure at an instant (s), if it is one that is evaluated at single instants over
+    /// time.
     pub(super) fn at(&self, instant: f64) -> Option<Self> {
         let mut what = self.what.clone();
         match &mut what {
@@ -235,7 +236,7 @@ impl Figure {
         Some(Self { what, ..self.clone() })
     }
 
-    /// The same of variables that have other names.
+    /// The same figure for variables with other names.
     pub(super) fn renamed(&self, aliases: &Aliases) -> Self {
         let mut figure = self.clone();
         let (poses, expressions, names) = match &mut figure.what {
@@ -262,7 +263,7 @@ impl Figure {
         figure
     }
 
-    /// The instant that it is of (s).
+    /// The instant to which it refers (s).
     pub(super) fn instant(&self) -> Option<f64> {
         match self.what {
             What::Nees { at, .. } | What::Nis { at, .. } => at,
@@ -270,7 +271,7 @@ impl Figure {
         }
     }
 
-    /// How many axes a normalised error squared is of.
+    /// The number of axes of a normalised error squared.
     pub(super) fn axes(&self) -> Option<usize> {
         match &self.what {
             What::Nees { poses, .. } => Some(poses.axes.len()),

@@ -12,16 +12,16 @@ use crate::error::{Code, Error, Result};
 use crate::names;
 use crate::table::{Document, Table};
 
-/// Which runs there are, and what is asked of them.
+/// Which runs to make, and what to evaluate.
 #[derive(Debug)]
 pub struct Campaign {
     /// The file.
     pub file: PathBuf,
-    /// The question that it asks; may be empty.
+    /// The question that it answers; may be empty.
     pub description: String,
-    /// The number that all random numbers come from.
+    /// The number from which all random numbers are derived.
     pub seed: u64,
-    /// How many runs each cell has.
+    /// The number of runs of each cell.
     pub seeds: usize,
     pub(super) systems: Vec<(String, Source)>,
     pub(super) replacements: Vec<Replacement>,
@@ -33,25 +33,25 @@ pub struct Campaign {
     pub(super) design: Design,
     pub(super) start_values: Vec<(String, String)>,
     pub(super) seed_parameters: Vec<String>,
-    /// Seeds that are counted: those of the first replicate, and how far they are apart.
+    /// Seeds that are counted: those of the first replicate, and the distance between them.
     pub(super) counted_seeds: Vec<(String, [u64; 2])>,
     pub(super) stop_time: Option<f64>,
     pub(super) output_interval: Option<f64>,
     pub(super) stop_when: Vec<Condition>,
-    /// How many seconds a run may take; then it has failed.
+    /// Time limit of a run (s); a run that takes longer has failed.
     pub time_limit: f64,
     pub(super) figures: Vec<(String, Figure)>,
-    /// Figures that are looked at over time: their names, and of how many axes they are.
+    /// Figures that are evaluated over time: their names, and the number of their axes.
     pub(super) over_time: Vec<(String, usize)>,
-    /// Which runs are made again and kept whole.
+    /// Which runs are repeated and kept in full.
     pub(super) keep: Keep,
-    /// Cells are left alone when their thresholds are decided.
+    /// No further runs are made of cells whose thresholds are decided.
     pub(super) sequential: bool,
     pub(super) verdicts: Vec<Threshold>,
     pub(super) cells: Vec<Cell>,
 }
 
-/// A sequential campaign looks at its thresholds first after so many seeds.
+/// A sequential campaign checks its thresholds for the first time after this many seeds.
 const FIRST_LOOK: usize = 10;
 
 const KEYS: [&str; 20] = [
@@ -121,7 +121,7 @@ impl Campaign {
             }),
             factors: named(&root, "factors", |entry| {
                 if !entry.is_list() || entry.list().is_empty() {
-                    entry.wrong("a list of values is wanted");
+                    entry.wrong("a list of values is expected");
                 }
                 entry.list().iter().map(|value| value.start_value()).collect()
             }),
@@ -172,7 +172,7 @@ impl Campaign {
         Ok(campaign)
     }
 
-    /// Adds the figures at single instants of those that say `every`.
+    /// Adds the figures at single instants of those with `every`.
     fn follow_over_time(&mut self, root: &Table<'_>) {
         let Some(tables) = root.table("figures") else { return };
         for (name, entry) in tables.entries() {
@@ -204,7 +204,7 @@ impl Campaign {
         }
     }
 
-    /// No parameter may be set by two.
+    /// No parameter may be set twice.
     fn check_names(&self, root: &Table<'_>) {
         let mut seen: Vec<(&str, &str)> = Vec::new();
         let factors = self.factors.iter().map(|(name, _)| (name.as_str(), "factors"));
@@ -236,7 +236,7 @@ impl Campaign {
         }
     }
 
-    /// The place of the figure that a table names.
+    /// The position of the figure that a table names.
     fn figure(&self, table: &Table<'_>) -> Option<usize> {
         let name = table.needed_text("figure")?;
         let figure = self.figures.iter().position(|(known, _)| known == name);
@@ -269,7 +269,7 @@ impl Campaign {
         Some(Threshold { figure: figure?, quantile, least, most, confidence, cells })
     }
 
-    /// The cells, and what a file leaves out.
+    /// The cells, and what a file omits.
     fn fill(&mut self) {
         if self.replacements.is_empty() {
             self.replacements.push(Replacement { name: String::new(), components: Vec::new() });
@@ -324,12 +324,12 @@ impl Campaign {
         parts.join("/")
     }
 
-    /// How many runs there are.
+    /// The total number of runs.
     pub fn runs(&self) -> u64 {
         (self.cells.len() * self.seeds) as u64
     }
 
-    /// After how many seeds of each cell the thresholds are looked at: once in the end, or, in a
+    /// After how many seeds of each cell the thresholds are checked: once at the end, or, in a
     /// sequential campaign, whenever their number has doubled.
     pub fn looks(&self) -> Vec<usize> {
         let first = if self.sequential { FIRST_LOOK } else { self.seeds };
@@ -337,7 +337,7 @@ impl Campaign {
         doubled.take_while(|looked| *looked < self.seeds).chain([self.seeds]).collect()
     }
 
-    /// How many cells there are: combinations of all that is not random.
+    /// The number of cells: combinations of everything that is not random.
     pub fn cells(&self) -> usize {
         self.cells.len()
     }
@@ -352,7 +352,7 @@ impl Campaign {
         (run % self.cells.len() as u64) as usize
     }
 
-    /// Which of the runs of its cell a run is.
+    /// The position of a run among the runs of its cell.
     pub fn replicate_of(&self, run: u64) -> usize {
         (run / self.cells.len() as u64) as usize
     }
@@ -362,7 +362,8 @@ impl Campaign {
         self.figures.iter().map(|(name, _)| name.as_str())
     }
 
-    /// The figures that summaries are of: all but those at single instants, which come after them.
+    /// The figures that summaries cover: all except those at single instants, which come after
+    /// them.
     pub(super) fn summarized(&self) -> &[(String, Figure)] {
         let count = self.figures.iter().filter(|(_, figure)| figure.instant().is_none()).count();
         &self.figures[..count]
@@ -375,9 +376,9 @@ impl Campaign {
         factors.chain(list).chain(self.dispersions.iter().map(|(name, _)| name.as_str()))
     }
 
-    /// Everything of the file that decides what a run is, as lines of text. What is left out may
-    /// change between two parts of a campaign: thresholds, time limits, and how many seeds there are
-    /// where that moves no point.
+    /// Everything in the file that determines a run, as lines of text. The rest may change between
+    /// two parts of a campaign: thresholds, time limits, and the number of seeds if that moves no
+    /// point.
     pub(super) fn identity(&self) -> Vec<String> {
         let mut lines = vec![format!("seed = {}, design = {:?}", self.seed, self.design)];
         if self.design == Design::LatinHypercube {

@@ -1,8 +1,8 @@
-//! The folder of a campaign: a log with a line for each run that is over, and what is made of it.
+//! The folder of a campaign: a log with a line for each finished run, and files derived from it.
 //!
-//! A line is written by one call once its run is over, so that whatever ends the process loses
-//! the runs in flight and no other; a line cut short, by a full disk or a lost machine, is cut off and its
-//! run made again. The other files are made anew from the log, each as a whole.
+//! A line is written by a single call once its run is finished, so that a process that ends loses
+//! only the runs in progress. A line that is incomplete because of a full disk or a lost machine is
+//! removed and its run repeated. All other files are derived from the log, each as a whole.
 
 use std::collections::HashSet;
 use std::fs::{File, OpenOptions};
@@ -22,7 +22,7 @@ pub struct Folder {
     rows: Vec<Row>,
 }
 
-/// What the results are of.
+/// The campaign to which the results belong.
 #[derive(Serialize, Deserialize)]
 struct Manifest {
     file: PathBuf,
@@ -35,8 +35,8 @@ const MANIFEST: &str = "campaign.json";
 const LOG: &str = "runs.jsonl";
 
 impl Folder {
-    /// The results of a campaign with this identity: new ones, or those that are there already. Those
-    /// of another campaign are refused.
+    /// The results of a campaign with this identity: new ones, or existing ones. Those of another
+    /// campaign are refused.
     pub fn open(path: impl AsRef<Path>, campaign: &Campaign, identity: &[String]) -> Result<Self> {
         let path = path.as_ref().to_owned();
         let unwritten = |what: &Path, e: std::io::Error| {
@@ -55,7 +55,7 @@ impl Folder {
         }
         let mut folder = Self { path, log, rows: Vec::new() };
         folder.read_log()?;
-        // The number of seeds, or the place of the file, may be another one than before.
+        // The number of seeds, or the location of the file, may have changed.
         let new = Manifest {
             file: campaign.file.clone(),
             identity: identity.to_vec(),
@@ -71,7 +71,7 @@ impl Folder {
         Ok(Manifest::read(path.as_ref())?.file)
     }
 
-    /// The row of a run in a folder, whose campaign has this identity.
+    /// The row of a run in a folder whose campaign has this identity.
     pub fn row(path: impl AsRef<Path>, run: u64, identity: &[String]) -> Result<Row> {
         let mut rows = Self::rows_of(&path, identity)?.into_iter();
         rows.find(|row| row.run == run).ok_or_else(|| {
@@ -80,14 +80,14 @@ impl Folder {
         })
     }
 
-    /// The rows in a folder, whose campaign has this identity, as they came.
+    /// The rows in a folder whose campaign has this identity, in order of arrival.
     pub fn rows_of(path: impl AsRef<Path>, identity: &[String]) -> Result<Vec<Row>> {
         let path = path.as_ref();
         fits(&Manifest::read(path)?.identity, identity, path)?;
         logged(path)
     }
 
-    /// What is in a folder, to look at: nothing is changed, and what cannot be read is left out.
+    /// The contents of a folder, read-only: nothing is changed, and what cannot be read is skipped.
     pub fn contents(path: impl AsRef<Path>) -> Result<Contents> {
         let path = path.as_ref();
         let Manifest { file, identity, cells, figures } = Manifest::read(path)?;
@@ -122,19 +122,19 @@ impl Folder {
         Ok(())
     }
 
-    /// The rows that are there, as they came.
+    /// The existing rows, in order of arrival.
     pub fn rows(&self) -> &[Row] {
         &self.rows
     }
 
-    /// Keeps a row.
+    /// Adds a row.
     pub fn add(&mut self, row: Row) -> Result<()> {
         let file = self.path.join(LOG);
         let unwritten = |e: String| {
             Error::new(Code::Output, "a row cannot be written")
                 .at(&file)
                 .why(e)
-                .help("make room and give the same command again: rows that are there are kept")
+                .help("free some space and run the same command again: existing rows are kept")
         };
         let mut line = serde_json::to_vec(&row).map_err(|e| unwritten(e.to_string()))?;
         line.push(b'\n');
@@ -151,8 +151,8 @@ impl Folder {
         })
     }
 
-    /// Writes `runs.parquet`, and `runs.csv` if that is wanted: a row a run, in their order, each with
-    /// what it is and what it gave.
+    /// Writes `runs.parquet`, and `runs.csv` on request: one row per run, in order, with its
+    /// parameters and results.
     pub fn write_table(&self, campaign: &Campaign, identity: &[String], csv: bool) -> Result<()> {
         let parquet = table::parquet(campaign, &self.rows, identity).map_err(|e| {
             Error::new(Code::Output, "the table of runs cannot be made").at(&self.path).why(e)
@@ -165,26 +165,26 @@ impl Folder {
     }
 }
 
-/// The rows in a folder, as they came.
+/// The rows in a folder, in order of arrival.
 fn logged(path: &Path) -> Result<Vec<Row>> {
     let file = path.join(LOG);
     let text = std::fs::read_to_string(&file)
         .map_err(|e| Error::new(Code::Results, "the rows cannot be read").at(&file).why(e))?;
-    // A line that is being written, or was cut short, is no row yet.
+    // A line that is being written, or is incomplete, is not a row yet.
     Ok(text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect())
 }
 
-/// What a folder holds.
+/// The contents of a folder.
 pub struct Contents {
     /// The file of the campaign.
     pub campaign: PathBuf,
-    /// What the campaign was, as lines of text.
+    /// The identity of the campaign, as lines of text.
     pub identity: Vec<String>,
-    /// The names of its cells: the run `n` is of the cell `n` modulo their number.
+    /// The names of its cells: run `n` belongs to cell `n` modulo their number.
     pub cells: Vec<String>,
-    /// The names of its figures, in the order in which rows have them.
+    /// The names of its figures, in the order of the rows.
     pub figures: Vec<String>,
-    /// A row for each run that is over.
+    /// A row for each finished run.
     pub rows: Vec<Row>,
     /// What cannot be read, and why.
     pub notes: Vec<String>,
@@ -206,22 +206,22 @@ impl Contents {
                 Err(e) => {
                     lost += 1;
                     if lost <= SHOWN {
-                        self.notes.push(format!("line {} of {LOG} is no row: {e}", line + 1));
+                        self.notes.push(format!("line {} of {LOG} is not a row: {e}", line + 1));
                     }
                 }
             }
         }
         if lost > SHOWN {
-            self.notes.push(format!("{} more lines of {LOG} are no rows", lost - SHOWN));
+            self.notes.push(format!("{} more lines of {LOG} are not rows", lost - SHOWN));
         }
     }
 
-    /// An error with the first differences if they are of another campaign than this file says.
+    /// Fails with the first differences if they belong to another campaign than this file.
     pub(super) fn fit(&self, campaign: &Campaign, path: &Path) -> Result<()> {
-        // Hashes of files decide whether runs can be made again, not what their rows mean.
+        // Hashes of files decide whether runs can be repeated, not what their rows mean.
         let hash = |text: &str| text.len() == 64 && text.bytes().all(|b| b.is_ascii_hexdigit());
         let of_file = |line: &&String| {
-            // After the GUID, of components.
+            // After the GUID, for components.
             line.rsplit(' ').next().is_some_and(hash) || line.starts_with("cosim ")
         };
         let before: Vec<String> = self.identity.iter().filter(|l| !of_file(l)).cloned().collect();
@@ -241,7 +241,7 @@ impl Manifest {
     }
 }
 
-/// An error with the first differences when results are of another campaign.
+/// Fails with the first differences if the results belong to another campaign.
 fn fits(before: &[String], now: &[String], path: &Path) -> Result<()> {
     let missing = |of: &[String], from: &[String]| -> Vec<String> {
         of.iter().filter(|line| !from.contains(line)).take(3).cloned().collect()
@@ -250,13 +250,13 @@ fn fits(before: &[String], now: &[String], path: &Path) -> Result<()> {
     if gone.is_empty() && new.is_empty() {
         return Ok(());
     }
-    let told = |lines: Vec<String>| {
+    let shown = |lines: Vec<String>| {
         if lines.is_empty() { "nothing instead".to_owned() } else { lines.join("; ") }
     };
-    Err(Error::new(Code::Campaign, "the results that are there are of another campaign")
+    Err(Error::new(Code::Campaign, "the existing results belong to another campaign")
         .at(path)
-        .why(format!("they have: {}. Now there is: {}", told(gone), told(new)))
-        .help("undo the change, or give another --output-dir"))
+        .why(format!("they were made with: {}. Now: {}", shown(gone), shown(new)))
+        .help("undo the change, or choose another --output-dir"))
 }
 
 #[cfg(test)]

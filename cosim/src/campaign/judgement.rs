@@ -1,4 +1,4 @@
-//! What the rows of a campaign say: figures of each cell, verdicts, differences between cells.
+//! Evaluates the rows of a campaign: figures of each cell, verdicts, differences between cells.
 
 use std::collections::HashMap;
 
@@ -9,25 +9,26 @@ use super::{Campaign, Row, Status};
 use crate::names;
 use crate::report::chi_square_quantile;
 
-/// What the rows say.
+/// The result of the evaluation.
 #[derive(Debug, Serialize)]
 pub struct Judgement {
-    /// Runs that are over, and that did not end well.
+    /// Finished runs, and those among them that failed.
     pub runs: u64,
-    /// Of these, how many have no figures.
+    /// How many of these have no figures.
     pub failed: u64,
     /// Figures of each cell.
     pub figures: Vec<FigureOfCell>,
     /// Thresholds in each cell.
     pub verdicts: Vec<Verdict>,
-    /// Differences between the first replacement and the others, by pairs of runs with equal chances.
+    /// Differences between the first replacement and the others, in pairs of runs with the same
+    /// seeds.
     pub compared: Vec<Compared>,
     /// Normalised errors squared over time, averaged over the runs of a cell.
     pub consistency: Vec<Consistency>,
 }
 
-/// The mean of a normalised error or innovation squared over the runs of a cell at an instant (Bar-Shalom
-/// et al. 2001, section 5.4.2).
+/// The mean of a normalised error or innovation squared over the runs of a cell at an instant
+/// (Bar-Shalom et al. 2001, section 5.4.2).
 #[derive(Debug, Serialize)]
 pub struct Consistency {
     /// The cell.
@@ -38,9 +39,9 @@ pub struct Consistency {
     pub time: f64,
     /// Runs that have it.
     pub runs: usize,
-    /// The mean, which is the number of axes where the filter is consistent.
+    /// The mean, which equals the number of axes if the filter is consistent.
     pub mean: f64,
-    /// Where it lies then with 95 % probability: of chi-square, both sides.
+    /// The interval that contains it with 95 % probability in that case: two-sided chi-square.
     pub band: [f64; 2],
 }
 
@@ -66,16 +67,16 @@ pub struct Verdict {
     pub cell: String,
     /// The figure.
     pub figure: String,
-    /// The threshold in words.
+    /// The threshold as text.
     pub threshold: String,
-    /// What is said of it.
+    /// The verdict.
     pub answer: Answer,
     /// The quantile that is bounded, with its interval.
     pub quantile: Estimate,
-    /// Runs of the cell that are over, and how many of them keep the bound; one without figures does
+    /// Finished runs of the cell, and how many of them meet the bound; a run without figures does
     /// not.
     pub runs: u64,
-    /// How many keep the bound.
+    /// How many meet the bound.
     pub kept: u64,
 }
 
@@ -90,14 +91,14 @@ pub struct Compared {
     pub figure: String,
     /// Pairs of runs.
     pub pairs: usize,
-    /// The median of the other's minus the first's.
+    /// The median of the other value minus the first.
     pub difference: Estimate,
 }
 
 const CONFIDENCE: f64 = 0.95;
 
 impl Judgement {
-    /// Of all rows of a campaign that are there; in which order they came is of no matter.
+    /// Evaluates all existing rows of a campaign; their order of arrival does not matter.
     pub fn new(campaign: &Campaign, rows: &[Row]) -> Self {
         let mut cells: Vec<Vec<&Row>> = vec![Vec::new(); campaign.cells()];
         let rows = rows.iter().filter(|row| row.run < campaign.runs());
@@ -129,7 +130,7 @@ impl Judgement {
         judgement
     }
 
-    /// The cells of which some threshold is undecided, or that have none.
+    /// The cells with an undecided threshold, or without any threshold.
     pub fn open_cells(&self, campaign: &Campaign) -> Vec<usize> {
         let open = |cell: &usize| {
             let name = campaign.cell_name(*cell);
@@ -139,7 +140,7 @@ impl Judgement {
         (0..campaign.cells()).filter(open).collect()
     }
 
-    /// Whether some verdict is this.
+    /// Whether any verdict is this one.
     pub fn has(&self, wanted: impl Fn(&Answer) -> bool) -> bool {
         self.verdicts.iter().any(|verdict| wanted(&verdict.answer))
     }
@@ -152,7 +153,7 @@ fn verdicts(campaign: &Campaign, cell: usize, rows: &[&Row]) -> Vec<Verdict> {
         let (least, most) = (threshold.least, threshold.most);
         let lowest = least.unwrap_or(f64::NEG_INFINITY);
         let keeps = |value: &f64| *value >= lowest && most.is_none_or(|most| *value <= most);
-        // A run without figures is as bad as can be.
+        // A run without figures counts as the worst possible.
         let worst = if most.is_some() { f64::INFINITY } else { f64::NEG_INFINITY };
         let values: Vec<f64> = rows
             .iter()
@@ -165,7 +166,7 @@ fn verdicts(campaign: &Campaign, cell: usize, rows: &[&Row]) -> Vec<Verdict> {
         let wanted = if most.is_some() { p } else { 1.0 - p };
         let sign = if most.is_some() { "at most" } else { "at least" };
         let bound = most.or(least).unwrap_or(f64::NAN);
-        // Each look at the rows gets its part of the chance to be wrong (Bonferroni).
+        // Each check of the rows gets its share of the error probability (Bonferroni).
         let confidence = 1.0 - (1.0 - threshold.confidence) / campaign.looks().len() as f64;
         let what = if p == 0.5 { "median".to_owned() } else { format!("quantile {p}") };
         Verdict {
@@ -181,7 +182,8 @@ fn verdicts(campaign: &Campaign, cell: usize, rows: &[&Row]) -> Vec<Verdict> {
     own.map(verdict).collect()
 }
 
-/// The differences of a cell from that with the first replacement and all else equal.
+/// The differences of a cell from the one with the first replacement and otherwise the same
+/// factors.
 fn compared(campaign: &Campaign, cell: usize, cells: &[Vec<&Row>]) -> Vec<Compared> {
     let own = &campaign.cells[cell];
     if own.replacement == 0 {
@@ -267,13 +269,17 @@ mod tests {
              cells = '*two'\n[[verdict]]\nfigure = 'f'\nat-most = 22\ncells = '*/one'\n\
              [[verdict]]\nfigure = 'f'\nat-least = 40\nquantile = 0.9\ncells = '*two'\n",
         );
-        let told: Vec<(&str, Answer, u64)> =
+        let verdicts: Vec<(&str, Answer, u64)> =
             judgement.verdicts.iter().map(|v| (v.cell.as_str(), v.answer, v.kept)).collect();
-        assert_eq!(told[0], ("a/one", Answer::Pass, 36));
-        assert!(matches!(told[1], ("a/one", Answer::Undecided(Some(_)), 23)), "{:?}", told[1]);
-        assert_eq!(told[2], ("a/two", Answer::Pass, 34));
-        assert_eq!(told[3], ("a/two", Answer::Fail, 4));
-        assert!(matches!(told[4], ("a/two", Answer::Undecided(_), 1)), "{:?}", told[4]);
+        assert_eq!(verdicts[0], ("a/one", Answer::Pass, 36));
+        assert!(
+            matches!(verdicts[1], ("a/one", Answer::Undecided(Some(_)), 23)),
+            "{:?}",
+            verdicts[1]
+        );
+        assert_eq!(verdicts[2], ("a/two", Answer::Pass, 34));
+        assert_eq!(verdicts[3], ("a/two", Answer::Fail, 4));
+        assert!(matches!(verdicts[4], ("a/two", Answer::Undecided(_), 1)), "{:?}", verdicts[4]);
         assert_eq!((judgement.runs, judgement.failed), (80, 1));
     }
 

@@ -9,7 +9,7 @@ pub fn kept(campaign: &Campaign, rows: &[Row]) -> Vec<u64> {
     if *keep == Keep::default() {
         return Vec::new();
     }
-    // Where much is good, little is worst.
+    // Where large values are good, small ones are the worst.
     let more = campaign.verdicts.iter().any(|t| t.figure == keep.figure && t.least.is_some());
     let badness = |row: &&Row| {
         let value = row.figure(keep.figure);
@@ -31,7 +31,7 @@ pub fn kept(campaign: &Campaign, rows: &[Row]) -> Vec<u64> {
         kept.extend(good.iter().take(keep.sample).map(|row| row.run));
         good.sort_by(|one, other| badness(other).total_cmp(&badness(one)));
         kept.extend(good.iter().take(keep.worst).map(|row| row.run));
-        // One that took too long would do so again.
+        // A run that timed out would do so again.
         let over = failed.iter().filter(|row| keep.failed && row.status != Status::TimedOut);
         kept.extend(over.map(|row| row.run));
     }

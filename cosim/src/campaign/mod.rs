@@ -1,9 +1,9 @@
-//! Campaigns: many runs of systems, with other components, faults, parameters and seeds, and what
-//! they say with confidence.
+//! Campaigns: many runs of systems with different components, faults, parameters and seeds, and
+//! their statistics with confidence.
 //!
-//! A file says which runs there are ([`Campaign`]); a [`Bench`] makes any of them, alone from the
-//! file and the run's number; a [`Folder`] keeps a row of each; a [`Judgement`] is what all rows say.
-//! Who makes runs at the same time, and in which order, decides nothing.
+//! A file defines the runs ([`Campaign`]); a [`Bench`] makes any of them from the file and the
+//! number of the run alone; a [`Folder`] stores a row of each; a [`Judgement`] evaluates all rows.
+//! Parallel execution and the order of runs have no effect on the results.
 
 mod bench;
 mod change;
@@ -31,7 +31,7 @@ pub use row::{Number, Row, Status};
 pub use score::Figures;
 pub use statistics::{Answer, Estimate};
 
-/// What a campaign is, in a word: of its [`Bench::identity`].
+/// A short form of the identity of a campaign ([`Bench::identity`]).
 pub fn fingerprint(identity: &[String]) -> String {
     crate::digest::sha256(identity.join("\n"))
 }

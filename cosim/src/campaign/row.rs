@@ -1,10 +1,10 @@
-//! What is kept of a run.
+//! The stored result of a run.
 
 use std::fmt;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-/// A run as a row of the results. Numbers are texts that read back to the same bits.
+/// A run as a row of the results. Numbers are stored as texts that read back to the same bits.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// Its number.
@@ -15,11 +15,11 @@ pub struct Row {
     pub reason: String,
     /// The values of the parameters of the file's factors, list and dispersions.
     pub inputs: Vec<String>,
-    /// How long it simulated (s).
+    /// Simulated time (s).
     pub simulated: String,
-    /// The figures of merit, in the order of the alphabet.
+    /// The figures of merit, in alphabetical order.
     pub figures: Vec<Number>,
-    /// The digest of what was recorded for the figures.
+    /// The digest of everything that was recorded for the figures.
     pub digest: String,
     /// The processor time that it took (ms).
     pub cpu_ms: String,
@@ -40,7 +40,7 @@ pub enum Status {
 }
 
 impl Status {
-    /// In a word.
+    /// As a word.
     pub fn word(self) -> &'static str {
         match self {
             Status::Ok => "ok",
@@ -52,7 +52,7 @@ impl Status {
 }
 
 impl Row {
-    /// Of a run that came to nothing.
+    /// For a run that failed.
     pub fn without_figures(run: u64, status: Status, reason: impl Into<String>) -> Self {
         Self {
             run,
@@ -66,12 +66,12 @@ impl Row {
         }
     }
 
-    /// Whether two rows say the same but for the time that it took.
+    /// Whether two rows are the same except for the time that the run took.
     pub fn agrees(&self, other: &Self) -> bool {
         *self == Self { cpu_ms: self.cpu_ms.clone(), ..other.clone() }
     }
 
-    /// A figure by its place; NaN for one that is not there.
+    /// A figure by its position; NaN if there is none.
     pub(super) fn figure(&self, place: usize) -> f64 {
         self.figures.get(place).map_or(f64::NAN, |number| number.0)
     }

@@ -1,4 +1,4 @@
-//! Figures of merit of results that exist already.
+//! Figures of merit of existing results.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use crate::table::Document;
 pub struct Figures(Vec<(String, Figure)>);
 
 impl Figures {
-    /// Reads `[figures]` of a TOML file; that of a campaign will do.
+    /// Reads `[figures]` of a TOML file, such as that of a campaign.
     pub fn read(file: impl AsRef<Path>) -> Result<Self> {
         let file = file.as_ref();
         let text = std::fs::read_to_string(file)
@@ -33,8 +33,8 @@ impl Figures {
         self.0.iter().map(|(name, _)| name.as_str())
     }
 
-    /// Their values, in the order of the names; NaN where the results have none. Figures of a part
-    /// before, during or after faults have none: results do not say when those were.
+    /// Their values, in the order of the names; NaN if the results have none. Figures of a part
+    /// before, during or after faults have none: results do not say when the faults were.
     pub fn of(&self, results: &Recording) -> Result<Vec<f64>> {
         self.0.iter().map(|(_, figure)| figure.compute(results, None)).collect()
     }

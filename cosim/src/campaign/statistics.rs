@@ -1,4 +1,4 @@
-//! What runs say of all runs there could be: shares and quantiles with confidence intervals.
+//! What runs imply for all possible runs: shares and quantiles with confidence intervals.
 
 use serde::Serialize;
 
@@ -15,7 +15,7 @@ fn binomial(k: u64, n: u64, p: f64) -> f64 {
         let ways = libm::lgamma(n + 1.0) - libm::lgamma(i + 1.0) - libm::lgamma(n - i + 1.0);
         libm::exp(ways + i * libm::log(p) + (n - i) * libm::log1p(-p))
     };
-    // The side away from the mean: there, terms become smaller from one to the next.
+    // On the side away from the mean, terms decrease from one to the next.
     let odds = p / (1.0 - p);
     let sum = |first: u64, next: &dyn Fn(u64) -> Option<(u64, f64)>| {
         let (mut at, mut part, mut sum) = (first, term(first), 0.0);
@@ -36,7 +36,7 @@ fn binomial(k: u64, n: u64, p: f64) -> f64 {
     }
 }
 
-/// The first number below `count` from which on something holds, if there is one.
+/// The smallest number below `count` from which on something holds, if there is one.
 fn first(count: u64, holds: impl Fn(u64) -> bool) -> Option<u64> {
     let (mut low, mut high) = (0, count);
     while low < high {
@@ -46,7 +46,7 @@ fn first(count: u64, holds: impl Fn(u64) -> bool) -> Option<u64> {
     (low < count).then_some(low)
 }
 
-/// The interval of a share of which `k` of `n` are known (Clopper & Pearson 1934): it holds the
+/// The interval of a share of which `k` of `n` are known (Clopper & Pearson 1934): it contains the
 /// share with at least this confidence.
 pub(super) fn share(k: u64, n: u64, confidence: f64) -> [f64; 2] {
     let tail = (1.0 - confidence) / 2.0;
@@ -63,17 +63,17 @@ pub(super) fn share(k: u64, n: u64, confidence: f64) -> [f64; 2] {
     [low, high]
 }
 
-/// A number of the distribution that runs are drawn from.
+/// An estimate of a property of the distribution that runs are drawn from.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Estimate {
-    /// As these runs have it.
+    /// Its value in these runs.
     pub value: f64,
-    /// Where it lies with the confidence asked for; infinite ends where too few runs are known.
+    /// Its interval with the requested confidence; infinite ends if too few runs are known.
     pub interval: [f64; 2],
 }
 
 /// The quantile `p` and its interval by order statistics (David & Nagaraja 2003, 7.1): whatever the
-/// distribution is, it holds the quantile with at least this confidence. NaN counts as infinite.
+/// distribution, it contains the quantile with at least this confidence. NaN counts as infinite.
 pub(super) fn quantile(values: &[f64], p: f64, confidence: f64) -> Estimate {
     let mut values: Vec<f64> =
         values.iter().map(|v| if v.is_nan() { f64::INFINITY } else { *v }).collect();
@@ -95,22 +95,22 @@ pub(super) fn quantile(values: &[f64], p: f64, confidence: f64) -> Estimate {
     Estimate { value, interval }
 }
 
-/// What is said of a threshold.
+/// The verdict on a threshold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Answer {
-    /// It is kept, with confidence.
+    /// It is met, with confidence.
     Pass,
-    /// It is not, with confidence.
+    /// It is not met, with confidence.
     Fail,
-    /// These runs leave it open; so many more, if they go on in the same way, would tell. `None`:
-    /// more than a million.
+    /// These runs leave it undecided; this many more would decide if they continue in the same way.
+    /// `None`: more than a million.
     Undecided(Option<u64>),
 }
 
 /// Whether the share of which `k` of `n` are known is at least `wanted`.
 pub(super) fn decide(k: u64, n: u64, wanted: f64, confidence: f64) -> Answer {
-    let told = |k: u64, n: u64| {
+    let decided = |k: u64, n: u64| {
         let [low, high] = share(k, n, confidence);
         if low >= wanted {
             Some(Answer::Pass)
@@ -120,13 +120,13 @@ pub(super) fn decide(k: u64, n: u64, wanted: f64, confidence: f64) -> Answer {
             None
         }
     };
-    if let Some(answer) = (n > 0).then(|| told(k, n)).flatten() {
+    if let Some(answer) = (n > 0).then(|| decided(k, n)).flatten() {
         return answer;
     }
     const MOST: u64 = 1_000_000;
-    // As a share of one more: without a failure there may still be one.
+    // Like the share of one more run: without a failure so far there may still be one.
     let so_far = if n == 0 { 1.0 } else { k as f64 / n as f64 };
-    let would = |n: u64| told((so_far * n as f64).round() as u64, n).is_some();
+    let would = |n: u64| decided((so_far * n as f64).round() as u64, n).is_some();
     let mut more = n.max(8);
     while !would(more) {
         more = more + more / 4;
@@ -163,13 +163,13 @@ mod tests {
 
     #[test]
     fn the_interval_of_a_median_is_that_of_the_tables() {
-        // David & Nagaraja 2003: of 10 values the 2nd and the 9th hold the median with 97.9 %, the
-        // 3rd and the 8th with 89.1 %.
+        // David & Nagaraja 2003: of 10 values, the 2nd and the 9th contain the median with 97.9 %,
+        // the 3rd and the 8th with 89.1 %.
         let values: Vec<f64> = (1..=10).map(f64::from).collect();
         let median = quantile(&values, 0.5, 0.95);
         assert_eq!(median, Estimate { value: 5.5, interval: [2.0, 9.0] });
         assert_eq!(quantile(&values, 0.5, 0.89).interval, [3.0, 8.0]);
-        // 10 values say nothing of the upper end of the 95th percentile.
+        // 10 values say nothing about the upper end of the 95th percentile.
         assert_eq!(quantile(&values, 0.95, 0.95).interval[1], f64::INFINITY);
         assert_eq!(quantile(&[1.0, f64::NAN], 1.0, 0.95).value, f64::INFINITY);
     }
@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn verdicts_are_open_until_the_runs_tell_and_say_how_many_more_would() {
+    fn verdicts_are_open_until_the_runs_decide_and_say_how_many_more_would() {
         assert_eq!(decide(100, 100, 0.95, 0.95), Answer::Pass);
         assert_eq!(decide(50, 100, 0.95, 0.95), Answer::Fail);
         let Answer::Undecided(Some(more)) = decide(20, 20, 0.95, 0.95) else { panic!() };

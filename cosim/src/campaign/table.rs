@@ -1,4 +1,4 @@
-//! The rows of a campaign as tables: Parquet and CSV, a row a run, in the order of the runs.
+//! The rows of a campaign as tables: Parquet and CSV, one row per run, in the order of the runs.
 
 use parquet::data_type::ByteArray;
 use parquet::errors::Result as Written;
@@ -7,17 +7,17 @@ use super::row::Number;
 use super::{Campaign, Row};
 use crate::columns::{Holds, Table, Values};
 
-/// Rows of a group.
+/// Rows of a row group.
 const GROUP: usize = 1 << 16;
 
-/// The rows that are of the campaign, in their order.
+/// The rows that belong to the campaign, in order.
 fn in_order<'r>(campaign: &Campaign, rows: &'r [Row]) -> Vec<&'r Row> {
     let mut rows: Vec<&Row> = rows.iter().filter(|row| row.run < campaign.runs()).collect();
     rows.sort_by_key(|row| row.run);
     rows
 }
 
-/// As Parquet; `identity` is kept with it.
+/// As Parquet; `identity` is stored with it.
 pub(super) fn parquet(campaign: &Campaign, rows: &[Row], identity: &[String]) -> Written<Vec<u8>> {
     let rows = in_order(campaign, rows);
     let inputs: Vec<(&str, bool)> = campaign
@@ -89,7 +89,7 @@ fn text<'a>(values: impl Iterator<Item = &'a str>) -> Values {
     Values::Text(values.map(ByteArray::from).collect())
 }
 
-/// What is no number, or NaN, is missing.
+/// A value that is not a number, or NaN, is missing.
 fn real<'a>(values: impl Iterator<Item = &'a str>) -> Values {
     let number = |text: &str| text.parse().ok().filter(|value: &f64| !value.is_nan());
     Values::OptionalReal(values.map(number).collect())

@@ -1,4 +1,4 @@
-//! Errors of estimated trajectories, as Sturm et al. 2012 define them.
+//! Errors of estimated trajectories, as defined by Sturm et al. 2012.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
@@ -9,14 +9,14 @@ pub(super) struct Trajectory {
     pub(super) headings: Vec<f64>,
 }
 
-/// How an estimate is laid upon the truth before it is judged.
+/// How an estimate is aligned with the truth before it is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Alignment {
-    /// Not at all.
+    /// Not aligned.
     None,
-    /// Moved, and turned about the third axis.
+    /// Translated, and rotated about the third axis.
     Se2,
-    /// Moved and turned.
+    /// Translated and rotated.
     Se3,
 }
 
@@ -30,7 +30,7 @@ pub(super) fn distances(truth: &Trajectory, estimate: &Trajectory, align: Alignm
     pairs.map(|(t, e)| (t - (rotation * e + shift)).norm()).collect()
 }
 
-/// The rotation and the shift that bring `from` nearest to `to` in the sense of least squares
+/// The rotation and translation that bring `from` closest to `to` in the least-squares sense
 /// (Umeyama 1991, without a scale).
 fn alignment(
     to: &[Vector3<f64>],
@@ -61,12 +61,12 @@ fn alignment(
     (rotation, to_mean - rotation * from_mean)
 }
 
-/// How long a way is covered between two instants that are compared.
+/// The distance between two instants that are compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Pairs {
-    /// So many samples: each with the one so much later.
+    /// In samples: each with the one this much later.
     Samples(usize),
-    /// So many metres of the true way: one stretch after the other.
+    /// In metres along the true path: one stretch after another.
     Metres(f64),
 }
 
@@ -94,12 +94,12 @@ pub(super) fn relative(truth: &Trajectory, estimate: &Trajectory, pairs: Pairs) 
     ids.into_iter().map(|pair| (moved(truth, pair) - moved(estimate, pair)).norm()).collect()
 }
 
-/// How far an estimate is beside the line along which the truth moves, in the horizontal plane.
+/// How far an estimate is from the line along which the truth moves, in the horizontal plane.
 pub(super) fn across(truth: &Trajectory, estimate: &Trajectory) -> Vec<f64> {
     let mut along = Vector3::zeros();
     let pairs = truth.positions.iter().zip(&estimate.positions).enumerate();
     let beside = pairs.map(|(row, (t, e))| {
-        // The direction of the step that begins here; that before it where it stands still.
+        // The direction of the step that starts here; the previous one while it stands still.
         let next = truth.positions.get(row + 1).map_or(Vector3::zeros(), |next| next - t);
         let step = Vector3::new(next.x, next.y, 0.0);
         if step.norm() > 0.0 {
@@ -111,7 +111,7 @@ pub(super) fn across(truth: &Trajectory, estimate: &Trajectory) -> Vec<f64> {
     beside.collect()
 }
 
-/// The length of a way.
+/// The length of a path.
 pub(super) fn length(of: &Trajectory) -> f64 {
     of.positions.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
 }
@@ -121,7 +121,7 @@ mod tests {
     use super::*;
     use crate::report::root_mean_square as rmse;
 
-    /// A helix, and an estimate of it that errs in place, scale and heading.
+    /// A helix, and an estimate of it with errors in position, scale and heading.
     fn helix(planar: bool) -> (Trajectory, Trajectory) {
         let times: Vec<f64> = (0..40).map(f64::from).collect();
         let height = |z: f64| if planar { 0.0 } else { z };

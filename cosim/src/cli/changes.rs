@@ -1,4 +1,4 @@
-//! What the command line changes of a system description.
+//! Changes to a system description from the command line.
 
 use clap::Args;
 use cosim::fmi::InterfaceType;
@@ -11,27 +11,27 @@ use super::values;
 /// Changes to the file.
 #[derive(Args)]
 pub(crate) struct Changes {
-    /// Give a parameter or input another start value (repeatable)
+    /// Set another start value for a parameter or input (repeatable)
     #[arg(long, value_name = "COMPONENT.VARIABLE=VALUE", value_parser = values::assignment)]
     start_value: Vec<(String, String)>,
-    /// Put another FMU in the place of a component's (repeatable)
+    /// Replace the FMU of a component (repeatable)
     #[arg(long, value_name = "COMPONENT=FMU", value_parser = values::assignment)]
     replace: Vec<(String, String)>,
-    /// Leave out a component that no other one needs (repeatable)
+    /// Omit a component that no other component needs (repeatable)
     #[arg(long, value_name = "COMPONENT")]
     without: Vec<String>,
-    /// Step a component by this many seconds; * and ? stand for parts of names (repeatable)
+    /// Step a component by this many seconds; * and ? match parts of names (repeatable)
     #[arg(long, value_name = "COMPONENT=SECONDS", value_parser = values::step)]
     step: Vec<(String, f64)>,
-    /// Step all components by this many seconds, but those named by --step
+    /// Step all components by this many seconds, except those named by --step
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds)]
     step_size: Option<f64>,
-    /// jacobi: all inputs are of the step's beginning; gauss-seidel: with direct feed-through of
-    /// its end; iterative: and algebraic loops are solved at each step
+    /// jacobi: all inputs are from the start of the step; gauss-seidel: inputs with direct
+    /// feed-through are from its end; iterative: also solves algebraic loops at each step
     #[arg(long)]
     algorithm: Option<Algorithm>,
-    /// Drive a component's FMU by model exchange or by co-simulation; * and ? stand for parts of
-    /// names (repeatable)
+    /// Use model exchange or co-simulation for the FMU of a component; * and ? match parts of names
+    /// (repeatable)
     #[arg(long, value_name = "COMPONENT=me|cs", value_parser = values::interface)]
     interface_type: Vec<(String, InterfaceType)>,
     #[command(flatten)]
@@ -41,10 +41,10 @@ pub(crate) struct Changes {
     execution_tool: bool,
     #[command(flatten)]
     stepping: Stepping,
-    /// First instant
+    /// Start time
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds, allow_negative_numbers = true)]
     start_time: Option<f64>,
-    /// Last instant
+    /// Stop time
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds, allow_negative_numbers = true)]
     stop_time: Option<f64>,
 }
@@ -55,7 +55,7 @@ impl Changes {
         self.execution_tool
     }
 
-    /// Start values that are files, such as courses.
+    /// Start values that are files, such as course files.
     pub(crate) fn files(&self) -> impl Iterator<Item = String> {
         let values = self.start_value.iter().map(|(_, value)| value);
         values.filter(|value| std::path::Path::new(value).is_file()).cloned()

@@ -37,7 +37,7 @@ impl Man {
         print(String::from_utf8_lossy(&page).trim_end())
     }
 
-    /// The command's page, and after it the options of every verb.
+    /// The manual page of the program, followed by the options of every command.
     fn render(&self, page: &mut Vec<u8>) -> std::io::Result<()> {
         let mut command = Arguments::command();
         command.build();

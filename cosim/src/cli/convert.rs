@@ -1,4 +1,4 @@
-//! `cosim convert`: a system or results in another format.
+//! `cosim convert`: writes a system or results in another format.
 
 use std::path::{Path, PathBuf};
 
@@ -13,21 +13,22 @@ use super::messages;
 
 /// Write a system or results in another format
 ///
-/// A system as .ssd, .ssp, .xml (OSP) or a folder (OSP with its FMUs). Results as .csv, .mcap,
-/// .parquet; the paths in them as .tum or .kitti, a file for each; a layout for Foxglove as .json.
+/// A system is written as .ssd, .ssp, .xml (OSP) or a folder (OSP with its FMUs). Results are
+/// written as .csv, .mcap or .parquet; the paths in them as .tum or .kitti, one file for each; a
+/// layout for Foxglove as .json.
 #[derive(Args)]
 pub(crate) struct Convert {
-    /// A .ssd, .ssp or OspSystemStructure.xml file, or the folder of the last; or results
+    /// A .ssd, .ssp or OspSystemStructure.xml file, or the folder of the latter; or results
     from: PathBuf,
-    /// What is written; its ending says how, without one it is an OSP folder
+    /// Output file; its extension determines the format, without one it is an OSP folder
     to: PathBuf,
-    /// Of results: a file that says which variables are the truth, its estimates and sensors
-    /// (default: as the variables' names say)
+    /// For results: a file that assigns variables to the truth, its estimates and sensors (default:
+    /// by the names of the variables)
     #[arg(long, value_name = "FILE")]
     roles: Option<PathBuf>,
     #[command(flatten)]
     changes: Changes,
-    /// No messages but errors
+    /// Show errors only
     #[arg(short, long)]
     quiet: bool,
 }
@@ -53,7 +54,7 @@ impl Convert {
 
     fn written(&self, file: &Path) {
         if !self.quiet {
-            messages::tell(&format!("written: {}", file.display()));
+            messages::info(&format!("written: {}", file.display()));
         }
     }
 
@@ -83,7 +84,7 @@ impl Convert {
             }
             _ => Err(Error::new(Code::Usage, format!("results cannot be written as '.{ending}'"))
                 .at(&self.to)
-                .help("let the name end in .csv, .mcap, .parquet, .tum, .kitti or .json")),
+                .help("use a name that ends in .csv, .mcap, .parquet, .tum, .kitti or .json")),
         }
     }
 

@@ -1,4 +1,4 @@
-//! What the command line says of workers.
+//! Command-line options for workers.
 
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -15,19 +15,19 @@ use super::{messages, values};
 /// How to reach the other side.
 #[derive(Args, Clone)]
 pub(crate) struct Reach {
-    /// A configuration file: Zenoh's json5, with what is ours under cosim: {}
+    /// A configuration file: Zenoh's json5, with our settings under cosim: {}
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
     /// A folder with ca.pem, cert.pem and key.pem (cosim keys), for endpoints tls/HOST:PORT
     #[arg(long, value_name = "FOLDER")]
     credentials: Option<PathBuf>,
-    /// Permit an endpoint of another machine without TLS
+    /// Allow an endpoint on another machine without TLS
     #[arg(long)]
     insecure: bool,
 }
 
 impl Reach {
-    /// What the configuration file says of us.
+    /// Our settings in the configuration file.
     pub(crate) fn ours(&self) -> Result<Ours> {
         let read = self.config.as_deref().map(Configuration::read).transpose()?;
         Ok(read.map(|read| read.ours).unwrap_or_default())
@@ -39,7 +39,7 @@ impl Reach {
         self.credentials.is_some() || filed()
     }
 
-    /// What is said here goes before what the file says.
+    /// The command line overrides the configuration file.
     pub(crate) fn access(&self, endpoint: String, ours: &Ours) -> Access {
         let credentials = self.credentials.as_ref().or(ours.credentials.as_ref());
         Access {
@@ -50,7 +50,7 @@ impl Reach {
         }
     }
 
-    /// The same as arguments for a process that is started here.
+    /// The same as arguments for a process started here.
     pub(crate) fn arguments(&self) -> Vec<String> {
         let mut arguments = Vec::new();
         let text = |path: &PathBuf| path.to_string_lossy().into_owned();
@@ -67,56 +67,56 @@ impl Reach {
     }
 }
 
-/// What becomes of a run with a fatal FMU.
+/// What happens to a run with a fatal FMU.
 #[derive(Clone, Copy, Default, clap::ValueEnum)]
 enum Fatal {
     /// It ends
     #[default]
     End,
-    /// It goes on in another process
+    /// It continues in another process
     Resume,
 }
 
-/// Running on workers.
+/// Options for runs on workers.
 #[derive(Args)]
 #[command(next_help_heading = "Distributed runs")]
 pub(crate) struct Distributed {
-    /// Compute in so many worker processes on this machine, started for this run
+    /// Compute in this many worker processes on this machine, started for this run
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256))]
     workers: Option<u32>,
-    /// Compute on the workers that dial the endpoint of --listen
+    /// Compute on the workers that connect to the endpoint of --listen
     #[arg(long, conflicts_with = "workers")]
     distributed: bool,
-    /// Where workers dial this run (default: tcp/127.0.0.1:7447)
+    /// Where workers connect to this run (default: tcp/127.0.0.1:7447)
     #[arg(long, value_name = "ENDPOINT")]
     listen: Option<String>,
-    /// Wait for so many workers
+    /// Wait for this many workers
     #[arg(long, value_name = "N", default_value_t = 1)]
     min_workers: u32,
-    /// Wait so long for workers
+    /// How long to wait for workers, in seconds
     #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = values::seconds)]
     wait: f64,
     /// Compute a component on this worker (repeatable; the rest is placed by coupling)
     #[arg(long, value_name = "COMPONENT=WORKER", value_parser = values::assignment)]
     place: Vec<(String, String)>,
-    /// Save the state of every worker after so many instants, 0: never
+    /// Save the state of every worker after this many instants; 0: never
     #[arg(long, value_name = "N", default_value_t = 50)]
     save_every: u64,
-    /// A worker that does not answer for so long is given up
+    /// Give up a worker that does not answer within this many seconds
     #[arg(long, value_name = "SECONDS", default_value = "5", value_parser = values::seconds)]
     deadline: f64,
-    /// How often components may begin anew on another worker
+    /// How often components may be restarted on another worker
     #[arg(long, value_name = "N", default_value_t = 1000)]
     recoveries: u32,
-    /// End the run when components are lost whose state was not saved, instead of computing them
+    /// End the run if components are lost whose state was not saved, instead of computing them
     /// again from the start
     #[arg(long)]
     require_resume: bool,
-    /// What becomes of the run when an FMU returns fmi2Fatal; to resume, its components begin anew
-    /// in another process, as after a crash
+    /// What happens to the run if an FMU returns fmi2Fatal; with resume, its components are
+    /// restarted in another process, as after a crash
     #[arg(long, value_name = "WHAT", value_enum, default_value_t)]
     on_fatal: Fatal,
-    /// Send what is recorded to observers, at most RATE times a second (default: always)
+    /// Send recorded values to observers, at most RATE times a second (default: always)
     #[arg(long, value_name = "RATE", value_parser = values::factor, require_equals = true)]
     telemetry: Option<Option<f64>>,
     #[command(flatten)]
@@ -124,17 +124,17 @@ pub(crate) struct Distributed {
 }
 
 impl Distributed {
-    /// Whether others may dial by TLS.
+    /// Whether workers may connect with TLS.
     pub(crate) fn may_use_tls(&self) -> bool {
         self.reach.has_credentials()
     }
 
-    /// Whether the run has workers of its own.
+    /// Whether the run starts local workers.
     pub(crate) fn starts_workers(&self) -> bool {
         self.workers.is_some()
     }
 
-    /// Where the run is computed; nothing when in this process. FMUs in workers of our own may read
+    /// Where the run is computed; `None`: in this process. FMUs in local workers may read
     /// `readable`.
     pub(crate) fn cluster(
         &self,
@@ -144,9 +144,9 @@ impl Distributed {
         if !self.distributed && self.workers.is_none() {
             return Ok(None);
         }
-        let own = self.workers.unwrap_or(0) as usize;
+        let local = self.workers.unwrap_or(0) as usize;
         let mut program = vec![super::worker::this_program()?, "worker".to_owned()];
-        // They are this user's own, and what they are sent is what this user runs.
+        // They belong to this user, and this user runs everything they are sent.
         program.extend(["--with-parent", "--allow-upload"].map(str::to_owned));
         program.extend(readable.flat_map(|path| ["--allow-read".to_owned(), path]));
         program.extend(self.reach.arguments());
@@ -161,18 +161,18 @@ impl Distributed {
                 Fatal::Resume => OnFatal::Resume,
             },
             require_resume: self.require_resume,
-            // On a terminal there is a bar; what was lost is told at the end.
-            tell: if quiet || std::io::stderr().is_terminal() { |_| () } else { messages::note },
+            // A terminal shows a progress bar; losses are reported at the end.
+            report: if quiet || std::io::stderr().is_terminal() { |_| () } else { messages::note },
             telemetry: self.telemetry.map(|rate| rate.map_or(Rate::All, Rate::PerSecond)),
             ..Options::default()
         };
-        let endpoint = match own {
+        let endpoint = match local {
             0 => Some(listen.unwrap_or(DEFAULT_ENDPOINT.to_owned())),
             _ => listen,
         };
         Ok(Some(Cluster {
             access: endpoint.map(|endpoint| self.reach.access(endpoint, &ours)),
-            own,
+            local,
             program,
             needed: self.min_workers.max(1) as usize,
             patience: Duration::from_secs_f64(self.wait),

@@ -1,17 +1,17 @@
-//! A system as a graph: components in the order of stepping, an arrow for all connections between
-//! two of them; solid if values arrive at once, dashed if they are held for a step.
+//! A system as a graph: components in stepping order, one arrow for all connections between two of
+//! them; solid if values arrive at once, dashed if they are held for a step.
 
 use std::fmt::Write;
 
 use cosim::System;
 use cosim::system::Cause;
 
-/// All connections between two components that arrive alike.
+/// All connections between two components with the same delay.
 struct Arrow {
     from: usize,
     to: usize,
     held: bool,
-    /// What is connected, a line each.
+    /// The connected variables, one line each.
     names: Vec<String>,
 }
 
@@ -32,7 +32,7 @@ fn arrows(system: &System) -> Vec<Arrow> {
     arrows
 }
 
-/// What an arrow is labelled with: its connection, or how many they are.
+/// The label of an arrow: its connection, or the number of connections.
 fn label(arrow: &Arrow) -> String {
     match &arrow.names[..] {
         [one] => one.clone(),
@@ -65,7 +65,7 @@ const HEIGHT: f64 = 44.0;
 const ROW: f64 = 84.0;
 const GAP: f64 = 150.0;
 const MARGIN: f64 = 30.0;
-/// Of a character of a name, about.
+/// Approximate width of a character of a name.
 const CHARACTER: f64 = 7.5;
 
 /// Where a component is drawn.
@@ -78,8 +78,8 @@ struct Place {
     width: f64,
 }
 
-/// Each component stands right of those whose values it gets at once, and of those that stand
-/// before it in the order if it gets theirs held.
+/// Each component is placed to the right of those whose values it gets at once, and of those that
+/// come before it in the order if it gets their values held.
 fn places(system: &System, arrows: &[Arrow]) -> Vec<Place> {
     let sequence = &system.order().sequence;
     let mut places = vec![Place::default(); system.components().len()];
@@ -113,7 +113,7 @@ pub(super) fn svg(system: &System) -> String {
     let places = places(system, &arrows);
     let far = |of: &dyn Fn(&Place) -> f64| places.iter().map(of).fold(0.0, f64::max);
     let (right, bottom) = (far(&|p| p.x + p.width), far(&|p| p.y + HEIGHT));
-    // Arrows back go below all.
+    // Backward arrows go below everything.
     let backward = |arrow: &&Arrow| places[arrow.from].column >= places[arrow.to].column;
     let back = arrows.iter().filter(backward).count() as f64;
     let (width, height) = (right + MARGIN, bottom + MARGIN + 22.0 * back);
@@ -146,8 +146,8 @@ pub(super) fn svg(system: &System) -> String {
         _ = writeln!(
             text,
             "<g><title>{}</title><path d=\"{way}\" fill=\"none\" stroke=\"black\"{dashes} \
-             marker-end=\"url(#tip)\"/><text x=\"{}\" y=\"{}\" font-size=\"11\" text-anchor=\"middle\">{}\
-             </text></g>",
+             marker-end=\"url(#tip)\"/><text x=\"{}\" y=\"{}\" font-size=\"11\" \
+             text-anchor=\"middle\">{}</text></g>",
             escaped(&arrow.names.join("\n")),
             at.0,
             at.1 - 4.0,
@@ -159,9 +159,10 @@ pub(super) fn svg(system: &System) -> String {
         let (middle, first, second) = (x + width / 2.0, y + 18.0, y + 34.0);
         _ = writeln!(
             text,
-            "<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{HEIGHT}\" rx=\"4\" fill=\"#eef\" \
-             stroke=\"black\"/><text x=\"{middle}\" y=\"{first}\" text-anchor=\"middle\">{}</text>\
-             <text x=\"{middle}\" y=\"{second}\" font-size=\"11\" text-anchor=\"middle\">every {}</text>",
+            "<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{HEIGHT}\" rx=\"4\" \
+             fill=\"#eef\" stroke=\"black\"/><text x=\"{middle}\" y=\"{first}\" \
+             text-anchor=\"middle\">{}</text><text x=\"{middle}\" y=\"{second}\" font-size=\"11\" \
+             text-anchor=\"middle\">every {}</text>",
             escaped(&component.name),
             component.step
         );

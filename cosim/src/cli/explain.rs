@@ -1,4 +1,4 @@
-//! `cosim explain`: what an error code means, and what to do about it; what faults there are.
+//! `cosim explain`: explains an error code and its remedy, or the faults of scenarios.
 
 use clap::Args;
 use cosim::fault::{KINDS, Word};
@@ -10,7 +10,7 @@ use super::output::print;
 #[derive(Args)]
 pub(crate) struct Explain {
     /// The code, `faults`, the name of a fault, or `schema` for the JSON Schema of scenarios;
-    /// without one all codes are listed
+    /// without one, all codes are listed
     code: Option<String>,
 }
 
@@ -38,7 +38,7 @@ impl Explain {
     }
 }
 
-/// A fault as a scenario has it, with comments.
+/// A fault as in a scenario file, with comments.
 fn fault(word: &Word) -> String {
     let mut text = format!("# {}: {}\n", word.name, word.meaning);
     for meant in word.keys {

@@ -1,4 +1,4 @@
-//! `cosim export`: a system as one FMU.
+//! `cosim export`: exports a system as one FMU.
 
 use std::path::PathBuf;
 
@@ -12,31 +12,31 @@ use super::messages;
 /// Write a whole system as one FMU for co-simulation, with its FMUs and the master inside
 #[derive(Args)]
 pub(crate) struct Export {
-    /// A .ssd, .ssp or OspSystemStructure.xml file, or the folder of the last
+    /// A .ssd, .ssp or OspSystemStructure.xml file, or the folder of the latter
     system: PathBuf,
-    /// The FMU that is written; one that is there is replaced
+    /// Output FMU; an existing file is replaced
     #[arg(long, short, value_name = "FILE.fmu")]
     output: PathBuf,
-    /// Show this variable and only those named so; * and ? make a pattern (repeatable; default:
-    /// all outputs, all parameters, and as inputs those that nothing drives)
+    /// Show only this variable; * and ? match parts of names (repeatable; default: all outputs, all
+    /// parameters, and all unconnected inputs)
     #[arg(long, value_name = "NAME")]
     expose: Vec<String>,
-    /// Do not show this variable; * and ? make a pattern (repeatable)
+    /// Do not show this variable; * and ? match parts of names (repeatable)
     #[arg(long, value_name = "NAME")]
     hide: Vec<String>,
-    /// Name of the model (default: the system's)
+    /// Name of the model (default: name of the system)
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
     /// The library that runs the system in the FMU, one for each platform (repeatable; default:
     /// $COSIM_SYSTEM_LIBRARY, or libcosim_system.so beside this program or in ../lib/cosim)
     #[arg(long, value_name = "FILE.so")]
     library: Vec<PathBuf>,
-    /// Let the faults and changes of this file (TOML, or JSON of OSP) happen in the FMU
+    /// Apply the faults and changes of this file (TOML, or JSON of OSP) in the FMU
     #[arg(long, value_name = "FILE")]
     scenario: Option<PathBuf>,
     #[command(flatten)]
     changes: Changes,
-    /// No messages but errors
+    /// Show errors only
     #[arg(short, long)]
     quiet: bool,
 }
@@ -55,7 +55,7 @@ impl Export {
         let notes = exporter.write(&system, &self.output)?;
         if !self.quiet {
             notes.iter().for_each(|text| messages::note(text));
-            messages::tell(&format!("written: {}", self.output.display()));
+            messages::info(&format!("written: {}", self.output.display()));
         }
         Ok(())
     }

@@ -1,4 +1,5 @@
-//! `cosim inspect`: who steps when, and how late values arrive and why; in words or drawn.
+//! `cosim inspect`: stepping order, and the delay of each connection with its reason; as text or as
+//! a drawing.
 
 use std::path::PathBuf;
 
@@ -13,12 +14,12 @@ use super::changes::Changes;
 use super::output::{print, print_lines};
 use super::{drawing, messages};
 
-/// How a system is shown.
+/// Output format.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Shown {
-    /// For people
+    /// Text
     Text,
-    /// For programs
+    /// JSON
     Json,
     /// A picture
     Svg,
@@ -26,14 +27,14 @@ enum Shown {
     Dot,
 }
 
-/// Show the order of stepping, and of each connection the delay and its reason
+/// Show the stepping order, and the delay of each connection with its reason
 #[derive(Args)]
 pub(crate) struct Inspect {
-    /// A .ssd, .ssp or OspSystemStructure.xml file, or the folder of the last
+    /// A .ssd, .ssp or OspSystemStructure.xml file, or the folder of the latter
     file: PathBuf,
     #[command(flatten)]
     changes: Changes,
-    /// In words, for programs, as a picture or as a graph for Graphviz
+    /// Output format: text, JSON, a picture or a graph for Graphviz
     #[arg(long, value_enum, default_value_t = Shown::Text)]
     format: Shown,
 }
@@ -59,7 +60,7 @@ fn name(system: &System, component: usize) -> &str {
 }
 
 fn text(system: &System) -> Vec<String> {
-    let mut lines = vec![format!("order of stepping ({})", system.algorithm())];
+    let mut lines = vec![format!("stepping order ({})", system.algorithm())];
     let sequence = &system.order().sequence;
     let width = shown::width(sequence.iter().map(|&c| name(system, c)));
     for (place, &c) in sequence.iter().enumerate() {
@@ -67,7 +68,7 @@ fn text(system: &System) -> Vec<String> {
         lines.push(format!("  {:>3}  {name:width$}  every {step}", place + 1));
     }
     lines.push(format!("connections ({})", system.connections().len()));
-    // Neighbours with the same ends and the same delay share one explanation.
+    // Adjacent connections with the same ends and the same delay share one explanation.
     let mut last = String::new();
     for (position, delay) in system.delays().iter().enumerate() {
         let ends = &system.connections()[position];

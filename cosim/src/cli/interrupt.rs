@@ -1,6 +1,6 @@
-//! Ctrl-C (and SIGTERM, SIGHUP): the run ends at its next output instant, and the results are
-//! kept. One that does not come there, because an FMU does not come back, is ended; so it is when an
-//! FMU ends the process. A second signal ends the process as usual.
+//! Ctrl-C (and SIGTERM, SIGHUP): the run ends at its next output instant, and the results are kept.
+//! If an FMU does not return, so that the run cannot get there, the process is ended; likewise if
+//! an FMU ends the process. A second signal ends the process as usual.
 #![allow(unsafe_code, reason = "system calls without a safe form")]
 
 use std::io::Write;
@@ -14,16 +14,16 @@ use cosim::observe::{RunInfo, Stop};
 use cosim::{Observer, Result, Time};
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
-/// The process in which FMUs run, as long as they do.
+/// The process in which FMUs run, while they run.
 static WATCHED: AtomicI32 = AtomicI32::new(0);
-/// So long a run may take to its next output instant after a signal.
+/// How long a run may take to its next output instant after a signal.
 const GRACE: Duration = Duration::from_secs(5);
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Signals by which a user, a time limit or a closed terminal ends a program.
 const SIGNALS: [libc::c_int; 3] = [libc::SIGINT, libc::SIGTERM, libc::SIGHUP];
 
-/// Whether a signal has come.
+/// Whether a signal has arrived.
 pub(crate) fn interrupted() -> bool {
     INTERRUPTED.load(Ordering::Relaxed)
 }
@@ -34,15 +34,15 @@ extern "C" fn on_signal(signal: libc::c_int) {
     unsafe { libc::signal(signal, libc::SIG_DFL) };
 }
 
-/// From now on signals are waited for. Called before anything is unpacked: what is temporary is
-/// removed at the end of the process, and not by a signal.
+/// From now on, signals are deferred. Called before anything is unpacked: temporary files are
+/// removed at the end of the process, not by a signal.
 pub(crate) fn listen() {
     let handler: extern "C" fn(libc::c_int) = on_signal;
     for signal in SIGNALS {
         // SAFETY: the handler stores an atomic and calls `signal`, nothing else.
         let before = unsafe { libc::signal(signal, handler as libc::sighandler_t) };
         if before == libc::SIG_IGN {
-            // SAFETY: as it was: `nohup` wants it so.
+            // SAFETY: restores the previous action, as `nohup` requires.
             unsafe { libc::signal(signal, libc::SIG_IGN) };
         }
     }
@@ -53,7 +53,7 @@ unsafe extern "C" {
     fn at_quick_exit(function: extern "C" fn()) -> libc::c_int;
 }
 
-/// As long as this is there, FMUs run in this process.
+/// While this exists, FMUs run in this process.
 pub(crate) struct Watched;
 
 impl Drop for Watched {
@@ -63,13 +63,14 @@ impl Drop for Watched {
     }
 }
 
-/// From now on FMUs run in this process: whatever they start ends with it, and it does not end by
-/// them without an error.
+/// From now on, FMUs run in this process: processes that they start end with it, and they cannot
+/// end it without an error message.
 pub(crate) fn watch() -> Watched {
     reap_descendants();
     cosim::fmi::guard_process();
     WATCHED.store(std::process::id() as i32, Ordering::Relaxed);
-    // SAFETY: the function is of this program, and calls nothing that an end of the process forbids.
+    // SAFETY: the function belongs to this program, and calls nothing that is forbidden while a
+    // process exits.
     unsafe {
         libc::atexit(ended);
         at_quick_exit(ended);
@@ -80,7 +81,7 @@ pub(crate) fn watch() -> Watched {
         }
         std::thread::sleep(GRACE);
         if is_watched() {
-            let why = "an FMU did not come back after a signal";
+            let why = "an FMU did not return after a signal";
             end(&format!("[E303] the run was interrupted\n  why:  {why}"));
         }
     });
@@ -92,23 +93,24 @@ fn is_watched() -> bool {
     WATCHED.load(Ordering::Relaxed) == std::process::id() as i32
 }
 
-/// Called when the process exits, in whatever way the C library offers: while FMUs run, only one of them can have done that.
+/// Called when the process exits by any function of the C library: while FMUs run, only an FMU can
+/// have caused that.
 pub(crate) extern "C" fn ended() {
     if is_watched() {
-        let help = "its results until then are kept; --log-fmi-calls tells its last call";
+        let help = "the results until then are kept; --log-fmi-calls shows its last call";
         end(&format!("[E301] an FMU ended the process (exit)\n  help: {help}"));
     }
 }
 
-/// Ends the process, whoever computes in it.
+/// Ends the process, whichever thread is computing.
 fn end(error: &str) -> ! {
     WATCHED.store(0, Ordering::Relaxed);
     files::save_all();
-    // Nobody is left to be told that stderr is closed.
+    // If stderr is closed, there is no channel left to report it.
     drop(writeln!(std::io::stderr(), "error: {error}"));
     kill_descendants(std::process::id());
     super::isolate::leave(1);
-    // SAFETY: what is temporary is removed by the next process that unpacks something.
+    // SAFETY: temporary files are removed by the next process that unpacks something.
     unsafe { libc::_exit(1) }
 }
 
@@ -116,7 +118,7 @@ fn end(error: &str) -> ! {
 pub(crate) struct Interrupt;
 
 impl Interrupt {
-    /// From now on signals are waited for.
+    /// From now on, signals are deferred.
     pub(crate) fn new() -> Self {
         listen();
         Self
@@ -124,7 +126,7 @@ impl Interrupt {
 }
 
 impl Interrupt {
-    /// Whether SIGINT came.
+    /// Whether SIGINT arrived.
     pub(crate) fn came(&self) -> bool {
         INTERRUPTED.load(Ordering::Relaxed)
     }

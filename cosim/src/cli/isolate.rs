@@ -1,11 +1,11 @@
-//! `--isolate`: a run with FMUs that nobody trusts.
+//! `--isolate`: a run with untrusted FMUs.
 //!
-//! The program starts itself once more. The child computes, and may do nothing else: it has
-//! namespaces of its own where the kernel allows that, writes to nothing but a temporary folder and the
-//! files that were opened for it, reads libraries and what it was told, and has limits
-//! (`cosim::confine`). This process opens those files, passes on what the child says, keeps the
-//! snapshots it leaves, ends it, and knows an end that the child did not announce for one by an FMU.
-//! A step costs nothing more; the start does.
+//! The program starts itself once more. The child computes and may do nothing else: it has its own
+//! namespaces where the kernel allows that, writes only to a temporary folder and the files that
+//! were opened for it, reads only libraries and the files it was given, and has resource limits
+//! (`cosim::confine`). This process opens those files, passes on the output of the child, keeps the
+//! snapshots it leaves, ends it, and recognizes when an FMU ended the child, because the child did
+//! not announce the end. Steps cost nothing more; only the start does.
 #![allow(unsafe_code, reason = "system calls without a safe form")]
 
 use std::ffi::OsString;
@@ -31,28 +31,29 @@ use super::interrupt;
 #[derive(Args)]
 #[command(next_help_heading = "Isolation")]
 pub(crate) struct Isolation {
-    /// Run FMUs that you do not trust: in a process that writes nothing but the results, reads
-    /// libraries only, and has no network, no programs and limited memory
+    /// Run untrusted FMUs: in a process that writes only the results, reads only libraries, and has
+    /// no network, no programs and limited memory
     #[arg(long)]
     isolate: bool,
-    /// Let isolated FMUs, and those in workers of the run's own, read this file or folder (repeatable)
+    /// Let isolated FMUs, and those in local workers of the run, read this file or folder
+    /// (repeatable)
     #[arg(long, value_name = "PATH")]
     allow_read: Vec<PathBuf>,
 }
 
-/// What the child is told.
+/// The parameters of the child.
 #[derive(Serialize, Deserialize)]
 struct Inside {
-    /// Files, and the descriptors by which they are written.
+    /// Files, and the descriptors through which they are written.
     given: Vec<(PathBuf, RawFd)>,
-    /// Where it says that it ended in order.
+    /// Where it announces an orderly end.
     done: RawFd,
     folder: PathBuf,
 }
 
-/// Tells a child that it is one.
+/// Marks a process as the child.
 const VARIABLE: &str = "COSIM_INSIDE";
-/// What else of the environment the child has: no secrets.
+/// Environment variables that the child keeps: no secrets.
 const KEPT: [&str; 12] = [
     "PATH",
     "HOME",
@@ -67,20 +68,20 @@ const KEPT: [&str; 12] = [
     "NO_COLOR",
     "OMP_NUM_THREADS",
 ];
-/// The first descriptor of the child's own.
+/// The first descriptor that the child uses for itself.
 const FIRST: RawFd = 64;
 const LOOK: Duration = Duration::from_millis(10);
-/// So long an interrupted child may take: longer than it gives its FMUs.
+/// How long an interrupted child may take: longer than it gives its FMUs.
 const GRACE: Duration = Duration::from_secs(8);
 
-/// Files that the results of a run go to.
+/// Output files of a run.
 #[derive(Default)]
 pub(crate) struct Written {
-    /// They go on from those that are there.
+    /// Existing files that are continued.
     pub continued: Option<PathBuf>,
-    /// New ones.
+    /// New files.
     pub created: Vec<PathBuf>,
-    /// Of this one a copy is kept at some times, with them for `{t}` in its name.
+    /// A file of which copies are kept at some times, with the time for `{t}` in its name.
     pub snapshot: Option<PathBuf>,
 }
 
@@ -89,13 +90,13 @@ impl Isolation {
         self.isolate && std::env::var_os(VARIABLE).is_none()
     }
 
-    /// Refuses what means nothing: rights of FMUs that are not confined.
+    /// Refuses rights for FMUs that are not confined, because they would have no effect.
     pub(crate) fn check(&self, workers: bool) -> Result<()> {
         if self.allow_read.is_empty() || self.isolate || workers {
             return Ok(());
         }
         Err(Error::new(Code::Usage, "--allow-read is for FMUs that are confined")
-            .help("give --isolate, or --workers"))
+            .help("add --isolate, or --workers"))
     }
 
     /// What confined FMUs may read.
@@ -103,7 +104,7 @@ impl Isolation {
         self.allow_read.iter().map(|path| path.display().to_string())
     }
 
-    /// In the child, before FMUs are loaded: from now on it may do no more than they may.
+    /// In the child, before FMUs are loaded: from now on, it may do no more than they may.
     pub(crate) fn shut(&self, programs: bool) -> Result<()> {
         match inside()? {
             Some(inside) if self.isolate => {
@@ -115,12 +116,12 @@ impl Isolation {
 }
 
 fn inside() -> Result<Option<Inside>> {
-    let told = std::env::var(VARIABLE).ok().map(|text| serde_json::from_str(&text));
-    told.transpose().map_err(|why| failed("the child cannot read what it was told").why(why))
+    let setup = std::env::var(VARIABLE).ok().map(|text| serde_json::from_str(&text));
+    setup.transpose().map_err(|why| failed("the child cannot read its parameters").why(why))
 }
 
-/// In the child, at its very start: behind namespaces, and in one of them only. The status to end
-/// with, when this process is not the one that goes on.
+/// In the child, at the very start: enters namespaces and continues in one process only. Returns
+/// the exit status if this process is not the one that continues.
 pub(crate) fn enter() -> Result<Option<i32>> {
     let Some(inside) = inside()? else { return Ok(None) };
     let kept: Vec<RawFd> =
@@ -135,10 +136,10 @@ pub(crate) fn enter() -> Result<Option<i32>> {
     Ok(None)
 }
 
-/// In the child, at its end: its exit code is meant.
+/// In the child, at its end: announces that its exit code is intended.
 pub(crate) fn leave(code: u8) {
     if let Ok(Some(inside)) = inside() {
-        // SAFETY: the descriptor was made for this and nothing else.
+        // SAFETY: the descriptor was made for this purpose only.
         let mut done = unsafe { File::from_raw_fd(inside.done) };
         drop(done.write_all(&[code]));
     }
@@ -148,10 +149,10 @@ fn failed(what: &str) -> Error {
     Error::new(Code::Session, format!("the isolated run cannot be started: {what}"))
 }
 
-/// Runs the child to its end; its errors are told already when this gives its exit code.
+/// Runs the child to its end; its errors have been reported when this returns its exit code.
 pub(crate) fn supervise(written: Written, programs: bool) -> Result<u8> {
     if let Some(why) = confine::unconfined() {
-        return Err(failed("this kernel cannot confine it").why(why).help("leave --isolate out"));
+        return Err(failed("this kernel cannot confine it").why(why).help("run without --isolate"));
     }
     let folder = Unpacked::new()?;
     let outbox = folder.path().join("outbox");
@@ -171,15 +172,15 @@ pub(crate) fn supervise(written: Written, programs: bool) -> Result<u8> {
         open.push((path.clone(), file.into()));
         unfinished = Some(new);
     }
-    let (mut done, told) = io::pipe().map_err(|why| failed("a pipe").why(why))?;
-    let told = OwnedFd::from(told);
+    let (mut done, writer) = io::pipe().map_err(|why| failed("a pipe").why(why))?;
+    let writer = OwnedFd::from(writer);
     let fds: Vec<RawFd> =
-        open.iter().map(|(_, file)| file.as_raw_fd()).chain([told.as_raw_fd()]).collect();
+        open.iter().map(|(_, file)| file.as_raw_fd()).chain([writer.as_raw_fd()]).collect();
     let places = FIRST..;
     let given = open.iter().zip(places).map(|((path, _), place)| (path.clone(), place)).collect();
     let inside = Inside { given, done: FIRST + open.len() as RawFd, folder: outbox.clone() };
     let mut child = start(&inside, folder.path(), fds)?;
-    drop((open, told));
+    drop((open, writer));
     let relays = [
         child.stdout.take().map(|from| relay(from, io::stdout(), io::stdout().is_terminal())),
         child.stderr.take().map(|from| relay(from, io::stderr(), true)),
@@ -195,7 +196,7 @@ pub(crate) fn supervise(written: Written, programs: bool) -> Result<u8> {
 }
 
 fn start(inside: &Inside, folder: &Path, fds: Vec<RawFd>) -> Result<Child> {
-    let text = serde_json::to_string(inside).map_err(|why| failed("what it is told").why(why))?;
+    let text = serde_json::to_string(inside).map_err(|why| failed("its parameters").why(why))?;
     let program = super::worker::this_program()?;
     let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
     let mut command = Command::new(program);
@@ -210,7 +211,7 @@ fn start(inside: &Inside, folder: &Path, fds: Vec<RawFd>) -> Result<Child> {
         .stderr(Stdio::piped())
         .process_group(0);
     let first = FIRST;
-    // SAFETY: between fork and exec only system calls are made.
+    // SAFETY: only system calls are made between fork and exec.
     unsafe {
         command.pre_exec(move || {
             libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL);
@@ -234,20 +235,21 @@ fn relay(
         let mut to: Box<dyn Write> = if shown { Box::new(Terminal::new(to)) } else { Box::new(to) };
         let mut piece = [0; 4096];
         while let Ok(count @ 1..) = from.read(&mut piece) {
-            // Nobody is left to be told that it is closed; the child must not wait for that.
+            // If the output is closed, there is no channel left to report it; the child must not
+            // wait for that.
             drop(to.write_all(&piece[..count]).and_then(|()| to.flush()));
         }
     })
 }
 
-/// What the child leaves for this process to keep.
+/// Files that the child leaves for this process to keep.
 struct Kept {
     outbox: PathBuf,
     snapshot: Option<PathBuf>,
 }
 
 impl Kept {
-    /// Keeps it. First the results, then the snapshots that need them.
+    /// Keeps them: first the results, then the snapshots that need them.
     fn take(&self, unfinished: &mut Option<Unfinished>) -> Result<()> {
         if self.outbox.join(CONTINUED).exists()
             && let Some(whole) = unfinished.take()
@@ -275,7 +277,7 @@ impl Kept {
     }
 }
 
-/// Whether a file is that of the pattern, in which `{t}` stands for a time.
+/// Whether a file matches the pattern, in which `{t}` stands for a time.
 fn is_of(pattern: &Path, file: &Path) -> bool {
     let (Some(pattern), Some(file)) = (pattern.to_str(), file.to_str()) else { return false };
     let Some((before, after)) = pattern.split_once("{t}") else { return pattern == file };
@@ -283,14 +285,14 @@ fn is_of(pattern: &Path, file: &Path) -> bool {
     inner.is_some_and(|time| time.parse::<f64>().is_ok())
 }
 
-/// Waits for the end of the child, and of all that it started.
+/// Waits for the end of the child and of everything it started.
 fn watch(
     child: &mut Child,
     kept: &Kept,
     unfinished: &mut Option<Unfinished>,
 ) -> Result<ExitStatus> {
     let mut asked: Option<Instant> = None;
-    let failed = |why: io::Error| failed("its end is not known").why(why);
+    let failed = |why: io::Error| failed("its exit status is unknown").why(why);
     let status = loop {
         if let Some(status) = child.try_wait().map_err(failed)? {
             break status;
@@ -314,33 +316,33 @@ fn watch(
     Ok(status)
 }
 
-/// To the group of the child.
+/// Sends a signal to the process group of the child.
 fn signal(child: &Child, signal: libc::c_int) {
     if let Ok(group) = i32::try_from(child.id()) {
-        // SAFETY: a signal to the group that the child was made the first of.
+        // SAFETY: a signal to the group whose leader is the child.
         unsafe { libc::kill(-group, signal) };
     }
 }
 
-/// The child ended without saying so.
+/// The child ended without announcing it.
 fn ended(status: ExitStatus, programs: bool) -> Error {
     let signal =
         status.signal().or(status.code().filter(|code| *code > 128).map(|code| code - 128));
     let how = match (signal, status.code()) {
         (Some(libc::SIGKILL), _) if interrupt::interrupted() => {
             return Error::new(Code::Interrupted, "the run was interrupted")
-                .why("an FMU did not come back, and was ended");
+                .why("an FMU did not return, and its process was ended");
         }
         (Some(signal), _) => format!("was killed by signal {signal}"),
         (None, code) => format!("ended with code {}", code.unwrap_or_default()),
     };
     let error = Error::new(Code::Fmu, "an FMU ended the process that computes it")
-        .why(format!("the process {how} before the run was over"))
-        .help("--log-fmi-calls tells the last call; the results until then are kept");
+        .why(format!("the process {how} before the end of the run"))
+        .help("--log-fmi-calls shows the last call; the results until then are kept");
     match programs {
         true => error,
         false => error.help(
-            "--log-fmi-calls tells the last call; an FMU that starts its tool needs --execution-tool",
+            "--log-fmi-calls shows the last call; an FMU that starts its tool needs --execution-tool",
         ),
     }
 }

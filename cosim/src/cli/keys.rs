@@ -1,4 +1,4 @@
-//! `cosim keys`: certificates for runs between machines, and signatures of files.
+//! `cosim keys`: certificates for runs across machines, and signatures of files.
 
 use std::path::PathBuf;
 
@@ -8,42 +8,42 @@ use cosim::{Result, signature};
 
 use super::output::print;
 
-/// Make an authority and certificates for runs between machines; sign files
+/// Make an authority and certificates for runs across machines; sign files
 #[derive(Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub(crate) struct Keys {
     #[command(subcommand)]
     signatures: Option<Signatures>,
-    /// The folder to make; what is there is never overwritten
+    /// The folder to create; existing files are never overwritten
     #[arg(required = true)]
     folder: Option<PathBuf>,
     /// Name of a worker (repeatable; default: worker-1 to worker-3)
     #[arg(long, value_name = "NAME")]
     worker: Vec<String>,
-    /// Name of an observer, who may only read telemetry (repeatable; default: observer)
+    /// Name of an observer, which may only read telemetry (repeatable; default: observer)
     #[arg(long, value_name = "NAME")]
     observer: Vec<String>,
-    /// Name or address by which the machine of the run is dialled (repeatable)
+    /// Host name or address by which workers reach the machine of the run (repeatable)
     #[arg(long, value_name = "HOST")]
     host: Vec<String>,
-    /// How long the certificates are valid
+    /// Validity of the certificates, in days
     #[arg(long, default_value_t = 365, value_parser = clap::value_parser!(u32).range(1..=36500))]
     days: u32,
 }
 
 #[derive(Subcommand)]
 enum Signatures {
-    /// Make a pair of keys for signatures: NAME.key, which stays secret, and NAME.pub
+    /// Make a key pair for signatures: NAME.key, which stays secret, and NAME.pub
     Pair {
-        /// The names of both files without their endings
+        /// The names of both files without their extensions
         name: PathBuf,
     },
     /// Sign files: writes FILE.sig beside each, for `cosim validate --verify-signature`
     Sign {
-        /// The secret key (Ed25519, PKCS#8 in PEM form)
+        /// The secret key (Ed25519, PKCS#8 in PEM format)
         #[arg(long, value_name = "NAME.key")]
         key: PathBuf,
-        /// What to sign
+        /// The files to sign
         #[arg(required = true, value_name = "FILE")]
         files: Vec<PathBuf>,
     },

@@ -11,13 +11,13 @@ use cosim::{Overrides, Result, files};
 
 #[derive(Args)]
 pub(crate) struct Logging {
-    /// Ask the FMUs for debug messages and show all messages as they come
+    /// Request debug messages from the FMUs, and show all messages immediately
     #[arg(long)]
     debug_logging: bool,
-    /// Ask only for the debug messages of this category (repeatable; default: all)
+    /// Request only debug messages of this category (repeatable; default: all)
     #[arg(long, value_name = "CATEGORY")]
     log_category: Vec<String>,
-    /// Write every FMI call with its arguments, results and status to stderr or into FILE
+    /// Write every FMI call with its arguments, results and status to stderr or to FILE
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "-")]
     log_fmi_calls: Option<PathBuf>,
     /// Show the messages and calls of this instance only (repeatable; default: all)
@@ -26,12 +26,12 @@ pub(crate) struct Logging {
 }
 
 impl Logging {
-    /// The file that calls are written into.
+    /// The file for the log of calls.
     pub(crate) fn file(&self) -> Option<&Path> {
         self.log_fmi_calls.as_deref().filter(|file| *file != Path::new("-"))
     }
 
-    /// Adds what is wanted.
+    /// Adds the requested outputs.
     pub(crate) fn add_to(&self, overrides: Overrides) -> Result<Overrides> {
         let debug = self.debug_logging || !self.log_category.is_empty();
         let mut overrides = overrides.debug_logging(debug);

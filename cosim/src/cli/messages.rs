@@ -10,42 +10,42 @@ pub(crate) fn error(error: &Error) {
     tagged("error", "31", &error.to_string());
 }
 
-/// Prints what is odd but not wrong.
+/// Prints a warning.
 pub(crate) fn warning(text: &str) {
     tagged("warning", "33", &set_in(text));
 }
 
-/// Prints what is neither odd nor wrong, and good to know.
+/// Prints a note.
 pub(crate) fn note(text: &str) {
     tagged("note", "36", &set_in(text));
 }
 
 /// Prints what was done.
-pub(crate) fn tell(text: &str) {
+pub(crate) fn info(text: &str) {
     line(&visible(text));
 }
 
-/// Prints what a component said.
+/// Prints a message of a component.
 pub(crate) fn said(text: &str) {
     line(&set_in(text));
 }
 
-/// Prints what a system's check found: warnings always, notes unless `quiet`.
+/// Prints the findings of a system's check: warnings always, notes unless `quiet`.
 pub(crate) fn findings(system: &System, quiet: bool) {
-    tell_some(system.warnings(), warning);
+    report_some(system.warnings(), warning);
     if !quiet {
-        tell_some(system.notes(), note);
+        report_some(system.notes(), note);
     }
 }
 
-/// So many of one kind are told; a file can have a million.
-const TOLD: usize = 100;
+/// How many messages of one kind are shown; a file can have a million.
+const SHOWN: usize = 100;
 
-/// Tells the first of many.
-pub(crate) fn tell_some(texts: &[String], tell: fn(&str)) {
-    texts.iter().take(TOLD).for_each(|text| tell(text));
-    if texts.len() > TOLD {
-        tell(&format!("and {} more (--format json has them all)", texts.len() - TOLD));
+/// Reports the first of many messages.
+pub(crate) fn report_some(texts: &[String], report: fn(&str)) {
+    texts.iter().take(SHOWN).for_each(|text| report(text));
+    if texts.len() > SHOWN {
+        report(&format!("and {} more (--format json has them all)", texts.len() - SHOWN));
     }
 }
 
@@ -60,6 +60,6 @@ fn tagged(tag: &str, colour: &str, text: &str) {
 }
 
 fn line(text: &str) {
-    // Nobody is left to be told that stderr is closed.
+    // If stderr is closed, there is no channel left to report it.
     drop(writeln!(std::io::stderr(), "{text}"));
 }

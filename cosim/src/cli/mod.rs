@@ -1,7 +1,8 @@
-//! Verbs of the command line, one file each.
+//! The commands of the command line, one file each.
 //!
-//! Results and what was asked for go to stdout or files, everything else to stderr. Exit codes:
-//! 0 ok, 1 the run failed, 2 usage, 3 the input is not valid, 4 undecided, 130 interrupted (`cosim::Code::exit_code`).
+//! Results and requested output go to stdout or files, everything else to stderr. Exit codes: 0 ok,
+//! 1 the run failed, 2 usage, 3 the input is not valid, 4 undecided, 130 interrupted
+//! (`cosim::Code::exit_code`).
 
 mod campaign;
 mod changes;
@@ -79,17 +80,17 @@ enum Verb {
     Man(completion::Man),
 }
 
-/// How something is printed.
+/// Output format.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Format {
-    /// For people
+    /// Text
     Text,
-    /// For programs
+    /// JSON
     Json,
 }
 
 impl Arguments {
-    /// The threads that Zenoh gets, should it be used.
+    /// The threads that Zenoh gets, if it is used.
     pub(crate) fn threads(&self) -> Threads {
         match &self.verb {
             Verb::Run(verb) if !verb.may_use_tls() => Threads::SenderApart,
@@ -98,10 +99,10 @@ impl Arguments {
     }
 }
 
-/// Does what was asked; gives the exit code.
+/// Executes the command; returns the exit code.
 pub(crate) fn run(arguments: Arguments) -> Result<u8> {
     let done = match arguments.verb {
-        // What is isolated has its errors told already.
+        // The errors of an isolated run have already been reported.
         Verb::Simulate(verb) => return verb.run(),
         Verb::Run(verb) => return verb.run(),
         Verb::Info(verb) => verb.run(),

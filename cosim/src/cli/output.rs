@@ -1,4 +1,4 @@
-//! Where results go, and running with a recorder, the clock and snapshots.
+//! Where results go; runs with a recorder, a clock and snapshots.
 
 use std::cell::RefCell;
 use std::io::{self, IsTerminal, Write};
@@ -24,78 +24,78 @@ use super::messages;
 use super::snapshots::Snapshots;
 use super::standard;
 use super::stop_when::StopWhen;
-use super::summary::{self, Told};
+use super::summary::{self, RunResult};
 
 #[derive(Args)]
 pub(crate) struct Output {
-    /// Record this variable; * and ? make a pattern (repeatable; default: all outputs)
+    /// Record this variable; * and ? match parts of names (repeatable; default: all outputs)
     #[arg(long, value_name = "NAME")]
     output_variable: Vec<String>,
     /// Seconds between recorded samples (default: the smallest step)
     #[arg(long, value_name = "SECONDS", value_parser = super::values::seconds)]
     output_interval: Option<f64>,
-    /// Write the results there: as CSV, MCAP or Parquet, by the ending .csv, .mcap or .parquet; -
-    /// for CSV to stdout (default: NAME_out.csv)
+    /// Output file for the results: CSV, MCAP or Parquet, by the extension .csv, .mcap or .parquet;
+    /// - for CSV to stdout (default: NAME_out.csv)
     #[arg(long, short, value_name = "FILE")]
     output_file: Option<PathBuf>,
-    /// Write the results as NAME_out.csv into this folder, which is made if missing
+    /// Write the results to NAME_out.csv in this folder, which is created if missing
     #[arg(long, value_name = "FOLDER", conflicts_with = "output_file")]
     output_dir: Option<PathBuf>,
-    /// What the variables are, for the messages of ROS in MCAP: a file that names the truth, its
-    /// estimates and sensors (default: as the variables' names say)
+    /// For the ROS messages in MCAP: a file that assigns variables to the truth, its estimates and
+    /// sensors (default: by the names of the variables)
     #[arg(long, value_name = "FILE")]
     roles: Option<PathBuf>,
     #[command(flatten)]
     snapshots: Snapshots,
-    /// Let happen what this file says: faults in TOML, or overrides, biases and resets in the JSON of
-    /// OSP scenarios (repeatable)
+    /// Apply this file: faults in TOML, or overrides, biases and resets in the JSON of OSP
+    /// scenarios (repeatable)
     #[arg(long, value_name = "FILE")]
     scenario: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) watching: Watching,
-    /// Go at the pace of the clock, or FACTOR times as fast; overruns are counted
+    /// Run in real time, or FACTOR times as fast; overruns are counted
     #[arg(long, value_name = "FACTOR", value_parser = super::values::factor, num_args = 0..=1,
           default_missing_value = "1", require_equals = true)]
     real_time: Option<f64>,
     /// End the run at the first sample for which this holds, such as 'pursuit.finished = 1'
-    /// (repeatable: the first of them that does)
+    /// (repeatable: the first that holds)
     #[arg(long, value_name = "CONDITION")]
     stop_when: Vec<Condition>,
-    /// Write the running digest of the results after each sample there, for `cosim verify`
+    /// Write the running digest of the results after each sample to this file, for `cosim verify`
     #[arg(long, value_name = "FILE")]
     digest_file: Option<PathBuf>,
-    /// Form of the summary: text on stderr, or JSON on stdout, errors as well
+    /// Format of the summary: text on stderr, or JSON on stdout, including errors
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub(crate) format: Format,
-    /// No progress and no summary
+    /// Show no progress and no summary
     #[arg(long, short)]
     pub(crate) quiet: bool,
 }
 
-/// What is run, where, and from where on.
+/// What to run, where, and from which state.
 struct Computed<'a> {
     system: &'a System,
     cluster: Option<&'a Cluster>,
     snapshot: Option<Snapshot>,
-    /// Who watches, and how the run begins.
+    /// Options for live viewers.
     watched: (Option<Server>, Playing),
 }
 
-/// What records, and where the digest of that is found.
+/// The recorder, and access to its digest.
 type Recorder = (Box<dyn Observer>, Rc<RefCell<RunningDigest>>);
 
 impl Output {
-    /// Refuses to be watched, as a confined process that runs FMUs cannot be.
+    /// Refuses live viewers, because a confined process that runs FMUs cannot serve them.
     pub(crate) fn unwatched(&self) -> Result<()> {
         if !self.watching.wanted() {
             return Ok(());
         }
         Err(Error::new(Code::Usage, "--live cannot be given with --isolate")
-            .why("what is isolated has no network")
+            .why("an isolated run has no network")
             .help("workers of this run confine its FMUs as well: --workers 1"))
     }
 
-    /// What of this is decided when the system is made.
+    /// Options that take effect when the system is made.
     pub(crate) fn add_to(&self, overrides: Overrides) -> Overrides {
         let overrides = overrides.output_variables(&self.output_variable);
         match self.output_interval {
@@ -104,8 +104,8 @@ impl Output {
         }
     }
 
-    /// Runs `system` and writes what it records; `inputs` are what is read besides its files, and
-    /// `shut` is called before FMUs are loaded.
+    /// Runs `system` and writes its results; `inputs` are files read besides those of the system,
+    /// and `shut` is called before FMUs are loaded.
     pub(crate) fn run(
         &self,
         system: &System,
@@ -120,14 +120,14 @@ impl Output {
         if let Some(done) = snapshot.as_ref().filter(is_over) {
             let when = done.time();
             messages::note(&format!(
-                "the snapshot is of t = {when}, where the run ends: nothing is left"
+                "the snapshot is of t = {when}, where the run ends: nothing is left to run"
             ));
         }
         let is_terminal = io::stdout().is_terminal();
         if self.format == Format::Json || target == Path::new("-") {
             standard::keep_apart()?;
         }
-        // Before anything is written: its port may be taken.
+        // Before anything is written: the port may be taken.
         let watched = self.watching.open(self.real_time)?;
         let computed = Computed { system, cluster, snapshot, watched };
         if target != Path::new("-") {
@@ -136,7 +136,7 @@ impl Output {
         }
         if self.format == Format::Json {
             return Err(Error::new(Code::Usage, "results and summary cannot both go to stdout")
-                .help("give --output-file a file"));
+                .help("set --output-file to a file"));
         }
         let stdout: Box<dyn Write> = match is_terminal {
             true => Box::new(Terminal::new(standard::out())),
@@ -147,7 +147,7 @@ impl Output {
         self.observe(computed, recorder, &target, shut)
     }
 
-    /// Where the results go: not where something is read.
+    /// Where the results go: never a file that is read.
     fn checked_target(&self, system: &System, inputs: &[&Path]) -> Result<PathBuf> {
         let target = self.target(system.name())?;
         observe::check_ending(&target)?;
@@ -164,7 +164,7 @@ impl Output {
         Ok(target)
     }
 
-    /// Where injected faults are kept.
+    /// The file for injected faults.
     fn record(&self, system: &System, target: &Path) -> PathBuf {
         const ENDING: &str = "injected.toml";
         match target.to_str() {
@@ -173,7 +173,7 @@ impl Output {
         }
     }
 
-    /// The files that a run writes, with a log if there is one.
+    /// The files that a run writes, including a log if there is one.
     pub(crate) fn written(
         &self,
         system: &System,
@@ -192,7 +192,7 @@ impl Output {
         })
     }
 
-    /// A new file of results; a resumed run continues those that are there.
+    /// A new results file; a resumed run continues the existing one.
     fn recorder(
         &self,
         target: &Path,
@@ -207,7 +207,7 @@ impl Output {
             return Err(Error::new(Code::Results, "the results cannot be continued")
                 .at(target)
                 .why("their columns are not those of this run")
-                .help("give --output-file another file"));
+                .help("set --output-file to another file"));
         }
         let (recorder, unfinished) = observe::create_unfinished(target, self.roles()?)?;
         let (recorder, digest) = self.digested(recorder)?;
@@ -266,7 +266,7 @@ impl Output {
         if let Some((every, at)) = self.snapshots.wanted()? {
             run = run.snapshots(every, &at, &mut keep);
         }
-        // From here on FMUs run.
+        // From here on, FMUs run.
         shut()?;
         let outcome = match cluster {
             Some(cluster) => cluster.go(system, run),
@@ -283,12 +283,19 @@ impl Output {
             _ => e,
         })?;
         summary.notes.extend(live.record().map(|file| {
-            format!("faults were injected: --scenario {} does so again", file.display())
+            format!("faults were injected: --scenario {} repeats them", file.display())
         }));
         summary.notes.extend(stop_when.held().map(|held| format!("ended by --stop-when: {held}")));
         let (spent, overruns) = (begun.elapsed().as_secs_f64(), live.overruns());
         let digest = digest.borrow().text();
-        self.tell(&Told { system, summary: &summary, spent, target, overruns, digest })?;
+        self.print_result(&RunResult {
+            system,
+            summary: &summary,
+            spent,
+            target,
+            overruns,
+            digest,
+        })?;
         match summary.stopped {
             Some(Stop::Interrupted) => {
                 Err(Error::new(Code::Interrupted, "the run was interrupted")
@@ -299,7 +306,7 @@ impl Output {
         }
     }
 
-    /// What shows the run to clients, if there may be any.
+    /// What shows the run to clients, if clients are allowed.
     fn watch(&self, system: &System, live: &Live, scenarios: &[Scenario]) -> Result<Option<Watch>> {
         let Some(server) = live.server() else { return Ok(None) };
         let start = vec![system.start_time().seconds()];
@@ -308,18 +315,18 @@ impl Output {
         Ok(Some(server.watch(self.roles()?, faults)))
     }
 
-    fn tell(&self, told: &Told) -> Result<()> {
-        let summary: &Summary = told.summary;
+    fn print_result(&self, result: &RunResult) -> Result<()> {
+        let summary: &Summary = result.summary;
         for warning in &summary.warnings {
             messages::warning(warning);
         }
         if self.format == Format::Json {
-            return print(&summary::json(told).to_string());
+            return print(&summary::json(result).to_string());
         }
         if !self.quiet && summary.stopped != Some(Stop::ReaderGone) {
             summary.notes.iter().for_each(|note| messages::note(note));
             summary.messages.iter().for_each(|message| messages::said(message));
-            messages::tell(&summary::text(told));
+            messages::info(&summary::text(result));
         }
         Ok(())
     }
@@ -339,19 +346,19 @@ impl Output {
     }
 }
 
-/// A system's name as part of a file's, which is listed in terminals.
+/// The name of a system as part of a file name that is shown in terminals.
 pub(crate) fn file_name(name: &str) -> String {
     let shown = one_line(name);
     shown.replace(['/', '\\'], "_")
 }
 
-/// Prints these lines to stdout; a name with an end of a line in it begins none.
+/// Prints these lines to stdout; a line break in a name does not start a new line.
 pub(crate) fn print_lines(lines: &[String]) -> Result<()> {
     let lines: Vec<_> = lines.iter().map(|line| one_line(line)).collect();
     print(&lines.join("\n"))
 }
 
-/// Prints to stdout; a closed pipe (`| head`) ends quietly.
+/// Prints to stdout; ends quietly if the pipe is closed (`| head`).
 pub(crate) fn print(text: &str) -> Result<()> {
     match writeln!(standard::out(), "{}", visible(text)) {
         Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {

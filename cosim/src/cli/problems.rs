@@ -1,4 +1,4 @@
-//! Errors for programs: what `--format json` prints when something is wrong.
+//! Errors as JSON: what `--format json` prints if something is wrong.
 
 use cosim::{Error, Result};
 use serde_json::{Value, json};
@@ -6,8 +6,8 @@ use serde_json::{Value, json};
 use super::Format;
 use super::output::print;
 
-/// Prints the error of a run that was to be told as JSON; the caller tells it to people.
-pub(crate) fn told<T>(format: Format, outcome: Result<T>) -> Result<T> {
+/// Prints the error of a run with `--format json`; the caller prints it as text.
+pub(crate) fn reported<T>(format: Format, outcome: Result<T>) -> Result<T> {
     if let (Format::Json, Err(error)) = (format, &outcome) {
         print(&json!({ "problems": list(error), "text": error.to_string() }).to_string())?;
     }

@@ -1,4 +1,4 @@
-//! `cosim proxy`: an FMU that is computed elsewhere; and the program inside such an FMU.
+//! `cosim proxy`: writes a remote FMU; also the program inside such an FMU.
 
 use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;
@@ -13,37 +13,37 @@ use super::{messages, values};
 /// Write an FMU that looks like another one and is computed by a worker, here or on another machine
 #[derive(Args)]
 pub(crate) struct Proxy {
-    /// The FMU that workers compute; with --from the name of its file there, or its SHA-256
+    /// The FMU that workers compute; with --from, its file name there, or its SHA-256
     fmu: PathBuf,
-    /// The worker NAME holds the FMU (--allow) and tells its description; the FMU stays there
+    /// The worker NAME holds the FMU (--allow) and provides its description; the FMU stays there
     #[arg(long, value_name = "NAME", conflicts_with = "held")]
     from: Option<String>,
-    /// The FMU that is written; one that is there is replaced
+    /// Output FMU; an existing file is replaced
     #[arg(long, short, value_name = "FILE.fmu")]
     output: PathBuf,
-    /// Where workers dial the importer's machine (repeatable: the first that is free; default:
-    /// tcp/127.0.0.1:7447)
+    /// Where workers connect to the importer's machine (repeatable: the first free endpoint is
+    /// used; default: tcp/127.0.0.1:7447)
     #[arg(long, value_name = "ENDPOINT")]
     listen: Vec<String>,
     /// A folder with ca.pem, cert.pem and key.pem (cosim keys), for endpoints tls/HOST:PORT
     #[arg(long, value_name = "FOLDER")]
     credentials: Option<PathBuf>,
-    /// Permit an endpoint of another machine without TLS
+    /// Allow an endpoint on another machine without TLS
     #[arg(long)]
     insecure: bool,
-    /// The worker that computes it, if it is there (default: any)
+    /// The worker that computes it, if it is connected (default: any)
     #[arg(long, value_name = "NAME")]
     worker: Option<String>,
-    /// Wait so long for a worker (default: 10)
+    /// How long to wait for a worker, in seconds (default: 10)
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds)]
     wait: Option<f64>,
-    /// A worker that does not answer for so long is given up (default: 5)
+    /// Give up a worker that does not answer within this many seconds (default: 5)
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds)]
     deadline: Option<f64>,
-    /// Save the state after so many steps, 0: never (default: 50)
+    /// Save the state after this many steps; 0: never (default: 50)
     #[arg(long, value_name = "N")]
     save_every: Option<u64>,
-    /// Do not pack the FMU itself: only workers that hold it compute it
+    /// Do not pack the FMU itself: only workers that hold it can compute it
     #[arg(long)]
     held: bool,
     /// The library of remote FMUs, one for each platform (repeatable; default:
@@ -53,7 +53,7 @@ pub(crate) struct Proxy {
     /// The program cosim, one for each platform (repeatable; default: this one)
     #[arg(long, value_name = "FILE")]
     program: Vec<PathBuf>,
-    /// No messages but errors
+    /// Show errors only
     #[arg(short, long)]
     quiet: bool,
 }
@@ -77,7 +77,7 @@ impl Proxy {
         };
         if !self.quiet {
             notes.iter().for_each(|text| messages::note(text));
-            messages::tell(&format!("written: {}", self.output.display()));
+            messages::info(&format!("written: {}", self.output.display()));
         }
         Ok(())
     }
@@ -93,13 +93,13 @@ impl Remote {
         distributed::close_inherited(&[]);
         let stdin = std::io::stdin().as_fd().try_clone_to_owned();
         let stream = stdin.map(UnixStream::from).and_then(|stream| {
-            // A socket it is, or nothing that this verb is for.
+            // Only a socket is accepted.
             stream.peer_addr().map(|_| stream)
         });
         let stream = stream.map_err(|why| {
-            Error::new(Code::Usage, "stdin is no socket")
+            Error::new(Code::Usage, "stdin is not a socket")
                 .why(why)
-                .help("the library of a remote FMU calls this; nobody else does")
+                .help("only the library of a remote FMU calls this")
         })?;
         proxy::serve::serve(stream)
     }

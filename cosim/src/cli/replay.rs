@@ -1,4 +1,4 @@
-//! `cosim replay`: a run of a campaign again, whole.
+//! `cosim replay`: repeats a run of a campaign and records everything.
 
 use std::path::PathBuf;
 
@@ -9,18 +9,18 @@ use cosim::{Code, Error, Result, observe};
 use super::interrupt;
 use super::messages;
 
-/// Make a run of a campaign again, record everything, and prove that it is the same
+/// Repeat a run of a campaign, record everything, and prove that it is the same
 #[derive(Args)]
 pub(crate) struct Replay {
-    /// The folder of the campaign's results
+    /// The results folder of the campaign
     folder: PathBuf,
-    /// The run's number
+    /// The number of the run
     run: u64,
-    /// Write the results there: as CSV, MCAP or Parquet, by the ending .csv, .mcap or .parquet
+    /// Output file for the results: CSV, MCAP or Parquet, by the extension .csv, .mcap or .parquet
     /// (default: runN.csv)
     #[arg(long, short, value_name = "FILE")]
     output_file: Option<PathBuf>,
-    /// Record this variable; * and ? make a pattern (repeatable; default: all)
+    /// Record this variable; * and ? match parts of names (repeatable; default: all)
     #[arg(long, value_name = "NAME", default_value = "*")]
     output_variable: Vec<String>,
 }
@@ -37,7 +37,7 @@ impl Replay {
         if again.status == Status::Failed {
             let what = format!("run {} fails", self.run);
             let same = row.status == Status::Failed && row.reason == again.reason;
-            let before = if same { "as before" } else { "otherwise than before" };
+            let before = if same { "as before" } else { "not as before" };
             return Err(Error::new(Code::Fmu, what)
                 .why(again.reason)
                 .help(format!("{before}; the results until then are in {}", target.display())));
@@ -46,13 +46,16 @@ impl Replay {
             let before = if row.digest.is_empty() {
                 format!("it was {}: {}", row.status.word(), row.reason)
             } else {
-                format!("the digest was {}, and is {}", row.digest, again.digest)
+                format!("the digest was {} and is now {}", row.digest, again.digest)
             };
-            return Err(Error::new(Code::Parted, format!("run {} is another one", self.run))
-                .why(before)
-                .help(format!("the results are in {}", target.display())));
+            return Err(Error::new(
+                Code::Parted,
+                format!("run {} gives a different result", self.run),
+            )
+            .why(before)
+            .help(format!("the results are in {}", target.display())));
         }
-        messages::tell(&format!(
+        messages::info(&format!(
             "run {}: the same to the last bit ({}); the results are in {}",
             self.run,
             row.digest,

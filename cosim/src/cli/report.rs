@@ -12,21 +12,21 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::output::print;
 use super::{interrupt, messages};
 
-/// Make a self-contained HTML page of a campaign or of recorded results, or one picture
+/// Make a self-contained HTML page of a campaign or of recorded results, or a single picture
 #[derive(Args)]
 pub(crate) struct Report {
     /// The folder of a campaign, or the results of one run: CSV with the time in its first column,
-    /// or MCAP of this program
+    /// or MCAP written by this program
     results: PathBuf,
-    /// Write the page there, or the figure if the name ends in .svg; - for stdout (default: the
-    /// results' name with .html; of a campaign report.html in its folder)
+    /// Output file for the page, or for the figure if the name ends in .svg; - for stdout (default:
+    /// name of the results with .html; for a campaign, report.html in its folder)
     #[arg(long, short, value_name = "FILE")]
     output_file: Option<PathBuf>,
-    /// Title of the page (default: the results' name)
+    /// Title of the page (default: name of the results)
     #[arg(long)]
     title: Option<String>,
-    /// Make so many runs of each cell again and show them whole: the worst, the median one, others
-    /// between; 0 for none
+    /// Repeat this many runs of each cell and show them in full: the worst, the median, and others
+    /// in between; 0 for none
     #[arg(long, value_name = "N", default_value_t = 2)]
     runs_per_cell: usize,
     /// Plot these columns over time, before all others (repeatable)
@@ -38,7 +38,7 @@ pub(crate) struct Report {
     /// The system that was run: for the units of the columns
     #[arg(long, value_name = "FILE")]
     system: Option<PathBuf>,
-    /// The scenario that was played: its faults are shaded
+    /// The scenario that was used: its faults are shaded
     #[arg(long, value_name = "FILE")]
     scenario: Option<PathBuf>,
     /// The true path, as vehicle.pose (default: the first pose without standard deviations)
@@ -49,7 +49,7 @@ pub(crate) struct Report {
     estimate: Vec<String>,
 }
 
-/// What a file of this ending is.
+/// What a file with this extension is.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Page,
@@ -69,9 +69,7 @@ impl Report {
             (true, Kind::Picture) => {
                 return Err(Error::new(Code::Usage, "an SVG file holds one figure of one run")
                     .at(&target)
-                    .help(
-                        "make a run of the campaign again (cosim replay), and report its results",
-                    ));
+                    .help("repeat a run of the campaign (cosim replay), and report its results"));
             }
             (false, _) => self.single(kind)?,
         };
@@ -87,9 +85,9 @@ impl Report {
         if is_campaign && interrupt::interrupted() {
             return Err(Error::new(Code::Interrupted, "the report was interrupted")
                 .why(format!("some runs are not shown in {}", target.display()))
-                .help("give the same command again"));
+                .help("run the same command again"));
         }
-        messages::tell(&format!("the report is in {}", target.display()));
+        messages::info(&format!("the report is in {}", target.display()));
         Ok(())
     }
 
@@ -131,12 +129,12 @@ impl Report {
             ("--estimate", !self.estimate.is_empty()),
         ];
         if let Some((option, _)) = given.iter().find(|(_, given)| *given) {
-            let what = format!("{option} is for the results of one run, and a folder is given");
+            let what = format!("{option} applies to the results of one run, but a folder is given");
             return Err(Error::new(Code::Usage, what).at(&self.results));
         }
         interrupt::listen();
         let style =
-            ProgressStyle::with_template("{wide_bar} {pos}/{len} runs made again, {eta} left");
+            ProgressStyle::with_template("{wide_bar} {pos}/{len} runs repeated, {eta} left");
         let bar = style.map_or_else(
             |_| ProgressBar::no_length(),
             |style| ProgressBar::no_length().with_style(style),
@@ -164,7 +162,7 @@ fn units(file: &Path) -> Result<Units> {
     System::load(file, &all).map(|system| Units::of(&system))
 }
 
-/// By the ending of the name; one that is not known is refused.
+/// By the extension of the name; an unknown one is refused.
 fn kind(target: &Path) -> Result<Kind> {
     const KNOWN: [&str; 3] = ["html", "htm", "svg"];
     let Some(ending) = target.extension() else { return Ok(Kind::Page) };
@@ -172,12 +170,12 @@ fn kind(target: &Path) -> Result<Kind> {
     if !KNOWN.contains(&ending.as_str()) {
         let help = match ending.as_str() {
             "pdf" => "write .html and print it to a PDF from the browser".to_owned(),
-            "png" => "write .svg and convert it, for instance by rsvg-convert".to_owned(),
+            "png" => "write .svg and convert it, for example with rsvg-convert".to_owned(),
             other => names::did_you_mean(other, KNOWN).unwrap_or_default(),
         };
         return Err(Error::new(Code::Usage, format!("a report cannot be written as .{ending}"))
             .at(target)
-            .why("known endings are .html (a page) and .svg (one figure)")
+            .why("known extensions are .html (a page) and .svg (one figure)")
             .maybe_help((!help.is_empty()).then_some(help)));
     }
     Ok(if ending == "svg" { Kind::Picture } else { Kind::Page })

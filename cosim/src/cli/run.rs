@@ -1,4 +1,4 @@
-//! `cosim run`: a system.
+//! `cosim run`: runs a system.
 
 use std::path::PathBuf;
 
@@ -31,14 +31,14 @@ pub(crate) struct Run {
 }
 
 impl Run {
-    /// Whether others may dial by TLS.
+    /// Whether workers may connect with TLS.
     pub(crate) fn may_use_tls(&self) -> bool {
         self.distributed.may_use_tls()
     }
 
     pub(crate) fn run(self) -> Result<u8> {
         interrupt::listen();
-        problems::told(self.output.format, self.computed())
+        problems::reported(self.output.format, self.computed())
     }
 
     fn computed(&self) -> Result<u8> {
@@ -50,12 +50,12 @@ impl Run {
         };
         let system = System::load(&self.file, &overrides)?;
         system.ready()?;
-        // What the user names here, not what the system's file does.
+        // Files named here by the user, not by the system's file.
         let readable = self.changes.files().chain(self.isolation.readable());
         let cluster = self.distributed.cluster(self.output.quiet, readable)?;
         if self.isolation.wanted() && cluster.is_some() {
             return Err(Error::new(Code::Usage, "--isolate is for runs in this process")
-                .help("workers confine their FMUs anyway, unless --no-confine is said there"));
+                .help("workers confine their FMUs anyway, unless started with --no-confine"));
         }
         if self.isolation.wanted() {
             self.output.unwatched()?;

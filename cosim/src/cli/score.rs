@@ -1,4 +1,4 @@
-//! `cosim score`: figures of merit of results that exist.
+//! `cosim score`: figures of merit of existing results.
 
 use std::path::PathBuf;
 
@@ -11,13 +11,13 @@ use super::Format;
 use super::output::print;
 use super::problems;
 
-/// Compute figures of merit of results that exist
+/// Compute figures of merit of existing results
 #[derive(Args)]
 pub(crate) struct Score {
     /// The results: CSV, MCAP or Parquet
     #[arg(required = true)]
     results: Vec<PathBuf>,
-    /// The file whose [figures] are computed: TOML, such as that of a campaign
+    /// The file with the [figures] to compute: TOML, such as that of a campaign
     #[arg(long, value_name = "FILE")]
     figures: PathBuf,
     /// Format of the figures on stdout
@@ -27,7 +27,7 @@ pub(crate) struct Score {
 
 impl Score {
     pub(crate) fn run(self) -> Result<()> {
-        problems::told(self.format, self.computed())
+        problems::reported(self.format, self.computed())
     }
 
     fn computed(&self) -> Result<()> {

@@ -1,4 +1,4 @@
-//! `cosim simulate`: one FMU.
+//! `cosim simulate`: simulates one FMU.
 
 use std::path::{Path, PathBuf};
 
@@ -20,22 +20,22 @@ use super::values;
 pub(crate) struct Simulate {
     /// The FMU
     file: PathBuf,
-    /// Give a parameter or input another start value (repeatable)
+    /// Set another start value for a parameter or input (repeatable)
     #[arg(long, value_name = "VARIABLE=VALUE", value_parser = values::assignment)]
     start_value: Vec<(String, String)>,
     /// Drive inputs by the columns of this CSV file, whose first column is the time
     #[arg(long, value_name = "FILE")]
     input_file: Option<PathBuf>,
-    /// First instant (default: the FMU's, or 0)
+    /// Start time (default: of the FMU, or 0)
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds, allow_negative_numbers = true)]
     start_time: Option<f64>,
-    /// Last instant (default: the FMU's, or one second after the start)
+    /// Stop time (default: of the FMU, or one second after the start)
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds, allow_negative_numbers = true)]
     stop_time: Option<f64>,
-    /// Communication step (default: the FMU's, or the output interval)
+    /// Communication step (default: of the FMU, or the output interval)
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds)]
     step_size: Option<f64>,
-    /// me: model exchange with our integrator, cs: co-simulation (default: cs if the FMU has it)
+    /// me: model exchange with our solver, cs: co-simulation (default: cs if the FMU supports it)
     #[arg(long, value_name = "me|cs")]
     interface_type: Option<InterfaceType>,
     #[command(flatten)]
@@ -56,7 +56,7 @@ pub(crate) struct Simulate {
 impl Simulate {
     pub(crate) fn run(self) -> Result<u8> {
         interrupt::listen();
-        problems::told(self.output.format, self.computed())
+        problems::reported(self.output.format, self.computed())
     }
 
     fn computed(&self) -> Result<u8> {

@@ -1,4 +1,4 @@
-//! Snapshots: when, into which file, and going on from one.
+//! Snapshots: when to save one, into which file, and how to continue from one.
 
 use std::path::{Path, PathBuf};
 
@@ -10,17 +10,17 @@ use super::values;
 
 #[derive(Args)]
 pub(crate) struct Snapshots {
-    /// Keep the state of the whole system at multiples of this (at the next output instant)
+    /// Save the state of the whole system at multiples of this (at the next output instant)
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds)]
     snapshot_every: Option<f64>,
-    /// Keep it at this time (repeatable)
+    /// Save the state at this time (repeatable)
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds, allow_negative_numbers = true)]
     snapshot_at: Vec<f64>,
-    /// The file, of which the newest snapshot takes the place; {t} in it stands for the time
+    /// The snapshot file, which is replaced by the newest snapshot; {t} in it stands for the time
     /// (default: NAME.snapshot)
     #[arg(long, value_name = "FILE")]
     snapshot_file: Option<PathBuf>,
-    /// Go on from this snapshot; results that are there are continued
+    /// Continue from this snapshot; existing results are continued
     #[arg(long, value_name = "FILE")]
     resume: Option<PathBuf>,
 }
@@ -36,7 +36,7 @@ impl Snapshots {
         Ok(Some((every.transpose()?.map(Step::rounded), at.collect::<Result<_>>()?)))
     }
 
-    /// The snapshot to go on from: it must be of this system.
+    /// The snapshot to continue from: it must belong to this system.
     pub(crate) fn resumed(&self, system: &System) -> Result<Option<Snapshot>> {
         let Some(file) = &self.resume else {
             return Ok(None);

@@ -1,4 +1,4 @@
-//! How FMUs of model exchange are integrated.
+//! How FMUs for model exchange are integrated.
 
 use clap::Args;
 use cosim::Overrides;
@@ -6,11 +6,11 @@ use cosim::solver::Method;
 
 #[derive(Args)]
 pub(crate) struct Solver {
-    /// Integrate model exchange by rk4 (one step per communication step) or dopri5 (adaptive; the
+    /// Integrate model exchange with rk4 (one step per communication step) or dopri5 (adaptive; the
     /// default)
     #[arg(long, value_name = "METHOD")]
     solver: Option<Method>,
-    /// Relative tolerance of dopri5 (default: the FMU's, or 1e-6)
+    /// Relative tolerance of dopri5 (default: of the FMU, or 1e-6)
     #[arg(long, value_name = "NUMBER")]
     tolerance: Option<f64>,
 }

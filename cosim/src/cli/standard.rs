@@ -1,4 +1,4 @@
-//! Our own standard output, apart from what FMUs print.
+//! Our own standard output, separate from what FMUs print.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -6,11 +6,11 @@ use std::sync::OnceLock;
 
 use cosim::{Code, Error, Result};
 
-/// Where standard output led before FMUs got standard error in its place.
+/// Where standard output went before FMUs got standard error in its place.
 static OWN: OnceLock<File> = OnceLock::new();
 
-/// From here on what FMUs print goes to standard error: what we write to standard output is read by
-/// programs.
+/// From here on, what FMUs print goes to standard error, because programs read what we write to
+/// standard output.
 pub(super) fn keep_apart() -> Result<()> {
     let broken = |e| Error::new(Code::Output, "stdout cannot be written").why(e);
     if OWN.get().is_some() {

@@ -7,15 +7,15 @@ use super::values;
 
 #[derive(Args)]
 pub(crate) struct Stepping {
-    /// What inputs do during a step: hold their value, or move linearly (second order); all of
-    /// them, or those of one name or pattern (repeatable)
+    /// What inputs do during a step: hold their value, or change linearly (second order); for all
+    /// inputs, or for a name or pattern (repeatable)
     #[arg(long, value_name = "[COMPONENT.INPUT=]hold|linear", value_parser = values::input)]
     input: Vec<(String, Input)>,
-    /// Let the communication step follow this relative tolerance: steps whose error is greater
-    /// are taken back
+    /// Adapt the communication step to this relative tolerance: steps with a greater error are
+    /// rejected
     #[arg(long, value_name = "TOLERANCE")]
     step_control: Option<f64>,
-    /// Make a step that an FMU discards again by smaller ones, made smaller up to N times
+    /// Repeat a step that an FMU discards with smaller steps, reduced up to N times
     #[arg(long, value_name = "N", default_value_t = 0)]
     retries: u32,
 }

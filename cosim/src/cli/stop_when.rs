@@ -1,4 +1,4 @@
-//! `--stop-when`: a run that ends when a recorded variable fulfils a condition.
+//! `--stop-when`: ends a run when a recorded variable fulfils a condition.
 
 use cosim::condition::Condition;
 use cosim::observe::{RunInfo, Stop};
@@ -7,9 +7,9 @@ use cosim::{Code, Error, Observer, Result, Time, names};
 /// An observer that ends the run at the first sample that fulfils one of the conditions.
 pub(crate) struct StopWhen {
     conditions: Vec<Condition>,
-    /// Their variables' places among the columns.
+    /// Positions of their variables among the columns.
     columns: Vec<usize>,
-    /// What held, and when.
+    /// Which condition held, and when.
     held: Option<String>,
 }
 
@@ -31,9 +31,9 @@ impl Observer for StopWhen {
             let known = || info.columns.iter().map(|column| column.name.as_str());
             self.columns.push(found.ok_or_else(|| {
                 Error::new(Code::UnknownName, format!("--stop-when: '{variable}' is not recorded"))
-                    .why("conditions are looked at where variables are recorded")
+                    .why("conditions are checked when variables are recorded")
                     .help(names::did_you_mean(variable, known()).unwrap_or_else(|| {
-                        format!("record it, too: --output-variable '{variable}'")
+                        format!("also record it: --output-variable '{variable}'")
                     }))
             })?);
         }

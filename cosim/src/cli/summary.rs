@@ -1,28 +1,29 @@
-//! The end of a run, for people and for programs.
+//! The summary of a run as text and as JSON.
 
 use cosim::pace::Overruns;
 use cosim::shown;
 use cosim::{Summary, System};
 use serde_json::{Value, json};
 
-/// What is told.
-pub(crate) struct Told<'a> {
+/// The outcome of a run.
+pub(crate) struct RunResult<'a> {
     pub system: &'a System,
     pub summary: &'a Summary,
-    /// Seconds of the wall clock.
+    /// Seconds of wall-clock time.
     pub spent: f64,
     pub target: &'a str,
     pub overruns: Option<Overruns>,
-    /// Of all that was recorded.
+    /// Digest of all recorded values.
     pub digest: String,
 }
 
-/// So many components are told one by one.
-const TOLD: usize = 20;
+/// How many components are listed individually.
+const SHOWN: usize = 20;
 
-/// A line for the whole, a table of the components; of many those that took the most time.
-pub(crate) fn text(told: &Told) -> String {
-    let Told { system, summary, spent, target, overruns, digest } = told;
+/// A line for the whole run and a table of the components; if there are many, those that took the
+/// most time.
+pub(crate) fn text(result: &RunResult) -> String {
+    let RunResult { system, summary, spent, target, overruns, digest } = result;
     let mut lines = table(summary);
     if let Some(o) = overruns {
         lines.push(match o.count {
@@ -49,10 +50,10 @@ pub(crate) fn text(told: &Told) -> String {
 
 fn table(summary: &Summary) -> Vec<String> {
     let mut components: Vec<_> = summary.components.iter().collect();
-    if components.len() > TOLD {
+    if components.len() > SHOWN {
         components.sort_by(|a, b| b.share.total_cmp(&a.share));
     }
-    let rest = components.split_off(components.len().min(TOLD));
+    let rest = components.split_off(components.len().min(SHOWN));
     let width = shown::width(components.iter().map(|c| c.name.as_str())).max(9);
     let head = ["component", "steps", "rejected", "us/step", "share"];
     let mut lines = vec![format!(
@@ -72,7 +73,7 @@ fn table(summary: &Summary) -> Vec<String> {
     if !rest.is_empty() {
         let share: f64 = rest.iter().map(|c| c.share).sum();
         lines.push(format!(
-            "and {} more with {:.1} % together (--format json has them all)",
+            "and {} more with {:.1} % in total (--format json has them all)",
             rest.len(),
             share * 100.0
         ));
@@ -81,8 +82,8 @@ fn table(summary: &Summary) -> Vec<String> {
 }
 
 /// The same as JSON, in SI units.
-pub(crate) fn json(told: &Told) -> Value {
-    let Told { system, summary, spent, target, overruns, digest } = told;
+pub(crate) fn json(result: &RunResult) -> Value {
+    let RunResult { system, summary, spent, target, overruns, digest } = result;
     let warnings = [system.warnings(), &summary.warnings].concat();
     json!({
         "name": system.name(),

@@ -1,4 +1,4 @@
-//! `cosim validate`: everything that is wrong with an FMU or a system, at once.
+//! `cosim validate`: all problems of an FMU or a system at once.
 
 use std::path::{Path, PathBuf};
 
@@ -13,18 +13,18 @@ use super::{Format, messages, problems};
 /// Check an FMU or a system without running it, and report all problems at once
 #[derive(Args)]
 pub(crate) struct Validate {
-    /// A .fmu, .ssd, .ssp or OspSystemStructure.xml file, or the folder of the last
+    /// A .fmu, .ssd, .ssp or OspSystemStructure.xml file, or the folder of the latter
     file: PathBuf,
-    /// First verify the signature FILE.sig with this public key; without a good one nothing of the
-    /// file is loaded
+    /// First verify the signature FILE.sig with this public key; without a valid one, nothing in
+    /// the file is loaded
     #[arg(long, value_name = "KEY.pub")]
     verify_signature: Option<PathBuf>,
-    /// For people or for programs
+    /// Output format
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 }
 
-/// What a valid file is like.
+/// The description of a valid file.
 #[derive(Default)]
 struct Findings {
     warnings: Vec<String>,
@@ -41,8 +41,8 @@ impl Validate {
         }
         let findings = result?;
         if self.format == Format::Text {
-            messages::tell_some(&findings.warnings, messages::warning);
-            messages::tell_some(&findings.notes, messages::note);
+            messages::report_some(&findings.warnings, messages::warning);
+            messages::report_some(&findings.notes, messages::note);
             print(&format!("{} is valid", self.file.display()))?;
         }
         Ok(())

@@ -29,7 +29,7 @@ pub(crate) fn interface(text: &str) -> Result<(String, InterfaceType), String> {
 pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
-        _ => Err(format!("'{text}' is no number of seconds")),
+        _ => Err(format!("'{text}' is not a number of seconds")),
     }
 }
 
@@ -37,16 +37,16 @@ pub(crate) fn seconds(text: &str) -> Result<f64, String> {
 pub(crate) fn factor(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
-        _ => Err(format!("'{text}' is no factor greater than 0")),
+        _ => Err(format!("'{text}' is not a factor greater than 0")),
     }
 }
 
-/// A number that is not negative, of all or of a named variable.
+/// A non-negative number, for all or for a named variable.
 pub(crate) fn tolerance(text: &str) -> Result<(String, f64), String> {
     let (name, value) = text.rsplit_once('=').unwrap_or(("*", text));
     match value.trim().parse::<f64>() {
         Ok(number) if number.is_finite() && number >= 0.0 => Ok((name.trim().to_owned(), number)),
-        _ => Err(format!("'{value}' is no number from 0 on")),
+        _ => Err(format!("'{value}' is not a number from 0 on")),
     }
 }
 

@@ -1,4 +1,4 @@
-//! `cosim verify`: whether two runs gave the same, and if not, where they part.
+//! `cosim verify`: whether two runs gave the same results, and if not, where they diverge.
 
 use std::path::{Path, PathBuf};
 
@@ -9,28 +9,28 @@ use cosim::{Code, Error, Recording, Result};
 use super::output::print;
 use super::values;
 
-/// Compare two files of results bit by bit or within tolerances, or one with a digest
+/// Compare two result files bit by bit or within tolerances, or one with a digest
 #[derive(Args)]
 pub(crate) struct Verify {
     /// Results: CSV or MCAP; or a list of digests (--digest-file)
     a: PathBuf,
-    /// The other results, CSV or MCAP, or the digest that a run printed
+    /// The other results (CSV or MCAP), or the digest that a run printed
     b: PathBuf,
-    /// Values may differ by this, or those of a variable or pattern (repeatable)
+    /// Allowed difference, for all variables or for a name or pattern (repeatable)
     #[arg(long, value_name = "[NAME=]NUMBER", value_parser = values::tolerance)]
     abs: Vec<(String, f64)>,
-    /// Values may differ by this part of the greater one, or those of a variable or pattern
-    /// (repeatable); both together: by the sum
+    /// Allowed difference relative to the greater value, for all variables or for a name or pattern
+    /// (repeatable); if both are given, their sum
     #[arg(long, value_name = "[NAME=]NUMBER", value_parser = values::tolerance)]
     rel: Vec<(String, f64)>,
-    /// Compare at every instant of A: B is the straight line between its samples (default: at the
-    /// instants that both have)
+    /// Compare at every instant of A: B is interpolated linearly between its samples (default: at
+    /// common instants)
     #[arg(long)]
     interpolate: bool,
 }
 
-/// So many variables are told one by one.
-const TOLD: usize = 20;
+/// How many variables are listed individually.
+const SHOWN: usize = 20;
 
 impl Verify {
     pub(crate) fn run(self) -> Result<()> {
@@ -56,10 +56,10 @@ impl Verify {
             ));
         }
         let largest = Closeness::of(&a, &b, &Tolerance::new()).largest;
-        self.tell(&found, largest)
+        self.print_comparison(&found, largest)
     }
 
-    /// What may differ; nothing without such an option.
+    /// The tolerances; `None` without such an option.
     fn tolerance(&self) -> Option<Tolerance> {
         if self.abs.is_empty() && self.rel.is_empty() && !self.interpolate {
             return None;
@@ -72,14 +72,14 @@ impl Verify {
     fn within(&self, found: &Closeness) -> Result<()> {
         let names = [&self.a, &self.b].map(|file| file.display().to_string());
         self.only((&found.only.0, &found.only.1), &names)?;
-        for beyond in found.beyond.iter().take(TOLD) {
+        for beyond in found.beyond.iter().take(SHOWN) {
             print(&format!(
                 "too far apart at {} of {} samples, first at t = {}: {}",
                 beyond.samples, found.samples, beyond.first, beyond.worst
             ))?;
         }
-        if found.beyond.len() > TOLD {
-            print(&format!("and {} more variables", found.beyond.len() - TOLD))?;
+        if found.beyond.len() > SHOWN {
+            print(&format!("and {} more variables", found.beyond.len() - SHOWN))?;
         }
         if let Some(largest) = &found.largest {
             print(&format!("largest difference: {largest}"))?;
@@ -104,27 +104,27 @@ impl Verify {
     fn only(&self, (a, b): (&[String], &[String]), names: &[String; 2]) -> Result<()> {
         for (only, name) in [(a, &names[0]), (b, &names[1])] {
             if !only.is_empty() {
-                let told = only[..only.len().min(TOLD)].join(", ");
-                let more = only.len().saturating_sub(TOLD);
+                let names = only[..only.len().min(SHOWN)].join(", ");
+                let more = only.len().saturating_sub(SHOWN);
                 let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-                print(&format!("only {name} has: {told}{more}"))?;
+                print(&format!("only {name} has: {names}{more}"))?;
             }
         }
         Ok(())
     }
 
-    fn tell(&self, found: &Comparison, largest: Option<Apart>) -> Result<()> {
+    fn print_comparison(&self, found: &Comparison, largest: Option<Apart>) -> Result<()> {
         let names = [&self.a, &self.b].map(|file| file.display().to_string());
         self.only((&found.only_a, &found.only_b), &names)?;
-        for (a, b) in found.renamed().into_iter().take(TOLD) {
+        for (a, b) in found.renamed().into_iter().take(SHOWN) {
             print(&format!("is '{a}' called '{b}' in the other?"))?;
         }
         if let Some(Parting::Values { variables, .. }) = &found.parting {
-            for variable in variables.iter().take(TOLD) {
+            for variable in variables.iter().take(SHOWN) {
                 print(&variable.to_string())?;
             }
-            if variables.len() > TOLD {
-                print(&format!("and {} more variables", variables.len() - TOLD))?;
+            if variables.len() > SHOWN {
+                print(&format!("and {} more variables", variables.len() - SHOWN))?;
             }
         }
         if let Some(largest) = largest {
@@ -143,7 +143,7 @@ impl Verify {
             false => Err(Error::new(Code::Parted, "the results have another digest")
                 .at(&self.a)
                 .why(format!("it is {found}"))
-                .help("two files tell where they part: cosim verify A B")),
+                .help("compare two files to see where they diverge: cosim verify A B")),
         }
     }
 
@@ -164,7 +164,7 @@ impl Verify {
                 let what = format!("the runs part at sample {sample}, {when}");
                 Err(Error::new(Code::Parted, what)
                     .why(format!("{sample} digests before it are the same"))
-                    .help("the results themselves tell the variables: cosim verify A B"))
+                    .help("compare the results themselves to see the variables: cosim verify A B"))
             }
         }
     }

@@ -1,4 +1,4 @@
-//! `cosim watch`: how a distributed run stands, in the terminal.
+//! `cosim watch`: shows the status of a distributed run in the terminal.
 
 use std::fmt::Write as _;
 use std::io::{IsTerminal, Write as _};
@@ -12,13 +12,13 @@ use super::Format;
 use super::distributed::Reach;
 use super::interrupt::Interrupt;
 
-/// Show how a distributed run stands, until it ends
+/// Show the status of a distributed run until it ends
 #[derive(Args)]
 pub(crate) struct Watch {
     /// Where the run listens (default: tcp/127.0.0.1:7447)
     #[arg(long, value_name = "ENDPOINT")]
     connect: Option<String>,
-    /// For people, or a line of JSON for each message
+    /// Text, or a line of JSON for each message
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
     #[command(flatten)]
@@ -40,7 +40,7 @@ impl Watch {
             }
             Format::Text if terminal => {
                 let table = table(status);
-                // Back to the first line of the last table, and away with it.
+                // Moves to the first line of the previous table and clears it.
                 let back = if above > 0 { format!("\x1b[{above}A\x1b[J") } else { String::new() };
                 above = table.lines().count();
                 let mut out = std::io::stdout().lock();
@@ -59,7 +59,7 @@ fn unshown(why: impl std::fmt::Display) -> Error {
 /// One line, for logs.
 fn line(status: &Status) -> String {
     let awaited: Vec<String> = status.groups.iter().filter_map(waiting).collect();
-    let awaited = if awaited.is_empty() { "nobody".to_owned() } else { awaited.join("; ") };
+    let awaited = if awaited.is_empty() { "no group".to_owned() } else { awaited.join("; ") };
     let end = if status.ended { ", ended" } else { "" };
     format!("{}; waiting for {awaited}{end}", head(status))
 }
@@ -86,7 +86,7 @@ fn table(status: &Status) -> String {
     text.push_str(&head);
     for group in &status.groups {
         let waits = group.awaited.map_or("-".to_owned(), |since| format!("{:.1}", since * 1e3));
-        // Writing to a text cannot fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(
             text,
             "{:<20} {:>4} {:>9} {:>8.3} {:>8.1} {waits:>8}  {}",
@@ -106,7 +106,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn who_is_waited_for_is_named() {
+    fn the_awaited_group_is_named() {
         let group = |name: &str, awaited| GroupStatus {
             components: vec![name.to_owned()],
             place: format!("worker {name}"),

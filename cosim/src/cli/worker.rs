@@ -1,4 +1,5 @@
-//! `cosim worker`: lends this machine to runs; and the process for one group of components.
+//! `cosim worker`: makes this machine available to runs; also the process for one group of
+//! components.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -10,13 +11,13 @@ use cosim::{Code, Error, Result, distributed};
 use super::distributed::Reach;
 use super::interrupt::Interrupt;
 
-/// Lend this machine to distributed runs
+/// Make this machine available to distributed runs
 #[derive(Args)]
 pub(crate) struct Worker {
-    /// Name of this worker (default: the machine's name and a number)
+    /// Name of this worker (default: the host name and a number)
     #[arg(long)]
     name: Option<String>,
-    /// Where runs and remote FMUs listen; several with commas between are all served (default:
+    /// Where runs and remote FMUs listen; several, separated by commas, are all served (default:
     /// tcp/127.0.0.1:7447)
     #[arg(long, value_name = "ENDPOINT")]
     connect: Option<String>,
@@ -29,19 +30,19 @@ pub(crate) struct Worker {
     reach: Reach,
 }
 
-/// What a worker lends to runs.
+/// What a worker provides to runs.
 #[derive(Args)]
 struct Lent {
-    /// Load this FMU when a run sends it: its SHA-256, its file, or a folder of FMUs (repeatable)
+    /// Load this FMU if a run sends it: its SHA-256, its file, or a folder of FMUs (repeatable)
     #[arg(long, value_name = "HASH|FILE|FOLDER")]
     allow: Vec<String>,
-    /// Refuse to start unless each file of --allow has a signature FILE.sig of this public key
+    /// Refuse to start unless each file of --allow has a signature FILE.sig by this public key
     #[arg(long, value_name = "KEY.pub")]
     verify_signature: Option<PathBuf>,
     /// Load every FMU that a run sends
     #[arg(long)]
     allow_upload: bool,
-    /// Do not confine FMUs: they may do whatever this user may
+    /// Do not confine FMUs: they may do anything this user may
     #[arg(long)]
     no_confine: bool,
     /// Let confined FMUs read this file or folder (repeatable)
@@ -50,7 +51,7 @@ struct Lent {
 }
 
 impl Lent {
-    /// With what the configuration file says.
+    /// Combined with the configuration file.
     fn and(self, ours: &Ours) -> Self {
         Self {
             allow: [self.allow, ours.allow.clone()].concat(),
@@ -61,7 +62,7 @@ impl Lent {
         }
     }
 
-    /// For the processes of groups: the files are read once.
+    /// For the processes of groups: the files are read only once.
     fn arguments(&self, allowed: &Allowed) -> Vec<String> {
         let hashes = allowed.list().flat_map(|item| ["--allow".to_owned(), item]);
         let flags = [(allowed.all, "--allow-upload"), (self.no_confine, "--no-confine")];
@@ -72,13 +73,13 @@ impl Lent {
     }
 }
 
-/// List the workers that dial an endpoint
+/// List the workers that connect to an endpoint
 #[derive(Args)]
 pub(crate) struct Workers {
-    /// Where workers dial (default: tcp/127.0.0.1:7447)
+    /// Where workers connect (default: tcp/127.0.0.1:7447)
     #[arg(long, value_name = "ENDPOINT")]
     listen: Option<String>,
-    /// Wait so long for them
+    /// How long to wait for them, in seconds
     #[arg(long, value_name = "SECONDS", default_value = "2", value_parser = super::values::seconds)]
     wait: f64,
     #[command(flatten)]
@@ -103,7 +104,7 @@ impl Workers {
     }
 }
 
-/// Compute a group of components, as a worker asks
+/// Compute a group of components, as requested by a worker
 #[derive(Args)]
 #[command(hide = true)]
 pub(crate) struct Group {
@@ -158,11 +159,11 @@ impl Worker {
     }
 }
 
-/// How long an endpoint that failed is left alone.
+/// How long to wait before trying a failed endpoint again.
 const PAUSE: Duration = Duration::from_secs(1);
 
-/// Serves each endpoint in a thread of its own. If there are several, a failure of one is reported and
-/// does not end the others; a lost session is dialled again.
+/// Serves each endpoint in its own thread. If there are several, a failure of one is reported and
+/// does not end the others; a lost session is connected again.
 fn serve_all(workers: &[distributed::Worker], ended: &(dyn Fn() -> bool + Sync)) -> Result<()> {
     if let [only] = workers {
         return only.serve(ended);
@@ -175,23 +176,23 @@ fn serve_all(workers: &[distributed::Worker], ended: &(dyn Fn() -> bool + Sync))
             thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
         };
         let outcomes: Vec<Result<()>> = threads.into_iter().map(join).collect();
-        // Those that were told to end count more than those that failed before.
+        // Workers that were asked to end take precedence over those that failed before.
         outcomes.into_iter().reduce(|a, b| if a.is_ok() { a } else { b }).unwrap_or(Ok(()))
     })
 }
 
 fn serve_again(worker: &distributed::Worker, ended: &(dyn Fn() -> bool + Sync)) -> Result<()> {
-    let mut told = String::new();
+    let mut reported = String::new();
     loop {
         let error = match worker.serve(ended) {
             Err(error) if !ended() => error,
             served => return served,
         };
         let text = error.to_string();
-        if text != told {
+        if text != reported {
             let endpoint = worker.access.endpoints.join(", ");
             super::messages::warning(&format!("the endpoint {endpoint} is not served: {text}"));
-            told = text;
+            reported = text;
         }
         if error.code() != Code::Session {
             return Err(error);
@@ -218,15 +219,14 @@ impl Group {
 
 /// The path of this executable.
 pub(crate) fn this_program() -> Result<String> {
-    let path = std::env::current_exe().map_err(|why| {
-        Error::new(Code::Session, "this program does not know where it is").why(why)
-    })?;
+    let path = std::env::current_exe()
+        .map_err(|why| Error::new(Code::Session, "the path of this program is unknown").why(why))?;
     path.into_os_string()
         .into_string()
         .map_err(|path| Error::new(Code::Session, "the path of this program is not UTF-8").at(path))
 }
 
-/// Nothing that was started for somebody outlives it, however that ends.
+/// Processes started for another one must not outlive it, however it ends.
 fn end_with_parent() -> Result<()> {
     use rustix::process::{Signal, getppid, set_parent_process_death_signal};
     let before = getppid();

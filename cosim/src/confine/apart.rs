@@ -1,4 +1,4 @@
-//! A process behind namespaces, and the end of everything that processes started.
+//! Runs a process in its own namespaces, and ends everything that processes started.
 #![allow(unsafe_code, reason = "system calls without a safe form")]
 
 use std::io;
@@ -8,11 +8,11 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::error::{Code, Error, Result};
 
-/// The side of a process that [`Apart::go`] left.
+/// The side of a process on which [`Apart::go`] returns.
 pub enum Apart {
-    /// The one that goes on, with nobody else in sight; whether in namespaces of its own.
+    /// The process that continues and sees no other process; whether it has its own namespaces.
     Inside(bool),
-    /// The ones around it: their work is done, and this is the status to end with.
+    /// The surrounding processes: their work is done, and this is the status to exit with.
     Outside(i32),
 }
 
@@ -25,14 +25,14 @@ const NAMESPACES: libc::c_int = libc::CLONE_NEWUSER
     | libc::CLONE_NEWUTS;
 
 impl Apart {
-    /// Goes on in namespaces of its own for users, processes, networks, mounts and IPC, where the
-    /// kernel allows that, and otherwise as it is. This process waits outside for the end of the one
-    /// that goes on; in between is the first process of the new namespace, whose end is that of all
-    /// that were started there. Called while there is one thread.
+    /// Continues in new namespaces for users, processes, networks, mounts and IPC, where the kernel
+    /// allows that, and unchanged otherwise. This process waits outside for the end of the one that
+    /// continues; between them is the first process of the new namespace, whose end is the end of
+    /// everything started there. Must be called while there is only one thread.
     pub fn go() -> Result<Self> {
-        // SAFETY: asks for numbers.
+        // SAFETY: only queries ids.
         let (user, group) = unsafe { (libc::geteuid(), libc::getegid()) };
-        // SAFETY: there is one thread, and nothing here depends on what is left.
+        // SAFETY: there is one thread, and nothing here depends on what is left behind.
         if unsafe { libc::unshare(NAMESPACES) } != 0 {
             return Ok(Self::Inside(false));
         }
@@ -43,30 +43,30 @@ impl Apart {
         write("setgroups", "deny".to_owned())?;
         write("uid_map", format!("{user} {user} 1"))?;
         write("gid_map", format!("{group} {group} 1"))?;
-        // Those around the one that goes on end when it does, and not before: what a user sends them is
-        // for that one.
+        // The surrounding processes end with the one that continues, and not before: signals from a
+        // user are meant for that one.
         let before = SIGNALS.map(|signal| {
-            // SAFETY: sets how this process takes a signal.
+            // SAFETY: sets how this process handles a signal.
             unsafe { libc::signal(signal, libc::SIG_IGN) }
         });
         if let Some(status) = wait_for_child()? {
             return Ok(Self::Outside(status));
         }
-        // The first process of the namespace: it adopts what the others leave.
+        // The first process of the namespace: it adopts orphans.
         if let Some(status) = wait_for_child()? {
             return Ok(Self::Outside(status));
         }
         for (signal, before) in SIGNALS.into_iter().zip(before) {
-            // SAFETY: sets it back.
+            // SAFETY: restores it.
             unsafe { libc::signal(signal, before) };
         }
         Ok(Self::Inside(true))
     }
 }
 
-/// In the parent: the status to end with, when the child has ended. Nothing in the child.
+/// In the parent: the status to exit with once the child has ended. `None` in the child.
 fn wait_for_child() -> Result<Option<i32>> {
-    // SAFETY: there is one thread, so the child is a whole copy.
+    // SAFETY: there is one thread, so the child is a complete copy.
     match unsafe { libc::fork() } {
         -1 => Err(failed("fork").why(io::Error::last_os_error())),
         0 => {
@@ -91,9 +91,9 @@ fn wait_for_child() -> Result<Option<i32>> {
     }
 }
 
-/// Gives up what a process may do in namespaces that it has made.
+/// Drops the capabilities of a process in namespaces that it has created.
 pub(super) fn drop_capabilities() -> io::Result<()> {
-    // The kernel's structures: version 3, this process; three sets of 64 bits in halves.
+    // The structures of the kernel: version 3, this process; three sets of 64 bits in halves.
     let header: [u32; 2] = [0x2008_0522, 0];
     let none = [[0_u32; 3]; 2];
     // SAFETY: reads the two structures, which live until it returns.
@@ -104,16 +104,16 @@ pub(super) fn drop_capabilities() -> io::Result<()> {
 }
 
 fn failed(what: &str) -> Error {
-    Error::new(Code::Session, format!("a process apart could not be made ({what})"))
+    Error::new(Code::Session, format!("an isolated process could not be created ({what})"))
 }
 
-/// From now on what the processes started here leave behind comes to this one, which can end it.
+/// From now on, orphans of processes started here are adopted by this process, which can end them.
 pub fn reap_descendants() {
     // SAFETY: sets a flag of this process.
     unsafe { libc::prctl(libc::PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0) };
 }
 
-/// The children that this process knows.
+/// The children known to this process.
 static KNOWN: Mutex<Vec<u32>> = Mutex::new(Vec::new());
 
 /// Starts a child that [`kill_orphans`] spares until it is forgotten.
@@ -129,22 +129,22 @@ pub(crate) fn forget(child: u32) {
     KNOWN.lock().unwrap_or_else(PoisonError::into_inner).retain(|known| *known != child);
 }
 
-/// Kills the children of this process that are not known to it, with all that they started: they were
-/// left by others.
+/// Kills the children of this process that it does not know, with everything they started: they are
+/// orphans of other processes.
 pub(crate) fn kill_orphans() {
     let known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
     kill_all(std::process::id(), &|process| known.contains(&process));
 }
 
-/// Kills every process that descends from `root` but itself; whoever starts new ones meanwhile is
-/// stopped first. What is left of them is waited for when they are this process's.
+/// Kills every process that descends from `root`, except `root` itself; processes that start new
+/// ones meanwhile are stopped first. Waits for those that are children of this process.
 pub fn kill_descendants(root: u32) {
     kill_all(root, &|_| false);
 }
 
-/// The same but for children that are spared, and what they started.
+/// The same, except for children that are spared, and what they started.
 fn kill_all(root: u32, is_spared: &dyn Fn(u32) -> bool) {
-    // In a namespace of processes the numbers are others than in /proc, and its end is that of all.
+    // In a PID namespace the numbers differ from those in /proc, and its end is the end of all.
     let own = std::fs::read_link("/proc/self").ok();
     if own.is_none_or(|own| own.to_str() != Some(&std::process::id().to_string())) {
         return;
@@ -161,14 +161,14 @@ fn kill_all(root: u32, is_spared: &dyn Fn(u32) -> bool) {
             }
         }
         for &process in &found {
-            // SAFETY: waits for a child, or fails for what is none.
+            // SAFETY: waits for a child, or fails if it is not one.
             unsafe { libc::waitpid(process, std::ptr::null_mut(), libc::WNOHANG) };
         }
         std::thread::sleep(std::time::Duration::from_millis(1));
     }
 }
 
-/// So often it is looked for those that were started meanwhile.
+/// How often to look for processes that were started meanwhile.
 const ROUNDS: usize = 1000;
 
 fn descendants(root: u32, is_spared: &dyn Fn(u32) -> bool) -> Vec<i32> {
@@ -180,7 +180,7 @@ fn descendants(root: u32, is_spared: &dyn Fn(u32) -> bool) -> Vec<i32> {
             let mut words = stat.rsplit_once(") ")?.1.split(' ');
             let state = words.next()?;
             let parent = words.next()?.parse().ok()?;
-            // The dead start nobody; whoever has to waits for them.
+            // Dead processes start nothing; their parents wait for them.
             (!matches!(state, "Z" | "X")).then_some((process, parent))
         })
         .collect();
@@ -194,15 +194,15 @@ fn descendants(root: u32, is_spared: &dyn Fn(u32) -> bool) -> Vec<i32> {
     found.split_off(1)
 }
 
-/// Closes what the process that started this one had open, but for these: files that an FMU could
-/// write to in spite of all rules.
+/// Closes the files that the parent process had open, except these: files that an FMU could write
+/// to despite all rules.
 pub fn close_inherited(kept: &[i32]) {
     let mut kept: Vec<u32> = kept.iter().filter_map(|&file| u32::try_from(file).ok()).collect();
     kept.sort_unstable();
     let mut first: u32 = 3;
     for file in kept.into_iter().chain([u32::MAX]) {
         if file > first {
-            // SAFETY: called at the start of the process, when nobody owns these descriptors.
+            // SAFETY: called at the start of the process, when nothing owns these descriptors.
             unsafe { libc::syscall(libc::SYS_close_range, first, file - 1, 0) };
         }
         first = file.saturating_add(1);

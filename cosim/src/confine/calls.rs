@@ -1,9 +1,9 @@
-//! Which system calls FMUs do not get (seccomp): what changes the rights and times of files, opens
-//! sockets, starts programs, stops or kills processes, looks into others, or is there for
-//! administrators. Landlock knows nothing of these.
+//! The system calls that FMUs do not get (seccomp): those that change permissions and times of
+//! files, open sockets, start programs, stop or kill processes, inspect other processes, or are
+//! meant for administrators. Landlock does not cover these.
 //!
-//! The filter is a program for the kernel's own machine: it loads the number of a call, and where
-//! that is not enough one of its arguments.
+//! The filter is a program for the kernel's BPF machine: it loads the number of a call and, where
+//! that is not enough, one of its arguments.
 #![allow(unsafe_code, reason = "system calls without a safe form")]
 
 use std::io;
@@ -15,21 +15,21 @@ use libc::{c_long, sock_filter};
 pub(super) enum Programs {
     /// It may, because all of them end with it.
     Allowed,
-    /// It computes alone.
+    /// It runs alone.
     Refused,
 }
 
-/// What the kernel calls this machine (`AUDIT_ARCH_...`).
+/// The kernel's name for this architecture (`AUDIT_ARCH_...`).
 #[cfg(target_arch = "x86_64")]
 const MACHINE: u32 = 0xc000_003e;
 #[cfg(target_arch = "aarch64")]
 const MACHINE: u32 = 0xc000_00b7;
 
-/// Calls of the ABI with numbers of 32 bits, which x86-64 has as well.
+/// Calls of the x32 ABI, which x86-64 has as well.
 #[cfg(target_arch = "x86_64")]
 const OTHER_ABI: u32 = 0x4000_0000;
 
-/// Rights, owners, times and attributes of files, and devices.
+/// Permissions, owners, times and attributes of files, and devices.
 const ATTRIBUTES: &[c_long] = &[
     libc::SYS_fchmod,
     libc::SYS_fchmodat,
@@ -49,7 +49,7 @@ const ATTRIBUTES: &[c_long] = &[
     libc::SYS_mknodat,
 ];
 
-/// The same under the names that only x86-64 has.
+/// The same under names that only x86-64 has.
 #[cfg(target_arch = "x86_64")]
 const OLD_ATTRIBUTES: &[c_long] = &[
     libc::SYS_chmod,
@@ -63,7 +63,7 @@ const OLD_ATTRIBUTES: &[c_long] = &[
 #[cfg(not(target_arch = "x86_64"))]
 const OLD_ATTRIBUTES: &[c_long] = &[];
 
-/// Ways to others: networks, memory and queues of the same user.
+/// Channels to other processes: networks, shared memory and queues of the same user.
 const CHANNELS: &[c_long] = &[
     libc::SYS_socket,
     libc::SYS_connect,
@@ -87,7 +87,8 @@ const CHANNELS: &[c_long] = &[
     libc::SYS_io_uring_register,
 ];
 
-/// What looks into other processes, changes what surrounds the process, or is for administrators.
+/// Calls that inspect other processes, change the environment of the process, or are meant for
+/// administrators.
 const KERNEL: &[c_long] = &[
     libc::SYS_ptrace,
     libc::SYS_process_vm_writev,
@@ -141,7 +142,7 @@ const OLD_KERNEL: &[c_long] = &[libc::SYS_iopl, libc::SYS_ioperm, libc::SYS_modi
 #[cfg(not(target_arch = "x86_64"))]
 const OLD_KERNEL: &[c_long] = &[];
 
-/// What starts programs; new processes are told from threads by an argument.
+/// Calls that start programs; new processes are distinguished from threads by an argument.
 const EXECUTE: &[c_long] = &[libc::SYS_execve, libc::SYS_execveat];
 #[cfg(target_arch = "x86_64")]
 const FORK: &[c_long] = &[libc::SYS_fork, libc::SYS_vfork];
@@ -157,13 +158,13 @@ const SIGNALS: &[(c_long, u32)] = &[
     (libc::SYS_rt_tgsigqueueinfo, 2),
     (424, 1), // pidfd_send_signal
 ];
-/// What looks to others as if somebody had stopped or killed the process.
+/// Signals that look to others as if a user had stopped or killed the process.
 const STOPPING: &[libc::c_int] =
     &[libc::SIGKILL, libc::SIGSTOP, libc::SIGTSTP, libc::SIGTTIN, libc::SIGTTOU];
 
-/// Of terminals: typing for the user.
+/// For terminals: typing on behalf of the user.
 const TYPING: &[libc::c_ulong] = &[0x5412 /* TIOCSTI */, 0x541c /* TIOCLINUX */];
-/// Of processes: outliving the one that started them.
+/// For processes: outliving the parent.
 const TIES: &[libc::c_int] = &[libc::PR_SET_PDEATHSIG, libc::PR_SET_CHILD_SUBREAPER];
 
 const ALLOW: u32 = libc::SECCOMP_RET_ALLOW;
@@ -172,7 +173,7 @@ fn errno(number: libc::c_int) -> u32 {
     libc::SECCOMP_RET_ERRNO | number as u32
 }
 
-/// Where in what the kernel shows a filter its number, machine and arguments are.
+/// Offsets of number, architecture and arguments in the data that the kernel passes to a filter.
 const NUMBER: u32 = 0;
 const ARCHITECTURE: u32 = 4;
 fn argument(position: u32) -> u32 {
@@ -180,7 +181,7 @@ fn argument(position: u32) -> u32 {
     16 + 8 * position
 }
 
-/// A filter being written: instructions, one after the other.
+/// A filter under construction: instructions in sequence.
 struct Program(Vec<sock_filter>);
 
 impl Program {
@@ -196,7 +197,7 @@ impl Program {
         self.push(libc::BPF_RET | libc::BPF_K, 0, 0, what);
     }
 
-    /// Gives `what` if the loaded value is that.
+    /// Returns `what` if the loaded value is equal.
     fn when(&mut self, value: u32, what: u32) {
         self.push(libc::BPF_JMP | libc::BPF_JEQ | libc::BPF_K, 0, 1, value);
         self.give(what);
@@ -215,7 +216,7 @@ impl Program {
         self.0.extend(own.0);
     }
 
-    /// Gives `what` for one call if that argument is one of these values.
+    /// Returns `what` for one call if that argument is one of these values.
     fn argument(&mut self, call: c_long, position: u32, values: &[u32], what: u32) {
         self.of(call, |inside| {
             inside.load(argument(position));
@@ -248,13 +249,13 @@ fn program(programs: Programs) -> Vec<sock_filter> {
     p.argument(libc::SYS_ioctl, 1, &typing, denied);
     let ties: Vec<u32> = TIES.iter().map(|&option| option as u32).collect();
     p.argument(libc::SYS_prctl, 0, &ties, denied);
-    // Of itself the process may set limits: they only go down.
+    // A process may set its own limits: they can only be lowered.
     p.of(libc::SYS_prlimit64, |inside| {
         inside.load(argument(0));
         inside.push(libc::BPF_JMP | libc::BPF_JEQ | libc::BPF_K, 1, 0, 0);
         inside.give(denied);
     });
-    // Its own memory it reads so that what is not there is an error: texts of messages.
+    // It reads its own memory this way so that an invalid address is an error: texts of messages.
     p.of(libc::SYS_process_vm_readv, |inside| {
         inside.load(argument(0));
         inside.push(libc::BPF_JMP | libc::BPF_JEQ | libc::BPF_K, 1, 0, std::process::id());
@@ -269,14 +270,14 @@ fn program(programs: Programs) -> Vec<sock_filter> {
             inside.push(libc::BPF_JMP | libc::BPF_JSET | libc::BPF_K, 1, 0, thread);
             inside.give(denied);
         });
-        // Its arguments lie in memory, where a filter does not look; the C library falls back.
+        // Its arguments lie in memory, where a filter cannot look; the C library falls back.
         p.calls(&[libc::SYS_clone3], errno(libc::ENOSYS));
     }
     p.give(ALLOW);
     p.0
 }
 
-/// For all threads of this process, for ever.
+/// For all threads of this process, permanently.
 pub(super) fn refuse(programs: Programs) -> io::Result<()> {
     let mut program = program(programs);
     let length = program.len().try_into().map_err(io::Error::other)?;
@@ -304,7 +305,7 @@ pub(super) fn is_unknown(why: &io::Error) -> bool {
 mod tests {
     use super::*;
 
-    /// Jumps stay inside, the last instruction is a return, and the kernel takes no more than 4096.
+    /// Jumps stay inside, the last instruction is a return, and the kernel takes at most 4096.
     #[test]
     fn the_filter_is_a_program_that_ends() {
         for programs in [Programs::Allowed, Programs::Refused] {

@@ -1,15 +1,17 @@
-//! How much of the machine FMUs get (`setrlimit`).
+//! Resource limits of FMUs (`setrlimit`).
 #![allow(unsafe_code, reason = "system calls without a safe form")]
 
 use std::io;
 
-/// A file may have so many bytes: results of days fit, an FMU that writes for ever ends.
+/// Maximum size of a file in bytes: enough for results of days, but an FMU that writes forever
+/// ends.
 const FILE: u64 = 16 << 30;
 const OPEN_FILES: u64 = 1024;
-/// Of processes and threads, where they are counted apart from the user's others.
+/// Maximum number of processes and threads, where they are counted separately from others of the
+/// user.
 const THREADS: u64 = 1024;
 
-/// For this process and those that it starts, for ever. Memory: as much as the machine has.
+/// For this process and those that it starts, permanently. Memory: as much as the machine has.
 pub(super) fn set(counted_apart: bool) -> io::Result<()> {
     let mut limits = vec![
         (libc::RLIMIT_CORE, 0),
@@ -44,6 +46,6 @@ fn memory() -> u64 {
     let (pages, size) =
         unsafe { (libc::sysconf(libc::_SC_PHYS_PAGES), libc::sysconf(libc::_SC_PAGESIZE)) };
     let bytes = u64::try_from(pages).unwrap_or(0) * u64::try_from(size).unwrap_or(0);
-    // A machine that does not say it has enough.
+    // A machine that does not report it is assumed to have enough.
     if bytes == 0 { libc::RLIM_INFINITY } else { bytes.max(1 << 30) }
 }

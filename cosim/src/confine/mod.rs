@@ -1,17 +1,17 @@
-//! What processes with FMUs may do: compute. An FMU is native code of somebody else.
+//! What processes with FMUs may do: compute. An FMU is third-party native code.
 //!
-//! Four layers, which need no rights and hold for ever:
+//! Four layers, which need no privileges and are permanent:
 //!
-//! * Landlock for the whole process, before it does anything else: nothing outside of its temporary
-//!   folder is written, TCP goes nowhere but to the port of the coordinator, and signals reach nobody
-//!   outside;
+//! * Landlock for the whole process, before it does anything else: nothing outside its temporary
+//!   folder is written, TCP connects only to the port of the coordinator, and signals reach no
+//!   outside process;
 //! * limits of memory, files and their sizes (`limits`);
-//! * for the thread that computes, and for those that FMUs start: no TCP at all, and nothing is read
-//!   but programs, libraries and what was said to be readable;
-//! * a filter of system calls for all threads (`calls`): no rights, owners or times of files are
+//! * for the thread that computes, and for those that FMUs start: no TCP at all, and only programs,
+//!   libraries and explicitly readable files are read;
+//! * a system call filter for all threads (`calls`): no permissions, owners or times of files are
 //!   changed, no sockets opened, no programs started, no processes stopped.
 //!
-//! `apart` puts a process behind namespaces as well.
+//! `apart` additionally puts a process into its own namespaces.
 
 mod apart;
 mod calls;
@@ -30,13 +30,13 @@ pub use apart::{Apart, close_inherited, kill_descendants, reap_descendants};
 pub(crate) use apart::{forget, kill_orphans, spawn};
 use calls::Programs;
 
-/// The first version of Landlock that knows networks.
+/// The first version of Landlock that supports networks.
 const NEEDED: ABI = ABI::V4;
-/// What later ones add is used where it is there.
+/// Features of later versions are used where available.
 const WANTED: ABI = ABI::V6;
-/// What programs write to that is no file.
+/// Devices that programs write to.
 const SINKS: [&str; 3] = ["/dev/null", "/dev/zero", "/dev/full"];
-/// What every program reads: itself, libraries and what these are told about the machine.
+/// What every program reads: itself, libraries and information about the machine.
 const READABLE: [&str; 22] = [
     "/usr",
     "/lib",
@@ -61,13 +61,13 @@ const READABLE: [&str; 22] = [
     "/sys/devices/system/cpu",
     "/proc/self",
 ];
-/// Of the machine, without a name of anybody in them.
+/// Information about the machine, without names of users.
 const READABLE_OF_PROC: [&str; 4] =
     ["/proc/cpuinfo", "/proc/meminfo", "/proc/stat", "/proc/sys/vm/overcommit_memory"];
 
 type Attempt<T> = Result<T, Box<dyn std::error::Error>>;
 
-/// For the whole process, which writes only below `folder`, and dials only these ports.
+/// For the whole process, which writes only below `folder`, and connects only to these ports.
 pub(crate) fn process(ports: &[u16], folder: &Path, counted_apart: bool) -> Result<()> {
     let confine = || -> Attempt<()> {
         limits::set(counted_apart)?;
@@ -80,7 +80,7 @@ pub(crate) fn process(ports: &[u16], folder: &Path, counted_apart: bool) -> Resu
             .create()?
             .add_rule(PathBeneath::new(PathFd::new(folder)?, AccessFs::from_write(WANTED)))?;
         for sink in SINKS {
-            // A machine without such a file has nobody who writes to it.
+            // A machine without such a file has no process that writes to it.
             if let Ok(sink) = PathFd::new(sink) {
                 let write = AccessFs::WriteFile | AccessFs::Truncate;
                 rules = rules.add_rule(PathBeneath::new(sink, write))?;
@@ -95,10 +95,9 @@ pub(crate) fn process(ports: &[u16], folder: &Path, counted_apart: bool) -> Resu
     confine().map_err(unconfined_by)
 }
 
-/// For the calling thread and those that it will start: no TCP, and nothing is read but libraries,
-/// what lies below `folder` and what is `readable`. And for all threads the filter of system calls.
-/// Only a process whose programs all end with it may start some. `strict`: a kernel that has no
-/// filters is an error.
+/// For the calling thread and those that it will start: no TCP, and only libraries, files below
+/// `folder` and `readable` are read. For all threads, the system call filter. A process may start
+/// programs only if all of them end with it. `strict`: a kernel without filters is an error.
 pub(crate) fn this_thread(
     folder: &Path,
     readable: &[PathBuf],
@@ -116,14 +115,14 @@ pub(crate) fn this_thread(
         let named = READABLE.iter().chain(&READABLE_OF_PROC).map(Path::new);
         let all = named.chain([folder]).chain(own.as_deref());
         for path in all.chain(readable.iter().map(PathBuf::as_path)) {
-            // What is not there is not read.
+            // Paths that do not exist are not read.
             let Ok(opened) = PathFd::new(path) else { continue };
             let access = if path.is_dir() { read } else { AccessFs::ReadFile | AccessFs::Execute };
             rules = rules.add_rule(PathBeneath::new(opened, access))?;
         }
         rules.restrict_self()?;
         match calls::refuse(if programs { Programs::Allowed } else { Programs::Refused }) {
-            // A kernel without filters; as without Landlock, that is told and not refused.
+            // A kernel without filters: as without Landlock, this is reported and not refused.
             Err(why) if !strict && calls::is_unknown(&why) => Ok(()),
             refused => Ok(refused?),
         }
@@ -131,8 +130,8 @@ pub(crate) fn this_thread(
     confine().map_err(unconfined_by)
 }
 
-/// For an isolated run, at its start: it writes only below `folder`, and dials nobody. In namespaces
-/// of its own its processes are counted apart from the user's others.
+/// For an isolated run, at its start: it writes only below `folder`, and makes no connections. In
+/// its own namespaces its processes are counted separately from others of the user.
 pub fn this_process_writes(folder: &Path, apart: bool) -> Result<()> {
     APART.store(apart, Ordering::Relaxed);
     if apart {
@@ -141,16 +140,16 @@ pub fn this_process_writes(folder: &Path, apart: bool) -> Result<()> {
     process(&[], folder, apart)
 }
 
-/// Whether all that this process starts ends with it.
+/// Whether everything that this process starts ends with it.
 static APART: AtomicBool = AtomicBool::new(false);
 
-/// For an isolated run, before FMUs are loaded: from now on it reads libraries, `folder` and what is
+/// For an isolated run, before FMUs are loaded: from now on it reads only libraries, `folder` and
 /// `readable`, and starts programs only if they are wanted and end with it.
 pub fn this_process_computes(folder: &Path, readable: &[PathBuf], programs: bool) -> Result<()> {
     this_thread(folder, readable, programs && APART.load(Ordering::Relaxed), true)
 }
 
-/// Why FMUs cannot be confined here; nothing when they can.
+/// Why FMUs cannot be confined here; `None` if they can.
 pub fn unconfined() -> Option<String> {
     let supported = Ruleset::default()
         .set_compatibility(CompatLevel::HardRequirement)
@@ -159,16 +158,16 @@ pub fn unconfined() -> Option<String> {
         .and_then(Ruleset::create);
     supported.err().map(|why| {
         format!(
-            "FMUs are not confined: the kernel has no Landlock that knows files and networks \
+            "FMUs are not confined: the kernel has no Landlock for files and networks \
              (Linux 6.7 and later): {why}"
         )
     })
 }
 
-/// What is said where the kernel cannot.
+/// Shown if the kernel does not support it.
 pub(crate) const LOOSE: &str = "not confined: the kernel has no Landlock";
 
-/// In a few words.
+/// A short description.
 pub(crate) fn describe(wanted: bool) -> String {
     let text = match (wanted, unconfined()) {
         (true, None) => "confined by Landlock and seccomp",
@@ -181,5 +180,5 @@ pub(crate) fn describe(wanted: bool) -> String {
 fn unconfined_by(why: Box<dyn std::error::Error>) -> Error {
     Error::new(Code::Session, "the process with the FMUs could not be confined")
         .why(why)
-        .help("--no-confine of a worker does without")
+        .help("start the worker with --no-confine to run without")
 }

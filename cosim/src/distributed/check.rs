@@ -1,8 +1,8 @@
-//! What a set-up says fits together: every position lies in its table, every length is that of
+//! Checks that a set-up is consistent: every position lies within its table, every length matches
 //! what it counts.
 //!
-//! A checksum tells that a message arrived as it was sent, not that it makes sense. The engine
-//! looks into its tables without asking; who sends others must be refused before.
+//! A checksum proves that a message arrived as it was sent, not that it makes sense. The engine
+//! indexes its tables without checking, so an inconsistent set-up must be refused here.
 
 use std::ops::Range;
 use std::os::unix::ffi::OsStrExt;
@@ -16,19 +16,19 @@ use crate::master::{Node, Plan};
 use crate::system::Component;
 use crate::time::Time;
 
-/// More values than these are no system: they would be room for nothing.
+/// No real system has more values; larger tables would only waste memory.
 const MOST: usize = 1 << 24;
-/// As with times that are read from text (73 years), sums of two have room.
+/// The limit for times read from text (73 years): the sum of two does not overflow.
 const LATEST: i64 = 1 << 61;
 
-/// Refuses with what is wrong, and where.
+/// Fails with a description of what is wrong, and where.
 fn require(holds: bool, what: impl FnOnce() -> String) -> Result<()> {
     if holds {
         return Ok(());
     }
     Err(Error::new(Code::Protocol, "the set-up of a group contradicts itself")
         .why(what())
-        .help("whoever sent it is no run of this cosim"))
+        .help("it was not sent by a run of this version of cosim"))
 }
 
 /// All of these are below `limit`.
@@ -40,7 +40,7 @@ fn below(limit: usize, mut all: impl Iterator<Item = usize>, what: &str) -> Resu
 }
 
 impl Setup {
-    /// Whether its tables fit together.
+    /// Checks that the tables fit together.
     pub(super) fn check(&self) -> Result<()> {
         let (nodes, components) = (self.plan.nodes.len(), self.components.len());
         require(nodes == components, || {
@@ -65,16 +65,16 @@ impl Setup {
             return Ok(());
         };
         let times = state.ends.iter().chain([time]);
-        require(times.copied().all(timely), || "its state is of no time".to_owned())
+        require(times.copied().all(timely), || "the time of its state is out of range".to_owned())
     }
 }
 
-/// Hash and name become names of files here.
+/// Hash and name become file names on this machine.
 pub(super) fn check_file(FmuFile { sha256, name }: &FmuFile) -> Result<()> {
     let is_hash = sha256.len() == 64 && sha256.bytes().all(|octet| octet.is_ascii_hexdigit());
-    require(is_hash, || format!("'{sha256}' is no SHA-256"))?;
+    require(is_hash, || format!("'{sha256}' is not a SHA-256"))?;
     let is_name = Path::new(name).file_name().is_some_and(|own| own.as_bytes() == name.as_bytes());
-    require(is_name, || format!("'{name}' is no name of a file"))
+    require(is_name, || format!("'{name}' is not a file name"))
 }
 
 fn check_plan(plan: &Plan) -> Result<()> {
@@ -143,7 +143,7 @@ fn check_group(plan: &Plan, group: &Group) -> Result<()> {
     })
 }
 
-/// Each of `count` components once.
+/// `order` has each of `count` components once.
 fn check_order(count: usize, order: &[usize], what: &str) -> Result<()> {
     below(count, order.iter().copied(), what)?;
     let mut met = vec![false; count];
@@ -154,10 +154,10 @@ fn check_order(count: usize, order: &[usize], what: &str) -> Result<()> {
 }
 
 fn within(slots: &Range<usize>, slot: usize, what: &str) -> Result<()> {
-    require(slots.contains(&slot), || format!("{what} is at {slot}, outside of {slots:?}"))
+    require(slots.contains(&slot), || format!("{what} is at {slot}, outside {slots:?}"))
 }
 
-/// The variables that are meant are there and can be exchanged.
+/// The variables named exist and can be exchanged.
 pub(super) fn check_variables(component: &Component, node: &Node) -> Result<()> {
     let count = component.model.variables();
     let exchanged = [&node.inputs, &node.outputs, &node.recorded].into_iter().flatten().copied();

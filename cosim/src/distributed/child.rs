@@ -1,4 +1,4 @@
-//! The process in which one life of a group is computed.
+//! The process in which one incarnation of a group is computed.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -7,13 +7,13 @@ use std::time::{Duration, Instant};
 
 use zenoh::{Session, Wait};
 
-use super::door::allowed::Allowed;
-use super::door::endpoint::Endpoint;
-use super::door::session::Access;
+use super::access::allowed::Allowed;
+use super::access::endpoint::Endpoint;
+use super::access::session::Access;
+use super::channels::Channels;
 use super::host::{Handled, Host};
 use super::inbox::Inbox;
 use super::keys;
-use super::lanes::Lanes;
 use super::pool::Order;
 use super::setup::{FmuFile, FmuSource};
 use crate::confine;
@@ -22,11 +22,11 @@ use crate::error::{Code, Error, Result};
 use crate::fmi::{Fmu, LastCall};
 use crate::shown::visible;
 
-/// How long the coordinator may take to be heard of.
+/// How long to wait for the coordinator.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// Computes a life of a group, for the worker of that name, until it is told to end; confined, its
-/// FMUs read only what is said here.
+/// Computes one incarnation of a group for the worker of that name until it is asked to finish. If
+/// confined, its FMUs can read only these paths.
 pub fn serve(
     access: &Access,
     worker: &str,
@@ -42,23 +42,23 @@ pub fn serve(
             });
         confine::process(&ports.collect::<Vec<_>>(), &std::env::temp_dir(), false)?;
     }
-    let [quick, session] = access.dial_lanes()?;
-    let lanes = Lanes { quick: &quick, bulk: &session };
-    let life = keys::life(&order.run, worker, order.group, order.generation);
+    let [quick, session] = access.dial_channels()?;
+    let channels = Channels { quick: &quick, bulk: &session };
+    let key = keys::incarnation(&order.run, worker, order.group, order.generation);
     let inbox = Inbox::new();
     let commands = inbox.slot();
-    // Nothing is computed in the callback: it is the thread that receives.
-    let _commands = lanes.hear(&format!("{life}/cmd"), move |bytes| commands.put(bytes))?;
-    let answers = lanes.sender(&format!("{life}/rep"))?;
+    // Nothing is computed in the callback: it runs on the receiving thread.
+    let _commands = channels.hear(&format!("{key}/cmd"), move |bytes| commands.put(bytes))?;
+    let answers = channels.sender(&format!("{key}/rep"))?;
     let begun = Instant::now();
     while !answers.is_heard()? {
         if begun.elapsed() > PATIENCE {
             return Err(Error::new(Code::Lost, "the coordinator does not listen")
-                .why(format!("nobody took {life}/rep for {} s", PATIENCE.as_secs())));
+                .why(format!("no subscriber to {key}/rep for {} s", PATIENCE.as_secs())));
         }
         std::thread::sleep(Duration::from_millis(2));
     }
-    let _tokens = lanes.live(&format!("{life}/alive"))?;
+    let _tokens = channels.live(&format!("{key}/alive"))?;
     let allowed_files: Vec<PathBuf> = allowed.files().map(|(_, file)| file.to_owned()).collect();
     let fmus = Delivered::new(&session, &order.run, worker, allowed)?;
     if let Some(readable) = confined {
@@ -82,7 +82,8 @@ pub fn serve(
         }
     }
     drop(host);
-    // To lose a token is to be lost: they stay until the answer has come, after which nobody listens.
+    // A group whose token disappears counts as lost: keep the tokens until the answer has arrived,
+    // when the coordinator stops listening.
     let ended = Instant::now();
     while answers.is_heard()? && ended.elapsed() < PATIENCE {
         std::thread::sleep(Duration::from_millis(2));
@@ -97,7 +98,7 @@ fn refused(why: zenoh::Error) -> Error {
 /// The name of the file with the last FMI call, in the temporary folder of the process.
 pub(super) const LAST_CALL: &str = "last-call";
 
-/// FMUs that lie here, or that the coordinator sends.
+/// FMUs that are stored here, or that the coordinator sends.
 struct Delivered {
     session: Session,
     run: String,
@@ -129,7 +130,7 @@ impl FmuSource for Delivered {
     }
 
     fn open(&mut self, file: &FmuFile) -> Result<Arc<Fmu>> {
-        // By its own name, which is told when something is wrong with it.
+        // Stored under its own name, which error messages show.
         let folder = self.folder.path().join(&file.sha256);
         let path: PathBuf = folder.join(&file.name);
         if !path.is_file() {

@@ -1,15 +1,15 @@
-//! Drives groups of components elsewhere as one system.
+//! Drives groups of components in other processes as one system.
 //!
-//! The order of all that is computed is that of the engine in one process (`layout` says why), so
-//! the results are the same to the last bit. Every command is kept until a state that contains
-//! its effect was saved; a group that is lost begins a new life from that state and is told the
-//! same commands again, and each answer must be the same as the first time.
+//! Everything is computed in the same order as by the engine in one process (`layout` says why), so
+//! the results are identical to the last bit. Every command is kept until a state that contains its
+//! effect has been saved. A lost group is restarted as a new incarnation from that state, the same
+//! commands are sent again, and each answer must be the same as the first time.
 
+use super::dispatcher::Dispatcher;
 use super::fabric::Fabric;
+use super::group_handle::GroupHandle;
 use super::layout::Layout;
-use super::member::Member;
 use super::options::Options;
-use super::recovery::Crew;
 use super::setup::Setup;
 use super::wire::{Body, Kind, LAST, OPENING, RECORD, put_values};
 use crate::error::{Code, Error, Result};
@@ -17,12 +17,12 @@ use crate::master::{Change, Drive, EngineState, Plan, Report, Saved, Tally, UNSE
 use crate::system::{Model, System};
 use crate::time::Time;
 
-/// A system whose groups are elsewhere.
+/// A system whose groups run in other processes.
 pub(crate) struct Coordinator<'a> {
     pub(super) plan: Plan,
     pub(super) layout: Layout,
-    crew: Crew<'a>,
-    /// Which groups can give their state.
+    dispatcher: Dispatcher<'a>,
+    /// Which groups can save their state.
     can_save: Vec<bool>,
     warnings: Vec<String>,
     values: Vec<f64>,
@@ -32,7 +32,7 @@ pub(crate) struct Coordinator<'a> {
 }
 
 impl<'a> Coordinator<'a> {
-    /// For groups as `layout` says, each of which is made from its set-up.
+    /// Creates a coordinator for the groups of `layout`, each with its set-up.
     pub(crate) fn new(
         system: &System,
         plan: Plan,
@@ -46,7 +46,7 @@ impl<'a> Coordinator<'a> {
         let groups = layout.groups.iter().zip(setups).map(|(group, setup)| {
             let names: Vec<&str> = group.own.iter().map(name).collect();
             let (body, tables) = super::setup::encode(setup)?;
-            Ok((names.join(", "), Member::new(Kind::Setup, body, tables)))
+            Ok((names.join(", "), GroupHandle::new(Kind::Setup, body, tables)))
         });
         let groups = groups.collect::<Result<Vec<_>>>()?;
         let start = system.start_time();
@@ -56,46 +56,46 @@ impl<'a> Coordinator<'a> {
             start,
             plan,
             layout,
-            crew: Crew::new(groups, fabric, options, start),
+            dispatcher: Dispatcher::new(groups, fabric, options, start),
             can_save,
             warnings: Vec::new(),
             instants: 0,
         })
     }
 
-    /// Has something odd to tell at the end.
+    /// Adds warnings to the report at the end.
     pub(crate) fn warn(&mut self, warnings: Vec<String>) {
         self.warnings.extend(warnings);
     }
 
-    /// Gives up what still lives.
+    /// Stops all groups that still run.
     pub(crate) fn end(&mut self) {
-        self.crew.end();
+        self.dispatcher.end();
     }
 
     fn groups(&self) -> std::ops::Range<usize> {
-        0..self.crew.members.len()
+        0..self.dispatcher.groups.len()
     }
 
-    /// Begins a command to a group, with the values that it waits for.
+    /// Begins a command to a group, with the held values that it is waiting for.
     fn command(&mut self, group: usize, kind: Kind, flags: u8) -> Vec<u8> {
-        let member = &mut self.crew.members[group];
-        let opening = member.opening.take();
+        let handle = &mut self.dispatcher.groups[group];
+        let opening = handle.opening.take();
         let flags = if opening.is_some() { flags | OPENING } else { flags };
-        let mut message = member.command(kind, flags, self.crew.now);
+        let mut message = handle.command(kind, flags, self.dispatcher.now);
         if let Some(values) = opening {
             put_values(&mut message, 0..values.len(), &values);
         }
         message
     }
 
-    /// Tells all groups the same and reads all their outputs.
-    fn tell_all(&mut self, kind: Kind) -> Result<()> {
+    /// Sends all groups the same command and reads all their outputs.
+    fn send_all(&mut self, kind: Kind) -> Result<()> {
         for group in self.groups() {
             let message = self.command(group, kind, 0);
-            self.crew.tell(group, message)?;
+            self.dispatcher.send(group, message)?;
         }
-        for (group, answer) in self.crew.answers()? {
+        for (group, answer) in self.dispatcher.answers()? {
             let mut body = Body::after_header(&answer);
             let own = &self.layout.groups[group].own;
             read(&mut body, self.plan.outputs(own), &mut self.values)?;
@@ -110,8 +110,8 @@ impl<'a> Coordinator<'a> {
         message.extend((number as u32).to_le_bytes());
         let part = &self.layout.groups[group].stretches[number];
         put_values(&mut message, part.reads.iter().copied(), &self.values);
-        self.crew.tell(group, message)?;
-        for (group, answer) in self.crew.answers()? {
+        self.dispatcher.send(group, message)?;
+        for (group, answer) in self.dispatcher.answers()? {
             let mut body = Body::after_header(&answer);
             let members = &self.layout.groups[group].stretches[number].members;
             read(&mut body, self.plan.outputs(members), &mut self.values)?;
@@ -120,7 +120,7 @@ impl<'a> Coordinator<'a> {
         Ok(())
     }
 
-    /// As in an ordinary run (`Engine::settle`), one stretch after the other.
+    /// As in an ordinary run (`Engine::settle`), one stretch after another.
     fn settle(&mut self) -> Result<()> {
         let mut before = vec![0; self.values.len()];
         for _ in 0..passes(&self.plan) {
@@ -138,33 +138,33 @@ impl<'a> Coordinator<'a> {
         Ok(())
     }
 
-    /// Keeps for some groups the values that they hold from now on.
+    /// Stores the values that these groups hold from now on.
     fn keep_held(&mut self, groups: impl IntoIterator<Item = usize>) {
         for group in groups {
             let held = &self.layout.groups[group].held;
             let values = held.iter().map(|&slot| self.values[slot]).collect();
-            self.crew.members[group].opening = Some(values);
+            self.dispatcher.groups[group].opening = Some(values);
         }
     }
 
     /// Computes one instant, level by level.
     fn instant(&mut self, now: Time, flags: u8) -> Result<()> {
-        self.crew.now = now;
-        let mut stepped = vec![false; self.crew.members.len()];
+        self.dispatcher.now = now;
+        let mut stepped = vec![false; self.dispatcher.groups.len()];
         for level in 0..self.layout.levels {
             for group in self.groups() {
                 if self.due(group, level).next().is_some() {
                     stepped[group] = true;
                     let last = (level + 1..self.layout.levels)
                         .all(|later| self.due(group, later).next().is_none());
-                    self.tell_step(group, level, if last { flags } else { flags & !RECORD })?;
+                    self.send_step(group, level, if last { flags } else { flags & !RECORD })?;
                 }
             }
-            for (group, answer) in self.crew.answers()? {
+            for (group, answer) in self.dispatcher.answers()? {
                 let due: Vec<usize> = self.due(group, level).collect();
                 let mut body = Body::after_header(&answer);
                 read(&mut body, self.plan.outputs(&due), &mut self.values)?;
-                if self.crew.members[group].recorded {
+                if self.dispatcher.groups[group].recorded {
                     self.read_recorded(group, &mut body)?;
                 }
                 body.end().map_err(misread)?;
@@ -177,7 +177,12 @@ impl<'a> Coordinator<'a> {
         }
         self.keep_held(self.groups().filter(|&group| stepped[group]));
         self.instants += 1;
-        if self.crew.options.save_every.is_some_and(|every| self.instants.is_multiple_of(every)) {
+        if self
+            .dispatcher
+            .options
+            .save_every
+            .is_some_and(|every| self.instants.is_multiple_of(every))
+        {
             self.save_groups()?;
         }
         Ok(())
@@ -186,16 +191,16 @@ impl<'a> Coordinator<'a> {
     /// The components of a part whose steps end now.
     fn due(&self, group: usize, level: usize) -> impl Iterator<Item = usize> {
         let members = self.layout.groups[group].parts[level].members.iter().copied();
-        members.filter(|&member| self.ends[member] == self.crew.now)
+        members.filter(|&member| self.ends[member] == self.dispatcher.now)
     }
 
-    fn tell_step(&mut self, group: usize, level: usize, flags: u8) -> Result<()> {
+    fn send_step(&mut self, group: usize, level: usize, flags: u8) -> Result<()> {
         let mut message = self.command(group, Kind::Step, flags);
         message.extend((level as u32).to_le_bytes());
         let part = &self.layout.groups[group].parts[level];
         put_values(&mut message, part.reads.iter().copied(), &self.values);
-        self.crew.members[group].recorded = flags & RECORD != 0;
-        self.crew.tell(group, message)
+        self.dispatcher.groups[group].recorded = flags & RECORD != 0;
+        self.dispatcher.send(group, message)
     }
 
     fn read_recorded(&mut self, group: usize, body: &mut Body<'_>) -> Result<()> {
@@ -203,7 +208,7 @@ impl<'a> Coordinator<'a> {
         read(body, self.plan.recorded(own), &mut self.values)
     }
 
-    /// Lets every group that can give its state do so, and forgets the commands before it.
+    /// Saves the state of every group that can, and drops the commands before it.
     fn save_groups(&mut self) -> Result<()> {
         let able: Vec<usize> = self.groups().filter(|&group| self.can_save[group]).collect();
         for (group, state) in self.states(&able)? {
@@ -212,11 +217,11 @@ impl<'a> Coordinator<'a> {
         Ok(())
     }
 
-    /// From now on new lives of a group begin from this state.
+    /// From now on, new incarnations of a group start from this state.
     fn rebase(&mut self, group: usize, state: (EngineState, Tally)) -> Result<()> {
-        let setup = &self.crew.members[group].setup;
-        let body = super::setup::with_state(setup, self.crew.now, state)?;
-        self.crew.rebase(group, body);
+        let setup = &self.dispatcher.groups[group].setup;
+        let body = super::setup::with_state(setup, self.dispatcher.now, state)?;
+        self.dispatcher.rebase(group, body);
         Ok(())
     }
 
@@ -224,10 +229,10 @@ impl<'a> Coordinator<'a> {
     fn states(&mut self, groups: &[usize]) -> Result<Vec<(usize, (EngineState, Tally))>> {
         for &group in groups {
             let message = self.command(group, Kind::Save, 0);
-            self.crew.tell(group, message)?;
+            self.dispatcher.send(group, message)?;
         }
         let mut states = Vec::with_capacity(groups.len());
-        for (group, answer) in self.crew.answers()? {
+        for (group, answer) in self.dispatcher.answers()? {
             let mut body = Body::after_header(&answer);
             let blob = body.blob().map_err(misread)?;
             let state = postcard::from_bytes(blob).map_err(|why| unusable().why(why))?;
@@ -240,17 +245,17 @@ impl<'a> Coordinator<'a> {
 impl Drive for Coordinator<'_> {
     fn initialize(&mut self, stop: Time) -> Result<()> {
         let _ = stop;
-        self.crew.launch_all()?;
-        self.tell_all(Kind::Enter)?;
+        self.dispatcher.launch_all()?;
+        self.send_all(Kind::Enter)?;
         self.settle()?;
-        self.tell_all(Kind::Exit)?;
+        self.send_all(Kind::Exit)?;
         self.keep_held(self.groups());
         Ok(())
     }
 
     fn run_until(&mut self, limit: Time) -> Result<()> {
         while let Some(now) = self.ends.iter().min().copied().filter(|&now| now <= limit) {
-            self.crew.members.iter_mut().for_each(|member| member.recorded = false);
+            self.dispatcher.groups.iter_mut().for_each(|handle| handle.recorded = false);
             self.instant(now, if now == limit { RECORD } else { 0 })?;
         }
         Ok(())
@@ -260,19 +265,19 @@ impl Drive for Coordinator<'_> {
         for (node, end) in self.plan.nodes.iter().zip(&mut self.ends) {
             *end = if node.variable { now } else { *end };
         }
-        self.crew.members.iter_mut().for_each(|member| member.recorded = false);
+        self.dispatcher.groups.iter_mut().for_each(|handle| handle.recorded = false);
         self.instant(now, RECORD | LAST)
     }
 
     fn sample(&mut self, _now: Time, row: &mut [f64]) -> Result<()> {
         for group in self.groups() {
             let recorded = self.plan.recorded(&self.layout.groups[group].own).next().is_some();
-            if recorded && !self.crew.members[group].recorded {
+            if recorded && !self.dispatcher.groups[group].recorded {
                 let message = self.command(group, Kind::Sample, 0);
-                self.crew.tell(group, message)?;
+                self.dispatcher.send(group, message)?;
             }
         }
-        for (group, answer) in self.crew.answers()? {
+        for (group, answer) in self.dispatcher.answers()? {
             let mut body = Body::after_header(&answer);
             self.read_recorded(group, &mut body)?;
             body.end().map_err(misread)?;
@@ -285,16 +290,16 @@ impl Drive for Coordinator<'_> {
 
     fn change(&mut self, component: usize, change: Change, _now: Time) -> Result<()> {
         let place = |own: &[usize]| own.iter().position(|&own| own == component);
-        let homes = self.layout.groups.iter().enumerate();
-        let home = homes.filter_map(|(group, of)| Some((group, place(&of.own)?))).next();
-        let Some((group, position)) = home else {
+        let places = self.layout.groups.iter().enumerate();
+        let found = places.filter_map(|(group, of)| Some((group, place(&of.own)?))).next();
+        let Some((group, position)) = found else {
             return Err(Error::new(Code::Protocol, format!("no group has component {component}")));
         };
         let mut message = self.command(group, Kind::Change, 0);
         let body = postcard::to_stdvec(&(position, change));
         message.extend(body.map_err(|why| unusable().why(why))?);
-        self.crew.tell(group, message)?;
-        self.crew.answers().map(drop)
+        self.dispatcher.send(group, message)?;
+        self.dispatcher.answers().map(drop)
     }
 
     fn save(&mut self, _now: Time) -> Result<EngineState> {
@@ -326,7 +331,7 @@ impl Drive for Coordinator<'_> {
 
     fn resume(&mut self, state: &EngineState, time: Time, stop: Time) -> Result<()> {
         let _ = stop;
-        self.crew.now = time;
+        self.dispatcher.now = time;
         self.values.clone_from(&state.values);
         self.ends.clone_from(&state.ends);
         for group in self.groups() {
@@ -338,21 +343,21 @@ impl Drive for Coordinator<'_> {
             };
             self.rebase(group, (part, Tally::default()))?;
         }
-        self.crew.launch_all()
+        self.dispatcher.launch_all()
     }
 
     fn report(&mut self) -> Result<Report> {
         for group in self.groups() {
             let message = self.command(group, Kind::Finish, 0);
-            self.crew.tell(group, message)?;
+            self.dispatcher.send(group, message)?;
         }
         let mut whole = Report {
             components: vec![Default::default(); self.plan.nodes.len()],
             efforts: vec![Default::default(); self.plan.loops.len()],
             warnings: self.warnings.clone(),
-            notes: self.crew.notes.clone(),
+            notes: self.dispatcher.notes.clone(),
         };
-        for (group, answer) in self.crew.answers()? {
+        for (group, answer) in self.dispatcher.answers()? {
             let report: Report = Body::after_header(&answer).structure().map_err(misread)?;
             let own = &self.layout.groups[group].own;
             let loops = self.plan.loops.iter().enumerate();
@@ -360,8 +365,8 @@ impl Drive for Coordinator<'_> {
             for ((position, _), effort) in loops.zip(report.efforts) {
                 whole.efforts[position] = effort;
             }
-            for (&component, told) in own.iter().zip(report.components) {
-                whole.components[component] = told;
+            for (&component, report) in own.iter().zip(report.components) {
+                whole.components[component] = report;
             }
             whole.warnings.extend(report.warnings);
             whole.notes.extend(report.notes);
@@ -370,7 +375,7 @@ impl Drive for Coordinator<'_> {
     }
 }
 
-/// Whether all of these components can give their state as bytes.
+/// Whether all of these components can serialize their state.
 fn can_save(system: &System, own: &[usize]) -> bool {
     own.iter().all(|&component| {
         let component = &system.components()[component];
@@ -396,5 +401,5 @@ fn misread(why: super::wire::Malformed) -> Error {
 }
 
 fn unusable() -> Error {
-    Error::new(Code::Protocol, "a state or a change has no form in bytes")
+    Error::new(Code::Protocol, "a state or a change cannot be serialized")
 }

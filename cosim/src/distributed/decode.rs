@@ -1,19 +1,19 @@
-//! All decoders of what comes over the wire, as one function of bytes: they may refuse, and do
-//! nothing else. For the fuzzer, and for the test that does its work in small.
+//! All decoders of data from the network as one function of bytes: they may refuse the data, and
+//! must do nothing else. For the fuzzer, and for a small test of the same kind.
 
 use std::sync::Arc;
 
 use super::failure::Failure;
-use super::fate::Fate;
 use super::host::Host;
 use super::pool::{Order, WorkerInfo};
+use super::process_status::ProcessStatus;
 use super::setup::{FmuFile, FmuSource, Setup};
 use super::wire::{Body, Header};
 use crate::error::{Code, Error, Result};
 use crate::fmi::Fmu;
 use crate::master::{Change, EngineState, Report, Tally};
 
-/// Nothing can be loaded.
+/// A source without FMUs.
 struct Nothing;
 
 impl FmuSource for Nothing {
@@ -22,17 +22,17 @@ impl FmuSource for Nothing {
     }
 }
 
-/// Reads bytes as every kind of message there is; whether they are one.
+/// Decodes bytes as every kind of message; whether any decoder accepts them.
 pub fn decode(bytes: &[u8]) -> bool {
-    // What has no header goes to workers and from them.
+    // Messages to and from workers have no header.
     let order = postcard::from_bytes::<Order>(bytes).is_ok();
     let info = postcard::from_bytes::<WorkerInfo>(bytes).is_ok();
-    let fate = postcard::from_bytes::<Result<Fate, String>>(bytes).is_ok();
-    // A host takes everything; one that was not set up makes nothing of it.
+    let status = postcard::from_bytes::<Result<ProcessStatus, String>>(bytes).is_ok();
+    // A host accepts any bytes; without a set-up it does nothing with them.
     let mut host = Host::new(1, Box::new(Nothing));
     host.handle(bytes);
     let Ok((_, body)) = Header::read(bytes) else {
-        return order || info || fate;
+        return order || info || status;
     };
     values(body);
     let whole = body.whole().is_ok();
@@ -48,7 +48,7 @@ pub fn decode(bytes: &[u8]) -> bool {
 fn values(mut body: Body<'_>) {
     let mut read = [0.0; 4];
     if body.number().is_ok() && body.values(0..4, &mut read).is_ok() {
-        // It may be longer.
+        // There may be bytes left over.
         drop(body.end());
     }
 }

@@ -1,4 +1,4 @@
-//! From a checked system to what each host is told.
+//! Turns a checked system into the set-up of each host.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use crate::error::{Code, Error, Result};
 use crate::master::{Converted, Plan};
 use crate::system::{Component, Model, System};
 
-/// A system laid out over groups.
+/// A system divided into groups.
 pub(crate) struct Distribution {
     pub plan: Plan,
     pub layout: Layout,
@@ -20,7 +20,7 @@ pub(crate) struct Distribution {
 }
 
 impl Distribution {
-    /// For `places`: the group of each component.
+    /// `places` gives the group of each component.
     pub(crate) fn new(system: &System, places: &[usize]) -> Result<Self> {
         let plan = Plan::new(system);
         possible(system, places)?;
@@ -33,7 +33,7 @@ impl Distribution {
             let names = &plan.loops[position].names;
             Error::new(Code::Placement, format!("the loop through {names} is in several places"))
                 .why("its members are iterated together at every step")
-                .help("place them on the same worker, or take --algorithm gauss-seidel")
+                .help("place them on the same worker, or use --algorithm gauss-seidel")
         })?;
         let mut known = BTreeMap::new();
         let mut blueprints = Vec::new();
@@ -57,14 +57,14 @@ fn files_of(setup: &Setup, known: &BTreeMap<String, PathBuf>) -> BTreeMap<String
     needed.map(|(hash, path)| (hash.clone(), path.clone())).collect()
 }
 
-/// What is refused because it needs to know more than one group does.
+/// Refuses what cannot be decided within one group.
 fn possible(system: &System, places: &[usize]) -> Result<()> {
     let fmus = system.components().iter().filter_map(|c| Some((c.name.as_str(), c.fmu()?)));
     system.logging().check(fmus)?;
     if system.step_control().is_some() {
         return Err(Error::new(Code::Placement, "steps under error control are not distributed")
             .why("a rejected step would have to be taken back everywhere")
-            .help("leave the error control out, or run in one process"));
+            .help("remove the error control, or run in one process"));
     }
     let connections = system.connections().iter().enumerate();
     let apart = connections

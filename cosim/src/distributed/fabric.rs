@@ -2,58 +2,58 @@
 
 use std::time::{Duration, Instant};
 
-use super::fate::Fate;
+use super::process_status::ProcessStatus;
 use crate::error::Result;
 
-/// Starts lives of groups and carries messages to and from them. A *life* is one host of a group,
-/// counted by its generation from 1.
+/// Starts incarnations of groups and carries messages to and from them. An *incarnation* is one
+/// host of a group; its generation counts from 1.
 pub(crate) trait Fabric {
-    /// Starts a life of a group; [`Event::Ready`] tells when it can be spoken to.
+    /// Starts an incarnation of a group; [`Event::Ready`] reports when it accepts messages.
     fn launch(&mut self, group: usize, generation: u32) -> Result<()>;
 
     /// Sends a command.
     fn send(&mut self, group: usize, generation: u32, message: &[u8]) -> Result<()>;
 
-    /// What happens next; nothing if nothing happens for so long. So many answers are `awaited`:
-    /// there is little use in the first without the others.
+    /// The next event; nothing if there is none within `patience`. `awaited` answers are expected:
+    /// the first is of little use without the others.
     fn next(&mut self, awaited: usize, patience: Duration) -> Option<Event>;
 
-    /// What is known of a life that is lost or silent, if that can be found out soon.
-    fn inquire(&mut self, group: usize, generation: u32) -> Option<Fate>;
+    /// What is known of an incarnation that is lost or silent, if that can be found out quickly.
+    fn inquire(&mut self, group: usize, generation: u32) -> Option<ProcessStatus>;
 
-    /// Gives a life up. It may go on somewhere, but is not listened to any more.
+    /// Abandons an incarnation. It may continue somewhere, but its messages are ignored.
     fn abandon(&mut self, group: usize, generation: u32);
 
-    /// Where a group is, for people.
+    /// Where a group runs, for messages.
     fn place(&self, group: usize) -> String;
 }
 
-/// What a fabric tells.
+/// What a fabric reports.
 #[derive(Debug)]
 pub(crate) enum Event {
-    /// A life can be spoken to.
+    /// An incarnation accepts messages.
     Ready {
         /// Its group.
         group: usize,
-        /// Which life.
+        /// Its generation.
         generation: u32,
     },
-    /// A life answered.
+    /// An incarnation answered.
     Answer {
         /// Its group.
         group: usize,
         /// The message.
         bytes: Vec<u8>,
-        /// When it came.
+        /// When it arrived.
         at: Instant,
     },
-    /// A life ended by itself.
+    /// An incarnation ended unexpectedly.
     Lost {
         /// Its group.
         group: usize,
-        /// Which life.
+        /// Its generation.
         generation: u32,
-        /// What is known of how.
+        /// What is known of the cause.
         why: String,
     },
 }

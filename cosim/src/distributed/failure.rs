@@ -1,15 +1,15 @@
-//! An error that goes over the wire.
+//! An error that is sent over the network.
 
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Code, Error};
 
-/// What went wrong elsewhere.
+/// What went wrong in another process.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Failure {
     code: String,
     what: String,
-    /// The name of the file concerned; where it lies there means nothing here.
+    /// The name of the file concerned; its path means nothing here.
     file: Option<String>,
     why: Option<String>,
     help: Option<String>,
@@ -34,7 +34,7 @@ impl From<&Error> for Failure {
 }
 
 impl Failure {
-    /// The error as it was there, with the place where that was.
+    /// The original error, with the place where it happened.
     pub(crate) fn into_error(self, place: &str) -> Error {
         let code = Code::ALL.iter().find(|code| code.as_str() == self.code);
         let error = Error::new(*code.unwrap_or(&Code::Protocol), self.what).maybe_help(self.help);

@@ -1,8 +1,8 @@
-//! A group being computed: commands in, answers out.
+//! Computes a group: commands in, answers out.
 //!
-//! The host knows nothing of how messages travel. It does every command exactly once: one that
-//! comes a second time gets the same answer again, one out of turn is refused with both numbers,
-//! and one of another life of the group is ignored.
+//! The host does not know how messages travel. It executes every command exactly once: a repeated
+//! command gets the same answer again, a command out of order is refused with both numbers, and a
+//! command for another incarnation of the group is ignored.
 
 use super::failure::Failure;
 use super::layout::{Group, Part};
@@ -15,7 +15,7 @@ use crate::error::{Code, Error, Result};
 use crate::master::{Change, Engine};
 use crate::time::Time;
 
-/// What became of a message.
+/// The outcome of a message.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum Handled {
     /// This is the answer.
@@ -26,7 +26,7 @@ pub(crate) enum Handled {
     Ignored(String),
 }
 
-/// A group and what it did last.
+/// A group and its last answer.
 pub(crate) struct Host {
     generation: u32,
     fmus: Box<dyn FmuSource>,
@@ -35,7 +35,7 @@ pub(crate) struct Host {
     answer: Vec<u8>,
 }
 
-/// What it computes; with it stands the digest of what the coordinator must know of it, too.
+/// What it computes, stored together with the digest of the plan that the coordinator must have.
 enum Work {
     Group(Box<Running>),
     Single(Box<Single>),
@@ -45,10 +45,10 @@ enum Work {
 struct Running {
     engine: Engine,
     group: Group,
-    /// How many each component has.
+    /// The number of variables of each component.
     variables: Vec<usize>,
     stop: Time,
-    /// What waits for the values that are held from the end of the last instant.
+    /// What is waiting for the values that are held from the end of the last instant.
     open: Option<Open>,
 }
 
@@ -59,12 +59,12 @@ enum Open {
 }
 
 impl Host {
-    /// A host for one life of a group.
+    /// A host for one incarnation of a group.
     pub(crate) fn new(generation: u32, fmus: Box<dyn FmuSource>) -> Self {
         Self { generation, fmus, work: None, sequence: 0, answer: Vec::new() }
     }
 
-    /// Does what a message says.
+    /// Executes a message.
     pub(crate) fn handle(&mut self, message: &[u8]) -> Handled {
         let (header, body) = match Header::read(message) {
             Ok(read) => read,
@@ -72,7 +72,7 @@ impl Host {
         };
         if header.generation != self.generation {
             return Handled::Ignored(format!(
-                "a command for life {} of this group reached life {}",
+                "a command for incarnation {} of this group reached incarnation {}",
                 header.generation, self.generation
             ));
         }
@@ -87,7 +87,7 @@ impl Host {
             Ok(body) => [done.message(), body].concat(),
             Err(error) => {
                 let mut answer = Header { kind: Kind::Failed, flags: 0, ..done }.message();
-                // A structure of texts always becomes bytes.
+                // A structure of texts can always be serialized.
                 answer.extend(postcard::to_stdvec(&Failure::from(&error)).unwrap_or_default());
                 answer
             }
@@ -112,13 +112,13 @@ impl Host {
         if header.tables != *tables {
             return Err(refused("the coordinator has another plan of this group"));
         }
-        // Whatever comes of it, it is not done twice.
+        // Whatever the outcome, it is not executed twice.
         self.sequence = header.sequence;
         match (work, header.kind) {
             (Work::Group(running), _) => running.obey(header, body),
             (Work::Single(single), Kind::Calls) => single.obey(body),
             (Work::Single(_), Kind::Finish) => Ok(Vec::new()),
-            (Work::Single(_), _) => Err(refused("that is no command for a single instance")),
+            (Work::Single(_), _) => Err(refused("that is not a command for a single instance")),
         }
     }
 
@@ -126,7 +126,7 @@ impl Host {
         if self.work.is_some() {
             return Err(refused("a second set-up came"));
         }
-        // Before anything is made of it: its numbers are positions in tables.
+        // Verified before anything is built from it: its numbers are positions in tables.
         let setup = body.whole().map_err(malformed)?;
         let work = if header.kind == Kind::Single {
             let setup: SingleSetup = setup.structure().map_err(malformed)?;
@@ -191,13 +191,13 @@ impl Running {
                 answer = bytes(&crate::master::Drive::report(&mut self.engine)?)?;
             }
             Kind::Setup | Kind::Single | Kind::Calls | Kind::Done | Kind::Failed => {
-                return Err(refused("that is no command for a group at work"));
+                return Err(refused("that is not a command for a running group"));
             }
         }
         Ok(answer)
     }
 
-    /// Makes the steps of a part that end at the message's time.
+    /// Makes the steps of a part that end at the time of the message.
     fn step(&mut self, header: &Header, mut body: Body<'_>, answer: &mut Vec<u8>) -> Result<()> {
         let now = header.time;
         let part = self.part(&mut body, |group| &group.parts)?;
@@ -215,7 +215,8 @@ impl Running {
         Ok(())
     }
 
-    /// Takes the values that are held from the end of the last instant, and begins with them.
+    /// Takes the values that are held from the end of the last instant, and begins the steps with
+    /// them.
     fn begin_steps(&mut self, body: &mut Body<'_>) -> Result<()> {
         let held = self.group.held.iter().copied();
         body.values(held, &mut self.engine.values).map_err(malformed)?;
@@ -226,7 +227,7 @@ impl Running {
         }
     }
 
-    /// The part that a message is about, with the values that it reads.
+    /// The part that a message refers to, with the values that it reads.
     fn part(&mut self, body: &mut Body<'_>, of: fn(&Group) -> &Vec<Part>) -> Result<Part> {
         let number = body.number().map_err(malformed)? as usize;
         let part = of(&self.group).get(number).cloned();
@@ -249,7 +250,7 @@ impl Running {
 }
 
 fn bytes<T: serde::Serialize>(value: &T) -> Result<Vec<u8>> {
-    postcard::to_stdvec(value).map_err(|why| refused("an answer has no form in bytes").why(why))
+    postcard::to_stdvec(value).map_err(|why| refused("an answer cannot be serialized").why(why))
 }
 
 fn malformed(why: Malformed) -> Error {

@@ -1,14 +1,15 @@
-//! What callbacks of a session leave for the one thread that acts on it.
+//! A queue from the callbacks of a session to the one thread that handles their messages.
 //!
-//! To wake a thread costs more than all that is done with a message. So whoever waits says for how
-//! many messages, and is not woken for fewer for a while, unless one is urgent; and it is woken after
-//! the lock is let go, which it needs next.
+//! Waking a thread costs more than everything that is done with a message. A waiting thread
+//! therefore says how many messages it needs and is not woken for fewer for a short time, unless
+//! one is urgent. It is woken after the lock is released, because it needs the lock next.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// So long fewer messages than are waited for do not wake: steps that take longer do not mind.
+/// For this long, fewer messages than needed do not wake the thread; steps that take longer are not
+/// affected.
 const WHILE: Duration = Duration::from_millis(1);
 
 /// Messages for one thread.
@@ -24,7 +25,7 @@ struct Shared<T> {
 
 struct State<T> {
     messages: VecDeque<T>,
-    /// Somebody sleeps until there are so many messages.
+    /// A thread sleeps until there are this many messages.
     wanted: Option<usize>,
 }
 
@@ -35,13 +36,13 @@ impl<T> Inbox<T> {
         Self(Arc::new(Shared { state, woken: Condvar::new() }))
     }
 
-    /// For a callback.
+    /// A handle for a callback.
     pub(super) fn slot(&self) -> Slot<T> {
         Slot(self.0.clone())
     }
 
-    /// The next message. When there is none, sleeps for `patience` at the longest until one is
-    /// there; for a while until `wanted` are, or an urgent one.
+    /// The next message. If there is none, sleeps for at most `patience` until one arrives; for a
+    /// short time at first until `wanted` have arrived, or an urgent one.
     pub(super) fn next(&self, wanted: usize, patience: Duration) -> Option<T> {
         let mut state = self.0.lock();
         let mut patience = patience;
@@ -57,13 +58,13 @@ impl<T> Inbox<T> {
 }
 
 impl<T> Slot<T> {
-    /// Leaves a message among others.
+    /// Adds a message.
     pub(super) fn put(&self, message: T) {
         self.leave(message, false);
     }
 
-    /// Leaves a message that is to be looked at now.
-    pub(super) fn urge(&self, message: T) {
+    /// Adds a message that must be handled now.
+    pub(super) fn put_urgent(&self, message: T) {
         self.leave(message, true);
     }
 
@@ -86,7 +87,7 @@ impl<T> Clone for Slot<T> {
 }
 
 impl<T> Shared<T> {
-    /// Until `wanted` messages are there, an urgent one, or the time is over.
+    /// Sleeps until `wanted` messages are there, an urgent one arrives, or the time is over.
     fn sleep<'a>(
         &'a self,
         mut state: MutexGuard<'a, State<T>>,
@@ -106,7 +107,7 @@ impl<T> Shared<T> {
     }
 
     fn lock(&self) -> MutexGuard<'_, State<T>> {
-        // A queue is whole whatever a thread did that ended with it locked.
+        // The queue is consistent even if a thread panicked while it held the lock.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -127,14 +128,14 @@ mod tests {
     }
 
     #[test]
-    fn whoever_sleeps_is_woken_by_as_many_as_it_waits_for_or_by_an_urgent_one() {
+    fn a_sleeping_thread_is_woken_by_as_many_as_it_waits_for_or_by_an_urgent_one() {
         let shared = Inbox::new().0;
         let slot = Slot(shared.clone());
         let sleep = |wanted| {
             let state = shared.sleep(shared.lock(), wanted, LONG);
             state.messages.iter().copied().collect::<Vec<i32>>()
         };
-        // Who sleeps says so before it lets go of the lock.
+        // A sleeping thread sets `wanted` before it releases the lock.
         let when_asleep = |leave: fn(&Slot<i32>)| {
             let slot = slot.clone();
             std::thread::spawn(move || {
@@ -147,7 +148,7 @@ mod tests {
         let sender = when_asleep(|slot| (1..=3).for_each(|number| slot.put(number)));
         assert_eq!(sleep(3), [1, 2, 3]);
         sender.join().unwrap();
-        let sender = when_asleep(|slot| slot.urge(4));
+        let sender = when_asleep(|slot| slot.put_urgent(4));
         assert_eq!(sleep(9), [1, 2, 3, 4]);
         sender.join().unwrap();
     }

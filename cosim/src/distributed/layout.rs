@@ -1,18 +1,18 @@
-//! Which component is where, and who waits for whom.
+//! Which component runs where, and which group waits for which.
 //!
-//! Components in one place form a *group*; a group computes with the engine of an ordinary run on
-//! the same plan, so the same numbers meet in the same order. What is different is only when
-//! values of other groups arrive:
+//! The components in one place form a *group*. A group computes with the engine of an ordinary run
+//! on the same plan, so the same numbers are combined in the same order. The only difference is
+//! when values of other groups arrive:
 //!
-//! * Fresh values (of the present instant) must be there before the step of the component that
-//!   reads them. Therefore each component has a *level*: one more than the highest level of a
-//!   component in another group whose output it reads fresh, and not less than the level of those
-//!   in its own group. Components of one group and level form a *part*. All parts of a level are
-//!   computed at the same time; between two levels everybody is waited for. Jacobi has one level.
+//! * Fresh values (of the current instant) must arrive before the step of the component that reads
+//!   them. Each component therefore has a *level*: one more than the highest level of a component
+//!   in another group whose output it reads fresh, and no less than the level of such components in
+//!   its own group. Components of the same group and level form a *part*. All parts of a level are
+//!   computed at the same time; between two levels there is a barrier. Jacobi has one level.
 //! * Held values (of the instant before) are sent with the first part of the next instant.
 //!
-//! Initialization is not worth parallel work: there the *stretches* of the sequence that lie in
-//! one group are computed one after the other, in the very order of an ordinary run.
+//! Initialization is not worth running in parallel: the *stretches* of the sequence that lie in one
+//! group are computed one after another, in exactly the order of an ordinary run.
 
 use std::ops::Range;
 
@@ -20,12 +20,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::master::{Node, Plan, Route};
 
-/// Components that are computed one after the other in one place.
+/// Components that are computed one after another in one place.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Part {
     /// Their positions, in stepping order.
     pub members: Vec<usize>,
-    /// Slots of other groups' values that must be there before.
+    /// Slots of values of other groups that must have arrived before.
     pub reads: Vec<usize>,
 }
 
@@ -34,7 +34,7 @@ pub(crate) struct Part {
 pub(crate) struct Group {
     /// Positions of the components, in stepping order.
     pub own: Vec<usize>,
-    /// Slots of other groups' values that are held during steps.
+    /// Slots of values of other groups that are held during steps.
     pub held: Vec<usize>,
     /// Runs of components that follow one another in the sequence.
     pub stretches: Vec<Part>,
@@ -54,13 +54,13 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// The layout for `places`: the group of each component. All members of a solved loop must be
-    /// in one group; otherwise the loop's position is the error.
+    /// `places` gives the group of each component. All members of a solved loop must be in one
+    /// group; if they are not, the position of the loop is returned as the error.
     pub(crate) fn new(plan: &Plan, places: &[usize]) -> Result<Self, usize> {
         for (position, solved) in plan.loops.iter().enumerate() {
-            let mut homes = solved.members.iter().map(|&member| places[member]);
-            let first = homes.next();
-            if homes.any(|home| Some(home) != first) {
+            let mut groups = solved.members.iter().map(|&member| places[member]);
+            let first = groups.next();
+            if groups.any(|place| Some(place) != first) {
                 return Err(position);
             }
         }
@@ -71,13 +71,13 @@ impl Layout {
         let mut layout = Layout { groups: vec![empty; groups], order: Vec::new(), levels: count };
         let mut before = None;
         for &component in &plan.sequence {
-            let home = places[component];
-            let group = &mut layout.groups[home];
-            if before != Some(home) {
-                layout.order.push((home, group.stretches.len()));
+            let place = places[component];
+            let group = &mut layout.groups[place];
+            if before != Some(place) {
+                layout.order.push((place, group.stretches.len()));
                 group.stretches.push(Part::default());
             }
-            before = Some(home);
+            before = Some(place);
             group.own.push(component);
             group.parts[levels[component]].members.push(component);
             if let Some(stretch) = group.stretches.last_mut() {
@@ -109,7 +109,7 @@ impl Group {
         }
     }
 
-    /// The same with positions among its own components.
+    /// The same, with positions among its own components.
     pub(crate) fn local(&self) -> Self {
         let mut local = self.clone();
         let position = |component: usize| self.own.iter().position(|&own| own == component);
@@ -127,7 +127,7 @@ fn slots(plan: &Plan, component: usize) -> [Range<usize>; 2] {
     [node.output_slots.clone(), node.recorded_slots.clone()]
 }
 
-/// The level of each component. The members of a solved loop have one level together.
+/// The level of each component. The members of a solved loop share one level.
 fn levels(plan: &Plan, places: &[usize]) -> Vec<usize> {
     let mut owner = vec![0; plan.values];
     for component in 0..plan.nodes.len() {
@@ -141,7 +141,7 @@ fn levels(plan: &Plan, places: &[usize]) -> Vec<usize> {
         after.max().unwrap_or(0)
     };
     for &component in &plan.sequence {
-        // The members of a loop follow one another: the first one settles it for all.
+        // The members of a loop are adjacent: the first one decides for all.
         let together = match plan.nodes[component].member_of {
             Some(found) if plan.loops[found].members.first() != Some(&component) => continue,
             Some(found) => &plan.loops[found].members[..],

@@ -1,28 +1,28 @@
-//! The C library whose mathematics FMUs call: two machines with another one may differ in the last
-//! bit of a sine.
+//! The C library whose math functions FMUs call: on machines with different libraries, the last bit
+//! of a sine may differ.
 #![allow(unsafe_code, reason = "system calls without a safe form")]
 
 use std::path::PathBuf;
 
 use crate::digest::sha256;
 
-/// Its version and the SHA-256 of the file with the mathematics, as far as they are known.
+/// Its version and the SHA-256 of the file with the math functions, as far as they are known.
 pub(super) fn describe() -> String {
     let file = mathematics().and_then(|path| std::fs::read(path).ok());
     let hash = file.map_or("unknown".to_owned(), |bytes| sha256(bytes).chars().take(12).collect());
     format!("{}, libm {hash}", version())
 }
 
-/// The file that is mapped into a process here when something calls a sine.
+/// The file that is mapped into a process on this machine when it calls a math function.
 fn mathematics() -> Option<PathBuf> {
-    // SAFETY: the library is the system's own; nothing is looked up in it. FMUs map the same one.
+    // SAFETY: the library is the system's own and no symbol is looked up. FMUs map the same file.
     let _kept = unsafe { libloading::Library::new("libm.so.6") };
     mapped(&std::fs::read_to_string("/proc/self/maps").ok()?)
 }
 
-/// The first file of that name in a process's map of its memory.
+/// The first such file in the memory map of a process.
 fn mapped(maps: &str) -> Option<PathBuf> {
-    // Address, rights, offset, device, inode; then the path, which may have blanks.
+    // Address, permissions, offset, device, inode; then the path, which may contain spaces.
     let paths = maps.lines().filter_map(|line| Some(PathBuf::from(&line[line.find('/')?..])));
     let is_it = |path: &PathBuf| {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -33,7 +33,7 @@ fn mapped(maps: &str) -> Option<PathBuf> {
 
 #[cfg(target_env = "gnu")]
 fn version() -> String {
-    // SAFETY: a text that lives as long as the program.
+    // SAFETY: the text lives as long as the program.
     let text = unsafe { std::ffi::CStr::from_ptr(libc::gnu_get_libc_version()) };
     format!("glibc {}", text.to_string_lossy())
 }
@@ -58,9 +58,9 @@ mod tests {
     #[cfg(target_env = "gnu")]
     #[test]
     fn the_library_here_has_a_version_and_a_hash() {
-        let told = describe();
-        let (version, hash) = told.split_once(", libm ").unwrap();
-        assert!(version.starts_with("glibc 2."), "{told}");
-        assert!(hash.len() == 12 && hash.bytes().all(|b| b.is_ascii_hexdigit()), "{told}");
+        let text = describe();
+        let (version, hash) = text.split_once(", libm ").unwrap();
+        assert!(version.starts_with("glibc 2."), "{text}");
+        assert!(hash.len() == 12 && hash.bytes().all(|b| b.is_ascii_hexdigit()), "{text}");
     }
 }

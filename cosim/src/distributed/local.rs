@@ -1,4 +1,4 @@
-//! A fabric within this process, for tests: it loses, repeats and reorders on demand.
+//! A fabric within this process, for tests: it loses, repeats and reorders messages on request.
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, VecDeque};
@@ -8,14 +8,14 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::fabric::{Event, Fabric};
-use super::fate::Fate;
 use super::host::{Handled, Host};
+use super::process_status::ProcessStatus;
 use super::setup::{FmuFile, FmuSource};
 use super::wire::HEADER;
 use crate::error::{Code, Error, Result};
 use crate::fmi::Fmu;
 
-/// FMUs by hash, from where the system has them.
+/// FMUs by hash, with their paths in the system.
 #[derive(Clone)]
 pub(super) struct Files(pub BTreeMap<String, PathBuf>);
 
@@ -28,32 +28,32 @@ impl FmuSource for Files {
     }
 }
 
-/// What goes wrong with the command of this number, counted over all commands sent.
+/// What goes wrong with the command of this number, counted over all commands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Fault {
     /// The host dies before it gets the command.
     DiesBefore,
-    /// The host dies after it did the command, before its answer is seen.
+    /// The host dies after it has executed the command, before its answer is seen.
     DiesAfter,
     /// The answer comes twice.
     AnswersTwice,
     /// The command comes twice.
     HearsTwice,
-    /// A message of the group's former life comes first.
+    /// A message of the group's previous incarnation comes first.
     Ghost,
     /// The command itself comes back as if it were an answer.
     Echo,
-    /// The answer to the command before comes again, before the one that is waited for.
+    /// The previous answer comes again, before the one that is awaited.
     Late,
-    /// The answer to a command that was not given yet comes first.
+    /// The answer to a command that has not been sent yet comes first.
     Early,
-    /// What others say comes first: noise, other versions, other plans, groups that do not exist.
+    /// Foreign messages come first: noise, other versions, other plans, unknown groups.
     Foreign,
-    /// The first octets of the command, and of its answer, come before the whole.
+    /// The first octets of the command, and of its answer, come before the complete message.
     Torn,
-    /// The answer lacks its end.
+    /// The end of the answer is missing.
     CutAnswer,
-    /// The command lacks its end.
+    /// The end of the command is missing.
     CutCommand,
 }
 
@@ -65,8 +65,8 @@ pub(super) struct Local {
     sent: u64,
     /// The last answer of each group.
     last: BTreeMap<usize, Vec<u8>>,
-    /// All that group 0 was told.
-    pub told: Rc<RefCell<Vec<Vec<u8>>>>,
+    /// All messages that group 0 was sent.
+    pub sent_to_first: Rc<RefCell<Vec<Vec<u8>>>>,
 }
 
 impl Local {
@@ -78,7 +78,7 @@ impl Local {
             faults,
             sent: 0,
             last: BTreeMap::new(),
-            told: Rc::default(),
+            sent_to_first: Rc::default(),
         }
     }
 
@@ -91,7 +91,7 @@ impl Local {
 }
 
 impl Local {
-    /// What is heard before an answer, and is none.
+    /// Messages that arrive before the answer and must be ignored.
     fn strays(
         &self,
         fault: Option<Fault>,
@@ -109,7 +109,7 @@ impl Local {
             Some(Fault::Late) => {
                 self.last.get(&group).map(|b| (group, b.clone())).into_iter().collect()
             }
-            // Where a header has its parts: `Header::message`.
+            // The positions of the fields of a header: `Header::message`.
             Some(Fault::Early) => vec![with(8)],
             Some(Fault::Torn) => vec![(group, answer[..HEADER / 2].to_vec())],
             Some(Fault::Foreign) => vec![
@@ -136,7 +136,7 @@ impl Fabric for Local {
     fn send(&mut self, group: usize, generation: u32, message: &[u8]) -> Result<()> {
         self.sent += 1;
         if group == 0 {
-            self.told.borrow_mut().push(message.to_vec());
+            self.sent_to_first.borrow_mut().push(message.to_vec());
         }
         let sent = self.sent;
         let fault = self.faults.iter().find(|(at, _)| *at == sent).map(|(_, fault)| *fault);
@@ -186,7 +186,7 @@ impl Fabric for Local {
         if fault == Some(Fault::CutAnswer) {
             bytes.pop();
         }
-        // The last to answer is heard first.
+        // The last answer is delivered first.
         self.queue.push_front(Event::Answer { group, bytes: bytes.clone(), at: Instant::now() });
         for (group, bytes) in self.strays(fault, group, message, &bytes) {
             self.queue.push_front(Event::Answer { group, bytes, at: Instant::now() });
@@ -199,7 +199,7 @@ impl Fabric for Local {
         self.queue.pop_front()
     }
 
-    fn inquire(&mut self, _group: usize, _generation: u32) -> Option<Fate> {
+    fn inquire(&mut self, _group: usize, _generation: u32) -> Option<ProcessStatus> {
         None
     }
 

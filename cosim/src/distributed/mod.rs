@@ -8,44 +8,49 @@
 //!                      └─ child process: ────┴── Host ── Engine ── FMUs
 //! ```
 //!
-//! * `layout` says which component is where, and who waits for whom;
-//! * `wire` is the form of the messages, `setup` what a host is told first;
-//! * `host` computes a group with the engine of an ordinary run, `check` says what a set-up must be;
-//! * `coordinator` drives the groups, `recovery` and `member` what happens when one is lost;
-//! * `fabric` is what carries messages; `net` does so over Zenoh, on two `lanes`, `present` knows who is there;
-//! * `door` opens sessions, and says who may come in and what they may do then;
-//! * `status` knows how a run stands, `telemetry` tells it and what is recorded, `watch` hears it;
-//! * `remote` drives one instance for somebody else's simulation, `single` is that instance on its worker;
-//! * `offer` is what a worker tells of an FMU that it holds;
-//! * `worker` lends a machine, `child` is the process in which FMUs run, `fate` how it ended;
-//! * `own` starts workers for one run.
+//! * `layout` says which component runs where, and which group waits for which;
+//! * `wire` is the format of the messages, `setup` the first message to a host;
+//! * `host` computes a group with the engine of an ordinary run, `check` validates a set-up;
+//! * `coordinator` drives the groups; `dispatcher` and `group_handle` send commands and recover
+//!   lost groups;
+//! * `fabric` carries messages; `net` does so over Zenoh, on two `channels`; `presence` tracks the
+//!   workers;
+//! * `access` opens sessions, and decides who may connect and with which rights;
+//! * `status` collects the state of a run, `telemetry` publishes it and the recorded values,
+//!   `watch` receives it;
+//! * `remote` drives one instance for the simulation of another tool, `single` is that instance on
+//!   its worker;
+//! * `available_fmu` is what a worker advertises of an FMU that it holds;
+//! * `worker` makes a machine available, `child` is the process in which FMUs run, `process_status`
+//!   how it ended;
+//! * `local_workers` starts workers for one run.
 
+mod access;
+mod available_fmu;
+mod channels;
 mod check;
 mod child;
 mod coordinator;
 mod decode;
+mod dispatcher;
 mod distribute;
-mod door;
 mod fabric;
 mod failure;
-mod fate;
+mod group_handle;
 mod host;
 mod inbox;
 mod keys;
-mod lanes;
 mod layout;
 mod library;
 #[cfg(test)]
 mod local;
-mod member;
+mod local_workers;
 mod net;
-mod offer;
 mod options;
-mod own;
 mod placement;
 mod pool;
-mod present;
-mod recovery;
+mod presence;
+mod process_status;
 mod remote;
 mod run;
 mod setup;
@@ -59,18 +64,18 @@ mod wire;
 mod worker;
 
 pub use crate::confine::{close_inherited, unconfined};
+pub use access::allowed::Allowed;
+pub use access::authority::Authority;
+pub use access::configuration::{Configuration, Ours};
+pub use access::credentials::Credentials;
+#[doc(hidden)]
+pub use access::members::{Members, Verb, all_rights};
+pub use access::runtime::Threads;
+pub use access::session::{Access, DEFAULT_ENDPOINT};
+pub(crate) use available_fmu::AvailableFmu;
 pub use child::serve as serve_group;
 #[doc(hidden)]
 pub use decode::decode;
-pub use door::allowed::Allowed;
-pub use door::authority::Authority;
-pub use door::configuration::{Configuration, Ours};
-pub use door::credentials::Credentials;
-#[doc(hidden)]
-pub use door::members::{Members, Verb, all_rights};
-pub use door::runtime::Threads;
-pub use door::session::{Access, DEFAULT_ENDPOINT};
-pub(crate) use offer::Offer;
 pub use options::{OnFatal, Options, several};
 pub use pool::{Order, WorkerInfo, default_name};
 pub use remote::{Reached, Remote};

@@ -1,4 +1,4 @@
-//! The fabric over Zenoh: groups live on workers that dialled us.
+//! The fabric over Zenoh: groups run on workers that connected to us.
 
 use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -10,109 +10,110 @@ use zenoh::query::Query;
 use zenoh::sample::SampleKind;
 use zenoh::{Session, Wait};
 
+use super::channels::{self, Channels, Sender};
 use super::fabric::{Event, Fabric};
-use super::fate::Fate;
 use super::inbox::Inbox;
 use super::keys;
-use super::lanes::{self, Lanes, Sender};
 use super::pool::{Order, WorkerInfo};
-use super::present::Present;
+use super::presence::Presence;
+use super::process_status::ProcessStatus;
 use crate::error::{Code, Error, Result};
 
-/// How long a worker may take to tell how a life ended. It is local to it, and a run waits.
+/// How long a worker may take to report how an incarnation ended. It asks its own machine, and a
+/// run is waiting.
 const INQUIRY: Duration = Duration::from_millis(200);
 
-/// So often it is asked after lives that begin.
-const LOOK: Duration = Duration::from_millis(500);
+/// Interval at which the worker is asked about incarnations that are starting.
+const POLL: Duration = Duration::from_millis(500);
 
 /// Groups on workers.
 pub(crate) struct Net {
     session: Session,
     run: String,
-    news: Inbox<News>,
-    /// What is to be told next.
+    inbox: Inbox<Notification>,
+    /// Events to return next.
     due: VecDeque<Event>,
-    present: Present,
-    /// Workers that did not answer; they are asked when nobody else is there.
-    silent: BTreeSet<String>,
-    /// The worker that each group is meant for.
-    homes: Vec<String>,
+    presence: Presence,
+    /// Workers that did not answer; they are used only when no other worker is connected.
+    unresponsive: BTreeSet<String>,
+    /// The worker that each group is assigned to.
+    assigned: Vec<String>,
     /// How long to wait for a worker when none is left.
     patience: Duration,
-    lives: BTreeMap<usize, Life>,
+    incarnations: BTreeMap<usize, Incarnation>,
     /// The FMUs of each group, by their hash.
     files: Vec<BTreeMap<String, PathBuf>>,
-    /// Those that a worker may fetch, because a component of them is or was there.
-    offered: BTreeMap<(String, String), Box<dyn Any>>,
-    /// The subscriber to workers ends with this.
-    _present: Box<dyn Any>,
+    /// FMUs that a worker may fetch, because one of their components is or was placed there.
+    served: BTreeMap<(String, String), Box<dyn Any>>,
+    /// Dropping it ends the subscription to workers.
+    _presence: Box<dyn Any>,
 }
 
-struct Life {
+struct Incarnation {
     generation: u32,
     worker: String,
     commands: Sender,
-    /// It is heard as long as these are there.
+    /// Dropping them ends the subscriptions.
     _heard: [Box<dyn Any>; 2],
-    /// It can be spoken to.
+    /// It accepts messages.
     ready: bool,
 }
 
-/// What callbacks tell.
-pub(super) enum News {
+/// What callbacks report.
+pub(super) enum Notification {
     Event(Event),
-    /// A worker is there.
-    Came(String),
-    /// It is gone.
+    /// A worker has connected.
+    Joined(String),
+    /// A worker has disconnected.
     Left(String),
 }
 
 impl Net {
-    /// For a run whose groups have these FMUs, by their hash. Groups get their homes by
-    /// [`Net::settle`].
+    /// For a run whose groups have these FMUs, by hash. [`Net::settle`] assigns the groups to
+    /// workers.
     pub(crate) fn new(
         session: Session,
         run: &str,
         files: Vec<BTreeMap<String, PathBuf>>,
     ) -> Result<Self> {
-        let news = Inbox::new();
-        let (present, subscriber) = Present::follow(&session, news.slot())?;
+        let inbox = Inbox::new();
+        let (presence, subscriber) = Presence::follow(&session, inbox.slot())?;
         Ok(Self {
             session,
             run: run.to_owned(),
-            news,
+            inbox,
             due: VecDeque::new(),
-            present,
-            silent: BTreeSet::new(),
-            homes: Vec::new(),
+            presence,
+            unresponsive: BTreeSet::new(),
+            assigned: Vec::new(),
             patience: Duration::ZERO,
-            lives: BTreeMap::new(),
+            incarnations: BTreeMap::new(),
             files,
-            offered: BTreeMap::new(),
-            _present: subscriber,
+            served: BTreeMap::new(),
+            _presence: subscriber,
         })
     }
 
-    /// Waits until `count` workers, or those named, are there.
+    /// Waits until `count` workers, and those named, are connected.
     pub(crate) fn gather(
         &self,
         count: usize,
         named: &[String],
         patience: Duration,
     ) -> Result<Vec<String>> {
-        self.present.gather(count, named, patience)
+        self.presence.gather(count, named, patience)
     }
 
-    /// The worker of each group, and how long to wait for one when none is left.
-    pub(crate) fn settle(&mut self, homes: Vec<String>, patience: Duration) {
-        self.homes = homes;
+    /// Sets the worker of each group, and how long to wait for one when none is left.
+    pub(crate) fn settle(&mut self, assigned: Vec<String>, patience: Duration) {
+        self.assigned = assigned;
         self.patience = patience;
     }
 
-    /// What the workers say of themselves.
+    /// What the workers report about themselves.
     pub(crate) fn infos(&self) -> Vec<WorkerInfo> {
         let (answers, inbox) = channel();
-        for worker in self.present.names() {
+        for worker in self.presence.names() {
             let answers = answers.clone();
             let asked = self
                 .session
@@ -125,7 +126,7 @@ impl Net {
                     }
                 })
                 .wait();
-            // A worker that has just gone says nothing.
+            // A worker that has just disconnected does not answer.
             drop(asked);
         }
         drop(answers);
@@ -134,20 +135,24 @@ impl Net {
         infos
     }
 
-    /// The group's own worker if that is there; else the one with the fewest groups. If nobody is
-    /// there, somebody may come back.
+    /// The group's assigned worker if it is connected; otherwise the one with the fewest groups. If
+    /// none is connected, waits for one to come back.
     fn choose(&self, group: usize) -> Option<String> {
         let begun = Instant::now();
         loop {
-            let mut there = self.present.names();
-            if there.iter().any(|worker| !self.silent.contains(worker)) {
-                there.retain(|worker| !self.silent.contains(worker));
+            let mut there = self.presence.names();
+            if there.iter().any(|worker| !self.unresponsive.contains(worker)) {
+                there.retain(|worker| !self.unresponsive.contains(worker));
             }
-            let home = self.homes.get(group).filter(|home| there.contains(*home));
-            let load =
-                |worker: &String| self.lives.values().filter(|life| life.worker == *worker).count();
+            let own = self.assigned.get(group).filter(|own| there.contains(*own));
+            let load = |worker: &String| {
+                self.incarnations
+                    .values()
+                    .filter(|incarnation| incarnation.worker == *worker)
+                    .count()
+            };
             let least = there.iter().min_by_key(|worker| load(worker));
-            if let Some(worker) = home.or(least) {
+            if let Some(worker) = own.or(least) {
                 return Some(worker.clone());
             }
             if begun.elapsed() > self.patience {
@@ -157,12 +162,15 @@ impl Net {
         }
     }
 
-    /// What became of the lives of a worker that is gone: those that cannot be spoken to yet will
-    /// never be. The others are still connected, or tell it themselves.
+    /// Handles the incarnations of a worker that has disconnected: those that are not ready yet
+    /// never will be. The others are still connected, or report their end themselves.
     fn left(&mut self, worker: &str) {
-        for (&group, life) in self.lives.iter().filter(|(_, life)| life.worker == worker) {
-            if !life.ready {
-                let (generation, why) = (life.generation, format!("worker {worker} is gone"));
+        for (&group, incarnation) in
+            self.incarnations.iter().filter(|(_, incarnation)| incarnation.worker == worker)
+        {
+            if !incarnation.ready {
+                let (generation, why) =
+                    (incarnation.generation, format!("worker {worker} is gone"));
                 self.due.push_back(Event::Lost { group, generation, why });
             }
         }
@@ -172,15 +180,15 @@ impl Net {
         Order { run: self.run.clone(), group, generation }
     }
 
-    fn lanes(&self) -> Lanes<'_> {
-        Lanes { quick: &self.session, bulk: &self.session }
+    fn channels(&self) -> Channels<'_> {
+        Channels { quick: &self.session, bulk: &self.session }
     }
 
     /// Lets a worker fetch the FMUs of a group that is placed there.
-    fn offer(&mut self, group: usize, worker: &str) -> Result<()> {
+    fn serve_fmus(&mut self, group: usize, worker: &str) -> Result<()> {
         for (hash, file) in self.files.get(group).into_iter().flatten() {
             let place = (worker.to_owned(), hash.clone());
-            if self.offered.contains_key(&place) {
+            if self.served.contains_key(&place) {
                 continue;
             }
             let file = file.clone();
@@ -189,49 +197,55 @@ impl Net {
                 .declare_queryable(keys::fmu(&self.run, worker, hash))
                 .callback(move |query| {
                     let file = file.clone();
-                    // Not here: whatever comes meanwhile would wait.
+                    // In a thread of its own: other messages must not wait for it.
                     std::thread::spawn(move || deliver(&query, &file));
                 })
                 .wait();
-            self.offered.insert(place, Box::new(queryable.map_err(refused)?));
+            self.served.insert(place, Box::new(queryable.map_err(refused)?));
         }
         Ok(())
     }
 
-    /// Whether a life that cannot be spoken to yet has ended: nobody else would tell.
-    fn look_after_launches(&self) {
-        for (&group, life) in self.lives.iter().filter(|(_, life)| !life.ready) {
-            let generation = life.generation;
+    /// Whether an incarnation that is not ready yet has ended: nothing else would report it.
+    fn poll_launches(&self) {
+        for (&group, incarnation) in
+            self.incarnations.iter().filter(|(_, incarnation)| !incarnation.ready)
+        {
+            let generation = incarnation.generation;
             let Ok(order) = postcard::to_stdvec(&self.order(group, generation)) else { continue };
-            let events = self.news.slot();
+            let events = self.inbox.slot();
             let asked = self
                 .session
-                .get(format!("{}/fate", keys::worker(&life.worker)))
+                .get(format!("{}/fate", keys::worker(&incarnation.worker)))
                 .payload(order)
-                .timeout(LOOK)
+                .timeout(POLL)
                 .callback(move |reply| {
                     let Ok(sample) = reply.result() else { return };
-                    let told = postcard::from_bytes(&sample.payload().to_bytes());
-                    if let Ok(Ok::<Fate, String>(fate)) = told
-                        && fate.has_ended()
+                    let answer = postcard::from_bytes(&sample.payload().to_bytes());
+                    if let Ok(Ok::<ProcessStatus, String>(status)) = answer
+                        && status.has_ended()
                     {
-                        let why = "it ended before it could be spoken to".to_owned();
-                        events.urge(News::Event(Event::Lost { group, generation, why }));
+                        let why = "it ended before it was ready".to_owned();
+                        events.put_urgent(Notification::Event(Event::Lost {
+                            group,
+                            generation,
+                            why,
+                        }));
                     }
                 })
                 .wait();
-            // A worker that is gone is noticed otherwise.
+            // The loss of a worker is noticed elsewhere.
             drop(asked);
         }
     }
 
-    /// Hears the life of a group under its own key, which nobody else may use.
+    /// Subscribes to an incarnation under its own key, which no one else may use.
     fn hear(&self, key: &str, group: usize, generation: u32) -> Result<[Box<dyn Any>; 2]> {
-        let answers = self.news.slot();
-        let answered = self.lanes().hear(&format!("{key}/rep"), move |bytes| {
-            answers.put(News::Event(Event::Answer { group, bytes, at: Instant::now() }));
+        let answers = self.inbox.slot();
+        let answered = self.channels().hear(&format!("{key}/rep"), move |bytes| {
+            answers.put(Notification::Event(Event::Answer { group, bytes, at: Instant::now() }));
         })?;
-        let lives = self.news.slot();
+        let incarnations = self.inbox.slot();
         let token = self
             .session
             .liveliness()
@@ -239,25 +253,25 @@ impl Net {
             .history(true)
             .callback(move |sample| {
                 let event = match sample.kind() {
-                    SampleKind::Put if !lanes::is_last(sample.key_expr()) => return,
+                    SampleKind::Put if !channels::is_last(sample.key_expr()) => return,
                     SampleKind::Put => Event::Ready { group, generation },
                     SampleKind::Delete => {
-                        let why = "it is cut off".to_owned();
+                        let why = "the connection was lost".to_owned();
                         Event::Lost { group, generation, why }
                     }
                 };
-                lives.urge(News::Event(event));
+                incarnations.put_urgent(Notification::Event(event));
             })
             .wait()
             .map_err(refused)?;
         Ok([answered, Box::new(token)])
     }
 
-    /// Asks a worker to do something; a refusal is the loss of the life.
+    /// Sends a worker an order; a refusal counts as the loss of the incarnation.
     fn ask(&self, worker: &str, what: &str, order: &Order) -> Result<()> {
         let bytes = postcard::to_stdvec(order)
-            .map_err(|why| Error::new(Code::Protocol, "an order has no bytes").why(why))?;
-        let (events, group, generation) = (self.news.slot(), order.group, order.generation);
+            .map_err(|why| Error::new(Code::Protocol, "an order cannot be serialized").why(why))?;
+        let (events, group, generation) = (self.inbox.slot(), order.group, order.generation);
         let name = worker.to_owned();
         self.session
             .get(format!("{}/{what}", keys::worker(worker)))
@@ -271,7 +285,7 @@ impl Net {
                 };
                 if let Err::<(), String>(why) = outcome {
                     let why = format!("worker {name}: {why}");
-                    events.urge(News::Event(Event::Lost { group, generation, why }));
+                    events.put_urgent(Notification::Event(Event::Lost { group, generation, why }));
                 }
             })
             .wait()
@@ -283,22 +297,29 @@ impl Fabric for Net {
     fn launch(&mut self, group: usize, generation: u32) -> Result<()> {
         let worker = self.choose(group).ok_or_else(|| {
             Error::new(Code::Lost, "no worker is left")
-                .why(format!("none came within {:.0} s", self.patience.as_secs_f64()))
-                .help("start some: cosim worker")
+                .why(format!("none connected within {:.0} s", self.patience.as_secs_f64()))
+                .help("start one: cosim worker")
         })?;
-        self.offer(group, &worker)?;
-        let key = keys::life(&self.run, &worker, group, generation);
+        self.serve_fmus(group, &worker)?;
+        let key = keys::incarnation(&self.run, &worker, group, generation);
         let heard = self.hear(&key, group, generation)?;
-        let commands = self.lanes().sender(&format!("{key}/cmd"))?;
-        let life =
-            Life { generation, worker: worker.clone(), commands, _heard: heard, ready: false };
-        self.lives.insert(group, life);
+        let commands = self.channels().sender(&format!("{key}/cmd"))?;
+        let incarnation = Incarnation {
+            generation,
+            worker: worker.clone(),
+            commands,
+            _heard: heard,
+            ready: false,
+        };
+        self.incarnations.insert(group, incarnation);
         self.ask(&worker, "start", &self.order(group, generation))
     }
 
     fn send(&mut self, group: usize, generation: u32, message: &[u8]) -> Result<()> {
-        match self.lives.get(&group) {
-            Some(life) if life.generation == generation => life.commands.put(message),
+        match self.incarnations.get(&group) {
+            Some(incarnation) if incarnation.generation == generation => {
+                incarnation.commands.put(message)
+            }
             _ => Ok(()),
         }
     }
@@ -310,35 +331,38 @@ impl Fabric for Net {
                 return Some(event);
             }
             let left = patience.saturating_sub(begun.elapsed());
-            let launching = self.lives.values().any(|life| !life.ready);
-            let news = match self.news.next(awaited, if launching { left.min(LOOK) } else { left })
-            {
-                Some(news) => news,
-                None if launching && left > LOOK => {
-                    self.look_after_launches();
-                    continue;
-                }
-                None => return None,
-            };
-            match news {
-                News::Event(event) => {
+            let launching = self.incarnations.values().any(|incarnation| !incarnation.ready);
+            let notification =
+                match self.inbox.next(awaited, if launching { left.min(POLL) } else { left }) {
+                    Some(notification) => notification,
+                    None if launching && left > POLL => {
+                        self.poll_launches();
+                        continue;
+                    }
+                    None => return None,
+                };
+            match notification {
+                Notification::Event(event) => {
                     if let Event::Ready { group, generation } = event
-                        && let Some(life) = self.lives.get_mut(&group)
+                        && let Some(incarnation) = self.incarnations.get_mut(&group)
                     {
-                        life.ready |= life.generation == generation;
+                        incarnation.ready |= incarnation.generation == generation;
                     }
                     return Some(event);
                 }
-                News::Came(worker) => drop(self.silent.remove(&worker)),
-                News::Left(worker) => self.left(&worker),
+                Notification::Joined(worker) => drop(self.unresponsive.remove(&worker)),
+                Notification::Left(worker) => self.left(&worker),
             }
         }
     }
 
-    fn inquire(&mut self, group: usize, generation: u32) -> Option<Fate> {
-        let life = self.lives.get(&group).filter(|life| life.generation == generation)?;
-        let worker = life.worker.clone();
-        if !self.present.names().contains(&worker) {
+    fn inquire(&mut self, group: usize, generation: u32) -> Option<ProcessStatus> {
+        let incarnation = self
+            .incarnations
+            .get(&group)
+            .filter(|incarnation| incarnation.generation == generation)?;
+        let worker = incarnation.worker.clone();
+        if !self.presence.names().contains(&worker) {
             return None;
         }
         let order = postcard::to_stdvec(&self.order(group, generation)).ok()?;
@@ -354,31 +378,36 @@ impl Fabric for Net {
             })
             .wait()
             .ok()?;
-        // The channel closes without an answer when the worker is gone, or nobody answered in time.
+        // The channel closes without an answer when the worker is gone or does not answer in time.
         let Ok(Some(answer)) = inbox.recv_timeout(2 * INQUIRY) else {
-            self.silent.insert(worker);
+            self.unresponsive.insert(worker);
             return None;
         };
-        postcard::from_bytes::<Result<Fate, String>>(&answer).ok()?.ok()
+        postcard::from_bytes::<Result<ProcessStatus, String>>(&answer).ok()?.ok()
     }
 
     fn abandon(&mut self, group: usize, generation: u32) {
-        let Some(life) = self.lives.get(&group).filter(|life| life.generation == generation) else {
+        let Some(incarnation) = self
+            .incarnations
+            .get(&group)
+            .filter(|incarnation| incarnation.generation == generation)
+        else {
             return;
         };
-        // A worker that does not hear it is gone, or its child ends with the run.
-        let _ = self.ask(&life.worker, "stop", &self.order(group, generation));
+        // A worker that does not receive it is gone, or its child ends with the run.
+        let _ = self.ask(&incarnation.worker, "stop", &self.order(group, generation));
     }
 
     fn place(&self, group: usize) -> String {
-        match self.lives.get(&group) {
-            Some(life) => format!("worker {}", life.worker),
+        match self.incarnations.get(&group) {
+            Some(incarnation) => format!("worker {}", incarnation.worker),
             None => "no worker".to_owned(),
         }
     }
 }
 
-/// Sends an FMU to a worker that asks for it; one that is gone asks again in its next life.
+/// Sends an FMU to a worker that requests it. If the worker is gone, it requests the FMU again for
+/// the next incarnation.
 fn deliver(query: &Query, file: &Path) {
     let sent = match std::fs::read(file) {
         Ok(bytes) => query.reply(query.key_expr().clone(), bytes).wait(),

@@ -4,17 +4,17 @@ use std::time::Duration;
 
 use super::telemetry::Rate;
 
-/// What becomes of a run one of whose FMUs returns `fmi2Fatal`, after which FMI allows no call of
-/// any instance of its process.
+/// What happens to a run if an FMU returns `fmi2Fatal`, after which FMI allows no calls of any
+/// instance in the same process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OnFatal {
-    /// It ends, as in one process.
+    /// The run ends, as in one process.
     End,
-    /// The group begins a new life in another process, as after a crash.
+    /// The group is restarted in another process, as after a crash.
     Resume,
 }
 
-/// Endpoints with commas between.
+/// Endpoints separated by commas.
 pub fn several(text: &str) -> impl Iterator<Item = &str> {
     text.split(',').map(str::trim).filter(|endpoint| !endpoint.is_empty())
 }
@@ -22,30 +22,30 @@ pub fn several(text: &str) -> impl Iterator<Item = &str> {
 /// How a distributed run behaves.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// A group's state is saved after so many instants; never without.
+    /// The state of a group is saved after this many instants; `None`: never.
     pub save_every: Option<u64>,
     /// How long an answer may take.
     pub deadline: Duration,
-    /// Or so many times the longest that one took before, if that is more.
+    /// Or this many times the longest answer so far, if that is more.
     pub slowness: u32,
-    /// How long it may take until a new life of a group can be spoken to and is set up.
+    /// How long a new incarnation of a group may take to become ready and be set up.
     pub launch_deadline: Duration,
-    /// How long it may take until a lost group is where it was.
+    /// How long a lost group may take to catch up.
     pub give_up: Duration,
-    /// How many new lives a group may have.
+    /// How often a group may be restarted.
     pub recoveries: u32,
-    /// So many times in a row a group may be lost at the same command by a fault of its own.
+    /// How many times in a row a group may be lost at the same command by its own fault.
     pub attempts: u32,
-    /// So many times in a row a group may be lost at the same command, by whosesoever fault.
+    /// How many times in a row a group may be lost at the same command, whatever the cause.
     pub losses: u32,
-    /// What becomes of a run one of whose FMUs returns `fmi2Fatal`.
+    /// What happens to a run if an FMU returns `fmi2Fatal`.
     pub on_fatal: OnFatal,
-    /// A lost group that has no saved state is the end of the run, not computed again from the
+    /// If a lost group has no saved state, the run ends instead of computing it again from the
     /// start.
     pub require_resume: bool,
-    /// Hears of a loss as soon as the coordinator knows it.
-    pub tell: fn(&str),
-    /// What is recorded is sent to observers.
+    /// Reports a loss as soon as the coordinator knows it.
+    pub report: fn(&str),
+    /// Recorded values are sent to observers.
     pub telemetry: Option<Rate>,
 }
 
@@ -62,7 +62,7 @@ impl Default for Options {
             losses: 10,
             on_fatal: OnFatal::End,
             require_resume: false,
-            tell: |_| (),
+            report: |_| (),
             telemetry: None,
         }
     }

@@ -1,33 +1,34 @@
-//! Which component goes to which worker.
+//! Which component runs on which worker.
 
 use crate::error::{Code, Error, Result};
 use crate::names::did_you_mean;
 use crate::system::System;
 
-/// Wishes `component=worker`, and workers for the rest: those coupled most stay together, and no
-/// worker gets more than its part. Names the worker of each component by position in `workers`.
+/// Takes requests `component=worker` and assigns the rest: strongly coupled components stay
+/// together, and no worker gets more than its share. Returns the worker of each component by
+/// position in `workers`.
 pub(crate) fn place(
     system: &System,
-    wishes: &[(String, String)],
+    requests: &[(String, String)],
     workers: &[String],
 ) -> Result<Vec<usize>> {
-    let mut places = wished(system, wishes, workers)?;
+    let mut places = requested(system, requests, workers)?;
     let mut clusters = clusters(system, &places);
-    // Each worker's part, rounded up; what was wished for counts.
+    // The share of each worker, rounded up; requested placements count.
     let part = system.components().len().div_ceil(workers.len().max(1));
     while let Some((kept, merged)) = best_merge(system, &clusters, part, workers.len()) {
-        let Cluster { members, home } = clusters.remove(merged);
+        let Cluster { members, worker } = clusters.remove(merged);
         clusters[kept].members.extend(members);
-        clusters[kept].home = clusters[kept].home.or(home);
+        clusters[kept].worker = clusters[kept].worker.or(worker);
     }
-    // The largest first, each to the worker that has least.
-    clusters.sort_by_key(|cluster| (cluster.home.is_none(), usize::MAX - cluster.members.len()));
+    // The largest first, each to the worker with the least load.
+    clusters.sort_by_key(|cluster| (cluster.worker.is_none(), usize::MAX - cluster.members.len()));
     let mut load = vec![0; workers.len()];
     for cluster in clusters {
         let least = (0..workers.len()).min_by_key(|&worker| (load[worker], worker));
-        if let Some(home) = cluster.home.or(least) {
-            load[home] += cluster.members.len();
-            cluster.members.iter().for_each(|&member| places[member] = Some(home));
+        if let Some(worker) = cluster.worker.or(least) {
+            load[worker] += cluster.members.len();
+            cluster.members.iter().for_each(|&member| places[member] = Some(worker));
         }
     }
     Ok(places.into_iter().map(Option::unwrap_or_default).collect())
@@ -35,36 +36,36 @@ pub(crate) fn place(
 
 struct Cluster {
     members: Vec<usize>,
-    home: Option<usize>,
+    worker: Option<usize>,
 }
 
-fn wished(
+fn requested(
     system: &System,
-    wishes: &[(String, String)],
+    requests: &[(String, String)],
     workers: &[String],
 ) -> Result<Vec<Option<usize>>> {
     let mut places = vec![None; system.components().len()];
-    for (component, worker) in wishes {
+    for (component, worker) in requests {
         let names = || system.components().iter().map(|c| c.name.as_str());
         let found = names().position(|name| name == component).ok_or_else(|| {
             Error::new(Code::Placement, format!("there is no component '{component}' to place"))
                 .maybe_help(did_you_mean(component, names()))
         })?;
-        let home = workers.iter().position(|name| name == worker).ok_or_else(|| {
+        let worker = workers.iter().position(|name| name == worker).ok_or_else(|| {
             let known = workers.iter().map(String::as_str);
             Error::new(Code::Placement, format!("there is no worker '{worker}' for '{component}'"))
                 .maybe_help(did_you_mean(worker, known))
         })?;
-        if places[found].is_some_and(|before| before != home) {
+        if places[found].is_some_and(|before| before != worker) {
             let what = format!("'{component}' is placed on two workers");
             return Err(Error::new(Code::Placement, what));
         }
-        places[found] = Some(home);
+        places[found] = Some(worker);
     }
     Ok(places)
 }
 
-/// Every component by itself, but the members of a solved loop together.
+/// Every component by itself, except that the members of a solved loop stay together.
 fn clusters(system: &System, places: &[Option<usize>]) -> Vec<Cluster> {
     let mut clusters: Vec<Cluster> = Vec::new();
     for component in 0..places.len() {
@@ -73,13 +74,13 @@ fn clusters(system: &System, places: &[Option<usize>]) -> Vec<Cluster> {
         }
         let in_loop = system.solved_loops().find(|found| found.members.contains(&component));
         let members = in_loop.map_or(vec![component], |found| found.members.clone());
-        let home = members.iter().find_map(|&member| places[member]);
-        clusters.push(Cluster { members, home });
+        let worker = members.iter().find_map(|&member| places[member]);
+        clusters.push(Cluster { members, worker });
     }
     clusters
 }
 
-/// The two clusters with the most connections between them that may become one.
+/// The two clusters with the most connections between them that may be merged.
 fn best_merge(
     system: &System,
     clusters: &[Cluster],
@@ -101,7 +102,8 @@ fn best_merge(
     for a in 0..clusters.len() {
         for b in a + 1..clusters.len() {
             let (one, other) = (&clusters[a], &clusters[b]);
-            let apart = one.home.is_some() && other.home.is_some() && one.home != other.home;
+            let apart =
+                one.worker.is_some() && other.worker.is_some() && one.worker != other.worker;
             if apart || one.members.len() + other.members.len() > part {
                 continue;
             }

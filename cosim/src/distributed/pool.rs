@@ -1,4 +1,4 @@
-//! What a worker says of itself, and what it is asked to do.
+//! What a worker reports about itself, and the orders it takes.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,24 +15,24 @@ pub struct WorkerInfo {
     pub protocol: u8,
     /// Operating system and processor, as in FMI 2.0.4 platform tuples.
     pub platform: String,
-    /// What the processor can do that matters for floating point numbers.
+    /// Processor features that matter for floating-point results.
     pub cpu: Vec<String>,
-    /// The C library that its FMUs call, with the hash of its mathematics.
+    /// The C library that its FMUs call, with the hash of its math functions.
     pub library: String,
-    /// Identity of the process that supervises.
+    /// Process id of the supervisor.
     pub process: u32,
-    /// What keeps its FMUs from doing more than computing.
+    /// What confines its FMUs.
     pub confined: String,
 }
 
-/// Start or end a life of a group.
+/// An order to start or stop an incarnation of a group.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Order {
     /// The run.
     pub run: String,
     /// The group.
     pub group: usize,
-    /// Which life.
+    /// Generation of the incarnation.
     pub generation: u32,
 }
 
@@ -43,12 +43,12 @@ impl WorkerInfo {
         format!("{platform}, {}, {library}, cosim {version}", self.cpu.join(" "))
     }
 
-    /// Its FMUs are not confined, though nobody said that they should not be.
+    /// Its FMUs are not confined, although confinement was not switched off.
     pub(crate) fn is_loose(&self) -> bool {
         self.confined == crate::confine::LOOSE
     }
 
-    /// Of this process.
+    /// For this process.
     pub fn of_this(name: &str, confined: bool) -> Self {
         Self {
             name: name.to_owned(),
@@ -64,7 +64,7 @@ impl WorkerInfo {
     }
 }
 
-/// A name for a worker that was given none: the machine's, and the process.
+/// The default name of a worker: the host name and the process id.
 pub fn default_name() -> String {
     format!("{}-{}", host(), std::process::id())
 }

@@ -1,8 +1,8 @@
-//! One instance on a worker, driven by calls as somebody else's simulation makes them.
+//! One instance on a worker, driven by the calls of another tool's simulation.
 //!
-//! It is a run of one group, and lost and found again as the groups of a system are: every so many
-//! steps the state comes along with a step's answer, and from then on a new life begins with that;
-//! what was asked since is asked again. A step is one message each way.
+//! It is a run of one group, which is recovered like the groups of a system: every so many steps,
+//! the answer includes the state; a new incarnation starts from that state and gets the calls since
+//! then again. A step is one message in each direction.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -10,12 +10,12 @@ use std::time::{Duration, Instant};
 use zenoh::liveliness::LivelinessToken;
 use zenoh::{Session, Wait};
 
-use super::door::session::Access;
+use super::access::session::Access;
+use super::dispatcher::Dispatcher;
+use super::group_handle::GroupHandle;
 use super::keys;
-use super::member::Member;
 use super::net::{Net, refused};
 use super::options::Options;
-use super::recovery::Crew;
 use super::setup::FmuFile;
 use super::single::{self, SingleSetup, bytes};
 use super::wire::Kind;
@@ -25,40 +25,40 @@ use crate::proxy::calls::{Ask, Given, Outcome};
 use crate::proxy::manifest::Manifest;
 use crate::time::Time;
 
-/// How a remote instance is reached and kept.
+/// How to reach a remote instance and keep it available.
 #[derive(Debug, Clone)]
 pub struct Reached {
-    /// Where workers dial us: the first that is free.
+    /// Where workers connect to us: the first endpoint that is free.
     pub accesses: Vec<Access>,
-    /// The worker that computes it, if it is there.
+    /// The worker that computes it, if it is connected.
     pub worker: Option<String>,
     /// How long to wait for a worker.
     pub wait: Duration,
     /// How long an answer may take.
     pub deadline: Duration,
-    /// The state comes along after so many steps; never without.
+    /// The state is saved after this many steps; `None`: never.
     pub save_every: Option<u64>,
 }
 
 /// The instance.
 pub struct Remote {
-    crew: Crew<'static>,
-    /// As it is made; what was asked before the first step is added.
+    dispatcher: Dispatcher<'static>,
+    /// Its set-up; calls before the first step are added.
     setup: SingleSetup,
     save_every: Option<u64>,
     stepping: bool,
     steps: u64,
-    /// Where workers dial us.
+    /// Where workers connect to us.
     endpoint: String,
-    /// Why it is of no use any more.
+    /// Why it can no longer be used.
     lost: Option<String>,
-    /// Workers end what they do for this run when it goes.
+    /// Workers stop their work for this run when this is dropped.
     _running: LivelinessToken,
     session: Session,
 }
 
 impl Remote {
-    /// Makes an instance called `name` of the FMU that the resources in `folder` tell of.
+    /// Makes an instance called `name` of the FMU described by the resources in `folder`.
     pub fn make(folder: &Path, name: &str, debug: bool, reached: &Reached) -> Result<Self> {
         let manifest = Manifest::read(folder)?;
         let (session, endpoint) = listen(&reached.accesses)?;
@@ -80,11 +80,12 @@ impl Remote {
         let setup =
             SingleSetup { name: name.to_owned(), file, debug, before: Vec::new(), state: None };
         let (body, tables) = setup.encode()?;
-        let member = Member::new(Kind::Single, body, tables);
-        let crew = Crew::new(vec![(name.to_owned(), member)], Box::new(net), options, Time::ZERO);
+        let handle = GroupHandle::new(Kind::Single, body, tables);
+        let dispatcher =
+            Dispatcher::new(vec![(name.to_owned(), handle)], Box::new(net), options, Time::ZERO);
         let save_every = reached.save_every.filter(|_| manifest.can_save);
         let mut remote = Self {
-            crew,
+            dispatcher,
             setup,
             save_every,
             stepping: false,
@@ -95,11 +96,11 @@ impl Remote {
             session,
         };
         let begun = Instant::now();
-        remote.crew.launch_all().map_err(|error| remote.explained(error, begun))?;
+        remote.dispatcher.launch_all().map_err(|error| remote.explained(error, begun))?;
         Ok(remote)
     }
 
-    /// Makes calls; gives what became of them, what was said, and what had to be gone around.
+    /// Makes calls; returns their outcome, the messages of the FMU, and notes on recoveries.
     pub fn ask(&mut self, mut asks: Vec<Ask>) -> Result<(Outcome, Vec<Message>, Vec<String>)> {
         if asks == [Ask::Reset] && self.lost.take().is_some() {
             return self.begin_again();
@@ -112,7 +113,7 @@ impl Remote {
             asks.push(Ask::Save);
         }
         let begun = Instant::now();
-        let answer = self.tell(&asks).map_err(|error| {
+        let answer = self.send(&asks).map_err(|error| {
             let error = self.explained(error, begun);
             self.lost = Some(error.what().to_owned());
             error
@@ -124,31 +125,32 @@ impl Remote {
             self.rebase()?;
         }
         outcome.given.truncate(count);
-        Ok((outcome, messages, std::mem::take(&mut self.crew.notes)))
+        Ok((outcome, messages, std::mem::take(&mut self.dispatcher.notes)))
     }
 
-    /// Ends it, as long as somebody listens.
+    /// Ends the instance if the other side is still listening.
     pub fn end(mut self) {
-        if self.lost.is_none() && self.crew.members[0].awaited.is_none() {
-            self.crew.options.give_up = Duration::ZERO;
-            self.crew.options.deadline = FAREWELL;
-            self.crew.options.slowness = 0;
-            let message = self.crew.members[0].command(Kind::Finish, 0, self.crew.now);
-            // Whatever comes of it, it is over.
-            let _ = self.crew.tell(0, message).and_then(|()| self.crew.answers().map(drop));
+        if self.lost.is_none() && self.dispatcher.groups[0].awaited.is_none() {
+            self.dispatcher.options.give_up = Duration::ZERO;
+            self.dispatcher.options.deadline = FINISH_TIMEOUT;
+            self.dispatcher.options.slowness = 0;
+            let message = self.dispatcher.groups[0].command(Kind::Finish, 0, self.dispatcher.now);
+            // The outcome does not matter any more.
+            let _ =
+                self.dispatcher.send(0, message).and_then(|()| self.dispatcher.answers().map(drop));
         }
-        self.crew.end();
+        self.dispatcher.end();
         super::run::close(self.session);
     }
 
-    fn tell(&mut self, asks: &[Ask]) -> Result<Vec<u8>> {
+    fn send(&mut self, asks: &[Ask]) -> Result<Vec<u8>> {
         if let Some(Ask::Step(t, _)) = Ask::main(asks) {
-            self.crew.now = Time::from_seconds(*t, "t").unwrap_or(self.crew.now);
+            self.dispatcher.now = Time::from_seconds(*t, "t").unwrap_or(self.dispatcher.now);
         }
-        let mut message = self.crew.members[0].command(Kind::Calls, 0, self.crew.now);
+        let mut message = self.dispatcher.groups[0].command(Kind::Calls, 0, self.dispatcher.now);
         message.extend(bytes(&asks)?);
-        self.crew.tell(0, message)?;
-        let answers = self.crew.answers()?;
+        self.dispatcher.send(0, message)?;
+        let answers = self.dispatcher.answers()?;
         answers
             .into_iter()
             .next()
@@ -156,14 +158,14 @@ impl Remote {
             .ok_or_else(|| Error::new(Code::Protocol, "there is no answer"))
     }
 
-    /// Whether the state is to come along.
+    /// Whether the state is to be saved with these calls.
     fn is_saved_now(&mut self, asks: &[Ask]) -> bool {
         let steps = asks.iter().any(|ask| matches!(ask, Ask::Step(..)));
         self.steps += u64::from(steps);
         steps && self.save_every.is_some_and(|every| self.steps.is_multiple_of(every))
     }
 
-    /// Takes note of the first `done` calls.
+    /// Records the first `done` calls.
     fn note(&mut self, asks: &[Ask], done: usize) -> Result<()> {
         for ask in asks.iter().take(done) {
             if *ask == Ask::Reset {
@@ -173,7 +175,7 @@ impl Remote {
                 self.rebase()?;
             } else if !self.stepping && ask.changes() {
                 if matches!(ask, Ask::Restore(_)) {
-                    // What was done before has left no trace.
+                    // Earlier calls have no effect any more.
                     self.setup.before.clear();
                 }
                 self.setup.before.push(ask.clone());
@@ -185,25 +187,25 @@ impl Remote {
 
     fn rebase(&mut self) -> Result<()> {
         let (body, _) = self.setup.encode()?;
-        self.crew.rebase(0, body);
+        self.dispatcher.rebase(0, body);
         Ok(())
     }
 
-    /// Reset after it was lost: another instance from the beginning.
+    /// A reset after a loss: makes a new instance from the start.
     fn begin_again(&mut self) -> Result<(Outcome, Vec<Message>, Vec<String>)> {
         self.note(&[Ask::Reset], 1)?;
-        self.crew.members[0].forget();
+        self.dispatcher.groups[0].forget();
         let begun = Instant::now();
-        self.crew.launch_all().map_err(|error| {
+        self.dispatcher.launch_all().map_err(|error| {
             let error = self.explained(error, begun);
             self.lost = Some(error.what().to_owned());
             error
         })?;
         let outcome = Outcome { given: vec![Given::Done], trouble: None };
-        Ok((outcome, Vec::new(), std::mem::take(&mut self.crew.notes)))
+        Ok((outcome, Vec::new(), std::mem::take(&mut self.dispatcher.notes)))
     }
 
-    /// The same error, with how long somebody waited for it and where workers should have come.
+    /// The same error, with how long the caller waited and where workers should have connected.
     fn explained(&self, error: Error, begun: Instant) -> Error {
         if error.code() != Code::Lost {
             return error;
@@ -218,10 +220,10 @@ impl Remote {
     }
 }
 
-/// How long a worker may take to say farewell.
-const FAREWELL: Duration = Duration::from_millis(300);
+/// How long a worker may take to finish.
+const FINISH_TIMEOUT: Duration = Duration::from_millis(300);
 
-/// Listens where it is free.
+/// Listens at the first endpoint that is free.
 pub(super) fn listen(accesses: &[Access]) -> Result<(Session, String)> {
     let mut problem = Error::new(Code::Session, "there is no endpoint to listen at");
     for access in accesses {

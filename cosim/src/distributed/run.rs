@@ -1,4 +1,4 @@
-//! Running a system on workers.
+//! Runs a system on workers.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
@@ -6,13 +6,13 @@ use std::time::Duration;
 
 use zenoh::{Session, Wait};
 
+use super::access::session::Access;
 use super::coordinator::Coordinator;
 use super::distribute::Distribution;
-use super::door::session::Access;
 use super::keys;
+use super::local_workers::LocalWorkers;
 use super::net::Net;
 use super::options::Options;
-use super::own::OwnWorkers;
 use super::placement::place;
 use super::pool::WorkerInfo;
 use super::status::{Board, Watched};
@@ -25,26 +25,26 @@ use crate::system::System;
 /// Where a distributed run is computed.
 #[derive(Debug, Clone)]
 pub struct Cluster {
-    /// Where workers dial us; without, a socket that only this user can reach.
+    /// Where workers connect to us; `None`: a socket that only this user can reach.
     pub access: Option<Access>,
-    /// So many workers are started here for this run; they end with it.
-    pub own: usize,
-    /// The program to start for a worker of our own.
+    /// How many workers to start on this machine for this run; they end with it.
+    pub local: usize,
+    /// The program to start for a local worker.
     pub program: Vec<String>,
-    /// How many workers there must be.
+    /// How many workers are required.
     pub needed: usize,
     /// How long to wait for them.
     pub patience: Duration,
-    /// Wishes `component=worker`.
+    /// Placement requests `component=worker`.
     pub places: Vec<(String, String)>,
     /// What happens when something fails.
     pub options: Options,
 }
 
 impl Cluster {
-    /// Runs `run` of `system` there.
+    /// Runs `run` of `system` on the workers.
     pub fn go(&self, system: &System, run: Run<'_>) -> Result<Summary> {
-        // Ours alone; what a killed run leaves is removed by the next one.
+        // Only ours; what a killed run leaves behind is removed by the next one.
         let folder = Unpacked::new()?;
         let access = self.access.clone().unwrap_or_else(|| Access {
             endpoints: vec![format!("unixsock-stream/{}/socket", folder.path().display())],
@@ -52,19 +52,19 @@ impl Cluster {
         });
         let session = access.listen()?;
         let endpoint = access.endpoints.first().map_or("", String::as_str);
-        let wishes = self.wishes(system);
-        let mut named: Vec<String> = wishes.iter().map(|(_, worker)| worker.clone()).collect();
+        let requests = self.requests(system);
+        let mut named: Vec<String> = requests.iter().map(|(_, worker)| worker.clone()).collect();
         named.dedup();
-        let own = own_names(self.own, system);
-        let own = OwnWorkers::start(&self.program, &own, endpoint, folder.path())?;
-        // The plan needs the workers' names, and the session the FMUs of the plan.
+        let local = local_names(self.local, system);
+        let local = LocalWorkers::start(&self.program, &local, endpoint, folder.path())?;
+        // The plan needs the names of the workers, and the fabric needs the FMUs of the plan.
         let id = session.zid().to_string();
-        // Workers end what they do for this run when it is gone.
+        // Workers stop their work for this run when this token disappears.
         let _running = session.liveliness().declare_token(keys::running(&id)).wait();
         let _running = _running.map_err(super::net::refused)?;
         let waiting = Net::new(session.clone(), &id, Vec::new())?;
-        let workers = waiting.gather(self.needed.max(self.own), &named, self.patience)?;
-        let places = place(system, &wishes, &workers)?;
+        let workers = waiting.gather(self.needed.max(self.local), &named, self.patience)?;
+        let places = place(system, &requests, &workers)?;
         drop(waiting);
 
         // A worker without components is a spare.
@@ -73,12 +73,12 @@ impl Cluster {
         used.dedup();
         let group = |worker: &usize| used.iter().position(|u| u == worker).unwrap_or_default();
         let places: Vec<usize> = places.iter().map(group).collect();
-        let homes = used.iter().map(|&worker| workers[worker].clone()).collect();
+        let assigned = used.iter().map(|&worker| workers[worker].clone()).collect();
         let distribution = Distribution::new(system, &places)?;
         let mut net = Net::new(session.clone(), &id, distribution.files.clone())?;
         net.gather(workers.len(), &[], self.patience)?;
         let differences = differences(&net.infos());
-        net.settle(homes, self.patience);
+        net.settle(assigned, self.patience);
         let Distribution { plan, layout, setups, .. } = distribution;
         let options = self.options.clone();
         let name = |&component: &usize| system.components()[component].name.clone();
@@ -92,21 +92,22 @@ impl Cluster {
         let fabric = Box::new(Watched::new(net, board));
         let mut driven = Coordinator::new(system, plan, layout, &setups, fabric, options)?;
         driven.warn(differences);
-        let told = apart(move || sender.serve());
+        let sent = apart(move || sender.serve());
         let outcome = run.drive_all(&mut Fed { driven: &mut driven, feed });
-        // Its feed is gone: the sender tells the end.
-        let _ = told.recv_timeout(FAREWELL);
+        // The feed is gone: the sender publishes the end.
+        let _ = sent.recv_timeout(CLOSE_TIMEOUT);
         driven.end();
         drop(driven);
-        drop(own);
+        drop(local);
         close(session);
         outcome
     }
 }
 
 impl Cluster {
-    /// Who wants to be where: what is asked for here, and for the rest what the system's file says.
-    fn wishes(&self, system: &System) -> Vec<(String, String)> {
+    /// Placement requests: those given here, and for all other components those of the system's
+    /// file.
+    fn requests(&self, system: &System) -> Vec<(String, String)> {
         let asked = |name: &str| self.places.iter().any(|(component, _)| component == name);
         let filed = system.components().iter().filter(|component| !asked(&component.name));
         let filed = filed.filter_map(|c| Some((c.name.clone(), c.worker.clone()?)));
@@ -114,8 +115,8 @@ impl Cluster {
     }
 }
 
-/// Names for so many workers of our own: first those that the system's file knows.
-fn own_names(count: usize, system: &System) -> Vec<String> {
+/// Names for the local workers: first those that the system's file names.
+fn local_names(count: usize, system: &System) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for name in system.components().iter().filter_map(|component| component.worker.as_ref()) {
         if !names.contains(name) && names.len() < count {
@@ -128,17 +129,17 @@ fn own_names(count: usize, system: &System) -> Vec<String> {
     names
 }
 
-/// So long it may take to say the last.
-const FAREWELL: Duration = Duration::from_millis(500);
+/// How long the last messages may take.
+const CLOSE_TIMEOUT: Duration = Duration::from_millis(500);
 
-/// Closes a session. Everything is said: one that does not close in order, because somebody does
-/// not listen any more, ends with the process.
+/// Closes a session. Everything has been sent: a session that cannot be closed in order, because
+/// the peer no longer listens, ends with the process.
 pub(super) fn close(session: Session) {
     let closed = apart(move || drop(session.close().wait()));
-    let _ = closed.recv_timeout(FAREWELL);
+    let _ = closed.recv_timeout(CLOSE_TIMEOUT);
 }
 
-/// Does something in a thread of its own; what this gives is cut off at its end.
+/// Runs `what` in a thread of its own; the returned channel is closed at its end.
 fn apart(what: impl FnOnce() + Send + 'static) -> Receiver<()> {
     let (end, inbox) = channel();
     std::thread::spawn(move || {
@@ -148,7 +149,7 @@ fn apart(what: impl FnOnce() + Send + 'static) -> Receiver<()> {
     inbox
 }
 
-/// Lists the workers that dial `access` within `patience`.
+/// Lists the workers that connect to `access` within `patience`.
 pub fn workers(access: &Access, patience: Duration) -> Result<Vec<WorkerInfo>> {
     let session = access.listen()?;
     let net = Net::new(session.clone(), &session.zid().to_string(), Vec::new())?;
@@ -159,18 +160,18 @@ pub fn workers(access: &Access, patience: Duration) -> Result<Vec<WorkerInfo>> {
     Ok(infos)
 }
 
-/// What differs between workers and may change the last bit of results, and what they lack.
+/// Differences between workers that may change the last bit of results, and missing confinement.
 fn differences(infos: &[WorkerInfo]) -> Vec<String> {
     let Some((first, others)) = infos.split_first() else {
         return Vec::new();
     };
     let unlike = others.iter().filter(|other| other.computes() != first.computes());
-    let told = unlike.map(|other| {
+    let warnings = unlike.map(|other| {
         let (name, one) = (&first.name, &other.name);
         let (computes, differs) = (first.computes(), other.computes());
         format!(
-            "the workers {name} ({computes}) and {one} ({differs}) differ: FMUs that use functions \
-             of the C library may give other last bits"
+            "the workers {name} ({computes}) and {one} ({differs}) differ: FMUs that call \
+             functions of the C library may differ in the last bit"
         )
     });
     let loose: Vec<&str> = infos.iter().filter(|i| i.is_loose()).map(|i| i.name.as_str()).collect();
@@ -180,7 +181,7 @@ fn differences(infos: &[WorkerInfo]) -> Vec<String> {
             loose.join(", ")
         )
     });
-    told.chain(loose).collect()
+    warnings.chain(loose).collect()
 }
 
 #[cfg(test)]
@@ -188,7 +189,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn another_processor_or_library_is_told_and_another_machine_is_not() {
+    fn another_processor_or_library_is_reported_and_another_machine_is_not() {
         let like = WorkerInfo::of_this("left", true);
         let other = WorkerInfo { name: "right".to_owned(), host: "far".to_owned(), ..like.clone() };
         assert_eq!(differences(&[like.clone(), other.clone()]).len(), usize::from(like.is_loose()));
@@ -197,9 +198,9 @@ mod tests {
             WorkerInfo { library, ..other.clone() },
             WorkerInfo { cpu: vec!["sse2".to_owned()], ..other.clone() },
         ] {
-            let told = differences(&[like.clone(), unlike.clone()]);
+            let warnings = differences(&[like.clone(), unlike.clone()]);
             let parts = ["workers left (", "right (", &unlike.library, &unlike.cpu.join(" ")];
-            assert!(parts.iter().all(|part| told[0].contains(part)), "{told:?}");
+            assert!(parts.iter().all(|part| warnings[0].contains(part)), "{warnings:?}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What a host must know to compute a group.
+//! What a host needs to know to compute a group.
 
 use std::sync::Arc;
 
@@ -17,11 +17,11 @@ use crate::time::{Step, Time};
 /// A group to be made, from its start or from a state.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct Setup {
-    /// The plan of these components alone; positions are those of `components`.
+    /// The plan of these components alone; its positions are those of `components`.
     pub plan: Plan,
-    /// In these positions too.
+    /// With the same positions.
     pub group: Group,
-    /// What to make.
+    /// The components to make.
     pub components: Vec<Blueprint>,
     /// What they have in common.
     pub making: Making,
@@ -29,7 +29,7 @@ pub(crate) struct Setup {
     pub start: Time,
     /// Last instant.
     pub stop: Time,
-    /// The state to go on from, of when it is, and what was counted until then.
+    /// The state to continue from, with its time and the counters until then.
     pub state: Option<(Time, EngineState, Tally)>,
 }
 
@@ -40,7 +40,7 @@ pub(crate) struct Blueprint {
     pub name: String,
     /// What computes it.
     pub source: Source,
-    /// How its FMU is driven.
+    /// Its interface type.
     pub interface: InterfaceType,
     /// Communication step.
     pub step: Step,
@@ -57,7 +57,7 @@ pub(crate) enum Source {
     Fmu(FmuFile),
     /// Signals, sent with the message.
     Signals(Signals),
-    /// The sum of so many scalars, or vectors of that dimension.
+    /// The sum of this many scalars, or of vectors of that dimension.
     Sum(usize, Option<usize>),
 }
 
@@ -72,7 +72,7 @@ pub(crate) struct FmuFile {
 
 /// Where a host gets FMUs from.
 pub(crate) trait FmuSource {
-    /// Refuses what may not be loaded here.
+    /// Refuses an FMU that may not be loaded here.
     fn permit(&self, component: &str, file: &FmuFile) -> Result<()> {
         let _ = (component, file);
         Ok(())
@@ -81,22 +81,22 @@ pub(crate) trait FmuSource {
     /// The FMU of this hash.
     fn open(&mut self, file: &FmuFile) -> Result<Arc<Fmu>>;
 
-    /// Where the last call is kept for those who find this process dead.
+    /// Where the last call is recorded for those who investigate a dead process.
     fn last_call(&self) -> Option<Arc<LastCall>> {
         None
     }
 }
 
 impl Setup {
-    /// Makes the components, and takes on the state if there is one; with the number of variables
-    /// of each.
+    /// Makes the components, and restores the state if there is one; also returns the number of
+    /// variables of each.
     pub(crate) fn build(self, fmus: &mut dyn FmuSource) -> Result<(Engine, Group, Vec<usize>)> {
         self.check()?;
         guard::begin();
         let (debug, categories) = (self.making.debug, self.making.categories.clone());
-        // Messages are told at the end; nobody follows them here.
+        // Messages are reported at the end; there is no live output here.
         let logging = Logging { debug, categories, last: fmus.last_call(), ..Logging::default() };
-        // Before the first is loaded: it runs code.
+        // Before the first one is loaded: loading runs code.
         for blueprint in &self.components {
             if let Source::Fmu(file) = &blueprint.source {
                 fmus.permit(&blueprint.name, file)?;
@@ -126,7 +126,7 @@ impl Setup {
         }
         let mut engine = Engine::new(self.plan, slaves, self.start);
         if let Some((time, state, tally)) = &self.state {
-            // A state can be taken on after an initialization only; its values do not matter.
+            // A state can only be restored after initialization, whose values do not matter.
             engine.enter(self.stop)?;
             engine.exit()?;
             engine.restore(state, *time)?;
@@ -136,7 +136,7 @@ impl Setup {
     }
 }
 
-/// A set-up as the body of a message, and the digest of its plan.
+/// Serializes a set-up; also returns the digest of its plan.
 pub(crate) fn encode(setup: &Setup) -> Result<(Vec<u8>, u64)> {
     let tables = to_bytes(&(&setup.plan, &setup.group))?;
     let digest = Sha256::digest(&tables);
@@ -144,7 +144,7 @@ pub(crate) fn encode(setup: &Setup) -> Result<(Vec<u8>, u64)> {
     Ok((to_bytes(setup)?, u64::from_le_bytes(first)))
 }
 
-/// The same set-up, going on from a state.
+/// The same set-up, continuing from a state.
 pub(crate) fn with_state(
     setup: &[u8],
     time: Time,
@@ -160,5 +160,5 @@ fn to_bytes<T: Serialize>(value: &T) -> Result<Vec<u8>> {
 }
 
 fn unusable() -> Error {
-    Error::new(Code::Protocol, "a set-up has no form in bytes")
+    Error::new(Code::Protocol, "a set-up cannot be serialized")
 }

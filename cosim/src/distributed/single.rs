@@ -1,4 +1,4 @@
-//! One instance whose calls come from elsewhere: what a remote FMU is on its worker.
+//! One instance driven by another process: the worker side of a remote FMU.
 
 use std::sync::Arc;
 
@@ -19,11 +19,11 @@ pub(super) struct SingleSetup {
     pub name: String,
     /// Its FMU.
     pub file: FmuFile,
-    /// It is asked for debug messages.
+    /// Debug messages are requested from it.
     pub debug: bool,
-    /// What is done to it first.
+    /// Calls that are made first.
     pub before: Vec<Ask>,
-    /// Then it takes on this state.
+    /// A state that is restored after them.
     pub state: Option<Vec<u8>>,
 }
 
@@ -51,14 +51,14 @@ impl SingleSetup {
         for ask in self.before.iter().chain(&self.state.map(Ask::Restore)) {
             instance.relay(ask)?;
         }
-        // Who is set up again has heard them.
+        // The messages have already been reported before the loss.
         if !self.before.is_empty() {
             mailbox.take();
         }
         Ok(Single { instance, mailbox })
     }
 
-    /// As the body of a message, and a digest of what both sides must agree on.
+    /// Serializes it; also returns a digest of what both sides must agree on.
     pub(super) fn encode(&self) -> Result<(Vec<u8>, u64)> {
         let digest = Sha256::digest(&self.file.sha256);
         let first = digest.first_chunk::<8>().copied().unwrap_or_default();
@@ -67,7 +67,8 @@ impl SingleSetup {
 }
 
 impl Single {
-    /// Makes calls: first what became of them, which is the same each time, then what was said.
+    /// Makes calls; the answer is their outcome, which is the same each time, followed by the
+    /// messages.
     pub(super) fn obey(&mut self, body: Body<'_>) -> Result<Vec<u8>> {
         let unread = |why| Error::new(Code::Protocol, "calls cannot be understood").why(why);
         let asks: Vec<Ask> = body.structure().map_err(unread)?;
@@ -97,9 +98,9 @@ fn trouble(error: &Error) -> Trouble {
     }
 }
 
-/// What was answered, and what was said.
+/// Reads an answer: outcome and messages.
 pub(super) fn read(answer: &[u8]) -> Result<(Outcome, Vec<crate::fmi::Message>)> {
-    let unread = || Error::new(Code::Protocol, "what became of calls cannot be understood");
+    let unread = || Error::new(Code::Protocol, "the outcome of calls cannot be understood");
     let mut body = Body::after_header(answer);
     let outcome = body.blob().map_err(|why| unread().why(why))?;
     let outcome = postcard::from_bytes(outcome).map_err(|why| unread().why(why))?;
@@ -108,5 +109,5 @@ pub(super) fn read(answer: &[u8]) -> Result<(Outcome, Vec<crate::fmi::Message>)>
 
 pub(super) fn bytes<T: Serialize>(value: &T) -> Result<Vec<u8>> {
     postcard::to_stdvec(value)
-        .map_err(|why| Error::new(Code::Protocol, "a message has no form in bytes").why(why))
+        .map_err(|why| Error::new(Code::Protocol, "a message cannot be serialized").why(why))
 }

@@ -1,4 +1,4 @@
-//! How a run stands, for those who watch it: kept beside the messages, never in their way.
+//! The state of a run for observers: collected beside the messages, never in their way.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -6,58 +6,58 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use super::fabric::{Event, Fabric};
-use super::fate::Fate;
+use super::process_status::ProcessStatus;
 use super::wire::Header;
 use crate::error::Result;
 use crate::time::Time;
 
-/// How a run stands. In JSON, what observers get.
+/// The state of a run. Observers get it as JSON.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Status {
     /// The run.
     pub run: String,
     /// Name of the system.
     pub system: String,
-    /// The instant that is computed, s.
+    /// The instant that is being computed, s.
     pub time: f64,
-    /// The last one, s.
+    /// Stop time, s.
     pub stop: f64,
-    /// Since when the run goes on, s of the clock.
+    /// Elapsed wall-clock time, s.
     pub elapsed: f64,
-    /// Seconds simulated in a second of the clock.
+    /// Simulated seconds per second of wall-clock time.
     pub real_time_factor: f64,
     /// The groups.
     pub groups: Vec<GroupStatus>,
-    /// It is over.
+    /// The run has ended.
     pub ended: bool,
 }
 
-/// How a group stands.
+/// The state of a group.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct GroupStatus {
     /// Its components.
     pub components: Vec<String>,
-    /// Where it is.
+    /// Where it runs.
     pub place: String,
-    /// Which life.
+    /// Generation of its incarnation.
     pub generation: u32,
-    /// The others wait for its answer for so long, s; nothing when it has answered.
+    /// How long the others have been waiting for its answer, s; `None` if it has answered.
     pub awaited: Option<f64>,
     /// Commands answered.
     pub answers: u64,
-    /// How long an answer takes, the way there and back included, s: on average.
+    /// Mean time to an answer, including both ways on the network, s.
     pub mean: f64,
-    /// And at most.
+    /// Longest time to an answer, s.
     pub longest: f64,
 }
 
-/// What is counted while the run goes on.
+/// Counters of a run in progress.
 pub(super) struct Board(Mutex<Counts>);
 
 struct Counts {
     /// When the first command was sent.
     begun: Instant,
-    /// Simulated time then and now, ns.
+    /// Simulated time at the start and now, ns.
     first: Option<i64>,
     time: i64,
     fixed: Status,
@@ -90,7 +90,7 @@ impl Board {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// How it stands now.
+    /// The current state.
     pub(super) fn status(&self) -> Status {
         let counts = self.counts();
         let mut status = counts.fixed.clone();
@@ -150,14 +150,14 @@ impl Board {
     }
 }
 
-/// A fabric that is looked at.
+/// A fabric that reports to a [`Board`].
 pub(super) struct Watched<F> {
     fabric: F,
     board: Arc<Board>,
 }
 
 impl<F: Fabric> Watched<F> {
-    /// What `fabric` carries is noted on `board`.
+    /// Notes on `board` what `fabric` carries.
     pub(super) fn new(fabric: F, board: Arc<Board>) -> Self {
         Self { fabric, board }
     }
@@ -183,7 +183,7 @@ impl<F: Fabric> Fabric for Watched<F> {
         event
     }
 
-    fn inquire(&mut self, group: usize, generation: u32) -> Option<Fate> {
+    fn inquire(&mut self, group: usize, generation: u32) -> Option<ProcessStatus> {
         self.fabric.inquire(group, generation)
     }
 

@@ -1,12 +1,12 @@
-//! What observers may read, sent so that they can harm nothing.
+//! What observers may read, sent in a way that cannot disturb the run.
 //!
-//! A thread of its own sends, and what cannot be sent at once is dropped: by the queue that leads
-//! to the thread, and by Zenoh when the line to an observer is full. The keys are no part of the
-//! protocol, so nobody who reads them all is ever in the way of a step.
+//! A separate thread sends it, and whatever cannot be sent at once is dropped: by the queue to that
+//! thread, and by Zenoh when the connection to an observer is congested. The keys are not part of
+//! the protocol, so an observer that reads all of them never delays a step.
 //!
-//! * `cosim/1/<run>/status`: four times a second, a [`Status`] in JSON;
-//! * `cosim/1/<run>/signals`, on demand: `{"time": s, "values": {"component.variable": ..}}`, what
-//!   is recorded, at every instant at which it is recorded.
+//! * `cosim/1/<run>/status`: a [`Status`] in JSON, four times a second;
+//! * `cosim/1/<run>/signals`, on demand: `{"time": s, "values": {"component.variable": ..}}`, the
+//!   recorded values at every instant at which they are recorded.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
@@ -24,9 +24,9 @@ use crate::error::{Code, Error, Result};
 use crate::master::{Change, Drive, EngineState, Report};
 use crate::time::Time;
 
-/// Time between two messages on how the run stands.
+/// Time between two status messages.
 const PULSE: Duration = Duration::from_millis(250);
-/// Rows that wait to be sent; more are dropped.
+/// Rows that wait to be sent; further rows are dropped.
 const QUEUE: usize = 256;
 
 /// How often signals are sent.
@@ -34,14 +34,14 @@ const QUEUE: usize = 256;
 pub enum Rate {
     /// At every instant at which they are recorded.
     All,
-    /// At most so many times in a second of the clock.
+    /// At most this many times per second of wall-clock time.
     PerSecond(f64),
 }
 
 /// One row of recorded values.
 type Row = (Time, Vec<f64>);
 
-/// Takes what is recorded; nothing it does can take long.
+/// Takes recorded values; it never blocks.
 pub(super) struct Feed {
     rate: Option<Rate>,
     rows: SyncSender<Row>,
@@ -59,13 +59,13 @@ impl Feed {
         };
         if due {
             self.last = Some(Instant::now());
-            // Full, or its reader gone: an observer misses a row.
+            // The queue is full or its reader gone: an observer misses a row.
             let _ = self.rows.try_send((time, values.to_vec()));
         }
     }
 }
 
-/// A system whose recorded values go to a feed, too.
+/// A system whose recorded values also go to a feed.
 pub(super) struct Fed<'a, D> {
     pub(super) driven: &'a mut D,
     pub(super) feed: Feed,
@@ -107,7 +107,7 @@ impl<D: Drive> Drive for Fed<'_, D> {
     }
 }
 
-/// What sends.
+/// The sending side.
 pub(super) struct Sender {
     board: Arc<Board>,
     names: Vec<String>,
@@ -146,28 +146,29 @@ impl Sender {
             match self.rows.recv_timeout(next.saturating_duration_since(Instant::now())) {
                 Ok((time, values)) => {
                     let message = self.row(time, &values);
-                    // What is not sent is missed, here and below: observers are guests.
+                    // What cannot be sent is lost, here and below: observers must not delay the
+                    // run.
                     let _ = self.signals.put(message.to_string()).wait();
                 }
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => break,
             }
             if next <= Instant::now() {
-                self.tell(false);
+                self.send_status(false);
                 next = Instant::now() + PULSE;
             }
         }
-        self.tell(true);
+        self.send_status(true);
     }
 
-    fn tell(&self, ended: bool) {
+    fn send_status(&self, ended: bool) {
         let status = super::Status { ended, ..self.board.status() };
         if let Ok(text) = serde_json::to_string(&status) {
             let _ = self.status.put(text).wait();
         }
     }
 
-    /// JSON has no NaN and no infinity: they are null.
+    /// JSON has no NaN and no infinities: they become null.
     fn row(&self, time: Time, values: &[f64]) -> Value {
         let pairs = self.names.iter().zip(values);
         let values: Map<String, Value> =

@@ -1,21 +1,21 @@
-//! Watching a run from elsewhere.
+//! Watches a run from another process.
 
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 use zenoh::Wait;
 
-use super::door::members::Role;
-use super::door::rights;
-use super::door::session::Access;
+use super::access::members::Role;
+use super::access::rights;
+use super::access::session::Access;
 use super::keys;
 use super::status::Status;
 use crate::error::{Code, Error, Result};
 
-/// A run that is not heard of for so long is gone: it tells how it stands four times a second.
+/// A run that is silent for this long is gone: it publishes its status four times a second.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Shows how the run at `access` stands until it ends, or until `ended` says so.
+/// Shows the status of the run at `access` until it ends, or until `ended` returns true.
 pub fn watch(
     access: &Access,
     ended: &dyn Fn() -> bool,
@@ -42,14 +42,14 @@ pub fn watch(
                 }
             }
             Ok(Err(why)) => {
-                let what = "what the run tells cannot be understood";
+                let what = "the status of the run cannot be understood";
                 return Err(Error::new(Code::Protocol, what)
                     .why(why)
-                    .help("are both sides of the same version?"));
+                    .help("do both sides have the same version of cosim?"));
             }
             Err(RecvTimeoutError::Timeout) if heard.elapsed() < PATIENCE => {}
             Err(_) => {
-                let silent = format!("nothing was heard for {} s", PATIENCE.as_secs());
+                let silent = format!("nothing was received for {} s", PATIENCE.as_secs());
                 return Err(Error::new(Code::Lost, "the run is gone").why(silent));
             }
         }

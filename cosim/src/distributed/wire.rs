@@ -1,9 +1,9 @@
 //! Messages between the coordinator and a host, as bytes.
 //!
-//! A message is a fixed header in little-endian and a body of raw numbers in the order of tables
-//! that both sides made from the same plan; names and types are never sent in a step. Raw bits
-//! keep every NaN and the sign of zero. The header carries a digest of the plan, so two sides
-//! that do not agree on the tables notice before any number is read.
+//! A message is a fixed little-endian header and a body of raw numbers in the order of tables that
+//! both sides derive from the same plan; names and types are never sent in a step. Raw bits
+//! preserve every NaN and the sign of zero. The header carries a digest of the plan, so two sides
+//! with different tables notice it before any number is read.
 
 use sha2::{Digest, Sha256};
 
@@ -12,7 +12,7 @@ use crate::time::Time;
 /// Version of the protocol; both sides must have the same.
 pub(crate) const VERSION: u8 = 1;
 const MAGIC: u8 = 0xC5;
-/// Octets of a header.
+/// Size of a header, in octets.
 pub(crate) const HEADER: usize = 32;
 
 /// What a message is.
@@ -21,7 +21,7 @@ pub(crate) const HEADER: usize = 32;
 pub(crate) enum Kind {
     /// Make these components: the body is a `Setup`.
     Setup = 1,
-    /// Make this one instance, whose calls come one by one: the body is a `SingleSetup`.
+    /// Make one instance that is driven call by call: the body is a `SingleSetup`.
     Single = 2,
     /// Enter initialization mode.
     Enter = 3,
@@ -29,21 +29,21 @@ pub(crate) enum Kind {
     Exchange = 4,
     /// Leave initialization mode.
     Exit = 5,
-    /// Make the steps of one part that end at the message's time.
+    /// Make the steps of one part that end at the time of the message.
     Step = 6,
     /// Read the recorded values.
     Sample = 7,
-    /// Give the present state.
+    /// Return the current state.
     Save = 8,
     /// Change a variable from outside.
     Change = 9,
-    /// Give the messages of the components and end.
+    /// Return the messages of the components and end.
     Finish = 10,
-    /// Make these calls of the one instance.
+    /// Make these calls of the single instance.
     Calls = 11,
-    /// It is done: the answer to any of these.
+    /// Success: the answer to any of these.
     Done = 64,
-    /// It could not be done: the body is a `Failure`.
+    /// Failure: the body is a `Failure`.
     Failed = 65,
 }
 
@@ -51,56 +51,56 @@ pub(crate) enum Kind {
 pub(crate) const RECORD: u8 = 1;
 /// The values that are held from the end of the last instant come first in the body.
 pub(crate) const OPENING: u8 = 2;
-/// Only the blob that comes first in the body is the same whenever the command is repeated.
+/// Only the blob at the start of the body is the same whenever the command is repeated.
 pub(crate) const APART: u8 = 4;
 
-/// The run ends with this step: those that would end later end now.
+/// The run ends with this step: steps that would end later end now.
 pub(crate) const LAST: u8 = 8;
 
-/// The head of a message.
+/// The header of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Header {
-    /// What it is.
+    /// Its kind.
     pub kind: Kind,
-    /// Of [`RECORD`], [`OPENING`], [`APART`] and [`LAST`].
+    /// A combination of [`RECORD`], [`OPENING`], [`APART`] and [`LAST`].
     pub flags: u8,
-    /// Which life of the group this is for; messages of former lives are ignored.
+    /// The incarnation of the group that it is for; messages of earlier incarnations are ignored.
     pub generation: u32,
-    /// Counts the commands to a group from 1; an answer has its command's.
+    /// Counts the commands to a group from 1; an answer has the number of its command.
     pub sequence: u64,
     /// Digest of the plan.
     pub tables: u64,
-    /// The instant that is computed.
+    /// The instant that is being computed.
     pub time: Time,
 }
 
-/// Why bytes are no message for us.
+/// Why bytes are not a valid message.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum Malformed {
-    /// Shorter than its kind asks for.
-    #[error("the message is cut: {has} octets where {needs} are needed")]
+    /// Shorter than its kind requires.
+    #[error("the message is truncated: {has} octets where {needs} are needed")]
     Cut {
         /// Octets present.
         has: usize,
         /// Octets needed.
         needs: usize,
     },
-    /// Longer than its kind asks for.
+    /// Longer than its kind requires.
     #[error("{0} octets too many")]
     Surplus(usize),
-    /// Not ours at all.
+    /// Not a message of cosim.
     #[error("it does not begin like a message of cosim")]
     Foreign,
-    /// Of another version.
+    /// Of another version of the protocol.
     #[error("it is of version {0} of the protocol, this cosim speaks version {VERSION}")]
     Version(u8),
-    /// Of no known kind.
+    /// Of an unknown kind.
     #[error("it is of the unknown kind {0}")]
     Unknown(u8),
-    /// Its checksum is not that of its body.
-    #[error("its checksum is wrong: it was damaged on its way")]
+    /// Its checksum does not match its body.
+    #[error("its checksum is wrong: it was damaged in transit")]
     Damaged,
-    /// A structured body that cannot be read.
+    /// A structured body that cannot be decoded.
     #[error("its body cannot be read: {0}")]
     Body(String),
 }
@@ -115,7 +115,7 @@ impl Kind {
 }
 
 impl Header {
-    /// A message with this header and nothing in its body yet.
+    /// A message with this header and an empty body.
     pub(crate) fn message(&self) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(512);
         bytes.extend([MAGIC, VERSION, self.kind as u8, self.flags]);
@@ -128,7 +128,7 @@ impl Header {
 
     /// The header of a message, and its body.
     pub(crate) fn read(bytes: &[u8]) -> Result<(Self, Body<'_>), Malformed> {
-        // A foreign message may be short as well: its first octets tell more than its length.
+        // A foreign message may be short as well: its first octets say more than its length.
         match bytes {
             [MAGIC, VERSION, ..] => {}
             [MAGIC, version, ..] => return Err(Malformed::Version(*version)),
@@ -157,12 +157,12 @@ impl Header {
     }
 }
 
-/// The part of a body that was not read yet.
+/// The part of a body that has not been read yet.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Body<'a>(&'a [u8]);
 
 impl<'a> Body<'a> {
-    /// The body of a message whose header was read before.
+    /// The body of a message whose header has already been read.
     pub(crate) fn after_header(message: &'a [u8]) -> Self {
         Self(message.get(HEADER..).unwrap_or_default())
     }
@@ -179,7 +179,7 @@ impl<'a> Body<'a> {
         Ok(u32::from_le_bytes(self.take()?))
     }
 
-    /// As many values as there are `slots`, each into its place of `values`.
+    /// Reads one value per slot into its place in `values`.
     pub(crate) fn values(
         &mut self,
         slots: impl IntoIterator<Item = usize>,
@@ -191,7 +191,7 @@ impl<'a> Body<'a> {
         Ok(())
     }
 
-    /// Octets with their number before them.
+    /// A length followed by that many octets.
     pub(crate) fn blob(&mut self) -> Result<&'a [u8], Malformed> {
         let length = u64::from_le_bytes(self.take()?);
         let cut = Malformed::Cut { has: self.0.len(), needs: usize::MAX };
@@ -204,7 +204,7 @@ impl<'a> Body<'a> {
         Ok(blob)
     }
 
-    /// What follows its SHA-256, if it is as it was.
+    /// The body after its SHA-256, if the checksum matches.
     pub(crate) fn whole(mut self) -> Result<Self, Malformed> {
         let sum: [u8; 32] = self.take()?;
         match Sha256::digest(self.0)[..] == sum {
@@ -213,19 +213,19 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Everything that is left.
+    /// The rest of the body.
     pub(crate) fn rest(self) -> &'a [u8] {
         self.0
     }
 
-    /// Everything that is left, as one structure.
+    /// The rest of the body as one structure.
     pub(crate) fn structure<T: serde::de::DeserializeOwned>(self) -> Result<T, Malformed> {
         let (value, rest) =
             postcard::take_from_bytes(self.0).map_err(|e| Malformed::Body(e.to_string()))?;
         Body(rest).end().map(|()| value)
     }
 
-    /// There is nothing more.
+    /// Fails if anything is left.
     pub(crate) fn end(self) -> Result<(), Malformed> {
         if self.0.is_empty() { Ok(()) } else { Err(Malformed::Surplus(self.0.len())) }
     }
@@ -242,7 +242,7 @@ pub(crate) fn put_values(
     }
 }
 
-/// Appends octets with their number before them.
+/// Appends a length and that many octets.
 pub(crate) fn put_blob(message: &mut Vec<u8>, blob: &[u8]) {
     message.extend((blob.len() as u64).to_le_bytes());
     message.extend(blob);

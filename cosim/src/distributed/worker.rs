@@ -1,5 +1,5 @@
-//! `cosim worker`: lends this machine. It supervises; FMUs run in child processes, one per life
-//! of a group, so that one that crashes or spins takes nothing with it.
+//! `cosim worker`: makes this machine available. It supervises; FMUs run in child processes, one
+//! per incarnation of a group, so that an FMU that crashes or hangs takes nothing else with it.
 
 use std::collections::BTreeMap;
 use std::os::unix::process::CommandExt;
@@ -11,56 +11,57 @@ use zenoh::query::Query;
 use zenoh::sample::SampleKind;
 use zenoh::{Session, Wait};
 
+use super::access::allowed::Allowed;
+use super::access::members::Role;
+use super::access::rights;
+use super::access::session::Access;
+use super::available_fmu::AvailableFmu;
 use super::child::LAST_CALL;
-use super::door::allowed::Allowed;
-use super::door::members::Role;
-use super::door::rights;
-use super::door::session::Access;
-use super::fate::{Call, Fate, Process};
 use super::keys;
-use super::offer::Offer;
 use super::pool::{Order, WorkerInfo};
+use super::process_status::{Call, ProcessState, ProcessStatus};
 use crate::confine::{forget, kill_descendants, kill_orphans, reap_descendants, spawn};
 use crate::error::{Code, Error, Result};
 use crate::fmi::LastCall;
 use crate::fmi::temporary::Unpacked;
 use crate::shown::visible;
 
-/// A worker to be run.
+/// Configuration of a worker.
 pub struct Worker {
     /// Its name, unique in the pool.
     pub name: String,
     /// How it reaches the coordinator.
     pub access: Access,
-    /// The program to start for a life, with arguments that make it call [`super::child::serve`].
+    /// The program to start for an incarnation, with arguments that make it call
+    /// [`super::child::serve`].
     pub program: Vec<String>,
-    /// FMUs are confined where the kernel can.
+    /// FMUs are confined where the kernel supports it.
     pub confined: bool,
-    /// What it loads, and tells of where it holds the file.
+    /// The FMUs it loads, and advertises if it has the file.
     pub allowed: Allowed,
 }
 
-/// How long one of our name may stay.
+/// How long another worker of the same name may remain.
 const NAME_PATIENCE: Duration = Duration::from_secs(3);
-/// How long the death of a process may follow the end of its connection.
-const LAST_BREATH: Duration = Duration::from_millis(50);
+/// How long after the end of its connection a process may still take to exit.
+const EXIT_DELAY: Duration = Duration::from_millis(50);
 
-/// What the supervisor is asked to do.
+/// Requests to the supervisor.
 enum Request {
     Info(Query),
     Start(Query),
     Stop(Query),
-    Fate(Query),
-    Offer(Query),
+    Status(Query),
+    Fmu(Query),
     /// This run is gone.
     Gone(String),
 }
 
-/// What is asked under a name below the worker's key.
+/// A request by its name below the worker's key.
 type Asked = (&'static str, fn(Query) -> Request);
 
 impl Worker {
-    /// Serves until `ended` says so.
+    /// Serves until `ended` returns true.
     pub fn serve(&self, ended: &dyn Fn() -> bool) -> Result<()> {
         let Some(session) = self.dialled(ended)? else {
             return Ok(());
@@ -74,8 +75,8 @@ impl Worker {
             ("info", Request::Info),
             ("start", Request::Start),
             ("stop", Request::Stop),
-            ("fate", Request::Fate),
-            ("offer", Request::Offer),
+            ("fate", Request::Status),
+            ("offer", Request::Fmu),
         ];
         for (name, request) in kinds {
             let requests: Sender<Request> = requests.clone();
@@ -103,37 +104,39 @@ impl Worker {
             .map_err(refused)?;
         let _token = session.liveliness().declare_token(&key).wait().map_err(refused)?;
         reap_descendants();
-        let mut children = Children { worker: self, lives: BTreeMap::new() };
+        let mut children = Children { worker: self, incarnations: BTreeMap::new() };
         children.serve(&inbox, ended);
         Ok(())
     }
 
-    /// A session with whoever listens; a worker that may open one waits until somebody does.
+    /// A session with the listening side; a worker that is allowed to wait does so until something
+    /// listens.
     fn dialled(&self, ended: &dyn Fn() -> bool) -> Result<Option<Session>> {
         self.access.check()?;
         while !ended() {
             match self.access.dial() {
-                Err(_) if self.access.is_deserted() => {}
+                Err(_) if self.access.has_no_listener() => {}
                 dialled => return dialled.map(Some),
             }
         }
         Ok(None)
     }
 
-    /// A worker speaks under the name in its certificate; another one is dropped in silence.
+    /// A worker speaks under the name in its certificate; messages under another name are dropped
+    /// silently.
     fn may_work(&self, session: &zenoh::Session) -> Result<()> {
         match rights::ask(session, &self.access, Role::Worker)? {
             Some((name, Role::Worker)) if name != self.name => {
                 let what = format!("the worker '{}' has the certificate of '{name}'", self.name);
                 Err(Error::new(Code::Forbidden, what)
-                    .why("a worker may speak under the name in its certificate only")
+                    .why("a worker may only use the name in its certificate")
                     .help(format!("--name {name}, or --credentials of '{}'", self.name)))
             }
             _ => Ok(()),
         }
     }
 
-    /// Waits until nobody else has our name: one that was killed is gone at once, one that was cut
+    /// Waits until no other worker has our name: a killed worker is gone at once, one that was cut
     /// off after its lease.
     fn have_name(&self, session: &Session, key: &str) -> Result<()> {
         let begun = Instant::now();
@@ -144,8 +147,8 @@ impl Worker {
                 return Ok(());
             }
             if begun.elapsed() > NAME_PATIENCE {
-                let what = format!("a worker named '{}' is there already", self.name);
-                return Err(Error::new(Code::Session, what).help("another --name"));
+                let what = format!("a worker named '{}' is already connected", self.name);
+                return Err(Error::new(Code::Session, what).help("choose another --name"));
             }
             std::thread::sleep(Duration::from_millis(50));
         }
@@ -156,18 +159,18 @@ fn refused(why: zenoh::Error) -> Error {
     Error::new(Code::Session, "the worker cannot announce itself").why(why)
 }
 
-/// The lives that this worker keeps.
+/// The incarnations that this worker runs.
 struct Children<'a> {
     worker: &'a Worker,
-    lives: BTreeMap<(String, usize), Life>,
+    incarnations: BTreeMap<(String, usize), Incarnation>,
 }
 
-/// A child process and the folder that is its own: whatever it leaves there goes with it.
-struct Life {
+/// A child process and its own folder, which is removed with everything left in it.
+struct Incarnation {
     generation: u32,
     child: Child,
     folder: Unpacked,
-    /// How it ended by itself.
+    /// Its exit status if it exited by itself.
     ended: Option<ExitStatus>,
 }
 
@@ -179,8 +182,8 @@ impl Children<'_> {
                 Ok(Request::Info(query)) => answer(&query, &info),
                 Ok(Request::Start(query)) => self.with_order(&query, Self::start),
                 Ok(Request::Stop(query)) => self.with_order(&query, Self::stop),
-                Ok(Request::Fate(query)) => self.with_order(&query, Self::fate),
-                Ok(Request::Offer(query)) => answer(&query, &self.offer(&query)),
+                Ok(Request::Status(query)) => self.with_order(&query, Self::status),
+                Ok(Request::Fmu(query)) => answer(&query, &self.available_fmu(&query)),
                 Ok(Request::Gone(run)) => {
                     self.end_run(&run);
                     Ok(())
@@ -213,10 +216,10 @@ impl Children<'_> {
         answer(query, &outcome)
     }
 
-    fn offer(&self, query: &Query) -> Result<Offer, String> {
+    fn available_fmu(&self, query: &Query) -> Result<AvailableFmu, String> {
         let payload = query.payload().map(|payload| payload.to_bytes().into_owned());
         let wanted = String::from_utf8(payload.unwrap_or_default());
-        Offer::of(&self.worker.allowed, &wanted.map_err(|why| why.to_string())?)
+        AvailableFmu::of(&self.worker.allowed, &wanted.map_err(|why| why.to_string())?)
     }
 
     fn start(&mut self, order: &Order) -> std::io::Result<()> {
@@ -235,8 +238,10 @@ impl Children<'_> {
             // Ctrl-C at a terminal is for the process that the user started.
             .process_group(0);
         let child = spawn(&mut command)?;
-        let life = Life { generation: order.generation, child, folder, ended: None };
-        if let Some(former) = self.lives.insert((order.run.clone(), order.group), life) {
+        let incarnation = Incarnation { generation: order.generation, child, folder, ended: None };
+        if let Some(former) =
+            self.incarnations.insert((order.run.clone(), order.group), incarnation)
+        {
             end(former);
         }
         Ok(())
@@ -244,50 +249,57 @@ impl Children<'_> {
 
     fn stop(&mut self, order: &Order) -> std::io::Result<()> {
         let key = (order.run.clone(), order.group);
-        if self.lives.get(&key).is_some_and(|life| life.generation == order.generation)
-            && let Some(life) = self.lives.remove(&key)
+        if self
+            .incarnations
+            .get(&key)
+            .is_some_and(|incarnation| incarnation.generation == order.generation)
+            && let Some(incarnation) = self.incarnations.remove(&key)
         {
-            end(life);
+            end(incarnation);
         }
         Ok(())
     }
 
-    /// How a life ended, or what it does.
-    fn fate(&mut self, order: &Order) -> std::io::Result<Fate> {
-        let life = self.lives.get_mut(&(order.run.clone(), order.group));
-        let life = life.filter(|life| life.generation == order.generation);
-        let life = life.ok_or_else(|| std::io::Error::other("there is no such life"))?;
+    /// How an incarnation ended, or what it is doing.
+    fn status(&mut self, order: &Order) -> std::io::Result<ProcessStatus> {
+        let incarnation = self.incarnations.get_mut(&(order.run.clone(), order.group));
+        let incarnation =
+            incarnation.filter(|incarnation| incarnation.generation == order.generation);
+        let incarnation =
+            incarnation.ok_or_else(|| std::io::Error::other("there is no such incarnation"))?;
         let begun = Instant::now();
-        while life.ended.is_none() && begun.elapsed() < LAST_BREATH {
-            life.ended = life.child.try_wait()?;
+        while incarnation.ended.is_none() && begun.elapsed() < EXIT_DELAY {
+            incarnation.ended = incarnation.child.try_wait()?;
             std::thread::sleep(Duration::from_millis(1));
         }
-        let process = match life.ended {
-            Some(status) => Process::ended(status),
-            None => Process::living(life.child.id()),
+        let process = match incarnation.ended {
+            Some(status) => ProcessState::ended(status),
+            None => ProcessState::running(incarnation.child.id()),
         };
-        let call = LastCall::read(life.folder.path().join(LAST_CALL)).map(Call::from);
-        Ok(Fate { process, call })
+        let call = LastCall::read(incarnation.folder.path().join(LAST_CALL)).map(Call::from);
+        Ok(ProcessStatus { process, call })
     }
 
-    /// Ends all lives of a run.
+    /// Ends all incarnations of a run.
     fn end_run(&mut self, run: &str) {
-        let all = std::mem::take(&mut self.lives);
-        for (key, life) in all {
+        let all = std::mem::take(&mut self.incarnations);
+        for (key, incarnation) in all {
             if key.0 == run {
-                end(life);
+                end(incarnation);
             } else {
-                self.lives.insert(key, life);
+                self.incarnations.insert(key, incarnation);
             }
         }
     }
 
-    /// Notes which children ended by themselves; they are asked after.
+    /// Notes which children exited by themselves; the coordinator asks for them.
     fn reap(&mut self) {
         let mut left = false;
-        for life in self.lives.values_mut().filter(|life| life.ended.is_none()) {
-            life.ended = life.child.try_wait().ok().flatten();
-            left |= life.ended.is_some();
+        for incarnation in
+            self.incarnations.values_mut().filter(|incarnation| incarnation.ended.is_none())
+        {
+            incarnation.ended = incarnation.child.try_wait().ok().flatten();
+            left |= incarnation.ended.is_some();
         }
         if left {
             kill_orphans();
@@ -297,21 +309,21 @@ impl Children<'_> {
 
 impl Drop for Children<'_> {
     fn drop(&mut self) {
-        std::mem::take(&mut self.lives).into_values().for_each(end);
+        std::mem::take(&mut self.incarnations).into_values().for_each(end);
     }
 }
 
-/// Kills a child with all that it started: an FMU that spins listens to nothing softer.
-fn end(mut life: Life) {
-    // First those below it, which would otherwise be the worker's.
-    if let Ok(None) = life.child.try_wait() {
-        kill_descendants(life.child.id());
+/// Kills a child with everything it started: an FMU in an endless loop reacts to nothing gentler.
+fn end(mut incarnation: Incarnation) {
+    // Its descendants first, which would otherwise become the worker's.
+    if let Ok(None) = incarnation.child.try_wait() {
+        kill_descendants(incarnation.child.id());
     }
-    // It may have ended already.
-    let _ = life.child.kill();
-    let _ = life.child.wait();
-    forget(life.child.id());
-    // What it left in its last moment.
+    // It may have exited already.
+    let _ = incarnation.child.kill();
+    let _ = incarnation.child.wait();
+    forget(incarnation.child.id());
+    // Processes that it started in its last moments.
     kill_orphans();
 }
 

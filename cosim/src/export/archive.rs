@@ -1,5 +1,5 @@
 //! The file of an exported FMU: with fixed times and permissions, so that the same content gives
-//! the same bytes, and under its name only when it is whole.
+//! the same bytes, and under its final name only when it is complete.
 
 use std::fs::{self, File};
 use std::io::Write;
@@ -13,10 +13,10 @@ use crate::digest::sha256;
 use crate::error::{Code, Error, Result};
 use crate::files::Unfinished;
 
-/// Place in the archive, with `/` between the parts, and content.
+/// Path in the archive, with `/` as separator, and content.
 pub(crate) type Entry = (String, Content);
 
-/// What an entry holds.
+/// The content of an entry.
 pub(crate) struct Content {
     what: What,
     digest: String,
@@ -24,7 +24,7 @@ pub(crate) struct Content {
 
 enum What {
     Bytes(Vec<u8>),
-    /// An FMU, which is compressed already.
+    /// An FMU, which is already compressed.
     File(PathBuf),
 }
 

@@ -1,8 +1,8 @@
 //! Which variables of a system an exported FMU shows.
 //!
-//! Without a wish: all outputs, all parameters, and as inputs those that nothing drives. Patterns
-//! choose among all variables instead, and others take away again. A variable keeps its name as it
-//! stands in results, `component.variable`.
+//! By default: all outputs, all parameters, and all unconnected inputs. Patterns select among all
+//! variables instead, and other patterns exclude. A variable keeps its name from the results,
+//! `component.variable`.
 
 use std::collections::BTreeSet;
 
@@ -13,24 +13,24 @@ use crate::names;
 use crate::system::{Conversion, Port, System, SystemPort};
 use crate::units::Unit;
 
-/// A variable that is shown, with those behind it.
+/// A variable that is shown, with the ports behind it.
 pub(crate) struct Chosen {
     pub exposed: Exposed,
-    /// One, or those that a connector of the system drives.
+    /// One port, or those that a connector of the system drives.
     pub ports: Vec<Port>,
     pub causality: Causality,
-    /// Its own unit, if that is another than the first port's.
+    /// Its own unit, if it differs from that of the first port.
     pub unit: Option<(String, Option<Unit>)>,
 }
 
 impl Chosen {
-    /// The variable that says what it is.
+    /// The variable that describes it.
     pub(crate) fn port(&self) -> Port {
         self.ports[0]
     }
 }
 
-/// What of a system is shown.
+/// Which variables of a system are shown.
 pub(crate) fn choose(system: &System, expose: &[String], hide: &[String]) -> Result<Vec<Chosen>> {
     let inward = |port: &&SystemPort| is_inward(port.causality);
     let behind = system.ports().iter().filter(inward).flat_map(|port| &port.ends);
@@ -64,7 +64,7 @@ pub(crate) fn choose(system: &System, expose: &[String], hide: &[String]) -> Res
     Ok(chosen)
 }
 
-/// A variable of a component, and whether it is shown without a wish.
+/// A variable of a component, and whether it is shown by default.
 fn of_component(system: &System, port: Port, described: &Variable, driven: bool) -> (Chosen, bool) {
     let (role, causality) = role(described, driven);
     let by_default =
@@ -79,7 +79,7 @@ fn of_component(system: &System, port: Port, described: &Variable, driven: bool)
     (Chosen { exposed, ports: vec![port], causality, unit: None }, by_default)
 }
 
-/// A connector of the system; none if it leads nowhere.
+/// A connector of the system; `None` if it leads nowhere.
 fn of_system(system: &System, port: &SystemPort) -> Option<(Chosen, bool)> {
     let (first, conversion) = port.ends.first()?;
     let description = system.components()[first.component].model.description()?;
@@ -122,7 +122,7 @@ fn end(system: &System, port: Port, conversion: Option<Conversion>) -> End {
     End { component: component.name.clone(), variable, conversion }
 }
 
-/// What the run of the system begins with.
+/// The start values of the run of the system.
 fn start_of(system: &System, port: Port, described: &Variable) -> Value {
     let given = &system.components()[port.component].start_values;
     let given = given.iter().rev().find(|(variable, _)| *variable == port.variable);
@@ -130,7 +130,7 @@ fn start_of(system: &System, port: Port, described: &Variable) -> Value {
     start.cloned().unwrap_or_else(|| nothing(&described.kind))
 }
 
-/// Who gives it its value, and what it is in the FMU.
+/// Where its value comes from, and what it is in the FMU.
 fn role(described: &Variable, driven: bool) -> (Role, Causality) {
     let tunable = described.variability == Variability::Tunable;
     let start = if described.settable() { Role::Start } else { Role::Calculated };
@@ -143,12 +143,12 @@ fn role(described: &Variable, driven: bool) -> (Role, Causality) {
         Causality::CalculatedParameter => (Role::Calculated, Causality::CalculatedParameter),
         Causality::Output => (start, Causality::Output),
         Causality::Local => (start, Causality::Local),
-        // There is one time only, the FMU's own.
+        // There is only one time, that of the FMU.
         Causality::Independent => (Role::Calculated, Causality::Local),
     }
 }
 
-/// The value of a variable that is given none.
+/// The value of a variable without a start value.
 fn nothing(kind: &Kind) -> Value {
     match kind {
         Kind::Real => Value::Real(0.0),
@@ -173,14 +173,14 @@ fn known(all: &[(Chosen, bool)], expose: &[String], hide: &[String]) -> Result<(
         Some(
             Error::new(Code::UnknownName, what).help(
                 names::did_you_mean(pattern, names())
-                    .unwrap_or_else(|| "list the variables by: cosim info FILE".to_owned()),
+                    .unwrap_or_else(|| "list the variables with cosim info FILE".to_owned()),
             ),
         )
     });
     Error::all(problems.collect())
 }
 
-/// Names of components may contain dots, so two variables may come by one name.
+/// Names of components may contain dots, so two variables may get the same name.
 fn distinct(chosen: &[Chosen]) -> Result<()> {
     let mut seen = BTreeSet::new();
     let twice = chosen.iter().filter(|chosen| !seen.insert(&chosen.exposed.name));
@@ -188,8 +188,8 @@ fn distinct(chosen: &[Chosen]) -> Result<()> {
         let (name, end) = (&chosen.exposed.name, chosen.exposed.ends.first());
         let owner = end.map_or("", |end| &end.component);
         Error::new(Code::Format, format!("two variables of the FMU would be named '{name}'"))
-            .why(format!("one is of the component '{owner}', whose name begins like another's"))
-            .help("rename a component, or leave the variable out by --hide")
+            .why(format!("the name of the component '{owner}' begins like that of another one"))
+            .help("rename a component, or omit the variable with --hide")
     });
     Error::all(problems.collect())
 }

@@ -1,7 +1,7 @@
-//! Units and types of the FMUs inside, for the description of the FMU around them.
+//! Units and types of the inner FMUs, for the description of the exported FMU.
 //!
-//! They are taken over as they were written, with display units and items. Two FMUs may mean
-//! different things by one name: the later one gets a number behind its name.
+//! They are copied as written, with display units and items. If two FMUs use one name for different
+//! definitions, the later one gets a number appended.
 
 use std::collections::BTreeSet;
 
@@ -14,11 +14,11 @@ use crate::xml::{Attribute, Element, Name};
 pub(super) struct Definitions {
     units: Vec<Element>,
     types: Vec<Element>,
-    /// Names of variables, which types must not have.
+    /// Names of variables, which types must not use.
     taken: BTreeSet<String>,
 }
 
-/// Attributes of the elements of types that are taken over.
+/// Attributes of the type elements that are copied.
 const KEPT: &[&str] = &[
     "declaredType",
     "quantity",
@@ -37,8 +37,8 @@ impl Definitions {
         Self { taken, ..Self::default() }
     }
 
-    /// The attributes of a variable's type element in `root`, the description of its FMU, with
-    /// units and types by their names here.
+    /// The attributes of the type element of a variable in `root`, the description of its FMU, with
+    /// the names of units and types used here.
     pub(super) fn attributes(&mut self, root: &Element, typed: &Element) -> Vec<(String, String)> {
         let kept = typed.attributes.iter().filter(|a| KEPT.contains(&a.name.as_str()));
         let mut attributes = Vec::new();
@@ -50,7 +50,7 @@ impl Definitions {
             };
             attributes.extend(value.map(|value| (name.to_string(), value)));
         }
-        // A display unit means something only with its unit.
+        // A display unit is meaningful only with its unit.
         if !attributes.iter().any(|(name, _)| name == "unit") {
             let declared = attributes.iter().any(|(name, _)| name == "declaredType");
             attributes.retain(|(name, _)| declared || name != "displayUnit");
@@ -58,8 +58,8 @@ impl Definitions {
         attributes
     }
 
-    /// The attributes of a variable that is given in a unit of the system's own; bounds of the
-    /// component's variable would be in another.
+    /// The attributes of a variable that has its own unit in the system; bounds of the component's
+    /// variable would be in another unit.
     pub(super) fn of_unit(
         &mut self,
         unit: Option<&(String, Option<Unit>)>,
@@ -82,7 +82,8 @@ impl Definitions {
         vec![("unit".to_owned(), add(&mut self.units, unit, &BTreeSet::new()))]
     }
 
-    /// The name here of a unit. One that its FMU only names is whatever has that name here.
+    /// The name of a unit here. A unit that its FMU only names refers to the one with that name
+    /// here.
     fn unit(&mut self, root: &Element, name: &str) -> String {
         match named(root.grandchildren("UnitDefinitions"), name) {
             Some(unit) => add(&mut self.units, unit.clone(), &BTreeSet::new()),
@@ -123,7 +124,8 @@ fn named<'e>(elements: &'e [Element], name: &str) -> Option<&'e Element> {
     elements.iter().find(|element| element.get("name") == Some(name))
 }
 
-/// Adds an element under its name, or another if that means something else; gives the name.
+/// Adds an element under its name, or under another if that name is taken by a different one;
+/// returns the name.
 fn add(list: &mut Vec<Element>, mut element: Element, taken: &BTreeSet<String>) -> String {
     let wanted = element.get("name").unwrap_or_default().to_owned();
     let mut name = wanted.clone();
@@ -145,7 +147,7 @@ fn add(list: &mut Vec<Element>, mut element: Element, taken: &BTreeSet<String>) 
     name
 }
 
-/// Whether two definitions say the same but for their names.
+/// Whether two definitions are the same except for their names.
 fn same(a: &Element, b: &Element) -> bool {
     let said = |element: &Element| -> BTreeSet<(Name, String)> {
         let own = element.attributes.iter().filter(|a| a.name != "name");
@@ -159,7 +161,7 @@ fn same(a: &Element, b: &Element) -> bool {
         && a.children.iter().zip(&b.children).all(alike)
 }
 
-/// An element of FMI as it was; others are left out.
+/// An element of FMI, unchanged; others are dropped.
 fn copy(xml: &mut Xml, element: &Element) {
     const KNOWN: [&str; 10] = [
         "Unit",

@@ -12,7 +12,7 @@ use crate::fmi::{Causality, Fmu, InterfaceType, Value};
 use crate::system::{Port, System, Xml, base_step, number};
 use crate::xml::{self, Element};
 
-/// What log messages are sorted into, by the names that the standard recommends.
+/// The categories of log messages, with the names recommended by the standard.
 pub const LOG_CATEGORIES: [(&str, &str); 5] = [
     ("logEvents", "Debug messages of the FMUs inside, on request"),
     ("logStatusWarning", "Warnings, always logged"),
@@ -21,7 +21,7 @@ pub const LOG_CATEGORIES: [(&str, &str); 5] = [
     ("logStatusFatal", "Failures that end the instance, always logged"),
 ];
 
-/// Writes the descriptions of a system and what is shown of it.
+/// Writes the description of a system and its exposed variables.
 pub(super) struct Description<'a> {
     pub system: &'a System,
     pub chosen: &'a [Chosen],
@@ -65,7 +65,7 @@ impl Description<'_> {
         Ok(xml.finish())
     }
 
-    /// The descriptions of the FMUs, by their files.
+    /// The descriptions of the FMUs, by file.
     pub(super) fn roots(&self) -> Result<BTreeMap<&Path, Element>> {
         let mut roots = BTreeMap::new();
         for fmu in self.fmus().map(|(fmu, _)| fmu) {
@@ -82,7 +82,7 @@ impl Description<'_> {
         self.system.components().iter().filter_map(|c| Some((c.fmu()?, c.interface)))
     }
 
-    /// The attributes of a variable's type element.
+    /// The attributes of the type element of a variable.
     fn typed(
         &self,
         chosen: &Chosen,
@@ -110,7 +110,7 @@ impl Description<'_> {
         model.description().map_or("Real", |d| d.variables[chosen.port().variable].kind.name())
     }
 
-    /// Whether all names are built as FMI's structured ones are.
+    /// Whether all names follow the structured naming convention of FMI.
     fn is_structured(&self, roots: &BTreeMap<&Path, Element>) -> bool {
         let plain = |part: &str| {
             part.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
@@ -210,7 +210,7 @@ impl Description<'_> {
         xml.end();
     }
 
-    /// A list of variables with what they depend on, if that is known.
+    /// A list of variables with their dependencies, if those are known.
     fn unknowns(
         &self,
         xml: &mut Xml,
@@ -252,7 +252,7 @@ impl References {
     }
 }
 
-/// A start value that is read as exactly the same.
+/// A start value that reads back exactly.
 fn text(value: &Value) -> String {
     value.to_string()
 }

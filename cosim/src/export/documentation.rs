@@ -1,5 +1,6 @@
-//! What an exported FMU tells people: `documentation/index.html` says what is inside and what it shows,
-//! `documentation/licenses/` on which terms. A picture stands for it in other tools' diagrams.
+//! Documentation in an exported FMU: `documentation/index.html` describes what is inside and which
+//! variables are exposed, `documentation/licenses/` the terms. An icon represents it in diagrams of
+//! other tools.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -14,14 +15,14 @@ use crate::report::{Block, Page, Section, Table};
 use crate::system::{Component, Model, base_step};
 use crate::xml::Element;
 
-/// Where an FMU has its licences (FMI 2.0, 2.3).
+/// The folder for the licences of an FMU (FMI 2.0, 2.3).
 const LICENSES: &str = "documentation/licenses";
 const LICENSE_MIT: &str = include_str!("../../LICENSE-MIT");
 const LICENSE_APACHE: &str = include_str!("../../LICENSE-APACHE");
-/// Linked components; drawn from `icon.svg` beside it.
+/// Linked components; drawn from `icon.svg` in this folder.
 const ICON: &[u8] = include_bytes!("icon.png");
 
-/// The files for people. `inside`: the FMUs by their names in the resources.
+/// The documentation files. `inside`: the FMUs by their names in the resources.
 pub(super) fn entries(
     described: &Description<'_>,
     guid: &str,
@@ -63,7 +64,7 @@ pub(super) fn entries(
     Ok(entries)
 }
 
-/// The licence files that an FMU carries, in the order of their names.
+/// The licence files that an FMU contains, in alphabetical order.
 fn licenses(fmu: &Path) -> Result<Vec<(String, Vec<u8>)>> {
     let folder = archive::unpack_part(fmu, |file| file.starts_with(LICENSES))?;
     let root = folder.path().join(LICENSES);
@@ -87,7 +88,7 @@ fn licenses(fmu: &Path) -> Result<Vec<(String, Vec<u8>)>> {
     Ok(files)
 }
 
-/// The page: components, connections, how it is stepped, variables.
+/// The page: components, connections, stepping, variables.
 fn page(described: &Description<'_>, guid: &str, roots: &BTreeMap<&Path, Element>) -> Page {
     let (system, name) = (described.system, described.model_name);
     let count = system.components().len();
@@ -148,7 +149,7 @@ fn stepping(described: &Description<'_>) -> Section {
 
 fn connections(described: &Description<'_>) -> Section {
     let system = described.system;
-    let mut table = Table::new("Who gives whom", &["from", "to", "on the way"]);
+    let mut table = Table::new("Sources and destinations", &["from", "to", "on the way"]);
     for connection in system.connections() {
         let change = connection.conversion.as_ref().map_or(String::new(), ToString::to_string);
         let (from, to) = (system.port_name(connection.from), system.port_name(connection.to));
@@ -159,7 +160,7 @@ fn connections(described: &Description<'_>) -> Section {
 
 fn variables(described: &Description<'_>) -> Section {
     let header = ["name", "causality", "unit", "start", "description"];
-    let mut table = Table::new("What the FMU shows", &header);
+    let mut table = Table::new("Variables of the FMU", &header);
     for chosen in described.chosen {
         let (port, exposed) = (chosen.port(), &chosen.exposed);
         let model = &described.system.components()[port.component].model;

@@ -1,15 +1,15 @@
-//! Which outputs of a system depend at once on which of its free inputs.
+//! Which outputs of a system depend directly on which of its free inputs.
 //!
-//! In a step the importer's inputs are known to every step inside. So a free input reaches the
-//! outputs of its own component that it feeds through to, and from there whatever lies behind
-//! connections that carry the value of the same instant. Who imports the FMU orders its own
-//! components by that, and gets the values that it would get from the parts.
+//! In a step, the inputs from the importer are known to every inner step. A free input therefore
+//! reaches the outputs of its own component that it feeds through to, and from there everything
+//! behind connections that carry the value of the same instant. The importer of the FMU uses this
+//! to order its own components, and gets the values that it would get from the parts.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::system::{Port, System};
 
-/// Per output, the free inputs that it depends on without delay.
+/// For each output, the free inputs that it depends on without delay.
 pub(crate) type Dependencies = BTreeMap<Port, BTreeSet<Port>>;
 
 /// What depends on `free`.
@@ -23,7 +23,7 @@ pub(crate) fn dependencies(system: &System, free: &BTreeSet<Port>) -> Dependenci
         .filter(|(position, _)| system.order().fresh[*position] || solved.contains(position));
     let sources: BTreeMap<Port, Port> = fresh.map(|(_, c)| (c.to, c.from)).collect();
     let mut all = Dependencies::new();
-    // One pass in the order of stepping, and more where loops are solved.
+    // One pass in stepping order, and more where loops are solved.
     loop {
         let mut changed = false;
         for &component in &system.order().sequence {
@@ -35,7 +35,7 @@ pub(crate) fn dependencies(system: &System, free: &BTreeSet<Port>) -> Dependenci
     }
 }
 
-/// Whether something became dependent.
+/// Whether another variable became dependent.
 fn pass(
     system: &System,
     component: usize,

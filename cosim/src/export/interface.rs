@@ -1,7 +1,7 @@
-//! What an exported FMU shows of its system: which of its variables leads where.
+//! The interface of an exported FMU: which exposed variable leads to which variable of its system.
 //!
-//! The same list makes the modelDescription.xml and, as a file in the FMU's resources, tells the
-//! FMU's library what its value references mean.
+//! The same list produces the modelDescription.xml and, as a file in the resources of the FMU,
+//! tells its library what the value references mean.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,13 +10,13 @@ use crate::fmi::{Kind, Value};
 use crate::solver::Settings;
 use crate::system::Conversion;
 
-/// Where it lies in the resources.
+/// Its path in the resources.
 pub(crate) const FILE: &str = "interface.bin";
 
-/// Of the form of the file. A library reads only its own.
+/// Format version of the file. A library reads only its own.
 const VERSION: u32 = 2;
 
-/// What marks a library that serves exported systems of this form, among its bytes.
+/// The marker among the bytes of a library that serves exported systems of this format.
 pub const MARK: &str = "cosim serves exported systems of version 2";
 
 /// The variables of an exported FMU, and how its system is run.
@@ -24,16 +24,16 @@ pub const MARK: &str = "cosim serves exported systems of version 2";
 pub(crate) struct Interface {
     version: u32,
     pub guid: String,
-    /// The system's description in the resources.
+    /// The description of the system in the resources.
     pub system: String,
-    /// The file in the resources that says what happens to it, if anything does.
+    /// The file in the resources with faults and changes, if there are any.
     pub scenario: Option<String>,
     pub running: Running,
-    /// In the order of the modelDescription.xml. A value reference counts those of its type.
+    /// In the order of the modelDescription.xml. A value reference is an index within its type.
     pub variables: Vec<Exposed>,
 }
 
-/// What no description of a system says.
+/// Settings that a description of a system does not contain.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Running {
     pub algorithm: String,
@@ -50,13 +50,13 @@ pub(crate) struct Exposed {
     pub name: String,
     pub basic: Basic,
     pub role: Role,
-    /// The variables of components behind it: one, or the inputs that an input drives.
+    /// The variables of components behind it: one, or all inputs that an input drives.
     pub ends: Vec<End>,
-    /// What it is before it is set or calculated.
+    /// Its value before it is set or calculated.
     pub start: Value,
 }
 
-/// A variable of a component by names, and what happens to the value on its way.
+/// A variable of a component by name, and how the value is converted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct End {
     pub component: String,
@@ -64,7 +64,7 @@ pub(crate) struct End {
     pub conversion: Option<Conversion>,
 }
 
-/// FMI's types as far as value references go: an Enumeration is an Integer.
+/// FMI's types as far as value references are concerned: an Enumeration is an Integer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[allow(missing_docs, reason = "the names are FMI's")]
 pub enum Basic {
@@ -74,14 +74,14 @@ pub enum Basic {
     String,
 }
 
-/// Who gives a variable its value.
+/// Where the value of a variable comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Role {
     /// The importer, at any time.
     Input,
     /// The importer, before the simulation.
     Fixed,
-    /// The importer, between steps too.
+    /// The importer, also between steps.
     Tunable,
     /// The importer before the simulation, then the system.
     Start,

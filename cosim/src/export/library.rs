@@ -1,4 +1,4 @@
-//! The library that serves an FMU that this program writes, for one platform or for several.
+//! The library of an FMU that this program writes, for one platform or for several.
 
 use std::env;
 use std::fs;
@@ -8,19 +8,19 @@ use crate::error::{Code, Error, Result};
 use crate::fmi::elf;
 use crate::system::System;
 
-/// A kind of FMU that this program writes, by the library that serves it.
+/// A kind of FMU that this program writes, by its library.
 pub(crate) struct Kind {
-    /// The environment names the library, or several with `:` between, by this.
+    /// The environment variable that names the library, or several separated by `:`.
     pub variable: &'static str,
-    /// Its file as Cargo names it.
+    /// Its file name from Cargo.
     pub file: &'static str,
-    /// What is among its bytes.
+    /// A marker among its bytes.
     pub mark: &'static str,
-    /// What it is the library of.
+    /// What the library is for.
     pub of: &'static str,
 }
 
-/// Beside it: what is linked into it, with the terms.
+/// A file beside it: the linked packages, with their terms.
 const LINKED: &str = "licenses.txt";
 
 /// The library for one platform.
@@ -29,7 +29,7 @@ pub(crate) struct Library {
     pub folder: &'static str,
     pub bytes: Vec<u8>,
     pub path: PathBuf,
-    /// What it is made of, with the terms, if a file beside it says so.
+    /// The linked packages, with their terms, if there is such a file beside it.
     pub linked: Option<Vec<u8>>,
 }
 
@@ -55,7 +55,7 @@ pub(crate) fn find(kind: &Kind, named: &[PathBuf]) -> Result<Vec<Library>> {
     Ok(libraries)
 }
 
-/// Of the environment, beside this program, or where packages put it.
+/// From the environment, beside this program, or where packages install it.
 fn search(kind: &Kind) -> Result<PathBuf> {
     let Kind { variable, file, of, .. } = kind;
     if let Some(named) = env::var_os(variable).filter(|named| !named.is_empty()) {
@@ -71,29 +71,29 @@ fn search(kind: &Kind) -> Result<PathBuf> {
         return Ok(found.clone());
     }
     let places: Vec<String> = places.iter().map(|place| place.display().to_string()).collect();
-    Err(Error::new(Code::Library, format!("the library of {of} is not here"))
-        .why(format!("there is none of {}", places.join(", ")))
-        .help(format!("name it by --library or {variable}; cargo xtask package makes it")))
+    Err(Error::new(Code::Library, format!("the library of {of} was not found"))
+        .why(format!("none of these exists: {}", places.join(", ")))
+        .help(format!("specify it with --library or {variable}; cargo xtask package makes it")))
 }
 
 fn read(kind: &Kind, path: &Path) -> Result<Library> {
     let Kind { mark, of, .. } = kind;
     let wrong = |why: String| {
-        Error::new(Code::Library, format!("this is no library of {of}")).at(path).why(why)
+        Error::new(Code::Library, format!("this is not a library of {of}")).at(path).why(why)
     };
     let bytes = fs::read(path).map_err(|e| {
         Error::new(Code::File, format!("the library of {of} cannot be read")).at(path).why(e)
     })?;
     let folder = elf::platform(&bytes).map_err(wrong)?;
     if !bytes.windows(mark.len()).any(|window| window == mark.as_bytes()) {
-        return Err(wrong(format!("it does not say '{mark}'"))
-            .help("take the library that was built together with this program"));
+        return Err(wrong(format!("it does not contain '{mark}'"))
+            .help("use the library that was built together with this program"));
     }
     let linked = fs::read(path.with_file_name(LINKED)).ok();
     Ok(Library { folder, bytes, path: path.to_owned(), linked })
 }
 
-/// Every FMU inside must have a binary for that platform; on this machine's it is loaded.
+/// Every inner FMU must have a binary for that platform; for this machine's platform it is loaded.
 pub(crate) fn check(library: &Library, system: &System) -> Result<()> {
     let mut problems = Vec::new();
     for component in system.components() {
@@ -109,7 +109,7 @@ pub(crate) fn check(library: &Library, system: &System) -> Result<()> {
                 Error::new(Code::Library, what)
                     .at(fmu.path())
                     .why(format!("{} is for that platform", library.path.display()))
-                    .help("export its FMU for that platform, too, or leave the library out"),
+                    .help("export its FMU for that platform too, or omit the library"),
             );
         }
     }

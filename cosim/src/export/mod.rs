@@ -1,17 +1,17 @@
 //! A whole system as one FMU for co-simulation (FMI 2.0).
 //!
-//! In its resources lie the system's description, as `System::write` makes it, its FMUs as they
-//! are, and what the value references mean; its library is one for all systems and runs them with
-//! the engine of this crate (`hosted`). What is written is checked before, and the same system
-//! gives the same bytes.
+//! Its resources contain the description of the system, as written by `System::write`, the
+//! unchanged FMUs, and the meaning of the value references. Its library is the same for all systems
+//! and runs them with the engine of this crate (`hosted`). Everything is checked before it is
+//! written, and the same system gives the same bytes.
 //!
 //! | file | what |
 //! |---|---|
-//! | `choice` | which variables are shown |
-//! | `interface` | them as a list, for the library |
+//! | `choice` | which variables are exposed |
+//! | `interface` | the list of them, for the library |
 //! | `description`, `definitions`, `feedthrough` | modelDescription.xml: variables, units and types, dependencies |
-//! | `documentation` | what it tells people, licences, icon |
-//! | `library` | the binaries, and whether the FMUs inside have theirs |
+//! | `documentation` | documentation, licences, icon |
+//! | `library` | the binaries, and whether the inner FMUs have theirs |
 //! | `archive` | the file |
 
 pub(crate) mod archive;
@@ -48,7 +48,7 @@ const LIBRARY: library::Kind = library::Kind {
     of: "exported systems",
 };
 
-/// How a system becomes an FMU.
+/// How to export a system as an FMU.
 ///
 /// ```no_run
 /// use cosim::{Overrides, System, export::Export};
@@ -67,27 +67,27 @@ pub struct Export {
 }
 
 impl Export {
-    /// All outputs, all parameters and the inputs that nothing drives, for this machine.
+    /// Exposes all outputs, all parameters and all unconnected inputs, for this machine.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// The name of the model; without one it is the system's.
+    /// The name of the model; by default that of the system.
     #[must_use]
     pub fn name(mut self, name: impl Into<String>) -> Self {
         self.name = Some(name.into());
         self
     }
 
-    /// Shows this variable, or those that the pattern (`*`, `?`) matches, and only what is asked
-    /// for so. Inner inputs that are driven and local variables can be shown, too.
+    /// Exposes this variable, or those that the pattern (`*`, `?`) matches, and only variables
+    /// selected in this way. Connected inputs and local variables can be exposed, too.
     #[must_use]
     pub fn expose(mut self, pattern: impl Into<String>) -> Self {
         self.expose.push(pattern.into());
         self
     }
 
-    /// Does not show this variable, or those that the pattern matches.
+    /// Hides this variable, or those that the pattern matches.
     #[must_use]
     pub fn hide(mut self, pattern: impl Into<String>) -> Self {
         self.hide.push(pattern.into());
@@ -101,22 +101,22 @@ impl Export {
         self
     }
 
-    /// Lets the faults and changes of this file happen in the FMU, too. None may wait for a condition
-    /// or end the run: there are no recorded values, and the importer says when it ends.
+    /// Applies the faults and changes of this file in the FMU. None may wait for a condition or end
+    /// the run: there are no recorded values, and the importer decides when it ends.
     #[must_use]
     pub fn scenario(mut self, file: impl Into<PathBuf>) -> Self {
         self.scenario = Some(file.into());
         self
     }
 
-    /// Writes the FMU, which replaces one that is there as a whole; gives what is good to know.
+    /// Writes the FMU, replacing an existing one as a whole; returns notes.
     pub fn write(&self, system: &System, path: impl AsRef<Path>) -> Result<Vec<String>> {
         let path = path.as_ref();
         system.ready()?;
         if !path.extension().is_some_and(|end| end.eq_ignore_ascii_case("fmu")) {
-            return Err(Error::new(Code::Usage, "the exported file is no .fmu")
+            return Err(Error::new(Code::Usage, "the exported file is not an .fmu")
                 .at(path)
-                .help("give it a name that ends with .fmu"));
+                .help("use a name that ends in .fmu"));
         }
         let inputs = system.files().chain(self.scenario.as_deref());
         files::refuse_inputs(path, inputs)?;
@@ -154,9 +154,9 @@ impl Export {
             inside.push((format!("resources/{name}"), Content::file(file.clone())?));
             interface.scenario = Some(name);
         }
-        let (told, listed) = (description.text("")?, interface.bytes()?);
+        let (described, listed) = (description.text("")?, interface.bytes()?);
         let files = inside.iter().map(|(_, content)| content.digest().as_bytes());
-        let parts = [told.as_bytes(), packed.text.as_bytes(), &listed].into_iter();
+        let parts = [described.as_bytes(), packed.text.as_bytes(), &listed].into_iter();
         let guid = guid(parts.chain(files));
         interface.guid.clone_from(&guid);
         let text = description.text(&guid)?;
@@ -174,7 +174,7 @@ impl Export {
     }
 }
 
-/// How the system is run, as far as its description does not say it.
+/// How the system is run, as far as its description does not specify it.
 fn running(system: &System) -> Running {
     let linear = system.connections().iter().enumerate();
     let linear = linear.filter(|(position, _)| system.is_linear(*position));
@@ -187,7 +187,7 @@ fn running(system: &System) -> Running {
     }
 }
 
-/// SHA-256 of all that is inside in the customary form of a GUID.
+/// SHA-256 of the contents in the usual form of a GUID.
 pub(crate) fn guid<'p>(parts: impl Iterator<Item = &'p [u8]>) -> String {
     let mut hash = Sha256::new();
     for part in parts {
@@ -200,7 +200,7 @@ pub(crate) fn guid<'p>(parts: impl Iterator<Item = &'p [u8]>) -> String {
     format!("{{{a}-{b}-{c}-{d}-{e}}}")
 }
 
-/// A name as an identifier of C, which names the library's file.
+/// A name as an identifier of C, which names the library file.
 pub(crate) fn identifier(name: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
     let name: String = name.chars().map(plain).collect();
@@ -210,7 +210,7 @@ pub(crate) fn identifier(name: &str) -> String {
     }
 }
 
-/// What does not come along.
+/// Notes on files that are not included.
 fn notes(system: &System, chosen: &[Chosen]) -> Vec<String> {
     let mut notes = Vec::new();
     for component in system.components() {

@@ -1,4 +1,4 @@
-//! A fault at work on one variable.
+//! A fault that acts on one variable.
 
 use std::collections::VecDeque;
 
@@ -11,50 +11,50 @@ use crate::time::Time;
 /// How a value reaches its component, or leaves it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Way {
-    /// An input that somebody drives.
+    /// A connected input.
     Input,
     /// An output.
     Output,
-    /// A parameter, or an input that nobody drives.
+    /// A parameter, or an unconnected input.
     Free,
 }
 
 /// A fault with its state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Acting {
-    /// Which fault of the list this is.
+    /// The position of the fault in the list.
     number: u32,
     kind: Kind,
-    /// When it begins; unknown while its condition has not held.
+    /// When it begins; unknown until its condition holds.
     from: Option<Time>,
     until: Time,
-    /// How long it lasts, if that decides when it ends.
+    /// Its duration, if that determines its end.
     lasts: Option<Time>,
     ramp_in: Time,
     ramp_out: Time,
     /// The time between samples; 0 if each step is one.
     every: Time,
-    /// When the next sample is due, and of when the last one is.
+    /// When the next sample is due, and the time of the last one.
     next: Time,
     taken: Option<Time>,
-    /// A fault after this one has ended it.
+    /// A later fault has ended it.
     released: bool,
     random: Random,
     way: Way,
-    /// The instant of the present values.
+    /// The instant of the current values.
     now: Time,
-    /// When the step began that decides whether the fault acts; none before the first one.
+    /// The start of the step that decides whether the fault acts; `None` before the first step.
     begun: Option<Time>,
-    /// It has acted at a step.
+    /// It has acted in a step.
     acted: bool,
-    /// The noise, or the error, of now.
+    /// The current noise or error.
     level: f64,
     lost: bool,
-    /// The last good value, and of when it is.
+    /// The last good value, and its time.
     good: Option<(Time, f64)>,
-    /// Values on their way: of when they are, when they come, and what they are.
+    /// Values in transit: their time, their time of arrival, and the values.
     late: VecDeque<(Time, Time, f64)>,
-    /// The delay of the value of now (s).
+    /// The delay of the current value (s).
     delay: f64,
 }
 
@@ -107,7 +107,7 @@ impl Acting {
         self
     }
 
-    /// From now on it is at a variable of this way.
+    /// From now on it acts on a variable of this kind.
     pub(crate) fn installed(mut self, way: Way, now: Time) -> Self {
         (self.way, self.now) = (way, now);
         self.begun = (way != Way::Output).then_some(now);
@@ -115,8 +115,8 @@ impl Acting {
         self
     }
 
-    /// The condition of fault `number` holds; only the first time counts. Whether the component is to be
-    /// reset now.
+    /// The condition of fault `number` holds; only the first time counts. Returns whether the
+    /// component is to be reset now.
     pub(crate) fn trigger(&mut self, number: u32, now: Time) -> bool {
         if self.number != number || self.from.is_some() {
             return false;
@@ -129,7 +129,7 @@ impl Acting {
         self.kind == Kind::Reset
     }
 
-    /// Whether it looks at values before its beginning.
+    /// Whether it needs values from before its start.
     pub(crate) fn remembers(&self) -> bool {
         self.kind.remembers()
     }
@@ -153,12 +153,12 @@ impl Acting {
         self.kind == Kind::Release && self.acts()
     }
 
-    /// Whether a fault after it has ended it.
+    /// Whether a later fault has ended it.
     pub(crate) fn release(&mut self, released: bool) {
         self.released = released;
     }
 
-    /// Whether a sample is due; of when the one before it is.
+    /// Whether a sample is due; returns the time of the previous one.
     fn sample(&mut self) -> Option<Option<Time>> {
         if self.acted && self.every > Time::ZERO {
             if self.now < self.next {
@@ -176,10 +176,10 @@ impl Acting {
         Some(before)
     }
 
-    /// The random numbers of a step, which is so long.
+    /// The random numbers of a step of this length.
     fn draw(&mut self, step: Time) {
         if let Kind::Latency { delay, jitter } = self.kind {
-            // Drawn also before the beginning, for values that come after it.
+            // Also drawn before the start, for values that arrive after it.
             self.delay = delay;
             if jitter > 0.0 {
                 self.delay += jitter * self.random.uniform();
@@ -206,7 +206,8 @@ impl Acting {
                 };
             }
             Kind::Outliers { share, size } => {
-                // The same number of draws each time: what comes next does not depend on luck.
+                // The same number of draws each time, so that later numbers do not depend on the
+                // outcome.
                 let (chance, drawn) = (self.random.uniform(), self.random.uniform());
                 let error = match size {
                     Spread::Normal(sigma) => sigma * super::normal_quantile(drawn),
@@ -226,7 +227,8 @@ impl Acting {
         self.acted = true;
     }
 
-    /// What becomes of the present value. Asked again, it gives the same for the same.
+    /// The faulty value for the current value. Called again, it gives the same result for the same
+    /// value.
     pub(crate) fn apply(&mut self, value: f64) -> f64 {
         self.remember(value);
         if !self.acts() {
@@ -294,12 +296,12 @@ impl Acting {
             },
             Kind::Latency { .. } => {
                 let come = self.late.iter().rev().find(|(_, due, _)| *due <= self.now);
-                // Before anything has come, what there was at first.
+                // Before anything has arrived, the initial value.
                 come.or(self.late.front()).map_or(value, |(_, _, late)| *late)
             }
             Kind::Reordering { .. } => {
                 let come = self.late.iter().filter(|(_, due, _)| *due <= self.now);
-                // Of two that come at once the older one is seen: it is the one that is late.
+                // If two arrive at once, the older one is seen: it is the late one.
                 let last = come.max_by_key(|(of, due, _)| (*due, std::cmp::Reverse(*of)));
                 last.map_or(value, |(_, _, late)| *late)
             }
@@ -313,7 +315,7 @@ impl Acting {
                     Kind::Stuck => self.acts(),
                     _ => self.lost,
                 };
-                // The first value of all is kept, and so is what replaces it at the same instant.
+                // The very first value is kept, and so is its replacement at the same instant.
                 if !holds || self.good.is_none_or(|(of, _)| of == self.now) {
                     self.good = Some((self.now, value));
                 }
@@ -344,7 +346,7 @@ impl Acting {
         }
     }
 
-    /// Drops what has come and is not the last that came.
+    /// Drops everything that has arrived except the last value.
     fn forget(&mut self) {
         let now = self.now;
         let come = self.late.iter().filter(|(_, due, _)| *due <= now).map(|(_, due, _)| *due);
@@ -353,7 +355,7 @@ impl Acting {
         }
     }
 
-    /// A value sets out.
+    /// Sends a value.
     fn send(&mut self, value: f64) {
         if let Some((of, _, newest)) = self.late.back_mut()
             && *of == self.now
@@ -364,13 +366,13 @@ impl Acting {
         let delay = Time::from_nanoseconds(libm::rint(self.delay * 1e9) as i64);
         let last = self.late.back().map_or(self.now, |(_, due, _)| *due);
         self.late.push_back((self.now, (self.now + delay).max(last), value));
-        // The newest that has come stays; those before it are of no use any more.
+        // The newest value that has arrived stays; earlier ones are no longer needed.
         while self.late.get(1).is_some_and(|(_, due, _)| *due <= self.now) {
             self.late.pop_front();
         }
     }
 
-    /// How what comes out of it changes with what goes in.
+    /// The derivative of the output with respect to the input.
     pub(crate) fn slope(&self) -> f64 {
         if !self.acts() {
             return 1.0;

@@ -1,8 +1,8 @@
-//! What faults do, and how files say it.
+//! The kinds of faults, and their names in files.
 
 use serde::{Deserialize, Serialize};
 
-/// What a fault does to a value.
+/// The effect of a fault on a value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Kind {
     /// The value is this one.
@@ -11,19 +11,19 @@ pub enum Kind {
     Bias(f64),
     /// The value is multiplied by this.
     Scale(f64),
-    /// What is added grows by so much a second.
+    /// An added offset that grows by this much per second.
     Drift(f64),
-    /// What is added grows to `size` during `over` seconds, and stays.
+    /// An added offset that grows to `size` during `over` seconds, and stays.
     Ramp {
-        /// What is added in the end.
+        /// The final offset.
         size: f64,
         /// How long it grows (s).
         over: f64,
     },
-    /// An independent normal number of this standard deviation is added at each step.
+    /// An independent normal random number of this standard deviation is added at each step.
     WhiteNoise(f64),
-    /// Noise of the standard deviation `sigma` whose correlation falls to 1/e in `tau` seconds (a
-    /// first-order Gauss-Markov process) is added.
+    /// Adds noise with the standard deviation `sigma` whose correlation falls to 1/e in `tau`
+    /// seconds (a first-order Gauss-Markov process).
     GaussMarkov {
         /// Standard deviation.
         sigma: f64,
@@ -34,43 +34,44 @@ pub enum Kind {
     Outliers {
         /// Probability per step.
         share: f64,
-        /// What is added then.
+        /// The error.
         size: Spread,
     },
-    /// The value stays what it was.
+    /// The value freezes.
     Stuck,
     /// The value is NaN.
     NotANumber,
-    /// The value is a whole multiple of this, the nearest.
+    /// The value is rounded to the nearest multiple of this.
     Quantization(f64),
-    /// The value is cut at these bounds.
+    /// The value is limited to these bounds.
     Saturation(f64, f64),
-    /// Nothing comes through: all the time, or by turns.
+    /// Values do not come through: permanently, or intermittently.
     DropOut {
-        /// Mean time (s) until it is lost, and until it comes back; without, it is lost.
+        /// Mean time (s) until the signal is lost, and until it returns; if absent, it is lost
+        /// permanently.
         turns: Option<(f64, f64)>,
         /// What is seen meanwhile.
         meanwhile: Meanwhile,
     },
-    /// The value comes `delay` seconds late, and up to `jitter` seconds later than that, in order.
+    /// The value arrives `delay` seconds late, plus up to `jitter` seconds, in order.
     Latency {
-        /// The least delay (s).
+        /// The minimum delay (s).
         delay: f64,
-        /// What is added to it at most (s).
+        /// The maximum addition to it (s).
         jitter: f64,
     },
-    /// The value follows with a lag of first order of this time constant (s).
+    /// The value follows with a first-order lag with this time constant (s).
     Lag(f64),
-    /// Samples are taken at this period (s) only; the last one is held.
+    /// Samples are taken only at this period (s); the last one is held.
     Sampling,
-    /// With probability `share`, a sample comes `delay` seconds late, after younger ones; with
-    /// `again` it also comes in time, so it is seen twice.
+    /// With probability `share`, a sample arrives `delay` seconds late, after younger ones; with
+    /// `again` it also arrives in time, so it is seen twice.
     Reordering {
         /// Probability per sample.
         share: f64,
-        /// How late it comes (s).
+        /// Its delay (s).
         delay: f64,
-        /// It comes in time, too.
+        /// It also arrives in time.
         again: bool,
     },
     /// The faults before this one in the file stop acting on its variables.
@@ -79,19 +80,19 @@ pub enum Kind {
     Reset,
 }
 
-/// How large outliers are.
+/// The magnitude of outliers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Spread {
-    /// Normal numbers of this standard deviation.
+    /// Normally distributed with this standard deviation.
     Normal(f64),
-    /// Numbers with equal chances up to this size.
+    /// Uniformly distributed up to this magnitude.
     Uniform(f64),
 }
 
 /// What is seen of a value that does not come through.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Meanwhile {
-    /// The last one that came through.
+    /// The last value that came through.
     Last,
     /// Zero.
     Zero,
@@ -99,15 +100,15 @@ pub enum Meanwhile {
     NotANumber,
 }
 
-/// How a file names a kind, and what else it says with it.
+/// The name of a kind in a file, and its parameters.
 pub struct Word {
     /// The kind.
     pub name: &'static str,
-    /// What it does.
+    /// Its effect.
     pub meaning: &'static str,
-    /// The keys that belong to it.
+    /// Its keys.
     pub keys: &'static [Meant],
-    /// An example of these keys.
+    /// An example with these keys.
     pub example: &'static str,
 }
 
@@ -115,9 +116,9 @@ pub struct Word {
 pub struct Meant {
     /// The key.
     pub key: &'static str,
-    /// What its value is.
+    /// The meaning of its value.
     pub meaning: &'static str,
-    /// The words that it may be; none if it is a number.
+    /// The permitted words; empty if it is a number.
     pub words: &'static [&'static str],
 }
 
@@ -125,12 +126,12 @@ const fn key(key: &'static str, meaning: &'static str) -> Meant {
     Meant { key, meaning, words: &[] }
 }
 
-/// Every kind that a file can name.
+/// All kinds that a file can name.
 pub const KINDS: [Word; 21] = [
     Word {
         name: "override",
-        meaning: "the value is another one",
-        keys: &[key("value", "that one")],
+        meaning: "the value is replaced",
+        keys: &[key("value", "the replacement")],
         example: "value = 1",
     },
     Word {
@@ -142,24 +143,24 @@ pub const KINDS: [Word; 21] = [
     Word {
         name: "scale",
         meaning: "the value is multiplied",
-        keys: &[key("factor", "by this")],
+        keys: &[key("factor", "the factor")],
         example: "factor = 1.02",
     },
     Word {
         name: "drift",
-        meaning: "what is added grows without end",
-        keys: &[key("rate", "so much a second")],
+        meaning: "an added offset grows without limit",
+        keys: &[key("rate", "growth per second")],
         example: "rate = 0.001",
     },
     Word {
         name: "ramp",
-        meaning: "what is added grows, and stays",
-        keys: &[key("value", "what is added in the end"), key("over", "seconds of growth")],
+        meaning: "an added offset grows, and stays",
+        keys: &[key("value", "the final offset"), key("over", "seconds of growth")],
         example: "value = 0.5\nover = 20",
     },
     Word {
         name: "white-noise",
-        meaning: "an independent normal number is added at each step",
+        meaning: "an independent normal random number is added at each step",
         keys: &[key("sigma", "its standard deviation"), EVERY],
         example: "sigma = 0.02\nevery = 0.2",
     },
@@ -175,36 +176,36 @@ pub const KINDS: [Word; 21] = [
     },
     Word {
         name: "outliers",
-        meaning: "now and then an error is added for one step",
+        meaning: "occasionally an error is added for one step",
         keys: &[
             key("share", "probability per step"),
             key("sigma", "standard deviation of normal errors"),
-            key("size", "or: the greatest size of errors with equal chances"),
+            key("size", "or: the maximum magnitude of uniformly distributed errors"),
             EVERY,
         ],
         example: "share = 0.05\nsigma = 5\nevery = 1",
     },
-    Word { name: "stuck", meaning: "the value stays what it was", keys: &[], example: "" },
+    Word { name: "stuck", meaning: "the value freezes", keys: &[], example: "" },
     Word { name: "zero", meaning: "the value is 0", keys: &[], example: "" },
     Word { name: "nan", meaning: "the value is not a number", keys: &[], example: "" },
     Word {
         name: "quantization",
-        meaning: "the value is the nearest whole multiple",
-        keys: &[key("step", "of this")],
+        meaning: "the value is rounded to the nearest multiple",
+        keys: &[key("step", "the base of the multiples")],
         example: "step = 0.1",
     },
     Word {
         name: "saturation",
-        meaning: "the value is cut at bounds",
-        keys: &[key("min", "the lower"), key("max", "the upper")],
+        meaning: "the value is limited to bounds",
+        keys: &[key("min", "the lower bound"), key("max", "the upper bound")],
         example: "min = -100\nmax = 100",
     },
     Word {
         name: "drop-out",
-        meaning: "nothing comes through: all the time, or by turns (a Markov chain of two states)",
+        meaning: "values do not come through: permanently, or intermittently (a two-state Markov chain)",
         keys: &[
-            key("up", "mean seconds until it is lost"),
-            key("down", "mean seconds until it is back"),
+            key("up", "mean seconds until the signal is lost"),
+            key("down", "mean seconds until it returns"),
             Meant {
                 key: "meanwhile",
                 meaning: "what is seen then: last (the default), zero or nan",
@@ -215,34 +216,31 @@ pub const KINDS: [Word; 21] = [
     },
     Word {
         name: "latency",
-        meaning: "values come late and in order; all variables of the fault by the same time",
-        keys: &[
-            key("delay", "seconds"),
-            key("jitter", "seconds that are added at most (default 0)"),
-        ],
+        meaning: "values arrive late and in order; all variables of the fault with the same delay",
+        keys: &[key("delay", "seconds"), key("jitter", "maximum additional seconds (default 0)")],
         example: "delay = 0.5\njitter = 0.1",
     },
     Word {
         name: "lag",
-        meaning: "the value follows with a lag of first order",
+        meaning: "the value follows with a first-order lag",
         keys: &[key("tau", "its time constant in seconds")],
         example: "tau = 0.5",
     },
     Word {
         name: "rate-change",
-        meaning: "samples are taken more rarely; the last one is held",
+        meaning: "samples are taken less often; the last one is held",
         keys: &[EVERY],
         example: "every = 2",
     },
     Word {
         name: "reordering",
-        meaning: "some samples come late, after younger ones; all variables of the fault together",
+        meaning: "some samples arrive late, after younger ones; all variables of the fault together",
         keys: &[key("share", "probability per sample"), key("delay", "seconds"), EVERY],
         example: "share = 0.2\ndelay = 1.5\nevery = 1",
     },
     Word {
         name: "duplicates",
-        meaning: "some samples come a second time, after younger ones; all variables together",
+        meaning: "some samples arrive a second time, after younger ones; all variables together",
         keys: &[key("share", "probability per sample"), key("delay", "seconds"), EVERY],
         example: "share = 0.2\ndelay = 1.5\nevery = 1",
     },
@@ -260,12 +258,12 @@ pub const KINDS: [Word; 21] = [
     },
 ];
 
-/// Of kinds that draw a number for each sample.
+/// For kinds that draw a random number for each sample.
 const EVERY: Meant =
     key("every", "seconds between samples (default: each step of the component is one)");
 
 impl Kind {
-    /// Whether all variables of a fault share its chances: they are lost or late together.
+    /// Whether all variables of a fault share its random numbers: they are lost or late together.
     pub(crate) fn is_common(&self) -> bool {
         matches!(
             self,
@@ -276,7 +274,7 @@ impl Kind {
         )
     }
 
-    /// Whether what it does depends on earlier values.
+    /// Whether its effect depends on earlier values.
     pub(crate) fn remembers(&self) -> bool {
         matches!(
             self,

@@ -1,9 +1,9 @@
-//! Faults and disturbances of a variable: what a sensor, a link or an actuator does wrong.
+//! Faults and disturbances of a variable: errors of a sensor, a link or an actuator.
 //!
 //! A fault acts on the steps of its component that begin in `[from, until)`: on an input or a
-//! parameter during the step, on an output from the step's end on. It has a random stream of its
-//! own and a state that changes once a step, however often values are asked for, and belongs to
-//! snapshots: the same bits in one process, distributed and resumed.
+//! parameter during the step, on an output from the end of the step on. It has its own random
+//! stream and a state that changes once per step, however often values are read, and that is part
+//! of snapshots: results have the same bits in one process, distributed and resumed.
 
 mod acting;
 mod kind;
@@ -21,25 +21,26 @@ pub use window::Window;
 use crate::condition::Condition;
 use crate::time::Time;
 
-/// A fault as it is described.
+/// The specification of a fault.
 #[derive(Debug, Clone)]
 pub struct Fault {
-    /// The variables that it acts on, as in the results; `*` and `?` make a pattern.
+    /// The variables on which it acts, with their names in the results; `*` and `?` match parts of
+    /// names.
     pub variables: Vec<String>,
     /// What it does.
     pub kind: Kind,
-    /// When it is put in its place: what it remembers begins there, and so do its random numbers;
-    /// with the run if nothing is said.
+    /// When it is installed: its memory and its random numbers start there; by default with the
+    /// run.
     pub installed: Option<Time>,
     /// When it begins.
     pub begin: Begin,
     /// When it ends.
     pub end: End,
-    /// During so long after its beginning it grows.
+    /// The time during which it grows after its start.
     pub ramp_in: Time,
-    /// During so long before its end it fades.
+    /// The time during which it fades before its end.
     pub ramp_out: Time,
-    /// The time between samples, of kinds that act on samples; 0 if each step is one.
+    /// The time between samples, for kinds that act on samples; 0 if each step is one.
     pub every: Time,
 }
 
@@ -50,7 +51,7 @@ pub enum Begin {
     Start,
     /// At this instant.
     At(Time),
-    /// At an instant between these two, drawn with equal chances.
+    /// At an instant between these two, uniformly distributed.
     Between(Time, Time),
     /// At the first output instant at which this holds.
     When(Condition),
@@ -63,13 +64,13 @@ pub enum End {
     Never,
     /// At this instant.
     At(Time),
-    /// So long after its beginning.
+    /// This long after its start.
     After(Time),
 }
 
 impl Fault {
-    /// The fault with this number in its list, acting on the `place`th of its variables, with the
-    /// random stream that belongs to `seed`, in a run that begins at `start`.
+    /// The fault at position `number` of its list, acting on the `place`th of its variables, with
+    /// the random stream of `seed`, in a run that begins at `start`.
     pub(crate) fn acting(&self, seed: u64, number: u32, place: u32, start: Time) -> Acting {
         let from = self.begins(seed, number, start);
         let own = if self.kind.is_common() { 1 } else { 2 + u64::from(place) };
@@ -79,7 +80,7 @@ impl Fault {
             .sampled(self.every)
     }
 
-    /// The instant at which the fault begins, the same for all of its variables; none while that
+    /// The instant at which the fault begins, the same for all its variables; `None` while that
     /// depends on a condition.
     pub(crate) fn begins(&self, seed: u64, number: u32, start: Time) -> Option<Time> {
         match &self.begin {

@@ -5,7 +5,7 @@ use rand_core::{Rng, SeedableRng};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-/// A stream of independent random numbers, the same on any machine.
+/// A stream of independent random numbers, the same on every machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Random(ChaCha8Rng);
 
@@ -16,20 +16,20 @@ impl Random {
         Self(ChaCha8Rng::from_seed(Sha256::digest(octets).into()))
     }
 
-    /// A number with equal chances in (0, 1).
+    /// A uniformly distributed number in (0, 1).
     pub(crate) fn uniform(&mut self) -> f64 {
         const PARTS: f64 = (1_u64 << 53) as f64;
         ((self.0.next_u64() >> 11) as f64 + 0.5) / PARTS
     }
 
-    /// A whole number with equal chances from 0 on below `count`.
+    /// A uniformly distributed integer from 0 to below `count`.
     pub(crate) fn below(&mut self, count: usize) -> usize {
-        // 64 bits times the count: what is above the 64 bits (Lemire 2019, without rejection: the
-        // bias is below 2^-40 for counts below 2^24).
+        // 64 bits times the count; the result is the part above the 64 bits (Lemire 2019, without
+        // rejection: the bias is below 2^-40 for counts below 2^24).
         ((u128::from(self.0.next_u64()) * count as u128) >> 64) as usize
     }
 
-    /// A standard normal number.
+    /// A standard normal random number.
     pub(crate) fn normal(&mut self) -> f64 {
         normal_quantile(self.uniform())
     }

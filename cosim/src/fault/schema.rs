@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::{KINDS, Word};
 
-/// The schema: of a list of faults, each of one of the [`KINDS`] with its keys.
+/// The schema: a list of faults, each of one of the [`KINDS`] with its keys.
 pub fn schema() -> Value {
     let faults: Vec<Value> = KINDS.iter().map(fault).collect();
     json!({
@@ -26,14 +26,14 @@ fn fault(word: &Word) -> Value {
     let mut properties = Map::new();
     let mut add = |key: &str, value: Value| drop(properties.insert(key.to_owned(), value));
     add("kind", json!({ "const": word.name, "description": word.meaning }));
-    let what = "a variable, or several; * and ? make a pattern";
+    let what = "a variable, or several; * and ? match parts of names";
     let name = json!({ "type": "string" });
     let names = json!({ "type": "array", "items": { "type": "string" }, "minItems": 1 });
     add("on", json!({ "description": what, "oneOf": [name, names] }));
-    add("installed", number("is put in its place at this instant (s); by default with the run"));
+    add("installed", number("is installed at this instant (s); by default with the run"));
     add("from", number("begins at this instant (s)"));
     add("until", number("ends at this instant (s)"));
-    add("for", number("lasts so long (s)"));
+    add("for", number("lasts this long (s)"));
     let two = json!({ "type": "number" });
     add(
         "between",
@@ -43,10 +43,10 @@ fn fault(word: &Word) -> Value {
     add(
         "when",
         json!({ "type": "string",
-                        "description": "begins when this holds first, such as 'a.y > 2'" }),
+                        "description": "begins when this first holds, such as 'a.y > 2'" }),
     );
-    add("ramp-in", number("grows during so long (s)"));
-    add("ramp-out", number("fades during so long (s)"));
+    add("ramp-in", number("grows for this long (s)"));
+    add("ramp-out", number("fades for this long (s)"));
     for meant in word.keys {
         let value = match meant.words {
             [] => number(meant.meaning),

@@ -1,4 +1,4 @@
-//! When a fault acts in a run, in words, for reports.
+//! When a fault acts in a run, as text for reports.
 
 use serde::Serialize;
 
@@ -6,19 +6,19 @@ use super::{Begin, End, Fault, Kind, Meanwhile};
 use crate::observe::Recording;
 use crate::time::Time;
 
-/// A time in which something is wrong.
+/// A time span in which a fault acts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Window {
-    /// What acts on what: `drop-out of gps.position.x`.
+    /// Fault and variable: `drop-out of gps.position.x`.
     pub label: String,
-    /// Its first instant (s).
+    /// Its start (s).
     pub from: f64,
-    /// Its last instant (s); `None`: that of the run.
+    /// Its end (s); `None`: end of the run.
     pub until: Option<f64>,
 }
 
 impl Fault {
-    /// The time in which the fault with this number acts in a run that was recorded; `None` if it never
+    /// The time span in which the fault with this number acts in a recorded run; `None` if it never
     /// begins, or if the variable of its condition was not recorded.
     pub(crate) fn window(&self, seed: u64, number: u32, recording: &Recording) -> Option<Window> {
         let time = recording.time();
@@ -42,7 +42,7 @@ impl Fault {
     }
 }
 
-/// The kind as a file names it.
+/// The name of the kind in files.
 fn word(kind: &Kind) -> &'static str {
     match kind {
         Kind::Override(_) => "override",
@@ -57,7 +57,7 @@ fn word(kind: &Kind) -> &'static str {
         Kind::NotANumber => "NaN instead",
         Kind::Quantization(_) => "quantization",
         Kind::Saturation(..) => "saturation",
-        Kind::DropOut { turns: Some(_), .. } => "drop-outs by turns",
+        Kind::DropOut { turns: Some(_), .. } => "intermittent drop-outs",
         Kind::DropOut { meanwhile: Meanwhile::NotANumber, .. } => "drop-out to NaN",
         Kind::DropOut { .. } => "drop-out",
         Kind::Latency { .. } => "latency",

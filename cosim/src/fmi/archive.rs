@@ -1,7 +1,8 @@
-//! Unpacking .fmu and .ssp archives (ZIP) from strangers.
+//! Unpacks .fmu and .ssp archives (ZIP) from untrusted sources.
 //!
-//! Every entry is looked at before the first byte is written (`archive::check`); what breaks a rule
-//! refuses the archive and is named. Then no more is written than the entries claimed.
+//! Every entry is checked before the first byte is written (`archive::check`); an archive that
+//! breaks a rule is refused, and the entry is named. Then no more is written than the entries
+//! declared.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{BufReader, BufWriter, Read, Seek, Write};
@@ -20,19 +21,19 @@ mod check;
 /// Bytes read and written at once.
 const PIECE: usize = 1 << 16;
 
-/// Unpacks `archive` into a fresh folder.
+/// Unpacks `archive` into a new folder.
 pub fn unpack(archive: &Path) -> Result<Unpacked> {
     unpack_part(archive, |_| true)
 }
 
-/// The same with only the wanted files; the others leave their folders. All are checked.
+/// The same with only the wanted files; the others only leave their folders. All are checked.
 pub fn unpack_part(archive: &Path, wanted: impl Fn(&Path) -> bool) -> Result<Unpacked> {
     let file = File::open(archive)
         .map_err(|e| Error::new(Code::File, "the archive cannot be opened").at(archive).why(e))?;
     part_from(BufReader::with_capacity(PIECE, file), archive, wanted)
 }
 
-/// Unpacks what `reader` holds; `archive` is its name in messages.
+/// Unpacks the archive in `reader`; `archive` is its name in messages.
 pub fn unpack_from(reader: impl Read + Seek, archive: &Path) -> Result<Unpacked> {
     part_from(reader, archive, |_| true)
 }
@@ -71,8 +72,8 @@ fn create(path: &Path, checked: &Checked) -> std::io::Result<File> {
     OpenOptions::new().write(true).create_new(true).mode(mode).open(path)
 }
 
-/// The sizes in the directory may lie: one byte more than was checked refuses the archive. The
-/// end of the content is reached, so its checksum is compared.
+/// The sizes in the directory may be wrong: one byte more than was checked refuses the archive. The
+/// end of the content is reached, so its checksum is verified.
 fn copy(content: impl Read, file: File, checked: &Checked, archive: &Path) -> Result<()> {
     let mut limited = content.take(checked.size.saturating_add(1));
     let mut file = BufWriter::with_capacity(PIECE, file);
@@ -85,21 +86,21 @@ fn copy(content: impl Read, file: File, checked: &Checked, archive: &Path) -> Re
     }
     let claimed = checked.size;
     Err(refused(archive, &checked.name)
-        .why(format!("its content is not of the {claimed} bytes that the directory claims")))
+        .why(format!("its content does not have the {claimed} bytes declared in the directory")))
 }
 
 fn not_unpacked(archive: &Path, checked: &Checked, error: &std::io::Error) -> Error {
     Error::new(Code::Archive, format!("the entry '{}' cannot be unpacked", checked.name))
         .at(archive)
         .why(error)
-        .help("pack or download it again")
+        .help("repack or download it again")
 }
 
 fn broken(archive: &Path, why: impl std::fmt::Display) -> Error {
-    Error::new(Code::Archive, "the archive is damaged or no ZIP file")
+    Error::new(Code::Archive, "the archive is damaged or not a ZIP file")
         .at(archive)
         .why(why)
-        .help("pack or download it again")
+        .help("repack or download it again")
 }
 
 fn refused(archive: &Path, name: &str) -> Error {

@@ -1,7 +1,7 @@
-//! The functions an FMU calls back: logger and memory.
+//! The functions that an FMU calls back: logger and memory.
 //!
-//! FMI's logger is variadic like `printf`. What was passed is found by [`variadic`], and rendered
-//! by [`printf`] without trusting the FMU.
+//! FMI's logger is variadic like `printf`. [`variadic`] finds the arguments, and [`printf`] renders
+//! them without trusting the FMU.
 
 use std::ffi::{CStr, c_char, c_void};
 
@@ -21,7 +21,7 @@ pub(super) struct Callbacks {
     pub logger: variadic::Logger,
     pub allocate_memory: extern "C" fn(usize, usize) -> *mut c_void,
     pub free_memory: unsafe extern "C" fn(*mut c_void),
-    /// NULL: who works in the background is asked by `fmi2GetStatus`.
+    /// NULL: steps in the background are polled with `fmi2GetStatus`.
     pub step_finished: *const c_void,
     pub environment: *const Log,
 }
@@ -38,10 +38,10 @@ impl Callbacks {
     }
 }
 
-/// Zeroed memory as FMI asks; `calloc` also catches the product that overflows. It is offered to
-/// FMUs with canNotUseMemoryManagementFunctions too: some use it all the same.
+/// Zeroed memory as FMI requires; `calloc` also detects an overflow of the product. It is also
+/// provided to FMUs with canNotUseMemoryManagementFunctions, because some use it anyway.
 extern "C" fn allocate(count: usize, size: usize) -> *mut c_void {
-    // SAFETY: calloc takes any two numbers.
+    // SAFETY: calloc accepts any two numbers.
     unsafe { libc::calloc(count, size) }
 }
 
@@ -52,10 +52,10 @@ unsafe extern "C" fn free(pointer: *mut c_void) {
     unsafe { libc::free(pointer) }
 }
 
-/// What the variadic logger does with the arguments that it has found.
+/// Logs a message with the arguments that the variadic logger has found.
 ///
 /// # Safety
-/// Category and format are NULL or C strings; nothing is asked of the other pointers.
+/// Category and format are NULL or C strings; the other pointers need not be valid.
 unsafe fn logged(
     environment: *const Log,
     instance: *const c_char,
@@ -86,7 +86,7 @@ pub(super) unsafe fn text(pointer: *const c_char) -> String {
 }
 
 /// # Safety
-/// `pointer` is NULL or a C string that outlives what is made of it.
+/// `pointer` is NULL or a C string that outlives the returned reference.
 unsafe fn bytes<'a>(pointer: *const c_char) -> &'a [u8] {
     if pointer.is_null() {
         return &[];

@@ -1,7 +1,7 @@
-//! The header of a shared library, looked at before the dynamic linker sees the file.
+//! Checks the header of a shared library before the dynamic linker sees the file.
 //!
-//! ELF (System V ABI, chapter 4): magic, class, byte order, type ET_DYN, machine. A library of
-//! another machine is then told as such, whatever folder it lies in.
+//! ELF (System V ABI, chapter 4): magic, class, byte order, type ET_DYN, machine. A library for
+//! another machine is reported as such, whatever folder it is in.
 
 use std::fs::File;
 use std::io::Read;
@@ -12,12 +12,12 @@ const MACHINES: &[(u16, &str)] =
     &[(3, "x86"), (40, "arm"), (62, "x86_64"), (183, "aarch64"), (243, "riscv")];
 const SHARED_OBJECT: u16 = 3;
 
-/// Machines with the folders of their Linux binaries: FMI 2.0's own name first, or the tuple that
-/// 2.0.4 took over from FMI 3.0 (section 2.3.1).
+/// Machines with the folders of their Linux binaries: the name of FMI 2.0 first, then the tuple
+/// that 2.0.4 adopted from FMI 3.0 (section 2.3.1).
 const FOLDERS: &[(&str, &[&str])] =
     &[("x86_64", &["linux64", "x86_64-linux"]), ("aarch64", &["aarch64-linux"])];
 
-/// Why the file at `path` is no library for this machine; `Ok` if it may be one.
+/// Why the file at `path` is not a library for this machine; `Ok` if it may be one.
 pub(super) fn check(path: &Path) -> Result<(), String> {
     let mut header = [0; 20];
     File::open(path)
@@ -26,13 +26,13 @@ pub(super) fn check(path: &Path) -> Result<(), String> {
     judge(&header, std::env::consts::ARCH)
 }
 
-/// The folder of binaries that a library of these bytes belongs to.
+/// The binaries folder for a library with these bytes.
 pub(crate) fn platform(bytes: &[u8]) -> Result<&'static str, String> {
     let header = bytes.first_chunk().ok_or("it has no header")?;
     let machine = machine(header)?;
     let folders = FOLDERS.iter().find(|(name, _)| *name == machine).map(|(_, folders)| *folders);
     let folder = folders.and_then(|folders| folders.first().copied());
-    folder.ok_or_else(|| format!("no FMU here is made for {machine}"))
+    folder.ok_or_else(|| format!("FMUs for {machine} are not supported"))
 }
 
 /// Whether binaries in that folder are for this machine.
@@ -46,17 +46,17 @@ pub(crate) fn here() -> Option<&'static str> {
     own.filter(|_| cfg!(target_os = "linux"))
 }
 
-/// The names of the folder of each platform.
+/// The folder names of each platform.
 pub(crate) fn all_folders() -> impl Iterator<Item = &'static [&'static str]> {
     FOLDERS.iter().map(|(_, names)| *names)
 }
 
-/// All names of a platform's folder.
+/// All folder names of a platform.
 pub(crate) fn folders(folder: &str) -> &'static [&'static str] {
     FOLDERS.iter().find(|(_, names)| names.contains(&folder)).map_or(&[], |(_, names)| names)
 }
 
-/// The folders of a machine's binaries for Linux.
+/// The folders of a machine's Linux binaries.
 pub(super) fn of_machine(machine: &str) -> &'static [&'static str] {
     FOLDERS.iter().find(|(name, _)| *name == machine).map_or(&[], |(_, names)| names)
 }
@@ -68,17 +68,17 @@ fn judge(header: &[u8; 20], wanted: &str) -> Result<(), String> {
     }
 }
 
-/// The machine that a shared object is for.
+/// The machine for which a shared object is built.
 fn machine(header: &[u8; 20]) -> Result<&'static str, String> {
     if header[..4] != *b"\x7fELF" {
-        return Err("it is no ELF file".to_owned());
+        return Err("it is not an ELF file".to_owned());
     }
     if header[4] != 2 || header[5] != 1 {
-        return Err("it is not of 64 bits and little-endian".to_owned());
+        return Err("it is not 64-bit little-endian".to_owned());
     }
     let word = |at: usize| u16::from_le_bytes([header[at], header[at + 1]]);
     if word(16) != SHARED_OBJECT {
-        return Err("it is no shared object".to_owned());
+        return Err("it is not a shared object".to_owned());
     }
     let found = MACHINES.iter().find(|(number, _)| *number == word(18));
     match found {
@@ -103,9 +103,9 @@ mod tests {
     fn only_a_shared_object_of_this_machine() {
         assert_eq!(judge(&header(|_| ()), "x86_64"), Ok(()));
         for (change, part) in [
-            (&(|h: &mut [u8; 20]| h[0] = b'M') as &dyn Fn(&mut [u8; 20]), "no ELF"),
-            (&|h| h[4] = 1, "64 bits"),
-            (&|h| h[16] = 2, "no shared object"),
+            (&(|h: &mut [u8; 20]| h[0] = b'M') as &dyn Fn(&mut [u8; 20]), "not an ELF"),
+            (&|h| h[4] = 1, "64-bit"),
+            (&|h| h[16] = 2, "not a shared object"),
             (&|h| h[18] = 183, "built for aarch64, this machine is x86_64"),
             (&|h| h[18] = 8, "number 8"),
         ] {

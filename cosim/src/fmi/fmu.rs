@@ -1,4 +1,4 @@
-//! One FMU: unpacked and mapped once per process, shared by all its instances and by files of the
+//! One FMU: unpacked and mapped once per process, shared by all its instances and by files with the
 //! same content.
 
 use std::collections::HashMap;
@@ -28,33 +28,34 @@ pub struct Fmu {
     loading: Mutex<()>,
     /// An instance of an FMU that allows only one per process exists.
     pub(super) taken: AtomicBool,
-    /// An instance was given up while its code may run: the library stays mapped.
+    /// An instance was abandoned while its code may still run: the library stays mapped.
     pub(super) abandoned: AtomicBool,
-    /// Declared last: the library is unmapped before its file vanishes.
+    /// Declared last: the library is unmapped before its file is removed.
     folder: Unpacked,
 }
 
-/// What makes a file the same without reading it: place, size and time of change.
+/// Identifies an unchanged file without reading it: path, size and modification time.
 type Identity = (PathBuf, u64, Option<SystemTime>);
 
-/// What makes two files the same FMU: their SHA-256.
+/// Identifies files with the same FMU: their SHA-256.
 type Content = [u8; 32];
 
-/// Identities remembered; more are forgotten, and read again when they come back.
+/// Maximum number of remembered identities; others are forgotten, and read again when needed.
 const REMEMBERED: usize = 4096;
 
 #[derive(Default)]
 struct Registry {
-    /// FMUs in use. Weak: the last user takes the unpacked folder with it.
+    /// FMUs in use. Weak: the last user removes the unpacked folder.
     open: HashMap<Content, Weak<Fmu>>,
     contents: HashMap<Identity, Content>,
 }
 
 static REGISTRY: Mutex<Option<Registry>> = Mutex::new(None);
 
-/// Forgets which FMUs were open, if none is: for a library with this code inside that is unloaded.
+/// Forgets which FMUs were open, if none is: for a library with this code inside that is being
+/// unloaded.
 pub fn forget() {
-    // Whoever holds it now uses it.
+    // Whichever thread holds it is using it.
     if let Ok(mut registry) = REGISTRY.try_lock()
         && registry.as_ref().is_none_or(|r| r.open.values().all(|fmu| fmu.strong_count() == 0))
     {
@@ -63,7 +64,7 @@ pub fn forget() {
 }
 
 impl Fmu {
-    /// Opens `path`, or shares the FMU when one of the same content is in use already.
+    /// Opens `path`, or shares an FMU with the same content that is already in use.
     pub fn open(path: &Path) -> Result<Arc<Self>> {
         let identity = identity(path)?;
         let mut registry = REGISTRY.lock().unwrap_or_else(PoisonError::into_inner);
@@ -91,7 +92,7 @@ impl Fmu {
         if !file.is_file() {
             return Err(Error::new(Code::Archive, "the archive has no modelDescription.xml")
                 .at(path)
-                .help("an .fmu has that file at its top level, in no folder"));
+                .help("an .fmu has that file at its top level, not in a folder"));
         }
         let description = description::read(&file, &path.join("modelDescription.xml"))?;
         Ok(Self {
@@ -105,12 +106,13 @@ impl Fmu {
         })
     }
 
-    /// Whether it has a folder of binaries of that name; those of other machines are not unpacked.
+    /// Whether it has a folder of binaries with that name; those for other machines are not
+    /// unpacked.
     pub(crate) fn has_binaries(&self, folder: &str) -> bool {
         self.folder.path().join("binaries").join(folder).is_dir()
     }
 
-    /// The platforms that it has binaries for, in FMI's names, sorted.
+    /// The platforms for which it has binaries, with FMI's names, sorted.
     pub fn platforms(&self) -> Vec<String> {
         let folders = fs::read_dir(self.folder.path().join("binaries"));
         let mut names: Vec<String> = folders
@@ -128,7 +130,7 @@ impl Fmu {
         &self.path
     }
 
-    /// Where it is unpacked.
+    /// The folder where it is unpacked.
     pub(crate) fn folder(&self) -> &Path {
         self.folder.path()
     }
@@ -138,7 +140,7 @@ impl Fmu {
         &self.description
     }
 
-    /// The part for an interface type, or the error that there is none.
+    /// The part for an interface type, or an error if there is none.
     pub fn interface(&self, kind: InterfaceType) -> Result<&Interface> {
         self.description.interface(kind).ok_or_else(|| {
             let what = format!("the FMU has no {} part", kind.name());
@@ -152,7 +154,7 @@ impl Fmu {
             || self.description.interface(kind).is_some_and(|interface| interface.variable_step)
     }
 
-    /// The interface type that is wanted, or without a wish co-simulation if there is that.
+    /// The requested interface type; by default co-simulation if the FMU supports it.
     pub fn choose(&self, wanted: Option<InterfaceType>) -> Result<InterfaceType> {
         let kind = wanted.unwrap_or(match self.description.co_simulation {
             Some(_) => InterfaceType::CoSimulation,
@@ -182,7 +184,7 @@ impl Fmu {
         }
     }
 
-    /// Maps the library for `kind`, if that was not done before.
+    /// Maps the library for `kind`, if that has not been done before.
     pub fn load(&self, kind: InterfaceType) -> Result<()> {
         self.binary(kind).map(|_| ())
     }
@@ -192,7 +194,7 @@ impl Fmu {
         if let Some(binary) = cell.get() {
             return Ok(binary);
         }
-        // The lock makes one thread load; OnceLock alone cannot hand an error back.
+        // The lock makes one thread load; OnceLock alone cannot return an error.
         let _loading = self.loading.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(binary) = cell.get() {
             return Ok(binary);
@@ -201,7 +203,7 @@ impl Fmu {
         Ok(cell.get_or_init(|| binary))
     }
 
-    /// GUID and a hash of the library: what a serialized state belongs to.
+    /// GUID and a hash of the library: the FMU to which a serialized state belongs.
     pub(crate) fn digest(&self, kind: InterfaceType) -> Result<String> {
         let file = self.library_file(kind)?;
         let bytes = fs::read(&file).map_err(|e| {
@@ -236,7 +238,7 @@ impl Fmu {
             .help(format!("export it so that it contains {}", wanted.join(" or ")))
     }
 
-    /// `file:///...` of the unpacked resources, with everything but plain characters escaped.
+    /// `file:///...` of the unpacked resources, with everything except plain characters escaped.
     pub(super) fn resource_uri(&self) -> String {
         let path = self.folder.path().join("resources");
         let mut uri = String::from("file://");
@@ -252,8 +254,8 @@ impl Fmu {
     }
 }
 
-/// Whether a file of an FMU is needed to run it: an FMU may have several times as much for people,
-/// for compilers, for other tools and other machines.
+/// Whether a file of an FMU is needed to run it: an FMU may contain several times as much for
+/// users, for compilers, for other tools and other machines.
 fn is_used(path: &Path) -> bool {
     let mut parts = path.iter().map(|part| part.to_str().unwrap_or_default());
     match parts.next() {
@@ -298,7 +300,7 @@ fn identity(path: &Path) -> Result<Identity> {
     if metadata.is_dir() {
         return Err(Error::new(Code::File, "the FMU is a folder")
             .at(path)
-            .help("pack it: zip -r ../name.fmu * inside of it"));
+            .help("pack it: run zip -r ../name.fmu * inside the folder"));
     }
     Ok((full, metadata.len(), metadata.modified().ok()))
 }

@@ -1,12 +1,12 @@
-//! What an FMU must leave as it found it: the floating-point environment of its thread, the signal
-//! mask and handlers, locale, working directory, umask, and where the standard streams go.
+//! What an FMU must leave unchanged: the floating-point environment of its thread, the signal mask
+//! and handlers, locale, working directory, umask, and where the standard streams go.
 //!
-//! All of that belongs to the process, so an FMU that changes it changes its neighbours, and a
-//! system computes something else in one process than in two. The floating-point environment is
-//! compared after every call, for the next FMU would compute with it. The rest costs system calls;
-//! it is compared after each call that makes, initializes or ends an instance, after the first
-//! steps, and then now and then (`master::engine`). What was changed is set back, and the
-//! messages of the instance tell what, and in which function.
+//! All of that belongs to the process, so an FMU that changes it affects the other FMUs, and a
+//! system computes different results in one process than in two. The floating-point environment is
+//! compared after every call, because the next FMU would compute with it. The rest costs system
+//! calls; it is compared after each call that creates, initializes or ends an instance, after the
+//! first steps, and then occasionally (`master::engine`). Changes are undone, and the messages of
+//! the instance report what was changed and by which function.
 
 use std::ffi::{CStr, CString};
 use std::mem::MaybeUninit;
@@ -17,7 +17,7 @@ use std::sync::{Mutex, PoisonError};
 use super::log::Log;
 use super::status;
 
-/// Rounding, flushing of subnormals to zero, and exceptions that trap.
+/// Rounding mode, flushing of subnormals to zero, and enabled traps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Float {
     /// MXCSR without its flags; on AArch64 FPCR.
@@ -26,18 +26,18 @@ pub struct Float {
     x87: u16,
 }
 
-/// Of MXCSR: exceptions that have happened.
+/// MXCSR flags: exceptions that have occurred.
 #[cfg(target_arch = "x86_64")]
 const FLAGS: u32 = 0x3f;
 
 impl Float {
-    /// That of the calling thread.
+    /// The environment of the calling thread.
     #[cfg(target_arch = "x86_64")]
     #[must_use]
     #[inline(always)]
     pub fn now() -> Self {
         let (mut control, mut x87) = (0_u32, 0_u16);
-        // SAFETY: both instructions store what they read to the place they are given.
+        // SAFETY: both instructions store to the location they are given.
         unsafe {
             std::arch::asm!(
                 "stmxcsr [{}]", "fnstcw [{}]", in(reg) &mut control, in(reg) &mut x87,
@@ -51,7 +51,7 @@ impl Float {
     #[cold]
     fn set(self) {
         let (control, x87) = (self.control as u32, self.x87);
-        // SAFETY: the values were read from the same registers; cleared flags hinder nobody.
+        // SAFETY: the values were read from the same registers; cleared flags have no effect.
         unsafe {
             std::arch::asm!(
                 "fnclex", "ldmxcsr [{}]", "fldcw [{}]", in(reg) &control, in(reg) &x87,
@@ -60,7 +60,7 @@ impl Float {
         }
     }
 
-    /// That of the calling thread.
+    /// The environment of the calling thread.
     #[cfg(target_arch = "aarch64")]
     #[must_use]
     #[inline(always)]
@@ -78,7 +78,7 @@ impl Float {
         unsafe { std::arch::asm!("msr fpcr, {}", in(reg) self.control, options(nostack)) };
     }
 
-    /// Not known on this machine.
+    /// Unknown on this machine.
     #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
     #[must_use]
     #[inline(always)]
@@ -89,7 +89,7 @@ impl Float {
     #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
     fn set(self) {}
 
-    /// Sets back what a call of `function` changed, and tells it.
+    /// Undoes what a call of `function` changed, and reports it.
     #[inline(always)]
     pub(super) fn check(self, log: &Log, function: &'static str) {
         if Self::now() != self {
@@ -101,11 +101,11 @@ impl Float {
     #[inline(never)]
     pub(super) fn changed(self, log: &Log, function: &str) {
         self.set();
-        tell(log, Kind::Float, function);
+        report(log, Kind::Float, function);
     }
 }
 
-/// What can be changed; the bits of what an instance was told of.
+/// What can be changed; the bits record what has been reported for an instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Float,
@@ -132,14 +132,14 @@ impl Kind {
         }
     }
 
-    /// Whether it can be set back. Runtimes inside of FMUs (of Java, of Go) live from their handlers
-    /// for faults, and a stream that was closed is gone.
+    /// Whether it can be undone. Runtimes inside FMUs (Java, Go) depend on their handlers for
+    /// faults, and a stream that was closed is gone.
     fn is_set_back(self) -> bool {
         !matches!(self, Self::Faults | Self::Streams)
     }
 }
 
-fn tell(log: &Log, kind: Kind, function: &str) {
+fn report(log: &Log, kind: Kind, function: &str) {
     if log.is_new(kind as u32) {
         let name = kind.name();
         let end = if kind.is_set_back() { "; it was set back" } else { "" };
@@ -150,11 +150,11 @@ fn tell(log: &Log, kind: Kind, function: &str) {
 
 /// Signals whose handlers are compared: the standard ones that can have one.
 const SIGNALS: std::ops::Range<usize> = 1..32;
-/// Of faults; runtimes inside of FMUs handle them, and must go on to.
+/// Signals for faults; runtimes inside FMUs handle them, and must be able to continue to.
 const FAULTS: [libc::c_int; 5] =
     [libc::SIGSEGV, libc::SIGBUS, libc::SIGFPE, libc::SIGILL, libc::SIGTRAP];
 
-/// What is of the process, and of the calling thread.
+/// The state of the process and of the calling thread.
 struct Process {
     mask: libc::sigset_t,
     handlers: [libc::sigaction; 32],
@@ -166,29 +166,29 @@ struct Process {
     streams: [Option<(u64, u64)>; 3],
 }
 
-// SAFETY: the handle of a locale is compared and set, by the thread that has it.
+// SAFETY: the handle of a locale is compared and set by the thread that has it.
 unsafe impl Send for Process {}
 
-/// What was there before the FMUs.
+/// The state before any FMU was loaded.
 static BEFORE: Mutex<Option<Process>> = Mutex::new(None);
-/// Whether the process is ours.
+/// Whether we own the process.
 static OWN: AtomicBool = AtomicBool::new(false);
 
-/// From now on FMUs must leave the process as it is, not only the floating-point environment of
-/// their threads. For programs that change nothing of it while systems run: of another program it
-/// cannot be known who changed something, it or an FMU.
+/// From now on, FMUs must leave the process unchanged, not only the floating-point environment of
+/// their threads. For programs that do not change it themselves while systems run: in other
+/// programs the cause of a change cannot be determined.
 pub fn guard_process() {
     OWN.store(true, Ordering::Relaxed);
 }
 
-/// Notes how things are now, before FMUs are made.
+/// Records the current state, before FMUs are created.
 pub(crate) fn begin() {
     if OWN.load(Ordering::Relaxed) {
         *BEFORE.lock().unwrap_or_else(PoisonError::into_inner) = Some(Process::now());
     }
 }
 
-/// Sets back what is not as it was, and tells that `function` changed it.
+/// Undoes changes, and reports that `function` made them.
 #[cold]
 #[inline(never)]
 pub(super) fn check(log: &Log, function: &str) {
@@ -201,8 +201,8 @@ pub(super) fn check(log: &Log, function: &str) {
     }
 }
 
-/// For the code of a library that runs while it is loaded: what it changed is told to the instances
-/// that are made of it.
+/// For library code that runs while the library is loaded: its changes are reported by the
+/// instances that are created from it.
 pub(super) fn around<T>(function: &str, call: impl FnOnce() -> T) -> (T, Vec<String>) {
     let (log, float, before) = (Log::default(), Float::now(), Process::now());
     let result = call();
@@ -217,7 +217,7 @@ impl Process {
     fn now() -> Self {
         let mut handlers = [const { MaybeUninit::<libc::sigaction>::zeroed() }; 32];
         // SAFETY: each call writes to the structure that it is given, or only reads; the structures
-        // are plain data, for which all zeros are a value.
+        // are plain data, for which all zeros are valid.
         unsafe {
             let mut mask = MaybeUninit::<libc::sigset_t>::zeroed();
             libc::pthread_sigmask(libc::SIG_BLOCK, std::ptr::null(), mask.as_mut_ptr());
@@ -246,48 +246,48 @@ impl Process {
 
     fn compare(&self, log: &Log, function: &str) {
         let now = Self::now();
-        // SAFETY: what is set was read by the same functions, of this process; the locale of a
-        // thread is that of the thread that calls.
+        // SAFETY: the values were read by the same functions in this process; the locale of a
+        // thread is set by the calling thread itself.
         unsafe {
             if (1..65).any(|s| libc::sigismember(&self.mask, s) != libc::sigismember(&now.mask, s))
             {
                 libc::pthread_sigmask(libc::SIG_SETMASK, &self.mask, std::ptr::null_mut());
-                tell(log, Kind::Mask, function);
+                report(log, Kind::Mask, function);
             }
             for signal in SIGNALS {
                 let (before, after) = (&self.handlers[signal], &now.handlers[signal]);
-                // One that the user has sent is ours to set to its default.
+                // After a signal from the user, our own handler sets the default action.
                 let signal = signal as libc::c_int;
                 if !same(before, after) && after.sa_sigaction != libc::SIG_DFL {
                     if FAULTS.contains(&signal) {
-                        tell(log, Kind::Faults, function);
+                        report(log, Kind::Faults, function);
                     } else {
                         libc::sigaction(signal, before, std::ptr::null_mut());
-                        tell(log, Kind::Handlers, function);
+                        report(log, Kind::Handlers, function);
                     }
                 }
             }
             if now.locale != self.locale {
                 libc::setlocale(libc::LC_ALL, self.locale.as_ptr());
-                tell(log, Kind::Locale, function);
+                report(log, Kind::Locale, function);
             }
             if now.thread_locale != self.thread_locale {
                 libc::uselocale(self.thread_locale);
-                tell(log, Kind::Locale, function);
+                report(log, Kind::Locale, function);
             }
             if now.folder != self.folder {
                 if let Some(path) = &self.path {
                     libc::chdir(path.as_ptr());
                 }
-                tell(log, Kind::Folder, function);
+                report(log, Kind::Folder, function);
             }
             if now.umask != self.umask {
                 libc::umask(self.umask);
-                tell(log, Kind::Umask, function);
+                report(log, Kind::Umask, function);
             }
         }
         if now.streams != self.streams {
-            tell(log, Kind::Streams, function);
+            report(log, Kind::Streams, function);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The safe handle of one `fmi2Component`.
 //!
-//! It permits only the calls that FMI 2.0.5 (3.2.3 and 4.2.4, state machines) allows in the
-//! present [`State`], turns statuses into errors, and frees the instance when dropped.
+//! It permits only the calls that FMI 2.0.5 (3.2.3 and 4.2.4, state machines) allows in the current
+//! [`State`], turns statuses into errors, and frees the instance when dropped.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -32,9 +32,9 @@ pub use state::Place;
 /// State of an instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum State {
-    /// After instantiation or reset: start values may be given.
+    /// After instantiation or reset: start values may be set.
     Instantiated,
-    /// In initialization mode: inputs may be set, outputs read.
+    /// In initialization mode: inputs may be set and outputs read.
     Initialization,
     /// Co-simulation: between communication points.
     Ready,
@@ -42,48 +42,48 @@ pub enum State {
     EventMode,
     /// Model exchange: the importer integrates.
     ContinuousTime,
-    /// A step was refused: values may be read, nothing more.
+    /// A step was refused: values may be read, nothing else.
     Failed,
-    /// The FMU said that it is beyond use: not even freeing is allowed.
+    /// The FMU reported a fatal error: not even freeing is allowed.
     Fatal,
 }
 
-/// After the initialization, and well.
+/// Initialized, and without an error.
 const RUNNING: &[State] = &[State::Ready, State::EventMode, State::ContinuousTime];
-/// An instance of an FMU. What every step touches comes first, and fits a cache line: systems of
-/// hundreds of small FMUs live from that.
+/// An instance of an FMU. The fields that every step uses come first and fit into a cache line,
+/// which matters for systems of hundreds of small FMUs.
 #[repr(C)]
 pub struct Instance {
-    /// Not NULL once it is made.
+    /// Not NULL once it is created.
     component: Component,
-    /// Who follows the calls.
+    /// Followers of the calls.
     followed: Option<Box<Followed>>,
     time: Time,
-    /// The length of the last step, and in seconds.
+    /// The length of the last step, also in seconds.
     step: (Time, f64),
     state: State,
     hot: Hot,
     kind: InterfaceType,
-    /// Its steps are this fraction of nanoseconds from that start, whose seconds it gets unrounded.
+    /// Its steps are this fraction of nanoseconds from that start; it gets their seconds unrounded.
     grid: Option<(Time, Step)>,
-    /// Its usual step, whatever it is.
+    /// Its usual step.
     usual: Option<Step>,
     name: String,
-    /// Saved states of the FMU, and of this handle, by their place.
+    /// Saved states of the FMU and of this handle, by slot.
     saved: [Option<(FmuState, State)>; Place::COUNT],
-    /// The FMU holds pointers to both of these, so they stay where they are.
+    /// The FMU holds pointers to both of these, so they must not move.
     callbacks: Option<Box<Callbacks>>,
     log: Known,
     /// Pointers into the library, which `fmu` keeps mapped.
     functions: Functions,
     own: Own,
-    /// Shared with those who call the FMU without this handle.
+    /// Shared with callers that bypass this handle.
     kept: Arc<()>,
     fmu: Arc<Fmu>,
 }
 
 impl Instance {
-    /// The instance's name.
+    /// The name of the instance.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -93,7 +93,7 @@ impl Instance {
         &self.fmu
     }
 
-    /// The present state.
+    /// The current state.
     pub fn state(&self) -> State {
         self.state
     }
@@ -105,14 +105,14 @@ impl Instance {
     }
 
     /// Sets the experiment's start and stop, and in co-simulation the tolerance that the FMU
-    /// suggests for itself.
+    /// suggests.
     pub fn set_up(&mut self, start: Time, stop: Time) -> Result<()> {
         self.require("fmi2SetupExperiment", &[State::Instantiated])?;
         self.time = start;
         let known = stop < Time::NEVER;
         let stop = if known { self.end_of_last_step(start, stop) } else { 0.0 };
         let start = start.seconds();
-        // In model exchange it is the importer that controls errors.
+        // In model exchange, the importer controls errors.
         let steps = self.kind == InterfaceType::CoSimulation;
         let tolerance = self.fmu.description().experiment.tolerance;
         let tolerance = tolerance.filter(|tolerance| steps && *tolerance > 0.0);
@@ -129,7 +129,7 @@ impl Instance {
     }
 
     /// Steps begin and end at multiples of `step` after `start`, to the nearest nanosecond; the FMU
-    /// is told their seconds without that rounding.
+    /// gets their seconds without that rounding.
     pub fn steps_by(&mut self, start: Time, step: Step) {
         self.grid = (!step.is_whole()).then_some((start, step));
         self.usual = Some(step);
@@ -162,7 +162,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Takes the instance back to where it was after its instantiation.
+    /// Resets the instance to its state after instantiation.
     pub fn reset(&mut self) -> Result<()> {
         self.require("fmi2Reset", RUNNING)?;
         self.call("fmi2Reset", nothing, |f, c| {
@@ -174,13 +174,14 @@ impl Instance {
         Ok(())
     }
 
-    /// What the FMU logged since this was asked last; only the newest messages are kept.
-    /// Nothing when they were shown as they came ([`Logging`](super::Logging)).
+    /// What the FMU has logged since the last call; only the newest messages are kept. Empty if
+    /// they were shown immediately ([`Logging`](super::Logging)).
     pub fn messages(&self) -> Vec<String> {
         if self.log.is_live() { Vec::new() } else { self.log.take() }
     }
 
-    /// Does what may fail without ending the run: the failure, unless it was fatal.
+    /// Does something that may fail without ending the run: returns the failure, unless it was
+    /// fatal.
     pub(crate) fn attempt<T>(
         &mut self,
         act: impl FnOnce(&mut Self) -> Result<T>,
@@ -210,7 +211,7 @@ impl Instance {
             .why(format!("the instance is in the state {:?}", self.state))
     }
 
-    /// Makes a call. The arguments are put into words only for those who follow the calls.
+    /// Makes a call. The arguments are formatted only for followers of the calls.
     #[inline(always)]
     fn call(
         &mut self,
@@ -221,7 +222,7 @@ impl Instance {
         self.invoke::<false>(function, arguments, call)
     }
 
-    /// Makes a call whose results are told by [`Self::show`].
+    /// Makes a call whose results are shown by [`Self::show`].
     #[inline(always)]
     fn get(
         &mut self,
@@ -251,12 +252,12 @@ impl Instance {
         Err(self.failed(function, status))
     }
 
-    /// Sets back what the FMU changed of the process, and tells it.
+    /// Undoes what the FMU changed in the process, and reports it.
     pub(crate) fn check_process(&self, function: &str) {
         guard::check(&self.log, function);
     }
 
-    /// Apart, so that the usual way stays short.
+    /// A separate function, so that the usual path stays short.
     #[cold]
     #[inline(never)]
     fn followed_call<const RESULTS: bool>(
@@ -275,7 +276,7 @@ impl Instance {
         status
     }
 
-    /// Shows what a call gave, to those who follow the calls.
+    /// Shows the results of a call to its followers.
     #[inline(always)]
     fn show(&self, results: impl FnOnce(&Followed) -> String) {
         if let Some(followed) = &self.followed {
@@ -308,8 +309,8 @@ impl Drop for Instance {
             self.fmu.taken.store(false, Ordering::Release);
             return;
         }
-        // FMI allows no call at all after a fatal error: the instance is leaked, and with it what
-        // its code may still use. So it is when somebody could still call it.
+        // FMI allows no call at all after a fatal error: the instance is leaked, with everything
+        // its code may still use. The same applies if another thread could still call it.
         if self.state == State::Fatal || Arc::strong_count(&self.kept) > 1 {
             self.fmu.abandoned.store(true, Ordering::Release);
             std::mem::forget(self.callbacks.take());
@@ -329,13 +330,13 @@ impl Drop for Instance {
         };
         for &(mut saved, _) in self.saved.iter().flatten() {
             follow("fmi2FreeFMUstate", &mut || {
-                // SAFETY: `saved` is a state of this living instance.
+                // SAFETY: `saved` is a state of this live instance.
                 unsafe { (functions.free_state)(self.component, &mut saved) };
             });
         }
         if RUNNING.contains(&self.state) {
             follow("fmi2Terminate", &mut || {
-                // SAFETY: the state allows it; a status would change nothing any more.
+                // SAFETY: the state allows it; the status would have no effect any more.
                 unsafe { (functions.terminate)(self.component) };
             });
         }

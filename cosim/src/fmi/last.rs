@@ -1,9 +1,9 @@
-//! The last FMI call of a process, where it outlives the process.
+//! The last FMI call of a process, stored so that it outlives the process.
 //!
-//! An FMU that crashes takes its process with it, and one that spins answers nobody. Before each
-//! call its name, its instance and the instance's time are therefore stored in a file that is
-//! mapped into memory: a few stores, no system call, and whoever supervises the process reads the
-//! file when it is dead.
+//! An FMU that crashes takes its process with it, and one in an endless loop answers no one. Before
+//! each call, its name, the instance and the time of the instance are therefore stored in a
+//! memory-mapped file: a few stores, no system call, and the supervisor of the process reads the
+//! file after its death.
 
 use std::fs::File;
 use std::io::Read;
@@ -14,13 +14,13 @@ use std::sync::Mutex;
 
 use crate::time::Time;
 
-/// Octets: the mark, the time, then function and instance with their lengths before them.
+/// In octets: the mark, the time, then function and instance, each preceded by its length.
 const SIZE: usize = 256;
 const MARK: u8 = 0xCA;
 const FUNCTION: usize = 16;
 const INSTANCE: usize = 80;
 
-/// Where calls are noted.
+/// The file for calls.
 #[derive(Debug)]
 pub struct LastCall {
     page: Mutex<Page>,
@@ -29,24 +29,24 @@ pub struct LastCall {
 #[derive(Debug)]
 struct Page(NonNull<[u8; SIZE]>);
 
-// SAFETY: the memory belongs to this value alone, whatever thread has it.
+// SAFETY: the memory belongs to this value alone, whichever thread has it.
 unsafe impl Send for Page {}
 
-/// The call that was noted last.
+/// The last recorded call.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Noted {
     /// The function, such as `fmi2DoStep`.
     pub function: String,
     /// The instance.
     pub instance: String,
-    /// The instance's time, at which its step begins.
+    /// The time of the instance, at which its step begins.
     pub time: Time,
-    /// The call has not come back.
+    /// The call has not returned.
     pub inside: bool,
 }
 
 impl LastCall {
-    /// Notes calls in `file`, which is made.
+    /// Records calls in `file`, which is created.
     pub fn create(file: impl AsRef<Path>) -> std::io::Result<Self> {
         let file = File::options().read(true).write(true).create(true).truncate(true).open(file)?;
         file.set_len(SIZE as u64)?;
@@ -77,15 +77,15 @@ impl LastCall {
     }
 
     fn write(&self, write: impl FnOnce(&mut [u8; SIZE])) {
-        // One that is locked by a dead thread is of no use any more.
+        // If a dead thread holds the lock, the file is no longer used.
         if let Ok(mut page) = self.page.lock() {
-            // SAFETY: `SIZE` octets are mapped there until the drop; only the lock's holder has a
-            // reference, and readers are other processes that read the file.
+            // SAFETY: `SIZE` octets are mapped there until the drop; only the holder of the lock
+            // has a reference, and readers are other processes that read the file.
             write(unsafe { page.0.as_mut() });
         }
     }
 
-    /// What was noted in `file`.
+    /// The call recorded in `file`.
     pub fn read(file: impl AsRef<Path>) -> Option<Noted> {
         let mut page = [0; SIZE];
         File::open(file).ok()?.read_exact(&mut page).ok()?;
@@ -103,21 +103,21 @@ impl Drop for LastCall {
     fn drop(&mut self) {
         let page = self.page.get_mut().map(|page| page.0.as_ptr().cast());
         if let Ok(page) = page {
-            // SAFETY: mapped by `create` with this size, and nobody refers to it any more.
+            // SAFETY: mapped by `create` with this size, and nothing refers to it any more.
             unsafe { libc::munmap(page, SIZE) };
         }
     }
 }
 
-/// A text, cut to the room there is.
-fn put(room: &mut [u8], text: &str) {
-    let length = text.len().min(room.len() - 1).min(usize::from(u8::MAX));
-    room[0] = length as u8;
-    room[1..=length].copy_from_slice(&text.as_bytes()[..length]);
+/// A text, truncated to the buffer.
+fn put(buffer: &mut [u8], text: &str) {
+    let length = text.len().min(buffer.len() - 1).min(usize::from(u8::MAX));
+    buffer[0] = length as u8;
+    buffer[1..=length].copy_from_slice(&text.as_bytes()[..length]);
 }
 
-fn get(room: &[u8]) -> String {
-    let text = room.get(1..=usize::from(room[0])).unwrap_or_default();
+fn get(buffer: &[u8]) -> String {
+    let text = buffer.get(1..=usize::from(buffer[0])).unwrap_or_default();
     String::from_utf8_lossy(text).into_owned()
 }
 

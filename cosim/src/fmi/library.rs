@@ -17,9 +17,9 @@ pub(super) type Component = *mut c_void;
 pub(super) type Bool = c_int;
 pub(super) type FmuState = *mut c_void;
 
-/// A table of functions. Without a required one the library is refused. In the place of another
-/// that is missing stands a function that returns [`status::MISSING`]: a library may lack what
-/// nobody calls.
+/// A table of functions. A library that lacks a required one is refused. Any other missing one is
+/// replaced by a function that returns [`status::MISSING`]: a library may lack functions that are
+/// never called.
 macro_rules! functions {
     ($(#[$doc:meta])* $name:ident {
         required { $($field:ident = $symbol:literal : fn($($argument:ty),*) $(-> $result:ty)?;)* }
@@ -70,7 +70,7 @@ macro_rules! functions {
 }
 
 functions! {
-    /// What both interface types have.
+    /// Functions of both interface types.
     Functions {
         required {
             get_version = "fmi2GetVersion": fn() -> *const c_char;
@@ -120,7 +120,7 @@ functions! {
 }
 
 functions! {
-    /// What only co-simulation has.
+    /// Functions of co-simulation only.
     Stepping {
         required {
             do_step = "fmi2DoStep": fn(Component, f64, f64, Bool) -> RawStatus;
@@ -140,7 +140,7 @@ functions! {
 }
 
 functions! {
-    /// What only model exchange has.
+    /// Functions of model exchange only.
     Exchange {
         required {
             enter_event = "fmi2EnterEventMode": fn(Component) -> RawStatus;
@@ -180,13 +180,13 @@ pub(super) enum Own {
     Exchange(Exchange),
 }
 
-/// The functions of every step of co-simulation, once more and side by side.
+/// The functions of every co-simulation step, repeated next to each other.
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub(super) struct Hot {
     pub set_real: unsafe extern "C" fn(Component, *const u32, usize, *const f64) -> RawStatus,
     pub get_real: unsafe extern "C" fn(Component, *const u32, usize, *mut f64) -> RawStatus,
-    /// Not of model exchange.
+    /// Not for model exchange.
     pub do_step: Option<unsafe extern "C" fn(Component, f64, f64, Bool) -> RawStatus>,
 }
 
@@ -204,27 +204,27 @@ impl Hot {
 pub(super) struct Binary {
     pub functions: Functions,
     pub own: Own,
-    /// What it changed while it was loaded.
+    /// What it changed in the process while it was loaded.
     pub changed: Vec<String>,
-    /// Threads of the process before that.
+    /// Number of threads of the process before that.
     threads: usize,
-    /// Keeps the code mapped; the pointers above are into it.
+    /// Keeps the code mapped; the pointers above point into it.
     library: Opened,
 }
 
 impl Binary {
-    /// Whether there are more threads than there were: some may run code of the library.
+    /// Whether there are more threads than before: some may run code of the library.
     pub(super) fn may_run(&self) -> bool {
         threads() > self.threads
     }
 
-    /// Keeps the library mapped for ever: some thread of it may still run.
+    /// Keeps the library mapped permanently: a thread of it may still run.
     pub(super) fn leak(self) {
         std::mem::forget(self.library);
     }
 }
 
-/// Threads of this process, 0 where that is not told.
+/// Number of threads of this process, 0 if that is unknown.
 fn threads() -> usize {
     std::fs::read_dir("/proc/self/task").map_or(0, Iterator::count)
 }
@@ -232,7 +232,7 @@ fn threads() -> usize {
 /// Loads the library at `path`, which belongs to the FMU `fmu`.
 pub(super) fn load(path: &Path, fmu: &Path, kind: InterfaceType) -> Result<Binary> {
     let threads = threads();
-    // SAFETY: loading runs the library's constructors: whoever runs an FMU trusts its code.
+    // SAFETY: loading runs the library's constructors: a user who runs an FMU trusts its code.
     let (library, changed) =
         guard::around("loading the library", || unsafe { open::library(path) });
     let library = library.map_err(|e| {
@@ -252,18 +252,18 @@ pub(super) fn load(path: &Path, fmu: &Path, kind: InterfaceType) -> Result<Binar
     if version == "2.0" {
         return Ok(Binary { functions, own, changed, threads, library });
     }
-    Err(Error::new(Code::Library, "the library of the FMU is not of FMI 2.0")
+    Err(Error::new(Code::Library, "the library of the FMU is not for FMI 2.0")
         .at(fmu)
         .why(format!("fmi2GetVersion returned '{version}'")))
 }
 
-/// What to do about what the dynamic linker said.
+/// The remedy for an error of the dynamic linker.
 fn remedy(why: &str) -> Option<String> {
     if let Some((_, version)) = why.split_once("version `") {
         let version = version.split('\'').next().unwrap_or_default();
         return Some(format!(
-            "the FMU was built on a system with {version}, which this one does not have: run it on a \
-             newer one, or build it on one as old as this"
+            "the FMU was built on a system with {version}, which this one does not have: run it on \
+             a newer one, or build it on one as old as this"
         ));
     }
     if let Some((missing, _)) = why.split_once(": cannot open shared object file") {
@@ -279,7 +279,7 @@ fn remedy(why: &str) -> Option<String> {
     ))
 }
 
-/// Places of the library in the unpacked FMU, newest convention last (FMI 2.0.4, 2.3).
+/// Possible paths of the library in the unpacked FMU, newest convention last (FMI 2.0.4, 2.3).
 pub(super) fn folders() -> &'static [&'static str] {
     if cfg!(target_os = "linux") { elf::of_machine(std::env::consts::ARCH) } else { &[] }
 }
@@ -290,14 +290,14 @@ mod tests {
 
     #[test]
     fn each_reason_has_its_own_remedy() {
-        let told = |why: &str| remedy(why).unwrap();
+        let remedy_of = |why: &str| remedy(why).unwrap();
         let new =
             "/lib/x86_64-linux-gnu/libc.so.6: version `GLIBC_2.38' not found (required by x.so)";
-        assert!(told(new).contains("a system with GLIBC_2.38"));
+        assert!(remedy_of(new).contains("a system with GLIBC_2.38"));
         let missing = "libgfortran.so.3: cannot open shared object file: No such file or directory";
-        assert!(told(missing).contains("install the library libgfortran.so.3"));
-        assert!(!told(missing).contains("GLIBC"));
-        assert!(told("x.so: undefined symbol: dgesv_").contains("has dgesv_"));
+        assert!(remedy_of(missing).contains("install the library libgfortran.so.3"));
+        assert!(!remedy_of(missing).contains("GLIBC"));
+        assert!(remedy_of("x.so: undefined symbol: dgesv_").contains("has dgesv_"));
         assert_eq!(remedy("invalid ELF header"), None);
     }
 }

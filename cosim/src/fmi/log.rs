@@ -1,5 +1,5 @@
-//! The messages of one instance: the newest are kept for the error that may follow, and passed
-//! on as they come when a [`Trace`] asks for them.
+//! The messages of one instance: the newest are kept for a possible error, and all are passed on
+//! immediately if a [`Trace`] requests them.
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -15,11 +15,11 @@ const KEPT: usize = 20;
 #[derive(Default)]
 pub(super) struct Log {
     messages: Mutex<Messages>,
-    /// Who follows the messages, and the instance's name.
+    /// The follower of the messages, and the name of the instance.
     live: Option<(Arc<Trace>, String)>,
-    /// Who passes them on, and the instance's name.
+    /// The mailbox that passes them on, and the name of the instance.
     mailbox: Option<(Arc<Mailbox>, String)>,
-    /// What the instance was told to have changed, a bit for each kind.
+    /// Which changes of the process were reported for the instance, a bit for each kind.
     changed: AtomicU32,
 }
 
@@ -44,7 +44,7 @@ impl Log {
         }
     }
 
-    /// Whether messages were shown already when they came.
+    /// Whether messages were already shown when they arrived.
     pub(super) fn is_live(&self) -> bool {
         self.live.is_some()
     }
@@ -54,12 +54,12 @@ impl Log {
         self.changed.fetch_or(1 << kind, Ordering::Relaxed) & (1 << kind) == 0
     }
 
-    /// Takes a message as it is shown.
-    pub(super) fn told(&self, line: &str) {
+    /// Adds a message as it is to be shown.
+    pub(super) fn push_line(&self, line: &str) {
         self.push(line.to_owned());
     }
 
-    /// Takes a message as the FMU gave it.
+    /// Adds a message from the FMU.
     pub(super) fn message(&self, status: RawStatus, category: &str, text: &str) {
         if let Some((mailbox, instance)) = &self.mailbox {
             mailbox.put(instance, status, category, text);

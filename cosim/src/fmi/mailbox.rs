@@ -1,15 +1,15 @@
-//! Messages of FMUs for somebody who passes them on: who hosts a system as one FMU hands them to
-//! its own importer's logger.
+//! Messages of FMUs for a caller that passes them on: the host of a system that is exported as one
+//! FMU passes them to the logger of its own importer.
 //!
-//! They wait until the call that caused them is over. So they are handed on by the thread that
-//! called, also when an FMU logs from a thread of its own.
+//! They wait until the call that caused them has returned, so that the calling thread passes them
+//! on, even if an FMU logs from its own thread.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use super::status::RawStatus;
 
-/// Messages kept at most; an FMU may log without end.
+/// Maximum number of messages kept; an FMU may log without end.
 const MOST: usize = 10_000;
 
 /// A message of an instance.
@@ -25,10 +25,10 @@ pub struct Message {
     pub text: String,
 }
 
-/// Where messages wait.
+/// The queue of messages.
 #[derive(Debug, Default)]
 pub struct Mailbox {
-    /// Whether there are some: looking costs nothing.
+    /// Whether there are any: checking costs nothing.
     waiting: AtomicBool,
     messages: Mutex<Vec<Message>>,
 }
@@ -43,7 +43,7 @@ impl Mailbox {
         }
     }
 
-    /// All messages since this was asked last, in their order.
+    /// All messages since the last call, in order.
     #[inline]
     pub fn take(&self) -> Vec<Message> {
         if self.waiting.load(Ordering::Acquire) { self.take_all() } else { Vec::new() }

@@ -1,9 +1,10 @@
-//! Import of FMI 2.0 FMUs for co-simulation and model exchange: archive, description, library, instances.
+//! Import of FMI 2.0 FMUs for co-simulation and model exchange: archive, description, library,
+//! instances.
 //!
-//! [`Fmu::open`] gives one shared value per file and process; [`Instance`] is the safe handle of
-//! one `fmi2Component`; [`Logging`] says what instances log. The `unsafe` of this crate that
-//! touches FMUs is here, in `open`, `library`, `last`, `callbacks`, `guard`, `instance` and `temporary`; the rest is system calls in `files` and
-//! `confine`.
+//! [`Fmu::open`] returns one shared value per file and process; [`Instance`] is the safe handle of
+//! one `fmi2Component`; [`Logging`] defines what instances log. The `unsafe` code of this crate
+//! that touches FMUs is here, in `open`, `library`, `last`, `callbacks`, `guard`, `instance` and
+//! `temporary`; the rest is system calls in `files` and `confine`.
 
 pub mod archive;
 #[allow(unsafe_code, reason = "what FMUs call back")]

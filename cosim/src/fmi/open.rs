@@ -1,9 +1,9 @@
-//! Mapping a shared library, all its symbols resolved at once: one that is missing is an error here
-//! and not the end of the process at its first call.
+//! Maps a shared library and resolves all its symbols at once: a missing symbol is an error here
+//! instead of the end of the process at its first call.
 //!
-//! Libraries made of Python (PythonFMU's) expect that the importer is a Python interpreter and define
-//! none of its symbols. For them Python's own library is mapped first, with symbols that all see.
-//! Libraries that an FMU holds beside its own are found there, also without a path in its own.
+//! Libraries of PythonFMU expect that the importer is a Python interpreter and do not link its
+//! symbols. For them, Python's own library is mapped first, with global symbols. Libraries that an
+//! FMU contains beside its own are found there, even if its own library has no search path.
 
 use std::error::Error as _;
 use std::ffi::OsString;
@@ -13,29 +13,30 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use libloading::Library;
 use libloading::os::unix;
 
-/// Names Python's library for FMUs that need one; any CPython 3 will do for PythonFMU's.
+/// Names Python's library for FMUs that need one; any CPython 3 works for PythonFMU.
 const VARIABLE: &str = "COSIM_LIBPYTHON";
-/// Tried in this order without the variable: the one of the stable interface, then versions 3.x.
+/// Tried in this order without the variable: the library of the stable interface, then versions
+/// 3.x.
 const STABLE: &str = "libpython3.so";
 const VERSIONS: std::ops::RangeInclusive<u32> = 8..=15;
 
 /// Whether Python's library was mapped here.
 static PYTHON: AtomicBool = AtomicBool::new(false);
 
-/// Whether an FMU made of Python was loaded, for which Python's library was mapped. The handler that
-/// such an FMU (PythonFMU 0.7) has for the end of the process uses memory that it has freed: end the
-/// process without such handlers.
+/// Whether an FMU made with Python was loaded, for which Python's library was mapped. The exit
+/// handler of such an FMU (PythonFMU 0.7) uses memory that it has freed: end the process without
+/// running such handlers.
 pub fn has_mapped_python() -> bool {
     PYTHON.load(Ordering::Relaxed)
 }
 
-/// A library, and those beside it that it needs; they are unmapped in this order.
+/// A library, and the libraries beside it that it needs; they are unmapped in this order.
 pub(super) struct Opened {
     pub(super) library: Library,
     _beside: Vec<Library>,
 }
 
-/// Opens the library at `path`, or says why not.
+/// Opens the library at `path`; the error says why that fails.
 ///
 /// # Safety
 /// The library's constructors run.
@@ -71,7 +72,7 @@ unsafe fn open(path: &Path) -> Result<Library, String> {
     })
 }
 
-/// A library that is missed and lies in the FMU, which was linked without a path to its own folder.
+/// A missing library that is in the FMU, which was linked without a path to its own folder.
 fn missing_beside(why: &str, path: &Path) -> Option<PathBuf> {
     let (missing, _) = why.split_once(": cannot open shared object file")?;
     let file = path.with_file_name(Path::new(missing).file_name()?);
@@ -83,7 +84,7 @@ fn wants_python(why: &str) -> bool {
         .is_some_and(|(_, symbol)| symbol.starts_with("Py") || symbol.starts_with("_Py"))
 }
 
-/// Maps Python's library for the rest of the process: an interpreter cannot be unloaded.
+/// Maps Python's library for the lifetime of the process: an interpreter cannot be unloaded.
 fn provide_python() -> Result<(), String> {
     let named = std::env::var_os(VARIABLE).map(|name| vec![name]);
     let names = named.unwrap_or_else(|| {
@@ -100,8 +101,8 @@ fn provide_python() -> Result<(), String> {
         }
     }
     Err(format!(
-        "the FMU is made of Python, and no library of Python was found: install one \
-         (libpython3.x.so.1.0) or name it by {VARIABLE}"
+        "the FMU was made with Python, and no Python library was found: install one \
+         (libpython3.x.so.1.0) or specify it with {VARIABLE}"
     ))
 }
 

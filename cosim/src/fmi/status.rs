@@ -1,6 +1,6 @@
 //! `fmi2Status`.
 
-/// `fmi2Status` as the C side has it; an `i32`, for an FMU may return anything.
+/// `fmi2Status` as on the C side; an `i32`, because an FMU may return anything.
 pub(crate) type RawStatus = i32;
 
 pub(super) const OK: RawStatus = 0;
@@ -9,7 +9,7 @@ pub(super) const DISCARD: RawStatus = 2;
 pub(crate) const ERROR: RawStatus = 3;
 pub(crate) const FATAL: RawStatus = 4;
 pub(super) const PENDING: RawStatus = 5;
-/// Not of FMI: what stands in for a function that the library does not have returns this.
+/// Not part of FMI: returned by the replacement for a function that the library does not have.
 pub(super) const MISSING: RawStatus = i32::MIN;
 
 /// FMI's name of a status.

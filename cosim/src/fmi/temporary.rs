@@ -1,8 +1,8 @@
-//! Folders for unpacked archives: private (0700), unique, and gone with their value.
+//! Folders for unpacked archives: private (0700), unique, and removed with their value.
 //!
-//! A process that is killed cannot clean up. Each folder therefore holds a file that its process
-//! keeps locked; the lock ends with the process, however it ends, and the next process that
-//! unpacks something removes the folders whose lock is free.
+//! A process that is killed cannot clean up. Each folder therefore contains a file that its process
+//! keeps locked; the lock ends with the process, however it ends, and the next process that unpacks
+//! something removes the folders that are not locked.
 
 use std::ffi::{CString, OsString};
 use std::fs::{self, File};
@@ -18,7 +18,7 @@ use crate::error::{Code, Error, Result};
 const PREFIX: &str = "cosim-unpacked-";
 const LOCK: &str = "lock";
 const CONTENT: &str = "content";
-/// Between making a folder and locking it passes no such time.
+/// Creating a folder and locking it takes less time than this.
 const YOUNG: Duration = Duration::from_secs(60);
 
 /// An unpacked archive.
@@ -28,19 +28,19 @@ pub struct Unpacked {
     _folder: Folder,
 }
 
-/// A folder that goes with its value.
+/// A folder that is removed with its value.
 struct Folder(PathBuf);
 
 impl Unpacked {
-    /// A fresh and empty folder.
+    /// A new and empty folder.
     pub fn new() -> Result<Self> {
         static SWEPT: Once = Once::new();
         SWEPT.call_once(|| sweep(&std::env::temp_dir()));
         Self::make().map_err(|e| {
-            Error::new(Code::File, "no temporary folder can be made")
+            Error::new(Code::File, "no temporary folder can be created")
                 .at(std::env::temp_dir())
                 .why(e)
-                .help("set TMPDIR to a folder that can be written and executed from")
+                .help("set TMPDIR to a writable folder on a file system that allows execution")
         })
     }
 
@@ -48,7 +48,7 @@ impl Unpacked {
         let folder = Folder::new()?;
         let lock = File::create_new(folder.0.join(LOCK))?;
         match lock.lock() {
-            // A file system without locks: nothing there is ever swept.
+            // A file system without locks: nothing there is ever removed.
             Err(e) if e.kind() == ErrorKind::Unsupported => (),
             locked => locked?,
         }
@@ -64,9 +64,9 @@ impl Unpacked {
 }
 
 impl Folder {
-    /// A new one that nobody else can enter. Its name is the system's choice: a random one of ours
-    /// would need a variable per thread, and who unloads this code before the thread ends (it may be
-    /// part of an FMU) would leave the thread with a destructor that is gone.
+    /// Creates a private folder. The system chooses its name: generating a random name here would
+    /// need a thread-local variable, and if this code is unloaded before the thread ends (it may be
+    /// part of an FMU), its destructor would be gone.
     fn new() -> std::io::Result<Self> {
         let pattern = std::env::temp_dir().join(format!("{PREFIX}XXXXXX"));
         let pattern = CString::new(pattern.as_os_str().as_bytes())?.into_raw();
@@ -81,7 +81,7 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // What cannot be removed is left to the next sweep.
+        // Whatever cannot be removed is left to the next cleanup.
         drop(fs::remove_dir_all(&self.0));
     }
 }
@@ -90,7 +90,7 @@ impl Drop for Folder {
 fn sweep(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         if entry.file_name().to_string_lossy().starts_with(PREFIX) && is_left(&entry.path()) {
-            // What cannot be removed is somebody else's matter.
+            // Folders that cannot be removed belong to other users.
             drop(fs::remove_dir_all(entry.path()));
         }
     }

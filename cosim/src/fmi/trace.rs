@@ -1,7 +1,7 @@
-//! What FMUs are asked to log, and following their messages and calls as they come.
+//! Logging requests to FMUs, and live output of their messages and calls.
 //!
-//! A call is written in two parts, before and after it: when an FMU kills the process, the last
-//! line names the call. An instance that is not followed pays one comparison per call.
+//! A call is written in two parts, before and after it: if an FMU kills the process, the last line
+//! names the call. An instance that is not followed costs one comparison per call.
 //!
 //! ```text
 //! tank: fmi2SetReal(u = 0.5) -> OK
@@ -20,43 +20,43 @@ use crate::fmi::{Fmu, LastCall, Mailbox};
 use crate::names;
 use crate::shown::one_line;
 
-/// What FMUs are asked to log, and who follows.
+/// Logging requests, and the followers.
 #[derive(Debug, Clone, Default)]
 pub struct Logging {
-    /// Ask for debug messages (`loggingOn`).
+    /// Request debug messages (`loggingOn`).
     pub debug: bool,
-    /// Ask for the messages of these categories (`fmi2SetDebugLogging`); none: of all.
+    /// Request messages of these categories (`fmi2SetDebugLogging`); empty: all.
     pub categories: Vec<String>,
-    /// Gets messages, and calls if it wants them, while they come.
+    /// Receives messages, and calls if requested, immediately.
     pub trace: Option<Arc<Trace>>,
-    /// Keeps the last call for those who find the process dead.
+    /// Records the last call for the investigation of a dead process.
     pub last: Option<Arc<LastCall>>,
-    /// Gets messages for somebody who passes them on.
+    /// Receives messages that are passed on.
     pub mailbox: Option<Arc<Mailbox>>,
 }
 
 /// Writes the calls and messages of instances.
 pub struct Trace {
     calls: bool,
-    /// The instances that are followed; none: all.
+    /// The instances that are followed; empty: all.
     instances: Vec<String>,
     output: Mutex<Output>,
 }
 
 struct Output {
     writer: Box<dyn Write + Send>,
-    /// The last line has no end yet: it waits for what the call returns.
+    /// The last line is incomplete: it waits for the result of the call.
     open: Option<&'static str>,
 }
 
 impl Trace {
-    /// Follows messages, and calls too if `calls`.
+    /// Follows messages, and also calls if `calls`.
     pub fn new(writer: impl Write + Send + 'static, calls: bool) -> Self {
         let output = Output { writer: Box::new(writer), open: None };
         Self { calls, instances: Vec::new(), output: Mutex::new(output) }
     }
 
-    /// Follows only these instances; all if there is none.
+    /// Follows only these instances; all if the list is empty.
     #[must_use]
     pub fn only(mut self, instances: &[String]) -> Self {
         self.instances = instances.to_vec();
@@ -98,7 +98,7 @@ impl Trace {
         });
     }
 
-    /// A message of the FMU, which may come in the middle of a call.
+    /// A message of the FMU, which may arrive during a call.
     pub(super) fn message(&self, instance: &str, text: &str) {
         self.write(|output| {
             output.end_line()?;
@@ -155,12 +155,12 @@ impl Logging {
         }
     }
 
-    /// Who follows the messages of that instance.
+    /// The follower of the messages of that instance.
     pub(super) fn messages_of(&self, instance: &str) -> Option<Arc<Trace>> {
         self.trace.clone().filter(|trace| trace.follows(instance))
     }
 
-    /// Who follows its calls.
+    /// The follower of its calls.
     pub(super) fn calls_of(&self, instance: &str) -> Option<Arc<Trace>> {
         self.messages_of(instance).filter(|trace| trace.calls)
     }

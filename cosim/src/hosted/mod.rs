@@ -1,14 +1,14 @@
-//! A system that somebody else steps: what an exported FMU is behind its C interface.
+//! A system that another program steps: the inside of an exported FMU.
 //!
-//! The host says when and how far, sets inputs and parameters, and reads. All steps that end in
-//! (t, t + h] are made, whatever h is; between their ends outputs hold. An input is passed on when
-//! the next steps are made, and only if it changed: so every step sees the inputs as they were set
-//! before the call that makes it, and an input that nobody touches costs nothing. No component
-//! stands for the inputs in the plan: a free input is driven by nothing else, so the connection
-//! would only repeat the value at every step.
+//! The host decides when and how far to step, sets inputs and parameters, and reads. All steps that
+//! end in (t, t + h] are made, whatever h is; between their ends, outputs hold. An input is passed
+//! on when the next steps are made, and only if it changed: so every step sees the inputs as they
+//! were set before the call that makes it, and an unchanged input costs nothing. No component
+//! represents the inputs in the plan: nothing else drives a free input, so a connection would only
+//! repeat the value at every step.
 //!
-//! The FMUs inside are made when initialization begins, with all start values at once, as in a run
-//! of the system; nothing has to be undone to reset.
+//! The inner FMUs are created when initialization begins, with all start values at once, as in a
+//! run of the system; a reset has nothing to undo.
 
 mod scenario;
 mod state;
@@ -29,15 +29,15 @@ use crate::time::Time;
 pub use state::Kept;
 use table::{Known, Read, Table};
 
-/// Most instants at which the system steps in one call of the host's.
+/// Maximum number of instants at which the system steps in one call of the host.
 const MOST_INSTANTS: u64 = 1_000_000;
 
-/// A system and where it is.
+/// A system and its progress.
 pub struct Hosted {
     guid: String,
     system: System,
     table: Table,
-    /// Start values that the host gave, per component.
+    /// Start values set by the host, per component.
     given: Vec<Vec<(usize, Value)>>,
     mailbox: Arc<Mailbox>,
     engine: Option<Engine>,
@@ -45,18 +45,19 @@ pub struct Hosted {
     start: Time,
     stop: Time,
     time: Time,
-    /// Components whose variables that nobody else reads were not read since the last step.
+    /// Components with variables that only the host reads and that have not been read since the
+    /// last step.
     unread: Vec<bool>,
-    /// What was set and not passed on yet.
+    /// What was set and has not been passed on yet.
     pending: Vec<(Basic, u32)>,
-    /// Initialization: values have to be passed on until they come to rest.
+    /// Initialization: values must be passed on until they settle.
     unsettled: bool,
-    /// What happens to the system, and until when that has been done.
+    /// Faults and changes in the system, and until when they have been applied.
     scenario: Option<Scenario>,
     acted: Option<Time>,
 }
 
-/// How far its life is.
+/// The phase of its life cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(crate) enum Stage {
     /// Start values are collected.
@@ -68,8 +69,8 @@ pub(crate) enum Stage {
 }
 
 impl Hosted {
-    /// The system in the resources of an exported FMU; `debug`: its FMUs are asked for debug
-    /// messages.
+    /// The system in the resources of an exported FMU; `debug`: requests debug messages from its
+    /// FMUs.
     pub fn open(resources: &Path, debug: bool) -> Result<Self> {
         let file = resources.join(FILE);
         let unread = |why: String| {
@@ -109,25 +110,25 @@ impl Hosted {
         })
     }
 
-    /// The identity of the FMU.
+    /// The GUID of the FMU.
     pub fn guid(&self) -> &str {
         &self.guid
     }
 
-    /// What the FMUs inside said since this was asked last.
+    /// Messages of the inner FMUs since the last call.
     #[inline]
     pub fn messages(&self) -> Vec<Message> {
         self.mailbox.take()
     }
 
-    /// Asks the FMUs for debug messages, or not: those that are there and those to come.
+    /// Switches debug messages of the FMUs on or off, for existing and future instances.
     pub fn debug(&mut self, on: bool) -> Result<()> {
         self.system.debug(on);
         let mut slaves = self.engine.iter_mut().flat_map(|engine| &mut engine.slaves);
         slaves.try_for_each(|slave| slave.debug(on))
     }
 
-    /// Back to the beginning: nothing is given.
+    /// Back to the start: nothing is set.
     pub fn reset(&mut self) {
         self.engine = None;
         self.stage = Stage::Before;
@@ -136,9 +137,9 @@ impl Hosted {
         self.pending.clear();
     }
 
-    /// Makes the components and enters initialization mode.
+    /// Creates the components and enters initialization mode.
     pub fn enter(&mut self, start: Time, stop: Time) -> Result<()> {
-        // An FMU that may be there once is gone before it comes again.
+        // An FMU that allows one instance is freed before it is created again.
         self.engine = None;
         (self.start, self.stop, self.time) = (start, stop, start);
         let given = |(component, given): (&Component, &Vec<(usize, Value)>)| {
@@ -156,7 +157,7 @@ impl Hosted {
         Ok(())
     }
 
-    /// Leaves initialization mode; gives what was odd.
+    /// Leaves initialization mode; returns warnings.
     pub fn exit(&mut self) -> Result<Vec<String>> {
         self.settle()?;
         let mut odd = Vec::new();
@@ -186,7 +187,7 @@ impl Hosted {
         Ok(())
     }
 
-    /// Reals that are at hand while steps are made; `None` if some are not.
+    /// Reals that are directly available while steps are made; `None` if some are not.
     #[inline]
     pub fn at_hand(&self, references: &[u32], into: &mut [f64]) -> Option<()> {
         let engine = self.engine.as_ref().filter(|_| self.stage == Stage::Running)?;
@@ -247,7 +248,7 @@ impl Hosted {
         }
     }
 
-    /// Whether the variable can be set now, or why not.
+    /// Whether the variable can be set now; the error says why not.
     pub fn settable(&self, basic: Basic, reference: u32) -> Result<()> {
         self.table.known(basic, reference)?.settable(self.stage)
     }
@@ -275,7 +276,7 @@ impl Hosted {
         Ok(())
     }
 
-    /// Initialization: brings all values to rest, if something was set since.
+    /// Initialization: settles all values, if something has been set since.
     fn settle(&mut self) -> Result<()> {
         if !self.unsettled && self.pending.is_empty() {
             return Ok(());
@@ -289,7 +290,7 @@ impl Hosted {
         Ok(())
     }
 
-    /// Gives the components what was set.
+    /// Passes what was set to the components.
     #[inline]
     fn pass_on(&mut self) -> Result<()> {
         if self.pending.is_empty() { Ok(()) } else { self.pass_all_on() }
@@ -309,7 +310,7 @@ impl Hosted {
     }
 }
 
-/// Refuses what would take more than [`MOST_INSTANTS`].
+/// Refuses a step that would take more than [`MOST_INSTANTS`].
 fn bounded(engine: &Engine, end: Time) -> Result<()> {
     let instants = engine.instants_until(end);
     if instants <= MOST_INSTANTS {
@@ -317,13 +318,13 @@ fn bounded(engine: &Engine, end: Time) -> Result<()> {
     }
     Err(Error::new(
         Code::Step,
-        format!("a step to {end} is {instants} steps of the system at once"),
+        format!("a step to {end} needs {instants} steps of the system at once"),
     )
     .why(format!("one call makes no more than {MOST_INSTANTS}, so that it returns in time"))
-    .help("step in shorter communication steps"))
+    .help("use shorter communication steps"))
 }
 
-/// What the description of the system does not say of its run.
+/// Settings of the run that the description of the system does not contain.
 fn overrides(interface: &Interface) -> Result<Overrides> {
     let running = &interface.running;
     let algorithm = running.algorithm.parse();
@@ -350,7 +351,7 @@ fn number_of(value: &Value) -> f64 {
     }
 }
 
-/// Whether two values are the same in every bit.
+/// Whether two values have the same bits.
 fn same(a: &Value, b: &Value) -> bool {
     match (a, b) {
         (Value::Real(a), Value::Real(b)) => a.to_bits() == b.to_bits(),

@@ -1,4 +1,4 @@
-//! What happens to a hosted system: the scenario that was exported with it.
+//! Faults and changes in a hosted system: the scenario that was exported with it.
 
 use super::{Hosted, number_of};
 use crate::error::Result;
@@ -6,16 +6,16 @@ use crate::master::{Controls, Manipulator};
 use crate::time::Time;
 
 impl Hosted {
-    /// From here on the scenario acts; what is to happen until `acted` has been done.
+    /// From here on the scenario acts; everything due until `acted` has been applied.
     pub(super) fn begin_scenario(&mut self, acted: Option<Time>) -> Result<()> {
         self.acted = acted;
         let system = &self.system;
         self.scenario.as_mut().map_or(Ok(()), |scenario| scenario.start(system, acted))
     }
 
-    /// Makes the steps until the scenario acts, and lets it act, as often as that is before `end`. What
-    /// is to happen at `end` waits for the next step: as in a run, values there are those before it. It acts on
-    /// what the host has set.
+    /// Makes the steps up to each action of the scenario before `end`, and applies the action. An
+    /// action at `end` waits for the next step: as in a run, values there are those before it. It
+    /// acts on what the host has set.
     pub(super) fn act_before(&mut self, end: Time) -> Result<()> {
         let (Some(scenario), Some(engine)) = (&mut self.scenario, &mut self.engine) else {
             return Ok(());

@@ -1,7 +1,7 @@
-//! The state of a hosted system: everything to go on from, in this process or in another.
+//! The state of a hosted system: everything needed to continue, in this process or in another.
 //!
-//! Before steps are made it is what the host gave, and initialization is done over again; after
-//! that the components' own states come along as bytes.
+//! Before steps are made, it contains what the host has set, and initialization is repeated; after
+//! that, it contains the serialized states of the components.
 
 use serde::{Deserialize, Serialize};
 
@@ -26,7 +26,7 @@ pub struct Kept {
 }
 
 impl Hosted {
-    /// The present state.
+    /// The current state.
     pub fn save(&mut self) -> Result<Kept> {
         let engine = match (&mut self.engine, self.stage) {
             (Some(engine), Stage::Running) => {
@@ -48,10 +48,10 @@ impl Hosted {
         })
     }
 
-    /// Goes on from a state of this system.
+    /// Continues from a state of this system.
     pub fn restore(&mut self, kept: &Kept) -> Result<()> {
         self.check(kept)?;
-        // Components that went on well take on their states; else they are made anew.
+        // Components without an error restore their states; otherwise they are created again.
         let alike = self.stage == Stage::Running
             && (self.start, self.stop) == (kept.start, kept.stop)
             && self.given == kept.given;
@@ -88,7 +88,7 @@ impl Hosted {
         self.begin_scenario(kept.acted)
     }
 
-    /// Whether the state is one of this system.
+    /// Whether the state belongs to this system.
     fn check(&self, kept: &Kept) -> Result<()> {
         let variables = |component: usize| {
             let model = &self.system.components()[component].model;
@@ -105,6 +105,9 @@ impl Hosted {
     }
 
     fn strange(&self) -> Error {
-        Error::new(Code::State, format!("the state is none of the system '{}'", self.system.name()))
+        Error::new(
+            Code::State,
+            format!("the state does not belong to the system '{}'", self.system.name()),
+        )
     }
 }

@@ -1,4 +1,4 @@
-//! The variables of a hosted system by their value references.
+//! The variables of a hosted system by value reference.
 
 use std::collections::BTreeMap;
 
@@ -9,14 +9,14 @@ use crate::fmi::{Kind, Value};
 use crate::master::Plan;
 use crate::system::{Column, Conversion, Port, System};
 
-/// All variables, per type.
+/// All variables, by type.
 pub(super) struct Table {
     known: [Vec<Known>; Basic::ALL.len()],
-    /// Of each Real, where its value is among the engine's; `None` if it is not so simple.
+    /// For each Real, the position of its value in the engine; `None` if it has none.
     slots: Box<[Option<Slot>]>,
 }
 
-/// A place among the engine's values.
+/// A position among the engine's values.
 #[derive(Clone, Copy)]
 pub(super) struct Slot {
     pub place: u32,
@@ -30,7 +30,7 @@ pub(super) struct Known {
     pub role: Role,
     pub ends: Vec<Inner>,
     pub read: Read,
-    /// What the host set it to last, or what it starts from.
+    /// What the host set last, or its start value.
     pub value: Value,
     start: Value,
 }
@@ -44,13 +44,13 @@ pub(super) struct Inner {
 /// Where the value is read.
 #[derive(Clone, Copy)]
 pub(super) enum Read {
-    /// It is what the host set.
+    /// What the host has set.
     Own,
     /// Among the engine's values.
     Slot(usize),
-    /// The same, but it is read for the host alone, of this component.
+    /// The same, but read only for the host, from this component.
     Recorded(usize, usize),
-    /// At the component, whenever somebody wants to know.
+    /// From the component, on request.
     Asked,
 }
 
@@ -94,7 +94,7 @@ impl Inner {
 }
 
 impl Table {
-    /// The table of a system, and the system with what has to be read of it.
+    /// The table of a system, and the system with everything that has to be read from it.
     pub(super) fn new(system: System, interface: &Interface) -> Result<(System, Self)> {
         let components: BTreeMap<&str, usize> =
             system.components().iter().enumerate().map(|(p, c)| (c.name.as_str(), p)).collect();
@@ -153,7 +153,7 @@ impl Table {
         Ok((system, table))
     }
 
-    /// The place of a Real among the engine's values.
+    /// The position of a Real among the engine's values.
     #[inline]
     pub(super) fn slot(&self, reference: u32) -> Option<Slot> {
         *self.slots.get(reference as usize)?
@@ -164,12 +164,12 @@ impl Table {
         all.for_each(|known| known.value.clone_from(&known.start));
     }
 
-    /// What the host sees of each variable, for a state.
+    /// The host's view of each variable, for a state.
     pub(super) fn values(&self) -> Vec<Value> {
         self.known.iter().flatten().map(|known| known.value.clone()).collect()
     }
 
-    /// Whether the values of a state are as many and of the right types.
+    /// Whether a state has the right number and types of values.
     pub(super) fn fits(&self, values: &[Value]) -> bool {
         let all = || self.known.iter().flatten();
         let alike = |(known, value): (&Known, &Value)| {
@@ -178,14 +178,14 @@ impl Table {
         values.len() == all().count() && all().zip(values).all(alike)
     }
 
-    /// What the host may set at any time: the variables behind it, and what they are set to.
+    /// What the host may set at any time: the variables behind it, and their values.
     pub(super) fn open(&self) -> impl Iterator<Item = (&Inner, &Value)> {
         let all = self.known.iter().flatten();
         let open = all.filter(|known| matches!(known.role, Role::Input | Role::Tunable));
         open.flat_map(|known| known.ends.iter().map(move |end| (end, &known.value)))
     }
 
-    /// Takes on the values of a state.
+    /// Restores the values of a state.
     pub(super) fn take(&mut self, values: &[Value]) {
         let all = self.known.iter_mut().flatten();
         all.zip(values).for_each(|(known, value)| known.value.clone_from(value));
@@ -212,7 +212,7 @@ fn read(exposed: &Exposed, ends: &[Inner], plan: &Plan) -> Read {
     let port = ends[0].port;
     match exposed.role {
         Role::Input | Role::Tunable => Read::Own,
-        // In the host's unit it is known only here.
+        // The value in the host's unit is known only here.
         Role::Fixed if ends[0].conversion.is_some() => Read::Own,
         Role::Fixed => Read::Asked,
         _ => match plan.value_slot(port) {
@@ -235,7 +235,7 @@ fn unknown(count: usize, basic: Basic, reference: u32) -> Error {
 }
 
 fn strange(component: &str, variable: &str) -> Error {
-    Error::new(Code::File, "the parts of the FMU do not fit together")
+    Error::new(Code::File, "the parts of the FMU are inconsistent")
         .why(format!("its system has no variable '{variable}' of '{component}'"))
         .help("export it again")
 }

@@ -1,4 +1,4 @@
-//! Samples on their way to clients, as many as they can use.
+//! Samples on their way to clients, limited to what they can use.
 
 /// Times and rows of values.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -20,7 +20,7 @@ impl Batch {
         self.values.extend_from_slice(row);
     }
 
-    /// Leaves every second row out; the newest stays.
+    /// Drops every second row; the newest stays.
     fn halve(&mut self) {
         let (width, count) = (self.width, self.times.len());
         let mut kept = 0;
@@ -34,8 +34,8 @@ impl Batch {
     }
 }
 
-/// Keeps a limited number of samples, evenly: when it is full it leaves out every second one, and from
-/// then on takes every second one.
+/// Keeps a limited number of evenly spaced samples: when it is full, it drops every second one, and
+/// from then on takes only every second one.
 #[derive(Debug, Clone)]
 pub(super) struct Thinned {
     pub(super) batch: Batch,
@@ -45,7 +45,7 @@ pub(super) struct Thinned {
 }
 
 impl Thinned {
-    /// At most so many rows of this width, and at least two.
+    /// At most this many rows of this width, and at least two.
     pub(super) fn new(width: usize, most: usize) -> Self {
         let batch = Batch { width, ..Batch::default() };
         Self { batch, most: most.max(2), stride: 1, skipped: 0 }
@@ -64,7 +64,7 @@ impl Thinned {
         }
     }
 
-    /// What is kept; the next samples are taken one by one again.
+    /// Takes the stored samples; the next ones are again taken one by one.
     pub(super) fn take(&mut self) -> Batch {
         (self.stride, self.skipped) = (1, 0);
         let width = self.batch.width;

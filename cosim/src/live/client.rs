@@ -1,4 +1,4 @@
-//! One client: a thread that sends what is new and hears what it wants.
+//! One client: a thread that sends updates and receives requests.
 
 use std::io::ErrorKind;
 use std::net::TcpStream;
@@ -15,7 +15,8 @@ use super::hub::{About, Hub, Mailbox, Newest};
 pub(super) trait Speaker {
     /// The first messages.
     fn greet(&mut self, about: &About) -> Vec<Message>;
-    /// How the run is going; `dropped` are the rows that this client did not take in time.
+    /// The status of the run; `dropped` is the number of rows that this client did not take in
+    /// time.
     fn newest(&mut self, newest: &Newest, dropped: u64) -> Option<Message>;
     /// An event, as JSON.
     fn event(&mut self, event: String) -> Option<Message>;
@@ -25,31 +26,31 @@ pub(super) trait Speaker {
     fn heard(&mut self, message: Message, hub: &Hub) -> Vec<Message>;
 }
 
-/// So long a look at what the client says takes at most.
+/// How long reading from the client takes at most.
 const LOOK: Duration = Duration::from_millis(15);
-/// A client that takes nothing for so long has gone.
+/// A client that takes nothing for this long is gone.
 const STALLED: Duration = Duration::from_secs(10);
-/// So long a client has to answer the end.
-pub(super) const FAREWELL: Duration = Duration::from_secs(1);
+/// How long a client has to acknowledge the end.
+pub(super) const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// Serves a client to its end, or the run's.
+/// Serves a client until it or the run ends.
 pub(super) fn serve(stream: TcpStream, rest: Vec<u8>, hub: &Hub, speaker: &mut dyn Speaker) {
     let limits = stream.set_read_timeout(Some(LOOK));
     if limits.and_then(|()| stream.set_write_timeout(Some(STALLED))).is_err() {
         return;
     }
-    // Batches are whole: there is nothing to wait for.
+    // Batches are complete: there is nothing to wait for.
     let _ = stream.set_nodelay(true);
     let config =
         WebSocketConfig::default().max_message_size(Some(1 << 18)).max_frame_size(Some(1 << 18));
     let mut socket = WebSocket::from_partially_read(stream, rest, Role::Server, Some(config));
     let mailbox = hub.join();
-    // Whatever ends it, there is nobody to report it to but the client, who has gone.
+    // Whatever the reason, only the client could be informed, and it is gone.
     let _ = talk(&mut socket, hub, &mailbox, speaker);
     hub.leave(&mailbox);
 }
 
-/// Nothing when the client has gone.
+/// `None` if the client is gone.
 fn talk(
     socket: &mut WebSocket<TcpStream>,
     hub: &Hub,
@@ -61,7 +62,7 @@ fn talk(
     };
     let (mut greeted, mut version, mut event, mut dropped) = (false, 0, 0, 0);
     loop {
-        // Before the rest: what is told with the end, or before it, is not left out.
+        // Before the rest, so that nothing sent with the end, or before it, is lost.
         let newest = hub.newest();
         if let Some(about) = hub.about() {
             if !greeted {
@@ -90,7 +91,7 @@ fn talk(
     }
 }
 
-/// What the client says, if it does within a while.
+/// A message of the client, if one arrives in time.
 fn heard(socket: &mut WebSocket<TcpStream>) -> Option<Option<Message>> {
     match socket.read() {
         Ok(message) => Some(Some(message)),
@@ -101,11 +102,11 @@ fn heard(socket: &mut WebSocket<TcpStream>) -> Option<Option<Message>> {
     }
 }
 
-/// Says good-bye, and waits a while for the answer: a connection that is cut before may lose what
-/// was sent last.
+/// Closes, and waits for the acknowledgement for a while: a connection that is cut before that may
+/// lose the last messages.
 fn part(socket: &mut WebSocket<TcpStream>) -> Option<()> {
     socket.close(None).ok()?;
-    let mut left = FAREWELL.as_millis() / LOOK.as_millis();
+    let mut left = CLOSE_TIMEOUT.as_millis() / LOOK.as_millis();
     while left > 0 {
         left -= u128::from(heard(socket)?.is_none());
     }

@@ -1,6 +1,6 @@
-//! The Foxglove WebSocket protocol, as far as a server of data with time and playback control needs
-//! it. Foxglove calls it `foxglove.sdk.v1`; Lichtblick and older programs have `foxglove.websocket.v1`,
-//! which knows no control.
+//! The Foxglove WebSocket protocol, as far as needed by a server of data with time and playback
+//! control. Foxglove calls it `foxglove.sdk.v1`; Lichtblick and older programs use
+//! `foxglove.websocket.v1`, which has no playback control.
 
 use std::collections::HashMap;
 
@@ -9,34 +9,34 @@ use tungstenite::Message;
 
 use super::batch::Batch;
 use super::client::Speaker;
-use super::hub::{About, Hub, Newest, Playing, SPEEDS, Wish};
+use super::hub::{About, Hub, Newest, Playing, Request, SPEEDS};
 use crate::ros::Channels;
 use crate::time::Time;
 
 const WITH_CONTROL: &str = "foxglove.sdk.v1";
 pub(super) const PROTOCOLS: [&str; 2] = [WITH_CONTROL, "foxglove.websocket.v1"];
 
-/// Kinds of binary messages of a server.
+/// Binary message types of a server.
 const DATA: u8 = 1;
 const TIME: u8 = 2;
 const STATE: u8 = 5;
-/// A kind of a client's.
+/// A binary message type of a client.
 const CONTROL: u8 = 3;
 
 /// Foxglove or Lichtblick.
 pub(super) struct Foxglove {
     controls: bool,
-    /// How the run was going when that was told last.
-    told: Option<(Playing, bool)>,
+    /// The status that was sent last.
+    sent: Option<(Playing, bool)>,
     channels: Option<Channels>,
-    /// Per channel: the numbers of the subscriptions.
+    /// For each channel: the ids of the subscriptions.
     subscribed: HashMap<usize, Vec<u32>>,
 }
 
 impl Foxglove {
     pub(super) fn new(protocol: &str) -> Self {
         let controls = protocol == WITH_CONTROL;
-        Self { controls, told: None, channels: None, subscribed: HashMap::new() }
+        Self { controls, sent: None, channels: None, subscribed: HashMap::new() }
     }
 }
 
@@ -79,10 +79,10 @@ impl Speaker for Foxglove {
 
     fn newest(&mut self, newest: &Newest, _: u64) -> Option<Message> {
         let going = (newest.playing.clone(), newest.ended);
-        if !self.controls || self.told.as_ref() == Some(&going) {
+        if !self.controls || self.sent.as_ref() == Some(&going) {
             return None;
         }
-        self.told = Some(going);
+        self.sent = Some(going);
         Some(state(newest, ""))
     }
 
@@ -99,7 +99,7 @@ impl Speaker for Foxglove {
             return messages;
         };
         for (time, row) in batch.rows() {
-            // The protocol knows no time before zero.
+            // The protocol has no times before zero.
             let Ok(stamp) = u64::try_from(time) else { continue };
             let subscribed = &self.subscribed;
             let Ok(()) = channels.each(Time::from_nanoseconds(time), row, |channel, data| {
@@ -136,7 +136,7 @@ impl Speaker for Foxglove {
 }
 
 impl Foxglove {
-    /// Subscribes, or ends subscriptions; anything else is not understood and left alone.
+    /// Subscribes or unsubscribes; anything else is ignored.
     fn subscription(&mut self, said: &Value) -> Option<()> {
         let number = |value: &Value| u32::try_from(value.as_u64()?).ok();
         match said["op"].as_str()? {
@@ -162,7 +162,7 @@ impl Foxglove {
     }
 }
 
-/// Play or pause at a speed; there is no going back in a run, so a time that is sought is not.
+/// Plays or pauses at a speed; a run cannot go back, so seek requests are ignored.
 fn control(bytes: &[u8], hub: &Hub) -> Option<Message> {
     let (&[kind, command], rest) = bytes.split_first_chunk::<2>()?;
     let (speed, rest) = rest.split_first_chunk::<4>()?;
@@ -175,11 +175,11 @@ fn control(bytes: &[u8], hub: &Hub) -> Option<Message> {
     }
     let mut newest = hub.newest();
     if !speed.is_nan() && newest.playing.speed != Some(speed) {
-        hub.wish(Wish::Speed(Some(speed)));
+        hub.request(Request::Speed(Some(speed)));
         newest.playing.speed = Some(speed);
     }
     newest.playing.paused = command == 1;
-    hub.wish(if newest.playing.paused { Wish::Pause } else { Wish::Play });
+    hub.request(if newest.playing.paused { Request::Pause } else { Request::Play });
     Some(state(&newest, std::str::from_utf8(request).ok()?))
 }
 

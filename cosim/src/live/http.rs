@@ -1,25 +1,25 @@
-//! Requests by HTTP/1.1, as few as there are: the page, and the change to WebSocket.
+//! Minimal HTTP/1.1: the page, and the upgrade to WebSocket.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
 
 use tungstenite::handshake::derive_accept_key;
 
-/// The head of a request, as far as it is looked at.
+/// The head of a request, as far as it is needed.
 pub(super) struct Request {
     pub(super) is_get: bool,
     pub(super) path: String,
     pub(super) token: String,
-    /// The key and the protocols of a client that wants a WebSocket.
+    /// The key and the protocols of a client that requests a WebSocket.
     pub(super) upgrade: Option<(String, Vec<String>)>,
-    /// What came behind the head.
+    /// Data after the head.
     pub(super) rest: Vec<u8>,
 }
 
-/// Heads are shorter.
+/// Maximum length of a head.
 const LONGEST: usize = 16 * 1024;
 
-/// Reads a head; `None` if it is none, too long or too slow.
+/// Reads a head; `None` if it is invalid, too long or too slow.
 pub(super) fn read(stream: &mut TcpStream) -> Option<Request> {
     let mut bytes = Vec::new();
     let mut part = [0; 2048];
@@ -65,11 +65,11 @@ pub(super) fn answer(stream: &mut TcpStream, status: &str, kind: &str, body: &st
          X-Content-Type-Options: nosniff\r\nX-Frame-Options: DENY\r\nConnection: close\r\n\r\n",
         body.len()
     );
-    // A client that has gone is not answered.
+    // A client that is gone gets no answer.
     let _ = stream.write_all(head.as_bytes()).and_then(|()| stream.write_all(body.as_bytes()));
 }
 
-/// Agrees to a WebSocket of this protocol.
+/// Accepts a WebSocket with this protocol.
 pub(super) fn upgrade(stream: &mut TcpStream, key: &str, protocol: &str) -> std::io::Result<()> {
     let accepted = derive_accept_key(key.as_bytes());
     let head = format!(

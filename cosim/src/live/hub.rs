@@ -1,4 +1,4 @@
-//! What the run and the threads of clients share.
+//! Data shared by the run and the threads of clients.
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -12,34 +12,35 @@ use crate::roles::{Declaration, Roles};
 use crate::system::Column;
 use crate::time::Time;
 
-/// What a client asks for.
+/// A request of a client.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Wish {
+pub enum Request {
     /// Stop before the next step.
     Pause,
-    /// Go on.
+    /// Continue.
     Play,
     /// Make one output interval, and pause.
     Step,
-    /// So many simulated seconds a second; none: as fast as it can.
+    /// Simulated seconds per second; `None`: as fast as possible.
     Speed(Option<f64>),
-    /// Put this fault in.
+    /// Inject this fault.
     Inject(Map<String, Value>),
 }
 
-/// The least and the greatest speed that can be asked for: a slower run would hear nothing for long.
+/// The minimum and maximum speed that can be requested: a slower run would not react for a long
+/// time.
 pub(super) const SPEEDS: (f64, f64) = (0.1, 1e6);
 
-/// How a run is going.
+/// The playback state of a run.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Playing {
-    /// It waits.
+    /// It is paused.
     pub paused: bool,
-    /// Simulated seconds a second that are wanted; none: as fast as it can.
+    /// Requested simulated seconds per second; `None`: as fast as possible.
     pub speed: Option<f64>,
 }
 
-/// What a run is.
+/// Properties of a run.
 pub(super) struct About {
     pub(super) name: String,
     pub(super) columns: Vec<Column>,
@@ -47,18 +48,18 @@ pub(super) struct About {
     pub(super) stop: Time,
     pub(super) roles: Roles,
     pub(super) declared: Option<Declaration>,
-    /// When faults of scenarios act, as far as that is known before.
+    /// When faults of scenarios act, as far as that is known in advance.
     pub(super) faults: Value,
 }
 
-/// The newest that is known.
+/// The latest status.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Newest {
-    /// Changes with each change of the rest.
+    /// Changes with every change of the other fields.
     pub(super) version: u64,
     pub(super) playing: Playing,
     pub(super) time: Time,
-    /// Simulated seconds a second, measured.
+    /// Simulated seconds per second, measured.
     pub(super) factor: f64,
     pub(super) ended: bool,
 }
@@ -70,22 +71,22 @@ pub(super) struct Mailbox {
     dropped: AtomicU64,
 }
 
-/// Batches that wait for a client: later ones take the place of the oldest.
+/// Maximum number of batches that wait for a client: new ones replace the oldest.
 const WAITING: usize = 8;
-/// Events that are kept for those who come later.
+/// Maximum number of events kept for clients that connect later.
 const EVENTS: usize = 1000;
 
 pub(super) struct Hub {
     about: OnceLock<About>,
     pub(super) newest: Mutex<Newest>,
-    /// The events so far; the number of those before them that are not kept any more.
+    /// The events so far, and the number of earlier ones that are no longer kept.
     events: Mutex<(VecDeque<String>, usize)>,
     pub(super) history: Mutex<Thinned>,
     clients: Mutex<Vec<Arc<Mailbox>>>,
-    pub(super) wishes: Mutex<Sender<Wish>>,
+    pub(super) requests: Mutex<Sender<Request>>,
 }
 
-/// What a thread that panicked held is as whole as before: each change is one assignment.
+/// The data of a thread that panicked are consistent: each change is one assignment.
 pub(super) fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -111,26 +112,26 @@ impl Mailbox {
 }
 
 impl Hub {
-    pub(super) fn new(wishes: Sender<Wish>, playing: Playing) -> Self {
+    pub(super) fn new(requests: Sender<Request>, playing: Playing) -> Self {
         Self {
             about: OnceLock::new(),
             newest: Mutex::new(Newest { version: 1, playing, ..Newest::default() }),
             events: Mutex::default(),
             history: Mutex::new(Thinned::new(0, 2)),
             clients: Mutex::default(),
-            wishes: Mutex::new(wishes),
+            requests: Mutex::new(requests),
         }
     }
 
-    /// The run begins.
+    /// The run starts.
     pub(super) fn begin(&self, about: About, history: usize) {
         *locked(&self.history) = Thinned::new(about.columns.len(), history);
         self.update(|newest| newest.time = about.start);
-        // A server is of one run.
+        // A server serves one run.
         let _ = self.about.set(about);
     }
 
-    /// What the run is, once it has begun.
+    /// Properties of the run, once it has started.
     pub(super) fn about(&self) -> Option<&About> {
         self.about.get()
     }
@@ -145,7 +146,7 @@ impl Hub {
         locked(&self.newest).clone()
     }
 
-    /// Something has happened at an instant: `kind` is `note`, `fault` or `error`.
+    /// Adds an event at an instant: `kind` is `note`, `fault` or `error`.
     pub(super) fn event(&self, time: Time, kind: &str, text: &str, more: Value) {
         let event = json!({
             "op": "event", "time": time.seconds(), "kind": kind, "text": text, "more": more,
@@ -181,8 +182,8 @@ impl Hub {
         locked(&self.clients).iter().for_each(|client| client.put(&batch));
     }
 
-    pub(super) fn wish(&self, wish: Wish) {
-        // A run that has ended hears nothing.
-        let _ = locked(&self.wishes).send(wish);
+    pub(super) fn request(&self, request: Request) {
+        // A run that has ended receives nothing.
+        let _ = locked(&self.requests).send(request);
     }
 }

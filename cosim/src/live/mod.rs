@@ -1,13 +1,13 @@
-//! Watching a run, and acting on it, from a browser or from Foxglove.
+//! Watches and controls a run from a browser or from Foxglove.
 //!
-//! A [`Server`] listens on one port. It serves the page, whose script talks to it by WebSocket, and the
-//! Foxglove WebSocket protocol, for Foxglove and Lichtblick. Each address has a token, without which
-//! nothing is answered.
+//! A [`Server`] listens on one port. It serves the page, whose script uses a WebSocket, and the
+//! Foxglove WebSocket protocol, for Foxglove and Lichtblick. Each address contains a token, without
+//! which nothing is answered.
 //!
-//! The run gives its samples to [`Watch`], an observer that copies what it keeps and goes on: threads
-//! of the server's send it, and drop what a client does not take in time. What clients ask for waits
-//! in a queue until the run looks at it ([`Server::wish`]), at an output instant. So a run has the same
-//! results with clients and without; faults that are injected are kept as a scenario
+//! The run passes its samples to [`Watch`], an observer that copies them and returns: threads of
+//! the server send the copies, and drop what a client does not take in time. Requests of clients
+//! wait in a queue until the run checks it ([`Server::request`]) at an output instant. A run
+//! therefore has the same results with and without clients; injected faults are saved as a scenario
 //! ([`crate::scenario::Injected`]).
 
 mod batch;
@@ -19,6 +19,6 @@ mod page;
 mod server;
 mod watch;
 
-pub use hub::{Playing, Wish};
+pub use hub::{Playing, Request};
 pub use server::Server;
 pub use watch::Watch;

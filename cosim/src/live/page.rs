@@ -1,16 +1,17 @@
-//! What the page's script and the server say to each other.
+//! The protocol between the page's script and the server.
 //!
-//! Texts are JSON with `op`. The server says `hello`, `state` and `event`, the script `show` (which
-//! columns it wants), `pause`, `play`, `step`, `speed` and `fault`. Values come as binary messages,
-//! little endian: the number of rows, the number of the `show` they answer, 1 if they are the history
-//! that replaces all before, the number of columns (32 bit each); the times; the rows (64 bit floats).
+//! Texts are JSON with `op`. The server sends `hello`, `state` and `event`; the script sends `show`
+//! (which columns it wants), `pause`, `play`, `step`, `speed` and `fault`. Values are sent as
+//! binary messages, little-endian: the number of rows, the number of the `show` they answer, 1 if
+//! they are the history that replaces everything before, the number of columns (32 bits each); the
+//! times; the rows (64-bit floats).
 
 use serde_json::{Map, Value, json};
 use tungstenite::Message;
 
 use super::batch::Batch;
 use super::client::Speaker;
-use super::hub::{About, Hub, Newest, SPEEDS, Wish, locked};
+use super::hub::{About, Hub, Newest, Request, SPEEDS, locked};
 use crate::fault::KINDS;
 use crate::roles::{Axes, Body, Place};
 
@@ -77,8 +78,8 @@ impl Speaker for Page {
         if said.get("op").and_then(Value::as_str) == Some("show") {
             return self.show(&said, hub).into_iter().collect();
         }
-        if let Some(wish) = wish(said) {
-            hub.wish(wish);
+        if let Some(request) = request(said) {
+            hub.request(request);
         }
         Vec::new()
     }
@@ -111,25 +112,25 @@ impl Page {
     }
 }
 
-fn wish(mut said: Map<String, Value>) -> Option<Wish> {
+fn request(mut said: Map<String, Value>) -> Option<Request> {
     let op = said.remove("op")?;
     Some(match op.as_str()? {
-        "pause" => Wish::Pause,
-        "play" => Wish::Play,
-        "step" => Wish::Step,
+        "pause" => Request::Pause,
+        "play" => Request::Play,
+        "step" => Request::Step,
         "speed" => {
             let factor = said.get("factor").and_then(Value::as_f64);
-            Wish::Speed(factor.map(|factor| factor.clamp(SPEEDS.0, SPEEDS.1)))
+            Request::Speed(factor.map(|factor| factor.clamp(SPEEDS.0, SPEEDS.1)))
         }
         "fault" => match said.remove("fault")? {
-            Value::Object(fault) => Wish::Inject(fault),
+            Value::Object(fault) => Request::Inject(fault),
             _ => return None,
         },
         _ => return None,
     })
 }
 
-/// The columns of a body, each with what makes base units of it: a factor and an offset.
+/// The columns of a body, each with its conversion to base units: a factor and an offset.
 fn body(body: &Body) -> Value {
     let places = |places: [Option<Place>; 6]| places.map(|place| place.map(Place::numbers));
     let both = body.covariances.iter().find(|(one, other, _)| (*one, *other) == (0, 1));

@@ -9,9 +9,9 @@ use std::time::Duration;
 use ring::rand::{SecureRandom, SystemRandom};
 use serde_json::{Value, json};
 
-use super::client::{FAREWELL, Speaker, serve};
+use super::client::{CLOSE_TIMEOUT, Speaker, serve};
 use super::foxglove::{self, Foxglove};
-use super::hub::{Hub, Playing, Wish, locked};
+use super::hub::{Hub, Playing, Request, locked};
 use super::page::{self, Page};
 use super::{Watch, http};
 use crate::error::{Code, Error, Result};
@@ -20,15 +20,15 @@ use crate::report;
 use crate::roles::Declaration;
 use crate::time::Time;
 
-/// So many clients are served at once.
+/// Maximum number of clients.
 const MOST: usize = 32;
-/// So long a client may take to ask.
+/// How long a client may take to send its request.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Serves a run to browsers and to Foxglove.
 pub struct Server {
     shared: Arc<Shared>,
-    wishes: Receiver<Wish>,
+    requests: Receiver<Request>,
     address: SocketAddr,
 }
 
@@ -36,7 +36,7 @@ struct Shared {
     hub: Arc<Hub>,
     token: String,
     closed: AtomicBool,
-    /// How many clients there are, and where their ends are waited for.
+    /// The number of clients, and a condition to wait for their ends.
     clients: AtomicUsize,
     fewer: (Mutex<()>, Condvar),
 }
@@ -47,16 +47,16 @@ impl Server {
         let refused = |why: std::io::Error| {
             Error::new(Code::Usage, format!("the live view cannot listen at {address}"))
                 .why(why)
-                .help("another port, or none: --live")
+                .help("choose another port, or none: --live")
         };
         let listener = TcpListener::bind(address).map_err(refused)?;
         let address = listener.local_addr().map_err(refused)?;
         let mut random = [0; 16];
         SystemRandom::new().fill(&mut random).map_err(|_| {
-            Error::new(Code::Usage, "the system gives no random numbers for a token")
+            Error::new(Code::Usage, "the system provides no random numbers for a token")
         })?;
         let token = random.iter().map(|byte| format!("{byte:02x}")).collect();
-        let (sender, wishes) = channel();
+        let (sender, requests) = channel();
         let shared = Arc::new(Shared {
             hub: Arc::new(Hub::new(sender, playing)),
             token,
@@ -66,57 +66,57 @@ impl Server {
         });
         let serving = shared.clone();
         std::thread::spawn(move || serving.accept(&listener));
-        Ok(Self { shared, wishes, address })
+        Ok(Self { shared, requests, address })
     }
 
-    /// Where the page is.
+    /// Address of the page.
     pub fn page(&self) -> String {
         format!("http://{}/?token={}", self.address, self.shared.token)
     }
 
-    /// Where Foxglove and Lichtblick connect.
+    /// Address for Foxglove and Lichtblick.
     pub fn foxglove(&self) -> String {
         format!("ws://{}/?token={}", self.address, self.shared.token)
     }
 
-    /// The observer that shows a run; `faults` are those that are known before.
+    /// The observer that shows a run; `faults` are those known in advance.
     pub fn watch(&self, roles: Option<Declaration>, faults: Vec<Window>) -> Watch {
         Watch::new(self.shared.hub.clone(), roles, faults)
     }
 
-    /// The next thing that a client asks for; one is waited for so long.
-    pub fn wish(&self, wait: Duration) -> Option<Wish> {
+    /// The next request of a client; waits for one at most this long.
+    pub fn request(&self, wait: Duration) -> Option<Request> {
         if wait.is_zero() {
-            self.wishes.try_recv().ok()
+            self.requests.try_recv().ok()
         } else {
-            self.wishes.recv_timeout(wait).ok()
+            self.requests.recv_timeout(wait).ok()
         }
     }
 
-    /// Tells how the run is going.
-    pub fn tell(&self, now: Time, playing: &Playing) {
+    /// Updates the status of the run.
+    pub fn update(&self, now: Time, playing: &Playing) {
         self.shared.hub.update(|newest| {
             newest.time = now;
             newest.playing = playing.clone();
         });
     }
 
-    /// Tells what has happened.
+    /// Reports a note.
     pub fn note(&self, now: Time, text: &str) {
         self.shared.hub.event(now, "note", text, Value::Null);
     }
 
-    /// Tells that something could not be done.
+    /// Reports an error.
     pub fn error(&self, now: Time, error: &Error) {
         self.shared.hub.event(now, "error", &error.line(), Value::Null);
     }
 
-    /// Tells that a fault was injected.
+    /// Reports an injected fault.
     pub fn fault(&self, now: Time, window: &Window) {
         self.shared.hub.event(now, "fault", &window.label, json!(window));
     }
 
-    /// Tells the end and lets clients go.
+    /// Reports the end and disconnects the clients.
     pub fn end(self, now: Time, text: &str) {
         self.note(now, text);
     }
@@ -127,12 +127,13 @@ impl Drop for Server {
         let Shared { hub, closed, clients, fewer, .. } = &*self.shared;
         hub.update(|newest| newest.ended = true);
         closed.store(true, Ordering::Release);
-        // Whoever accepts looks up.
+        // Wakes the accepting thread.
         drop(TcpStream::connect(self.address));
         let guard = locked(&fewer.0);
         let some = |_: &mut ()| clients.load(Ordering::Acquire) > 0;
-        // Those who have not heard it by then end with the process.
-        drop(fewer.1.wait_timeout_while(guard, FAREWELL, some));
+        // Clients that have not acknowledged the end by then are disconnected when the process
+        // ends.
+        drop(fewer.1.wait_timeout_while(guard, CLOSE_TIMEOUT, some));
     }
 }
 
@@ -161,7 +162,7 @@ impl Shared {
         self.fewer.1.notify_all();
     }
 
-    /// Whether a token is ours; how long that takes does not say how much of it is right.
+    /// Whether a token is ours; the comparison takes the same time for every token.
     fn knows(&self, token: &str) -> bool {
         let pairs = self.token.bytes().zip(token.bytes());
         let differing = pairs.fold(0, |differing, (own, other)| differing | (own ^ other));
@@ -176,9 +177,10 @@ impl Shared {
         let Some(request) = http::read(&mut stream) else { return };
         let http::Request { is_get, path, token, upgrade, rest } = request;
         let refusal = match &upgrade {
-            _ if !self.knows(&token) => {
-                Some(("403 Forbidden", "The address needs the token that the run has printed.\n"))
-            }
+            _ if !self.knows(&token) => Some((
+                "403 Forbidden",
+                "The address must include the token that the run has printed.\n",
+            )),
             _ if !is_get || path != "/" => {
                 Some(("404 Not Found", "There is nothing here: the page is at /.\n"))
             }

@@ -1,4 +1,4 @@
-//! The observer: copies samples and goes on.
+//! The observer: copies samples and returns.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -13,11 +13,11 @@ use crate::observe::{Observer, RunInfo};
 use crate::roles::{Declaration, Measure, Names, Roles};
 use crate::time::Time;
 
-/// Clients get a batch so often.
+/// Interval between batches.
 const FRAME: Duration = Duration::from_millis(33);
-/// The speed is measured over so long.
+/// Time over which the speed is measured.
 const MEASURED: Duration = Duration::from_millis(500);
-/// Numbers of a batch, and of the history that those get who come later.
+/// Maximum number of values in a batch, and in the history for clients that connect later.
 const BATCH: usize = 200_000;
 const HISTORY: usize = 400_000;
 
@@ -28,7 +28,7 @@ pub struct Watch {
     faults: Vec<Window>,
     fresh: Thinned,
     sent: Instant,
-    /// Since when the speed is measured: by the clock, and simulated.
+    /// Start of the speed measurement: wall-clock time, and simulated time.
     since: (Instant, Time),
     now: Time,
 }
@@ -81,7 +81,7 @@ impl Observer for Watch {
 
     fn sample(&mut self, time: Time, values: &[f64]) -> Result<()> {
         let nanoseconds = time.nanoseconds();
-        // The run waits for nobody: a sample that a newcomer's copying is in the way of is left out.
+        // The run waits for no client: a sample is skipped while a new client copies the history.
         if let Ok(mut history) = self.hub.history.try_lock() {
             history.push(nanoseconds, values);
         }

@@ -1,10 +1,9 @@
-//! Communication steps whose length follows a tolerance, and rollback.
+//! Communication steps with error control, and rollback.
 //!
-//! Step doubling (Hairer, Norsett, Wanner, II.4): all components together make the step h, go
-//! back, and make it again in two halves. The difference of the connected outputs estimates the
-//! error of the coupling; inputs that are held leave one of the order h^2 per step, linear ones
-//! of the order h^3. A step whose error is above the tolerance, or that a component discards, is
-//! taken back and made shorter.
+//! Step doubling (Hairer, Norsett, Wanner, II.4): all components together make the step h, go back,
+//! and make it again in two halves. The difference of the connected outputs estimates the coupling
+//! error; held inputs cause an error of order h^2 per step, linear ones of order h^3. A step whose
+//! error exceeds the tolerance, or that a component discards, is rejected and made shorter.
 
 use super::engine::Engine;
 use super::trend::{Ramp, Trend};
@@ -16,13 +15,13 @@ const SAFETY: f64 = 0.9;
 /// The smallest step is this part of the largest.
 const SMALLEST: i64 = 10_000;
 
-/// The control of the steps of a run.
+/// The step size control of a run.
 pub(super) struct Control {
     tolerance: f64,
     largest: Time,
-    /// Of the error's dependence on the step: 1 / order.
+    /// Exponent of the error's dependence on the step: 1 / order.
     exponent: f64,
-    /// Per slot of `values`: its usual magnitude, if it counts.
+    /// For each slot of `values`: its usual magnitude, if it counts.
     nominals: Vec<Option<f64>>,
     pub now: Time,
     /// The step to try next.
@@ -31,12 +30,12 @@ pub(super) struct Control {
     pub rejected: u64,
     pub shortest: Time,
     pub longest: Time,
-    /// Steps made though no shorter one was left, and when first.
+    /// Steps that were accepted because no shorter one was possible, and the time of the first.
     pub forced: u64,
     pub first_forced: Time,
 }
 
-/// What beside the slaves goes back.
+/// State besides the slaves that is rolled back.
 struct Kept {
     values: Vec<f64>,
     inputs: Vec<f64>,
@@ -72,17 +71,17 @@ impl Control {
         Time::from_nanoseconds((self.largest.nanoseconds() / SMALLEST).max(2))
     }
 
-    /// A length of the order of the wanted one that divides what remains.
+    /// A length close to the wanted one that divides the remaining time.
     fn length(&self, remaining: Time) -> Time {
         let wanted = self.step.min(self.largest).max(self.smallest());
         let parts = remaining.nanoseconds() as f64 / wanted.nanoseconds() as f64;
-        // A remainder of a tenth of a step is taken along.
+        // A remainder of a tenth of a step is included.
         let parts = (parts - 0.1).ceil().max(1.0);
         let length = (remaining.nanoseconds() as f64 / parts).ceil() as i64;
         Time::from_nanoseconds(length).min(remaining)
     }
 
-    /// The greatest difference, relative to the tolerance; NaN when some value is.
+    /// The greatest difference, relative to the tolerance; NaN if any value is NaN.
     fn error(&self, whole: &[f64], halves: &[f64]) -> f64 {
         let pairs = whole.iter().zip(halves).zip(&self.nominals);
         let parts = pairs.filter_map(|((whole, halves), nominal)| {
@@ -110,7 +109,8 @@ impl Engine {
         Ok(())
     }
 
-    /// Makes the step as a whole, then in halves: the error, or how far a discarded step came.
+    /// Makes the step as a whole, then in halves: returns the error, or how far a discarded step
+    /// got.
     fn attempt(&mut self, now: Time, length: Time, kept: &Kept) -> Result<Result<f64, Time>> {
         self.discarded = None;
         self.together(now, length)?;
@@ -127,7 +127,7 @@ impl Engine {
         Ok(self.discarded.take().map_or(Ok(error), Err))
     }
 
-    /// Accepts the step just made, or takes it back; chooses the next length.
+    /// Accepts the step just made, or rejects it; chooses the next length.
     fn judge(
         &mut self,
         now: Time,
@@ -158,7 +158,7 @@ impl Engine {
             control.longest = control.longest.max(length);
             control.now = now + length;
             let suggested = scaled(factor.clamp(0.2, 5.0));
-            // A step cut short by its limit says nothing against longer ones.
+            // A step shortened by its limit is no evidence against longer ones.
             control.step =
                 if length < control.step { suggested.max(control.step) } else { suggested };
             return Ok(());

@@ -1,6 +1,6 @@
 //! A slave whose inputs are converted before they reach it: units, transformations, maps.
 //!
-//! The scheduler passes values on as they are; only components with such connections pay.
+//! The scheduler passes values on unchanged; only components with such connections cost more.
 
 use super::patched_slave::{PatchedSlave, SharedPatches};
 use super::plan::Node;
@@ -10,8 +10,8 @@ use crate::fmi::{Place, Value};
 use crate::system::{Conversion, System};
 use crate::time::Time;
 
-/// An input that is converted: its position among the inputs, what is done there, and the
-/// connection's name for messages.
+/// A converted input: its position among the inputs, the conversion, and the name of the connection
+/// for messages.
 pub(crate) type Converted = (usize, Conversion, String);
 
 impl System {
@@ -36,8 +36,8 @@ pub(super) struct ConvertingSlave {
 }
 
 impl ConvertingSlave {
-    /// The slave itself when none of its inputs is converted. Else what manipulates its values
-    /// stands between the conversions and the slave: it speaks in the component's own units.
+    /// The slave itself if none of its inputs is converted. Otherwise, what manipulates its values
+    /// is between the conversions and the slave: it uses the component's own units.
     pub(super) fn around(
         inner: Box<dyn Slave>,
         conversions: Vec<Converted>,
@@ -48,14 +48,14 @@ impl ConvertingSlave {
         }
         let patches = SharedPatches::default();
         let inner = Box::new(PatchedSlave::new(inner, node, patches.clone()));
-        let room = vec![0.0; node.inputs.len()];
-        let slave = Self { inner, conversions, buffer: room.clone(), slopes: room };
+        let buffer = vec![0.0; node.inputs.len()];
+        let slave = Self { inner, conversions, buffer: buffer.clone(), slopes: buffer };
         (Box::new(slave), Some(patches))
     }
 }
 
 impl ConvertingSlave {
-    /// Fills the buffer with what the inputs get.
+    /// Fills the buffer with the values for the inputs.
     fn convert(&mut self, values: &[f64]) -> Result<()> {
         self.buffer.copy_from_slice(values);
         for (slot, conversion, name) in &self.conversions {
@@ -68,7 +68,7 @@ impl ConvertingSlave {
         Ok(())
     }
 
-    /// Fills the slopes with how the inputs change.
+    /// Fills the slopes with the derivatives of the inputs.
     fn scale(&mut self, slopes: &[f64]) {
         self.slopes.copy_from_slice(slopes);
         for (slot, conversion, _) in &self.conversions {

@@ -1,15 +1,16 @@
-//! The steps of an instant, laid out as memory is read.
+//! The steps of an instant, laid out for sequential memory access.
 //!
-//! A system of hundreds of small FMUs costs what its cache lines cost. Here all that a plain step
-//! touches stands in a few arrays in the order of stepping: a line per component with the calls of
-//! its FMU (`fmi::DirectSteps`) and its places, value references and routes one after the other, and
-//! the engine's own flat arrays. A step is then: copy the fresh inputs, `fmi2SetReal`, `fmi2DoStep`,
-//! `fmi2GetReal`, which at instants that are recorded reads the Reals that are only recorded too.
+//! The cost of a system of hundreds of small FMUs is the cost of its cache lines. Here everything
+//! that a plain step uses is in a few arrays in stepping order: a line per component with the calls
+//! of its FMU (`fmi::DirectSteps`) and its positions, value references and routes one after
+//! another, and the engine's own flat arrays. A step then consists of: copying the fresh inputs,
+//! `fmi2SetReal`, `fmi2DoStep`, and `fmi2GetReal`, which at recorded instants also reads the Reals
+//! that are only recorded.
 //!
-//! Plain are co-simulation FMUs whose connected variables are Reals, without conversions,
-//! manipulations, moving inputs, followed calls, retries or error control. All others have an
-//! empty line and step through [`Slave`]; so do plain ones at instants that are timed, and at
-//! their first call that does not go well.
+//! Plain components are co-simulation FMUs whose connected variables are Reals, without
+//! conversions, manipulations, moving inputs, followed calls, retries or error control. All others
+//! have an empty line and step through [`Slave`]; so do plain ones at instants that are timed, and
+//! after their first call that does not succeed.
 
 use std::ops::Range;
 
@@ -21,24 +22,25 @@ use crate::fmi::DirectSteps;
 use crate::fmi::guard::Float;
 use crate::time::Time;
 
-/// The steps of all components in their order, and the inputs that are held.
+/// The steps of all components in order, and the inputs that are held.
 #[derive(Default)]
 pub(super) struct Steps {
     direct: DirectSteps<Places>,
-    /// The fresh inputs of one step after those of the other.
+    /// The fresh inputs of all steps, one step after another.
     routes: Vec<Route>,
     held: Vec<Held>,
-    /// Per component: of what is only recorded, the Reals are read in the step, others are not.
+    /// For each component: of the variables that are only recorded, Reals are read in the step,
+    /// others are not.
     partly: Vec<bool>,
 }
 
-/// Where the values of a component's step are in the engine's arrays; small, so that they and its
-/// calls fit a cache line.
+/// The positions of a component's values in the engine's arrays; small, so that they and its calls
+/// fit into a cache line.
 #[derive(Default)]
 struct Places {
     component: u32,
     inputs: u32,
-    /// What is recorded and no output follows the outputs.
+    /// Variables that are only recorded come after the outputs.
     outputs: u32,
     recorded: u16,
     route_count: u16,
@@ -57,7 +59,7 @@ fn range(start: u32, count: usize) -> Range<usize> {
 }
 
 impl Places {
-    /// None where the numbers are too great.
+    /// `None` if the numbers are too large.
     fn new(component: usize, node: &Node, routes: usize, recorded: usize) -> Option<Self> {
         let start = |number: usize| u32::try_from(number).ok();
         let count = |number: usize| u16::try_from(number).ok();
@@ -73,7 +75,7 @@ impl Places {
 }
 
 impl Steps {
-    /// Those of slaves that are initialized; of others all steps are made by the slaves.
+    /// For slaves that are initialized; otherwise all steps are made by the slaves.
     pub(super) fn new(plan: &Plan, slaves: &[Box<dyn Slave>]) -> Self {
         let mut steps = Self { partly: vec![false; plan.nodes.len()], ..Self::default() };
         for &c in &plan.sequence {
@@ -100,13 +102,13 @@ impl Steps {
         self.routes.extend_from_slice(&node.fresh);
     }
 
-    /// Whether a step reads only some of what is only recorded of a component.
+    /// Whether a step reads only some of the variables of a component that are only recorded.
     #[inline]
     pub(super) fn reads_partly(&self, component: usize) -> bool {
         self.partly[component]
     }
 
-    /// From now on this component steps by its slave.
+    /// From now on, this component steps through its slave.
     pub(super) fn leave(&mut self, component: usize, plan: &Plan) {
         if let Some(place) = plan.sequence.iter().position(|&c| c == component) {
             self.direct.leave(place);
@@ -130,8 +132,8 @@ impl Engine {
         }
     }
 
-    /// Makes those from a place of the sequence on, up to the first that needs its slave: where
-    /// that is.
+    /// Makes the steps from a position of the sequence on, up to the first that needs its slave;
+    /// returns its position.
     #[inline(always)]
     fn step_directly(&mut self, first: usize, now: Time) -> Result<usize> {
         let recording = now == self.limit;

@@ -1,4 +1,4 @@
-//! What a run drives: the engine of this process, or groups of components elsewhere.
+//! What a run drives: the engine of this process, or groups of components in other processes.
 
 use super::engine::Engine;
 use super::manipulate::Change;
@@ -7,18 +7,18 @@ use super::summary::Report;
 use crate::error::Result;
 use crate::time::Time;
 
-/// A system that is stepped, wherever it is.
+/// A system that is stepped, wherever it runs.
 pub(crate) trait Drive {
-    /// Initializes all components with values that agree along all connections.
+    /// Initializes all components with values that are consistent along all connections.
     fn initialize(&mut self, stop: Time) -> Result<()>;
 
     /// Makes every step that ends at or before `limit`.
     fn run_until(&mut self, limit: Time) -> Result<()>;
 
-    /// Makes the steps that have begun, and would end later, end at `now`, where the run ends.
+    /// Ends at `now` all steps that have begun and would end later, because the run ends there.
     fn conclude(&mut self, now: Time) -> Result<()>;
 
-    /// The recorded values of the present instant `now`.
+    /// The recorded values of the current instant `now`.
     fn sample(&mut self, now: Time, row: &mut [f64]) -> Result<()>;
 
     /// Changes a variable of a component from now on.
@@ -27,10 +27,10 @@ pub(crate) trait Drive {
     /// The state after all steps that end now or before.
     fn save(&mut self, now: Time) -> Result<EngineState>;
 
-    /// Goes on from a state of the instant `time`.
+    /// Continues from a state of the instant `time`.
     fn resume(&mut self, state: &EngineState, time: Time, stop: Time) -> Result<()>;
 
-    /// What the run cost and what there is to tell, at its end.
+    /// The cost of the run, warnings and notes, at its end.
     fn report(&mut self) -> Result<Report>;
 }
 

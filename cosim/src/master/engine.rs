@@ -16,40 +16,40 @@ use crate::time::{Step, Time};
 
 pub(crate) struct Engine {
     pub(crate) plan: Plan,
-    /// The plan once more, as stepping reads it.
+    /// The plan in the form used for stepping.
     pub(super) steps: Steps,
-    /// Those of which variables are recorded that nobody else needs.
+    /// Recorded variables that are not used otherwise.
     reading: Vec<usize>,
-    /// Where the present run of steps ends: what is recorded is read there.
+    /// Where the current sequence of steps ends: recorded variables are read there.
     pub(super) limit: Time,
     pub(crate) slaves: Vec<Box<dyn Slave>>,
     pub(crate) values: Vec<f64>,
     pub(super) inputs: Vec<f64>,
-    /// Per component.
+    /// For each component.
     pub(super) paces: Vec<Pace>,
-    /// When the first of the present steps ends.
+    /// When the first of the current steps ends.
     pub(super) next: Time,
     pub(super) start: Time,
-    /// Components whose step is no whole number of nanoseconds.
+    /// Components whose step is not an integer number of nanoseconds.
     uneven: Vec<(usize, Step)>,
-    /// Per loop of the plan.
+    /// For each loop of the plan.
     pub(super) efforts: Vec<Effort>,
-    /// Per trend and per ramp of the plan.
+    /// For each trend and each ramp of the plan.
     pub(super) trends: Vec<Trend>,
     pub(super) ramps: Vec<Ramp>,
-    /// Of the components that were manipulated.
+    /// For each component that was manipulated.
     pub(super) patches: Vec<Option<SharedPatches>>,
     pub(super) meter: Meter,
     watch: Watch,
-    /// The error control, if steps have one.
+    /// The error control, if steps are controlled.
     pub(super) control: Option<Control>,
-    /// A component discarded the step being made, and came as far as this.
+    /// A component discarded the current step, and reached this instant.
     pub(super) discarded: Option<Time>,
     pub(super) warnings: Vec<String>,
 }
 
-/// When the process is looked at (`fmi::guard`): after each of the first steps, which names who
-/// changed it, and then after so many.
+/// When the process is checked (`fmi::guard`): after each of the first steps, which identifies the
+/// component that changed it, and then at intervals.
 const WATCHED_FIRST: usize = 64;
 const WATCHED_EVERY: usize = 4096;
 
@@ -57,19 +57,19 @@ const WATCHED_EVERY: usize = 4096;
 struct Watch {
     first: usize,
     since: usize,
-    /// The component that is asked next.
+    /// The component to check next.
     turn: usize,
 }
 
-/// Where a component is in time.
+/// The time of a component.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pace {
-    /// When its present step ends, and how long it is.
+    /// When its current step ends, and how long it is.
     pub end: Time,
     pub length: Time,
-    /// How many steps it made.
+    /// How many steps it has made.
     pub made: u64,
-    /// For which instant a step read the Reals that are only recorded.
+    /// The instant at which a step read the Reals that are only recorded.
     pub read_at: Time,
 }
 
@@ -117,7 +117,7 @@ impl Engine {
         }
     }
 
-    /// Initializes all components with values that agree along all connections.
+    /// Initializes all components with values that are consistent along all connections.
     pub(crate) fn initialize(&mut self, stop: Time) -> Result<()> {
         self.enter(stop)?;
         self.settle()?;
@@ -134,9 +134,9 @@ impl Engine {
         self.get_all()
     }
 
-    /// Passes values on until none changes in any bit. With loops that are solved, everything
-    /// fresh is final after one pass; a second one brings the held inputs, on which no output
-    /// depends directly.
+    /// Passes values on until none changes in any bit. If loops are solved, everything fresh is
+    /// final after one pass; a second one passes on the held inputs, on which no output depends
+    /// directly.
     pub(crate) fn settle(&mut self) -> Result<()> {
         let mut before = vec![0; self.values.len()];
         for _ in 0..passes(&self.plan) {
@@ -204,14 +204,14 @@ impl Engine {
         result
     }
 
-    /// Whether the present step of a component ends now.
+    /// Whether the current step of a component ends now.
     #[inline]
     pub(crate) fn due(&self, component: usize, now: Time) -> bool {
         self.paces[component].end == now
     }
 
-    /// At most how many instants there are until `limit` at which steps end, if the error control
-    /// does not make them more.
+    /// The maximum number of instants until `limit` at which steps end, if the error control does
+    /// not add more.
     pub(crate) fn instants_until(&self, limit: Time) -> u64 {
         let (rest, shortest) = (
             limit.nanoseconds().saturating_sub(self.next.nanoseconds()).max(0),
@@ -249,14 +249,15 @@ impl Engine {
         self.begin_steps(now)
     }
 
-    /// The first half of an instant: every step of `members` that ends now, in their order.
+    /// The first half of an instant: every step of `members` that ends now, in order.
     pub(crate) fn end_steps(&mut self, members: &[usize], now: Time) -> Result<()> {
         self.meter.instant();
         self.watch(members.len());
         self.step_members(members, now)
     }
 
-    /// The second half: who ended a step begins the next one, with the values held during it.
+    /// The second half: components that ended a step begin the next one, with the values held
+    /// during it.
     #[inline]
     pub(crate) fn begin_steps(&mut self, now: Time) -> Result<()> {
         if !self.ramps.is_empty() {
@@ -276,7 +277,7 @@ impl Engine {
         Ok(())
     }
 
-    /// How long the steps that begin now are, where that differs from step to step.
+    /// The lengths of the steps that begin now, if they differ from step to step.
     #[cold]
     fn measure(&mut self, now: Time) {
         for &(component, step) in &self.uneven {
@@ -287,14 +288,14 @@ impl Engine {
         }
     }
 
-    /// Sets when the present step of a component ends.
+    /// Sets when the current step of a component ends.
     pub(super) fn ends_at(&mut self, component: usize, end: Time) {
         let (step, pace) = (self.plan.nodes[component].step, &mut self.paces[component]);
         let before = step.multiple(step.count(end - self.start) - 1);
         (pace.end, pace.length) = (end, end - self.start - before);
     }
 
-    /// Ends the run: who can makes a shorter step from the end of its last one.
+    /// Ends the run: components that can make a shorter step from the end of their last one.
     pub(crate) fn conclude(&mut self, now: Time) -> Result<()> {
         if self.control.is_some() {
             return Ok(());
@@ -304,7 +305,7 @@ impl Engine {
         self.instant(now)
     }
 
-    /// Lets steps that would end later end now.
+    /// Makes steps that would end later end now.
     pub(crate) fn shorten(&mut self, now: Time) {
         for (pace, node) in self.paces.iter_mut().zip(&self.plan.nodes) {
             let begun = pace.end - pace.length;
@@ -314,12 +315,12 @@ impl Engine {
         }
     }
 
-    /// Every step of `members` that ends now, with loops and the clock.
+    /// Every step of `members` that ends now, with loops and timing.
     #[inline(never)]
     fn step_members(&mut self, members: &[usize], now: Time) -> Result<()> {
         let mut place = 0;
         while let Some(&c) = members.get(place) {
-            // The members of a loop follow one another in the sequence.
+            // The members of a loop are adjacent in the sequence.
             if let Some(found) = self.plan.nodes[c].member_of {
                 self.step_loop(found, now)?;
                 place += self.plan.loops[found].members.len();
@@ -353,8 +354,8 @@ impl Engine {
         Ok(())
     }
 
-    /// Now and then looks whether the process is as it was: of what steps cost, this is a part that
-    /// cannot be measured. The component that is named took part, others may have.
+    /// Occasionally checks whether the process has been changed; the cost per step is too small to
+    /// measure. The component that is named was involved, others may have been.
     #[inline]
     fn watch(&mut self, steps: usize) {
         self.watch.since += steps;
@@ -404,24 +405,24 @@ impl Engine {
         slave.get(&mut self.values[node.output_slots.clone()])
     }
 
-    /// The component discarded its step: nobody looks at its outputs, for the step is taken back.
+    /// The component discarded its step: its outputs are not read, because the step is rolled back.
     #[cold]
     fn stopped_short(&mut self, reached: Time) -> Result<()> {
         self.discarded = Some(self.discarded.map_or(reached, |so_far| so_far.min(reached)));
         Ok(())
     }
 
-    /// What was odd so far.
+    /// Warnings so far.
     pub(crate) fn take_warnings(&mut self) -> Vec<String> {
         std::mem::take(&mut self.warnings)
     }
 
-    /// Tells all slaves the present instant, which direct steps do not.
+    /// Sets the current instant in all slaves, which direct steps do not do.
     pub(crate) fn come_to(&mut self, now: Time) {
         self.slaves.iter_mut().for_each(|slave| slave.came_to(now));
     }
 
-    /// Reads the variables that are only recorded, where no step has done it.
+    /// Reads the variables that are only recorded, if no step has read them.
     pub(crate) fn read_recorded(&mut self, now: Time) -> Result<()> {
         for place in 0..self.reading.len() {
             let component = self.reading[place];
@@ -446,11 +447,11 @@ impl Engine {
     }
 }
 
-/// What is told when initial values do not come to rest.
+/// The warning if initial values do not settle.
 pub(crate) const UNSETTLED: &str = "the initial values still changed after the last pass: an \
      algebraic loop does not settle; the run begins with the values of that pass";
 
-/// How often values are passed on at most in initialization mode.
+/// The maximum number of passes in initialization mode.
 pub(crate) fn passes(plan: &Plan) -> usize {
     if plan.loops.is_empty() { plan.nodes.len() + 1 } else { 2 }
 }

@@ -1,9 +1,9 @@
-//! A model exchange FMU in this process as a slave: our integrator steps it.
+//! A model exchange FMU in this process as a slave: our solver steps it.
 //!
-//! The convention is that of co-simulation: in a step from t to t + h inputs hold the values set
+//! The convention is that of co-simulation: in a step from t to t + h, inputs hold the values set
 //! before it, and the events in (t, t + h] are handled. A discrete input that changes is an event
-//! (FMI 2.0.5, 3.2.2: it may be set in event mode only), a continuous one that moves an event
-//! indicator into its other domain too.
+//! (FMI 2.0.5, 3.2.2: it may be set in event mode only), and so is a continuous one that moves an
+//! event indicator into its other domain.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ use crate::time::{Step, Time};
 pub(super) struct ExchangeSlave {
     instance: Instance,
     solver: Continuous,
-    /// The integration, and the discrete inputs that the saved FMU has, by their place.
+    /// The integration, and the discrete inputs of the saved FMU, by slot.
     saved: [Option<(Continuous, Vec<f64>)>; Place::COUNT],
     start: Time,
     continuous: Inputs,
@@ -39,9 +39,9 @@ pub(super) struct ExchangeSlave {
 /// Some of the inputs.
 struct Inputs {
     group: Group,
-    /// Where they are among all inputs.
+    /// Their positions among all inputs.
     places: Vec<usize>,
-    /// What was set last.
+    /// The values set last.
     values: Vec<f64>,
 }
 
@@ -55,7 +55,7 @@ impl Inputs {
         Self { group, values: vec![f64::NAN; places.len()], places }
     }
 
-    /// Takes the own values out of those of all inputs; whether one is another.
+    /// Extracts its own values from those of all inputs; returns whether any has changed.
     fn take(&mut self, all: &[f64]) -> bool {
         let mut changed = false;
         for (value, &place) in self.values.iter_mut().zip(&self.places) {
@@ -80,10 +80,10 @@ impl ExchangeSlave {
     ) -> Result<Self> {
         let (instance, start_values) = instantiate(component, fmu, logging)?;
         let interface = fmu.interface(InterfaceType::ModelExchange)?;
-        let told = !interface.no_completed_step;
+        let completes_steps = !interface.no_completed_step;
         let variables = &fmu.description().variables;
         Ok(Self {
-            solver: Continuous::new(settings, &instance, told),
+            solver: Continuous::new(settings, &instance, completes_steps),
             instance,
             saved: Default::default(),
             start: Time::ZERO,
@@ -119,7 +119,7 @@ impl Slave for ExchangeSlave {
     fn reset(&mut self, now: Time, stop: Time) -> Result<()> {
         self.instance.reset()?;
         self.start_values.again(&mut self.instance)?;
-        // The FMU has the values of its description again, which nobody knows here.
+        // The FMU has the default values of its description again, which are not known here.
         self.discrete.values.fill(f64::NAN);
         self.enter_initialization(now, stop)?;
         self.exit_initialization()
@@ -240,7 +240,7 @@ impl Slave for ExchangeSlave {
         let fits = discrete.len() == self.discrete.values.len()
             && continuous.len() == self.continuous.values.len();
         if !fits || !self.solver.resume(solver) {
-            return Err(self.unusable(&"it has another number of values"));
+            return Err(self.unusable(&"it has a different number of values"));
         }
         (self.discrete.values, self.continuous.values) = (discrete, continuous);
         Ok(())
@@ -250,7 +250,7 @@ impl Slave for ExchangeSlave {
 impl ExchangeSlave {
     fn unusable(&self, why: &dyn std::fmt::Display) -> Error {
         let what =
-            format!("the integration of '{}' is no part of a snapshot", self.instance.name());
+            format!("the integration of '{}' is not part of a snapshot", self.instance.name());
         Error::new(Code::State, what).why(why)
     }
 }

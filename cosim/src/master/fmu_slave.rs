@@ -13,19 +13,19 @@ use super::plan::Node;
 use super::slave::{DirectCalls, Slave};
 use super::start::StartValues;
 
-/// What becomes of a step that the FMU discards.
+/// What happens to a step that the FMU discards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Discards {
-    /// It is an error, for the FMU cannot go back.
+    /// It is an error, because the FMU cannot go back.
     Final,
-    /// It is made smaller up to so many times; then, or with 0, it is an error.
+    /// It is repeated with smaller steps up to this many times; then, or with 0, it is an error.
     Repeated(u32),
-    /// The caller is told.
-    Told,
+    /// It is reported to the caller.
+    Reported,
 }
 
-/// An instance and the variables exchanged with it. What every step touches comes first and lies
-/// in as few cache lines as can be.
+/// An instance and the variables exchanged with it. The fields that every step uses come first and
+/// occupy as few cache lines as possible.
 #[repr(C, align(64))]
 pub(super) struct FmuSlave {
     inputs: Group,
@@ -37,15 +37,15 @@ pub(super) struct FmuSlave {
     step: Step,
     start_values: StartValues,
     warning: Option<String>,
-    /// The inputs of this step and their slopes, if they have any.
+    /// The inputs of this step and their slopes, if any.
     ramp: (Vec<f64>, Vec<f64>),
-    /// It gives derivatives of its outputs, and with respect to its inputs.
+    /// It provides derivatives of its outputs in time, and with respect to its inputs.
     output_slopes: bool,
     tangents: bool,
 }
 
 impl FmuSlave {
-    /// Instantiates a component and gives it its start values.
+    /// Instantiates a component and sets its start values.
     pub(super) fn new(
         component: &Component,
         fmu: &Arc<Fmu>,
@@ -72,20 +72,21 @@ impl FmuSlave {
         })
     }
 
-    /// Repeats a discarded step from its beginning by smaller ones, as the FMU says or by halves.
+    /// Repeats a discarded step from its start with smaller ones, as suggested by the FMU or
+    /// halved.
     #[cold]
     fn discarded(&mut self, start: Time, step: Time, reached: Time) -> Result<Time> {
         let retries = match self.discards {
-            Discards::Told => return Ok(reached),
+            Discards::Reported => return Ok(reached),
             Discards::Final => {
                 return Err(self.instance.discarded(reached).help(
                     "a smaller --step; its FMU does not declare both canGetAndSetFMUstate and \
-                     canHandleVariableCommunicationStepSize, so no step can be made again",
+                     canHandleVariableCommunicationStepSize, so no step can be repeated",
                 ));
             }
             Discards::Repeated(0) => {
                 let error = self.instance.discarded(reached);
-                return Err(error.help("--retries 10 makes it again by smaller steps"));
+                return Err(error.help("--retries 10 repeats it with smaller steps"));
             }
             Discards::Repeated(retries) => retries,
         };
@@ -94,7 +95,7 @@ impl FmuSlave {
         for _ in 0..retries {
             self.rejected += 1;
             self.instance.restore(Place::Retry, begin)?;
-            // As far as it came is as far as it goes, if that was worth the name of a step.
+            // Use the part that it completed, if that is long enough for a step.
             let came = reached - begin;
             let half = Time::from_nanoseconds(smaller.nanoseconds() / 2);
             smaller = if came > Time::ZERO && came < smaller { came } else { half };
@@ -118,11 +119,11 @@ impl FmuSlave {
         let what = format!("'{}' discards its step at t = {begin}", self.instance.name());
         Err(Error::new(Code::Step, what)
             .at(self.instance.fmu().path())
-            .why(format!("it was made smaller {retries} times, the last came as far as {reached}"))
+            .why(format!("it was made smaller {retries} times; the last one reached {reached}"))
             .log(self.instance.messages()))
     }
 
-    /// Inputs with slopes go on from where they are at the beginning of a part of the step.
+    /// Inputs with slopes continue from their values at the start of a part of the step.
     fn go_on(&mut self, since: Time) -> Result<()> {
         if self.ramp.0.is_empty() {
             return Ok(());
@@ -136,7 +137,7 @@ impl FmuSlave {
     }
 }
 
-/// An instance with the component's start values.
+/// An instance with the start values of the component.
 pub(super) fn instantiate(
     component: &Component,
     fmu: &Arc<Fmu>,
@@ -300,7 +301,7 @@ pub(super) fn tangent(
     instance.directional_derivative(unknowns, knowns, &seed[..knowns.len()], of_reals)
 }
 
-/// Sets one variable by its type.
+/// Sets one variable according to its type.
 pub(super) fn assign(instance: &mut Instance, variable: usize, value: f64) -> Result<()> {
     let fmu = instance.fmu().clone();
     let described = &fmu.description().variables[variable];

@@ -1,4 +1,4 @@
-//! A function of a system as a slave: its outputs follow its inputs at once.
+//! A function of a system as a slave: its outputs follow its inputs immediately.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use crate::fmi::{Place, Value};
 use crate::system::Function;
 use crate::time::Time;
 
-/// A function and its present inputs, which are its state; what is not connected is 0.
+/// A function and its current inputs, which are its state; unconnected inputs are 0.
 pub(super) struct FunctionSlave {
     function: Arc<Function>,
     /// By position in its description.
@@ -136,7 +136,7 @@ impl Slave for FunctionSlave {
 
     fn deserialize(&mut self, state: &[u8], _time: Time) -> Result<()> {
         if state.len() != 8 * self.values.len() {
-            return Err(Error::new(Code::Snapshot, "the state of a sum has another length"));
+            return Err(Error::new(Code::Snapshot, "the state of a sum has a different length"));
         }
         let (numbers, _) = state.as_chunks::<8>();
         for (value, bytes) in self.values.iter_mut().zip(numbers) {

@@ -4,15 +4,15 @@ use crate::error::Result;
 use crate::fmi::{Instance, Kind, Variable};
 use crate::texts;
 
-/// Variables that are set or read together, one FMI call per type. A master's plan lists Reals
-/// first, then Integers, then Booleans, then Strings by their numbers ([`rank`], [`texts`]).
+/// Variables that are set or read together, with one FMI call per type. A plan lists Reals first,
+/// then Integers, then Booleans, then Strings by number ([`rank`], [`texts`]).
 #[repr(C)]
 pub(super) struct Group {
     reals: Vec<u32>,
     integers: Vec<u32>,
     booleans: Vec<u32>,
     strings: Vec<u32>,
-    /// Room for the values that are not Reals.
+    /// Buffers for the values that are not Reals.
     buffer: Vec<i32>,
 }
 
@@ -37,7 +37,7 @@ impl Group {
         Self { reals, integers, booleans, strings, buffer }
     }
 
-    /// The references of the Reals, which stand first.
+    /// The references of the Reals, which come first.
     pub(super) fn reals(&self) -> &[u32] {
         &self.reals
     }
@@ -94,7 +94,7 @@ impl Group {
         if !booleans.is_empty() {
             let buffer = &mut self.buffer[..booleans.len()];
             instance.get_boolean(&self.booleans, buffer)?;
-            // Any number but 0 is true in C.
+            // Any number except 0 is true in C.
             booleans.iter_mut().zip(buffer).for_each(|(to, from)| *to = f64::from(*from != 0));
         }
         for (reference, number) in self.strings.iter().zip(strings) {

@@ -1,8 +1,8 @@
-//! Algebraic loops solved by iteration: at the initialization and at steps.
+//! Algebraic loops solved by iteration: during initialization and at steps.
 //!
-//! The unknowns are the values of the connections at which a loop is cut. In initialization mode
-//! a pass sets and reads the members in their order; at a step it takes them back to its
-//! beginning first (fmi2SetFMUstate) and steps them again.
+//! The unknowns are the values of the connections at which a loop is cut. In initialization mode, a
+//! pass sets and reads the members in order; at a step it first takes them back to the start of the
+//! step (fmi2SetFMUstate) and steps them again.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,18 +13,18 @@ use crate::error::{Code, Error, Result};
 use crate::fmi::Place;
 use crate::time::Time;
 
-/// What the iterations of one loop needed.
+/// Statistics of the iterations of one loop.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub(crate) struct Effort {
     /// How often the loop was solved.
     pub solved: u64,
-    /// Passes of all of these together.
+    /// Total number of passes.
     pub passes: u64,
-    /// The most that one solution needed.
+    /// Maximum number of passes of one solution.
     pub most: u32,
-    /// The greatest residual, relative to 1 + |v|, with which a loop was taken as solved.
+    /// The greatest residual, relative to 1 + |v|, that was accepted as a solution.
     pub residual: f64,
-    /// How often the Jacobian was made by directional derivatives, and by differences.
+    /// How often the Jacobian was computed from directional derivatives, and by differences.
     pub directional: u64,
     pub differences: u64,
 }
@@ -39,7 +39,7 @@ impl Effort {
         self.differences += u64::from(outcome.differences);
     }
 
-    /// In words, how the Jacobians were made.
+    /// Describes how the Jacobians were computed.
     pub(super) fn jacobian(&self) -> String {
         match (self.directional, self.differences) {
             (0, 0) => String::new(),
@@ -98,7 +98,7 @@ impl Engine {
         self.solved(position, outcome, now)
     }
 
-    /// Counts a solution; an error when there is none, unless the step is taken back anyway.
+    /// Counts a solution; an error if there is none, unless the step is rolled back anyway.
     fn solved(&mut self, position: usize, outcome: Outcome, now: Time) -> Result<()> {
         if outcome.converged() {
             self.efforts[position].add(outcome);
@@ -115,7 +115,7 @@ impl Engine {
             format!("the loop through {names} has no solution at t = {now}"),
         )
         .why(format!(
-            "after {} passes the residual is {:.1e}, relative to 1 + |value|; solved is {:.0e}",
+            "after {} passes the residual is {:.1e}, relative to 1 + |value|; the limit is {:.0e}",
             outcome.passes,
             outcome.residual,
             newton::SOLVED
@@ -134,8 +134,8 @@ impl Engine {
         newton::solve(&mut unknown, &mut OneLoop { engine: self, cuts, members, pass })
     }
 
-    /// How the outputs at the cuts change with the input at `seeded`, by the members' own
-    /// directional derivatives, from one to the next; `false` when a member has none.
+    /// How the outputs at the cuts change with the input at `seeded`, by chaining the members' own
+    /// directional derivatives; `false` if a member has none.
     fn loop_tangent(
         &mut self,
         cuts: &[Cut],
@@ -166,7 +166,7 @@ impl Engine {
     }
 }
 
-/// One loop as the function whose fixed point is wanted.
+/// One loop as the function whose fixed point is sought.
 struct OneLoop<'a, 'p> {
     engine: &'a mut Engine,
     cuts: &'a [Cut],

@@ -1,9 +1,9 @@
-//! What acts on a run: faults, scenarios, a pace. Manipulators write; what only watches is an
+//! Actions on a run: faults, scenarios, a pace. Manipulators write; what only reads is an
 //! `Observer`.
 //!
-//! A manipulator says when it acts next. At that instant all steps that end there are made and
-//! recorded, then it acts; every step that ends later sees what it did. (A step is made as a
-//! whole when its end is reached, so a step already begun sees it from its beginning.)
+//! A manipulator says when it acts next. At that instant, all steps that end there are made and
+//! recorded, then it acts; every step that ends later sees the effect. (A step is made as a whole
+//! when its end is reached, so a step already begun sees it from its start.)
 
 use serde::{Deserialize, Serialize};
 
@@ -20,13 +20,14 @@ use crate::time::Time;
 
 /// Acts on a run at instants that it chooses.
 pub trait Manipulator {
-    /// Before the run, to check names. A resumed run has done everything up to and at `resumed`.
+    /// Called before the run, to check names. A resumed run has done everything up to and at
+    /// `resumed`.
     fn start(&mut self, system: &System, resumed: Option<Time>) -> Result<()> {
         let _ = (system, resumed);
         Ok(())
     }
 
-    /// When it acts next, if ever; asked again after each action.
+    /// When it acts next, if ever; called again after each action.
     fn next(&self) -> Option<Time>;
 
     /// Acts. An error ends the run.
@@ -48,7 +49,7 @@ impl<'a> Controls<'a> {
         self.system
     }
 
-    /// Of an engine that is stepped without recording.
+    /// For an engine that is stepped without recording.
     pub(crate) fn of(system: &'a System, engine: &'a mut Engine, now: Time) -> Self {
         Self { system, driven: engine, now, row: &[], stop: None }
     }
@@ -65,54 +66,55 @@ impl Controls<'_> {
         self.change(variable, Act::Patch(Patch::Bias(bias)))
     }
 
-    /// The variable is again what it was; one that nothing drives gets its start value. Faults stay.
+    /// Restores the variable; an unconnected one gets its start value. Faults stay.
     pub fn release(&mut self, variable: &str) -> Result<()> {
         self.change(variable, Act::Release)
     }
 
-    /// Puts a fault at a variable, after those that are there.
+    /// Adds a fault to a variable, after those that already act on it.
     pub(crate) fn install(&mut self, variable: &str, fault: Acting) -> Result<()> {
         let way = self.system.way(self.system.manipulable(variable)?);
         let fault = Patch::Fault(Box::new(fault.installed(way, self.now)));
         self.change(variable, Act::Patch(fault))
     }
 
-    /// The condition for the fault with this number holds.
+    /// The condition of the fault with this number holds.
     pub(crate) fn trigger(&mut self, variable: &str, number: u32) -> Result<()> {
         self.change(variable, Act::Trigger(number, self.now, self.system.stop_time()))
     }
 
-    /// Lets a component be reset when the condition of this fault holds. The fault is kept at a variable,
-    /// which it leaves alone, so that it is known in snapshots whether that was so.
+    /// Prepares a reset of a component for when the condition of this fault holds. The fault is
+    /// attached to a variable, which it does not change, so that snapshots know whether the reset
+    /// has happened.
     pub(crate) fn install_reset(&mut self, component: &str, fault: Acting) -> Result<()> {
         let fault = Patch::Fault(Box::new(fault.installed(Way::Output, self.now)));
         self.act_on(component, Act::Patch(fault))
     }
 
-    /// The condition for such a fault holds.
+    /// The condition of such a fault holds.
     pub(crate) fn trigger_reset(&mut self, component: &str, number: u32) -> Result<()> {
         self.act_on(component, Act::Trigger(number, self.now, self.system.stop_time()))
     }
 
-    /// Resets a component: it begins anew with its start values, now.
+    /// Resets a component now: it starts again with its start values.
     pub(crate) fn reset(&mut self, component: &str) -> Result<()> {
         self.act_on(component, Act::Reset(self.now, self.system.stop_time()))
     }
 
-    /// What is done to a whole component: its first variable stands for it.
+    /// An action on a whole component, represented by its first variable.
     fn act_on(&mut self, component: &str, act: Act) -> Result<()> {
         let component = self.system.resettable(component)?;
         let change = Change { variable: 0, way: Way::Output, act, start: 0.0 };
         self.driven.change(component, change, self.now)
     }
 
-    /// What a recorded variable was at the last output instant, which may be now.
+    /// The value of a recorded variable at the last output instant, which may be now.
     pub fn recorded(&self, variable: &str) -> Option<f64> {
         let place = self.system.columns().iter().position(|column| column.name == variable)?;
         self.row.get(place).copied()
     }
 
-    /// Ends the run here.
+    /// Ends the run now.
     pub fn end(&mut self, reason: Stop) {
         self.stop = Some(reason);
     }
@@ -134,21 +136,22 @@ pub(crate) struct Change {
     pub way: Way,
     /// What is done to it.
     pub act: Act,
-    /// What it was at the start.
+    /// Its start value.
     pub start: f64,
 }
 
-/// What is done to a variable.
+/// An action on a variable.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Act {
-    /// This, in place of an override or a bias that is there; faults are added to one another.
+    /// Replaces an existing override or bias; faults are added to one another.
     Patch(Patch),
-    /// No override and no bias any more.
+    /// Removes overrides and biases.
     Release,
-    /// The condition for the fault with this number holds now, in a run that ends at the second instant.
+    /// The condition for the fault with this number holds now, in a run that ends at the second
+    /// instant.
     Trigger(u32, Time, Time),
-    /// The component begins anew at this instant, in a run that ends at that one; its variable is of
-    /// no matter.
+    /// The component is reset at this instant, in a run that ends at the second one; its variable
+    /// does not matter.
     Reset(Time, Time),
 }
 
@@ -178,7 +181,7 @@ impl Engine {
             Act::Release | Act::Reset(..) => None,
         };
         if let Some(patch @ Patch::Fault(_)) = fault {
-            // It is given with the next step.
+            // It is applied with the next step.
             patches.push(Patched { variable, way, start, given: start, patch });
             release(&mut patches);
             return Ok(());
@@ -190,11 +193,11 @@ impl Engine {
             _ => start,
         };
         if way == Way::Free {
-            // The slave borrows nothing to be assigned.
+            // The slave must not be borrowed during the assignment.
             self.slaves[component].assign(variable, value)?;
             patches.iter_mut().filter(|p| own(p)).for_each(|patched| patched.given = value);
         }
-        // What was assigned is kept in the list too, for a snapshot.
+        // The assigned value is also kept in the list, for a snapshot.
         let patched = |patch| Patched { variable, way, start, given: value, patch };
         let place = patches.iter().position(own).unwrap_or(patches.len());
         if let Some(patch) = fault {
@@ -203,13 +206,13 @@ impl Engine {
         Ok(())
     }
 
-    /// Resets a component; what is done to its variables is done to them again.
+    /// Resets a component; actions on its variables are applied again.
     fn reset(&mut self, component: usize, now: Time, stop: Time) -> Result<()> {
         self.slaves[component].reset(now, stop)?;
         let Some(shared) = self.patches[component].clone() else { return Ok(()) };
         for patched in shared.borrow_mut().iter_mut().filter(|p| p.way == Way::Free) {
             match patched.patch {
-                // It is given with the next step.
+                // It is applied with the next step.
                 Patch::Fault(_) => patched.given = patched.start,
                 _ => self.slaves[component].assign(patched.variable, patched.given)?,
             }
@@ -217,7 +220,7 @@ impl Engine {
         Ok(())
     }
 
-    /// Gives a variable that nothing drives a value from outside.
+    /// Sets an unconnected variable from outside.
     pub(crate) fn give(&mut self, port: Port, value: &Value, now: Time) -> Result<()> {
         let slave = &mut self.slaves[port.component];
         slave.came_to(now);
@@ -225,7 +228,7 @@ impl Engine {
         self.rebase(port, number(value))
     }
 
-    /// What is done to a variable that nothing drives is done to this value, which its component has.
+    /// Actions on an unconnected variable apply to this value, which its component has.
     pub(crate) fn rebase(&mut self, port: Port, value: f64) -> Result<()> {
         let Some(shared) = &self.patches[port.component] else { return Ok(()) };
         let mut patches = shared.borrow_mut();
@@ -238,12 +241,12 @@ impl Engine {
                 self.slaves[port.component].assign(port.variable, given)?;
             }
         }
-        // Faults get it with the next step.
+        // Faults are applied with the next step.
         patches.iter_mut().filter(own).for_each(|patched| patched.given = given);
         Ok(())
     }
 
-    /// Replaces everything that is done to the variables of a component.
+    /// Replaces all actions on the variables of a component.
     pub(super) fn replace_patches(&mut self, component: usize, patches: &[Patched]) {
         if !patches.is_empty() || self.patches[component].is_some() {
             *self.patches_of(component).borrow_mut() = patches.to_vec();
@@ -265,7 +268,7 @@ impl Engine {
 }
 
 impl System {
-    /// The variables that may be manipulated and that a name or a pattern (`*`, `?`) means.
+    /// The variables that may be manipulated and that match a name or a pattern (`*`, `?`).
     pub(crate) fn manipulables(&self, name: &str) -> Result<Vec<String>> {
         if !names::is_pattern(name) {
             return self.manipulable(name).map(|_| vec![name.to_owned()]);
@@ -288,7 +291,7 @@ impl System {
         Ok(found)
     }
 
-    /// The component of this name if it can be reset, or why not.
+    /// The component of this name if it can be reset; the error says why not.
     pub(crate) fn resettable(&self, name: &str) -> Result<usize> {
         let names = || self.components().iter().map(|component| component.name.as_str());
         let Some(component) = names().position(|known| known == name) else {
@@ -304,7 +307,7 @@ impl System {
         Ok(component)
     }
 
-    /// The port of a variable that may be manipulated, or why it may not.
+    /// The port of a variable that may be manipulated; the error says why it may not.
     pub(crate) fn manipulable(&self, name: &str) -> Result<Port> {
         let port = self.port(name)?;
         let Some(description) = self.components()[port.component].model.description() else {
@@ -346,7 +349,7 @@ fn may_change(variable: &Variable) -> bool {
     }
 }
 
-/// The value that a run begins with.
+/// The value at the start of a run.
 fn start_of(system: &System, port: Port) -> f64 {
     let component = &system.components()[port.component];
     let given = component.start_values.iter().rev().find(|(v, _)| *v == port.variable);

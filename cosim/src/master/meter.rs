@@ -1,33 +1,33 @@
-//! What stepping costs: some of the steps are timed.
+//! Measures the cost of steps: some of them are timed.
 //!
-//! Reading the clock costs more than a small FMU's step, so only some instants are timed, at
-//! distances without a period. The clock is read for the summary alone: nothing computed depends
-//! on it.
+//! Reading the clock costs more than the step of a small FMU, so only some instants are timed, at
+//! aperiodic intervals. The clock is read only for the summary: no result depends on it.
 
 use std::time::{Duration, Instant};
 
 /// Times of the components.
 pub(super) struct Meter {
-    /// Whether the steps of the present instant are timed.
+    /// Whether the steps of the current instant are timed.
     pub timing: bool,
     pub costs: Vec<Cost>,
     wait: u64,
     dice: u64,
-    /// What reading the clock costs by itself.
+    /// The cost of reading the clock.
     clock: Duration,
 }
 
-/// Of one component.
+/// For one component.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Cost {
     timed: u64,
     spent: Duration,
 }
 
-/// All first instants are timed, for short runs: so many, and of large systems so many steps.
+/// The first instants are all timed, for short runs: this many, and in large systems this many
+/// steps.
 const FIRST: u64 = 100;
 const FIRST_STEPS: u64 = 1000;
-/// The mean distance of timed instants is half of this.
+/// The mean interval between timed instants is half of this.
 const FAR: u64 = 512;
 
 impl Meter {
@@ -42,7 +42,7 @@ impl Meter {
         Self { timing: true, costs, wait: first + 1, dice: 1, clock }
     }
 
-    /// Another instant begins.
+    /// The next instant begins.
     #[inline]
     pub(super) fn instant(&mut self) {
         self.wait -= 1;
@@ -54,7 +54,7 @@ impl Meter {
     #[cold]
     fn turn(&mut self) {
         self.timing = !self.timing;
-        // Knuth's MMIX generator: distances must only not beat with the steps' periods.
+        // Knuth's MMIX generator: intervals must not coincide with the periods of the steps.
         self.dice = self.dice.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         self.wait = if self.timing { 1 } else { 1 + (self.dice >> 33) % FAR };
     }
@@ -68,7 +68,7 @@ impl Meter {
 }
 
 impl Cost {
-    /// Mean seconds per step, as far as steps were timed.
+    /// Mean seconds per step, if steps were timed.
     pub(super) fn seconds_per_step(&self) -> f64 {
         self.spent.as_secs_f64() / self.timed.max(1) as f64
     }

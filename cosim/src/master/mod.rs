@@ -1,20 +1,20 @@
 //! The master: one scheduler for all algorithms.
 //!
-//! A run is a sequence of instants, those at which some component's step ends. At each instant:
+//! A run is a sequence of instants at which the step of some component ends. At each instant:
 //!
 //! 1. every component whose step ends there, in the order of the system, gets its *fresh* inputs
-//!    (values of this instant), does its whole step, and its outputs become visible;
+//!   (values of this instant), makes its whole step, and its outputs become visible;
 //! 2. every such component begins its next step: its *held* inputs are taken from the values of
-//!    this instant and stay until its step ends.
+//!   this instant and stay constant until its step ends.
 //!
 //! An algorithm is only data for this: the order, and which connections are fresh. Jacobi: none;
 //! Gauss-Seidel: those to inputs with direct feed-through (see `system::order`). Iterative: as
-//! Gauss-Seidel, and loops are solved instead of held (see `iterate`). Two things are independent
-//! of it: inputs may be linear instead of constant during a step (`trend`), and the length of the
-//! steps may follow a tolerance (`control`).
+//! Gauss-Seidel, except that loops are solved instead of held (see `iterate`). Two options are
+//! independent of it: inputs may be linear instead of constant during a step (`trend`), and the
+//! length of the steps may follow a tolerance (`control`).
 //!
-//! Initialization: in initialization mode values are passed on in the same order, again and again
-//! until none changes, at most as often as there are components (plus one).
+//! Initialization: in initialization mode, values are passed on in the same order repeatedly until
+//! none changes, at most as often as there are components (plus one).
 
 mod control;
 mod converting_slave;
@@ -69,20 +69,20 @@ use patched_slave::SharedPatches;
 use serde::{Deserialize, Serialize};
 use signal_slave::SignalSlave;
 
-/// What all slaves of a system have in common.
+/// Settings shared by all slaves of a system.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Making {
     pub solver: solver::Settings,
-    /// Whether the FMUs are asked for debug messages, and of which categories.
+    /// Whether debug messages are requested from the FMUs, and of which categories.
     pub debug: bool,
     pub categories: Vec<String>,
     /// How often a discarded step is made smaller.
     pub retries: u32,
-    /// Whether steps have an error control.
+    /// Whether steps are under error control.
     pub controlled: bool,
 }
 
-/// A slave, and what manipulates its values if it has that already.
+/// A slave, and the manipulations of its values if it already has them.
 pub(crate) type Made = (Box<dyn Slave>, Option<SharedPatches>);
 
 /// A component as a slave of this process, behind the conversions of its inputs.
@@ -99,7 +99,7 @@ pub(crate) fn slave(
         }
         Model::Fmu(fmu) => {
             let discards = match making.controlled {
-                true => Discards::Told,
+                true => Discards::Reported,
                 false if component.can_repeat(fmu) => Discards::Repeated(making.retries),
                 false => Discards::Final,
             };
@@ -116,8 +116,8 @@ impl System {
         self.engine_of(self.components(), self.start_time())
     }
 
-    /// An engine that begins at `start`, of these components instead of its own, which differ in
-    /// their start values.
+    /// An engine that begins at `start`, with these components instead of the system's own, from
+    /// which they differ in their start values.
     pub(crate) fn engine_of(&self, components: &[Component], start: Time) -> Result<Engine> {
         let fmus = components.iter().filter_map(|c| Some((c.name.as_str(), c.fmu()?)));
         self.logging().check(fmus)?;
@@ -139,7 +139,7 @@ impl System {
         Ok(engine)
     }
 
-    /// How the slaves of this system are made.
+    /// The settings for the slaves of this system.
     pub(crate) fn making(&self) -> Making {
         Making {
             solver: self.solver(),

@@ -1,18 +1,18 @@
 //! Solves v = g(v) for the values v of the connections at which a loop is cut.
 //!
-//! Newton's method on g(v) - v = 0. Where g tells its derivatives, these make the Jacobian; they
-//! hold the members' states, so they are exact in initialization mode and nearly so at a step,
-//! and a step by them that does not halve the residual is their last. Else fixed-point passes as
-//! long as each at least halves the residual, and the Jacobian by forward differences, one pass
-//! of the loop per unknown, where they do not.
+//! Newton's method on g(v) - v = 0. If g provides its derivatives, they form the Jacobian; they
+//! hold the members' states, so they are exact in initialization mode and approximate at a step,
+//! and they are no longer used after a step with them that does not halve the residual. Otherwise,
+//! fixed-point passes are made as long as each at least halves the residual, and the Jacobian is
+//! computed by forward differences, one pass of the loop per unknown, when they do not.
 
 use crate::error::Result;
 
 /// Residual, relative to 1 + |v|, at which a loop is solved.
 pub(super) const SOLVED: f64 = 1e-10;
-/// Passes of a loop, those for differences left out.
+/// Maximum number of passes of a loop, not counting those for differences.
 const MAX_PASSES: u32 = 50;
-/// Relative step of the differences: the root of the precision.
+/// Relative step of the differences: the square root of the precision.
 const DIFFERENCE: f64 = 1.5e-8;
 
 /// One pass of a loop.
@@ -20,19 +20,19 @@ pub(super) trait Function {
     /// g(v), into `image`.
     fn value(&mut self, v: &[f64], image: &mut [f64]) -> Result<()>;
 
-    /// The derivative of g with respect to one unknown, at the v of the last value; whether it is
-    /// known.
+    /// The derivative of g with respect to one unknown, at the v of the last value; returns whether
+    /// it is known.
     fn column(&mut self, position: usize, column: &mut [f64]) -> Result<bool>;
 }
 
-/// How an iteration ended.
+/// The result of an iteration.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Outcome {
     /// Evaluations of g.
     pub passes: u32,
     /// Greatest residual relative to 1 + |v|.
     pub residual: f64,
-    /// Jacobians by derivatives that g told, and by differences.
+    /// Number of Jacobians from the derivatives of g, and by differences.
     pub directional: u32,
     pub differences: u32,
 }
@@ -50,25 +50,25 @@ impl Outcome {
     }
 }
 
-/// Iterates from `v`. The last evaluation of `g` is with the values that `v` has at the end.
+/// Iterates from `v`. The last evaluation of `g` uses the values that `v` has at the end.
 pub(super) fn solve(v: &mut [f64], g: &mut dyn Function) -> Result<Outcome> {
     let mut image = vec![0.0; v.len()];
     let mut outcome = Outcome::default();
     outcome.evaluate(v, &mut image, g)?;
-    let mut told = true;
+    let mut has_derivatives = true;
     for _ in 0..MAX_PASSES {
         if outcome.converged() || !outcome.residual.is_finite() {
             break;
         }
         let last = outcome.residual;
-        if told {
-            let step = told_step(v, &image, g)?;
-            told = step.is_some();
+        if has_derivatives {
+            let step = derivative_step(v, &image, g)?;
+            has_derivatives = step.is_some();
             if let Some(step) = step {
                 outcome.directional += 1;
                 v.iter_mut().zip(step).for_each(|(v, s)| *v += s);
                 outcome.evaluate(v, &mut image, g)?;
-                told = outcome.residual <= 0.5 * last;
+                has_derivatives = outcome.residual <= 0.5 * last;
                 continue;
             }
         }
@@ -90,7 +90,7 @@ pub(super) fn solve(v: &mut [f64], g: &mut dyn Function) -> Result<Outcome> {
     Ok(outcome)
 }
 
-/// NaN when any value is.
+/// NaN if any value is NaN.
 fn residual(v: &[f64], image: &[f64]) -> f64 {
     let parts = v.iter().zip(image).map(|(v, g)| (g - v).abs() / (1.0 + v.abs()));
     parts.fold(0.0, |most, part| if part <= most { most } else { part })
@@ -107,8 +107,8 @@ fn rows(v: &[f64], image: &[f64]) -> Vec<Vec<f64>> {
     (0..n).map(row).collect()
 }
 
-/// The step of Newton by the derivatives that `g` tells.
-fn told_step(v: &[f64], image: &[f64], g: &mut dyn Function) -> Result<Option<Vec<f64>>> {
+/// The Newton step with the derivatives of `g`.
+fn derivative_step(v: &[f64], image: &[f64], g: &mut dyn Function) -> Result<Option<Vec<f64>>> {
     let (mut rows, mut column) = (rows(v, image), vec![0.0; v.len()]);
     for position in 0..v.len() {
         if !g.column(position, &mut column)? {
@@ -119,7 +119,7 @@ fn told_step(v: &[f64], image: &[f64], g: &mut dyn Function) -> Result<Option<Ve
     Ok(eliminate(rows))
 }
 
-/// The step of Newton from `v` with its image; `None` where the Jacobian is singular.
+/// The Newton step from `v` with its image; `None` if the Jacobian is singular.
 fn difference_step(
     v: &[f64],
     image: &[f64],
@@ -141,7 +141,7 @@ fn difference_step(
     Ok(eliminate(rows))
 }
 
-/// Gauss's elimination with partial pivoting of rows (matrix | right side).
+/// Gaussian elimination with partial pivoting of rows (matrix | right side).
 fn eliminate(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
     let n = rows.len();
     for column in 0..n {
@@ -170,7 +170,7 @@ fn eliminate(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
 mod tests {
     use super::*;
 
-    /// Values, and derivatives if they are told; counts evaluations, keeps the last argument.
+    /// Values, and derivatives if they are provided; counts evaluations, keeps the last argument.
     struct Counted<G> {
         g: G,
         slope: Option<f64>,
@@ -208,7 +208,7 @@ mod tests {
 
     #[test]
     fn an_expansion_is_solved_by_newton() {
-        // A saddle and a cube: fixed-point passes run away.
+        // A saddle and a cube: fixed-point passes diverge.
         let mut v = [0.5, 0.5, 0.5];
         let mut g = Counted::new(None, |v, g| {
             g.copy_from_slice(&[2.0 * v[1] + 1.0, 3.0 * v[0] - v[2], 7.0 - 5.0 * v[2].powi(3)]);
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn told_derivatives_save_passes_and_wrong_ones_do_not_harm() {
+    fn known_derivatives_save_passes_and_wrong_ones_do_no_harm() {
         let g = |v: &[f64], g: &mut [f64]| g[0] = 5.0 - 3.0 * v[0];
         let mut exact = Counted::new(Some(-3.0), g);
         let outcome = solve(&mut [0.0], &mut exact).unwrap();
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_solution_is_told() {
+    fn what_has_no_solution_is_reported() {
         let mut g = Counted::new(None, |v, g| g[0] = v[0] + 1.0);
         assert!(!solve(&mut [0.0], &mut g).unwrap().converged());
     }

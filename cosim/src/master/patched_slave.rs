@@ -1,8 +1,8 @@
-//! A slave some of whose variables are manipulated: overridden, biased, or with faults.
+//! A slave with manipulated variables: overridden, biased, or faulty.
 //!
 //! Only manipulated components are wrapped, so the others cost nothing more. A connected input is
-//! changed on its way into the slave, an output on its way out of it; a parameter or an input
-//! that is not connected is set.
+//! changed on its way into the slave, an output on its way out; a parameter or an unconnected input
+//! is set.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -17,7 +17,7 @@ use crate::fault::{Acting, Way};
 use crate::fmi::{Place, Value};
 use crate::time::Time;
 
-/// What is done to a value.
+/// A manipulation of a value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Patch {
     Override(f64),
@@ -47,25 +47,25 @@ impl Patch {
     }
 }
 
-/// A variable of a component and one of the things that are done to it.
+/// A variable of a component and one of its manipulations.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Patched {
     /// Position of the variable.
     pub variable: usize,
     pub way: Way,
-    /// What a free variable is without this, and what it was given last.
+    /// The value of a free variable without this, and the value that was set last.
     pub start: f64,
     pub given: f64,
     pub patch: Patch,
 }
 
-/// The patches of one component; those of one variable act in their order.
+/// The patches of one component; those of one variable act in order.
 pub(crate) type Patches = Vec<Patched>;
 
 /// They are shared with the engine, which changes them between steps.
 pub(crate) type SharedPatches = Rc<RefCell<Patches>>;
 
-/// Tells faults whether one after them, of the same variable, has ended them.
+/// Notifies faults whether a later one on the same variable has ended them.
 pub(super) fn release(patches: &mut Patches) {
     for place in 0..patches.len() {
         let (before, after) = patches.split_at_mut(place + 1);
@@ -87,9 +87,9 @@ pub(super) struct PatchedSlave {
     outputs: Vec<usize>,
     recorded: Vec<usize>,
     patches: SharedPatches,
-    /// Those of the states that are kept.
+    /// The patches that belong to the saved states.
     kept: [Patches; Place::COUNT],
-    /// Room for inputs and slopes.
+    /// Buffers for inputs and slopes.
     values: Vec<f64>,
     slopes: Vec<f64>,
 }
@@ -118,7 +118,7 @@ impl PatchedSlave {
         }
     }
 
-    /// What has slopes is patched too: an overridden value stays where it is.
+    /// Slopes are patched too: an overridden value stays constant.
     fn slope(patches: &mut Patches, way: Way, variables: &[usize], slopes: &mut [f64]) {
         for (place, patch) in Self::places(patches, way, variables) {
             let factor = patch.slope();
@@ -130,7 +130,7 @@ impl PatchedSlave {
         self.patches.borrow().iter().any(|patched| patched.patch.is_fault())
     }
 
-    /// Gives free variables with faults what they are during the step that begins.
+    /// Sets free variables with faults to their values for the step that begins.
     fn give_free(&mut self) -> Result<()> {
         let mut patches = self.patches.borrow_mut();
         for place in 0..patches.len() {
@@ -150,7 +150,7 @@ impl PatchedSlave {
         Ok(())
     }
 
-    /// A step was made: the faults go on.
+    /// A step was made: the faults advance.
     fn advance_faults(&mut self, begin: Time, end: Time) -> Result<()> {
         let mut patches = self.patches.borrow_mut();
         for patched in patches.iter_mut() {
@@ -159,7 +159,7 @@ impl PatchedSlave {
             }
         }
         release(&mut patches);
-        // What looks back sees each value, also of outputs that are read now and then only.
+        // Faults with memory see each value, also of outputs that are read only occasionally.
         for place in 0..patches.len() {
             let Patched { variable, way, .. } = patches[place];
             let looks_back =
@@ -223,18 +223,18 @@ impl Slave for PatchedSlave {
     }
 
     fn slopes(&mut self, slopes: &mut [f64]) -> Result<bool> {
-        let told = self.inner.slopes(slopes)?;
+        let known = self.inner.slopes(slopes)?;
         Self::slope(&mut self.patches.borrow_mut(), Way::Output, &self.outputs, slopes);
-        Ok(told)
+        Ok(known)
     }
 
     fn tangent(&mut self, seed: &[f64], outputs: &mut [f64]) -> Result<bool> {
         self.slopes.clear();
         self.slopes.extend_from_slice(seed);
         Self::slope(&mut self.patches.borrow_mut(), Way::Input, &self.inputs, &mut self.slopes);
-        let told = self.inner.tangent(&self.slopes, outputs)?;
+        let known = self.inner.tangent(&self.slopes, outputs)?;
         Self::slope(&mut self.patches.borrow_mut(), Way::Output, &self.outputs, outputs);
-        Ok(told)
+        Ok(known)
     }
 
     fn read(&mut self, values: &mut [f64]) -> Result<()> {

@@ -1,8 +1,8 @@
-//! A system laid out for stepping: who exchanges which values through which slots.
+//! A system laid out for stepping: which component exchanges which values through which slots.
 //!
-//! All values live in two flat arrays. `values` holds, component by component, the connected
-//! outputs and the variables that are only recorded; `inputs` holds the connected inputs. A
-//! route copies one slot of `values` to one of `inputs`. Nothing is looked up while running.
+//! All values are in two flat arrays. `values` holds, component by component, the connected outputs
+//! and the variables that are only recorded; `inputs` holds the connected inputs. A route copies
+//! one slot of `values` to one of `inputs`. Nothing is looked up during a run.
 
 use std::ops::Range;
 
@@ -22,7 +22,7 @@ pub(crate) struct Route {
     pub to: usize,
 }
 
-/// A connection at which a loop is cut: its components and its way.
+/// A connection at which a loop is cut: its components and its route.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(crate) struct Cut {
     pub from: usize,
@@ -40,7 +40,7 @@ pub(crate) struct SolvedLoop {
     pub cuts: Vec<Cut>,
 }
 
-/// An input that moves during steps, and what it follows.
+/// An input that moves during steps, and its source.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct RampWay {
     /// Slot in `inputs`.
@@ -48,28 +48,28 @@ pub(crate) struct RampWay {
     /// Position of the component that it comes from, and of the trend.
     pub source: usize,
     pub trend: usize,
-    /// Whether the value of the step's end is known.
+    /// Whether the value at the end of the step is known.
     pub fresh: bool,
 }
 
-/// A component's part of the plan.
+/// The part of the plan for one component.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Node {
     pub step: Step,
     /// Its last step may be shorter.
     pub variable: bool,
-    /// Where its values are in the arrays.
+    /// The positions of its values in the arrays.
     pub input_slots: Range<usize>,
     pub output_slots: Range<usize>,
-    /// Inputs that get the value of the end of the step.
+    /// Inputs that get the value at the end of the step.
     pub fresh: Box<[Route]>,
     /// Some of its inputs move during steps.
     pub ramped: bool,
-    /// Inputs that hold the value of the beginning of the step.
+    /// Inputs that hold the value at the start of the step.
     pub held: Vec<Route>,
     /// Positions of the ramps of its inputs.
     pub ramps: Vec<usize>,
-    /// Position of the solved loop that the component is in.
+    /// Position of the solved loop that contains the component.
     pub member_of: Option<usize>,
     /// Positions of the variables, Reals first (`group::rank`).
     pub inputs: Vec<usize>,
@@ -144,8 +144,8 @@ impl Plan {
         plan
     }
 
-    /// What concerns the components `own`, in this order, with the same slots. A loop must be
-    /// inside or outside as a whole, and what an input follows during a step is inside.
+    /// The part for the components `own`, in this order, with the same slots. A loop must be
+    /// entirely inside or outside, and the source of a moving input must be inside.
     pub(crate) fn restrict(&self, own: &[usize]) -> Self {
         let position = |component: usize| own.iter().position(|&own| own == component);
         let mut part =
@@ -167,7 +167,7 @@ impl Plan {
             part.sequence.push(place);
         }
         for ramp in &mut part.ramps {
-            // Those of other components are not looked at.
+            // Those of other components are not used.
             ramp.source = position(ramp.source).unwrap_or(0);
         }
         part
@@ -178,7 +178,7 @@ impl Plan {
         members.iter().flat_map(|&member| self.nodes[member].output_slots.clone())
     }
 
-    /// Slots of what is recorded of `members` and no output.
+    /// Slots of the recorded variables of `members` that are not outputs.
     pub(crate) fn recorded(&self, members: &[usize]) -> impl Iterator<Item = usize> {
         members.iter().flat_map(|&member| self.nodes[member].recorded_slots.clone())
     }

@@ -12,7 +12,7 @@ use crate::time::{Step, Time};
 /// Where snapshots go.
 type Keep<'a> = dyn FnMut(Snapshot) -> Result<()> + 'a;
 
-/// A run being prepared: who watches, who acts, from where it goes on.
+/// A run being prepared: observers, manipulators, and the state to continue from.
 ///
 /// ```no_run
 /// # use cosim::{Overrides, Recording, Run, Snapshot, System};
@@ -29,7 +29,7 @@ pub struct Run<'a> {
     manipulators: Vec<&'a mut dyn Manipulator>,
     resume: Option<&'a Snapshot>,
     snapshots: Option<Snapshots<'a>>,
-    /// What was odd.
+    /// Warnings.
     warnings: Vec<String>,
 }
 
@@ -41,7 +41,7 @@ struct Snapshots<'a> {
 }
 
 impl System {
-    /// Runs from start to stop. Observers keep what they got when the run fails.
+    /// Runs from start to stop. Observers keep what they received if the run fails.
     pub fn run(&self, observers: &mut [&mut dyn Observer]) -> Result<Summary> {
         let observers = observers.iter_mut();
         observers.fold(Run::new(self), |run, observer| run.observe(*observer)).go()
@@ -49,7 +49,7 @@ impl System {
 }
 
 impl<'a> Run<'a> {
-    /// A run of `system` from its start that nobody watches.
+    /// A run of `system` from its start without observers.
     pub fn new(system: &'a System) -> Self {
         Self {
             system,
@@ -75,15 +75,15 @@ impl<'a> Run<'a> {
         self
     }
 
-    /// Goes on from a snapshot. Observers see only what comes after it.
+    /// Continues from a snapshot. Observers see only what comes after it.
     #[must_use]
     pub fn resume(mut self, snapshot: &'a Snapshot) -> Self {
         self.resume = Some(snapshot);
         self
     }
 
-    /// Takes snapshots: one at the first output instant at or after each of `at`, and of the
-    /// multiples of `every` since the start.
+    /// Takes snapshots: at the first output instant at or after each of `at`, and after each
+    /// multiple of `every` since the start.
     #[must_use]
     pub fn snapshots(mut self, every: Option<Time>, at: &[Time], keep: &'a mut Keep<'a>) -> Self {
         let mut at = at.to_vec();
@@ -98,7 +98,7 @@ impl<'a> Run<'a> {
         self.drive_all(&mut engine)
     }
 
-    /// Runs what was made of the system.
+    /// Runs the engine made from the system.
     pub(crate) fn drive_all(mut self, driven: &mut dyn Drive) -> Result<Summary> {
         let system = self.system;
         let resumed = self.resume.map(Snapshot::time);
@@ -108,7 +108,7 @@ impl<'a> Run<'a> {
         for observer in &mut self.observers {
             finished = finished.and(observer.finish());
         }
-        // The reason why a run ended comes before what happened while closing files.
+        // The reason why a run ended takes precedence over problems while closing files.
         let (end, stopped) = run?;
         finished?;
         let mut report = driven.report()?;
@@ -129,12 +129,12 @@ impl<'a> Run<'a> {
         };
         if let Some(snapshot) = self.resume {
             snapshot.check(system)?;
-            // At the stop time nothing is left to do.
+            // At the stop time there is nothing left to do.
             if snapshot.time() > system.stop_time() {
                 let what = format!("the snapshot is of t = {}", snapshot.time());
                 return Err(Error::new(Code::Timing, what)
                     .why(format!("the run ends at {}", system.stop_time()))
-                    .help("a later --stop-time"));
+                    .help("use a later --stop-time"));
             }
         }
         for manipulator in &mut self.manipulators {
@@ -143,11 +143,11 @@ impl<'a> Run<'a> {
         self.observers.iter_mut().try_for_each(|observer| observer.start(&info))
     }
 
-    /// Where the run ended, and why when that was before the stop time.
+    /// Where the run ended, and why if that was before the stop time.
     fn drive(&mut self, driven: &mut dyn Drive, begin: Time) -> Result<(Time, Option<Stop>)> {
         let (stop, interval) = (self.system.stop_time(), self.system.output_interval());
         let start = self.system.start_time();
-        // The last step of a run that ends so is shorter, and no output instant.
+        // The last step of such a run is shorter, and does not end at an output instant.
         let shortened = self.system.ends_by_shorter_steps();
         let mut output = start;
         let mut acted = None;
@@ -165,7 +165,7 @@ impl<'a> Run<'a> {
                 .action(acted)
                 .map(|at| at.max(begin))
                 .filter(|at| *at < stop || (*at == stop && !shortened));
-            // Until then nobody acts: there are only rows.
+            // There are no actions until then: only rows.
             while output <= stop && action.is_none_or(|action| output < action) {
                 if let Some(reason) = self.advance(driven, output)? {
                     return Ok((before, Some(reason)));
@@ -176,7 +176,7 @@ impl<'a> Run<'a> {
                 if output == stop {
                     return Ok((stop, None));
                 }
-                if let Some(reason) = self.wish_to_stop() {
+                if let Some(reason) = self.stop_request() {
                     return Ok((output, Some(reason)));
                 }
                 output = start + interval.after(output - start);
@@ -194,7 +194,7 @@ impl<'a> Run<'a> {
             if now == output {
                 self.take_snapshots(driven, now, &mut taken)?;
                 output = start + interval.after(output - start);
-                ended = ended.or_else(|| self.wish_to_stop());
+                ended = ended.or_else(|| self.stop_request());
             }
             if now == stop {
                 return Ok((stop, None));
@@ -203,7 +203,7 @@ impl<'a> Run<'a> {
                 return Ok((now, Some(reason)));
             }
         }
-        // The part after the last output instant, when the interval does not divide the run.
+        // The part after the last output instant, if the interval does not divide the run.
         let ended = self.advance(driven, stop)?;
         if ended.is_some() || !shortened {
             return Ok((ended.map_or(stop, |_| before), ended));
@@ -215,24 +215,24 @@ impl<'a> Run<'a> {
         Ok((stop, None))
     }
 
-    /// Shows the observers the values of the present instant.
+    /// Shows the observers the values of the current instant.
     fn record(&mut self, driven: &mut dyn Drive, now: Time, row: &mut [f64]) -> Result<()> {
         driven.sample(now, row)?;
         self.observers.iter_mut().try_for_each(|observer| observer.sample(now, row))
     }
 
-    fn wish_to_stop(&self) -> Option<Stop> {
+    fn stop_request(&self) -> Option<Stop> {
         self.observers.iter().find_map(|observer| observer.stop())
     }
 
     /// The next instant at which a manipulator acts, after the last one.
     fn action(&self, acted: Option<Time>) -> Option<Time> {
-        let wishes = self.manipulators.iter().filter_map(|manipulator| manipulator.next());
-        wishes.filter(|at| acted.is_none_or(|acted| *at > acted)).min()
+        let requested = self.manipulators.iter().filter_map(|manipulator| manipulator.next());
+        requested.filter(|at| acted.is_none_or(|acted| *at > acted)).min()
     }
 
-    /// Makes the steps until `goal`. A component that ends the run does not fail; its step is not
-    /// made, so what is known of the system is the instant before.
+    /// Makes the steps until `goal`. A component that ends the run is not an error; its step is not
+    /// made, so the state of the system is known up to the previous instant.
     fn advance(&mut self, driven: &mut dyn Drive, goal: Time) -> Result<Option<Stop>> {
         let outcome = driven.run_until(goal);
         self.until_ended(outcome)

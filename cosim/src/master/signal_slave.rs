@@ -1,4 +1,4 @@
-//! Prepared signals as a slave: no inputs, outputs that follow a file.
+//! Prepared signals as a slave: no inputs, and outputs from a file.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use crate::fmi::{Place, Value};
 use crate::signals::Signals;
 use crate::time::Time;
 
-/// Signals at the present time. Its state is the time.
+/// Signals at the current time. Its state is the time.
 pub(super) struct SignalSlave {
     signals: Arc<Signals>,
     outputs: Vec<usize>,

@@ -1,19 +1,19 @@
-//! What the master steps: an FMU here, prepared signals, later something remote.
+//! What the master steps: an FMU in this process or prepared signals.
 
 use crate::error::Result;
 use crate::fmi::guard::Float;
 use crate::fmi::{Direct, Place, Unusual, Value};
 use crate::time::Time;
 
-/// A component as the master sees it. Which variables [`Slave::set`], [`Slave::get`] and
-/// [`Slave::read`] carry, and in which order, is agreed when the slave is made; all values are
-/// `f64`, which holds every FMI Integer and Boolean exactly.
+/// A component from the master's point of view. Which variables [`Slave::set`], [`Slave::get`] and
+/// [`Slave::read`] transfer, and in which order, is fixed when the slave is created; all values are
+/// `f64`, which represents every FMI Integer and Boolean exactly.
 ///
-/// Calls come in this order: `enter_initialization`, then `set` and `get` in turns,
+/// Calls come in this order: `enter_initialization`, then `set` and `get` alternately,
 /// `exit_initialization`, then `set`, `step`, `get` once per step; `read` at output instants.
-/// States are kept and set back between steps only.
+/// States are saved and restored between steps only.
 pub trait Slave {
-    /// Gives the experiment and enters initialization mode.
+    /// Sets up the experiment and enters initialization mode.
     fn enter_initialization(&mut self, start: Time, stop: Time) -> Result<()>;
 
     /// Leaves initialization mode.
@@ -22,19 +22,19 @@ pub trait Slave {
     /// Sets all connected inputs.
     fn set(&mut self, values: &[f64]) -> Result<()>;
 
-    /// Sets all connected inputs for the beginning of the next step, with their time derivatives
-    /// during it. Only slaves whose component interpolates its inputs are asked.
+    /// Sets all connected inputs for the start of the next step, with their time derivatives during
+    /// it. Only called for slaves whose component interpolates its inputs.
     fn ramp(&mut self, values: &[f64], slopes: &[f64]) -> Result<()>;
 
-    /// Advances from `start` by `step`: the instant reached, which is less than the whole when the
+    /// Advances from `start` by `step`; returns the instant reached, which is before the end if the
     /// component discarded the rest. Then it must go back before anything else.
     fn step(&mut self, start: Time, step: Time) -> Result<Time>;
 
     /// Reads all connected outputs.
     fn get(&mut self, values: &mut [f64]) -> Result<()>;
 
-    /// A step as most are: inputs set, step made, outputs read. One call instead of three. Empty
-    /// arrays are left alone.
+    /// The usual step: sets inputs, steps, reads outputs. One call instead of three. Nothing is
+    /// called for empty arrays.
     fn advance(
         &mut self,
         inputs: &[f64],
@@ -46,76 +46,76 @@ pub trait Slave {
             self.set(inputs)?;
         }
         let reached = self.step(start, step)?;
-        // Nobody looks at the outputs of a step that is taken back.
+        // The outputs of a step that is rolled back are not read.
         if reached == start + step && !outputs.is_empty() {
             self.get(outputs)?;
         }
         Ok(reached)
     }
 
-    /// Reads the time derivatives of all connected outputs; whether the slave knows them.
+    /// Reads the time derivatives of all connected outputs; returns whether the slave knows them.
     fn slopes(&mut self, slopes: &mut [f64]) -> Result<bool>;
 
-    /// How the connected outputs change at once when the inputs change by `seed`; whether the
-    /// slave knows that.
+    /// How the connected outputs change immediately when the inputs change by `seed`; returns
+    /// whether the slave knows that.
     fn tangent(&mut self, seed: &[f64], outputs: &mut [f64]) -> Result<bool>;
 
     /// Reads the variables that are only recorded.
     fn read(&mut self, values: &mut [f64]) -> Result<()>;
 
-    /// Begins anew with its start values at `now`, between two steps of a run that ends at `stop`.
+    /// Restarts with its start values at `now`, between two steps of a run that ends at `stop`.
     fn reset(&mut self, now: Time, stop: Time) -> Result<()>;
 
-    /// Sets an input that is not connected, or a parameter, between two steps. The variable is a
-    /// position in the component's description.
+    /// Sets an unconnected input, or a parameter, between two steps. The variable is a position in
+    /// the component's description.
     fn assign(&mut self, variable: usize, value: f64) -> Result<()>;
 
-    /// Gives a variable that is not connected a value of its type, in initialization mode or
-    /// between two steps.
+    /// Sets an unconnected variable to a value of its type, in initialization mode or between two
+    /// steps.
     fn give(&mut self, variable: usize, value: &Value) -> Result<()>;
 
-    /// The present value of any variable.
+    /// The current value of any variable.
     fn look(&mut self, variable: usize) -> Result<Value>;
 
-    /// What is odd since this was asked last.
+    /// Warnings since the last call.
     fn warnings(&mut self) -> Vec<String> {
         Vec::new()
     }
 
-    /// What the slave had to say since this was asked last.
+    /// Messages since the last call.
     fn messages(&mut self) -> Vec<String>;
 
-    /// Keeps the present state in `place` for [`Slave::restore`].
+    /// Saves the current state in `place` for [`Slave::restore`].
     fn save(&mut self, place: Place) -> Result<()>;
 
-    /// Goes back to the state kept there last, which was that of the instant `time`.
+    /// Goes back to the state last saved there, which was that of the instant `time`.
     fn restore(&mut self, place: Place, time: Time) -> Result<()>;
 
-    /// The present state as bytes.
+    /// The current state as bytes.
     fn serialize(&mut self) -> Result<Vec<u8>>;
 
-    /// Takes on a state that [`Slave::serialize`] gave, maybe in another process, and which was
-    /// that of the instant `time`. The slave has left its initialization.
+    /// Restores a state from [`Slave::serialize`], possibly of another process, which was that of
+    /// the instant `time`. The slave must have left initialization.
     fn deserialize(&mut self, state: &[u8], time: Time) -> Result<()>;
 
-    /// Asks for debug messages from now on, or not.
+    /// Switches debug messages on or off.
     fn debug(&mut self, _on: bool) -> Result<()> {
         Ok(())
     }
 
-    /// How many steps were discarded and made again by smaller ones.
+    /// How many steps were discarded and repeated with smaller ones.
     fn rejected(&self) -> u64 {
         0
     }
 
-    /// The calls that [`Slave::advance`] makes after the initialization, if these are all that it
-    /// does (see `master::direct`).
+    /// The calls that [`Slave::advance`] makes after initialization, if it does nothing else (see
+    /// `master::direct`).
     #[doc(hidden)]
     fn direct(&self) -> Option<DirectCalls<'_>> {
         None
     }
 
-    /// Goes on after a direct call of the step from `start` by `step` did not go well.
+    /// Continues after a direct call of the step from `start` by `step` did not succeed.
     #[doc(hidden)]
     fn conclude(&mut self, _found: Unusual, _start: Time, _step: Time) -> Result<()> {
         Ok(())
@@ -125,16 +125,16 @@ pub trait Slave {
     #[doc(hidden)]
     fn came_to(&mut self, _now: Time) {}
 
-    /// Sets back what the component changed of the process in `function`, and tells it in a message.
+    /// Undoes what the component changed in the process in `function`, and reports it in a message.
     fn check_process(&mut self, _function: &str) {}
 
-    /// The same with the floating-point environment after a direct call.
+    /// The same for the floating-point environment after a direct call.
     #[doc(hidden)]
     fn changed_float(&mut self, _before: Float) {}
 }
 
-/// The calls of a slave's step, and the value references of its inputs, its outputs and of the Reals
-/// that are only recorded.
+/// The calls of a slave's step, and the value references of its inputs, of its outputs and of the
+/// Reals that are only recorded.
 pub struct DirectCalls<'a> {
     pub(super) calls: Direct,
     pub(super) inputs: &'a [u32],
@@ -142,8 +142,8 @@ pub struct DirectCalls<'a> {
     pub(super) recorded: &'a [u32],
 }
 
-/// What a slave around another one leaves to it, but its steps and the states that it keeps; `Result`,
-/// `Time` and `Value` are the caller's.
+/// The methods that a wrapping slave delegates, except its steps and saved states; `Result`, `Time`
+/// and `Value` are the caller's.
 macro_rules! passes_on {
     ($inner:ident) => {
         fn enter_initialization(&mut self, start: Time, stop: Time) -> Result<()> {
@@ -200,7 +200,7 @@ macro_rules! passes_on {
     };
 }
 
-/// Steps and the states that it keeps, too; `Place` is the caller's.
+/// Also its steps and saved states; `Place` is the caller's.
 macro_rules! passes_steps_on {
     ($inner:ident) => {
         fn step(&mut self, start: Time, step: Time) -> Result<Time> {

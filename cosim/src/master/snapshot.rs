@@ -1,9 +1,9 @@
-//! The state of a whole running system as a file, and going on from it.
+//! The state of a complete running system as a file, from which a run can continue.
 //!
-//! A file is the magic text, the version, a SHA-256 of the rest, and the rest in postcard's
-//! encoding: the instant, the system's identity, what the scheduler keeps between two instants,
-//! and every component's state as it serialized it. The identity is text, so that a snapshot of
-//! another system is refused with the first difference.
+//! A file contains the magic text, the version, a SHA-256 of the rest, and the rest in postcard
+//! encoding: the instant, the identity of the system, the state of the scheduler between two
+//! instants, and the state of every component as it serialized it. The identity is text, so that a
+//! snapshot of another system is refused with the first difference.
 
 use std::path::Path;
 
@@ -31,7 +31,7 @@ pub struct Snapshot {
     state: EngineState,
 }
 
-/// What the scheduler keeps between two instants, and the components' states.
+/// The state of the scheduler between two instants, and the states of the components.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct EngineState {
     pub(crate) values: Vec<f64>,
@@ -50,7 +50,7 @@ pub(crate) struct EngineState {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Saved {
     state: Vec<u8>,
-    /// How it was manipulated.
+    /// Its manipulations.
     patches: Patches,
 }
 
@@ -60,7 +60,7 @@ impl Snapshot {
         self.time
     }
 
-    /// Of a system whose state at `time` is known.
+    /// For a system whose state at `time` is known.
     pub(crate) fn new(system: &System, time: Time, state: EngineState) -> Result<Self> {
         Ok(Self { time, identity: system.identity()?, state })
     }
@@ -69,8 +69,8 @@ impl Snapshot {
         &self.state
     }
 
-    /// Writes a file, and replaces one that exists as a whole: after a power loss the old one is
-    /// there or the new one.
+    /// Writes a file, replacing an existing one as a whole: after a power loss, either the old one
+    /// or the new one is there.
     pub fn write(&self, file: impl AsRef<Path>) -> Result<()> {
         let file = file.as_ref();
         let unwritten = |why: String| {
@@ -93,7 +93,7 @@ impl Snapshot {
         };
         let bytes = std::fs::read(file).map_err(|e| unread(e.to_string()))?;
         if bytes.len() < HEADER || &bytes[..8] != MAGIC {
-            return Err(unread("the file is no snapshot of cosim".to_owned()));
+            return Err(unread("the file is not a snapshot of cosim".to_owned()));
         }
         let version = u32::from_le_bytes([bytes[8], bytes[9], bytes[10], bytes[11]]);
         if version != VERSION {
@@ -101,12 +101,14 @@ impl Snapshot {
             return Err(unread(why).help("run the system again from its start"));
         }
         if Sha256::digest(&bytes[HEADER..])[..] != bytes[12..HEADER] {
-            return Err(unread("its checksum is wrong: the file is cut or damaged".to_owned()));
+            return Err(unread(
+                "its checksum is wrong: the file is truncated or damaged".to_owned(),
+            ));
         }
         postcard::from_bytes(&bytes[HEADER..]).map_err(|e| unread(e.to_string()))
     }
 
-    /// An error with the first difference when this belongs to another system.
+    /// Fails with the first difference if this belongs to another system.
     pub fn check(&self, system: &System) -> Result<()> {
         let identity = system.identity()?;
         if self.identity == identity {
@@ -118,7 +120,7 @@ impl Snapshot {
         };
         let at = (0..length).find(|&at| line(&self.identity, at) != line(&identity, at));
         let at = at.unwrap_or_default();
-        Err(Error::new(Code::Snapshot, "the snapshot is of another system")
+        Err(Error::new(Code::Snapshot, "the snapshot belongs to another system")
             .why(format!(
                 "it has {}, the system has {}",
                 line(&self.identity, at),
@@ -129,7 +131,7 @@ impl Snapshot {
 }
 
 impl System {
-    /// Everything that decides how a run goes on, as lines of text.
+    /// Everything that determines how a run continues, as lines of text.
     fn identity(&self) -> Result<Vec<String>> {
         let mut lines = vec![
             format!("algorithm {}, {:?}", self.algorithm(), self.solver()),
@@ -157,7 +159,7 @@ impl System {
             let conversion = conversion.map_or(String::new(), |c| format!(", {c}"));
             lines.push(format!("connection {from} -> {to}{linear}{conversion}"));
         }
-        // The order of recorded values decides where they are kept.
+        // The order of recorded values determines where they are stored.
         lines.extend(self.columns().iter().map(|column| format!("column {}", column.name)));
         Ok(lines)
     }
@@ -183,14 +185,14 @@ impl Engine {
         })
     }
 
-    /// Numbers of Strings are those of this process: a state has the Strings themselves.
+    /// Numbers of Strings are valid in this process only: a state contains the Strings themselves.
     fn texts(&self) -> Vec<String> {
         let of_values = self.plan.value_texts.iter().map(|&slot| self.values[slot]);
         let of_inputs = self.plan.input_texts.iter().map(|&slot| self.inputs[slot]);
         of_values.chain(of_inputs).map(|number| texts::text(number).to_string()).collect()
     }
 
-    /// Goes on from a state of the instant `time`, after an initialization.
+    /// Continues from a state of the instant `time`, after an initialization.
     pub(crate) fn restore(&mut self, state: &EngineState, time: Time) -> Result<()> {
         let fits = state.values.len() == self.values.len()
             && state.inputs.len() == self.inputs.len()
@@ -201,7 +203,7 @@ impl Engine {
             && state.components.len() == self.slaves.len();
         if !fits {
             return Err(Error::new(Code::Snapshot, "the snapshot does not fit its own system")
-                .why("it has another number of values: the file was made by hand"));
+                .why("it has a different number of values: the file was made by hand"));
         }
         self.values.clone_from(&state.values);
         self.inputs.clone_from(&state.inputs);

@@ -1,29 +1,29 @@
-//! Start values: given where some tool expects them, and read back.
+//! Start values: set at all points where some tool expects them, and read back.
 //!
-//! FMI 2.0 allows to set them from the instantiation to the end of initialization mode. There are
-//! FMUs that need them before `fmi2SetupExperiment`, FMUs whose `fmi2SetupExperiment` or
-//! `fmi2EnterInitializationMode` goes back to their defaults, and FMUs that refuse them in one of
-//! these modes. So they are set before and after the former, and those that are still not taken once
-//! more in initialization mode. What is refused there too is an error.
+//! FMI 2.0 allows setting them from instantiation to the end of initialization mode. Some FMUs need
+//! them before `fmi2SetupExperiment`, in some `fmi2SetupExperiment` or
+//! `fmi2EnterInitializationMode` restores their defaults, and some refuse them in one of these
+//! modes. They are therefore set before and after the former, and those that are still not accepted
+//! once more in initialization mode. A value that is refused there too is an error.
 
 use crate::error::{Error, Result};
 use crate::fmi::{Instance, Kind, Value};
 use crate::time::Time;
 
-/// At most so many values are named in a warning.
+/// The maximum number of values named in a warning.
 const NAMED: usize = 5;
-/// What an FMU computes with single precision is taken.
+/// Accepts values that an FMU computes in single precision.
 const ROUNDING: f64 = 1e-6;
 
 /// The start values of one instance.
 pub(super) struct StartValues {
     values: Vec<(usize, Value)>,
-    /// What the FMU said when it did not take them yet.
+    /// The error of the FMU when it did not accept them yet.
     refused: Option<Error>,
 }
 
 impl StartValues {
-    /// Gives them to an instance that was just made. One that refuses them is asked again later.
+    /// Sets them in a new instance. If it refuses them, they are set again later.
     pub(super) fn new(instance: &mut Instance, values: &[(usize, Value)]) -> Result<Self> {
         let mut made = Self { values: values.to_vec(), refused: None };
         made.again(instance)?;
@@ -36,7 +36,7 @@ impl StartValues {
         Ok(())
     }
 
-    /// Gives them and enters initialization mode; a warning if some were not taken.
+    /// Sets them and enters initialization mode; returns a warning if some were not accepted.
     pub(super) fn enter(
         &mut self,
         instance: &mut Instance,
@@ -44,7 +44,7 @@ impl StartValues {
         stop: Time,
     ) -> Result<Option<String>> {
         let values = &self.values;
-        // An FMU that comes no further failed where it refused a value first.
+        // If the FMU gets no further, the cause is the value that it refused first.
         let mut refused = self.refused.take();
         instance.set_up(start, stop).map_err(|error| refused.take().unwrap_or(error))?;
         refused = match instance.attempt(|instance| give(instance, values))? {
@@ -56,7 +56,7 @@ impl StartValues {
         if refused.is_none() && lost(instance, &given)?.is_empty() {
             return Ok(None);
         }
-        // All of them in their order, for one may act on another.
+        // All of them in order, because one may affect another.
         let last = instance.attempt(|instance| give(instance, values))?;
         if let (Err(_), Some(refused)) = (last, refused) {
             return Err(refused);
@@ -73,7 +73,7 @@ fn give(instance: &mut Instance, values: &[(usize, Value)]) -> Result<()> {
     })
 }
 
-/// Of several names of one variable the last value counts.
+/// If one variable has several names, the last value counts.
 fn last_of_each<'v>(instance: &Instance, values: &'v [(usize, Value)]) -> Vec<&'v (usize, Value)> {
     let fmu = instance.fmu();
     let key = |variable: usize| {
@@ -89,7 +89,7 @@ fn last_of_each<'v>(instance: &Instance, values: &'v [(usize, Value)]) -> Vec<&'
     each.filter(|(place, (v, _))| !later(place + 1, key(*v))).map(|(_, given)| given).collect()
 }
 
-/// The values that an FMU does not have, as far as it can be asked, and what it has instead.
+/// The values that an FMU does not have, as far as they can be read, and what it has instead.
 fn lost<'v>(
     instance: &mut Instance,
     given: &[&'v (usize, Value)],
@@ -124,5 +124,5 @@ fn words(instance: &Instance, refused: &[(usize, &Value, Value)]) -> String {
         0 => String::new(),
         more => format!(" and {more} more"),
     };
-    format!("'{}' does not take start values: {}{more}", instance.name(), named.join(", "))
+    format!("'{}' does not accept start values: {}{more}", instance.name(), named.join(", "))
 }

@@ -1,4 +1,4 @@
-//! What a run did, and what each component cost.
+//! The summary of a run, and the cost of each component.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,52 +8,52 @@ use crate::observe::Stop;
 use crate::system::System;
 use crate::time::Time;
 
-/// What a run did.
+/// The summary of a run.
 #[derive(Debug, Clone, Default)]
 pub struct Summary {
-    /// Steps of all components together, those made again included.
+    /// Total steps of all components, including repeated ones.
     pub steps: u64,
     /// Simulated seconds.
     pub simulated: f64,
     /// Why it ended before the stop time, if it did.
     pub stopped: Option<Stop>,
-    /// Per component, in the order of the system.
+    /// For each component, in the order of the system.
     pub components: Vec<ComponentSummary>,
-    /// What is odd but did not end the run.
+    /// Warnings.
     pub warnings: Vec<String>,
-    /// What is good to know: the iterations that loops needed, the lengths of controlled steps.
+    /// Notes: the iterations that loops needed, the lengths of controlled steps.
     pub notes: Vec<String>,
-    /// What the components logged, `component: message`.
+    /// Messages logged by the components, `component: message`.
     pub messages: Vec<String>,
 }
 
-/// What a component did and cost.
+/// Work and cost of a component.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ComponentSummary {
     /// Name in the system.
     pub name: String,
-    /// Steps, those made again included.
+    /// Steps, including repeated ones.
     pub steps: u64,
-    /// Steps that were taken back: for their error, or because the FMU discarded them.
+    /// Steps that were rejected: because of their error, or because the FMU discarded them.
     pub rejected: u64,
-    /// Mean wall clock time of a step with its inputs and outputs, by a sample of the steps.
+    /// Mean wall-clock time of a step with its inputs and outputs, from a sample of the steps.
     pub seconds_per_step: f64,
-    /// Its part of the time that all components took together, from 0 to 1.
+    /// Its share of the total time of all components, from 0 to 1.
     pub share: f64,
 }
 
-/// What a scheduler has to tell at the end of a run.
+/// The report of a scheduler at the end of a run.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct Report {
-    /// Per component.
+    /// For each component.
     pub components: Vec<ComponentReport>,
-    /// Per loop that is solved.
+    /// For each loop that is solved.
     pub efforts: Vec<Effort>,
     pub warnings: Vec<String>,
     pub notes: Vec<String>,
 }
 
-/// What a component did, cost and logged.
+/// Work, cost and messages of a component.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct ComponentReport {
     pub steps: u64,
@@ -62,16 +62,16 @@ pub(crate) struct ComponentReport {
     pub messages: Vec<String>,
 }
 
-/// What was counted so far: steps per component, efforts per loop.
+/// Counters so far: steps per component, iterations per loop.
 pub(crate) type Tally = (Vec<u64>, Vec<Effort>);
 
 impl Engine {
-    /// What was counted so far.
+    /// The counters so far.
     pub(crate) fn tally(&self) -> Tally {
         (self.paces.iter().map(|pace| pace.made).collect(), self.efforts.clone())
     }
 
-    /// Goes on counting from there.
+    /// Continues counting from there.
     pub(crate) fn count_from(&mut self, (steps, efforts): &Tally) {
         for (pace, steps) in self.paces.iter_mut().zip(steps) {
             pace.made = *steps;
@@ -83,7 +83,7 @@ impl Engine {
 
     pub(super) fn report(&mut self) -> Report {
         let (mut warnings, mut notes) = (self.warnings.clone(), Vec::new());
-        self.tell_control(&mut warnings, &mut notes);
+        self.report_control(&mut warnings, &mut notes);
         let taken_back = self.control.as_ref().map_or(0, |control| control.rejected);
         let each = self.slaves.iter_mut().zip(&self.paces).zip(&self.meter.costs);
         let components = each.map(|((slave, pace), cost)| ComponentReport {
@@ -95,7 +95,7 @@ impl Engine {
         Report { components: components.collect(), efforts: self.efforts.clone(), warnings, notes }
     }
 
-    fn tell_control(&self, warnings: &mut Vec<String>, notes: &mut Vec<String>) {
+    fn report_control(&self, warnings: &mut Vec<String>, notes: &mut Vec<String>) {
         let Some(control) = &self.control else {
             return;
         };
@@ -136,17 +136,17 @@ impl System {
             simulated: (end - begin).seconds(),
             stopped,
             components: each()
-                .map(|(component, told)| ComponentSummary {
+                .map(|(component, report)| ComponentSummary {
                     name: component.name.clone(),
-                    steps: told.steps,
-                    rejected: told.rejected,
-                    seconds_per_step: told.seconds_per_step,
-                    share: share(told.seconds()),
+                    steps: report.steps,
+                    rejected: report.rejected,
+                    seconds_per_step: report.seconds_per_step,
+                    share: share(report.seconds()),
                 })
                 .collect(),
             messages: each()
-                .flat_map(|(component, told)| {
-                    told.messages.iter().map(|line| format!("{}: {line}", component.name))
+                .flat_map(|(component, report)| {
+                    report.messages.iter().map(|line| format!("{}: {line}", component.name))
                 })
                 .collect(),
             warnings: report.warnings,
@@ -154,10 +154,10 @@ impl System {
         }
     }
 
-    /// The effort for each loop that was solved by iteration.
+    /// The iterations of each solved loop.
     fn solved(&self, efforts: &[Effort]) -> Vec<String> {
         let loops = self.solved_loops().zip(efforts);
-        let told = loops.filter(|(_, effort)| effort.solved > 0).map(|(found, effort)| {
+        let lines = loops.filter(|(_, effort)| effort.solved > 0).map(|(found, effort)| {
             let mean = effort.passes as f64 / effort.solved as f64;
             format!(
                 "loop through {}: {} solutions, {mean:.1} passes each, at most {}, greatest \
@@ -169,6 +169,6 @@ impl System {
                 effort.jacobian()
             )
         });
-        told.collect()
+        lines.collect()
     }
 }

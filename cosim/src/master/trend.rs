@@ -1,11 +1,11 @@
 //! Inputs that move during a step: linear instead of held (`Input::Linear`).
 //!
-//! A *trend* belongs to a source: its value at the end of its last step and its slope there,
-//! which the source tells (fmi2GetRealOutputDerivatives) or the difference over its last step
-//! gives. A *ramp* belongs to an input. A held input begins a step from t to t + h with the
-//! trend's value at t and goes on by its slope (extrapolation); a fresh one goes from where it
-//! ended the last step to the source's value at t + h (interpolation). Both leave an error of
-//! the order h^2 in the input, where holding leaves one of the order h.
+//! A *trend* belongs to a source: its value at the end of its last step and its slope there, which
+//! comes from the source (fmi2GetRealOutputDerivatives) or from the difference over its last step.
+//! A *ramp* belongs to an input. A held input begins a step from t to t + h with the trend's value
+//! at t and continues with its slope (extrapolation); a fresh one goes from its value at the end of
+//! the last step to the source's value at t + h (interpolation). Both leave an error of order h^2
+//! in the input, whereas holding leaves one of order h.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,7 +13,7 @@ use super::engine::Engine;
 use crate::error::Result;
 use crate::time::Time;
 
-/// A source's value, when it was, and its slope.
+/// The value of a source, its time, and its slope.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Trend {
     time: Time,
@@ -21,7 +21,7 @@ pub(crate) struct Trend {
     slope: f64,
 }
 
-/// An input at the beginning of its component's step.
+/// An input at the start of its component's step.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Ramp {
     value: f64,
@@ -35,7 +35,7 @@ impl Trend {
 }
 
 impl Engine {
-    /// Trends and ramps at the start: the slopes that sources know by then, 0 elsewhere.
+    /// Trends and ramps at the start: the slopes that sources know by then, otherwise 0.
     pub(super) fn begin_trends(&mut self) -> Result<()> {
         for c in 0..self.plan.nodes.len() {
             self.learn(c, self.start)?;
@@ -67,11 +67,11 @@ impl Engine {
             return Ok(());
         }
         let mut slopes = vec![0.0; node.output_slots.len()];
-        let told = self.slaves[c].slopes(&mut slopes)?;
+        let known = self.slaves[c].slopes(&mut slopes)?;
         for &trend in &node.trends {
             let slot = self.plan.trends[trend];
             let (value, last) = (self.values[slot], self.trends[trend]);
-            let slope = if told {
+            let slope = if known {
                 slopes[slot - node.output_slots.start]
             } else if now > self.start {
                 (value - last.value) / (now - last.time).seconds()

@@ -1,7 +1,7 @@
-//! Whether two recordings are near enough to each other.
+//! Whether two recordings are close enough to each other.
 //!
-//! Samples are compared at the instants that both have; between its samples a recording may be
-//! interpolated. A value is near enough if |a - b| <= absolute + relative max(|a|, |b|).
+//! Samples are compared at common instants; a recording may be interpolated between its samples. A
+//! value is close enough if |a - b| <= absolute + relative max(|a|, |b|).
 
 use std::collections::HashMap;
 use std::fmt;
@@ -10,10 +10,10 @@ use super::Recording;
 use crate::names;
 use crate::texts;
 
-/// Instants are one if they differ by no more than this part of 1 s + t.
+/// Instants are the same if they differ by at most this part of 1 s + t.
 const SAME_TIME: f64 = 1e-9;
 
-/// How far values may be apart.
+/// Allowed differences.
 #[derive(Debug, Clone, Default)]
 pub struct Tolerance {
     absolute: Vec<(String, f64)>,
@@ -22,36 +22,37 @@ pub struct Tolerance {
 }
 
 impl Tolerance {
-    /// None: values must be the same.
+    /// `None`: values must be the same.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// The greatest difference of a variable, or of those that a pattern (`*`, `?`) matches. Names
-    /// come before patterns, later ones before earlier ones.
+    /// The allowed difference of a variable, or of those that match a pattern (`*`, `?`). Names
+    /// take precedence over patterns, later ones over earlier ones.
     #[must_use]
     pub fn absolute(mut self, variable: impl Into<String>, tolerance: f64) -> Self {
         self.absolute.push((variable.into(), tolerance));
         self
     }
 
-    /// The same, as a part of the greater value.
+    /// The same, relative to the greater value.
     #[must_use]
     pub fn relative(mut self, variable: impl Into<String>, tolerance: f64) -> Self {
         self.relative.push((variable.into(), tolerance));
         self
     }
 
-    /// At instants that only A has, B is the straight line between its samples.
+    /// At instants that only A has, B is interpolated linearly between its samples.
     #[must_use]
     pub fn interpolate(mut self, wanted: bool) -> Self {
         self.interpolate = wanted;
         self
     }
 
-    fn of(wishes: &[(String, f64)], name: &str) -> f64 {
-        let last = |fits: &dyn Fn(&str) -> bool| wishes.iter().rev().find(|(w, _)| fits(w));
-        let found = last(&|wish| wish == name).or_else(|| last(&|wish| names::matches(wish, name)));
+    fn of(requests: &[(String, f64)], name: &str) -> f64 {
+        let last = |fits: &dyn Fn(&str) -> bool| requests.iter().rev().find(|(w, _)| fits(w));
+        let found = last(&|request| request == name)
+            .or_else(|| last(&|request| names::matches(request, name)));
         found.map_or(0.0, |(_, tolerance)| *tolerance)
     }
 }
@@ -67,7 +68,7 @@ pub struct Apart {
     pub a: f64,
     /// The value in B.
     pub b: f64,
-    /// The values are Strings, by their numbers.
+    /// The values are Strings, given by their numbers.
     pub text: bool,
 }
 
@@ -78,18 +79,18 @@ pub struct Beyond {
     pub samples: usize,
     /// First at this instant (s).
     pub first: f64,
-    /// Where it is worst, as a multiple of what is permitted.
+    /// The worst difference, as a multiple of the allowed one.
     pub worst: Apart,
 }
 
-/// What came of comparing recordings A and B.
+/// The result of comparing recordings A and B.
 #[derive(Debug, Clone, Default)]
 pub struct Closeness {
-    /// Columns that both have.
+    /// Common columns.
     pub columns: usize,
     /// Instants that were compared.
     pub samples: usize,
-    /// Instants of A, and of B, that were not.
+    /// Instants of A, and of B, that were not compared.
     pub left_out: (usize, usize),
     /// Columns that only A has, and that only B has.
     pub only: (Vec<String>, Vec<String>),
@@ -100,7 +101,7 @@ pub struct Closeness {
 }
 
 impl Apart {
-    /// The difference; infinite where one value is not a number, or no finite one.
+    /// The difference; infinite if one value is not a number, or not finite.
     pub fn difference(&self) -> f64 {
         difference(self.a, self.b)
     }
@@ -156,13 +157,13 @@ impl Closeness {
         found
     }
 
-    /// Whether all that was compared is near enough, and there was something to compare.
+    /// Whether all that was compared is close enough, and something was compared.
     pub fn is_close(&self) -> bool {
         let all = self.only.0.is_empty() && self.only.1.is_empty();
         all && self.beyond.is_empty() && self.samples > 0
     }
 
-    /// Strings are the same or not; of B those before count.
+    /// Strings are either the same or not; in B, the previous sample counts.
     fn compare_texts(
         &mut self,
         name: &str,
@@ -194,7 +195,7 @@ impl Closeness {
             if apart > largest {
                 self.largest = Some(here());
             }
-            // Of values without end or number, nothing but the same is near enough.
+            // Infinite or NaN values are close only to the same value.
             let permitted = match apart.is_finite() && apart > 0.0 {
                 true => absolute + relative * a.abs().max(b.abs()),
                 false => 0.0,
@@ -210,7 +211,7 @@ impl Closeness {
                 }
                 Some((beyond, worst)) => {
                     beyond.samples += 1;
-                    // Where nothing is permitted every excess is infinite.
+                    // If no difference is allowed, every excess is infinite.
                     if excess > *worst || (excess == *worst && apart > beyond.worst.difference()) {
                         (*worst, beyond.worst) = (excess, here());
                     }
@@ -229,7 +230,7 @@ fn difference(a: f64, b: f64) -> f64 {
     }
 }
 
-/// A sample of A, and where that is in B: at a sample, or this part of the way to the next.
+/// A sample of A, and its position in B: at a sample, or this part of the way to the next.
 struct Place {
     a: usize,
     b: usize,
@@ -245,7 +246,7 @@ impl Place {
     }
 }
 
-/// Instants come more than once where events are recorded: the first is compared with the first.
+/// Instants can occur more than once if events are recorded: the first is compared with the first.
 fn align(a: &[f64], b: &[f64], interpolate: bool) -> Vec<Place> {
     let mut places = Vec::new();
     let mut next = 0;
@@ -290,8 +291,8 @@ mod tests {
         let found = Closeness::of(&a, &b, &Tolerance::new());
         assert_eq!(found.beyond[0].samples, 2);
         assert_eq!((found.beyond[0].first, found.beyond[0].worst.time), (0.0, 1.0));
-        let told = found.largest.unwrap().to_string();
-        assert_eq!(told, "m.x at t = 1: 100.0 and 101.0, 1.000e0 apart, 9.90e-3 of the greater");
+        let text = found.largest.unwrap().to_string();
+        assert_eq!(text, "m.x at t = 1: 100.0 and 101.0, 1.000e0 apart, 9.90e-3 of the greater");
         assert!(!Closeness::of(&a, &recording(&[5.0], &[0.0]), &Tolerance::new()).is_close());
     }
 

@@ -1,27 +1,27 @@
-//! Results that go on where a file of a run before ends.
+//! Results that continue an existing file.
 
 use super::{Observer, Recording, RunInfo, Stop};
 use crate::error::{Code, Error, Result};
 use crate::files::Unfinished;
 use crate::time::Time;
 
-/// Passes on to a recorder what an older run recorded, and then what the resumed run does. So its
-/// file is in the end that of a run that nothing interrupted.
+/// Passes the recording of an earlier run to a recorder, and then that of the resumed run. In the
+/// end, its file is the same as that of an uninterrupted run.
 pub struct Continued {
     recorder: Box<dyn Observer>,
     old: Recording,
-    /// What the recorder writes, which gets its name when the old results are in it.
+    /// The file of the recorder, which gets its final name once it contains the old results.
     unfinished: Option<Unfinished>,
 }
 
 impl Continued {
-    /// `old` is what the run before recorded, of which the part up to the snapshot is used.
+    /// `old` is the recording of the earlier run, of which the part up to the snapshot is used.
     pub fn new(recorder: Box<dyn Observer>, old: Recording) -> Self {
         Self { recorder, old, unfinished: None }
     }
 
-    /// The recorder writes this file, which gets its name as soon as what is continued is in it:
-    /// whoever is killed before that has lost nothing.
+    /// The recorder writes this file, which gets its final name as soon as it contains the old
+    /// results: if the process is killed before that, nothing is lost.
     #[must_use]
     pub fn replacing(mut self, unfinished: Unfinished) -> Self {
         self.unfinished = Some(unfinished);
@@ -65,8 +65,8 @@ impl Observer for Continued {
         self.unfinished = None;
         let end = last.map_or("nothing".to_owned(), |last| format!("values up to t = {last}"));
         Err(Error::new(Code::Results, "the results cannot be continued")
-            .why(format!("they have {end}, the snapshot is of t = {until}"))
-            .help("resume into another file, or from an older snapshot"))
+            .why(format!("they have {end}, the snapshot is at t = {until}"))
+            .help("write to another file, or resume from an older snapshot"))
     }
 
     fn sample(&mut self, time: Time, values: &[f64]) -> Result<()> {

@@ -1,6 +1,6 @@
 //! Results as CSV in the format of FMPy: a header, first column `time`, comma, LF.
 //!
-//! Numbers are the shortest that read back to the same bits; Strings stand in quotes.
+//! Numbers are the shortest texts that read back to the same bits; Strings are quoted.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -14,11 +14,11 @@ use crate::time::Time;
 
 pub(super) const UNWRITTEN: &str = "the results cannot be written";
 
-/// Writes results while they come.
+/// Writes results while they arrive.
 pub struct CsvRecorder<W: Write = Durable> {
     target: PathBuf,
     output: W,
-    /// Per column.
+    /// For each column.
     forms: Vec<Form>,
     /// The line that is being written.
     text: Vec<u8>,
@@ -32,7 +32,7 @@ pub(crate) enum Form {
     Real,
     /// Integers, and Booleans as 0 and 1.
     Whole,
-    /// By its number.
+    /// By number.
     Text,
 }
 
@@ -47,7 +47,7 @@ impl Form {
 }
 
 impl CsvRecorder {
-    /// Creates `file`, and replaces it if it exists.
+    /// Creates `file`, replacing an existing one.
     pub fn create(file: impl AsRef<Path>) -> Result<Self> {
         let target = file.as_ref().to_owned();
         Ok(Self::on(files::create(&target, UNWRITTEN)?, target))
@@ -61,7 +61,7 @@ impl CsvRecorder {
 }
 
 impl<W: Write> CsvRecorder<W> {
-    /// Writes to `output`; `name` is what it is called in errors.
+    /// Writes to `output`; `name` is its name in errors.
     pub fn new(output: W, name: impl Into<PathBuf>) -> Self {
         Self { target: name.into(), output, forms: Vec::new(), text: Vec::new(), closed: false }
     }
@@ -72,7 +72,7 @@ impl<W: Write> CsvRecorder<W> {
         self.outcome(written)
     }
 
-    /// A reader that has gone (`| head`) is no error: the run is asked to end.
+    /// If the reader is gone (`| head`), that is not an error: the run is asked to end.
     fn outcome(&mut self, written: std::io::Result<()>) -> Result<()> {
         match written {
             Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => {
@@ -140,7 +140,7 @@ impl<W: Write> Observer for CsvRecorder<W> {
     }
 }
 
-/// Quoted only where it must be: FMPy's reader knows no quotes.
+/// Quoted only if necessary: FMPy's reader does not support quotes.
 fn quoted(name: &str) -> String {
     match name.contains([',', '"', '\n']) {
         true => in_quotes(name),

@@ -1,5 +1,5 @@
-//! Reading results and input signals: CSV with a header and the time in the first column. A column
-//! whose first field stands in quotes holds Strings.
+//! Reads results and input signals: CSV with a header and the time in the first column. A column
+//! whose first field is quoted holds Strings.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -9,7 +9,7 @@ use super::csv::Form;
 use crate::error::{Code, Error, Result};
 use crate::texts;
 
-/// Each column takes some memory of its own, however short its name is.
+/// Each column needs some memory, however short its name is.
 const MAX_COLUMNS: usize = 2_000_000;
 
 /// Reads `file`.
@@ -19,14 +19,14 @@ pub(super) fn read(file: &Path) -> Result<Recording> {
     parse(&text, file)
 }
 
-/// Reads a file whose writer may have been killed: a last line without its end is left out.
+/// Reads a file whose writer may have been killed: an incomplete last line is ignored.
 pub(super) fn read_unfinished(file: &Path) -> Result<Recording> {
     let bytes = std::fs::read(file)
         .map_err(|e| Error::new(Code::File, "the results cannot be read").at(file).why(e))?;
-    // The rest of a line may look like a shorter number.
+    // An incomplete line may look like a shorter number.
     let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
     let text = std::str::from_utf8(&bytes[..whole])
-        .map_err(|e| Error::new(Code::Results, "the results are no text").at(file).why(e))?;
+        .map_err(|e| Error::new(Code::Results, "the results are not text").at(file).why(e))?;
     parse(text, file)
 }
 
@@ -54,7 +54,7 @@ fn parse(text: &str, file: &Path) -> Result<Recording> {
             let mut next = |name: &str| fields.next().ok_or_else(|| cut(wrong, number, name));
             let numbered = |field: &str, name: &str| {
                 number_of(field.trim())
-                    .ok_or_else(|| wrong(number, format!("'{field}' in '{name}' is no number")))
+                    .ok_or_else(|| wrong(number, format!("'{field}' in '{name}' is not a number")))
             };
             time.push(numbered(&next("time")?, "time")?);
             for ((column, name), form) in columns.iter_mut().zip(&names).zip(&mut forms) {
@@ -78,7 +78,7 @@ fn parse(text: &str, file: &Path) -> Result<Recording> {
         let mut next = |name: &str| {
             let field = fields.next().ok_or_else(|| cut(wrong, number, name))?;
             number_of(field.trim())
-                .ok_or_else(|| wrong(number, format!("'{field}' in '{name}' is no number")))
+                .ok_or_else(|| wrong(number, format!("'{field}' in '{name}' is not a number")))
         };
         time.push(next("time")?);
         for ((column, name), form) in columns.iter_mut().zip(&names).zip(&forms) {
@@ -97,10 +97,10 @@ fn parse(text: &str, file: &Path) -> Result<Recording> {
 
 fn cut(wrong: impl Fn(usize, String) -> Error, line: usize, name: &str) -> Error {
     wrong(line, format!("the line ends before the column '{name}'"))
-        .why("the file may have been cut: the run was killed while writing")
+        .why("the file may be truncated: the run was killed while writing")
 }
 
-/// The lines with their numbers from 0; what stands in quotes may be longer than a line.
+/// The lines with their numbers from 0; a quoted field may span several lines.
 fn records(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     let mut lines = text.lines().enumerate();
     std::iter::from_fn(move || {
@@ -132,7 +132,7 @@ fn number_of(field: &str) -> Option<f64> {
     }
 }
 
-/// The names of a header; quotes keep commas together, two of them inside mean one.
+/// The names of a header; quotes keep commas together, a doubled quote means one.
 fn split(line: &str) -> Vec<String> {
     let mut fields = vec![String::new()];
     let mut quoted = false;

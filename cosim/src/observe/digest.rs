@@ -1,12 +1,12 @@
-//! A running digest of what is recorded: SHA-256 over names, times and values.
+//! A running digest of everything that is recorded: SHA-256 over names, times and values.
 //!
-//! It is that of the numbers, not of a file: a run recorded as CSV and one as MCAP have the same.
-//! After each sample it stands for all samples until then, so two runs agree up to exactly the
-//! last sample at which their digests do.
+//! It covers the numbers, not a file: a run recorded as CSV and one as MCAP have the same digest.
+//! After each sample it represents all samples so far, so two runs agree up to exactly the last
+//! sample at which their digests are equal.
 //!
-//! The octets are the names of the columns, each with a line feed after it; then per sample the
-//! time in ns (i64) and the values (f64), little-endian. All NaNs count as one: CSV has no other. A
-//! String is its length (u64) and its octets.
+//! The octets are the names of the columns, each followed by a line feed; then for each sample the
+//! time in ns (i64) and the values (f64), little-endian. All NaNs count as one, because CSV has
+//! only one. A String is its length (u64) and its octets.
 
 use std::cell::RefCell;
 use std::io::Write;
@@ -25,7 +25,7 @@ use crate::time::Time;
 
 const UNWRITTEN: &str = "the list of digests cannot be written";
 
-/// The digest of what was recorded so far.
+/// The digest of everything recorded so far.
 #[derive(Debug, Clone, Default)]
 pub struct RunningDigest {
     hash: Sha256,
@@ -35,7 +35,7 @@ pub struct RunningDigest {
 }
 
 impl RunningDigest {
-    /// Of columns with these names, and no sample yet.
+    /// For columns with these names, without samples yet.
     pub fn new<'a>(names: impl IntoIterator<Item = &'a str>) -> Self {
         let mut digest = Self::default();
         for name in names {
@@ -45,14 +45,14 @@ impl RunningDigest {
         digest
     }
 
-    /// Those of these columns that hold Strings.
+    /// The positions of those columns that hold Strings.
     pub(super) fn with_texts(mut self, texts: impl IntoIterator<Item = bool>) -> Self {
         let all = texts.into_iter().enumerate();
         self.texts = all.filter(|(_, text)| *text).map(|(place, _)| place).collect();
         self
     }
 
-    /// Takes a sample in.
+    /// Adds a sample.
     pub fn add(&mut self, time: Time, values: impl IntoIterator<Item = f64>) {
         self.hash.update(time.nanoseconds().to_le_bytes());
         for (place, value) in values.into_iter().enumerate() {
@@ -68,7 +68,7 @@ impl RunningDigest {
         self.samples += 1;
     }
 
-    /// How many samples were taken in.
+    /// The number of samples so far.
     pub fn samples(&self) -> u64 {
         self.samples
     }
@@ -80,7 +80,7 @@ impl RunningDigest {
 }
 
 impl Recording {
-    /// The digest of all that was recorded.
+    /// The digest of a complete recording.
     pub fn digest(&self) -> Result<RunningDigest> {
         let names = || self.columns().map(|(name, _)| name);
         let mut digest =
@@ -93,7 +93,7 @@ impl Recording {
     }
 }
 
-/// A recorder around another one that also keeps the digest.
+/// A recorder around another one that also computes the digest.
 pub struct Digested {
     recorder: Box<dyn Observer>,
     digest: Rc<RefCell<RunningDigest>>,
@@ -102,7 +102,7 @@ pub struct Digested {
 }
 
 impl Digested {
-    /// Around `recorder`; the digest can be read where the second value is.
+    /// Around `recorder`; the digest can be read through the second value.
     pub fn new(recorder: Box<dyn Observer>) -> (Self, Rc<RefCell<RunningDigest>>) {
         let digest = Rc::<RefCell<RunningDigest>>::default();
         (Self { recorder, digest: digest.clone(), list: None }, digest)
@@ -148,7 +148,7 @@ impl Observer for Digested {
     }
 
     fn finish(&mut self) -> Result<()> {
-        // The results come first: they are closed even if the list cannot be.
+        // The results come first: they are closed even if the list cannot be closed.
         self.recorder.finish().and(self.write(Write::flush))
     }
 

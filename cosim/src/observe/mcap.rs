@@ -2,7 +2,7 @@
 //!
 //! Channels and messages are those of [`crate::ros`]; results are read back from the channels of
 //! columns. Log time is simulated time. Chunks are not compressed: doubles of a simulation hardly
-//! shrink, and the reader needs no C library.
+//! compress, and the reader needs no C library.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -18,10 +18,10 @@ use crate::roles::Declaration;
 use crate::ros::Channels;
 use crate::time::Time;
 
-/// Writes results while they come.
+/// Writes results while they arrive.
 pub struct McapRecorder {
     target: PathBuf,
-    /// None after the end.
+    /// `None` after the end.
     writer: Option<Writer<Durable>>,
     roles: Option<Declaration>,
     /// With the number of each in the file.
@@ -30,7 +30,7 @@ pub struct McapRecorder {
 }
 
 impl McapRecorder {
-    /// Creates `file`, and replaces it if it exists.
+    /// Creates `file`, replacing an existing one.
     pub fn create(file: impl AsRef<Path>) -> Result<Self> {
         let target = file.as_ref().to_owned();
         Self::on(files::create(&target, UNWRITTEN)?, target)
@@ -43,7 +43,7 @@ impl McapRecorder {
         Ok(Self { target, writer, roles: None, channels: None, sequence: 0 })
     }
 
-    /// With what the variables are, where their names do not say it.
+    /// Also declares the roles of the variables, if their names do not show them.
     #[must_use]
     pub fn declared(mut self, roles: Option<Declaration>) -> Self {
         self.roles = roles;
@@ -60,8 +60,8 @@ impl Observer for McapRecorder {
         if info.start < Time::ZERO {
             return Err(Error::new(Code::Output, "the results cannot be written as MCAP")
                 .at(&self.target)
-                .why(format!("the run starts at {}, and MCAP knows no negative time", info.start))
-                .help("take a file whose name ends in .csv"));
+                .why(format!("the run starts at {}, and MCAP has no negative times", info.start))
+                .help("use a file name that ends in .csv"));
         }
         let Some(writer) = &mut self.writer else { return Ok(()) };
         let channels = Channels::new(info.name, info.columns, self.roles.as_ref())?;

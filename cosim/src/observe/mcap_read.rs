@@ -1,4 +1,4 @@
-//! Reading back what `mcap` wrote.
+//! Reads back files written by `mcap`.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -26,7 +26,7 @@ struct Topic {
     columns: Vec<Read>,
 }
 
-/// Reads `file`; one that was not finished up to where it is whole.
+/// Reads `file`; an unfinished one up to where it is complete.
 pub(super) fn read(file: &Path) -> Result<Recording> {
     let wrong =
         |why: String| Error::new(Code::Results, "the results cannot be read").at(file).why(why);
@@ -34,7 +34,7 @@ pub(super) fn read(file: &Path) -> Result<Recording> {
         .map_err(|e| Error::new(Code::File, "the results cannot be read").at(file).why(e))?;
     let records = bytes
         .strip_prefix(MAGIC)
-        .ok_or_else(|| wrong("the file is no MCAP: its first bytes are others".to_owned()))?;
+        .ok_or_else(|| wrong("the file is not MCAP: its first bytes are wrong".to_owned()))?;
     let mut topics: Vec<Topic> = Vec::new();
     let mut by_channel: HashMap<u16, Option<usize>> = HashMap::new();
     let mut time: Vec<u64> = Vec::new();
@@ -62,7 +62,8 @@ pub(super) fn read(file: &Path) -> Result<Recording> {
         }
         Record::Message { channel, log_time, data } => {
             let at = by_channel.get(&channel).copied();
-            let at = at.ok_or_else(|| format!("a message is of the unknown channel {channel}"))?;
+            let at =
+                at.ok_or_else(|| format!("a message belongs to the unknown channel {channel}"))?;
             let Some(at) = at else { return Ok(()) };
             if at == 0 {
                 time.push(log_time);

@@ -1,8 +1,8 @@
-//! The records of an MCAP file without compression, as far as they are whole: of strangers too, so
-//! no length is believed before that much is there.
+//! The records of an uncompressed MCAP file, as far as they are complete. The file is untrusted, so
+//! no length is accepted before that much data is there.
 //!
-//! A record is an opcode, its length and its content (<https://mcap.dev/spec>); a chunk holds
-//! others.
+//! A record is an opcode, its length and its content (<https://mcap.dev/spec>); a chunk contains
+//! other records.
 
 pub(super) const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 const FOOTER: u8 = 2;
@@ -10,13 +10,13 @@ const CHANNEL: u8 = 4;
 const MESSAGE: u8 = 5;
 const CHUNK: u8 = 6;
 
-/// What results are made of.
+/// The records that results consist of.
 pub(super) enum Record<'a> {
     Channel { id: u16, topic: &'a str, metadata: Vec<(&'a str, &'a str)> },
     Message { channel: u16, log_time: u64, data: &'a [u8] },
 }
 
-/// Shows what follows the magic bytes to `see`, up to the footer or to where the file is cut.
+/// Shows what follows the magic bytes to `see`, up to the footer or to where the file is truncated.
 pub(super) fn each<'a>(
     bytes: &'a [u8],
     see: &mut dyn FnMut(Record<'a>) -> Result<(), String>,
@@ -36,7 +36,7 @@ fn walk<'a>(
         let content = Bytes(left.take(there).unwrap_or_default());
         match opcode {
             FOOTER => return Ok(()),
-            // One that is cut has records that are not. Chunks are not in chunks.
+            // An incomplete chunk contains an incomplete record. Chunks are not nested.
             CHUNK if chunks => walk(chunk(content, whole)?, false, see)?,
             CHANNEL if whole => see(channel(content).ok_or("a channel is damaged")?)?,
             MESSAGE if whole => see(message(content).ok_or("a message is damaged")?)?,
@@ -46,8 +46,8 @@ fn walk<'a>(
     Ok(())
 }
 
-/// The records of a chunk behind its times, size, checksum (0: none) and compression. The checksum
-/// of one that is cut is of more than is left.
+/// The records of a chunk after its times, size, checksum (0: none) and compression. The checksum
+/// of an incomplete chunk covers more than is left.
 fn chunk(mut content: Bytes<'_>, whole: bool) -> Result<&[u8], String> {
     let (Some(_), Some(checksum), Some(compression), Some(length)) =
         (content.take(24), content.u32(), content.text(), content.u64())
@@ -56,14 +56,14 @@ fn chunk(mut content: Bytes<'_>, whole: bool) -> Result<&[u8], String> {
     };
     if !compression.is_empty() {
         return Err(format!(
-            "its chunks are compressed ({compression}), which is not read: the tool `mcap \
-             decompress` writes them without"
+            "its chunks are compressed ({compression}), which is not supported: the tool `mcap \
+             decompress` writes them without compression"
         ));
     }
     let length = usize::try_from(length).unwrap_or(usize::MAX).min(content.0.len());
     let records = &content.0[..length];
     if whole && checksum != 0 && crc32fast::hash(records) as usize != checksum {
-        return Err("a chunk is damaged: its checksum is another".to_owned());
+        return Err("a chunk is damaged: its checksum is wrong".to_owned());
     }
     Ok(records)
 }
@@ -87,7 +87,7 @@ fn message(mut content: Bytes<'_>) -> Option<Record<'_>> {
     Some(Record::Message { channel, log_time, data: content.0 })
 }
 
-/// What is not read yet.
+/// The part that has not been read yet.
 struct Bytes<'a>(&'a [u8]);
 
 impl<'a> Bytes<'a> {

@@ -1,4 +1,4 @@
-//! What watches a run: recorders and progress. Observers read; nothing they do changes values.
+//! Observers of a run: recorders and progress. They only read; nothing they do changes values.
 
 mod closeness;
 mod continued;
@@ -34,23 +34,23 @@ use crate::roles::Declaration;
 use crate::system::Column;
 use crate::time::{Step, Time};
 
-/// What a run is about to do.
+/// Properties of a run that is about to start.
 pub struct RunInfo<'a> {
     /// Name of the system.
     pub name: &'a str,
-    /// What is recorded, in this order.
+    /// The recorded variables, in this order.
     pub columns: &'a [Column],
-    /// First instant.
+    /// Start time.
     pub start: Time,
-    /// Last instant.
+    /// Stop time.
     pub stop: Time,
     /// Time between samples.
     pub output_interval: Step,
-    /// The run goes on from a snapshot of this instant: samples come after it.
+    /// The run continues from a snapshot of this instant: samples come after it.
     pub resumed: Option<Time>,
 }
 
-/// Watches a run. Calls come in the order start, sample ..., finish; an error ends the run.
+/// Observes a run. Calls come in the order start, sample ..., finish; an error ends the run.
 pub trait Observer {
     /// Before the first sample.
     fn start(&mut self, info: &RunInfo<'_>) -> Result<()>;
@@ -58,21 +58,21 @@ pub trait Observer {
     /// The recorded values at an output instant; Integers and Booleans (0, 1) as numbers.
     fn sample(&mut self, time: Time, values: &[f64]) -> Result<()>;
 
-    /// Before a snapshot is kept: what was given so far must outlive the process.
+    /// Before a snapshot is saved: everything received so far must survive the end of the process.
     fn flush(&mut self) -> Result<()> {
         Ok(())
     }
 
-    /// After the last sample, also when the run failed.
+    /// After the last sample, also if the run failed.
     fn finish(&mut self) -> Result<()>;
 
-    /// Asked after each sample; a reason ends the run there, without an error.
+    /// Called after each sample; a reason ends the run there, without an error.
     fn stop(&self) -> Option<Stop> {
         None
     }
 }
 
-/// The format of a file of results: the ending of its name says which.
+/// The format of a results file, given by its extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Format {
     Csv,
@@ -82,7 +82,7 @@ enum Format {
 }
 
 impl Format {
-    /// CSV for any ending that is not another format's.
+    /// CSV for any extension that does not belong to another format.
     fn of(file: &Path) -> Self {
         let ending = file.extension().and_then(|ending| ending.to_str()).unwrap_or("");
         match ending.to_ascii_lowercase().as_str() {
@@ -93,10 +93,10 @@ impl Format {
         }
     }
 
-    /// The format of a file that is to be written. An ending that promises another format is refused.
+    /// The format of a file to be written. An extension of an unsupported format is refused.
     fn to_write(file: &Path) -> Result<Self> {
         let Some(ending) = file.extension().map(|ending| ending.to_string_lossy()) else {
-            // Devices and pipes, too.
+            // Also for devices and pipes.
             return Ok(Self::Csv);
         };
         let format = Self::of(file);
@@ -105,27 +105,27 @@ impl Format {
         }
         Err(Error::new(Code::Usage, format!("results cannot be written as '.{ending}'"))
             .at(file)
-            .help("let the name end in .csv, .mcap or .parquet"))
+            .help("use a name that ends in .csv, .mcap or .parquet"))
     }
 }
 
-/// Whether a file's name ends as one of results.
+/// Whether a file name has an extension of results.
 pub fn is_results(file: &Path) -> bool {
     let csv = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
     csv || Format::of(file) != Format::Csv
 }
 
-/// Refuses a file of results whose ending names no format that can be written.
+/// Refuses a results file whose extension is not a format that can be written.
 pub fn check_ending(file: &Path) -> Result<()> {
     Format::to_write(file).map(drop)
 }
 
-/// Creates a file of results: CSV, MCAP or Parquet, as the ending of its name says.
+/// Creates a results file: CSV, MCAP or Parquet, according to its extension.
 pub fn create(file: impl AsRef<Path>) -> Result<Box<dyn Observer>> {
     create_with(file, None)
 }
 
-/// As [`create`]; messages of ROS are made of the variables that `roles` names.
+/// Like [`create`]; ROS messages are made from the variables that `roles` names.
 pub fn create_with(
     file: impl AsRef<Path>,
     roles: Option<Declaration>,
@@ -139,7 +139,7 @@ pub fn create_with(
     })
 }
 
-/// Creates a file of results that gets its name when it is finished; see [`Continued`].
+/// Creates a results file that gets its final name when it is finished; see [`Continued`].
 pub fn create_unfinished(
     target: &Path,
     roles: Option<Declaration>,
@@ -159,12 +159,12 @@ pub fn create_unfinished(
 /// Why a run ends before its stop time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stop {
-    /// The observer has seen enough.
+    /// The observer needs no more samples.
     Enough,
-    /// Nobody reads the results any more: the pipe was closed.
+    /// The results are no longer read: the pipe was closed.
     ReaderGone,
-    /// The user asked for it.
+    /// The user requested it.
     Interrupted,
-    /// An FMU ended it; a warning of the run says which and when.
+    /// An FMU ended it; a warning of the run names the FMU and the time.
     Component,
 }

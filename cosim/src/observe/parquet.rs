@@ -1,5 +1,5 @@
-//! Results as Apache Parquet: the column `time` (s) and one for each variable, as DuckDB, pandas and
-//! polars read it.
+//! Results as Apache Parquet: the column `time` (s) and one for each variable, as read by DuckDB,
+//! pandas and polars.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -19,11 +19,11 @@ use crate::texts;
 use crate::time::Time;
 use crate::units::recorded::{self, UNITS};
 
-/// Values of a group of rows: a group is what is kept in memory.
+/// Number of values in a row group: a group is kept in memory.
 const GROUP: usize = 1 << 20;
 
-/// Writes results while they come, a group of rows at a time. A file whose run was killed cannot be
-/// read; one of a run that failed can.
+/// Writes results while they arrive, one row group at a time. The file of a run that was killed
+/// cannot be read; that of a run that failed can.
 pub struct ParquetRecorder {
     target: PathBuf,
     output: Option<Durable>,
@@ -34,7 +34,7 @@ pub struct ParquetRecorder {
 }
 
 impl ParquetRecorder {
-    /// Creates `file`, and replaces it if it exists.
+    /// Creates `file`, replacing an existing one.
     pub fn create(file: impl AsRef<Path>) -> Result<Self> {
         let target = file.as_ref().to_owned();
         Ok(Self::on(files::create(&target, UNWRITTEN)?, target))
@@ -111,8 +111,8 @@ impl Observer for ParquetRecorder {
     }
 }
 
-/// Reads results; those of other programs, too, if their first column is `time` and all are flat and
-/// numbers or Strings.
+/// Reads results, also of other programs, if their first column is `time` and all columns are flat
+/// and contain numbers or Strings.
 pub(super) fn read(path: &Path) -> Result<Recording> {
     let unread =
         |why: String| Error::new(Code::Results, "the results cannot be read").at(path).why(why);
@@ -143,7 +143,7 @@ pub(super) fn read(path: &Path) -> Result<Recording> {
     }
     let length = columns[0].len();
     if let Some(place) = columns.iter().position(|column| column.len() != length) {
-        return Err(unread(format!("column '{}' has another length than 'time'", names[place])));
+        return Err(unread(format!("column '{}' differs in length from 'time'", names[place])));
     }
     let time = columns.remove(0);
     names.remove(0);
@@ -154,7 +154,7 @@ pub(super) fn read(path: &Path) -> Result<Recording> {
     Ok(Recording::from_columns(names, time, columns).with_forms(forms).with_units(units))
 }
 
-/// The values of a column in a group; NaN where there is none.
+/// The values of a column in a group; NaN if there is none.
 fn column_of(reader: ColumnReader, rows: usize, depth: i16) -> Written<(Form, Vec<f64>)> {
     /// A value as it is recorded.
     macro_rules! read {

@@ -1,7 +1,7 @@
 //! Progress on stderr: simulated time, real-time factor, remaining time.
 //!
-//! On a terminal a bar; otherwise a plain line now and then; the wall clock is read here and
-//! nowhere else in the crate, and nothing computed depends on it.
+//! A bar on a terminal, otherwise occasional plain lines. The wall clock is read here and nowhere
+//! else in the crate, and no result depends on it.
 
 use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
@@ -81,7 +81,7 @@ impl Observer for Progress {
                 bar.set_position((time - self.start).nanoseconds().unsigned_abs());
                 bar.set_message(message);
             }
-            // A closed stderr is no reason to end a run.
+            // A closed stderr must not end a run.
             None => drop(writeln!(std::io::stderr(), "{message}")),
         }
         Ok(())

@@ -13,21 +13,21 @@ use crate::system::Column;
 use crate::texts;
 use crate::time::Time;
 
-/// Recorded results: the time and one column per variable.
+/// Recorded results: the time and one column for each variable.
 #[derive(Debug, Clone, Default)]
 pub struct Recording {
     names: Vec<String>,
     forms: Vec<Form>,
-    /// Empty where no unit is known; not all files have them.
+    /// Empty if no unit is known; not all files contain units.
     units: Vec<String>,
     time: Vec<f64>,
     columns: Vec<Vec<f64>>,
-    /// The newest rows, one after the other: columns grow by blocks, for each is a place of its own
-    /// in memory.
+    /// The newest rows, one after another: columns grow in blocks, because each is in a different
+    /// place in memory.
     rows: Vec<f64>,
 }
 
-/// The same names and values: units are said about them.
+/// The same names and values: units are not compared.
 impl PartialEq for Recording {
     fn eq(&self, other: &Self) -> bool {
         (&self.names, &self.forms, &self.time, &self.columns, &self.rows)
@@ -35,22 +35,23 @@ impl PartialEq for Recording {
     }
 }
 
-/// Rows of a block.
+/// Number of rows in a block.
 const BLOCK: usize = 64;
 
 impl Recording {
-    /// Nothing recorded yet.
+    /// A recording without values.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// From columns that are there already, all of the length of `time`.
+    /// From existing columns, all of the same length as `time`.
     pub fn from_columns(names: Vec<String>, time: Vec<f64>, columns: Vec<Vec<f64>>) -> Self {
         let forms = vec![Form::Real; names.len()];
         Self { names, forms, time, columns, ..Self::default() }
     }
 
-    /// Reads results: MCAP if the file's name ends in `.mcap`, Parquet if in `.parquet`, else CSV.
+    /// Reads results: MCAP if the file name ends in `.mcap`, Parquet if in `.parquet`, otherwise
+    /// CSV.
     pub fn read(file: impl AsRef<Path>) -> Result<Self> {
         let file = file.as_ref();
         match Format::of(file) {
@@ -61,8 +62,7 @@ impl Recording {
         }
     }
 
-    /// Reads results whose writer may have been killed: of the last sample all is there, or it is
-    /// left out.
+    /// Reads results whose writer may have been killed: an incomplete last sample is ignored.
     pub fn read_unfinished(file: impl AsRef<Path>) -> Result<Self> {
         match Format::of(file.as_ref()) {
             Format::Csv => csv_read::read_unfinished(file.as_ref()),
@@ -70,7 +70,7 @@ impl Recording {
         }
     }
 
-    /// What the columns hold.
+    /// The types of the columns.
     pub(super) fn with_forms(mut self, forms: Vec<Form>) -> Self {
         self.forms = forms;
         self
@@ -82,19 +82,19 @@ impl Recording {
         self
     }
 
-    /// The columns whose units are known, with these.
+    /// Sets the units of the columns for which they are known.
     pub fn units(&self) -> impl Iterator<Item = (&str, &str)> {
         let all = self.names.iter().zip(&self.units);
         all.map(|(name, unit)| (name.as_str(), unit.as_str())).filter(|(_, unit)| !unit.is_empty())
     }
 
-    /// Whether a column holds Strings, by their numbers ([`texts`]).
+    /// Whether a column holds Strings, by number ([`texts`]).
     pub fn is_text(&self, name: &str) -> bool {
         let position = self.names.iter().position(|own| own == name);
         position.is_some_and(|position| self.forms[position] == Form::Text)
     }
 
-    /// The place of each column by its name; of columns of one name that of the first.
+    /// The position of each column by name; the first one if a name occurs several times.
     pub(super) fn places(&self) -> HashMap<&str, usize> {
         let named = self.names.iter().enumerate().rev();
         named.map(|(place, name)| (name.as_str(), place)).collect()
@@ -104,12 +104,12 @@ impl Recording {
         self.forms[place]
     }
 
-    /// Whether the column at a place holds Strings.
+    /// Whether the column at a position holds Strings.
     pub(crate) fn is_text_at(&self, place: usize) -> bool {
         self.forms.get(place) == Some(&Form::Text)
     }
 
-    /// A column of Strings by its name.
+    /// A column of Strings by name.
     pub fn text(&self, name: &str) -> Result<Vec<Arc<str>>> {
         let values = self.column(name)?;
         if self.is_text(name) {
@@ -133,7 +133,7 @@ impl Recording {
         &self.time
     }
 
-    /// A column by its name.
+    /// A column by name.
     pub fn column(&self, name: &str) -> Result<&[f64]> {
         let position = self.names.iter().position(|n| n == name).ok_or_else(|| {
             Error::new(Code::UnknownName, format!("'{name}' was not recorded"))
@@ -163,7 +163,7 @@ impl Recording {
 }
 
 impl Recording {
-    /// Puts the newest rows into their columns.
+    /// Moves the newest rows into their columns.
     #[cold]
     fn sort_in(&mut self) {
         let width = self.columns.len().max(1);
@@ -177,7 +177,8 @@ impl Recording {
 impl Observer for Recording {
     fn start(&mut self, info: &RunInfo<'_>) -> Result<()> {
         let span = (info.stop - info.start).nanoseconds();
-        // A hint only: a wrong guess costs a reallocation, a run of a year no memory at once.
+        // Only a hint: a wrong guess costs a reallocation, but a run of a year must not allocate
+        // all memory at once.
         let samples = (span / info.output_interval.rounded().nanoseconds() + 2).clamp(0, 1 << 20);
         self.names = info.columns.iter().map(|c| c.name.clone()).collect();
         self.forms = info.columns.iter().map(|c| Form::of(&c.kind)).collect();

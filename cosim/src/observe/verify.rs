@@ -1,7 +1,7 @@
-//! Where two recordings part.
+//! Where two recordings diverge.
 //!
-//! Values are compared bit by bit, so that -0 is not 0; all NaNs count as one, for CSV has no
-//! other. Columns are found by their names, samples by their number.
+//! Values are compared bit by bit, so that -0 is not 0; all NaNs count as one, because CSV has only
+//! one. Columns are matched by name, samples by number.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -10,27 +10,27 @@ use super::Recording;
 use crate::names;
 use crate::texts;
 
-/// What came of comparing recordings A and B.
+/// The result of comparing recordings A and B.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Comparison {
-    /// Columns that both have.
+    /// Common columns.
     pub columns: usize,
-    /// Samples that both have and that are the same.
+    /// Common samples that are the same.
     pub samples: usize,
     /// Columns that only A has.
     pub only_a: Vec<String>,
     /// Columns that only B has.
     pub only_b: Vec<String>,
-    /// Both have the same columns, in another order.
+    /// Both have the same columns in a different order.
     pub reordered: bool,
-    /// Where they part first.
+    /// Where they first diverge.
     pub parting: Option<Parting>,
 }
 
 /// The first sample that is not the same.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Parting {
-    /// The samples are of different instants.
+    /// The samples are at different instants.
     Time {
         /// Number of the sample, from 0.
         sample: usize,
@@ -48,13 +48,13 @@ pub enum Parting {
         /// The variables, in the order of A.
         variables: Vec<Differing>,
     },
-    /// One recording ends here, the other goes on.
+    /// One recording ends here, the other continues.
     End {
         /// The samples of A.
         a: usize,
         /// The samples of B.
         b: usize,
-        /// The time of the last sample that both have (s).
+        /// The time of the last common sample (s).
         time: Option<f64>,
     },
 }
@@ -68,18 +68,18 @@ pub struct Differing {
     pub a: f64,
     /// Its value in B.
     pub b: f64,
-    /// The values are Strings, by their numbers.
+    /// The values are Strings, given by their numbers.
     pub text: bool,
 }
 
 impl Differing {
-    /// How many representable numbers lie between the values, one of them counted (units in the
-    /// last place); none if one is not a number.
+    /// How many representable numbers apart the values are (units in the last place); `None` if one
+    /// is not a number.
     pub fn ulps(&self) -> Option<u64> {
         if self.text || self.a.is_nan() || self.b.is_nan() {
             return None;
         }
-        // Neighbouring numbers have neighbouring bits, but those of negative ones run backwards.
+        // Adjacent numbers have adjacent bits, but the order is reversed for negative ones.
         let ordered = |value: f64| match value.to_bits() as i64 {
             bits if bits < 0 => i128::from(i64::MIN) - i128::from(bits) - 1,
             bits => i128::from(bits),
@@ -130,7 +130,7 @@ impl Comparison {
         self.parting.is_none() && self.only_a.is_empty() && self.only_b.is_empty()
     }
 
-    /// For each column that only one has, the nearest of the other: it may be the same renamed.
+    /// For each column that only one has, the nearest name in the other: it may have been renamed.
     pub fn renamed(&self) -> Vec<(&str, &str)> {
         let others = || self.only_b.iter().map(String::as_str);
         let near = |name: &String| names::nearest(name, others());
@@ -138,7 +138,7 @@ impl Comparison {
     }
 }
 
-/// A column that both have.
+/// A common column.
 struct Pair<'a> {
     name: &'a str,
     a: &'a [f64],
@@ -146,7 +146,7 @@ struct Pair<'a> {
     text: bool,
 }
 
-/// The number of equal samples, and what is after them.
+/// The number of equal samples, and what follows them.
 fn parting(a: &[f64], b: &[f64], pairs: &[Pair<'_>]) -> (usize, Option<Parting>) {
     let shorter = a.len().min(b.len());
     for sample in 0..shorter {
@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_sample_that_differs_is_told_with_all_its_variables() {
+    fn the_first_sample_that_differs_is_reported_with_all_its_variables() {
         let a = recording(&[("x", &[0.0, 1.0, 1.0]), ("y", &[0.0, -0.0, 5.0]), ("z", &[1.0; 3])]);
         let next = 1.0_f64.next_up();
         let b = recording(&[("z", &[1.0; 3]), ("x", &[0.0, next, 2.0]), ("y", &[0.0, 0.0, 5.0])]);
@@ -195,9 +195,9 @@ mod tests {
         let Some(Parting::Values { sample: 1, time: 1.0, variables }) = found.parting else {
             panic!("{found:?}")
         };
-        let told: Vec<String> = variables.iter().map(Differing::to_string).collect();
-        assert_eq!(told[0], "x: 1.0 and 1.0000000000000002, 1 ULP apart");
-        assert_eq!(told[1], "y: -0.0 and 0.0, 1 ULP apart");
+        let lines: Vec<String> = variables.iter().map(Differing::to_string).collect();
+        assert_eq!(lines[0], "x: 1.0 and 1.0000000000000002, 1 ULP apart");
+        assert_eq!(lines[1], "y: -0.0 and 0.0, 1 ULP apart");
     }
 
     #[test]

@@ -1,7 +1,7 @@
-//! Calls of FMI on their way to an instance elsewhere, and what comes back.
+//! FMI calls to an instance in another process, and their results.
 //!
-//! Several go together: what was set, the step, and what is read after it are one message each
-//! way. Times and values keep their bits, so the instance sees what it would see here.
+//! Several go together: what is set, the step, and what is read after it are one message in each
+//! direction. Times and values keep their bits, so the instance sees what it would see here.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,15 +18,15 @@ pub enum Ask {
     Exit,
     /// `fmi2Reset`
     Reset,
-    /// `fmi2SetReal` and its like for the other types
+    /// `fmi2SetReal` and the same for the other types
     Set(Vec<u32>, Values),
-    /// `fmi2GetReal` and its like for the other types
+    /// `fmi2GetReal` and the same for the other types
     Get(Basic, Vec<u32>),
-    /// `fmi2DoStep`: from where, and how far, in seconds.
+    /// `fmi2DoStep`: start and length, in seconds.
     Step(f64, f64),
-    /// The state as bytes: `fmi2GetFMUstate` and `fmi2SerializeFMUstate`.
+    /// The serialized state: `fmi2GetFMUstate` and `fmi2SerializeFMUstate`.
     Save,
-    /// Back to a state of these bytes: `fmi2DeSerializeFMUstate` and `fmi2SetFMUstate`.
+    /// Restores a serialized state: `fmi2DeSerializeFMUstate` and `fmi2SetFMUstate`.
     Restore(Vec<u8>),
     /// `fmi2GetDirectionalDerivative`: unknowns, knowns, and the direction.
     Derivative(Vec<u32>, Vec<u32>, Vec<f64>),
@@ -44,10 +44,10 @@ pub enum Values {
     String(Vec<String>),
 }
 
-/// What a call gave.
+/// The result of a call.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Given {
-    /// Nothing but that it went well.
+    /// Success without a value.
     Done,
     /// Values that were read.
     Values(Values),
@@ -55,19 +55,19 @@ pub enum Given {
     State(Vec<u8>),
 }
 
-/// What became of calls: they are made in their order up to the first that fails.
+/// The outcome of calls: they are made in order up to the first failure.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
-    /// Of those that went well.
+    /// Results of those that succeeded.
     pub given: Vec<Given>,
-    /// Of the one that did not.
+    /// The failure of the one that did not.
     pub trouble: Option<Trouble>,
 }
 
 /// A call that failed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Trouble {
-    /// What it returned.
+    /// The status that it returned.
     pub status: i32,
     /// What, where, why.
     pub text: String,
@@ -99,12 +99,13 @@ impl Ask {
         }
     }
 
-    /// Whether the instance is another one after it: this has to be done again in its place.
+    /// Whether it changes the instance: it must be repeated for a replacement.
     pub fn changes(&self) -> bool {
         !matches!(self, Self::Get(..) | Self::Save | Self::Derivative(..))
     }
 
-    /// Of several the one that somebody who waits thinks of: what moves time, or the last.
+    /// The most significant of several calls for a message: the one that advances time, or the
+    /// last.
     pub fn main(asks: &[Self]) -> Option<&Self> {
         asks.iter().find(|ask| matches!(ask, Self::Step(..))).or(asks.last())
     }

@@ -1,29 +1,29 @@
-//! The modelDescription.xml of a remote FMU: that of the FMU it stands for, but for what is said of
-//! the library.
+//! The modelDescription.xml of a remote FMU: that of the original FMU, except for what concerns the
+//! library.
 
 use crate::fmi::description::Interface;
 use crate::system::Xml;
 use crate::xml::{Attribute, Element};
 
-/// What log messages are sorted into, beside what the FMU itself has.
+/// The categories of log messages, in addition to those of the FMU.
 const LOG_CATEGORIES: [(&str, &str); 5] = [
     ("logEvents", "Debug messages, on request"),
-    ("logStatusWarning", "Warnings and losses that were made good, always logged"),
+    ("logStatusWarning", "Warnings and losses that were recovered, always logged"),
     ("logStatusDiscard", "Values and steps that were discarded, always logged"),
     ("logStatusError", "Errors, always logged"),
     ("logStatusFatal", "Failures that end the instance, always logged"),
 ];
 
-/// What comes before the categories of log messages (FMI 2.0.5, 2.2.1).
+/// The elements before the log categories (FMI 2.0.5, 2.2.1).
 const BEFORE: [&str; 3] = ["CoSimulation", "UnitDefinitions", "TypeDefinitions"];
-/// What is taken over after them.
+/// The elements after them that are copied.
 const AFTER: [&str; 3] = ["DefaultExperiment", "ModelVariables", "ModelStructure"];
 
-/// What is added to what the FMU says of itself.
+/// Added to the description of the FMU.
 const WHERE: &str = "computed by a worker, for importers on Linux";
 
 /// The text for the description `root` of an FMU; `once`: there is one endpoint, and each instance
-/// needs one.
+/// needs its own.
 pub(super) fn text(
     root: &Element,
     interface: &Interface,
@@ -40,7 +40,7 @@ pub(super) fn text(
     let mut attributes =
         own(root, &["guid", "description", "generationTool", "generationDateAndTime"]);
     attributes.extend([("guid", guid), ("description", &what), ("generationTool", tool)]);
-    // What the namespaces of an importer's schema are called is its own affair.
+    // The prefix for the namespace of the schema is up to the exporter.
     attributes.retain(|(name, _)| !name.contains(':'));
     xml.start(&root.name, &attributes);
     for name in BEFORE {
@@ -55,8 +55,8 @@ pub(super) fn text(
     xml.finish()
 }
 
-/// What is true of a library that speaks to a worker: it is nothing without one, keeps no state of
-/// its own, and each instance is a process of its own elsewhere.
+/// Capabilities of a library that talks to a worker: it needs one, keeps no state itself, and each
+/// instance is a separate process elsewhere.
 fn co_simulation(xml: &mut Xml, interface: &Interface, once: bool, identifier: &str) {
     let flag = |set: bool| if set { "true" } else { "false" };
     let state = flag(can_save(interface));
@@ -76,7 +76,7 @@ fn co_simulation(xml: &mut Xml, interface: &Interface, once: bool, identifier: &
     xml.empty("CoSimulation", &attributes);
 }
 
-/// A state travels as bytes or not at all.
+/// A state is serialized or not transferred at all.
 pub(super) fn can_save(interface: &Interface) -> bool {
     interface.get_and_set_state && interface.serialize_state
 }
@@ -93,7 +93,7 @@ fn categories(xml: &mut Xml, root: &Element) {
     xml.end();
 }
 
-/// An element as it is; what tools add of their own stays behind.
+/// An element without changes; vendor annotations are dropped.
 fn copy(xml: &mut Xml, element: &Element) {
     let attributes = own(element, &[]);
     let children = || element.children.iter().filter(|child| child.name != "Annotations");

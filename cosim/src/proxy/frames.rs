@@ -1,8 +1,9 @@
-//! What the library of a remote FMU and the program beside it say to each other.
+//! The protocol between the library of a remote FMU and the program beside it.
 //!
-//! The library lives in a stranger's process: it computes nothing there, opens no connection and
-//! starts no thread. All that is the program's, which ends with the socket between them. While it
-//! works it says so twice a second, so the library never waits for one that is stuck.
+//! The library is loaded into a third-party process: it computes nothing there, opens no connection
+//! and starts no thread. All of that is done by the program, which ends with the socket between
+//! them. While it works, it sends a signal twice a second, so the library never waits for a program
+//! that hangs.
 
 use std::io::{Error, ErrorKind, Read, Result, Write};
 use std::path::PathBuf;
@@ -14,37 +15,37 @@ use serde::{Deserialize, Serialize};
 use super::calls::{Ask, Outcome};
 use crate::fmi::Message;
 
-/// So often the program says that it works.
+/// Interval at which the program signals that it works.
 pub const SIGN: Duration = Duration::from_millis(500);
-/// A program that says nothing for so long is given up.
+/// A program that is silent for this long is given up.
 pub const SILENCE: Duration = Duration::from_secs(15);
-/// More octets than these are no message.
+/// Maximum size of a message in octets.
 const MOST: u32 = 1 << 30;
 
-/// What the library wants.
+/// Requests of the library.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub enum Request {
-    /// An instance of what the resources tell of.
+    /// An instance of the FMU described by the resources.
     Make {
         /// The FMU's resources.
         resources: PathBuf,
         /// Name of the instance.
         name: String,
-        /// It is asked for debug messages.
+        /// Debug messages are requested from it.
         debug: bool,
     },
-    /// Calls of it.
+    /// Calls of the instance.
     Calls(Vec<Ask>),
 }
 
-/// What the program answers.
+/// Answers of the program.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub enum Reply {
-    /// It works.
+    /// It is still working.
     Working,
-    /// What became of the calls, what the instance said, and losses that were made good.
+    /// The outcome of the calls, messages of the instance, and losses that were recovered.
     Done(Outcome, Vec<Message>, Vec<String>),
-    /// There is no instance any more.
+    /// The instance no longer exists.
     Lost(String),
 }
 
@@ -66,7 +67,7 @@ pub fn read<T: DeserializeOwned>(from: &mut impl Read) -> Result<T> {
     from.read_exact(&mut length)?;
     let length = u32::from_le_bytes(length);
     if length >= MOST {
-        return Err(wrong(format!("{length} octets are no message")));
+        return Err(wrong(format!("{length} octets are not a message")));
     }
     let mut bytes = vec![0; length as usize];
     from.read_exact(&mut bytes)?;

@@ -1,7 +1,7 @@
-//! The library's end: it starts the program and asks it.
+//! The library's end: starts the program and sends requests to it.
 //!
-//! The program lies in the FMU's resources, which may be on a file system that forbids to run
-//! programs, and whose unpacking may have lost that this is one: it is run from memory.
+//! The program is in the FMU's resources, which may be on a file system that does not allow
+//! execution, and unpacking may have lost its executable flag: it is therefore run from memory.
 
 use std::fs::File;
 use std::io::{ErrorKind, Write};
@@ -19,13 +19,13 @@ use super::frames::{Reply, Request, SILENCE, read, write};
 use super::manifest::program;
 use crate::error::{Code, Error, Result};
 
-/// So long the program may take to end before it is killed.
+/// How long the program may take to end before it is killed.
 const GRACE: Duration = Duration::from_millis(1500);
 
-/// A program of one's own.
+/// The program process of an instance.
 pub struct Link {
     stream: UnixStream,
-    /// None in tests.
+    /// `None` in tests.
     child: Option<Child>,
 }
 
@@ -47,20 +47,20 @@ impl Link {
             .arg("remote")
             .stdin(OwnedFd::from(theirs))
             .stdout(Stdio::null())
-            // Ctrl-C at a terminal is for the process that the user started.
+            // Ctrl-C at a terminal is meant for the process that the user started.
             .process_group(0)
             .spawn()
             .map_err(unstarted)?;
         Ok(Self { stream: ours, child: Some(child) })
     }
 
-    /// With somebody who serves the other end of `stream`, for tests.
+    /// With a test that serves the other end of `stream`.
     #[doc(hidden)]
     pub fn over(stream: UnixStream) -> Self {
         Self { stream, child: None }
     }
 
-    /// Asks, and waits for the answer.
+    /// Sends a request, and waits for the answer.
     pub fn ask(&mut self, request: &Request) -> Result<Reply> {
         write(&mut self.stream, request).map_err(|why| self.broken(&why))?;
         loop {
@@ -73,11 +73,11 @@ impl Link {
     }
 
     fn broken(&mut self, why: &std::io::Error) -> Error {
-        let error = Error::new(Code::Lost, "the process that speaks to the workers is gone");
+        let error = Error::new(Code::Lost, "the process that talks to the workers is gone");
         let silent = matches!(why.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut);
         match self.child.as_mut().map(Child::try_wait) {
             Some(Ok(Some(status))) => error.why(format!("it ended: {status}")),
-            _ if silent => error.why(format!("it said nothing for {} s", SILENCE.as_secs())),
+            _ if silent => error.why(format!("it was silent for {} s", SILENCE.as_secs())),
             _ => error.why(why),
         }
     }
@@ -85,7 +85,7 @@ impl Link {
 
 impl Drop for Link {
     fn drop(&mut self) {
-        // It ends with this.
+        // The program ends when the socket is closed.
         let _ = self.stream.shutdown(Shutdown::Both);
         let Some(child) = &mut self.child else {
             return;
@@ -103,11 +103,11 @@ impl Drop for Link {
     }
 }
 
-/// The file's content as a file in memory that may be run.
+/// The content of the file as an executable file in memory.
 fn in_memory(path: &Path) -> std::io::Result<File> {
     let mut content = File::open(path)?;
     let flags = MemfdFlags::CLOEXEC;
-    // Kernels before 6.3 do not know the flag, and allow to run anything.
+    // Kernels before 6.3 do not know the flag, and always allow execution.
     let image = memfd_create("cosim", flags | MemfdFlags::EXEC)
         .or_else(|_| memfd_create("cosim", flags))?;
     let mut image = File::from(image);

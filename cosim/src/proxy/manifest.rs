@@ -1,4 +1,4 @@
-//! What the resources of a remote FMU say: which FMU it stands for, and how workers are reached.
+//! The resources of a remote FMU: which FMU it represents, and how workers are reached.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,37 +10,37 @@ use crate::error::{Code, Error, Result};
 use crate::fmi::description::Interface;
 use crate::fmi::{Causality, Description, elf};
 
-/// The file in the resources that says which FMU is meant.
+/// The file in the resources that identifies the FMU.
 pub const FILE: &str = "remote.json";
-/// The file in the resources that says how workers are reached; it is there to be edited.
+/// The file in the resources that defines how workers are reached; users may edit it.
 pub const CONNECTION: &str = "connection.json5";
-/// The program in the resources, below the platform's folder.
+/// The program in the resources, below the folder of the platform.
 const PROGRAM: &str = "cosim";
 
-/// Of the form of the file. A library reads only its own.
+/// Format version of the file. A library reads only its own.
 const VERSION: u32 = 1;
 
-/// Which FMU is meant.
+/// Identifies the FMU.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Manifest {
     version: u32,
-    /// The identity of the remote FMU itself.
+    /// The GUID of the remote FMU itself.
     pub guid: String,
-    /// Name of the file of the FMU that it stands for.
+    /// File name of the FMU that it represents.
     pub fmu: String,
-    /// SHA-256 of that file: workers know it by this.
+    /// SHA-256 of that file, by which workers know it.
     pub sha256: String,
-    /// Whether it can give its state as bytes.
+    /// Whether it can serialize its state.
     pub can_save: bool,
-    /// Whether it gives directional derivatives.
+    /// Whether it provides directional derivatives.
     pub derivative: bool,
     /// Value references of its Real outputs.
     pub outputs: Vec<u32>,
-    /// Of its inputs, by type, in rising order.
+    /// Value references of its inputs, by type, in ascending order.
     pub inputs: [Vec<u32>; Basic::ALL.len()],
 }
 
-/// Where the program for a platform lies in the resources.
+/// The path of the program for a platform in the resources.
 pub(super) fn place(platform: &str) -> String {
     format!("{platform}/{PROGRAM}")
 }
@@ -51,14 +51,14 @@ pub(super) fn program(resources: &Path) -> Result<PathBuf> {
     let file = resources.join(place(here));
     match file.is_file() {
         true => Ok(file),
-        false => Err(Error::new(Code::File, format!("the FMU is not made for {here}"))
+        false => Err(Error::new(Code::File, format!("the FMU does not support {here}"))
             .why(format!("{} is missing", file.display()))
-            .help("unpack the FMU again, or make it here: cosim proxy")),
+            .help("unpack the FMU again, or write it again on this machine: cosim proxy")),
     }
 }
 
 impl Manifest {
-    /// For an FMU by its description and its file; the identity comes later.
+    /// For an FMU by its description and its file; the GUID comes later.
     pub(super) fn new(
         description: &Description,
         interface: &Interface,
@@ -94,7 +94,7 @@ impl Manifest {
             Error::new(Code::File, "the resources of the FMU cannot be read")
                 .at(&file)
                 .why(why)
-                .help("unpack the FMU again, or make it again: cosim proxy")
+                .help("unpack the FMU again, or write it again: cosim proxy")
         };
         let bytes = fs::read(&file).map_err(|why| unread(why.to_string()))?;
         let read: Self = serde_json::from_slice(&bytes).map_err(|why| unread(why.to_string()))?;
@@ -110,7 +110,7 @@ impl Manifest {
             .map_err(|why| Error::new(Code::Output, "the FMU cannot be described").why(why))
     }
 
-    /// The FMU itself, if it lies in the resources.
+    /// The FMU itself, if it is in the resources.
     pub fn held(&self, resources: &Path) -> Option<PathBuf> {
         Some(resources.join(&self.fmu)).filter(|file| file.is_file())
     }

@@ -1,4 +1,4 @@
-//! A component on another machine as an FMU here.
+//! A component on another machine as an FMU on this one.
 //!
 //! ```text
 //!  importer ── library ──(socket)── program ──(Zenoh)── worker ── instance
@@ -7,11 +7,11 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `calls` | calls of FMI as messages |
-//! | `frames`, `link`, `serve` | what the library and the program beside it say to each other |
-//! | `manifest`, `settings` | what lies in the FMU's resources |
-//! | `write`, `description` | making such an FMU |
-//! | `shell` | what an FMU tells without what computes in it |
+//! | `calls` | FMI calls as messages |
+//! | `frames`, `link`, `serve` | the protocol between the library and the program beside it |
+//! | `manifest`, `settings` | files in the FMU's resources |
+//! | `write`, `description` | writes such an FMU |
+//! | `shell` | an FMU without its binaries |
 
 pub mod calls;
 #[cfg(feature = "distributed")]
@@ -31,5 +31,5 @@ mod write;
 #[cfg(feature = "distributed")]
 pub use write::Proxy;
 
-/// What marks a library that serves remote FMUs of this form, among its bytes.
+/// The marker among the bytes of a library that serves remote FMUs of this format.
 pub const MARK: &str = "cosim serves remote FMUs of version 1";

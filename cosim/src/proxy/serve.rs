@@ -1,4 +1,4 @@
-//! The program's end: the verb that the library of a remote FMU starts.
+//! The program's end: the command that the library of a remote FMU starts.
 
 use std::io::ErrorKind;
 use std::os::fd::AsFd;
@@ -14,10 +14,10 @@ use super::frames::{Reply, Request, SIGN, read, write};
 use crate::distributed::{Reached, Remote};
 use crate::error::{Code, Error, Result};
 
-/// So long what is being done may take when nobody waits for it any more.
+/// How long work in progress may continue when nothing waits for it any more.
 const GRACE: Duration = Duration::from_secs(1);
 
-/// The socket, and whether something is being done.
+/// The socket, and whether work is in progress.
 struct Desk {
     stream: Mutex<UnixStream>,
     works: AtomicBool,
@@ -74,8 +74,7 @@ fn make(resources: &Path, name: &str, debug: bool) -> Result<Remote> {
     Remote::make(resources, name, debug, &Reached::of(resources)?)
 }
 
-/// Tells from time to time that something is being done; ends everything when nobody is there to
-/// be told.
+/// Signals regularly that work is in progress; ends everything when the library is gone.
 fn watch(desk: &Desk, stream: &UnixStream) {
     let pause = Timespec { tv_sec: 0, tv_nsec: SIGN.subsec_nanos().into() };
     loop {
@@ -84,7 +83,7 @@ fn watch(desk: &Desk, stream: &UnixStream) {
         let gone = PollFlags::RDHUP | PollFlags::HUP | PollFlags::ERR | PollFlags::NVAL;
         if found.is_ok() && polled[0].revents().intersects(gone) {
             std::thread::sleep(GRACE);
-            // Workers end what they do for a session that is gone.
+            // Workers stop their work for a session that is gone.
             std::process::exit(0);
         }
         if desk.works.load(Ordering::Relaxed) && desk.say(&Reply::Working).is_err() {

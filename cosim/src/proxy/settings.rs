@@ -1,4 +1,4 @@
-//! How workers are reached: a file in the resources, and above it the environment.
+//! How workers are reached: a file in the resources, overridden by the environment.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use crate::distributed::{
 };
 use crate::error::{Code, Error, Result};
 
-/// What each variable of the environment is called, and means.
+/// The environment variables and their settings.
 const FILE: &str = "COSIM_REMOTE_CONFIG";
 const LISTEN: &str = "COSIM_REMOTE_LISTEN";
 const CREDENTIALS: &str = "COSIM_REMOTE_CREDENTIALS";
@@ -19,12 +19,12 @@ const WAIT: &str = "COSIM_REMOTE_WAIT";
 const DEADLINE: &str = "COSIM_REMOTE_DEADLINE";
 const SAVE_EVERY: &str = "COSIM_REMOTE_SAVE_EVERY";
 
-/// What is not said anywhere.
+/// Defaults.
 const WAIT_S: f64 = 10.0;
 const DEADLINE_S: f64 = 5.0;
 const SAVED_EVERY: u64 = 50;
 
-/// What is written into the resources of a remote FMU.
+/// The settings written into the resources of a remote FMU.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Settings {
     pub listen: Vec<String>,
@@ -37,7 +37,7 @@ pub(super) struct Settings {
 }
 
 impl Settings {
-    /// Where workers dial, as the file says it.
+    /// The endpoints where workers connect, as in the file.
     fn listen(&self) -> String {
         match &self.listen[..] {
             [] => DEFAULT_ENDPOINT.to_owned(),
@@ -45,7 +45,8 @@ impl Settings {
         }
     }
 
-    /// The folder of certificates, from the root: relative to the file it would be in the FMU.
+    /// The folder of certificates as an absolute path: a relative one would refer to the file in
+    /// the FMU.
     fn folder(&self) -> Option<PathBuf> {
         let folder = self.credentials.as_ref()?;
         Some(std::path::absolute(folder).unwrap_or_else(|_| folder.clone()))
@@ -67,7 +68,7 @@ impl Settings {
         duration(WAIT, self.wait.unwrap_or(WAIT_S))
     }
 
-    /// The file, if what it says would be of use here.
+    /// The text of the file, if its settings are valid here.
     pub(super) fn text(&self) -> Result<String> {
         self.accesses().iter().try_for_each(Access::check)?;
         let (listen, folder) = (self.listen(), self.folder());
@@ -80,19 +81,19 @@ impl Settings {
         let folder = folder.map(|folder| quoted(&folder.to_string_lossy()));
         let worker = self.worker.as_deref().map(quoted);
         Ok([
-            "// How workers are reached: Zenoh's own settings, and ours under cosim. The environment goes\n\
-             // before what is said here: COSIM_REMOTE_LISTEN, COSIM_REMOTE_WAIT, ...; COSIM_REMOTE_CONFIG\n\
+            "// How workers are reached: Zenoh's own settings, and ours under cosim. The environment\n\
+             // overrides this file: COSIM_REMOTE_LISTEN, COSIM_REMOTE_WAIT, ...; COSIM_REMOTE_CONFIG\n\
              // names another file. Paths are relative to this one.\n{\n  cosim: {\n"
                 .to_owned(),
-            line("listen", Some(quoted(&listen)), "", "Where workers dial: the first that is free."),
+            line("listen", Some(quoted(&listen)), "", "Where workers connect: the first free endpoint."),
             line("credentials", folder, "\"keys/orchestrator\"", "Certificates, for tls/HOST:PORT."),
             line(
                 "insecure",
                 self.insecure.then(|| "true".to_owned()),
                 "false",
-                "Whether an endpoint of another machine needs no TLS.",
+                "Whether an endpoint on another machine needs no TLS.",
             ),
-            line("worker", worker, "\"left\"", "The worker that computes it, if it is there."),
+            line("worker", worker, "\"left\"", "The worker that computes it, if it is connected."),
             line("wait", self.wait.map(|s| format!("{s:?}")), "10.0", "Seconds to wait for a worker."),
             line(
                 "deadline",
@@ -104,7 +105,7 @@ impl Settings {
                 "save_every",
                 self.save_every.map(|n| n.to_string()),
                 "50",
-                "The state comes along after so many steps, 0: never.",
+                "The state is saved after this many steps; 0: never.",
             ),
             "  },\n}\n".to_owned(),
         ]
@@ -113,7 +114,7 @@ impl Settings {
 }
 
 impl Reached {
-    /// As the resources and the environment say.
+    /// Settings from the resources and the environment.
     pub fn of(resources: &Path) -> Result<Self> {
         let file = said(FILE)?.map_or_else(|| resources.join(CONNECTION), PathBuf::from);
         let Ours { listen, credentials, insecure, worker, wait, deadline, save_every, .. } =
@@ -145,7 +146,7 @@ fn duration(name: &str, seconds: f64) -> Result<Duration> {
         .map_err(|why| Error::new(Code::Configuration, format!("{name} is {seconds} s")).why(why))
 }
 
-/// A variable that is set to something.
+/// An environment variable that is not empty.
 fn said(name: &str) -> Result<Option<String>> {
     match env::var(name) {
         Ok(text) => Ok(Some(text).filter(|text| !text.is_empty())),
@@ -159,6 +160,7 @@ fn number<T: std::str::FromStr>(name: &str) -> Result<Option<T>> {
         return Ok(None);
     };
     text.trim().parse().map(Some).map_err(|_| {
-        Error::new(Code::Configuration, format!("{name} is '{text}'")).why("that is no such number")
+        Error::new(Code::Configuration, format!("{name} is '{text}'"))
+            .why("that is not a valid number")
     })
 }

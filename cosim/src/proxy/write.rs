@@ -1,4 +1,4 @@
-//! Making a remote FMU.
+//! Writes a remote FMU.
 
 use std::env;
 use std::fs;
@@ -9,7 +9,7 @@ use super::description::{self, can_save};
 use super::manifest::{self, CONNECTION, FILE, Manifest};
 use super::settings::Settings;
 use super::shell;
-use crate::distributed::Offer;
+use crate::distributed::AvailableFmu;
 use crate::error::{Code, Error, Result};
 use crate::export::archive::{self, Content, Entry};
 use crate::export::library::{self, Kind, Library};
@@ -25,7 +25,7 @@ const LIBRARY: Kind = Kind {
     of: "remote FMUs",
 };
 
-/// How an FMU becomes one that is computed elsewhere.
+/// Writes an FMU that is computed by a worker.
 ///
 /// ```no_run
 /// use cosim::proxy::Proxy;
@@ -42,12 +42,12 @@ pub struct Proxy {
 }
 
 impl Proxy {
-    /// For workers that dial this machine's loopback address.
+    /// For workers that connect to this machine's loopback address.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Where workers dial: the first of several that is free.
+    /// Where workers connect: the first free one of several endpoints.
     #[must_use]
     pub fn listen(mut self, endpoint: impl Into<String>) -> Self {
         self.settings.listen.push(endpoint.into());
@@ -61,14 +61,14 @@ impl Proxy {
         self
     }
 
-    /// An endpoint of another machine needs no TLS.
+    /// An endpoint on another machine needs no TLS.
     #[must_use]
     pub fn insecure(mut self, insecure: bool) -> Self {
         self.settings.insecure = insecure;
         self
     }
 
-    /// The worker that computes it, if it is there.
+    /// The worker that computes it, if it is connected.
     #[must_use]
     pub fn worker(mut self, name: impl Into<String>) -> Self {
         self.settings.worker = Some(name.into());
@@ -89,14 +89,14 @@ impl Proxy {
         self
     }
 
-    /// After so many steps the state comes along, 0: never.
+    /// The state is saved after this many steps; 0: never.
     #[must_use]
     pub fn save_every(mut self, steps: u64) -> Self {
         self.settings.save_every = Some(steps);
         self
     }
 
-    /// The FMU is not packed: workers hold it.
+    /// The FMU is not packed: workers must have it.
     #[must_use]
     pub fn held(mut self, held: bool) -> Self {
         self.held = held;
@@ -117,8 +117,7 @@ impl Proxy {
         self
     }
 
-    /// Writes the remote FMU of a file, which replaces one that is there as a whole; gives what is
-    /// good to know.
+    /// Writes the remote FMU of a file, replacing an existing one as a whole; returns notes.
     pub fn write(&self, fmu: impl AsRef<Path>, path: impl AsRef<Path>) -> Result<Vec<String>> {
         let (fmu, path) = (fmu.as_ref(), path.as_ref());
         check_paths(fmu, path)?;
@@ -129,12 +128,12 @@ impl Proxy {
         let name = fmu.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let sha256 = own.digest().to_owned();
         let own = (!self.held).then_some(own);
-        self.write_of(&Told { fmu: &opened, name, sha256 }, own, parts, path)?;
+        self.write_of(&Original { fmu: &opened, name, sha256 }, own, parts, path)?;
         Ok(notes(&opened, &binaries))
     }
 
-    /// Writes the remote FMU of what a worker holds, by the name of the file or its SHA-256: the
-    /// worker is asked for the description, and the FMU itself stays where it is.
+    /// Writes the remote FMU of an FMU that a worker holds, given by its file name or its SHA-256:
+    /// the worker provides the description, and the FMU itself stays there.
     pub fn write_offered(
         &self,
         worker: &str,
@@ -144,15 +143,16 @@ impl Proxy {
         let path = path.as_ref();
         check_ending(path)?;
         let parts = self.parts()?;
-        let offer = Offer::ask(&self.settings.accesses(), worker, fmu, self.settings.patience()?)?;
-        let (opened, _folder) = shell::open(&offer.shell, &offer.name)?;
-        let told = Told { fmu: &opened, name: offer.name, sha256: offer.sha256 };
-        self.write_of(&told, None, parts, path)?;
-        let platforms: Vec<&str> = offer.platforms.iter().map(String::as_str).collect();
+        let available =
+            AvailableFmu::ask(&self.settings.accesses(), worker, fmu, self.settings.patience()?)?;
+        let (opened, _folder) = shell::open(&available.shell, &available.name)?;
+        let original = Original { fmu: &opened, name: available.name, sha256: available.sha256 };
+        self.write_of(&original, None, parts, path)?;
+        let platforms: Vec<&str> = available.platforms.iter().map(String::as_str).collect();
         Ok(notes(&opened, &platforms))
     }
 
-    /// What does not depend on the FMU, if all of it is there.
+    /// Everything that does not depend on the FMU; fails if anything is missing.
     fn parts(&self) -> Result<Parts> {
         let connection = self.settings.text()?;
         let libraries = library::find(&LIBRARY, &self.libraries)?;
@@ -162,12 +162,12 @@ impl Proxy {
 
     fn write_of(
         &self,
-        told: &Told<'_>,
+        original: &Original<'_>,
         own: Option<Content>,
         parts: Parts,
         path: &Path,
     ) -> Result<()> {
-        let Told { fmu, name, sha256 } = told;
+        let Original { fmu, name, sha256 } = original;
         let Parts { connection, libraries, programs } = parts;
         let interface = fmu.interface(InterfaceType::CoSimulation)?;
         let file = fmu.path();
@@ -177,8 +177,8 @@ impl Proxy {
         let identifier = identifier(&format!("{}_remote", interface.model_identifier));
         let mut manifest = Manifest::new(fmu.description(), interface, name, sha256);
         let once = self.settings.accesses().len() == 1;
-        let told = description::text(&root, interface, once, &identifier, "");
-        manifest.guid = guid([told.as_bytes(), sha256.as_bytes()].into_iter());
+        let draft = description::text(&root, interface, once, &identifier, "");
+        manifest.guid = guid([draft.as_bytes(), sha256.as_bytes()].into_iter());
         let text = description::text(&root, interface, once, &identifier, &manifest.guid);
         let mut entries = vec![("modelDescription.xml".to_owned(), Content::bytes(text))];
         entries.extend(files(for_people.path())?);
@@ -195,7 +195,7 @@ impl Proxy {
         archive::write(path, &entries)
     }
 
-    /// The program for the platform of each library; of this machine it is the one that runs.
+    /// The program for the platform of each library; for this platform it is the running one.
     fn programs(&self, libraries: &[Library]) -> Result<Vec<(&'static str, Content)>> {
         let unread = |file: &Path, why: String| {
             Error::new(Code::File, "the program cosim cannot be read").at(file).why(why)
@@ -215,21 +215,21 @@ impl Proxy {
                 Err(Error::new(Code::Usage, what)
                     .at(&library.path)
                     .why("this library is for that platform")
-                    .help("name the program of each platform by --program"))
+                    .help("specify the program of each platform with --program"))
             }
         }
     }
 }
 
-/// The FMU that is stood for.
-struct Told<'a> {
+/// The original FMU.
+struct Original<'a> {
     fmu: &'a Fmu,
-    /// Its file's.
+    /// Its file name.
     name: String,
     sha256: String,
 }
 
-/// What goes into every remote FMU.
+/// The parts of every remote FMU.
 struct Parts {
     connection: String,
     libraries: Vec<Library>,
@@ -238,7 +238,7 @@ struct Parts {
 
 fn notes(fmu: &Fmu, platforms: &[&str]) -> Vec<String> {
     let state = match fmu.interface(InterfaceType::CoSimulation).is_ok_and(can_save) {
-        true => "its state can be saved: a lost worker's part is taken over from there",
+        true => "its state can be saved: after the loss of a worker it is continued from there",
         false => "its state cannot be saved: after a loss it is computed again from the start",
     };
     vec![format!("computed on workers with {}", platforms.join(", ")), state.to_owned()]
@@ -248,39 +248,40 @@ fn check_ending(path: &Path) -> Result<()> {
     if path.extension().is_some_and(|end| end.eq_ignore_ascii_case("fmu")) {
         return Ok(());
     }
-    Err(Error::new(Code::Usage, "what is to be written is no .fmu")
+    Err(Error::new(Code::Usage, "the output file is not an .fmu")
         .at(path)
-        .help("give it a name that ends with .fmu"))
+        .help("use a name that ends in .fmu"))
 }
 
 fn check_paths(fmu: &Path, path: &Path) -> Result<()> {
     check_ending(path)?;
     match (fmu.canonicalize(), path.canonicalize()) {
         (Ok(one), Ok(other)) if one == other => {
-            Err(Error::new(Code::Usage, "the remote FMU would take the place of the FMU itself")
+            Err(Error::new(Code::Usage, "the remote FMU would replace the FMU itself")
                 .at(path)
-                .help("another name: -o NAME.remote.fmu"))
+                .help("choose another name: -o NAME.remote.fmu"))
         }
         _ => Ok(()),
     }
 }
 
-/// What workers can compute it, by the folders of its binaries.
+/// The platforms of workers that can compute it, by the folders of its binaries.
 pub(super) fn binaries(fmu: &Fmu) -> Result<Vec<&'static str>> {
     fmu.interface(InterfaceType::CoSimulation)
-        .map_err(|error| error.help("make an FMU for co-simulation of it first: cosim export"))?;
+        .map_err(|error| error.help("export it as an FMU for co-simulation first: cosim export"))?;
     let here = elf::here();
     let has = |folder: &&&str| fmu.has_binaries(folder);
     let found: Vec<&str> =
         elf::all_folders().filter_map(|names| names.iter().find(has)).copied().collect();
     if found.is_empty() || here.is_some_and(|here| found.contains(&here)) {
-        // One for this machine is looked at more closely; without any the error says what there is.
+        // A binary for this machine is checked more closely; without any, the error lists the
+        // existing ones.
         fmu.digest(InterfaceType::CoSimulation)?;
     }
     Ok(found)
 }
 
-/// The files in a folder and in those below it, by their names there.
+/// The files in a folder and its subfolders, by relative path.
 pub(super) fn files(folder: &Path) -> Result<Vec<Entry>> {
     let unread =
         |why| Error::new(Code::File, "an unpacked file cannot be read").at(folder).why(why);

@@ -1,10 +1,11 @@
-//! Fewer points with the same picture.
+//! Reduces the number of points without changing the picture.
 //!
-//! A curve over x keeps, of each pixel column, its first, lowest, highest and last point, so that no
-//! spike is lost; a path keeps points that lie apart by half a pixel or more. Of what is left, points
-//! that lie on the straight line between others are dropped (Ramer 1972, Douglas and Peucker 1973).
+//! A curve over x keeps the first, lowest, highest and last point of each pixel column, so that no
+//! spike is lost; a path keeps points that are at least half a pixel apart. Of the remaining
+//! points, those on the straight line between others are dropped (Ramer 1972, Douglas and Peucker
+//! 1973).
 
-/// Points nearer than this to the straight line between others are dropped, px.
+/// Points closer than this to the straight line between others are dropped, px.
 const STRAIGHT: f64 = 0.15;
 
 /// The points to draw, given the size of one pixel in data units (x, y). The points are finite.
@@ -17,7 +18,7 @@ pub(super) fn decimate(points: &[(f64, f64)], pixel: (f64, f64)) -> Vec<(f64, f6
     straighten(&thinned, pixel)
 }
 
-/// Drops points on straight lines. With a list of open spans in place of recursion.
+/// Drops points on straight lines. Uses a list of open spans instead of recursion.
 fn straighten(points: &[(f64, f64)], pixel: (f64, f64)) -> Vec<(f64, f64)> {
     let Some(last) = points.len().checked_sub(1) else {
         return Vec::new();
@@ -58,7 +59,7 @@ fn over_x(points: &[(f64, f64)], column: f64) -> Vec<(f64, f64)> {
     kept
 }
 
-/// First, lowest, highest and last of the points of one column, in their order.
+/// First, lowest, highest and last of the points of one column, in order.
 fn keep_outline(column: &[(f64, f64)], kept: &mut Vec<(f64, f64)>) {
     let (mut low, mut high) = (0, 0);
     for (i, point) in column.iter().enumerate() {
@@ -88,7 +89,7 @@ fn path(points: &[(f64, f64)], pixel: (f64, f64)) -> Vec<(f64, f64)> {
     kept
 }
 
-/// The runs of points without NaN or infinity.
+/// The contiguous runs of points without NaN or infinity.
 pub(super) fn finite_runs<T: Copy>(points: &[T], finite: impl Fn(&T) -> bool) -> Vec<Vec<T>> {
     points.split(|p| !finite(p)).filter(|run| !run.is_empty()).map(<[T]>::to_vec).collect()
 }

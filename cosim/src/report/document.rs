@@ -1,4 +1,4 @@
-//! A page that people look around in: data, and the script that shows them.
+//! An interactive page: data, and the script that shows them.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ use crate::{Code, Error, Result};
 pub(crate) struct Document<C: Serialize> {
     pub(crate) title: String,
     pub(crate) question: String,
-    /// What is missing.
+    /// Notes on what is missing.
     pub(crate) notes: Vec<String>,
     pub(crate) method: Vec<Term>,
     pub(crate) provenance: Vec<Term>,
@@ -23,7 +23,7 @@ pub(crate) struct Document<C: Serialize> {
     pub(crate) runs: BTreeMap<String, Trace>,
 }
 
-/// A word and what it means.
+/// A term and its explanation.
 #[derive(Serialize)]
 pub(crate) struct Term {
     term: String,
@@ -36,7 +36,7 @@ impl Term {
     }
 }
 
-/// What the scripts of all pages have, in the order in which the modules need each other.
+/// The modules that the scripts of all pages share, in dependency order.
 const COMMON: [&str; 6] = [
     include_str!("page/js/dom.js"),
     include_str!("page/js/format.js"),
@@ -62,12 +62,12 @@ const LIVE: [&str; 5] = [
     include_str!("page/js/live/main.js"),
 ];
 
-/// The page that watches a run.
+/// The page that shows a live run.
 pub(crate) fn live_page() -> Result<String> {
     html("cosim live", "{}", &LIVE, Some("'self' ws: wss:"))
 }
 
-/// A page with data and a script; it reaches what `connect` allows, and nothing else.
+/// A page with data and a script, which can only connect to `connect`.
 fn html(title: &str, data: &str, modules: &[&str], connect: Option<&str>) -> Result<String> {
     page::render(context! {
         page => context! { title => title },
@@ -88,12 +88,12 @@ impl<C: Serialize> Document<C> {
         let data = serde_json::to_string(self).map_err(|e| {
             Error::new(Code::Report, format!("cannot write the page '{}'", self.title)).why(e)
         })?;
-        // Within a script element nothing but `<` can end it.
+        // Only `<` could end a script element.
         html(&self.title, &data.replace('<', "\\u003c"), &REPORT, None)
     }
 }
 
-/// The modules as one: they import from each other only, by whole lines, and no name is used twice.
+/// Joins the modules: they import only from each other, by whole lines, and no name is used twice.
 fn script(modules: &[&str]) -> String {
     let lines = COMMON.iter().chain(modules).flat_map(|module| module.lines());
     let kept = lines.filter(|line| !line.starts_with("import ") && !line.starts_with("//"));
@@ -107,29 +107,30 @@ fn script(modules: &[&str]) -> String {
     )
 }
 
-/// What the plots of a run mean.
+/// Explanations for the plots of a run.
 pub(crate) fn run_terms() -> Vec<Term> {
     let terms = [
         (
             "Map",
-            "North is up, east is right, and a metre is as long in both directions. Ellipses hold \
-             95 % of the horizontal position, by the covariance that the estimator reports.",
+            "North is up, east is right, and the scale is the same in both directions. Ellipses \
+             contain 95 % of the horizontal position, by the covariance that the estimator \
+             reports.",
         ),
         (
             "Truth and estimates",
-            "Those of a campaign's figures, or named by --truth and --estimate. Else a group called \
-             pose or position whose component has standard deviations (sigma.x, sigma.y) is an \
-             estimate, and the first pose without is the truth.",
+            "From the figures of a campaign, or given by --truth and --estimate. Otherwise, a \
+             group called pose or position whose component has standard deviations (sigma.x, \
+             sigma.y) is an estimate, and the first pose without them is the truth.",
         ),
         (
             "Units",
-            "Those of the system's description, if it is at hand (--system); else those that names \
+            "From the description of the system, if given (--system); otherwise as names \
              suggest. A variable whose unit is not known shares an axis only with elements of its \
              array.",
         ),
         (
             "Fewer points",
-            "Curves keep the least and the greatest value of each part of the run, so no peak is \
+            "Curves keep the minimum and maximum of each part of the run, so no peak is \
              lost; numbers have five digits.",
         ),
     ];

@@ -1,7 +1,7 @@
 //! Draws a planned figure as SVG.
 //!
 //! The library counts in whole pixels, so it draws on a sheet [`UNIT`] times as large, and the
-//! picture's head scales the sheet back: curves are smooth and the numbers stay short.
+//! header of the picture scales it down: curves are smooth and the numbers stay short.
 
 mod coordinate;
 mod panel;
@@ -17,7 +17,7 @@ use crate::{Code, Error, Result};
 
 /// Drawing units per pixel.
 const UNIT: f64 = 4.0;
-/// What the library divides a font size by.
+/// The divisor of the library for font sizes.
 const FONT_SCALE: f64 = 1.24;
 
 type Sheet<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -45,7 +45,7 @@ impl Figure {
     }
 }
 
-/// Replaces the head that the library wrote by one with the size in pixels and a title.
+/// Replaces the library's header by one with the size in pixels and a title.
 fn with_head(svg: &str, size: (i32, i32), title: &str) -> String {
     let body = svg.split_once('>').map_or("", |(_, body)| body);
     let title = title.replace('&', "&amp;").replace('<', "&lt;");
@@ -106,7 +106,7 @@ mod tests {
     use super::super::{Panel, Role, Series};
     use super::*;
 
-    /// The corners of each line of the picture, px.
+    /// The vertices of each line of the picture, px.
     fn lines(svg: &str) -> Vec<Vec<(f64, f64)>> {
         let points = svg.split("points=\"").skip(1).filter_map(|rest| rest.split('"').next());
         let number = |text: &str| text.parse::<f64>().unwrap() / UNIT;
@@ -151,7 +151,7 @@ mod tests {
             let series = vec![Series::line("", Role::Truth, points)];
             Figure::stacked("", vec![Panel::new("t (s)", "y", 100.0, series)])
         };
-        // Only the series is as wide as its role says; grid and axes are thinner.
+        // Only the series has the width of its role; grid and axes are thinner.
         let drawn = |points| figure(points).svg().unwrap().matches("stroke-width=\"6\"").count();
         assert_eq!((drawn(points), drawn(vec![])), (2, 0));
         assert!(!figure(vec![(f64::NAN, 1.0)]).svg().unwrap().contains("NaN"));

@@ -13,7 +13,7 @@ pub struct Figure {
     pub columns: usize,
     /// Width of the whole picture, px (equal-scale figures may come out narrower).
     pub width: f64,
-    /// Where the legend lies. Never on the data.
+    /// Position of the legend. Never on the data.
     pub legend: LegendPlace,
     /// All panels show the same range of x, and only the lowest of a column labels it.
     pub common_x: bool,
@@ -21,12 +21,12 @@ pub struct Figure {
     pub equal_scale: bool,
 }
 
-/// Where the legend lies.
+/// Position of the legend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LegendPlace {
     /// One legend for all panels below the picture.
     Beneath,
-    /// Each panel's own at its right.
+    /// One per panel at its right.
     Right,
 }
 
@@ -39,9 +39,9 @@ pub struct Panel {
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
-    /// Height of the data area, px (the greatest height if the scale is equal).
+    /// Height of the data area, px (the maximum height if the scale is equal).
     pub height: f64,
-    /// What to draw, first at the bottom.
+    /// The series, from bottom to top.
     pub series: Vec<Series>,
 }
 
@@ -50,7 +50,7 @@ pub struct Panel {
 pub struct Axis {
     /// Quantity and unit: `time (s)`.
     pub label: String,
-    /// Shown range; from the data if `None`. Values outside are drawn at the edge.
+    /// Range shown; from the data if `None`. Values outside are drawn at the edge.
     pub range: Option<(f64, f64)>,
     /// Values grow to the left or downwards.
     pub reversed: bool,
@@ -58,18 +58,18 @@ pub struct Axis {
     pub categories: Vec<String>,
 }
 
-/// A named set of data in one look.
+/// A named data set in one style.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     /// Name in the legend; series of the same name and role share one entry; empty: no entry.
     pub name: String,
-    /// Look.
+    /// Style.
     pub role: Role,
     /// Data and how they are drawn.
     pub shape: Shape,
 }
 
-/// How data are drawn. A NaN interrupts a line or a band.
+/// How data are drawn. NaN interrupts a line or a band.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
     /// Points joined by straight lines.
@@ -85,7 +85,7 @@ pub enum Shape {
 }
 
 impl Figure {
-    /// Panels above each other with a common horizontal axis and one legend beneath.
+    /// Panels stacked vertically with a common horizontal axis and one legend below.
     pub fn stacked(title: impl Into<String>, panels: Vec<Panel>) -> Self {
         Figure {
             title: title.into(),
@@ -98,7 +98,7 @@ impl Figure {
         }
     }
 
-    /// Paths side by side at one scale, the same on both axes.
+    /// Paths side by side at the same scale, equal on both axes.
     pub fn paths(title: impl Into<String>, columns: usize, panels: Vec<Panel>) -> Self {
         Figure { columns, common_x: false, equal_scale: true, ..Figure::stacked(title, panels) }
     }
@@ -136,7 +136,7 @@ impl Series {
     }
 }
 
-/// Ranges of finite data; `None` where there are none.
+/// Ranges of finite data; `None` if there are none.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Extent {
     pub(super) x: Option<(f64, f64)>,

@@ -1,12 +1,13 @@
 //! Which recorded signals belong together.
 //!
 //! `vehicle.pose.x` belongs to component `vehicle`, group `pose`; `plant.thruster[3].thrust` to
-//! group `thruster[].thrust`. Within a group, signals of one unit and of like size share a panel; a
-//! signal whose unit is not known shares it with elements of the same array only.
+//! group `thruster[].thrust`. Within a group, signals with the same unit and similar magnitude
+//! share a panel; a signal whose unit is unknown shares a panel only with elements of the same
+//! array.
 
 use super::style::DISTINCT_SIGNALS;
 
-/// Signals of one group share a panel while their sizes differ by less than this factor.
+/// Signals of one group share a panel if their magnitudes differ by less than this factor.
 const LIKE_SIZE: f64 = 20.0;
 
 /// A signal to be grouped.
@@ -22,7 +23,7 @@ pub(super) struct Component {
     pub(super) groups: Vec<Group>,
 }
 
-/// Signals of one prefix, of one unit and of like size.
+/// Signals with the same prefix, the same unit and similar magnitude.
 pub(super) struct Group {
     pub(super) name: String,
     pub(super) unit: Option<String>,
@@ -70,7 +71,7 @@ impl Component {
     }
 }
 
-/// The prefix without the last part; of an array its element's name with empty brackets.
+/// The prefix without the last part; for an array the name of its element with empty brackets.
 fn group_name(signal: &str) -> String {
     match (signal.split_once('['), signal.rsplit_once('.')) {
         (Some((array, rest)), _) => {
@@ -81,7 +82,7 @@ fn group_name(signal: &str) -> String {
     }
 }
 
-/// Greatest finite magnitude.
+/// Maximum finite magnitude.
 fn size(values: &[f64]) -> f64 {
     values.iter().filter(|v| v.is_finite()).fold(0.0, |greatest, v| greatest.max(v.abs()))
 }

@@ -1,14 +1,14 @@
-//! Where everything of a figure lies, in pixels, before anything is drawn.
+//! Positions of all parts of a figure in pixels, computed before drawing.
 //!
 //! Each panel is a column of title, data area and (where shown) horizontal axis, with the vertical
-//! axis at its left. Legends get their own room, so that they never cover data.
+//! axis at its left. Legends have their own space, so that they never cover data.
 
 use super::figure::{Axis, Extent, Figure, LegendPlace, Panel};
 use super::legend::{Legend, ROW, entries, flow};
 
-/// Room for the vertical axis, px.
+/// Space for the vertical axis, px.
 pub(super) const Y_AXIS: f64 = 70.0;
-/// Room for the horizontal axis, px.
+/// Space for the horizontal axis, px.
 pub(super) const X_AXIS: f64 = 42.0;
 const RIGHT: f64 = 22.0;
 const FIGURE_TITLE: f64 = 28.0;
@@ -31,7 +31,7 @@ pub struct Rect {
 }
 
 impl Rect {
-    /// Whether the two have common ground.
+    /// Whether the two overlap.
     pub fn overlaps(&self, other: &Rect) -> bool {
         self.x < other.x + other.width
             && other.x < self.x + self.width
@@ -40,7 +40,7 @@ impl Rect {
     }
 }
 
-/// One panel's place and ranges.
+/// Position and ranges of one panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
     /// The data area.
@@ -51,25 +51,25 @@ pub struct Cell {
     pub y: (f64, f64),
     /// Whether the horizontal axis is labelled.
     pub x_labelled: bool,
-    /// The panel's own legend, if legends lie at the right.
+    /// The legend of the panel, if legends are at the right.
     pub legend: Legend,
 }
 
-/// The plan of a figure.
+/// The layout of a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layout {
     /// Width of the picture.
     pub width: f64,
     /// Height of the picture.
     pub height: f64,
-    /// The panels, in the figure's order.
+    /// The panels, in the order of the figure.
     pub cells: Vec<Cell>,
-    /// The common legend, if it lies beneath.
+    /// The common legend, if it is below.
     pub legend: Legend,
 }
 
 impl Layout {
-    /// Plans a figure.
+    /// Lays out a figure.
     pub fn of(figure: &Figure) -> Self {
         let columns = figure.columns.max(1);
         let beside = match figure.legend {
@@ -85,13 +85,13 @@ impl Layout {
             LegendPlace::Beneath => entries(&figure.panels),
             LegendPlace::Right => Vec::new(),
         };
-        let room = width - Y_AXIS - RIGHT;
-        let (_, legend_height) = flow(&common, room);
+        let space = width - Y_AXIS - RIGHT;
+        let (_, legend_height) = flow(&common, space);
         Layout {
             width,
             height: bottom + ABOVE_LEGEND + legend_height + TOP,
             cells: plan.cells,
-            legend: Legend::rows(common, (Y_AXIS, bottom + ABOVE_LEGEND), room),
+            legend: Legend::rows(common, (Y_AXIS, bottom + ABOVE_LEGEND), space),
         }
     }
 }
@@ -104,7 +104,8 @@ struct Plan<'a> {
 }
 
 impl Plan<'_> {
-    /// Places the panels row by row; returns the figure's width and the lower edge of the last row.
+    /// Places the panels row by row; returns the width of the figure and the lower edge of the last
+    /// row.
     fn place(&mut self, ranges: &[Ranges], sizes: &[(f64, f64)]) -> (f64, f64) {
         let title = if self.figure.title.is_empty() { 0.0 } else { FIGURE_TITLE };
         let (mut y, mut width) = (TOP + title, 0.0_f64);
@@ -140,7 +141,7 @@ impl Plan<'_> {
     }
 }
 
-/// Width of the widest of all panels' legends with its distance, px.
+/// Width of the widest legend of all panels including its distance, px.
 fn legend_width(figure: &Figure) -> f64 {
     14.0 + entries(&figure.panels).iter().map(|e| e.width()).fold(0.0, f64::max)
 }
@@ -169,7 +170,7 @@ struct Ranges {
     y: (f64, f64),
 }
 
-/// The ranges each panel shows.
+/// The ranges that each panel shows.
 fn ranges(figure: &Figure) -> Vec<Ranges> {
     let extents: Vec<Extent> = figure.panels.iter().map(Panel::extent).collect();
     let all = extents.iter().copied().fold(Extent::default(), Extent::union);
@@ -185,7 +186,8 @@ fn ranges(figure: &Figure) -> Vec<Ranges> {
     figure.panels.iter().zip(&extents).map(of_panel).collect()
 }
 
-/// The range an axis shows: as asked, else around its categories, else the data with a margin.
+/// The range of an axis: as specified, otherwise around its categories, otherwise the data with a
+/// margin.
 fn shown(axis: &Axis, data: Option<(f64, f64)>, margin: f64) -> (f64, f64) {
     if let Some((low, high)) = axis.range.filter(|(low, high)| low < high) {
         return (low, high);

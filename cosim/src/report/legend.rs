@@ -1,4 +1,5 @@
-//! Legend: which entries a figure needs and how they flow; where they lie is `layout`'s matter.
+//! The legend: which entries a figure needs and how they flow; `layout` decides where they are
+//! placed.
 
 use super::figure::{Panel, Shape};
 use super::layout::Rect;
@@ -10,7 +11,7 @@ pub(super) const FONT: f64 = 12.0;
 pub(super) const ROW: f64 = 19.0;
 /// Length of the sample of the line, px.
 pub(super) const SWATCH: f64 = 26.0;
-/// Between the sample and its name, px.
+/// Distance between the sample and its name, px.
 pub(super) const GAP: f64 = 7.0;
 const BETWEEN: f64 = 20.0;
 
@@ -22,7 +23,7 @@ pub(super) struct Entry {
     pub(super) sample: Sample,
 }
 
-/// What stands before the name.
+/// The sample before the name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Sample {
     Line,
@@ -41,18 +42,19 @@ impl Sample {
 }
 
 impl Entry {
-    /// Width of sample and name, px. No font is at hand: 0.58 em a letter is on the safe side.
+    /// Width of sample and name, px. No font metrics are available: 0.58 em per letter is a safe
+    /// estimate.
     pub(super) fn width(&self) -> f64 {
         SWATCH + GAP + text_width(&self.name, FONT)
     }
 }
 
-/// A safe guess of the width of a text in a sans-serif font, px.
+/// A safe estimate of the width of a text in a sans-serif font, px.
 pub(super) fn text_width(text: &str, font: f64) -> f64 {
     0.58 * font * text.chars().count() as f64
 }
 
-/// The distinct named entries of the panels, in the order of their first appearance.
+/// The distinct named entries of the panels, in order of first appearance.
 pub(super) fn entries<'a>(panels: impl IntoIterator<Item = &'a Panel>) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
     for series in panels.into_iter().flat_map(|p| &p.series).filter(|s| !s.name.is_empty()) {
@@ -65,7 +67,7 @@ pub(super) fn entries<'a>(panels: impl IntoIterator<Item = &'a Panel>) -> Vec<En
     entries
 }
 
-/// Places of the entries' upper left corners, row by row within a width, and the height of all.
+/// Upper left corners of the entries, row by row within a width, and the total height.
 pub(super) fn flow(entries: &[Entry], width: f64) -> (Vec<(f64, f64)>, f64) {
     let (mut x, mut y) = (0.0, 0.0);
     let mut places = Vec::new();
@@ -80,7 +82,7 @@ pub(super) fn flow(entries: &[Entry], width: f64) -> (Vec<(f64, f64)>, f64) {
     (places, height)
 }
 
-/// Entries with the rectangles they fill.
+/// Entries with their rectangles.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Legend {
     pub(super) entries: Vec<(Entry, Rect)>,

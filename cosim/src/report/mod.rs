@@ -1,19 +1,19 @@
 //! Reports: figures as SVG, pages as self-contained HTML, and the report of recorded results.
 //!
-//! A document is plain data until the last step: a [`Figure`] of [`Panel`]s of [`Series`] becomes an
-//! SVG text by [`Figure::svg`]; a [`Page`] of paragraphs, tables and figures becomes one HTML file
-//! by [`Page::html`]. A report that people look around in is data in JSON and a script beside it that
-//! shows them; both kinds of page have the same look. The same data give the same bytes.
+//! A document is plain data until the last step: a [`Figure`] of [`Panel`]s of [`Series`] becomes
+//! an SVG text by [`Figure::svg`]; a [`Page`] of paragraphs, tables and figures becomes one HTML
+//! file by [`Page::html`]. An interactive report is data in JSON with a script that shows them;
+//! both kinds of page have the same style. The same data give the same bytes.
 //!
 //! | to change | look in |
 //! |---|---|
 //! | colours and line styles of figures | `style` |
-//! | where panels and legends lie | `layout` |
+//! | positions of panels and legends | `layout` |
 //! | how a series is drawn | `draw` |
-//! | the look of pages | `page/page.html`, `page/base.css`, `page/report.css` |
-//! | what a report does | `page/js` |
-//! | what a run's report has | `run` |
-//! | what a campaign's report has | `campaign::report` |
+//! | the style of pages | `page/page.html`, `page/base.css`, `page/report.css` |
+//! | the behaviour of a report | `page/js` |
+//! | the content of a run's report | `run` |
+//! | the content of a campaign's report | `campaign::report` |
 
 mod decimate;
 mod document;

@@ -1,10 +1,11 @@
-//! Numbers as a page carries them: a few significant digits, and null for what JSON cannot say.
+//! Numbers in the data of a page: a few significant digits, and null for values that JSON cannot
+//! represent.
 
 use serde::ser::{Serialize, SerializeSeq, Serializer};
 
 /// Significant digits of values.
 const VALUE: i32 = 5;
-/// Significant digits of instants: a day in steps of a millisecond.
+/// Significant digits of instants: enough for a day in steps of a millisecond.
 const TIME: i32 = 9;
 
 /// A list of numbers.
@@ -36,7 +37,7 @@ impl Serialize for Numbers {
     }
 }
 
-/// A number; whole ones without a fraction.
+/// A number; integers without a fraction.
 struct Number(f64);
 
 impl Serialize for Number {
@@ -52,7 +53,7 @@ impl Serialize for Number {
     }
 }
 
-/// The nearest number with so many significant digits.
+/// The nearest number with this many significant digits.
 pub(crate) fn rounded(value: f64, digits: i32) -> f64 {
     if value == 0.0 || !value.is_finite() {
         return value;

@@ -1,4 +1,4 @@
-//! A report page: one HTML file that needs nothing else, on screen and on paper.
+//! A static report page: one self-contained HTML file, for screen and print.
 
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::{Serde, Value};
@@ -13,7 +13,7 @@ use crate::{Code, Error, Result};
 pub struct Page {
     /// Title of the page.
     pub title: String,
-    /// What the reader should take away, one paragraph each.
+    /// The main conclusions, one paragraph each.
     pub summary: Vec<String>,
     /// The body; two or more sections get a table of contents.
     pub sections: Vec<Section>,
@@ -36,7 +36,7 @@ pub struct Section {
 pub enum Block {
     /// A paragraph.
     Text(String),
-    /// Items of equal standing.
+    /// An unordered list.
     List(Vec<String>),
     /// Commands or other verbatim text.
     Code(String),
@@ -46,7 +46,7 @@ pub enum Block {
     Figure {
         /// The SVG element.
         svg: String,
-        /// What it shows and what to see in it.
+        /// What it shows, and how to read it.
         caption: String,
     },
 }
@@ -79,7 +79,7 @@ impl Page {
     }
 }
 
-/// The page of a template's values, with the style that all pages have.
+/// The page for the values of a template, with the style shared by all pages.
 pub(super) fn render(values: Value) -> Result<String, minijinja::Error> {
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?;
     let mut environment = Environment::new();

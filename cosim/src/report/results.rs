@@ -1,4 +1,4 @@
-//! The report of a result file: a page, or one figure as a picture.
+//! The report of a results file: a page, or one figure as a picture.
 
 use std::collections::BTreeMap;
 
@@ -10,10 +10,10 @@ use crate::{Code, Error, Recording, Result};
 
 const PANEL_HEIGHT: f64 = 130.0;
 
-/// A run has so many octets on its page.
+/// Maximum size of a run on its page, in octets.
 const OCTETS: usize = 4_500_000;
 
-/// What the report of a result file shows.
+/// Options of the report of a results file.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
     /// Title of the page.
@@ -26,13 +26,13 @@ pub struct Options {
     pub units: Units,
     /// The truth and its estimates.
     pub choice: Choice,
-    /// The scenario that was played: its faults are shaded.
+    /// The scenario that was used: its faults are shaded.
     pub scenario: Option<Scenario>,
-    /// Where the results come from: names and values.
+    /// Provenance of the results: names and values.
     pub sources: Vec<(String, String)>,
 }
 
-/// The report of a result file as one HTML page.
+/// The report of a results file as one HTML page.
 pub fn html(recording: &Recording, options: &Options) -> Result<String> {
     let shown = Shown {
         units: options.units.clone().or_of(recording),
@@ -60,7 +60,7 @@ pub fn html(recording: &Recording, options: &Options) -> Result<String> {
     document.html()
 }
 
-/// The one figure that was asked for, as an SVG file.
+/// The single requested figure, as an SVG file.
 pub fn svg(recording: &Recording, options: &Options) -> Result<String> {
     let units = options.units.clone().or_of(recording);
     match (options.paths.as_slice(), options.plots.as_slice()) {
@@ -75,7 +75,7 @@ fn over_time(recording: &Recording, values: &[f64]) -> Vec<(f64, f64)> {
     recording.time().iter().copied().zip(values.iter().copied()).collect()
 }
 
-/// A panel for each unit.
+/// One panel for each unit.
 fn time_figure(recording: &Recording, plot: &Plot, units: &Units) -> Result<Figure> {
     let mut panels: Vec<(&str, Vec<Series>)> = Vec::new();
     for (place, name) in plot.signals.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Chosen signals: `--plot "title: a, b"` over time and `--xy "title: x, y; x2, y2"` as paths.
+//! Selected signals: `--plot "title: a, b"` over time and `--xy "title: x, y; x2, y2"` as paths.
 
 use crate::{Code, Error, Result};
 
@@ -44,7 +44,7 @@ impl std::str::FromStr for XyPlot {
     }
 }
 
-/// The title before the colon and the parts behind it.
+/// The title before the colon and the parts after it.
 fn split(text: &str, separator: char, expected: &str) -> Result<(String, Vec<String>)> {
     let parts = text.split_once(':').map(|(title, list)| {
         let parts = list.split(separator).map(|part| part.trim().to_string());

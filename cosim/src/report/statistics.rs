@@ -24,8 +24,8 @@ pub fn quantile(values: &[f64], p: f64) -> f64 {
     sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
 }
 
-/// The quantile `p` of chi-square with so many degrees of freedom, to about 1e-12: the regularized
-/// incomplete gamma function inverted by bisection.
+/// The quantile `p` of the chi-square distribution with this many degrees of freedom, to about
+/// 1e-12: the regularized incomplete gamma function, inverted by bisection.
 pub fn chi_square_quantile(p: f64, freedom: f64) -> f64 {
     if freedom.is_nan() || freedom <= 0.0 {
         return f64::NAN;
@@ -38,7 +38,7 @@ pub fn chi_square_quantile(p: f64, freedom: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// The regularized lower incomplete gamma function: by its series below the mean, by its continued
+/// The regularized lower incomplete gamma function: its series below the mean, its continued
 /// fraction (Lentz) above it (DLMF 8.7.1, 8.9.2).
 fn gamma_share(a: f64, x: f64) -> f64 {
     if x <= 0.0 {

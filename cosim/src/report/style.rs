@@ -1,16 +1,16 @@
-//! House style: what each role looks like, the same in every figure.
+//! The common style: the appearance of each role, the same in every figure.
 //!
-//! Colours are those of Okabe and Ito (2008), told apart with every common colour blindness, plus a
-//! brown and a grey so that eight thrusters stay eight colours.
+//! The colours are those of Okabe and Ito (2008), distinguishable with every common form of colour
+//! blindness, plus a brown and a grey so that eight thrusters get eight colours.
 
 use plotters::style::RGBColor;
 
-/// What a series stands for; decides colour, width and dashes.
+/// The meaning of a series, which decides colour, width and dashes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// What should be: grey, dashed.
+    /// Reference: grey, dashed.
     Reference,
-    /// What is: black.
+    /// Truth: black.
     Truth,
     /// The first of two estimates: blue.
     Estimate1,
@@ -18,7 +18,7 @@ pub enum Role {
     Estimate2,
     /// Noisy raw data: thin, light green.
     Measurement,
-    /// The i-th of several signals of equal standing.
+    /// The i-th of several equivalent signals.
     Signal(usize),
 }
 
@@ -38,7 +38,7 @@ const SIGNALS: [RGBColor; 8] = [
     RGBColor(0x90, 0x90, 0x90),
 ];
 
-/// Signals in one panel that still differ in colour.
+/// Number of signals in one panel with distinct colours.
 pub(super) const DISTINCT_SIGNALS: usize = SIGNALS.len();
 
 impl Role {

@@ -3,7 +3,7 @@
 /// Ticks of one axis.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Ticks {
-    /// Places, ascending.
+    /// Positions, ascending.
     pub(super) places: Vec<f64>,
     decimals: usize,
     scientific: bool,
@@ -22,7 +22,8 @@ impl Ticks {
             _ => (1.0, power + 1.0),
         };
         let step = factor * 10_f64.powf(exponent);
-        // Whole multiples of the step, so that no rounding error adds up; slack of a millionth.
+        // Integer multiples of the step, so that no rounding error accumulates; with a tolerance of
+        // a millionth.
         let first = (low / step - 1e-6).ceil() as i64;
         let last = (high / step + 1e-6).floor() as i64;
         let greatest = low.abs().max(high.abs());
@@ -33,7 +34,7 @@ impl Ticks {
         }
     }
 
-    /// The label at a place.
+    /// The label at a position.
     pub(super) fn label(&self, place: f64) -> String {
         if self.scientific {
             return format!("{:.3e}", if place == 0.0 { 0.0 } else { place });

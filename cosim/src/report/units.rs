@@ -1,5 +1,5 @@
-//! Units of recorded variables: those that a system describes, else those of the file of results, else
-//! those that names suggest.
+//! Units of recorded variables: those in the description of a system, otherwise those in the
+//! results file, otherwise those suggested by names.
 
 use std::collections::HashMap;
 
@@ -9,24 +9,24 @@ use crate::observe::Recording;
 use crate::system::System;
 use crate::units::suggested::suggested;
 
-/// Units by names.
+/// Units by name.
 #[derive(Debug, Clone, Default)]
 pub struct Units {
     described: HashMap<String, String>,
 }
 
 impl Units {
-    /// Of all recorded variables of a system.
+    /// For all recorded variables of a system.
     pub fn of(system: &System) -> Self {
         let described = system.columns().iter().filter_map(|column| {
-            // What is counted or switched has no dimension.
+            // Counts and switches have no dimension.
             let plain = || (column.kind != Kind::Real).then_some("1");
             Some((column.name.clone(), column.unit().or_else(plain)?.to_owned()))
         });
         Self { described: described.collect() }
     }
 
-    /// Those that a file of results has; `self` goes before them.
+    /// Adds the units in a results file; those of `self` take precedence.
     #[must_use]
     pub fn or_of(mut self, recording: &Recording) -> Self {
         for (name, unit) in recording.units() {
@@ -35,7 +35,7 @@ impl Units {
         self
     }
 
-    /// The same variables also by other names.
+    /// The same variables also under other names.
     pub(crate) fn with(mut self, aliases: &Aliases) -> Self {
         let by_alias = |(name, unit): (&String, &String)| {
             let fitting = aliases.pairs().iter().filter_map(|(alias, meant)| {
@@ -50,7 +50,7 @@ impl Units {
         self
     }
 
-    /// The variables that a description has units of.
+    /// The variables for which a description has units.
     pub(crate) fn names(&self) -> Vec<String> {
         self.described.keys().cloned().collect()
     }
@@ -62,7 +62,7 @@ impl Units {
 }
 
 impl Units {
-    /// A name with its unit, as an axis has it.
+    /// A name with its unit, for an axis label.
     pub(crate) fn labelled(&self, name: &str) -> String {
         self.unit(name).map_or_else(|| name.to_owned(), |unit| format!("{name} ({unit})"))
     }

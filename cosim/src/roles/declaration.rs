@@ -1,4 +1,4 @@
-//! A file that says what recorded variables are, for systems whose names do not.
+//! A file that declares the roles of recorded variables, for systems whose names do not show them.
 //!
 //! ```toml
 //! axes = "ned"
@@ -14,7 +14,7 @@
 //! velocity = "dvl.velocity"
 //! ```
 //!
-//! A group is a text, to which `.x`, `.y`, ... are added, or a table of axes and variables.
+//! A group is a text, to which `.x`, `.y`, ... are appended, or a table of axes and variables.
 
 use std::path::Path;
 
@@ -26,7 +26,7 @@ use crate::error::{Code, Error, Result};
 use crate::names::did_you_mean;
 use crate::table::{Document, Entry, Table};
 
-/// What a file says of the variables of a system.
+/// The declared roles of the variables of a system.
 #[derive(Debug, Clone, Default)]
 pub struct Declaration {
     axes: Axes,
@@ -42,7 +42,7 @@ struct Described {
     groups: Vec<(String, Spelled)>,
 }
 
-/// How variables of a group are named.
+/// How the variables of a group are named.
 #[derive(Debug, Clone)]
 enum Spelled {
     Path(String),
@@ -92,7 +92,7 @@ impl Declaration {
         Ok(Self { axes, truth, estimates, sensors })
     }
 
-    /// The places of what it names.
+    /// The positions of what it names.
     pub(super) fn resolve(&self, names: &Names<'_>, measures: &[Measure]) -> Result<Roles> {
         let found = Found { names, measures };
         let bodies = self.truth.iter().map(|truth| (truth, true));
@@ -124,7 +124,7 @@ fn spelled(entry: &Entry<'_>) -> Option<Spelled> {
     each.collect::<Option<_>>().map(Spelled::Each)
 }
 
-/// Looks names up.
+/// Looks up names.
 struct Found<'a> {
     names: &'a Names<'a>,
     measures: &'a [Measure],
@@ -160,7 +160,7 @@ impl Found<'_> {
         let place = |axis: &str| POSE.iter().position(|known| *known == axis);
         let pair = axes.split_once('_').and_then(|(one, other)| Some((place(one)?, place(other)?)));
         let (one, other) = pair.ok_or_else(|| {
-            Error::new(Code::Roles, format!("'{axes}' is no pair of axes, such as x_y"))
+            Error::new(Code::Roles, format!("'{axes}' is not a pair of axes, such as x_y"))
         })?;
         let measured = Place::needed(self.names, self.measures, name)?;
         Ok((one.min(other), one.max(other), measured))
@@ -192,12 +192,12 @@ impl Found<'_> {
             Some(Spelled::Path(name)) => Place::needed(self.names, self.measures, name).map(Some),
             Some(Spelled::Each(_)) => Err(Error::new(
                 Code::Roles,
-                format!("'{key}' of '{}' is one variable, and a table is given", of.name),
+                format!("'{key}' of '{}' is one variable, but a table is given", of.name),
             )),
         }
     }
 
-    /// All axes that are named must be recorded; of a path those that are, at least one.
+    /// All named axes must be recorded; for a path only those that exist, at least one.
     fn group<const N: usize>(
         &self,
         of: &Described,
@@ -217,7 +217,7 @@ impl Found<'_> {
                 let mut places = [None; N];
                 for (axis, name) in each {
                     let at = axes.iter().position(|known| known == axis).ok_or_else(|| {
-                        let what = format!("'{axis}' is no axis of '{key}' of '{}'", of.name);
+                        let what = format!("'{axis}' is not an axis of '{key}' of '{}'", of.name);
                         let help = did_you_mean(axis, axes).unwrap_or_else(|| axes.join(", "));
                         Error::new(Code::Roles, what).help(help)
                     })?;

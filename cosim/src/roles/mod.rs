@@ -1,7 +1,7 @@
-//! What recorded variables are: the truth, its estimates, and what sensors measured.
+//! The roles of recorded variables: the truth, its estimates, and measurements of sensors.
 //!
-//! Reports, ROS messages, trajectories and the live page ask this. A file says it ([`Declaration`]);
-//! without one the names do, as components of marine vehicles have them:
+//! Used by reports, ROS messages, trajectories and the live page. A file declares them
+//! ([`Declaration`]); by default the names determine them, as in components of marine vehicles:
 //!
 //! | what | is a component with |
 //! |---|---|
@@ -29,24 +29,24 @@ use crate::error::Result;
 
 /// Axes of a pose.
 pub(crate) const POSE: [&str; 6] = ["x", "y", "z", "roll", "pitch", "yaw"];
-/// Axes of a velocity, of body axes.
+/// Axes of a velocity, in body axes.
 pub(crate) const VELOCITY: [&str; 6] = ["u", "v", "w", "p", "q", "r"];
 const PLACE: [&str; 3] = ["x", "y", "z"];
 const SPEED: [&str; 3] = ["u", "v", "w"];
 const RATE: [&str; 3] = ["p", "q", "r"];
 const ATTITUDE: [&str; 3] = ["roll", "pitch", "yaw"];
 
-/// Where the axes of positions, velocities and forces point.
+/// Directions of the axes of positions, velocities and forces.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) enum Axes {
-    /// North, east, down; of the vehicle forward, starboard, down.
+    /// North, east, down; for the vehicle forward, starboard, down.
     #[default]
     Ned,
-    /// East, north, up; of the vehicle forward, port, up: those of ROS.
+    /// East, north, up; for the vehicle forward, port, up: the convention of ROS.
     Enu,
 }
 
-/// What columns of numbers are.
+/// The roles of columns.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Roles {
     pub(crate) axes: Axes,
@@ -63,11 +63,11 @@ pub(crate) struct Body {
     pub(crate) velocity: Group<6>,
     pub(crate) sigma: Group<6>,
     pub(crate) velocity_sigma: Group<6>,
-    /// Covariances of two axes of the pose, the first of them first.
+    /// Covariances of two axes of the pose, the lower axis first.
     pub(crate) covariances: Vec<(usize, usize, Place)>,
 }
 
-/// What a sensor measured.
+/// The measurement of a sensor.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Sensor {
     pub(crate) name: String,
@@ -76,7 +76,7 @@ pub(crate) struct Sensor {
     pub(crate) attitude: Group<3>,
     pub(crate) velocity: Group<3>,
     pub(crate) position: Group<3>,
-    /// Of the position, north and east alike.
+    /// Of the position, the same for north and east.
     pub(crate) sigma: Option<Place>,
     pub(crate) pressure: Option<Place>,
     pub(crate) stamp: Option<Place>,
@@ -84,7 +84,7 @@ pub(crate) struct Sensor {
 }
 
 impl Roles {
-    /// What the declaration says, or else the names.
+    /// The declared roles, otherwise those given by the names.
     pub(crate) fn find(
         names: &Names<'_>,
         measures: &[Measure],
@@ -162,12 +162,12 @@ impl Sensor {
     }
 }
 
-/// What stands before the last dot of a path.
+/// The part before the last dot of a path.
 pub(crate) fn owner(path: &str) -> &str {
     path.rsplit_once('.').map_or("", |(owner, _)| owner)
 }
 
-/// What names begin with before the groups of sensors, in the order of the names.
+/// Prefixes of sensor groups, in the order of the names.
 fn components<'a>(names: &Names<'a>) -> Vec<&'a str> {
     const LAST: [&str; 5] =
         [".specific_force.x", ".attitude.roll", ".velocity.u", ".position.x", ".pressure"];

@@ -1,15 +1,15 @@
-//! The names of what is recorded.
+//! The names of recorded variables.
 
 use std::collections::HashMap;
 
-/// Names in their order, and their places.
+/// Names in order, with their positions.
 pub(crate) struct Names<'a> {
     pub(crate) ordered: Vec<&'a str>,
     places: HashMap<&'a str, usize>,
 }
 
 impl<'a> Names<'a> {
-    /// Of columns whose names differ.
+    /// For columns with distinct names.
     pub(crate) fn new(names: impl IntoIterator<Item = &'a str>) -> Self {
         let ordered: Vec<&str> = names.into_iter().collect();
         let places = ordered.iter().enumerate().map(|(place, name)| (*name, place)).collect();

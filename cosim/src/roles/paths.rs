@@ -1,15 +1,15 @@
 //! Which recorded variables are the truth, its estimates and position fixes.
 //!
 //! A path is a group with `x` and `y`, called `pose` or `position`. It has a standard deviation if
-//! its component has `sigma.x` and `sigma.y` (or `pose_sigma.x` ...); then it is an estimate. The first
-//! `pose` without is the truth; any other `pose` is an estimate if none has a standard deviation.
-//! A `position` without, of another component, is a fix that a sensor gave.
+//! its component has `sigma.x` and `sigma.y` (or `pose_sigma.x` ...); then it is an estimate. The
+//! first `pose` without one is the truth; any other `pose` is an estimate if none has a standard
+//! deviation. A `position` without one, of another component, is a fix from a sensor.
 
 use super::Names;
 use crate::names::did_you_mean;
 use crate::{Code, Error, Result};
 
-/// What the user, or the figures of a campaign, say of a recording.
+/// Paths specified by the user or by the figures of a campaign.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Choice {
     /// The true path, as `vehicle.pose`.
@@ -21,11 +21,11 @@ pub struct Choice {
 /// An estimated path.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Estimate {
-    /// Its variables begin so: `filter.pose`.
+    /// Prefix of its variables: `filter.pose`.
     pub path: String,
-    /// Those of its standard deviations: `filter.sigma`.
+    /// Prefix of its standard deviations: `filter.sigma`.
     pub sigma: Option<String>,
-    /// Those of its covariances, with `x_y`: `filter.covariance`.
+    /// Prefix of its covariances, with `x_y`: `filter.covariance`.
     pub covariance: Option<String>,
 }
 
@@ -37,7 +37,7 @@ pub(crate) struct Paths {
     pub(crate) fixes: Vec<String>,
 }
 
-/// So many estimates are shown.
+/// The maximum number of estimates shown.
 const MOST: usize = 6;
 
 impl Paths {
@@ -83,7 +83,7 @@ impl Paths {
             estimates.retain(|estimate| Some(&estimate.path) != truth.as_ref());
         }
         estimates.truncate(MOST);
-        // What the truth or an estimator has as its input is no sensor's.
+        // Inputs of the truth or of an estimator are not sensors.
         let owners = truth.iter().chain(estimates.iter().map(|estimate| &estimate.path));
         let owners: Vec<String> =
             owners.filter_map(|path| Some(format!("{}.", path.rsplit_once('.')?.0))).collect();
@@ -102,7 +102,7 @@ fn candidates<'a>(names: &Names<'a>) -> Vec<&'a str> {
     prefixes.filter(called).filter(|path| names.has(&format!("{path}.y"))).collect()
 }
 
-/// A path with its standard deviations and covariances, where they are recorded.
+/// A path with its standard deviations and covariances, if they are recorded.
 fn with_companions(names: &Names<'_>, path: &str) -> Estimate {
     let (component, group) = path.rsplit_once('.').unwrap_or(("", path));
     let beside = |name: String| {

@@ -1,4 +1,4 @@
-//! Where values stand in a row of what is recorded, in base units.
+//! The positions of values in a row of recorded data, with conversion to base units.
 
 use super::Names;
 use crate::error::{Code, Error, Result};
@@ -7,12 +7,12 @@ use crate::system::Column;
 use crate::units::Linear;
 use crate::units::suggested::suggested;
 
-/// What makes base units (m, rad, s, Pa) of the values of a column.
+/// Converts the values of a column to base units (m, rad, s, Pa).
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Measure(Linear);
 
 impl Measure {
-    /// By the unit that the description of the variable defines.
+    /// By the unit defined in the description of the variable.
     pub(crate) fn of(column: &Column) -> Self {
         let unit = column.unit.as_ref();
         let defined = unit
@@ -21,7 +21,7 @@ impl Measure {
         defined.map_or_else(|| Self::named(column.unit(), &column.name), Self)
     }
 
-    /// By the name of a unit, or else by that of the variable: one that is not known is taken for a
+    /// By the name of the unit, or otherwise by that of the variable; an unknown unit counts as a
     /// base unit.
     pub(crate) fn named(unit: Option<&str>, variable: &str) -> Self {
         let factor = match unit.or_else(|| suggested(variable)) {
@@ -50,16 +50,16 @@ impl Place {
         Some(Self { column, measure: measures[column].0 })
     }
 
-    /// As [`Place::of`], for a variable that must be there.
+    /// Like [`Place::of`], for a variable that must exist.
     pub(super) fn needed(names: &Names<'_>, measures: &[Measure], name: &str) -> Result<Self> {
         Self::of(names, measures, name).ok_or_else(|| {
             let help = did_you_mean(name, names.ordered.iter().copied());
             Error::new(Code::UnknownName, format!("'{name}' is not recorded"))
-                .help(help.unwrap_or_else(|| format!("record it, too: --output-variable '{name}'")))
+                .help(help.unwrap_or_else(|| format!("also record it: --output-variable '{name}'")))
         })
     }
 
-    /// The column, and what makes base units of it: a factor and an offset.
+    /// The column, and its conversion to base units: a factor and an offset.
     pub(crate) fn numbers(self) -> (usize, f64, f64) {
         (self.column, self.measure.factor, self.measure.offset)
     }
@@ -69,7 +69,7 @@ impl Place {
     }
 }
 
-/// Values that belong together, by their axes.
+/// Values that belong together, by axis.
 #[derive(Debug, Clone)]
 pub(crate) struct Group<const N: usize>([Option<Place>; N]);
 
@@ -84,7 +84,7 @@ impl<const N: usize> Group<N> {
         Self(places)
     }
 
-    /// Those of the axes that are recorded.
+    /// Those axes that are recorded.
     pub(super) fn within(
         names: &Names<'_>,
         measures: &[Measure],
@@ -94,7 +94,7 @@ impl<const N: usize> Group<N> {
         Self(axes.map(|axis| Place::of(names, measures, &format!("{path}.{axis}"))))
     }
 
-    /// As [`Group::within`], and nothing unless all axes are recorded.
+    /// Like [`Group::within`], but `None` unless all axes are recorded.
     pub(super) fn whole(
         names: &Names<'_>,
         measures: &[Measure],
@@ -119,7 +119,7 @@ impl<const N: usize> Group<N> {
         axes.into_iter().all(|axis| self.0[axis].is_some())
     }
 
-    /// The values; what is not recorded is 0.
+    /// The values; axes that are not recorded are 0.
     pub(crate) fn values(&self, row: &[f64]) -> [f64; N] {
         self.0.map(|place| place.map_or(0.0, |place| place.value(row)))
     }

@@ -1,8 +1,8 @@
-//! Values as ROS 2 sends them: CDR, little endian, each at a place that its size divides.
+//! Values in the encoding of ROS 2: CDR, little-endian, each aligned to its size.
 
 use crate::time::Time;
 
-/// What a message begins with: CDR, little endian, no options.
+/// The start of a message: CDR, little-endian, no options.
 pub(crate) const CDR_HEADER: [u8; 4] = [0, 1, 0, 0];
 
 /// Appends values to a message.
@@ -43,14 +43,14 @@ impl<'a> Cdr<'a> {
         self.0.push(u8::from(value));
     }
 
-    /// Its length includes a zero after it.
+    /// Its length includes a trailing zero.
     pub(crate) fn string(&mut self, text: &str) {
         self.uint32(text.len() as u32 + 1);
         self.0.extend(text.as_bytes());
         self.0.push(0);
     }
 
-    /// `std_msgs/Header`; a time after 2038 has the last second that ROS can tell.
+    /// `std_msgs/Header`; a time after 2038 becomes the last second that ROS can represent.
     pub(crate) fn header(&mut self, stamp: Time, frame: &str) {
         const SECOND: i64 = 1_000_000_000;
         let nanoseconds = stamp.nanoseconds();

@@ -1,8 +1,8 @@
-//! The channels of what is recorded: columns as they are, and the messages of ROS made of them.
+//! The channels of recorded data: columns unchanged, and ROS messages made from them.
 //!
-//! Columns whose names begin alike (`dvl.velocity.u`, `dvl.stamp`) are the fields of one message
-//! on one topic (`/dvl`). A field's name is what ROS allows (`velocity_u`); the real names stand
-//! in the channel's metadata with their units.
+//! Columns with a common prefix (`dvl.velocity.u`, `dvl.stamp`) are the fields of one message on
+//! one topic (`/dvl`). A field name is adapted to ROS (`velocity_u`); the real names are in the
+//! metadata of the channel with their units.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -16,19 +16,19 @@ use crate::texts;
 use crate::time::Time;
 use crate::units::recorded::{self, UNITS};
 
-/// The metadata of a channel that holds its columns: a line `position type name` for each.
+/// The metadata of a channel that contains columns: a line `position type name` for each.
 pub(crate) const COLUMNS: &str = "cosim.columns";
-/// The metadata of a channel whose messages are made of columns that stand elsewhere.
+/// The metadata of a channel whose messages are made from columns stored elsewhere.
 pub(crate) const DERIVED: &str = "cosim.derived";
 
-/// How a channel is made known.
+/// The declaration of a channel.
 #[derive(Debug, Clone)]
 pub(crate) struct Channel {
-    /// Without a slash before it.
+    /// Without a leading slash.
     pub(crate) topic: String,
     /// The name of the type of its messages.
     pub(crate) schema_name: String,
-    /// The type in ROS's language.
+    /// The type in the ROS message definition language.
     pub(crate) schema: String,
     pub(crate) metadata: BTreeMap<String, String>,
 }
@@ -36,14 +36,14 @@ pub(crate) struct Channel {
 /// All channels of a run.
 pub(crate) struct Channels {
     pub(crate) all: Vec<Channel>,
-    /// Per channel of columns: positions and types.
+    /// For each channel of columns: positions and types.
     fields: Vec<Vec<(usize, Field)>>,
     derived: Topics,
     message: Vec<u8>,
 }
 
 impl Channels {
-    /// Of a system with this name; variables are what `roles` says, or else their names.
+    /// For a system with this name; the roles of variables are `roles`, or given by their names.
     pub(crate) fn new(
         system: &str,
         columns: &[Column],
@@ -75,7 +75,7 @@ impl Channels {
         Ok(Self { all, fields, derived, message: Vec::new() })
     }
 
-    /// Shows `see` the messages of an instant with the places of their channels.
+    /// Shows `see` the messages of an instant with the positions of their channels.
     pub(crate) fn each<E>(
         &mut self,
         now: Time,
@@ -112,7 +112,7 @@ fn channel(name: &str, columns: &[(usize, &Column)]) -> Channel {
     Channel { topic, schema_name, schema, metadata }
 }
 
-/// A name as ROS allows it, or another if nothing is left of it.
+/// A name as ROS allows it, or `otherwise` if nothing is left of it.
 fn named(name: &str, otherwise: &str) -> String {
     let name = identifier(name);
     if name.is_empty() { otherwise.to_owned() } else { name }
@@ -149,8 +149,8 @@ impl Field {
         }
     }
 
-    /// Bytes, and what its place is a multiple of; of a String, those of its length, which includes
-    /// a zero after it.
+    /// Size in bytes, and alignment; for a String those of its length, which includes a trailing
+    /// zero.
     pub(crate) fn size(self) -> usize {
         match self {
             Field::Float64 => 8,

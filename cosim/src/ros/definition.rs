@@ -1,6 +1,6 @@
-//! The types of messages as ROS 2 defines them, without its comments.
+//! The message types as ROS 2 defines them, without comments.
 
-/// Types by their names; names of types within are whole.
+/// Types by name; names of nested types are complete.
 const TYPES: [(&str, &str); 17] = [
     ("builtin_interfaces/Time", "int32 sec\nuint32 nanosec\n"),
     ("std_msgs/Header", "builtin_interfaces/Time stamp\nstring frame_id\n"),
@@ -46,7 +46,7 @@ const TYPES: [(&str, &str); 17] = [
     ),
 ];
 
-/// The definition of `nav_msgs/msg/Odometry`, say, and after it those of all types in it.
+/// The definition of, for example, `nav_msgs/msg/Odometry`, followed by those of all nested types.
 pub(super) fn of(name: &str) -> String {
     let name = name.replace("/msg/", "/");
     let text = |name: &str| TYPES.iter().find(|(known, _)| *known == name).map(|(_, text)| *text);

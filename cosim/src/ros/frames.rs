@@ -1,16 +1,16 @@
-//! From the axes of marine and flight mechanics to those of ROS (REP 103), and attitudes as
+//! From the axes of marine and flight mechanics to those of ROS (REP 103), with attitudes as
 //! quaternions.
 
 use std::f64::consts::FRAC_PI_2;
 
 use crate::roles::{Axes, Body};
 
-/// Where a body is in the axes of ROS.
+/// The pose of a body in the axes of ROS.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Pose {
     /// East, north, up (m).
     pub(crate) position: [f64; 3],
-    /// From the body's axes to the world's: x, y, z, w.
+    /// From body axes to world axes: x, y, z, w.
     pub(crate) orientation: [f64; 4],
 }
 
@@ -26,7 +26,7 @@ impl Pose {
     }
 }
 
-/// Of a row of what is recorded; `None` if a value is not finite.
+/// From a row of recorded data; `None` if a value is not finite.
 pub(crate) fn pose(axes: Axes, body: &Body, row: &[f64]) -> Option<Pose> {
     let [x, y, z, roll, pitch, yaw] = body.pose.values(row);
     let finite = [x, y, z, roll, pitch, yaw].iter().all(|value| value.is_finite());
@@ -36,7 +36,7 @@ pub(crate) fn pose(axes: Axes, body: &Body, row: &[f64]) -> Option<Pose> {
     })
 }
 
-/// A place in the world.
+/// A position in the world.
 pub(super) fn place(axes: Axes, [x, y, z]: [f64; 3]) -> [f64; 3] {
     match axes {
         Axes::Ned => [y, x, -z],
@@ -44,7 +44,7 @@ pub(super) fn place(axes: Axes, [x, y, z]: [f64; 3]) -> [f64; 3] {
     }
 }
 
-/// A vector in the axes of a body.
+/// A vector in body axes.
 pub(super) fn of_body(axes: Axes, [x, y, z]: [f64; 3]) -> [f64; 3] {
     match axes {
         Axes::Ned => [x, -y, -z],
@@ -52,7 +52,7 @@ pub(super) fn of_body(axes: Axes, [x, y, z]: [f64; 3]) -> [f64; 3] {
     }
 }
 
-/// Roll, pitch and yaw, turned in the order yaw, pitch, roll (Fossen 2011, 2.2.1).
+/// Roll, pitch and yaw, rotated in the order yaw, pitch, roll (Fossen 2011, 2.2.1).
 pub(super) fn orientation(axes: Axes, [roll, pitch, yaw]: [f64; 3]) -> [f64; 4] {
     let (pitch, yaw) = match axes {
         Axes::Ned => (-pitch, FRAC_PI_2 - yaw),
@@ -68,7 +68,7 @@ pub(super) fn orientation(axes: Axes, [roll, pitch, yaw]: [f64; 3]) -> [f64; 4] 
     ]
 }
 
-/// Where an axis of a pose is in ROS, and its sign.
+/// The index of an axis of a pose in ROS, and its sign.
 fn turned(axes: Axes, axis: usize) -> (usize, f64) {
     match (axes, axis) {
         (Axes::Enu, axis) => (axis, 1.0),
@@ -79,11 +79,11 @@ fn turned(axes: Axes, axis: usize) -> (usize, f64) {
     }
 }
 
-/// What stands for a variance where nothing is known of an axis, beside others that are known.
+/// The variance for an axis of which nothing is known, beside others that are known.
 const UNKNOWN: f64 = 1e6;
 
-/// The covariance of the pose of a body, row by row; 0 everywhere if none is recorded, as ROS says
-/// that it is not known.
+/// The covariance of the pose of a body, row by row; all zeros if none is recorded, which means
+/// unknown in ROS.
 pub(super) fn pose_covariance(axes: Axes, body: &Body, row: &[f64]) -> [f64; 36] {
     let mut covariance = [0.0; 36];
     if !body.sigma.is_there() {
@@ -119,7 +119,7 @@ mod tests {
     use super::*;
     use std::f64::consts::PI;
 
-    /// A vector of the body in the world.
+    /// A body vector in the world.
     fn rotate(orientation: [f64; 4], vector: [f64; 3]) -> [f64; 3] {
         let matrix = Pose { position: [0.0; 3], orientation }.rotation();
         matrix.map(|row| row.iter().zip(vector).map(|(a, b)| a * b).sum())
@@ -132,7 +132,7 @@ mod tests {
                 // In north, east, down, and then in the axes of ROS ...
                 let down = rotate(orientation(Axes::Enu, angles), vector);
                 let wanted = place(Axes::Ned, down);
-                // ... is what the attitude in the axes of ROS makes of the vector of the body.
+                // ... equals the attitude in the axes of ROS applied to the body vector.
                 let found = rotate(orientation(Axes::Ned, angles), of_body(Axes::Ned, vector));
                 for (found, wanted) in found.iter().zip(wanted) {
                     assert!((found - wanted).abs() < 1e-12, "{found} {wanted} {angles:?}");

@@ -1,4 +1,4 @@
-//! A layout for Foxglove and Lichtblick: the bodies in three dimensions, plots beside.
+//! A layout for Foxglove and Lichtblick: the bodies in three dimensions, with plots beside them.
 
 use serde_json::{Map, Value, json};
 

@@ -1,4 +1,5 @@
-//! The messages. Those with a value that is not finite are left out: no tool can show them.
+//! The messages. Messages with a value that is not finite are skipped, because no tool can show
+//! them.
 
 use super::WORLD;
 use super::cdr::Cdr;
@@ -6,7 +7,7 @@ use super::frames::{self, of_body, orientation, place, pose, pose_covariance, va
 use crate::roles::{Axes, Body, Roles, Sensor};
 use crate::time::Time;
 
-/// A type of message, and what is in it.
+/// A message type and its content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Odometry,
@@ -18,7 +19,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// The type as ROS names it.
+    /// The type name in ROS.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Odometry => "nav_msgs/msg/Odometry",
@@ -42,7 +43,7 @@ impl Kind {
         }
     }
 
-    /// What a sensor can say.
+    /// The possible measurements of a sensor.
     pub(super) fn of(sensor: &Sensor) -> Vec<Self> {
         let inertial = sensor.specific_force.is_there() && sensor.rate.is_there();
         let all = [
@@ -104,7 +105,7 @@ pub(super) fn transforms(
     !poses.is_empty()
 }
 
-/// What a sensor measured; its axes are those of the vehicle.
+/// The measurement of a sensor; its axes are those of the vehicle.
 pub(super) fn measured(
     cdr: &mut Cdr<'_>,
     kind: Kind,
@@ -137,7 +138,7 @@ pub(super) fn measured(
 /// The frame of sensors.
 const BODY: &str = "base_link";
 
-/// A covariance of a measurement that an inertial unit does not make.
+/// The covariance of a quantity that an inertial unit does not measure.
 const NOT_MEASURED: [f64; 9] = [-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
 
 fn imu(cdr: &mut Cdr<'_>, axes: Axes, sensor: &Sensor, stamp: Time, row: &[f64]) -> bool {

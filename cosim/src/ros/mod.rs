@@ -1,8 +1,8 @@
-//! Messages of ROS 2 that are made of recorded values, for Foxglove, RViz and rosbag2.
+//! ROS 2 messages made from recorded values, for Foxglove, RViz and rosbag2.
 //!
-//! The truth and each estimate is a `nav_msgs/Odometry`, each measurement of a sensor the message
-//! that ROS has for it, and `/tf` carries where the bodies are. Axes are those of REP 103: the world
-//! `map` is east, north, up, a body `base_link` forward, port, up.
+//! The truth and each estimate is a `nav_msgs/Odometry`, each measurement of a sensor the
+//! corresponding ROS message, and `/tf` carries the poses of the bodies. Axes follow REP 103: the
+//! world `map` is east, north, up, a body `base_link` forward, port, up.
 
 mod cdr;
 mod channels;
@@ -24,7 +24,7 @@ use self::message::Kind;
 use crate::roles::{Place, Roles};
 use crate::time::Time;
 
-/// Topics of a run, and when they have something new.
+/// The topics of a run, and when each has something new.
 pub(crate) struct Topics {
     roles: Roles,
     all: Vec<Topic>,
@@ -33,17 +33,17 @@ pub(crate) struct Topics {
 
 /// One topic.
 pub(crate) struct Topic {
-    /// `filter/odometry`, without a slash before it.
+    /// `filter/odometry`, without a leading slash.
     pub(crate) name: String,
     kind: Kind,
-    /// The place of its body or sensor.
+    /// The position of its body or sensor.
     of: usize,
     /// The stamp of the newest sample.
     stamp: Option<Time>,
 }
 
 impl Topic {
-    /// The type as ROS names it, and its definition with those of all types in it.
+    /// The type name in ROS, and its definition with those of all nested types.
     pub(crate) fn schema(&self) -> (&'static str, String) {
         (self.kind.name(), definition::of(self.kind.name()))
     }
@@ -53,7 +53,7 @@ impl Topic {
     }
 }
 
-/// The name of the world's frame.
+/// The name of the world frame.
 const WORLD: &str = "map";
 
 impl Topics {
@@ -141,7 +141,7 @@ fn sampled(stamp: Option<Place>, valid: Option<Place>, now: Time, row: &[f64]) -
     Time::from_seconds(stamp.value(row), "a stamp").ok().filter(|stamp| *stamp >= Time::ZERO)
 }
 
-/// A name as ROS allows it: small letters, digits, single underscores, a letter first.
+/// A name as ROS allows it: lower-case letters, digits, single underscores, starting with a letter.
 pub(crate) fn identifier(name: &str) -> String {
     let words = name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
     let name = words.collect::<Vec<_>>().join("_").to_ascii_lowercase();
@@ -151,7 +151,7 @@ pub(crate) fn identifier(name: &str) -> String {
     }
 }
 
-/// The name, or one with a number behind it: numbers that the name has met already are not tried.
+/// The name, or the name with a number appended: numbers already used for it are not tried again.
 pub(crate) fn unique(name: String, taken: &mut HashMap<String, usize>) -> String {
     let mut number = taken.get(&name).copied().unwrap_or(0);
     let mut candidate = name.clone();

@@ -1,4 +1,4 @@
-//! Faults from a file of TOML.
+//! Reads faults from a TOML file.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use crate::names;
 use crate::table::{Document, Table};
 use crate::time::Time;
 
-/// What every fault can say.
+/// Keys that every fault accepts.
 const COMMON: [&str; 10] =
     ["kind", "on", "installed", "from", "until", "for", "between", "when", "ramp-in", "ramp-out"];
 
@@ -50,13 +50,13 @@ fn fault(table: &Table<'_>) -> Option<Fault> {
     if let (Some(Begin::At(from)), Some(End::At(until))) = (&begin, end)
         && until <= *from
     {
-        table.wrong(format!("it ends at {until}, and begins at {from}"));
+        table.wrong(format!("it ends at {until}, but begins at {from}"));
     }
     let installed = table.time("installed");
     if let (Some(Begin::At(from)), Some(installed)) = (&begin, installed)
         && *from < installed
     {
-        table.wrong(format!("it begins at {from}, and is put in its place at {installed}"));
+        table.wrong(format!("it begins at {from}, but is installed at {installed}"));
     }
     let ramp = |key: &str| duration(table, key).unwrap_or(Time::ZERO);
     Some(Fault {
@@ -71,7 +71,7 @@ fn fault(table: &Table<'_>) -> Option<Fault> {
     })
 }
 
-/// Nothing if that is wrong.
+/// `None` if that is wrong.
 fn begin(table: &Table<'_>) -> Option<Begin> {
     let given = ["from", "between", "when"].into_iter().filter(|key| table.get(key).is_some());
     let given: Vec<&str> = given.collect();
@@ -82,7 +82,7 @@ fn begin(table: &Table<'_>) -> Option<Begin> {
             let entry = table.get("between")?;
             let numbers = entry.list().iter().map(|part| part.number()).collect::<Option<Vec<_>>>();
             let [first, last] = numbers?[..] else {
-                entry.wrong("a list of two instants is wanted");
+                entry.wrong("a list of two instants is expected");
                 return None;
             };
             if last < first {
@@ -100,13 +100,13 @@ fn begin(table: &Table<'_>) -> Option<Begin> {
             }
         },
         _ => {
-            table.wrong(format!("only one of {} can say when it begins", given.join(", ")));
+            table.wrong(format!("only one of {} can define when it begins", given.join(", ")));
             None
         }
     }
 }
 
-/// Nothing if that is wrong.
+/// `None` if that is wrong.
 fn end(table: &Table<'_>) -> Option<End> {
     match (table.get("until"), table.get("for")) {
         (None, None) => Some(End::Never),
@@ -114,12 +114,12 @@ fn end(table: &Table<'_>) -> Option<End> {
         (None, Some(_))
             if ["from", "between", "when"].iter().all(|key| table.get(key).is_none()) =>
         {
-            table.wrong("'for' needs a beginning; an end is said by 'until'");
+            table.wrong("'for' needs a start; use 'until' to set an end");
             None
         }
         (None, Some(_)) => duration(table, "for").map(End::After),
         (Some(_), Some(_)) => {
-            table.wrong("'until' and 'for' exclude one another");
+            table.wrong("'until' and 'for' exclude each other");
             None
         }
     }
@@ -182,7 +182,7 @@ fn kind(table: &Table<'_>, word: &Word) -> Option<Kind> {
                 entry.wrong("a reset has no duration");
             }
             if ["from", "between", "when"].iter().all(|key| table.get(key).is_none()) {
-                table.wrong("'from', 'between' or 'when' must say when the reset happens");
+                table.wrong("'from', 'between' or 'when' must define when the reset happens");
             }
             Kind::Reset
         }
@@ -204,7 +204,7 @@ fn outliers(table: &Table<'_>) -> Option<Kind> {
         (Some(_), None) => Spread::Normal(table.positive("sigma")?),
         (None, Some(_)) => Spread::Uniform(table.positive("size")?),
         _ => {
-            table.wrong("one of 'sigma' and 'size' must say how large they are");
+            table.wrong("either 'sigma' or 'size' must define how large they are");
             return None;
         }
     };
@@ -225,7 +225,7 @@ fn drop_out(table: &Table<'_>) -> Option<Kind> {
         Some("nan") => Meanwhile::NotANumber,
         Some(other) => {
             let entry = table.get("meanwhile")?;
-            entry.wrong(format!("'{other}' is none of last, zero, nan"));
+            entry.wrong(format!("'{other}' is not one of last, zero, nan"));
             return None;
         }
     };
@@ -257,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn every_mistake_is_told_with_its_line_and_a_typo_with_the_nearest_key() {
+    fn every_mistake_is_reported_with_its_line_and_a_typo_with_the_nearest_key() {
         let text = "sed = 1\n[[fault]]\nkind = \"wite-noise\"\non = \"a.x\"\n\n[[fault]]\n\
                     kind = \"white-noise\"\nsigma = 0\nfron = 2\n\n[[fault]]\nkind = \"stuck\"\n\
                     on = \"a.x\"\nfrom = 5\nuntil = 4\n[[fault]]\nkind = \"ramp\"\non = \"b.y\"\n\
@@ -272,7 +272,7 @@ mod tests {
             (6, "'on' is missing"),
             (8, "0 is not greater than 0"),
             (11, "it ends at 4"),
-            (19, "no number but a string"),
+            (19, "not a number but a string"),
             (16, "'over' is missing"),
             (20, "has no comparison"),
         ] {

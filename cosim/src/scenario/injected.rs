@@ -1,4 +1,4 @@
-//! Faults that are put into a run while it goes on, and the scenario that puts them in again.
+//! Faults that are injected into a running simulation, and the scenario that repeats them.
 
 use std::path::Path;
 
@@ -11,22 +11,22 @@ use crate::master::Controls;
 use crate::observe::Recording;
 use crate::time::Time;
 
-/// What was put in so far.
+/// The faults injected so far.
 #[derive(Debug, Default)]
 pub struct Injected {
     text: String,
     count: usize,
 }
 
-/// Random numbers of injected faults are not those of a scenario's, whose seed is 0 by default.
+/// Random numbers of injected faults differ from those of a scenario, whose seed is 0 by default.
 const SEED: u64 = 0x6c69_7665;
 
-/// What says when a fault begins: an injected one begins when it is injected.
+/// Keys that define when a fault begins: an injected fault begins when it is injected.
 const BEGINNINGS: [&str; 4] = ["installed", "from", "between", "when"];
 
 impl Injected {
-    /// Puts a fault in, which begins now: keys and values as in a file of TOML. Gives when it acts.
-    /// What is wrong with it is an error, and changes nothing.
+    /// Injects a fault, which begins now: keys and values as in a TOML file. Returns when it acts.
+    /// If it is invalid, the error changes nothing.
     pub fn inject(
         &mut self,
         wanted: &Map<String, Value>,
@@ -34,8 +34,8 @@ impl Injected {
         controls: &mut Controls<'_>,
     ) -> Result<Window> {
         if let Some(key) = BEGINNINGS.iter().find(|key| wanted.contains_key(**key)) {
-            return Err(Error::new(Code::Scenario, format!("'{key}' cannot be said here"))
-                .why("a fault that is injected begins at once"));
+            return Err(Error::new(Code::Scenario, format!("'{key}' cannot be set here"))
+                .why("an injected fault begins immediately"));
         }
         let mut text = String::from("[[fault]]\n");
         for (key, value) in wanted {
@@ -59,15 +59,15 @@ impl Injected {
         Ok(window)
     }
 
-    /// The scenario that does to another run what was done to this one; nothing if that was nothing.
+    /// The scenario that repeats the injected faults in another run; `None` if there are none.
     pub fn text(&self) -> Option<&str> {
         (self.count > 0).then_some(self.text.as_str())
     }
 }
 
-/// As a text of TOML.
+/// As TOML text.
 fn quoted(text: &str) -> String {
-    // What JSON escapes, TOML reads alike; DEL alone it forbids.
+    // TOML accepts the escapes of JSON; only DEL is forbidden unescaped.
     Value::from(text).to_string().replace('\u{7f}', "\\u007f")
 }
 
@@ -81,7 +81,7 @@ fn toml(key: &str, value: &Value) -> Result<String> {
             Ok(format!("[{}]", parts.join(", ")))
         }
         Value::Null | Value::Object(_) => {
-            Err(Error::new(Code::Scenario, format!("'{key}' is no number, text or list")))
+            Err(Error::new(Code::Scenario, format!("'{key}' is not a number, text or list")))
         }
     }
 }

@@ -1,11 +1,11 @@
-//! When something is wrong in a run, for reports.
+//! When faults act in a run, for reports.
 
 use super::{Action, Scenario};
 use crate::fault::{Kind, Window};
 use crate::observe::Recording;
 
 impl Scenario {
-    /// The times in which faults and events act in a run of this scenario that was recorded.
+    /// The time spans in which faults and events act in a recorded run of this scenario.
     pub fn windows(&self, recording: &Recording) -> Vec<Window> {
         let mut windows: Vec<Window> = Vec::new();
         let mut acting: Vec<&[String]> = Vec::new();
@@ -16,7 +16,7 @@ impl Scenario {
                 windows.push(window);
                 continue;
             }
-            // It ends those before it that act on its variables.
+            // It ends earlier faults on the same variables.
             for (before, variables) in windows.iter_mut().zip(&acting) {
                 if variables.iter().any(|name| fault.variables.contains(name)) {
                     let until = before.until.map_or(window.from, |until| until.min(window.from));

@@ -1,10 +1,10 @@
-//! An FMU of model exchange from one communication point to the next.
+//! Integrates an FMU for model exchange from one communication point to the next.
 //!
-//! The steps end at time events exactly. After each step the event indicators are compared with
-//! those before it, in its middle too (on the cubic Hermite interpolant), so that a short visit
-//! in the other domain is seen; a crossing is located by integrating again from the step's
-//! beginning, which keeps the method's accuracy. Every event is handled once: the indicators are
-//! read anew after it.
+//! Steps end exactly at time events. After each step, the event indicators are compared with those
+//! before it, also in its middle (on the cubic Hermite interpolant), so that a short excursion into
+//! the other domain is detected; a crossing is located by integrating again from the start of the
+//! step, which preserves the accuracy of the method. Every event is handled once: the indicators
+//! are read again after it.
 
 use super::locate::{Bracket, any_changed};
 use super::{RungeKutta, Settings};
@@ -13,13 +13,13 @@ use crate::fmi::{Instance, NextEvent};
 use crate::time::Time;
 use serde::{Deserialize, Serialize};
 
-/// Two instants nearer than this are one: half of the master's resolution.
+/// Two instants closer than this are the same: half of the master's resolution.
 const SAME: f64 = 0.5e-9;
-/// Width to which a state event is located, in seconds, if the time has that many digits.
+/// Width to which a state event is located, in seconds, if the time has enough digits.
 const LOCATED: f64 = 1e-10;
 const SAFETY: f64 = 0.9;
 
-/// The integration's state, beside the FMU's own.
+/// The state of the integration, besides that of the FMU.
 #[derive(Clone)]
 pub(crate) struct Continuous {
     settings: Settings,
@@ -28,7 +28,7 @@ pub(crate) struct Continuous {
     x: Vec<f64>,
     end: Vec<f64>,
     nominal: Vec<f64>,
-    /// Indicators at `time`, and room for those tried.
+    /// Indicators at `time`, and a buffer for trial values.
     z: Vec<f64>,
     z_trial: Vec<f64>,
     next_event: Option<f64>,
@@ -48,7 +48,7 @@ struct Ramp {
     now: Vec<f64>,
 }
 
-/// What of an integration goes on after a communication point.
+/// The part of an integration that continues after a communication point.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct Progress {
     time: f64,
@@ -81,7 +81,7 @@ impl Continuous {
         }
     }
 
-    /// What must be known to go on from here.
+    /// Everything needed to continue from here.
     pub(crate) fn progress(&self) -> Progress {
         Progress {
             time: self.time,
@@ -94,7 +94,7 @@ impl Continuous {
         }
     }
 
-    /// Goes on from there; `false` if that is the progress of another FMU.
+    /// Continues from there; `false` if that is the progress of another FMU.
     pub(crate) fn resume(&mut self, progress: Progress) -> bool {
         let Progress { time, h, next_event, x, end, nominal, z } = progress;
         let states = [&x, &end, &nominal].iter().all(|of| of.len() == self.x.len());
@@ -106,7 +106,7 @@ impl Continuous {
         true
     }
 
-    /// Lets Real inputs move from here on: their values now and their slopes.
+    /// Makes Real inputs move from here on: their current values and their slopes.
     pub(crate) fn ramp(&mut self, references: &[u32], values: &[f64], slopes: &[f64]) {
         let ramp = &mut self.ramp;
         ramp.begin = self.time;
@@ -127,7 +127,7 @@ impl Continuous {
         self.take_over(instance, all)
     }
 
-    /// Handles an event here and now. `change` is what causes it: inputs are set there.
+    /// Handles an event at the current time. `change` is its cause: it sets inputs.
     pub(crate) fn event(
         &mut self,
         instance: &mut Instance,
@@ -192,7 +192,7 @@ impl Continuous {
         }
     }
 
-    /// One step towards `limit`, and the event at its end if there is one.
+    /// Makes one step towards `limit`, and handles the event at its end if there is one.
     fn step(&mut self, instance: &mut Instance, limit: f64) -> Result<()> {
         let has_states = !self.x.is_empty();
         let ramp = &mut self.ramp;
@@ -230,7 +230,8 @@ impl Continuous {
         self.rk.attempt(h, &mut self.end, f)
     }
 
-    /// A step that the error control accepts: its length; the states at its end are in `end`.
+    /// Makes a step that the error control accepts; returns its length; the states at its end are
+    /// in `end`.
     fn controlled(&mut self, instance: &mut Instance, limit: f64) -> Result<f64> {
         let whole = limit - self.time;
         if !self.rk.adaptive() || self.x.is_empty() {
@@ -240,7 +241,7 @@ impl Continuous {
         if self.h == 0.0 {
             self.h = self.first_step(whole);
         }
-        // A remainder too short to be worth a step of its own is taken along.
+        // A remainder too short for a step of its own is included.
         let mut h = if self.h * 1.1 >= whole { whole } else { self.h };
         loop {
             self.attempt(instance, h)?;
@@ -248,11 +249,11 @@ impl Continuous {
             let factor = SAFETY * step_factor(error);
             if error <= 1.0 {
                 let suggested = h * factor.clamp(0.2, 5.0);
-                // A step cut short by its limit says nothing against longer ones.
+                // A step shortened by its limit is no evidence against longer ones.
                 self.h = if h < self.h { suggested.max(self.h) } else { suggested };
                 return Ok(h);
             }
-            // NaN comes here too: the states ran out of the model's domain.
+            // NaN also gets here: the states left the domain of the model.
             h *= if error.is_finite() { factor.clamp(0.1, 0.9) } else { 0.1 };
             self.h = h;
             if self.time + h <= self.time + 4.0 * f64::EPSILON * self.time.abs() || h < 1e-300 {
@@ -276,7 +277,7 @@ impl Continuous {
         self.settings.tolerance * (self.x[i].abs().max(self.end[i].abs()) + self.nominal[i].abs())
     }
 
-    /// Where in the step of the length `h` the first event indicator has crossed.
+    /// Where in the step of length `h` the first event indicator has crossed.
     fn crossing(&mut self, instance: &mut Instance, h: f64) -> Result<Option<f64>> {
         if self.z.is_empty() {
             return Ok(None);
@@ -289,7 +290,7 @@ impl Continuous {
             if !any_changed(&self.z, &self.z_trial) {
                 return Ok(None);
             }
-            // The interpolant only hints: what counts is the step itself.
+            // The interpolant is only a hint: the step itself decides.
             self.attempt(instance, after)?;
             self.indicators(instance, after)?;
             if !any_changed(&self.z, &self.z_trial) {
@@ -336,11 +337,11 @@ impl Continuous {
             .at(instance.fmu().path())
             .why(why)
             .log(instance.messages())
-            .help("a greater --tolerance, or --interface-type cs if the FMU has its own solver")
+            .help("use a larger --tolerance, or --interface-type cs if the FMU has its own solver")
     }
 }
 
-/// error^(-1/5), the step factor of a pair of the orders 5 and 4; no error permits any step.
+/// error^(-1/5), the step factor of a pair of orders 5 and 4; an error of 0 allows any step.
 fn step_factor(error: f64) -> f64 {
     if error > 0.0 { libm::pow(error, -0.2) } else { f64::MAX }
 }

@@ -1,7 +1,8 @@
-//! Where in a step an event indicator changes its sign.
+//! Locates where in a step an event indicator changes its sign.
 //!
-//! An indicator has two domains, z > 0 and z <= 0 (FMI 2.0.5, 3.1.1). A bracket is narrowed by
-//! the secant, from both sides, and by halving in turns; its right end, behind the crossing, is the event.
+//! An indicator has two domains, z > 0 and z <= 0 (FMI 2.0.5, 3.1.1). A bracket is narrowed by the
+//! secant, from both sides, alternating with bisection; its right end, after the crossing, is the
+//! event.
 
 /// A bracket in a step: no sign has changed at `before`, some have at `after`.
 pub(super) struct Bracket {
@@ -18,15 +19,15 @@ impl Bracket {
         Self { before: 0.0, after, z_before, z_after, turn: 0 }
     }
 
-    /// Where to look next.
+    /// Where to evaluate next.
     pub(super) fn next(&mut self) -> f64 {
         let width = self.after - self.before;
         self.turn = (self.turn + 1) % 3;
         // The earliest crossing of those that changed.
         let secants = self.z_before.iter().zip(&self.z_after).filter(|(b, a)| changed(**b, **a));
         let share = secants.map(|(b, a)| b / (b - a)).fold(1.0, f64::min);
-        // A little behind the guess, then a little before it, closes the bracket from both sides;
-        // the middle is for indicators that are far from straight.
+        // Slightly after the guess, then slightly before it, closes the bracket from both sides;
+        // the middle is for indicators that are far from linear.
         let share = match self.turn {
             1 => share + 0.01,
             2 => share - 0.01,
@@ -47,7 +48,7 @@ impl Bracket {
     }
 }
 
-/// Whether some indicator is in another domain.
+/// Whether any indicator is in another domain.
 pub(super) fn any_changed(before: &[f64], after: &[f64]) -> bool {
     before.iter().zip(after).any(|(b, a)| changed(*b, *a))
 }

@@ -1,6 +1,6 @@
-//! Our own integrators for model exchange: x' = f(t, x), with events.
+//! Our own solvers for model exchange: x' = f(t, x), with events.
 //!
-//! `runge_kutta` is one explicit Runge-Kutta step of a Butcher tableau, `continuous` drives an
+//! `runge_kutta` makes one explicit Runge-Kutta step of a Butcher tableau, `continuous` drives an
 //! FMU with it from event to event.
 
 use serde::{Deserialize, Serialize};
@@ -15,9 +15,9 @@ pub(crate) use runge_kutta::RungeKutta;
 /// A Runge-Kutta method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Method {
-    /// The classical one of order 4, one step per communication step (fewer before events).
+    /// The classical method of order 4, one step per communication step (shorter before events).
     RungeKutta4,
-    /// Dormand and Prince's pair of the orders 5 and 4, with steps chosen by the tolerance.
+    /// The pair of Dormand and Prince of orders 5 and 4, with steps chosen by the tolerance.
     #[default]
     DormandPrince,
 }
@@ -27,7 +27,7 @@ pub enum Method {
 pub struct Settings {
     /// The method.
     pub method: Method,
-    /// Error permitted per step, relative to the state and to its nominal value.
+    /// Error allowed per step, relative to the state and to its nominal value.
     pub tolerance: f64,
 }
 

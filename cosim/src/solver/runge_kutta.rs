@@ -44,11 +44,11 @@ const DORMAND_PRINCE: Tableau = Tableau {
     ],
 };
 
-/// The right side of x' = f(t, x).
+/// The right-hand side of x' = f(t, x).
 pub(crate) type Derivatives<'a> = dyn FnMut(f64, &[f64], &mut [f64]) -> Result<()> + 'a;
 
-/// The stages of a method. [`RungeKutta::begin`] fixes the step's beginning, then any number of
-/// [`RungeKutta::attempt`]s go from there by steps of different length.
+/// The stages of a method. [`RungeKutta::begin`] fixes the start of the step, then any number of
+/// [`RungeKutta::attempt`]s go from there with steps of different length.
 #[derive(Clone)]
 pub(crate) struct RungeKutta {
     method: Method,
@@ -71,12 +71,12 @@ impl RungeKutta {
         f(time, states, &mut self.stages[0])
     }
 
-    /// The derivatives at the beginning.
+    /// The derivatives at the start.
     pub(crate) fn slope(&self) -> &[f64] {
         &self.stages[0]
     }
 
-    /// The states after a step of the length `h`, into `end`.
+    /// The states after a step of length `h`, into `end`.
     pub(crate) fn attempt(&mut self, h: f64, end: &mut [f64], f: &mut Derivatives) -> Result<()> {
         let tableau = tableau(self.method);
         for (row, weights) in tableau.a.iter().enumerate() {

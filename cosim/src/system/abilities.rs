@@ -1,4 +1,4 @@
-//! What components must be able to do for the options of a run; all that cannot are told.
+//! Checks that components support the options of a run; all that do not are reported.
 
 use super::{Component, Model, System};
 use crate::error::{Code, Error, Result};
@@ -17,7 +17,7 @@ pub(super) fn check(system: &System) -> Result<()> {
             problems.extend(unable(component, fmu, "follow a step control"));
         }
     } else if system.retries > 0 {
-        // One that cannot go back may never have to: an error comes when it does.
+        // A component that cannot go back may never have to: there is an error if it does.
         if !fmus(system).any(|(component, fmu)| component.can_repeat(fmu)) {
             problems.extend(fmus(system).filter_map(|(c, fmu)| unable(c, fmu, "repeat steps")));
         }
@@ -26,7 +26,7 @@ pub(super) fn check(system: &System) -> Result<()> {
 }
 
 impl Component {
-    /// Whether its FMU can go back to the beginning of a step and make a shorter one.
+    /// Whether its FMU can go back to the start of a step and make a shorter one.
     pub(crate) fn can_repeat(&self, fmu: &Fmu) -> bool {
         unable(self, fmu, "").is_none()
     }
@@ -39,7 +39,7 @@ fn fmus(system: &System) -> impl Iterator<Item = (&Component, &Fmu)> {
     })
 }
 
-/// Why a component cannot go back and make a step of another length.
+/// Why a component cannot go back and make a step of a different length.
 fn unable(component: &Component, fmu: &Fmu, what: &str) -> Option<Error> {
     let interface = fmu.interface(component.interface).ok()?;
     let fixed = !fmu.varies(component.interface);

@@ -1,4 +1,4 @@
-//! What a connection does to the value on its way.
+//! The conversion of a value by a connection.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,9 +7,9 @@ use crate::units::Linear;
 /// A change of a value between an output and an input.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Conversion {
-    /// Of Reals: a unit, or what the file asks for.
+    /// For Reals: a unit conversion, or one specified in the file.
     Linear(Linear),
-    /// Of Integers, Booleans (0 and 1) and items of enumerations: value and its replacement.
+    /// For Integers, Booleans (0 and 1) and items of enumerations: value and its replacement.
     Map(Vec<(i32, i32)>),
 }
 
@@ -28,7 +28,8 @@ impl Conversion {
 }
 
 impl Conversion {
-    /// How the value at the input changes with that at the output; maps have no slope.
+    /// The derivative of the value at the input with respect to that at the output; maps have no
+    /// slope.
     pub(crate) fn slope(&self) -> f64 {
         match self {
             Conversion::Linear(linear) => linear.factor,

@@ -1,8 +1,8 @@
 //! How old a value is when its connection delivers it, and why.
 //!
-//! Two parts add up. A *late* value is that of the beginning of the receiver's step although the
-//! step's end is computed with it; a *held* one comes from a source that steps more rarely than
-//! its receiver, so between two steps of the source the same value is read again and again.
+//! Two parts add up. A *late* value is from the start of the receiver's step although the end of
+//! the step is computed with it; a *held* one comes from a source that steps less often than its
+//! receiver, so the same value is read repeatedly between two steps of the source.
 
 use super::{Algorithm, System};
 use crate::time::Time;
@@ -12,7 +12,7 @@ use crate::time::Time;
 pub struct Delay {
     /// How late the value is: zero, or one step of the receiver.
     pub late: Time,
-    /// How much older it may be, because its source steps more rarely.
+    /// How much older it may be, because its source steps less often.
     pub held: Time,
     /// Why it is late or not.
     pub cause: Cause,
@@ -21,9 +21,9 @@ pub struct Delay {
 /// Why a connection delivers late or not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cause {
-    /// The source steps first: the input gets the value of the step's end.
+    /// The source steps first: the input gets the value at the end of the step.
     Fresh,
-    /// Jacobi: every input holds the value of the step's beginning.
+    /// Jacobi: every input holds the value at the start of the step.
     Jacobi,
     /// No output depends on the input directly.
     NoFeedThrough,
@@ -34,7 +34,7 @@ pub enum Cause {
 }
 
 impl System {
-    /// The delay of each connection, in their order.
+    /// The delay of each connection, in order.
     pub fn delays(&self) -> Vec<Delay> {
         (0..self.connections.len()).map(|connection| self.delay(connection)).collect()
     }
@@ -49,7 +49,7 @@ impl System {
                 Cause::Fresh | Cause::Solved(_) => Time::ZERO,
                 Cause::Jacobi | Cause::NoFeedThrough | Cause::Cut(_) => receiver.rounded(),
             },
-            // Both count from the start, so they meet at every common multiple.
+            // Both count from the start, so they coincide at every common multiple.
             held: source.rounded() - source.gcd(receiver).rounded(),
             cause,
         }
@@ -69,7 +69,7 @@ impl System {
         }
     }
 
-    /// A delay in words.
+    /// A delay as text.
     pub fn explain(&self, connection: usize, delay: &Delay) -> String {
         let ends = &self.connections[connection];
         let name = |component: usize| self.components[component].name.as_str();
@@ -78,10 +78,10 @@ impl System {
         let mut text = match delay.cause {
             Cause::Fresh => format!("no delay: '{from}' steps before '{to}'"),
             Cause::Jacobi => format!(
-                "one step late ({late}) because Jacobi holds every input from the step's beginning"
+                "one step late ({late}) because Jacobi holds every input from the start of the step"
             ),
             Cause::NoFeedThrough => format!(
-                "held from the step's beginning ({late}) because no output of '{to}' depends on \
+                "held from the start of the step ({late}) because no output of '{to}' depends on \
                  the input directly"
             ),
             Cause::Cut(found) => self.explain_cut(found, to, late),
@@ -106,7 +106,7 @@ impl System {
             return format!("one step late ({late}) because '{to}' feeds itself");
         }
         format!(
-            "one step late ({late}) because the loop through {} is cut here: '{to}' stands before \
+            "one step late ({late}) because the loop through {} is cut here: '{to}' comes before \
              its source in the file",
             self.members(found)
         )

@@ -1,6 +1,7 @@
-//! Functions between components: sums of scalars or vectors, as OSP has them.
+//! Functions between components: sums of scalars or vectors, as in OSP.
 //!
-//! out[j] = in[0][j] + in[1][j] + ..., at once: a function has no state and no delay of its own.
+//! out[j] = in[0][j] + in[1][j] + ..., immediately: a function has no state and no delay of its
+//! own.
 
 use crate::fmi::{Causality, Description, Kind, Output, Variability, Variable};
 
@@ -8,16 +9,16 @@ use crate::fmi::{Causality, Description, Kind, Output, Variability, Variable};
 #[derive(Debug)]
 pub struct Function {
     inputs: usize,
-    /// `None`: of scalars, whose ports have no second index.
+    /// `None`: scalars, whose ports have no second index.
     dimension: Option<usize>,
     description: Description,
 }
 
-/// No more ports than this: a file may claim any number.
+/// Maximum number of ports: a file may declare any number.
 pub(super) const MAX_PORTS: usize = 10_000;
 
 impl Function {
-    /// The sum of so many inputs; `None` when that would be too many ports, or none.
+    /// The sum of this many inputs; `None` if that would be too many ports, or none.
     pub fn sum(name: &str, inputs: usize, dimension: Option<usize>) -> Option<Self> {
         let width = dimension.unwrap_or(1);
         let ports = inputs.checked_mul(width).filter(|&n| n > 0 && n <= MAX_PORTS)?;
@@ -56,7 +57,7 @@ impl Function {
         &self.description
     }
 
-    /// Positions of the inputs that an output is the sum of.
+    /// Positions of the inputs that an output sums.
     pub fn terms(&self, output: usize) -> impl Iterator<Item = usize> {
         let width = self.dimension.unwrap_or(1);
         let element = output.saturating_sub(self.inputs * width);

@@ -1,8 +1,8 @@
-//! What connected inputs do during a step: hold a value or move linearly.
+//! What connected inputs do during a step: hold a value or change linearly.
 //!
-//! Linear is for continuous Reals at both ends, into a component that can take it: model exchange
-//! always (we integrate it), co-simulation where the FMU declares canInterpolateInputs. Other
-//! inputs hold their value, and that is said when linear was asked for.
+//! Linear inputs need continuous Reals at both ends, and a component that supports it: model
+//! exchange always (we integrate it), co-simulation if the FMU declares canInterpolateInputs. Other
+//! inputs hold their value, which is noted if linear was requested.
 
 use super::{Connection, Model, System};
 use crate::error::{Code, Error, Result};
@@ -12,10 +12,10 @@ use crate::names;
 /// What an input does during a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Input {
-    /// It keeps one value: that of the step's beginning, or fresh that of its end.
+    /// It keeps one value: that of the start of the step, or if fresh that of its end.
     #[default]
     Hold,
-    /// It moves: on by the slope of its source, or fresh from one value to the other.
+    /// It moves: with the slope of its source, or if fresh from one value to the other.
     Linear,
 }
 
@@ -31,15 +31,15 @@ impl std::str::FromStr for Input {
     }
 }
 
-/// Decides for each connection; notes the components that hold against the wish.
-pub(super) fn apply(system: &mut System, wishes: &[(String, Input)]) -> Result<()> {
+/// Decides for each connection; notes the components that hold despite the request.
+pub(super) fn apply(system: &mut System, requests: &[(String, Input)]) -> Result<()> {
     let names: Vec<String> = system.connections().iter().map(|c| system.port_name(c.to)).collect();
     let mut problems = Vec::new();
-    for (wish, _) in wishes.iter().filter(|(wish, _)| !wish.is_empty()) {
-        if !names.iter().any(|name| names::matches(wish, name)) {
+    for (request, _) in requests.iter().filter(|(request, _)| !request.is_empty()) {
+        if !names.iter().any(|name| names::matches(request, name)) {
             problems.push(
-                Error::new(Code::UnknownName, format!("'{wish}' is no connected input"))
-                    .maybe_help(names::did_you_mean(wish, names.iter().map(String::as_str))),
+                Error::new(Code::UnknownName, format!("'{request}' is not a connected input"))
+                    .maybe_help(names::did_you_mean(request, names.iter().map(String::as_str))),
             );
         }
     }
@@ -47,11 +47,11 @@ pub(super) fn apply(system: &mut System, wishes: &[(String, Input)]) -> Result<(
     let mut unable: Vec<&str> = Vec::new();
     let mut linear = Vec::with_capacity(names.len());
     for (connection, name) in system.connections().iter().zip(&names) {
-        let fits = |wish: &str| wish.is_empty() || names::matches(wish, name);
-        let wanted = wishes.iter().rev().find(|(wish, _)| fits(wish));
+        let fits = |request: &str| request.is_empty() || names::matches(request, name);
+        let wanted = requests.iter().rev().find(|(request, _)| fits(request));
         let wanted = wanted.is_some_and(|(_, input)| *input == Input::Linear);
         let receiver = &system.components()[connection.to.component];
-        // A function follows at once; its own outputs may move.
+        // A function follows immediately; its own outputs may move.
         let function = matches!(receiver.model, Model::Function(_));
         let moves = wanted && !function && smooth(system, connection);
         let able = match &receiver.model {

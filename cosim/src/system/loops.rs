@@ -1,9 +1,9 @@
-//! Loops of direct feed-through in words, and how bad they are.
+//! Describes loops of direct feed-through, and how serious they are.
 //!
-//! A loop cut at outputs of the variability `discrete` is well-defined: such a value holds from
-//! one event of its component to the next (FMI 2.0.5, 2.2.7), so holding it during a step is what
-//! a sampled system does anyway. That is a note. A loop cut at a continuous value is solved only
-//! up to one step of delay, and that is a warning.
+//! A loop cut at outputs with the variability `discrete` is well-defined: such a value holds from
+//! one event of its component to the next (FMI 2.0.5, 2.2.7), so holding it during a step is what a
+//! sampled system does anyway. That is a note. A loop cut at a continuous value is solved only up
+//! to one step of delay, and that is a warning.
 
 use super::order::Loop;
 use super::{Algorithm, Model, Port, System};
@@ -11,25 +11,25 @@ use crate::error::{Code, Error, Result};
 use crate::fmi::{Kind, Variability};
 
 /// Adds the loops to the system's notes or warnings; an error if they cannot be solved.
-pub(super) fn tell(system: &mut System) -> Result<()> {
+pub(super) fn report(system: &mut System) -> Result<()> {
     let mut problems = Vec::new();
     for position in 0..system.order.loops.len() {
         let found = &system.order.loops[position];
         if sampled(system, found) {
-            system.sampled.push(told(system, found));
+            system.sampled.push(describe(system, found));
         } else if system.algorithm == Algorithm::Iterative {
             problems.extend(unable(system, found));
             let members = system.members(found);
             system.notes.push(format!("algebraic loop through {members}: solved at each step"));
             system.order.loops[position].solved = true;
         } else {
-            system.warnings.push(told(system, found));
+            system.warnings.push(describe(system, found));
         }
     }
     Error::all(problems)
 }
 
-/// The members that cannot go back: a step of a loop is made again and again.
+/// The members that cannot go back: a step of a loop is repeated many times.
 fn unable(system: &System, found: &Loop) -> Vec<Error> {
     let members = found.members.iter().map(|&member| &system.components[member]);
     let unable = members.filter_map(|component| match &component.model {
@@ -43,20 +43,20 @@ fn unable(system: &System, found: &Loop) -> Vec<Error> {
     let texts = texts.filter(|c| system.kind(c.from) == Some(&Kind::String)).map(|c| {
         let what = format!("the loop through {} has a String", system.port_name(c.from));
         Error::new(Code::Connection, what)
-            .why("what is solved by iteration are numbers")
-            .help("take --algorithm gauss-seidel, which cuts the loop")
+            .why("only numbers can be solved by iteration")
+            .help("use --algorithm gauss-seidel, which cuts the loop")
     });
     let problems = unable.map(|(component, fmu)| {
         let what = format!("the loop with '{}' cannot be solved by iteration", component.name);
         Error::new(Code::Connection, what)
             .at(fmu.path())
             .why("its FMU does not declare canGetAndSetFMUstate")
-            .help("take --algorithm gauss-seidel, which cuts the loop")
+            .help("use --algorithm gauss-seidel, which cuts the loop")
     });
     problems.chain(texts).collect()
 }
 
-/// Whether every value that is held is one that holds by its nature.
+/// Whether every held value is one that holds by its nature.
 fn sampled(system: &System, found: &Loop) -> bool {
     found.held.iter().all(|&c| discrete(system, system.connections[c].from))
 }
@@ -66,8 +66,8 @@ fn discrete(system: &System, port: Port) -> bool {
     description.is_some_and(|d| d.variables[port.variable].variability != Variability::Continuous)
 }
 
-/// A loop in words; connections between the same two components are told once.
-fn told(system: &System, found: &Loop) -> String {
+/// A loop as text; connections between the same two components are listed once.
+fn describe(system: &System, found: &Loop) -> String {
     let name = |component: usize| system.components[component].name.as_str();
     let mut pairs: Vec<(usize, usize, String, usize)> = Vec::new();
     for connection in found.held.iter().map(|&c| &system.connections[c]) {

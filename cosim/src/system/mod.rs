@@ -1,7 +1,8 @@
 //! Systems: components, connections, start values and timing, checked once and then immutable.
 //!
-//! A file becomes `raw` structures, [`Overrides`] come on top, and one check (`check`) turns both
-//! into a [`System`] or reports every problem found. `write` makes files of a system again.
+//! A file becomes `raw` structures, [`Overrides`] are applied to them, and a single check (`check`)
+//! turns both into a [`System`] or reports every problem found. `write` writes files of a system
+//! again.
 
 mod abilities;
 mod check;
@@ -52,7 +53,7 @@ pub struct System {
     shortened: bool,
     unknown_steps: bool,
     algorithm: Algorithm,
-    /// Per connection: whether its input is linear during a step.
+    /// For each connection: whether its input is linear during a step.
     linear: Vec<bool>,
     step_control: Option<f64>,
     retries: u32,
@@ -63,12 +64,12 @@ pub struct System {
     sampled: Vec<String>,
 }
 
-/// Who gets which values when; see the module `master`.
+/// Which component gets which values when; see the module `master`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Algorithm {
-    /// Every input holds the value of the beginning of the step: one step of delay per connection.
+    /// Every input holds the value at the start of the step: one step of delay per connection.
     Jacobi,
-    /// Inputs with direct feed-through get the value of the end of the step.
+    /// Inputs with direct feed-through get the value at the end of the step.
     #[default]
     GaussSeidel,
     /// Like Gauss-Seidel, and algebraic loops are solved by iteration at each step.
@@ -88,7 +89,7 @@ pub struct Component {
     pub step: Step,
     /// Start values: positions of variables and their values.
     pub start_values: Vec<(usize, Value)>,
-    /// The worker that its file wants it on when the run is distributed.
+    /// The worker requested by its file for distributed runs.
     pub worker: Option<String>,
 }
 
@@ -99,7 +100,7 @@ pub enum Model {
     Fmu(Arc<Fmu>),
     /// Recorded or prepared signals.
     Signals(Arc<Signals>),
-    /// A function of its inputs, at once.
+    /// A function of its inputs, without delay.
     Function(Arc<Function>),
 }
 
@@ -134,18 +135,18 @@ pub struct Connection {
     pub from: Port,
     /// The input.
     pub to: Port,
-    /// What happens to the value on its way.
+    /// The conversion of the value on the way.
     pub conversion: Option<Conversion>,
 }
 
-/// A connector of the system itself: what it shows where it is a part of something else.
+/// A connector of the system itself, exposed if it is part of something else.
 #[derive(Debug, Clone)]
 pub struct SystemPort {
     /// Name.
     pub name: String,
     /// Input or parameter, output or calculated parameter.
     pub causality: Causality,
-    /// The variables of components behind it, and what happens to values on the way.
+    /// The variables of components behind it, and the conversion of values on the way.
     pub ends: Vec<(Port, Option<Conversion>)>,
     /// Its own unit.
     pub(crate) unit: Option<raw::RawUnit>,
@@ -160,7 +161,7 @@ pub struct Column {
     pub port: Port,
     /// Its type.
     pub kind: Kind,
-    /// Its unit, and what that is in base units if it is defined.
+    /// Its unit, and the conversion to base units if it is defined.
     pub(crate) unit: Option<raw::RawUnit>,
 }
 
@@ -177,7 +178,7 @@ impl Column {
 }
 
 impl System {
-    /// Reads and checks a system: .ssd, .ssp, `OspSystemStructure.xml` or the folder of the last.
+    /// Reads and checks a system: .ssd, .ssp, `OspSystemStructure.xml` or the folder of the latter.
     pub fn load(path: impl AsRef<Path>, overrides: &Overrides) -> Result<Self> {
         let mut raw = read::read(path.as_ref())?;
         let mut problems = std::mem::take(&mut raw.problems);
@@ -185,38 +186,38 @@ impl System {
         check::check(Arc::new(raw), overrides, problems)
     }
 
-    /// Reads the text of a system description, SSP or OSP, as far as that goes without another
-    /// file; gives the number of its components.
+    /// Reads the text of a system description, SSP or OSP, as far as possible without other files;
+    /// returns the number of its components.
     pub fn read_text(text: &str) -> Result<usize> {
         let raw = read::read_text(text)?;
         crate::Error::all(raw.problems)?;
         Ok(raw.components.len())
     }
 
-    /// Whether a path is a system description and not an FMU.
+    /// Whether a path is a system description rather than an FMU.
     pub fn is_system(path: &Path) -> bool {
         read::is_system(path)
     }
 
-    /// The same system with other variables recorded.
+    /// The same system with different variables recorded.
     pub(crate) fn recording(mut self, columns: Vec<Column>) -> Self {
         self.columns = columns;
         self
     }
 
-    /// The same system with who gets the messages of its FMUs.
+    /// The same system with a different receiver for the messages of its FMUs.
     pub(crate) fn logging_to(mut self, logging: Logging) -> Self {
         self.logging = logging;
         self
     }
 
-    /// Asks the FMUs of engines to come for debug messages, or not.
+    /// Switches debug messages on or off for the FMUs of future engines.
     pub(crate) fn debug(&mut self, on: bool) {
         self.logging.debug = on;
     }
 
-    /// The same file with other overrides. No file is read again: neither the description nor an
-    /// FMU that a system of this file has used before, even when it has changed meanwhile.
+    /// The same file with different overrides. No file is read again: neither the description nor
+    /// an FMU that a system of this file has used before, even if it has changed meanwhile.
     pub fn with(&self, overrides: &Overrides) -> Result<Self> {
         match &self.raw {
             Some(raw) => check::check(raw.clone(), overrides, Vec::new()),
@@ -227,7 +228,7 @@ impl System {
         }
     }
 
-    /// The files that it was read from: its description and its FMUs, as far as they are known.
+    /// The files from which it was read: its description and its FMUs, as far as they are known.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let description = self.raw.iter().map(|raw| raw.file.as_path());
         description.chain(self.components.iter().filter_map(|c| Some(c.fmu()?.path())))
@@ -253,7 +254,7 @@ impl System {
         &self.ports
     }
 
-    /// Who steps before whom.
+    /// The stepping order.
     pub fn order(&self) -> &Order {
         &self.order
     }
@@ -263,12 +264,12 @@ impl System {
         &self.columns
     }
 
-    /// First instant.
+    /// Start time.
     pub fn start_time(&self) -> Time {
         self.start
     }
 
-    /// Last instant; [`Time::NEVER`] if nobody says it.
+    /// Stop time; [`Time::NEVER`] if it is unknown.
     pub fn stop_time(&self) -> Time {
         self.stop
     }
@@ -278,7 +279,7 @@ impl System {
         self.output_interval
     }
 
-    /// Whether the run is no whole number of steps, so that the last ones are shorter.
+    /// Whether the duration is not an integer number of steps, so that the last ones are shorter.
     pub fn ends_by_shorter_steps(&self) -> bool {
         self.shortened
     }
@@ -293,13 +294,13 @@ impl System {
             );
         } else if self.unknown_steps {
             problems.push(Error::new(Code::Timing, "no component has a step size").help(
-                "give one by --step-size SECONDS or --step COMPONENT=SECONDS, or in the file by \
+                "set one with --step-size SECONDS or --step COMPONENT=SECONDS, or in the file with \
                  <cosim:Master stepSize=\"0.01\"/> (SSP) or <BaseStepSize> (OSP)",
             ));
         }
         if self.stop == Time::NEVER {
             problems.push(Error::new(Code::Timing, "there is no stop time").help(
-                "give --stop-time SECONDS, or in the file <ssd:DefaultExperiment stopTime=\"...\"/> \
+                "set --stop-time SECONDS, or in the file <ssd:DefaultExperiment stopTime=\"...\"/> \
                  (SSP) or <EndTime> (OSP)",
             ));
         }
@@ -321,7 +322,7 @@ impl System {
         self.linear[connection]
     }
 
-    /// The relative tolerance that the communication steps follow, if they do.
+    /// The relative tolerance that the communication steps follow, if any.
     pub fn step_control(&self) -> Option<f64> {
         self.step_control
     }
@@ -348,27 +349,27 @@ impl System {
         self.solver
     }
 
-    /// What the FMUs are asked to log, and who follows.
+    /// What the FMUs are asked to log, and who receives it.
     pub fn logging(&self) -> &Logging {
         &self.logging
     }
 
-    /// What is odd but not wrong.
+    /// Warnings.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
 
-    /// What is neither odd nor wrong, and good to know.
+    /// Notes.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
 
-    /// The loops that are cut at sampled values, in words: they are well-defined.
+    /// The loops that are cut at sampled values, as text: they are well-defined.
     pub fn sampled_loops(&self) -> &[String] {
         &self.sampled
     }
 
-    /// The inputs that no connection drives, component by component.
+    /// The unconnected inputs, component by component.
     pub fn unconnected_inputs(&self) -> impl Iterator<Item = Port> {
         let inputs = self.components.iter().enumerate().flat_map(|(component, c)| {
             let variables = c.model.description().map_or(&[][..], |d| &d.variables);
@@ -409,14 +410,14 @@ impl Model {
         }
     }
 
-    /// The unit of a variable, as the description names and defines it.
+    /// The unit of a variable, as named and defined in the description.
     pub(crate) fn unit(&self, variable: usize) -> Option<raw::RawUnit> {
         let description = self.description()?;
         let name = description.variables.get(variable)?.unit.clone()?;
         Some(raw::RawUnit { unit: description.units.get(&name).copied(), name })
     }
 
-    /// How many variables it has.
+    /// The number of its variables.
     pub(crate) fn variables(&self) -> usize {
         match self {
             Model::Signals(signals) => signals.names().len(),
@@ -434,7 +435,7 @@ impl Model {
         }
     }
 
-    /// Whether some output depends on that input without delay.
+    /// Whether any output depends on that input without delay.
     pub fn feeds_through(&self, variable: usize) -> bool {
         self.description().is_some_and(|d| d.feeds_through(variable))
     }
@@ -458,7 +459,7 @@ impl std::str::FromStr for Algorithm {
             "jacobi" => Ok(Algorithm::Jacobi),
             "gauss-seidel" => Ok(Algorithm::GaussSeidel),
             "iterative" => Ok(Algorithm::Iterative),
-            _ => Err(format!("'{text}' is none of jacobi, gauss-seidel, iterative")),
+            _ => Err(format!("'{text}' is not one of jacobi, gauss-seidel, iterative")),
         }
     }
 }

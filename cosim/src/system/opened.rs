@@ -1,4 +1,4 @@
-//! The FMUs of all systems made from one file: `System::with` opens none of them again.
+//! The FMUs of all systems made from one file, so that `System::with` opens none of them again.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -7,12 +7,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 use crate::error::Result;
 use crate::fmi::Fmu;
 
-/// FMUs by the path they were asked for.
+/// FMUs by the path under which they were requested.
 #[derive(Default)]
 pub(super) struct OpenedFmus(Mutex<BTreeMap<PathBuf, Arc<Fmu>>>);
 
 impl OpenedFmus {
-    /// The FMU at `path`, opened when it is asked for the first time.
+    /// The FMU at `path`, opened on the first request.
     pub(super) fn open(&self, path: &Path) -> Result<Arc<Fmu>> {
         let mut opened = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(fmu) = opened.get(path) {

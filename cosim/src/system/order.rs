@@ -1,19 +1,19 @@
-//! Who steps before whom, and which connections carry values without delay.
+//! The stepping order, and which connections carry values without delay.
 //!
-//! The graph has the components as nodes. In the Gauss-Seidel algorithm a connection to an input
-//! with direct feed-through wants to be *fresh*: its source must step first. The order is a
-//! topological one along these edges; among components that may come next, the one listed first
-//! in the file does. In a loop of such edges (an algebraic loop) the members step in the order of
-//! the file, the edges back from later to earlier members are *held*, and the loop is reported.
+//! The graph has the components as nodes. In the Gauss-Seidel algorithm, a connection to an input
+//! with direct feed-through should be *fresh*: its source must step first. The order is a
+//! topological one along these edges; among components that may come next, the one listed first in
+//! the file does. In a loop of such edges (an algebraic loop), the members step in the order of the
+//! file, the edges back from later to earlier members are *held*, and the loop is reported.
 
 use super::{Algorithm, Component, Connection, Model};
 
-/// The outcome.
+/// The result.
 #[derive(Debug, Clone, Default)]
 pub struct Order {
     /// Positions of the components, first to last.
     pub sequence: Vec<usize>,
-    /// Per connection: whether its input gets values of the end of the step.
+    /// For each connection: whether its input gets values at the end of the step.
     pub fresh: Vec<bool>,
     /// Algebraic loops that were broken.
     pub loops: Vec<Loop>,
@@ -26,12 +26,12 @@ pub struct Loop {
     pub members: Vec<usize>,
     /// Positions of the connections that are held.
     pub held: Vec<usize>,
-    /// It is solved by iteration at each step; the connections are not held then.
+    /// It is solved by iteration at each step; the connections are not held in that case.
     pub solved: bool,
 }
 
 impl Order {
-    /// Orders a system.
+    /// Orders the components of a system.
     pub fn new(algorithm: Algorithm, components: &[Component], connections: &[Connection]) -> Self {
         let wants: Vec<bool> = connections
             .iter()
@@ -41,7 +41,7 @@ impl Order {
             connections.iter().map(|c| (c.from.component, c.to.component)).collect();
         let mut order = of_graph(components.len(), &edges, &wants);
         if algorithm == Algorithm::Jacobi {
-            // A function takes no time in any algorithm: it follows those that it waits for.
+            // A function takes no time in any algorithm: it follows its inputs.
             let function = |c: usize| matches!(components[c].model, Model::Function(_));
             order.sequence.sort_by_key(|&c| function(c));
             order.fresh = edges.iter().map(|&(_, to)| function(to)).collect();
@@ -51,7 +51,7 @@ impl Order {
     }
 }
 
-/// Orders `nodes` nodes; `wants[i]` tells whether `edges[i]` wants to be fresh.
+/// Orders `nodes` nodes; `wants[i]` says whether `edges[i]` should be fresh.
 fn of_graph(nodes: usize, edges: &[(usize, usize)], wants: &[bool]) -> Order {
     let reach = reachability(nodes, edges, wants);
     let same_loop = |a: usize, b: usize| a == b || (reach[a][b] && reach[b][a]);
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn a_loop_goes_by_the_file_and_is_told() {
+    fn a_loop_goes_by_the_file_and_is_reported() {
         // 0 -> 2 -> 1 -> 0 is a loop, 3 feeds it, 4 is fed.
         let edges = [(0, 2), (2, 1), (1, 0), (3, 0), (1, 4)];
         let order = of_graph(5, &edges, &[true; 5]);

@@ -1,4 +1,4 @@
-//! What a run changes of its system description.
+//! Changes to a system description for a run.
 
 use std::fmt::Display;
 use std::path::PathBuf;
@@ -45,22 +45,24 @@ impl Overrides {
         Self::default()
     }
 
-    /// Gives `component.variable` a start value; the text is parsed by the variable's type.
+    /// Sets the start value of `component.variable`; the text is parsed according to the variable's
+    /// type.
     #[must_use]
     pub fn start_value(mut self, variable: impl Into<String>, value: impl Display) -> Self {
         self.start_values.push((variable.into(), value.to_string()));
         self
     }
 
-    /// Puts another FMU in the place of a component's.
+    /// Replaces the FMU of a component.
     #[must_use]
     pub fn replace(mut self, component: impl Into<String>, fmu: impl Into<PathBuf>) -> Self {
         self.replacements.push((component.into(), fmu.into()));
         self
     }
 
-    /// Leaves out a component that no other one needs. It is left out when the file is read, so also
-    /// of all systems that [`System::with`](super::System::with) makes of the one that lacks it.
+    /// Omits a component that no other component needs. It is omitted when the file is read, so
+    /// also in all systems that [`System::with`](super::System::with) derives from a system without
+    /// it.
     #[must_use]
     pub fn without(mut self, component: impl Into<String>) -> Self {
         self.without.push(component.into());
@@ -74,14 +76,14 @@ impl Overrides {
         self
     }
 
-    /// Drives a component's FMU by co-simulation or by model exchange.
+    /// Uses co-simulation or model exchange for the FMU of a component.
     #[must_use]
     pub fn interface(mut self, component: impl Into<String>, kind: InterfaceType) -> Self {
         self.interfaces.push((component.into(), kind));
         self
     }
 
-    /// The integrator of model exchange.
+    /// The solver for model exchange.
     #[must_use]
     pub fn solver(mut self, method: Method) -> Self {
         self.method = Some(method);
@@ -102,36 +104,37 @@ impl Overrides {
         self
     }
 
-    /// What inputs do during a step: all of them with the name `""`, else the inputs that
-    /// `component.variable` names, as a pattern if it has `*` or `?`. Later calls win.
+    /// What inputs do during a step: all inputs for the name `""`, otherwise those named
+    /// `component.variable`, which is a pattern if it contains `*` or `?`. Later calls take
+    /// precedence.
     #[must_use]
     pub fn input(mut self, name: impl Into<String>, input: Input) -> Self {
         self.inputs.push((name.into(), input));
         self
     }
 
-    /// Lets the length of the communication steps follow this relative tolerance.
+    /// Adapts the length of the communication steps to this relative tolerance.
     #[must_use]
     pub fn step_control(mut self, tolerance: f64) -> Self {
         self.step_control = Some(tolerance);
         self
     }
 
-    /// Makes a step that an FMU discards again by smaller ones, made smaller up to so many times.
+    /// Repeats a step that an FMU discards with smaller steps, reduced up to this many times.
     #[must_use]
     pub fn retries(mut self, retries: u32) -> Self {
         self.retries = retries;
         self
     }
 
-    /// The first instant in seconds.
+    /// The start time in seconds.
     #[must_use]
     pub fn start_time(mut self, seconds: f64) -> Self {
         self.start_time = Some(seconds);
         self
     }
 
-    /// The last instant in seconds.
+    /// The stop time in seconds.
     #[must_use]
     pub fn stop_time(mut self, seconds: f64) -> Self {
         self.stop_time = Some(seconds);
@@ -145,7 +148,7 @@ impl Overrides {
         self
     }
 
-    /// Records this variable, or those that the pattern (`*`, `?`) matches.
+    /// Records this variable, or those that match the pattern (`*`, `?`).
     #[must_use]
     pub fn output_variable(mut self, pattern: impl Into<String>) -> Self {
         self.output_variables.push(pattern.into());
@@ -169,21 +172,21 @@ impl Overrides {
         self
     }
 
-    /// Asks the FMUs for debug messages; they show in the error when one fails.
+    /// Requests debug messages from the FMUs; they are shown in the error if one fails.
     #[must_use]
     pub fn debug_logging(mut self, on: bool) -> Self {
         self.logging.debug = on;
         self
     }
 
-    /// Asks the FMUs only for the debug messages of this category, and of others named so.
+    /// Requests only the debug messages of this category, and of others named in this way.
     #[must_use]
     pub fn log_category(mut self, category: impl Into<String>) -> Self {
         self.logging.categories.push(category.into());
         self
     }
 
-    /// Follows messages, and calls if it wants them, as they come.
+    /// Receives messages, and calls if requested, immediately.
     #[must_use]
     pub fn trace(mut self, trace: Arc<Trace>) -> Self {
         self.logging.trace = Some(trace);
@@ -203,7 +206,7 @@ impl Overrides {
         Ok(Settings { method: self.method.unwrap_or(default.method), tolerance })
     }
 
-    /// The interface type wanted for a component, if any.
+    /// The interface type requested for a component, if any.
     pub(super) fn interface_of(&self, component: &str) -> Option<InterfaceType> {
         of(&self.interfaces, component)
     }
@@ -213,17 +216,18 @@ impl Overrides {
     }
 }
 
-/// What is wanted of a component: by its name, else by a pattern, else of all. Later ones win.
-fn of<T: Copy>(wishes: &[(String, T)], component: &str) -> Option<T> {
+/// The setting for a component: by its name, otherwise by a pattern, otherwise for all. Later ones
+/// take precedence.
+fn of<T: Copy>(requests: &[(String, T)], component: &str) -> Option<T> {
     let last = |fits: &dyn Fn(&str) -> bool| {
-        wishes.iter().rev().find(|(name, _)| fits(name)).map(|(_, wanted)| *wanted)
+        requests.iter().rev().find(|(name, _)| fits(name)).map(|(_, wanted)| *wanted)
     };
     last(&|name| name == component)
         .or_else(|| last(&|name| names::is_pattern(name) && names::matches(name, component)))
         .or_else(|| last(&str::is_empty))
 }
 
-/// Whether a wish is for one of these components.
-pub(super) fn is_for(wish: &str, component: &str) -> bool {
-    wish.is_empty() || wish == component || names::matches(wish, component)
+/// Whether a request applies to one of these components.
+pub(super) fn is_for(request: &str, component: &str) -> bool {
+    request.is_empty() || request == component || names::matches(request, component)
 }

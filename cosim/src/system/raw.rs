@@ -1,7 +1,7 @@
-//! A system description as it was written: names not looked up, numbers not compared.
+//! A system description as it was written: names not resolved, numbers not compared.
 //!
-//! One form for all formats. It is flat: the components of nested systems stand in it by their
-//! full names, and connections through the connectors of systems are joined to one each.
+//! One form for all formats. It is flat: components of nested systems appear under their full
+//! names, and each connection through connectors of systems is joined into one.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -28,18 +28,18 @@ pub(super) struct RawSystem {
     pub connections: Vec<RawConnection>,
     /// Connectors of the outermost system.
     pub ports: Vec<RawPort>,
-    /// In the order in which they are applied: a later one wins.
+    /// In order of application: later ones take precedence.
     pub parameters: Vec<RawParameter>,
-    /// Where start and stop stand.
+    /// Place of start and stop in the file.
     pub experiment: Option<Place>,
     pub start: Option<f64>,
     pub stop: Option<f64>,
     pub master: RawMaster,
-    /// Patterns of the variables that the file wants recorded; none: all outputs.
+    /// Patterns of the variables that the file wants recorded; empty: all outputs.
     pub recorded: Vec<String>,
     pub warnings: Vec<String>,
     pub notes: Vec<String>,
-    /// What was found wrong while reading.
+    /// Problems found while reading.
     pub problems: Vec<Error>,
 }
 
@@ -50,11 +50,11 @@ pub(super) struct Place {
     pub line: usize,
 }
 
-/// How the whole is run.
+/// Settings of the whole run.
 #[derive(Debug, Default, Clone)]
 pub(super) struct RawMaster {
     pub algorithm: Option<super::Algorithm>,
-    /// Step of components that have none otherwise.
+    /// Step of components without their own.
     pub step: Option<f64>,
     pub output_interval: Option<f64>,
 }
@@ -62,7 +62,7 @@ pub(super) struct RawMaster {
 pub(super) struct RawComponent {
     pub name: String,
     pub model: RawModel,
-    /// The interface type that the file asks for.
+    /// The interface type requested by the file.
     pub interface: Option<InterfaceType>,
     pub step: Option<f64>,
     /// The worker that computes it when the run is distributed.
@@ -75,7 +75,7 @@ pub(super) struct RawComponent {
 pub(super) enum RawModel {
     Fmu(PathBuf),
     Function(Arc<Function>),
-    /// Something is wrong with its source; that is among the problems.
+    /// Its source is invalid; the problem has been recorded.
     Unknown,
 }
 
@@ -84,13 +84,13 @@ pub(super) struct RawConnector {
     pub name: String,
     /// `input`, `output`, `parameter`, `calculatedParameter`, ...
     pub kind: String,
-    /// Name of the type element, when there is one.
+    /// Name of the type element, if there is one.
     pub kind_of_value: Option<String>,
     pub unit: Option<RawUnit>,
     pub place: Place,
 }
 
-/// A unit as its file names it, with the file's definition.
+/// A unit by the name in its file, with the definition in the file.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct RawUnit {
     pub name: String,
@@ -103,9 +103,9 @@ pub(super) struct RawParameter {
     pub kind: String,
     pub value: String,
     pub unit: Option<RawUnit>,
-    /// What happens to the value on its way.
+    /// The conversion of the value on the way.
     pub stages: Vec<Stage>,
-    /// The name must exist; a file of parameters may hold more than the system uses.
+    /// The name must exist; a parameter file may contain more than the system uses.
     pub required: bool,
     pub place: Place,
 }
@@ -132,11 +132,11 @@ pub(super) struct RawPort {
 pub(super) struct RawEnd {
     /// Component and connector.
     pub name: (String, String),
-    /// On the way of the value.
+    /// The conversion on the way.
     pub stages: Vec<Stage>,
 }
 
-/// One connection of the file; several when it goes through connectors of systems.
+/// One connection of the file; several if it goes through connectors of systems.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Stage {
     pub transformation: Option<Transformation>,
@@ -145,7 +145,7 @@ pub(super) struct Stage {
     pub unit: Option<RawUnit>,
 }
 
-/// What a connection or a mapping does to the value.
+/// The conversion of a value by a connection or a mapping.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Transformation {
     Linear {
@@ -154,13 +154,13 @@ pub(super) enum Transformation {
     },
     Boolean(Vec<(bool, bool)>),
     Integer(Vec<(i32, i32)>),
-    /// Items by their names.
+    /// Items by name.
     Enumeration(Vec<(String, String)>),
 }
 
 impl RawSystem {
-    /// Leaves out components with their connections, parameters and connectors; gives what is wrong
-    /// with that.
+    /// Omits components with their connections, parameters and connectors; returns problems with
+    /// that.
     pub(super) fn leave_out(&mut self, without: &[String]) -> Vec<Error> {
         let out = |component: &String| without.contains(component);
         let known = || self.components.iter().map(|component| component.name.as_str());

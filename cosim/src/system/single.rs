@@ -1,4 +1,4 @@
-//! One FMU as a system of its own, its inputs driven by signals of a file.
+//! One FMU as a system of its own, with inputs driven by signals of a file.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -13,12 +13,12 @@ use crate::observe::Recording;
 use crate::signals::{Signal, Signals};
 use crate::time::{Step, Time};
 
-/// Steps per run when neither the FMU nor the user says a step size.
+/// Steps per run if neither the FMU nor the user sets a step size.
 const DEFAULT_STEPS: f64 = 500.0;
 
 impl System {
-    /// A system of one FMU; its variables are named without a prefix. The columns of `inputs`
-    /// drive inputs of the same names.
+    /// A system of one FMU, whose variables are named without a prefix. The columns of `inputs`
+    /// drive the inputs with the same names.
     pub fn single(fmu: &Path, overrides: &Overrides, inputs: Option<&Recording>) -> Result<Self> {
         let fmu = Fmu::open(fmu)?;
         let interface = fmu.choose(overrides.interface_of(""))?;
@@ -52,7 +52,7 @@ impl System {
             let start_values = Vec::new();
             components.push(Component { name, model, interface, step, start_values, worker: None });
         }
-        // Held: an input keeps the value of the beginning of the step, as fmusim and FMPy do it.
+        // Held: an input keeps the value at the start of the step, as in fmusim and FMPy.
         let algorithm = Algorithm::Jacobi;
         let mut system = System {
             raw: None,
@@ -91,11 +91,11 @@ fn timing(fmu: &Fmu, interface: InterfaceType, overrides: &Overrides) -> Result<
     let name = "the step size";
     let of = |seconds: f64| Step::from_seconds(seconds, name);
     let interval = overrides.output_interval;
-    // A run that goes backwards is told as such.
+    // A run that goes backwards is reported as such.
     let duration = if stop > start { stop - start } else { 1.0 };
     let step = match (overrides.step_of(""), default.step, interval) {
         (Some(step), _, _) => of(step)?,
-        // The FMU's own step is only a suggestion: what is recorded makes finer steps.
+        // The FMU's own step is only a suggestion: recording may need finer steps.
         (None, Some(step), Some(interval)) => {
             let (step, interval) = (of(step)?, of(interval)?);
             match step.parts_of(interval) {

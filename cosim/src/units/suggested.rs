@@ -1,9 +1,9 @@
-//! Units that names suggest, where nothing describes a variable.
+//! Units suggested by names, if no description defines them.
 //!
-//! Names of marine notation (SNAME 1950, Fossen 2011) and the usual suffixes say the unit of most
-//! variables; of others the unit is unknown.
+//! Names in marine notation (SNAME 1950, Fossen 2011) and the usual suffixes imply the unit of most
+//! variables; for others the unit is unknown.
 
-/// What the end of a name says.
+/// Suffixes and their units.
 const SUFFIXES: [(&str, &str); 8] = [
     ("_hz", "Hz"),
     ("_deg", "deg"),
@@ -15,7 +15,7 @@ const SUFFIXES: [(&str, &str); 8] = [
     ("_rad_s", "rad/s"),
 ];
 
-/// What a name suggests.
+/// The unit suggested by a name.
 pub(crate) fn suggested(name: &str) -> Option<&'static str> {
     let (group, leaf) = name.rsplit_once('.').unwrap_or(("", name));
     let leaf = leaf.split('[').next().unwrap_or(leaf);

@@ -11,13 +11,13 @@ use crate::names;
 /// An element.
 #[derive(Debug, Clone)]
 pub struct Element {
-    /// The namespace's URI, empty when there is none.
+    /// The URI of the namespace, empty if there is none.
     pub namespace: Name,
     /// The name without its prefix.
     pub name: Name,
     /// The line of its start tag.
     pub line: usize,
-    /// Attributes in order, namespace declarations left out.
+    /// Attributes in order, without namespace declarations.
     pub attributes: Vec<Attribute>,
     /// Child elements in order.
     pub children: Vec<Element>,
@@ -34,7 +34,7 @@ pub struct Attribute {
     pub value: String,
 }
 
-/// A name or namespace. A document has each of them once in memory.
+/// A name or namespace. A document stores each of them once.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Name(Arc<str>);
 
@@ -95,7 +95,7 @@ impl Element {
         self.attributes.iter().find(|a| a.name == name).map(|a| a.value.as_str())
     }
 
-    /// The value of an attribute that must be there.
+    /// The value of a required attribute.
     pub fn require(&self, name: &str, file: &Path, code: Code) -> Result<&str> {
         self.get(name).ok_or_else(|| {
             Error::new(code, format!("<{}> has no attribute '{name}'", self.name))
@@ -107,7 +107,7 @@ impl Element {
         })
     }
 
-    /// The value of an attribute as a number, a Boolean ...; `None` when it is not there.
+    /// The value of an attribute as a number, a Boolean ...; `None` if it is absent.
     pub fn parse<T: std::str::FromStr>(
         &self,
         name: &str,
@@ -134,7 +134,7 @@ impl Element {
         self.child(name).map_or(&[], |c| &c.children)
     }
 
-    /// `true`, `1` and `false`, `0` as XML Schema has them.
+    /// `true`, `1` and `false`, `0` as in XML Schema.
     pub fn flag(&self, name: &str, file: &Path, code: Code) -> Result<bool> {
         match self.get(name).map(str::trim) {
             None | Some("false" | "0") => Ok(false),

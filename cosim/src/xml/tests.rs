@@ -1,4 +1,4 @@
-//! What is read, and what is refused with its line.
+//! What is accepted, and what is refused with its line.
 
 use super::*;
 

@@ -1,5 +1,5 @@
-//! The order of accuracy of each algorithm, against exact solutions; the table of
-//! docs/algorithms.md is what is measured here.
+//! The order of accuracy of each algorithm, compared with exact solutions; the table in
+//! docs/algorithms.md contains the values measured here.
 
 use std::fmt::Write;
 
@@ -15,7 +15,7 @@ const COUPLING: f64 = 3.0;
 /// Added mass per mass, and stiffness of the split oscillator.
 const ADDED: f64 = 0.5;
 
-/// The greatest error of some results.
+/// The maximum error of some results.
 type ErrorOf = fn(&Recording) -> f64;
 
 /// x1'' = -K x1 + C x2 and the same for x2, x1(0) = 1, x2(0) = 0: two modes.
@@ -45,11 +45,11 @@ fn acceleration(results: &Recording) -> f64 {
     let square = K / (1.0 + ADDED);
     let exact = |t: f64| -square * (square.sqrt() * t).cos();
     let found = results.time().iter().zip(results.column("body.y").unwrap());
-    // The start apart: there only the solved loop has the acceleration.
+    // Without the start: there only the solved loop has the acceleration.
     found.skip(1).map(|(t, y)| (y - exact(*t)).abs()).fold(0.0, f64::max)
 }
 
-/// A system, its error, and what it is called in the table.
+/// A system, its error, and its name in the table.
 fn cases() -> Vec<(&'static str, Ssd, ErrorOf)> {
     let direct = masses().connect("a.y", "b.u").connect("b.y", "a.u");
     let sensed = masses()
@@ -78,7 +78,7 @@ fn error(ssd: &Ssd, of: ErrorOf, overrides: Overrides, step: f64) -> f64 {
     of(&run(&ssd.load(&overrides).unwrap()))
 }
 
-/// The slope between two steps, as the table shows it.
+/// The slope between two step sizes, as in the table.
 fn order(ssd: &Ssd, of: ErrorOf, overrides: &Overrides) -> String {
     let (coarse, fine) = (0.01, 0.005);
     let errors = [coarse, fine].map(|step| error(ssd, of, overrides.clone(), step));

@@ -1,4 +1,4 @@
-//! Unpacked archives: private, shared, and gone afterwards, however a process ends.
+//! Unpacked archives: private, shared, and removed afterwards, however a process ends.
 
 use std::io::Write;
 use std::os::unix::fs::PermissionsExt;
@@ -63,7 +63,7 @@ fn files_of_one_content_are_one_fmu() {
     assert!(Arc::ptr_eq(&first, &again));
     assert!(Arc::ptr_eq(&first, &Fmu::open(&copy).unwrap()));
     assert!(!Arc::ptr_eq(&first, &Fmu::open(&other).unwrap()));
-    // A file that is replaced while its old content is in use is another FMU.
+    // A file that is replaced while its old content is in use becomes another FMU.
     std::fs::copy(&other, &copy).unwrap();
     assert!(!Arc::ptr_eq(&first, &Fmu::open(&copy).unwrap()));
 }
@@ -85,7 +85,7 @@ impl Observer for Panics {
 #[test]
 fn a_panic_takes_the_folder_along() {
     let folder = TempDir::new().unwrap();
-    // A content that no other test has in use.
+    // Content that no other test uses.
     let path = Model::Gain.variant(&folder.path().join("x.fmu"), &["ALONE"], |d| d + "<!-- -->");
     let fmu = Arc::downgrade(&Fmu::open(&path).unwrap());
     let run = std::panic::catch_unwind(|| {
@@ -95,7 +95,7 @@ fn a_panic_takes_the_folder_along() {
     assert!(run.is_err() && fmu.upgrade().is_none());
 }
 
-/// A run of the binary that lasts, with its own place for temporary folders.
+/// A long run of the binary, with its own temporary folder.
 struct Run {
     folder: TempDir,
     child: Child,
@@ -107,14 +107,14 @@ impl Run {
         std::fs::create_dir(folder.path().join("temporary")).unwrap();
         let child = Self::command(&folder).stderr(Stdio::null()).spawn().unwrap();
         let run = Self { folder, child };
-        // The first results are there when the run goes on.
+        // The first results exist once the run has started.
         let results = run.folder.path().join("CLOCK_out.csv");
         wait(|| results.metadata().is_ok_and(|m| m.len() > 0));
         run
     }
 
     fn command(folder: &TempDir) -> Command {
-        // A shell lets what it starts in the background ignore SIGINT, and that is inherited.
+        // A shell makes background processes ignore SIGINT, and that is inherited.
         let mut command = Command::new("env");
         command.args(["--default-signal=HUP,INT,TERM", env!("CARGO_BIN_EXE_cosim")]);
         command.args(["simulate", "--stop-time=1e8", "--step-size=0.01", "-q"]);
@@ -168,7 +168,7 @@ fn what_a_killed_process_leaves_is_swept_by_the_next() {
         command.args(arguments).env("TMPDIR", run.folder.path().join("temporary"));
         assert!(command.stdout(Stdio::null()).status().unwrap().success());
     };
-    // Another process may just be making its folder: young ones stay.
+    // Another process may just be creating its folder: recent ones stay.
     next();
     assert_eq!(run.unpacked(), left);
     let lock = std::fs::File::options().write(true).open(left[0].join("lock")).unwrap();

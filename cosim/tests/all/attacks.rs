@@ -1,5 +1,5 @@
 //! What FMUs try, in the three places where they run: in the process of `cosim`, isolated, and on
-//! workers. SECURITY.md shows the same table.
+//! workers. SECURITY.md contains the same table.
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -13,66 +13,70 @@ use crate::locked::on_worker;
 use crate::models::Model;
 use crate::ssd::Ssd;
 
-/// What came of an attack.
+/// The outcome of an attack.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Came {
     /// It succeeded.
     Done,
     /// The kernel refused it.
     Refused,
-    /// The run ended with an error that says so.
+    /// The run ended with an error that reports it.
     Ended,
-    /// It was set back, and told.
+    /// It was undone, and reported.
     SetBack,
 }
 use Came::{Done, Ended, Refused, SetBack};
 
-/// An attack: in words, as C, and what comes of it in the process, isolated, and on a worker.
+/// An attack: as text, as C, and its outcome in the process, isolated, and on a worker.
 const ATTACKS: [(&str, &str, [Came; 3]); 22] = [
     (
         "writes a file in the home folder",
-        "TELL(open(in_home(\"new\"), O_CREAT | O_WRONLY, 0600))",
+        "REPORT(open(in_home(\"new\"), O_CREAT | O_WRONLY, 0600))",
         [Done, Refused, Refused],
     ),
-    ("reads a file of the user", "TELL(read_file(in_home(\"secret\")))", [Done, Refused, Refused]),
+    (
+        "reads a file of the user",
+        "REPORT(read_file(in_home(\"secret\")))",
+        [Done, Refused, Refused],
+    ),
     (
         "changes the rights of a file",
-        "TELL(chmod(in_home(\"secret\"), 0644))",
+        "REPORT(chmod(in_home(\"secret\"), 0644))",
         [Done, Refused, Refused],
     ),
     (
         "changes the owner of a file",
-        "TELL(chown(in_home(\"secret\"), getuid(), getgid()))",
+        "REPORT(chown(in_home(\"secret\"), getuid(), getgid()))",
         [Done, Refused, Refused],
     ),
     (
         "changes the times of a file",
-        "TELL(utimensat(AT_FDCWD, in_home(\"secret\"), NULL, 0))",
+        "REPORT(utimensat(AT_FDCWD, in_home(\"secret\"), NULL, 0))",
         [Done, Refused, Refused],
     ),
-    ("removes a file", "TELL(unlink(in_home(\"doomed\")))", [Done, Refused, Refused]),
-    ("sends a datagram", "TELL(send_udp(9))", [Done, Refused, Refused]),
-    ("opens a Unix socket", "TELL(socket(AF_UNIX, SOCK_STREAM, 0))", [Done, Refused, Refused]),
+    ("removes a file", "REPORT(unlink(in_home(\"doomed\")))", [Done, Refused, Refused]),
+    ("sends a datagram", "REPORT(send_udp(9))", [Done, Refused, Refused]),
+    ("opens a Unix socket", "REPORT(socket(AF_UNIX, SOCK_STREAM, 0))", [Done, Refused, Refused]),
     (
         "starts a process that outlives the run",
-        "const int child = fork(); if (!child) { setsid(); if (fork()) _exit(0); linger(in_home(\"lingers\")); } TELL(child)",
+        "const int child = fork(); if (!child) { setsid(); if (fork()) _exit(0); linger(in_home(\"lingers\")); } REPORT(child)",
         [Done, Refused, Refused],
     ),
     (
         "starts a program",
-        "TELL(fork() ? 0 : execl(\"/bin/true\", \"true\", NULL)); const int ended = wait(NULL); TELL(ended)",
+        "REPORT(fork() ? 0 : execl(\"/bin/true\", \"true\", NULL)); const int ended = wait(NULL); REPORT(ended)",
         [Done, Refused, Refused],
     ),
     (
         "looks into the process that started it",
-        "TELL(read_file(in_proc(getppid(), \"environ\")))",
+        "REPORT(read_file(in_proc(getppid(), \"environ\")))",
         [Done, Refused, Refused],
     ),
-    ("stops itself", "TELL(raise(SIGSTOP) ? -1 : 0)", [Done, Refused, Refused]),
+    ("stops itself", "REPORT(raise(SIGSTOP) ? -1 : 0)", [Done, Refused, Refused]),
     ("ends the process with exit(0)", "exit(0)", [Ended, Ended, Ended]),
     ("ends the process with _exit(0)", "_exit(0)", [Ended, Ended, Ended]),
     ("ends the process by a system call", "syscall(SYS_exit_group, 0)", [Done, Ended, Ended]),
-    ("kills its process", "kill(getpid(), SIGKILL); TELL(-1)", [Ended, Refused, Refused]),
+    ("kills its process", "kill(getpid(), SIGKILL); REPORT(-1)", [Ended, Refused, Refused]),
     ("sets the rounding of its neighbours", "fesetround(FE_UPWARD)", [SetBack, SetBack, SetBack]),
     (
         "flushes their subnormals to zero",
@@ -80,7 +84,7 @@ const ATTACKS: [(&str, &str, [Came; 3]); 22] = [
         [SetBack, SetBack, SetBack],
     ),
     ("changes the locale", "setlocale(LC_ALL, \"C.UTF-8\")", [SetBack, SetBack, SetBack]),
-    ("changes the working folder", "if (chdir(\"/usr\")) TELL(-1)", [SetBack, SetBack, SetBack]),
+    ("changes the working folder", "if (chdir(\"/usr\")) REPORT(-1)", [SetBack, SetBack, SetBack]),
     (
         "takes SIGTERM and blocks SIGINT",
         "signal(SIGTERM, SIG_IGN); sigset_t s; sigemptyset(&s); sigaddset(&s, SIGINT); sigprocmask(SIG_BLOCK, &s, NULL)",
@@ -91,7 +95,7 @@ const ATTACKS: [(&str, &str, [Came; 3]); 22] = [
 
 const PLACES: [&str; 3] = ["in process", "`--isolate`", "worker"];
 
-/// A home folder with something to take.
+/// A home folder with something to steal.
 struct Home(TempDir);
 
 impl Home {
@@ -138,11 +142,11 @@ fn one_component(fmu: &str) -> String {
 
 fn came(output: &Output) -> (Option<Came>, String) {
     let shown = String::from_utf8_lossy(&output.stderr).into_owned();
-    let told: Vec<&str> =
+    let reported: Vec<&str> =
         shown.lines().filter_map(|line| Some(line.split_once("attack: ")?.1)).collect();
     let came = if shown.contains("it was set back") {
         Some(SetBack)
-    } else if told.iter().any(|told| *told != "done") {
+    } else if reported.iter().any(|reported| *reported != "done") {
         Some(Refused)
     } else if !output.status.success() {
         Some(Ended)
@@ -161,7 +165,7 @@ fn on_workers_the_user_decides_which_files_are_read_and_the_system_does_not() {
     let (folder, home) = (TempDir::new().unwrap(), Home::new());
     let secret = home.path().join("secret");
     let secret = secret.to_str().unwrap();
-    let fmu = attacker(folder.path(), "TELL(read_file(in_home(\"secret\")))");
+    let fmu = attacker(folder.path(), "REPORT(read_file(in_home(\"secret\")))");
     let named = format!(
         "><ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues>\
          <ssv:ParameterSet xmlns:ssv='http://ssp-standard.org/SSP1/SystemStructureParameterValues' \
@@ -201,7 +205,7 @@ fn what_comes_of_attacks_is_what_the_documentation_says() {
     for (name, attack, wanted) in ATTACKS {
         let fmu = attacker(folder.path(), attack);
         for (place, wanted) in wanted.into_iter().enumerate() {
-            // A stopped process would have to be waited for.
+            // A stopped process would have to time out.
             if (name, place) == ("stops itself", 0) {
                 continue;
             }
@@ -223,7 +227,7 @@ fn what_comes_of_attacks_is_what_the_documentation_says() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// The table as the documentation has it.
+/// The table in the form of the documentation.
 fn table() -> String {
     let mut lines =
         vec![format!("| an FMU | {} |", PLACES.join(" | ")), "|---|---|---|---|".to_owned()];
@@ -232,7 +236,7 @@ fn table() -> String {
             Done => "succeeds",
             Refused => "is refused",
             Ended => "ends the run with an error",
-            SetBack => "is set back and told",
+            SetBack => "is set back and reported",
         });
         lines.push(format!("| {name} | {} |", came.join(" | ")));
     }
@@ -246,7 +250,8 @@ fn the_table_stands_in_security_md() {
     assert!(text.contains(&table()), "SECURITY.md should have:\n{}", table());
 }
 
-/// A neighbour computes the same, whatever an FMU does to the process, in one process and in two.
+/// Another FMU computes the same results, whatever an FMU does to the process, in one process and
+/// in two.
 #[test]
 fn a_neighbour_computes_the_same() {
     let folder = TempDir::new().unwrap();
@@ -281,14 +286,14 @@ fn a_neighbour_computes_the_same() {
         for more in [&[][..], &["--workers", "2"]] {
             let (found, shown) = run(&fmu, more);
             assert!(found == wanted, "{attack} {more:?}: {shown}");
-            let told = "changed the floating-point environment";
-            let line = shown.lines().find(|line| line.contains(told));
+            let reported = "changed the floating-point environment";
+            let line = shown.lines().find(|line| line.contains(reported));
             assert!(line.is_some_and(|line| line.contains("first")), "{attack} {more:?}: {shown}");
         }
     }
 }
 
-/// What an FMU starts ends with the run, also where nothing confines it.
+/// Everything an FMU starts ends with the run, even if nothing confines it.
 #[test]
 fn what_an_fmu_starts_ends_with_the_run() {
     let folder = TempDir::new().unwrap();
@@ -320,11 +325,11 @@ fn what_an_fmu_starts_ends_with_the_run() {
     }
 }
 
-/// A signal ends a run in an FMU that does not come back; its results are kept.
+/// A signal ends a run in an FMU that does not return; its results are kept.
 #[test]
 fn one_signal_ends_a_run_in_an_fmu_that_spins() {
     let folder = TempDir::new().unwrap();
-    let fmu = attacker(folder.path(), "TELL(0); for (;;) __asm__ volatile(\"\")");
+    let fmu = attacker(folder.path(), "REPORT(0); for (;;) __asm__ volatile(\"\")");
     for more in [&[][..], &["--isolate"]] {
         let arguments = ["simulate", fmu.to_str().unwrap(), "-o", "out.csv", "--debug-logging"];
         let mut command = cosim(folder.path(), &[&arguments, more].concat());
@@ -340,8 +345,8 @@ fn one_signal_ends_a_run_in_an_fmu_that_spins() {
     }
 }
 
-/// Where nothing confines it, an FMU that stops its process looks as if somebody else had done it. It is not
-/// tried for ever.
+/// Without confinement, an FMU that stops its process looks like one stopped by a user. It is not
+/// retried forever.
 #[test]
 fn an_fmu_that_stops_itself_ends_the_run() {
     let folder = TempDir::new().unwrap();
@@ -357,7 +362,7 @@ fn an_fmu_that_stops_itself_ends_the_run() {
     );
 }
 
-/// A group whose process ends before it can be spoken to is not waited for.
+/// A group whose process ends before it is ready is not waited for.
 #[test]
 fn a_group_that_dies_while_it_begins_is_noticed() {
     let folder = TempDir::new().unwrap();
@@ -377,6 +382,6 @@ fn a_group_that_dies_while_it_begins_is_noticed() {
     let environment = [("LD_PRELOAD", library.to_str().unwrap())];
     let (code, shown) = on_worker(folder.path(), &system, &["--allow-upload"], &environment);
     assert_eq!(code, 1, "{shown}");
-    assert!(shown.contains("ended before it could be spoken to"), "{shown}");
+    assert!(shown.contains("ended before it was ready"), "{shown}");
     assert!(shown.contains("ended with code 7"), "{shown}");
 }

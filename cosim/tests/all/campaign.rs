@@ -1,4 +1,5 @@
-//! Campaigns as a user sees them: the same rows however they are made, nothing lost, verdicts.
+//! Campaigns from the user's point of view: the same rows however they are made, nothing lost,
+//! verdicts.
 
 use std::path::Path;
 use std::process::Stdio;
@@ -43,7 +44,7 @@ noisy = "noise.toml"
 last = { kind = "final", of = "x.y" }
 "#;
 
-/// The rows, without the time that they took.
+/// The rows, without the time of the runs.
 fn rows(folder: &Path, name: &str) -> Vec<String> {
     let text = String::from_utf8(results(folder, name)).unwrap();
     text.lines().map(|line| line.rsplit_once(',').unwrap().0.to_owned()).collect()
@@ -72,7 +73,7 @@ fn rows_are_the_same_however_many_processes_made_them_and_after_kills() {
         let mut again =
             cosim(folder, &["campaign", "c.toml", "-q", "--csv", "--output-dir", "killed"]);
         let mut process = again.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-        // It is killed when some more rows are there, if it is not over.
+        // It is killed when there are some more rows, unless it has finished.
         let log = folder.join("killed/runs.jsonl");
         let length = || std::fs::metadata(&log).map_or(0, |log| log.len());
         let before = length();
@@ -101,14 +102,14 @@ fn a_run_is_made_again_to_the_last_bit_and_a_changed_campaign_is_refused() {
     let (code, stderr) = outcome(folder, &["replay", "c_campaign", "5"]);
     assert_eq!(code, 0, "{stderr}");
     assert!(stderr.contains("the same to the last bit"), "{stderr}");
-    // Everything is recorded, and what the figure is of as well.
+    // Everything is recorded, including the variable of the figure.
     let recorded = String::from_utf8(results(folder, "run5.csv")).unwrap();
     assert!(recorded.lines().next().unwrap().contains("g.k"), "{recorded}");
     let last = rows(folder, "c_campaign/runs.csv")[6].split(',').nth(7).unwrap().to_owned();
     let place = recorded.lines().next().unwrap().split(',').position(|name| name == "x.y");
     let end = recorded.lines().last().unwrap().split(',').nth(place.unwrap()).unwrap();
     assert_eq!(end.parse::<f64>().unwrap(), last.parse::<f64>().unwrap());
-    // More seeds are more of the same; another distribution is another campaign.
+    // More seeds extend the campaign; another distribution makes it another campaign.
     let text = HEAD.replace("seeds = 12", "seeds = 13");
     std::fs::write(folder.join("c.toml"), &text).unwrap();
     let before = rows(folder, "c_campaign/runs.csv");
@@ -146,8 +147,9 @@ fn an_fmu_that_crashes_or_hangs_costs_its_runs_and_no_other() {
     ] {
         let own: Vec<&String> = rows.iter().filter(|row| row.contains(cell)).collect();
         assert_eq!(own.len(), 4, "{rows:#?}");
-        let told = |row: &&&String| row.contains(&format!(",{status},")) && row.contains(reason);
-        assert_eq!(own.iter().filter(told).count(), 4, "{own:#?}");
+        let reported =
+            |row: &&&String| row.contains(&format!(",{status},")) && row.contains(reason);
+        assert_eq!(own.iter().filter(reported).count(), 4, "{own:#?}");
     }
 }
 
@@ -167,7 +169,7 @@ fn thresholds_decide_the_exit_code() {
     }
 }
 
-/// What a file of JSON in the results has at this place.
+/// The value at this position of a JSON file in the results.
 fn json(folder: &Path, name: &str, pointer: &str) -> serde_json::Value {
     let json: serde_json::Value = serde_json::from_slice(&results(folder, name)).unwrap();
     json.pointer(pointer).unwrap_or_else(|| panic!("{pointer} of {json:#}")).clone()
@@ -185,7 +187,7 @@ fn a_sequential_campaign_leaves_cells_alone_that_are_decided() {
     let rows = rows(folder, "c_campaign/runs.csv");
     let count = |cell: &str| rows.iter().filter(|row| row.contains(cell)).count();
     assert_eq!((count("chain/clean"), count("chain/noisy")), (10, 40));
-    // Three looks share what the verdict may be wrong.
+    // Three checks share the error probability of the verdict.
     assert_eq!(json(folder, "c_campaign/summary.json", "/verdicts/0/answer"), "pass");
 }
 
@@ -219,11 +221,11 @@ fn figures_of_results_that_exist_are_those_of_the_campaign() {
     }
     let score = ["score", "--figures", "c.toml", "r.csv", "r.parquet", "r.mcap"];
     let output = cosim(folder, &[&score[..], &["--format", "json"]].concat()).output().unwrap();
-    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let reported: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let row = &rows(folder, "c_campaign/runs.csv")[4];
     let wanted: Vec<f64> = row.split(',').skip(7).take(2).map(|v| v.parse().unwrap()).collect();
     for file in 0..3 {
-        let figures = &told[file]["figures"];
+        let figures = &reported[file]["figures"];
         assert_eq!([&figures["grown"], &figures["last"]], [&wanted[0], &wanted[1]].map(|v| v));
     }
     let (code, stderr) = outcome(folder, &["replay", "c_campaign", "3", "-o", "r.parq"]);
@@ -256,7 +258,7 @@ fn normalised_errors_are_held_against_chi_square_over_time() {
 }
 
 #[test]
-fn a_dry_run_says_how_much_there_is_and_mistakes_are_told_before_it() {
+fn a_dry_run_says_how_much_there_is_and_mistakes_are_reported_before_it() {
     let folder = TempDir::new().unwrap();
     let folder = folder.path();
     campaign(folder, "");

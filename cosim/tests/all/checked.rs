@@ -1,4 +1,4 @@
-//! Checked before it runs: everything that is wrong, at once, with file and line, for programs.
+//! Validation before a run: all problems at once, with file and line, also as JSON.
 
 use std::process::Command;
 
@@ -57,16 +57,16 @@ fn all_kinds_of_problems_at_once_with_file_and_line() {
         connection("gain.y", "unparsed.y", ""),
     ];
     folder.write("x.ssd", &ssd(&system(&elements.concat(), &connections.concat()), ""));
-    let (code, told) = validate(&folder, "x.ssd");
+    let (code, reported) = validate(&folder, "x.ssd");
     assert_eq!(code, 3);
-    let problems = told["problems"].as_array().unwrap();
+    let problems = reported["problems"].as_array().unwrap();
     let text = serde_json::to_string_pretty(problems).unwrap();
     for (code, what, help) in [
         ("E209", "clock.y -> inSeconds.u: m meets s", "suppressUnitConversion"),
         ("E202", "no component 'clok'", "did you mean 'clock'?"),
         ("E202", "no variable 'yy'", "did you mean 'y'?"),
         ("E203", "'unsettable.u' has two drivers", "remove one"),
-        ("E203", "gain.y -> unsettable.m", "Real joins Real"),
+        ("E203", "gain.y -> unsettable.m", "Real connects to Real"),
         ("E203", "'unparsed.y' is no input", "an output and an input"),
         ("E202", "'gain' has no variable 'kk'", "did you mean 'k'?"),
         ("E204", "'unsettable.y' cannot be given a start value", "set a parameter"),
@@ -110,21 +110,21 @@ fn steps_loops_and_what_is_not_connected() {
         ssd(&system(&elements.concat(), &connections.concat()), "").replace("stopTime='1'", stop)
     };
     folder.write("x.ssd", &text(step, "stopTime='1'"));
-    let (_, told) = validate(&folder, "x.ssd");
-    let problem = &told["problems"][0];
+    let (_, reported) = validate(&folder, "x.ssd");
+    let problem = &reported["problems"][0];
     let line = line_of(&text(step, ""), "name='c'");
-    assert_eq!((&problem["code"], &problem["line"]), (&"E205".into(), &line.into()), "{told}");
+    assert_eq!((&problem["code"], &problem["line"]), (&"E205".into(), &line.into()), "{reported}");
     assert!(problem["what"].as_str().unwrap().contains("do not fit together"));
     folder.write("x.ssd", &text("", "stopTime='-1'"));
-    let (_, told) = validate(&folder, "x.ssd");
-    let problem = &told["problems"][0];
+    let (_, reported) = validate(&folder, "x.ssd");
+    let problem = &reported["problems"][0];
     let line = line_of(&text("", ""), "<ssd:DefaultExperiment");
-    assert_eq!((&problem["code"], &problem["line"]), (&"E205".into(), &line.into()), "{told}");
+    assert_eq!((&problem["code"], &problem["line"]), (&"E205".into(), &line.into()), "{reported}");
     folder.write("x.ssd", &text("", "stopTime='1'"));
-    let (code, told) = validate(&folder, "x.ssd");
-    assert_eq!((code, &told["valid"]), (0, &true.into()), "{told}");
-    let warning = told["warnings"][0].as_str().unwrap();
-    assert!(warning.contains("algebraic loop through a, b"), "{told}");
-    let notes = told["notes"].to_string();
-    assert!(notes.contains("the input c.u is not connected"), "{told}");
+    let (code, reported) = validate(&folder, "x.ssd");
+    assert_eq!((code, &reported["valid"]), (0, &true.into()), "{reported}");
+    let warning = reported["warnings"][0].as_str().unwrap();
+    assert!(warning.contains("algebraic loop through a, b"), "{reported}");
+    let notes = reported["notes"].to_string();
+    assert!(notes.contains("the input c.u is not connected"), "{reported}");
 }

@@ -1,4 +1,4 @@
-//! The pace of the clock, and keys.
+//! Real time, and keys.
 
 use std::io::Read;
 use std::process::{Command, Stdio};
@@ -10,14 +10,14 @@ use cosim::{Overrides, Run, System};
 use crate::models::Model::Clock;
 
 #[test]
-fn a_run_is_no_faster_than_the_clock_and_tells_when_it_is_slower() {
+fn a_run_is_no_faster_than_the_clock_and_reports_when_it_is_slower() {
     let overrides = Overrides::new().stop_time(2.0);
     let system = System::single(&Clock.fmu(), &overrides, None).unwrap();
     let (begun, mut pace) = (Instant::now(), Pace::new(10.0));
     Run::new(&system).manipulate(&mut pace).go().unwrap();
     assert!(begun.elapsed() >= Duration::from_millis(200));
     assert_eq!(pace.overruns().instants, 21);
-    // A billion times as fast as the clock is too fast.
+    // A billion times real time is too fast.
     let overrides = Overrides::new().stop_time(1e6).output_interval(1000.0);
     let system = System::single(&Clock.fmu(), &overrides, None).unwrap();
     let mut pace = Pace::new(1e9);
@@ -27,7 +27,7 @@ fn a_run_is_no_faster_than_the_clock_and_tells_when_it_is_slower() {
 }
 
 #[test]
-fn real_time_is_an_option_and_overruns_are_told() {
+fn real_time_is_an_option_and_overruns_are_reported() {
     let run = |arguments: &[&str]| {
         let fmu = Clock.fmu();
         let output = Command::new(env!("CARGO_BIN_EXE_cosim"))
@@ -43,8 +43,8 @@ fn real_time_is_an_option_and_overruns_are_told() {
     assert_eq!(run(&["--real-time=0"]).0, Some(2));
 }
 
-/// Runs the command in a terminal of its own, by Python's pty, which sends the keys: the first when
-/// progress is shown, each other so many seconds after the pause that the one before it made.
+/// Runs the command in its own terminal with Python's pty, which sends the keys: the first when
+/// progress is shown, each other one this many seconds after the pause caused by the previous one.
 fn in_terminal(keys: &str, gap: f64, arguments: &[&str]) -> String {
     let script = r"
 import os, pty, select, sys, time
@@ -87,7 +87,7 @@ fn keys_pause_step_and_end_a_run() {
     let arguments = ["simulate", fmu.to_str().unwrap(), "-o", "/dev/null", "--real-time"];
     let arguments = [&arguments[..], &["--stop-time=100"]].concat();
     let text = in_terminal(" ssq", 0.1, &arguments);
-    // One pause, two steps of 0.1 s, each told with its time.
+    // One pause, two steps of 0.1 s, each shown with its time.
     let paused: Vec<f64> = text
         .split("paused at t = ")
         .skip(1)

@@ -100,7 +100,7 @@ fn one_fmu_with_inputs_of_a_file() {
 }
 
 #[test]
-fn exit_codes_tell_what_kind_of_failure() {
+fn exit_codes_show_what_kind_of_failure() {
     let good = Ssd::new().add("g", Model::Gain);
     let file = good.write();
     let failing = Ssd::new().add_with("g", Model::Failing, &[("second", 0.5)], None);
@@ -112,7 +112,7 @@ fn exit_codes_tell_what_kind_of_failure() {
         (&["run", path(&file), "--step", "g=0"], 3, "at least one nanosecond"),
         (&["run", path(&file), "--algorithm", "magic"], 2, "jacobi"),
         (&["run", path(&file), "--output-file", "no/such/folder.csv"], 1, "no/such/folder.csv"),
-        (&["run", path(&file), "--output-file", "x.parq"], 2, "end in .csv, .mcap or .parquet"),
+        (&["run", path(&file), "--output-file", "x.parq"], 2, "ends in .csv, .mcap or .parquet"),
         (&["run", path(&failing)], 1, "the results until then are in test_out.csv"),
         (&["simulate", path(&file)], 3, "ZIP"),
         (&["nonsense"], 2, "nonsense"),
@@ -154,7 +154,7 @@ fn info_is_readable_by_programs() {
 }
 
 #[test]
-fn info_tells_platforms_and_what_can_be_done_with_states() {
+fn info_shows_platforms_and_what_can_be_done_with_states() {
     let folder = TempDir::new().unwrap();
     let fmu = Model::Gain.varied(folder.path(), "canSerializeFMUstate=\"true\"", "");
     let output = cosim(folder.path(), &["info", path(&fmu)]);
@@ -171,7 +171,7 @@ fn info_tells_platforms_and_what_can_be_done_with_states() {
 }
 
 #[test]
-fn inspect_tells_how_late_values_are_and_why() {
+fn inspect_shows_how_late_values_are_and_why() {
     let folder = TempDir::new().unwrap();
     let ssd = Ssd::new()
         .add("g", Model::Gain)
@@ -253,7 +253,7 @@ fn a_closed_pipe_ends_the_run_without_a_word() {
 #[test]
 fn an_interrupted_run_keeps_its_results() {
     let (fmu, folder) = (Model::Clock.fmu(), TempDir::new().unwrap());
-    // A shell lets what it starts in the background ignore SIGINT, and that is inherited.
+    // A shell makes background processes ignore SIGINT, and that is inherited.
     let mut child = Command::new("env")
         .args(["--default-signal=INT", env!("CARGO_BIN_EXE_cosim")])
         .args(["simulate", path(&fmu), "-o", "kept.csv", "--stop-time", "1e8"])
@@ -262,7 +262,7 @@ fn an_interrupted_run_keeps_its_results() {
         .stderr(std::process::Stdio::piped())
         .spawn()
         .unwrap();
-    // The file is there when the handler is.
+    // The file exists once the handler is installed.
     let file = folder.path().join("kept.csv");
     while !file.is_file() {
         std::thread::sleep(std::time::Duration::from_millis(5));
@@ -278,7 +278,7 @@ fn an_interrupted_run_keeps_its_results() {
 }
 
 #[test]
-fn validate_tells_all_problems_with_their_lines() {
+fn validate_reports_all_problems_with_their_lines() {
     let folder = TempDir::new().unwrap();
     let ssd = Ssd::new().add("g", Model::Gain).add("c", Model::Clock).connect("c.y", "g.u");
     let file = ssd.write();
@@ -302,7 +302,7 @@ fn validate_tells_all_problems_with_their_lines() {
 }
 
 #[test]
-fn programs_are_told_what_is_wrong_with_a_run_as_people_are() {
+fn what_is_wrong_with_a_run_is_reported_as_json_as_well() {
     let folder = TempDir::new().unwrap();
     let fmu = Model::Gain.fmu();
     let wrong = ["--start-value", "gian=1", "--start-value", "k=much", "--format=json"];
@@ -337,17 +337,17 @@ fn results_are_compared_within_tolerances() {
         (output.status.code().unwrap(), text(&output.stdout) + &text(&output.stderr))
     };
     let largest = "largest difference: m.y at t = 1: 5.0 and 5.5";
-    let (code, told) = verify(&[]);
-    assert!(code == 1 && told.contains(largest), "{told}");
-    let (code, told) = verify(&["--abs", "0.01", "--abs", "m.y=1"]);
-    assert!(code == 0 && told.contains("near enough: 2 samples of 2 variables"), "{told}");
+    let (code, reported) = verify(&[]);
+    assert!(code == 1 && reported.contains(largest), "{reported}");
+    let (code, reported) = verify(&["--abs", "0.01", "--abs", "m.y=1"]);
+    assert!(code == 0 && reported.contains("near enough: 2 samples of 2 variables"), "{reported}");
     assert!(
-        told.contains(largest) && told.contains("1 samples of a.csv have no partner"),
-        "{told}"
+        reported.contains(largest) && reported.contains("1 samples of a.csv have no partner"),
+        "{reported}"
     );
-    let (code, told) = verify(&["--rel", "0.05"]);
-    assert!(code == 1 && told.contains("1 of 2 variables are too far apart"), "{told}");
-    assert!(told.contains("at 1 of 2 samples, first at t = 1: m.y"), "{told}");
+    let (code, reported) = verify(&["--rel", "0.05"]);
+    assert!(code == 1 && reported.contains("1 of 2 variables are too far apart"), "{reported}");
+    assert!(reported.contains("at 1 of 2 samples, first at t = 1: m.y"), "{reported}");
 }
 
 #[test]
@@ -359,14 +359,17 @@ fn a_run_ends_when_its_condition_holds() {
         let output = cosim(folder.path(), &arguments);
         (output.status.code().unwrap(), text(&output.stderr))
     };
-    let (code, told) = run("y >= 0.45");
-    assert!(code == 0 && told.contains("ended by --stop-when: y >= 0.45 at t = 0.5"), "{told}");
+    let (code, reported) = run("y >= 0.45");
+    assert!(
+        code == 0 && reported.contains("ended by --stop-when: y >= 0.45 at t = 0.5"),
+        "{reported}"
+    );
     let results = std::fs::read_to_string(folder.path().join("out.csv")).unwrap();
     assert!(results.lines().last().unwrap().starts_with("0.5,"), "{results}");
-    let (code, told) = run("z = 1");
-    assert!(code == 3 && told.contains("'z' is not recorded"), "{told}");
-    let (code, told) = run("y");
-    assert!(code == 2 && told.contains("has no comparison"), "{told}");
+    let (code, reported) = run("z = 1");
+    assert!(code == 3 && reported.contains("'z' is not recorded"), "{reported}");
+    let (code, reported) = run("y");
+    assert!(code == 2 && reported.contains("has no comparison"), "{reported}");
 }
 
 #[test]
@@ -394,16 +397,16 @@ fn a_system_is_drawn() {
 }
 
 #[test]
-fn notes_on_sampled_loops_are_told_where_loops_are_looked_at() {
+fn notes_on_sampled_loops_are_reported_where_loops_are_looked_at() {
     let folder = TempDir::new().unwrap();
     let y = "name=\"y\" valueReference=\"2\" causality=\"output\"";
     let sampled = Model::Gain.varied(folder.path(), y, &format!("{y} variability=\"discrete\""));
     let ssd = Ssd::new().add("a", Model::Gain).add("b", Model::Gain);
     let ssd = ssd.connect("b.y", "a.u").connect("a.y", "b.u");
     let (file, replace) = (ssd.write(), format!("b={}", sampled.display()));
-    let told = |command: &str| {
+    let reported = |command: &str| {
         text(&cosim(folder.path(), &[command, path(&file), "--replace", &replace]).stderr)
     };
-    assert!(told("inspect").contains("sampled loop through a, b"));
-    assert!(!told("run").contains("sampled loop"));
+    assert!(reported("inspect").contains("sampled loop through a, b"));
+    assert!(!reported("run").contains("sampled loop"));
 }

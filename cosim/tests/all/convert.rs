@@ -1,4 +1,4 @@
-//! What is written is read as the same system, in every format.
+//! Written systems read back as the same system, in every format.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use crate::ssd::{Ssd, run};
 /// A component: name, model, step, start values.
 type Seen = (String, String, f64, Vec<(usize, Value)>);
 
-/// All of a system that can be compared.
+/// Everything in a system that can be compared.
 #[derive(Debug, PartialEq)]
 struct Outline {
     components: Vec<Seen>,
@@ -152,23 +152,23 @@ fn the_verb_converts_with_changes_and_says_what_a_format_cannot() {
     let file = ssd.write();
     let from = file.to_str().unwrap();
     let changes = ["--start-value", "g.k=3", "--stop-time", "0.5", "--algorithm", "jacobi"];
-    let (code, told) = cosim(&[&["convert", from, "x.ssp"], &changes[..]].concat(), &folder);
-    assert_eq!(code, 0, "{told}");
+    let (code, reported) = cosim(&[&["convert", from, "x.ssp"], &changes[..]].concat(), &folder);
+    assert_eq!(code, 0, "{reported}");
     let overrides =
         Overrides::new().start_value("g.k", 3).stop_time(0.5).algorithm(Algorithm::Jacobi);
     let package = System::load(folder.path("x.ssp"), &Overrides::new()).unwrap();
     assert_eq!(run(&package), run(&ssd.load(&overrides).unwrap()));
-    let (code, told) = cosim(&["convert", from, "folder"], &folder);
-    assert_eq!(code, 0, "{told}");
-    assert_parts(&told, &["note: OSP has no gauss-seidel", "written: folder"]);
+    let (code, reported) = cosim(&["convert", from, "folder"], &folder);
+    assert_eq!(code, 0, "{reported}");
+    assert_parts(&reported, &["note: OSP has no gauss-seidel", "written: folder"]);
     assert!(folder.path("folder/GAIN.fmu").is_file());
-    // Written over itself, the FMUs stay.
-    let (code, told) = cosim(&["convert", "folder", "folder"], &folder);
-    assert_eq!(code, 0, "{told}");
+    // When written over itself, the FMUs stay.
+    let (code, reported) = cosim(&["convert", "folder", "folder"], &folder);
+    assert_eq!(code, 0, "{reported}");
     assert!(System::load(folder.path("folder"), &Overrides::new()).is_ok());
-    let (code, told) = cosim(&["convert", from, "x.fmu"], &folder);
-    assert_eq!(code, 2, "{told}");
-    assert_parts(&told, &["no format ends with .fmu"]);
+    let (code, reported) = cosim(&["convert", from, "x.fmu"], &folder);
+    assert_eq!(code, 2, "{reported}");
+    assert_parts(&reported, &["no format ends with .fmu"]);
 }
 
 #[test]
@@ -220,12 +220,12 @@ fn conversions_of_units_are_written_as_what_they_amount_to() {
     assert_eq!(again(&original, &folder.path("a.ssp")), wanted);
     assert_eq!(again(&original, &folder.path("b/a.ssd")), wanted);
     assert_eq!(again(&original, &folder.path("osp")).connections, wanted.connections);
-    // Suppressed, nothing is converted, and that is kept too.
+    // Suppressed conversions are not made, and that is preserved too.
     let suppressed =
         text.replace("<ssd:Connection ", "<ssd:Connection suppressUnitConversion='true' ");
     let original = folder.load(&suppressed).unwrap();
     assert_eq!(again(&original, &folder.path("c.ssp")), outline(&original));
     assert_eq!(crate::formats::last(&run(&original), "g.y"), 1.0);
-    // OSP has no word for it: a function that changes nothing keeps the units apart.
+    // OSP cannot express it: a function that changes nothing keeps the units apart.
     assert_eq!(again(&original, &folder.path("d.xml")).connections, original.connections());
 }

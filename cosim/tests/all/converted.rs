@@ -1,4 +1,4 @@
-//! Conversions with the other things that happen to inputs: manipulation, linear inputs.
+//! Conversions combined with other operations on inputs: manipulation, linear inputs.
 
 use std::path::PathBuf;
 
@@ -31,14 +31,14 @@ fn with_derivatives(folder: &Folder) -> PathBuf {
     folder.fmu(Model::Affine, "affine", &[(flag, &able)])
 }
 
-/// The loop of the system is solved at each step by one exact step of Newton, after which
-/// a.y = `slope` t + `offset`.
+/// The loop of the system is solved at each step by one exact Newton step, after which a.y =
+/// `slope` t + `offset`.
 fn assert_newton_is_exact(system: &System, slope: f64, offset: f64) {
     let mut recording = Recording::new();
     let summary = system.run(&mut [&mut recording]).unwrap();
-    let told = &summary.notes[0];
-    assert!(told.contains("Jacobians by directional derivatives"), "{told}");
-    assert!(!told.contains("by differences") && told.contains("at most 2,"), "{told}");
+    let reported = &summary.notes[0];
+    assert!(reported.contains("Jacobians by directional derivatives"), "{reported}");
+    assert!(!reported.contains("by differences") && reported.contains("at most 2,"), "{reported}");
     let exact: Vec<f64> = recording.time().iter().map(|t| slope * t + offset).collect();
     assert_near(recording.column("a.y").unwrap(), &exact);
 }
@@ -112,8 +112,8 @@ fn a_manipulated_input_is_in_the_units_of_its_component() {
 fn a_linear_input_moves_by_the_converted_slope() {
     let overrides = Overrides::new().input("", Input::Linear).start_value("x.k", 0);
     let system = converted(Model::Lag, &Folder::new(), &overrides);
-    // x' = 3 t + 1, but 1 in the first step, when nobody knows the slope of the clock yet:
-    // 1.5 t^2 + t less 1.5 * 0.1^2.
+    // x' = 3 t + 1, but 1 in the first step, when the slope of the clock is not known yet: 1.5 t^2
+    // + t minus 1.5 * 0.1^2.
     let linear = last(&run(&system), "x.y");
     assert!((linear - 2.485).abs() < 1e-6, "{linear}");
     let overrides = Overrides::new().start_value("x.k", 0);

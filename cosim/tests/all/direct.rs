@@ -1,4 +1,5 @@
-//! Direct steps, which begin after the instants that are timed, give what steps by the slaves give.
+//! Direct steps, which begin after the timed instants, give the same results as steps by the
+//! slaves.
 
 use std::sync::Arc;
 
@@ -15,7 +16,7 @@ fn followed(overrides: &Overrides) -> Overrides {
     overrides.clone().trace(Arc::new(Trace::new(std::io::sink(), true)))
 }
 
-/// Slow and fast components, model exchange in the middle, an input that is overridden for a while.
+/// Slow and fast components, model exchange in between, an input that is overridden for a while.
 fn play(overrides: &Overrides) -> Recording {
     let ssd = Ssd::new()
         .add("clock", Clock)

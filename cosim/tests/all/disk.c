@@ -1,5 +1,5 @@
-/* Notes what a program does to files, a line for each call that goes well (LD_PRELOAD): see
- * durability.rs. A file is known by its inode. */
+/* Records what a program does to files, a line for each successful call (LD_PRELOAD): see
+ * durability.rs. A file is identified by its inode. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <fcntl.h>

@@ -1,8 +1,8 @@
 //! Power losses: what a run has written when the power fails at any of its writes.
 //!
-//! A library in front of the C library's (disk.c) notes what the program does to files. From that a
-//! disk is computed that keeps only what it must: content that was synced, and names whose folder
-//! was synced since. It is cut after every operation, and what it then holds is looked at.
+//! A library in front of the C library's (disk.c) records what the program does to files. From
+//! that, a disk is computed that keeps only what it must: content that was synced, and names whose
+//! folder was synced since. It is cut after every operation, and its content is checked.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -13,10 +13,10 @@ use tempfile::TempDir;
 use crate::command::text;
 use crate::models::Model;
 
-/// What is done to files, each by the number that it has for its whole life.
+/// Operations on files, each identified by a number that it keeps throughout.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Operation {
-    /// A file is there under this name; emptied if it was there.
+    /// A file with this name is created; emptied if it existed.
     Create(u64, PathBuf),
     Write(u64, u64),
     Sync(u64),
@@ -48,7 +48,7 @@ fn parse(line: &str) -> Option<Operation> {
 /// The disk that keeps only what it must.
 #[derive(Default, Clone)]
 struct Disk {
-    /// Names now, and those that survive.
+    /// Current names, and those that survive.
     names: BTreeMap<PathBuf, u64>,
     kept: BTreeMap<PathBuf, u64>,
     /// Bytes written, and those that survive.
@@ -62,7 +62,7 @@ impl Disk {
             Create(file, name) => {
                 self.names.insert(name.clone(), *file);
                 self.written.insert(*file, 0);
-                // Emptying a file may reach the disk at once.
+                // Emptying a file may reach the disk immediately.
                 self.synced.insert(*file, 0);
             }
             Write(file, bytes) => *self.written.entry(*file).or_default() += bytes,
@@ -86,8 +86,8 @@ impl Disk {
         }
     }
 
-    /// What a file holds after a cut: the number of the file and its bytes. With names a disk may
-    /// have done more than it must, so both what is kept and what is there are asked.
+    /// The content of a file after a power cut: its number and its bytes. A disk may have done more
+    /// with names than it must, so both the guaranteed and the current names are checked.
     fn after_a_cut(&self, name: &Path) -> Vec<(u64, u64)> {
         let files = [self.kept.get(name), self.names.get(name)];
         let files = files.into_iter().flatten();
@@ -95,7 +95,7 @@ impl Disk {
     }
 }
 
-/// Runs `cosim` and gives what it did to files below its folder.
+/// Runs `cosim` and returns what it did to files below its folder.
 fn observed(folder: &Path, arguments: &[&str]) -> Vec<Operation> {
     let library = folder.join("disk.so");
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/all/disk.c");
@@ -130,8 +130,8 @@ fn observed(folder: &Path, arguments: &[&str]) -> Vec<Operation> {
         .collect()
 }
 
-/// At whatever operation the power fails: a snapshot is whole or not there, and the results reach as
-/// far as the snapshot.
+/// At whatever operation the power fails: a snapshot is complete or absent, and the results reach
+/// at least as far as the snapshot.
 #[test]
 fn a_snapshot_and_the_results_before_it_survive_a_cut_at_every_write() {
     for results in ["out.csv", "out.mcap"] {
@@ -146,7 +146,7 @@ fn a_snapshot_and_the_results_before_it_survive_a_cut_at_every_write() {
         let renames = operations.iter().filter(|o| matches!(o, Rename(_, to) if *to == snapshot));
         assert!(renames.count() >= 3, "{operations:?}");
         let mut disk = Disk::default();
-        // When a snapshot gets its name, so many bytes of results are written.
+        // The number of bytes of results that are written when a snapshot gets its name.
         let mut needed: BTreeMap<u64, u64> = BTreeMap::new();
         for (at, operation) in operations.iter().enumerate() {
             disk.apply(operation);
@@ -164,14 +164,14 @@ fn a_snapshot_and_the_results_before_it_survive_a_cut_at_every_write() {
                 assert!(least >= needed[&file], "cut after {at}: {least} of {}", needed[&file]);
             }
         }
-        // At the end all is there.
+        // At the end everything is there.
         let file = disk.names[&results];
         assert_eq!(disk.kept.get(&results), Some(&file));
         assert_eq!(disk.synced[&file], disk.written[&file]);
     }
 }
 
-/// Whoever is killed leaves no hidden file, and the next run none of the one before.
+/// A killed process leaves no hidden file, and the next run removes those of the previous one.
 #[test]
 fn nothing_hidden_is_left_beside_the_results() {
     let folder = TempDir::new().unwrap();

@@ -111,12 +111,12 @@ Status fmi2NewDiscreteStates(Component c, EventInfo *info) {
   info->again = 1;
 #endif
 #if defined MODEL_BALL
-  if (r[3] <= 0 && r[5] < 0) { /* the height stays 0: its indicator does not change its domain */
+  if (r[3] <= 0 && r[5] < 0) { /* the height stays 0: its indicator stays in its domain */
     r[3] = 0;
     r[5] *= -r[1];
     m->i[1]++;
     info->values = 1;
-#ifdef SAYS_IT_ONCE /* and in the last iteration no more */
+#ifdef SAYS_IT_ONCE /* and no longer in the last iteration */
     info->again = 1;
 #endif
   }

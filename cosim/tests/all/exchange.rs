@@ -1,4 +1,4 @@
-//! Model exchange by our integrators, against closed forms.
+//! Model exchange with our solvers, compared with closed forms.
 
 use cosim::fmi::InterfaceType;
 use cosim::solver::Method::{self, DormandPrince, RungeKutta4};
@@ -18,7 +18,7 @@ fn assert_within(found: f64, wanted: f64, tolerance: f64) {
     assert!((found - wanted).abs() <= tolerance, "{found} instead of {wanted}");
 }
 
-/// Height of the ball and bounces until `t`, for steps of the ball that keep half the speed.
+/// Height of the ball and bounces until `t`, for a ball that keeps half its speed.
 fn ball(t: f64) -> (f64, f64) {
     let g = 9.81;
     let (mut begin, mut bounces) = ((2.0_f64 / g).sqrt(), 1.0);
@@ -53,7 +53,7 @@ fn every_bounce_is_found_once_and_where_it_is() {
 
 #[test]
 fn time_events_come_once_also_where_steps_end() {
-    // 0.3 = 3 * 0.1 has another last bit than 0.1 + 0.1 + 0.1; 0.07 falls between.
+    // 0.3 = 3 * 0.1 differs in the last bit from 0.1 + 0.1 + 0.1; 0.07 falls in between.
     for (period, events) in [(0.3_f64, 11.0), (0.1, 31.0), (0.07, 43.0), (0.01, 301.0)] {
         let overrides = Overrides::new().start_value("k", period).stop_time(3.0);
         let results = simulate(Model::Ticker, overrides);

@@ -1,5 +1,5 @@
-//! Many runs: nothing is left behind. In a process of its own, for the other tests of this one
-//! open files and take memory meanwhile.
+//! Many runs leave nothing behind. In a process of its own, because the other tests open files and
+//! use memory meanwhile.
 
 use std::process::Command;
 

@@ -1,4 +1,4 @@
-//! Faults from files: what they do, and that they do the same however a run is made.
+//! Faults from files: their effects, and that these are the same however a run is made.
 
 use cosim::scenario::Scenario;
 use cosim::{Algorithm, Overrides, Recording, Result, Run, Snapshot, System, Time};
@@ -33,7 +33,7 @@ fn play(system: &System, text: &str) -> Recording {
     recording
 }
 
-/// Something of every sort: state, memory, chances, several at one variable.
+/// Faults of every kind: state, memory, random numbers, several on one variable.
 const MANY: &str = r#"
 seed = 11
 [[fault]]
@@ -128,7 +128,7 @@ fn inputs_outputs_and_free_variables_have_faults_in_their_windows() {
     "#;
     let results = play(&system, text);
     assert_near(results.column("g.y").unwrap(), &[0.0, 0.1, 7.0, 7.0, 0.4, 100.5, 201.2]);
-    // A step holds what the ramp was at its beginning.
+    // A step holds the value of the ramp at its start.
     assert_near(results.column("free.y").unwrap(), &[2.0, 2.0, 2.0, 2.5, 3.0, 2.0, 2.0]);
     assert_near(results.column("x.y").unwrap(), &[0.0, 0.0, 0.01, 0.71, 1.41, 1.45, 11.5]);
 }
@@ -151,7 +151,7 @@ fn a_component_that_is_reset_begins_anew_and_a_release_ends_what_is_before_it() 
     let results = play(&system, text);
     assert_near(results.column("g.y").unwrap(), &[0.0, 0.1, 10.2, 0.3, 0.4, 10.5, 10.6]);
     let x = results.column("x.y").unwrap();
-    // At 0.3 it is recorded, then reset: what came before is gone.
+    // At 0.3 it is recorded, then reset: the previous state is gone.
     assert_near(x, &[0.0, 0.0, 0.01, 1.03, 0.03, 0.07, 1.12]);
     let wrong = |text: &str, part: &str| {
         let folder = text.replace("KIND", "kind = \"reset\"");
@@ -162,7 +162,7 @@ fn a_component_that_is_reset_begins_anew_and_a_release_ends_what_is_before_it() 
     wrong("[[fault]]\nKIND\non = \"y\"\nfrom = 0.1", "there is no component 'y'");
     wrong("[[fault]]\nKIND\non = \"x\"\nfrom = 0.1\nfor = 1", "no duration");
     wrong("[[fault]]\nKIND\non = \"x\"", "'from', 'between' or 'when'");
-    // Once, when it holds first.
+    // Once, when it first holds.
     let results =
         play(&system, "[[fault]]\nkind = \"reset\"\non = \"x\"\nwhen = \"clock.y >= 0.3\"");
     assert_near(results.column("x.y").unwrap(), &[0.0, 0.0, 0.01, 0.03, 0.03, 0.07, 0.12]);
@@ -191,7 +191,7 @@ fn the_same_seed_gives_the_same_bits_and_another_one_others() {
 #[test]
 fn how_often_is_recorded_changes_nothing() {
     let often = play(&chain(2.0).load(&Overrides::new()).unwrap(), MANY);
-    // Conditions are looked at at output instants, so it goes without those that have one.
+    // Conditions are checked at output instants, so this uses only faults without them.
     let text = &MANY[..MANY.find("[[fault]]\nkind = \"bias\"").unwrap()];
     let often_without = play(&chain(2.0).load(&Overrides::new()).unwrap(), text);
     let seldom = play(&chain(2.0).load(&Overrides::new().output_interval(0.5)).unwrap(), text);

@@ -1,4 +1,4 @@
-//! Capability flags: those that are set are respected, those that lie are survived.
+//! Capability flags: those that are set are respected, wrong ones are survived.
 
 use std::path::{Path, PathBuf};
 
@@ -98,7 +98,8 @@ fn steps_are_equal_where_the_fmu_wants_it() {
     let folder = TempDir::new().unwrap();
     let path = gain(&folder, &["EQUAL_STEPS"], " canHandleVariableCommunicationStepSize='false'");
     let overrides = Overrides::new().step("", 0.3).output_interval(0.3).stop_time(1.0);
-    // 0.3 s does not divide one second: the run ends with whole steps, or is refused before it.
+    // 0.3 s does not divide one second: the run ends with whole steps, or is refused before it
+    // starts.
     match System::single(&path, &overrides, None) {
         Ok(system) => assert_eq!(system.run(&mut []).unwrap().steps, 3),
         Err(error) => assert_eq!(error.code(), Code::Timing),
@@ -129,7 +130,7 @@ fn derivatives_that_were_promised_and_do_not_come_are_replaced_by_differences() 
         let fmu = Model::Affine.variant(&path, defines, |description| {
             description.replace(" canGet", " providesDirectionalDerivative=\"true\" canGet")
         });
-        // a = 2 b + t, b = 3 a + t, which runs away in fixed-point passes.
+        // a = 2 b + t, b = 3 a + t, which diverges in fixed-point passes.
         let ssd = Ssd::new()
             .add_with("a", Model::Affine, &[("k", 2.0)], None)
             .add_with("b", Model::Affine, &[("k", 3.0)], None)
@@ -144,7 +145,7 @@ fn derivatives_that_were_promised_and_do_not_come_are_replaced_by_differences() 
 }
 
 #[test]
-fn a_library_may_lack_what_nobody_calls() {
+fn a_library_may_lack_what_is_never_called() {
     let folder = TempDir::new().unwrap();
     let mut instance = ready(&gain(&folder, &["LACKS_OPTIONAL"], ""));
     assert_eq!(steps(&mut instance), 3.0);
@@ -171,7 +172,7 @@ fn a_step_in_the_background_that_was_not_declared_is_refused_by_name() {
     for part in ["fmi2DoStep of 'it'", "returned Pending", "canRunAsynchronuously"] {
         assert!(error.contains(part), "{part} in {error}");
     }
-    // Its thread still writes into the instance: neither that nor its code may be gone.
+    // Its thread still writes into the instance: neither that nor its code may be released.
     drop(instance);
     drop(folder);
     std::thread::sleep(std::time::Duration::from_millis(60));

@@ -8,7 +8,7 @@ use tempfile::TempDir;
 use crate::models::{Model, compile, pack};
 use crate::ssd::run;
 
-/// An SSP description around the inside of its system.
+/// An SSP description around the contents of its system.
 pub(crate) fn ssd(inside: &str, after: &str) -> String {
     format!(
         "<?xml version='1.0' encoding='UTF-8'?>
@@ -66,7 +66,7 @@ pub(crate) fn system(elements: &str, connections: &str) -> String {
     )
 }
 
-/// Files of one test, in a folder that goes with it.
+/// Files of one test, in a folder that is removed with it.
 pub(crate) struct Folder(pub TempDir);
 
 impl Folder {
@@ -120,7 +120,7 @@ impl Folder {
         run(&self.load(text).unwrap())
     }
 
-    /// The error of a text, in words.
+    /// The error for a text.
     pub(crate) fn error(&self, text: &str) -> String {
         self.load(text).err().map_or("none".to_owned(), |e| e.to_string())
     }

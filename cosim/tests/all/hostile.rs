@@ -1,5 +1,5 @@
-//! Files that must be refused, through the real binary: each with exit code 3 and the entry or
-//! line named, in bounded time and memory, with nothing written outside and nothing left behind.
+//! Files that must be refused, through the real binary: each with exit code 3 and the entry or line
+//! named, in bounded time and memory, with nothing written outside and nothing left behind.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -15,12 +15,12 @@ use crate::rawzip::{End, Entry, archive, archive_with};
 const MEMORY: u32 = 3 << 20;
 const TIME: Duration = Duration::from_secs(60);
 
-/// A folder with the file to open and an own place for temporary folders.
-struct Room {
+/// A folder with the file to open and its own temporary folder.
+struct Workspace {
     folder: TempDir,
 }
 
-impl Room {
+impl Workspace {
     fn new() -> Self {
         let folder = TempDir::new().unwrap();
         std::fs::create_dir_all(folder.path().join("a/b/temporary")).unwrap();
@@ -32,7 +32,7 @@ impl Room {
         self.run_in(MEMORY, verb, name, bytes)
     }
 
-    /// The same with other memory, in KiB.
+    /// The same with a different memory limit, in KiB.
     fn run_in(&self, memory: u32, verb: &str, name: &str, bytes: &[u8]) -> (i32, String) {
         let inside = self.folder.path().join("a/b");
         std::fs::write(inside.join(name), bytes).unwrap();
@@ -56,7 +56,7 @@ impl Room {
         (code.unwrap_or_else(|| panic!("{}: {shown}", output.status)), shown)
     }
 
-    /// Every file and folder, to see that nothing came.
+    /// Every file and folder, to check that nothing was added.
     fn files(&self) -> Vec<String> {
         fn walk(folder: &Path, found: &mut Vec<String>) {
             for entry in std::fs::read_dir(folder).unwrap().flatten() {
@@ -95,16 +95,16 @@ fn bad(name: impl AsRef<[u8]>, change: impl Fn(&mut Entry)) -> Entry {
 
 #[test]
 fn the_archives_of_these_tests_are_good_but_for_one_thing() {
-    let room = Room::new();
+    let workspace = Workspace::new();
     let entries =
         [good(), bad("resources/x", |_| ()), bad("resources/sub/", |e| e.content.clear())];
-    let (code, shown) = room.run("info", "good.fmu", &archive(&entries));
+    let (code, shown) = workspace.run("info", "good.fmu", &archive(&entries));
     assert_eq!(code, 0, "{shown}");
 }
 
 #[test]
 fn names_that_leave_the_folder_or_mean_something_else_elsewhere() {
-    let room = Room::new();
+    let workspace = Workspace::new();
     let deep = "d/".repeat(33) + "x";
     let long = "x".repeat(256);
     for (name, shown, why) in [
@@ -125,14 +125,14 @@ fn names_that_leave_the_folder_or_mean_something_else_elsewhere() {
         (&long, "xxx", "too long"),
     ] {
         let bytes = archive(&[good(), bad(name, |_| ())]);
-        room.refuses("x.fmu", &bytes, &["[E102]", "x.fmu", shown, why]);
+        workspace.refuses("x.fmu", &bytes, &["[E102]", "x.fmu", shown, why]);
     }
     assert!(!Path::new("/tmp/cosim-absolute").exists());
 }
 
 #[test]
 fn names_that_meet() {
-    let room = Room::new();
+    let workspace = Workspace::new();
     let with = |names: &[&str]| {
         let mut entries = vec![good()];
         entries.extend(names.iter().map(|name| bad(name, |_| ())));
@@ -151,11 +151,11 @@ fn names_that_meet() {
         (&["resources", "resources/a"], "'resources/a'"),
         (&["resources/a", "resources"], "'resources'"),
     ] {
-        room.refuses("x.fmu", &with(names), &["[E102]", shown]);
+        workspace.refuses("x.fmu", &with(names), &["[E102]", shown]);
     }
 }
 
-/// Odd, and yet files of their own inside the folder.
+/// Unusual, but valid files inside the folder.
 #[test]
 fn names_that_are_only_names_here() {
     let names = [
@@ -177,7 +177,7 @@ fn names_that_are_only_names_here() {
 
 #[test]
 fn links_and_devices() {
-    let room = Room::new();
+    let workspace = Workspace::new();
     for (mode, why) in [
         (0o120_777, "symbolic link"),
         (0o020_666, "device"),
@@ -186,13 +186,13 @@ fn links_and_devices() {
         (0o140_666, "special file"),
     ] {
         let bytes = archive(&[good(), bad("resources/thing", |e| e.mode = mode)]);
-        room.refuses("x.fmu", &bytes, &["[E102]", "'resources/thing'", why]);
+        workspace.refuses("x.fmu", &bytes, &["[E102]", "'resources/thing'", why]);
     }
 }
 
 #[test]
 fn sizes_and_contents_that_lie() {
-    let room = Room::new();
+    let workspace = Workspace::new();
     let zip64 = |size: u64, packed: u64| {
         let mut extra = vec![1, 0, 16, 0];
         extra.extend(size.to_le_bytes());
@@ -220,25 +220,25 @@ fn sizes_and_contents_that_lie() {
         (&|e| e.packed = Some(1 << 30), "beyond the end"),
     ] {
         let bytes = archive(&[good(), bad("resources/x", change)]);
-        room.refuses("x.fmu", &bytes, &["[E102]", "'resources/x'", why]);
+        workspace.refuses("x.fmu", &bytes, &["[E102]", "'resources/x'", why]);
     }
 }
 
 #[test]
 fn entries_that_share_bytes() {
-    let room = Room::new();
+    let workspace = Workspace::new();
     let mut entries = vec![good(), Entry::new("resources/0", &[b'x'; 5000])];
     for number in 1..500 {
         let mut entry = Entry::new(format!("resources/{number}"), &[b'x'; 5000]);
         entry.shared = true;
         entries.push(entry);
     }
-    room.refuses("x.fmu", &archive(&entries), &["[E102]", "'resources/1'", "shares bytes"]);
+    workspace.refuses("x.fmu", &archive(&entries), &["[E102]", "'resources/1'", "shares bytes"]);
 }
 
 #[test]
 fn ends_of_archives_that_lie() {
-    let room = Room::new();
+    let workspace = Workspace::new();
     let of = |end| archive_with(&[good(), bad("x", |_| ())], end);
     for end in [
         End { disk: 1, entries: None },
@@ -246,7 +246,7 @@ fn ends_of_archives_that_lie() {
         End { disk: 0, entries: Some(0xffff) },
         End { disk: 0, entries: Some(0) },
     ] {
-        let (code, shown) = room.run("info", "x.fmu", &of(end));
+        let (code, shown) = workspace.run("info", "x.fmu", &of(end));
         assert_eq!(code, 3, "{shown}");
         assert!(shown.contains("[E102]") && shown.contains("x.fmu"), "{shown}");
     }
@@ -254,20 +254,24 @@ fn ends_of_archives_that_lie() {
 
 #[test]
 fn bombs() {
-    let room = Room::new();
-    let packed = room.folder.path().join("packed");
+    let workspace = Workspace::new();
+    let packed = workspace.folder.path().join("packed");
     let zeros = || vec![0; 40 << 20];
     pack(&packed, &[("modelDescription.xml", vec![]), ("resources/zeros", zeros())]);
     let parts = ["'resources/zeros'", "ratio"];
-    room.refuses("x.fmu", &std::fs::read(&packed).unwrap(), &parts);
-    // Many entries, each below the limit of one.
+    workspace.refuses("x.fmu", &std::fs::read(&packed).unwrap(), &parts);
+    // Many entries, each below the limit for one.
     let names: Vec<String> = (0..20).map(|n| format!("resources/{n}")).collect();
     let entries: Vec<_> = names.iter().map(|n| (n.as_str(), vec![0; 9 << 20])).collect();
     pack(&packed, &entries);
-    room.refuses("x.fmu", &std::fs::read(&packed).unwrap(), &["'resources/1", "of the archive"]);
+    workspace.refuses(
+        "x.fmu",
+        &std::fs::read(&packed).unwrap(),
+        &["'resources/1", "of the archive"],
+    );
     std::fs::remove_file(&packed).unwrap();
     let many: Vec<Entry> = (0..10_001).map(|n| Entry::new(format!("{n}"), b"")).collect();
-    room.refuses("x.fmu", &archive(&many), &["10001 entries", "10000"]);
+    workspace.refuses("x.fmu", &archive(&many), &["10001 entries", "10000"]);
 }
 
 /// An archive whose description is `text`.
@@ -282,7 +286,7 @@ fn with_variables(variables: &str) -> String {
 
 #[test]
 fn xml_that_is_no_description() {
-    let room = Room::new();
+    let workspace = Workspace::new();
     let root = "<fmiModelDescription fmiVersion='2.0'";
     let laughs: String = (1..10)
         .map(|n| format!("<!ENTITY l{n} '{}'>", format!("&l{};", n - 1).repeat(10)))
@@ -315,7 +319,7 @@ fn xml_that_is_no_description() {
             .iter()
             .map(|p| if *p == ":1" && bytes.contains(&0xe9) { ":2" } else { p })
             .collect();
-        room.refuses(
+        workspace.refuses(
             "x.fmu",
             &described(bytes),
             &[&["[E103]", "modelDescription.xml"], &parts[..]].concat(),
@@ -325,31 +329,31 @@ fn xml_that_is_no_description() {
 
 #[test]
 fn encodings() {
-    let room = Room::new();
+    let workspace = Workspace::new();
     let description = Model::Gain.description();
     let utf16: Vec<u8> =
         [0xfeff].into_iter().chain(description.encode_utf16()).flat_map(u16::to_le_bytes).collect();
-    room.refuses("x.fmu", &described(utf16), &["[E103]", "UTF-16"]);
+    workspace.refuses("x.fmu", &described(utf16), &["[E103]", "UTF-16"]);
     let declared = |name: &str, text: &str| {
         description.replace("UTF-8", name).replace("modelName=\"GAIN\"", text)
     };
-    room.refuses(
+    workspace.refuses(
         "x.fmu",
         &described(declared("windows-1252", "modelName=\"Gerät\"")),
         &["[E103]", ":1", "windows-1252"],
     );
-    room.refuses("x.fmu", &described(declared("UTF-16", "")), &["[E103]", ":1", "UTF-16"]);
+    workspace.refuses("x.fmu", &described(declared("UTF-16", "")), &["[E103]", ":1", "UTF-16"]);
     // ASCII is the same in both.
     let (code, shown) =
-        room.run("info", "x.fmu", &described(declared("ISO-8859-1", "modelName='g'")));
+        workspace.run("info", "x.fmu", &described(declared("ISO-8859-1", "modelName='g'")));
     assert_eq!(code, 0, "{shown}");
     let marked = [&[0xef, 0xbb, 0xbf], description.as_bytes()].concat();
-    assert_eq!(room.run("info", "x.fmu", &described(marked)).0, 0);
+    assert_eq!(workspace.run("info", "x.fmu", &described(marked)).0, 0);
 }
 
 #[test]
 fn other_versions_numbers_and_names() {
-    let room = Room::new();
+    let workspace = Workspace::new();
     let description = Model::Gain.description();
     for (from, to, parts) in [
         ("fmiVersion=\"2.0\"", "fmiVersion=\"1.0\"", &[":2", "FMI version 1.0"][..]),
@@ -366,14 +370,14 @@ fn other_versions_numbers_and_names() {
         if description.contains(from) {
             let bytes = described(description.replace(from, to));
             let code = if from.starts_with("fmiVersion") { "[E106]" } else { "[E104]" };
-            room.refuses("x.fmu", &bytes, &[&[code, "modelDescription.xml"], parts].concat());
+            workspace.refuses("x.fmu", &bytes, &[&[code, "modelDescription.xml"], parts].concat());
         }
     }
 }
 
 #[test]
 fn floods_of_variables_types_and_dependencies_end_in_time() {
-    let room = Room::new();
+    let workspace = Workspace::new();
     let many = |count: usize, inside: &str| -> String {
         (0..count)
             .map(|n| {
@@ -385,32 +389,33 @@ fn floods_of_variables_types_and_dependencies_end_in_time() {
     };
     // Outputs that the structure does not list.
     let outputs = many(200_000, "causality='output'><Real/>");
-    let (code, shown) = room.run("validate", "outputs.fmu", &described(with_variables(&outputs)));
+    let (code, shown) =
+        workspace.run("validate", "outputs.fmu", &described(with_variables(&outputs)));
     assert_eq!(code, 3, "{shown}");
     assert!(shown.contains("index '3'") || shown.contains("binary"), "{shown}");
-    // One long type of many variables: it is kept once.
+    // One long type of many variables: it is stored once.
     let items: String = (0..50_000).map(|n| format!("<Item name='i{n}' value='{n}'/>")).collect();
     let typed = many(50_000, "><Enumeration declaredType='Mode' start='1'/>");
     let text = with_variables(&typed).replace("<Item name=\"Slow\" value=\"1\"/>", &items);
-    let (code, shown) = room.run("validate", "types.fmu", &described(text));
+    let (code, shown) = workspace.run("validate", "types.fmu", &described(text));
     assert_eq!(code, 3, "{shown}");
     // The same name again, at the end of many.
     let twice = format!(
         "{}<ScalarVariable name='v0' valueReference='0'><Real/></ScalarVariable>",
         many(100_000, "><Real/>")
     );
-    room.refuses("twice.fmu", &described(with_variables(&twice)), &["'v0'", "declared twice"]);
+    workspace.refuses("twice.fmu", &described(with_variables(&twice)), &["'v0'", "declared twice"]);
     let list = "1 ".repeat(20_000_001);
     let text = Model::Gain
         .description()
         .replace("dependencies=\"1\"", &format!("dependencies=\"{list}\""));
-    room.refuses("dependencies.fmu", &described(text), &[":22", "20000000 dependencies"]);
+    workspace.refuses("dependencies.fmu", &described(text), &[":22", "20000000 dependencies"]);
 }
 
 #[test]
-fn what_fmi_does_not_have_is_told() {
-    let room = Room::new();
-    let folder = room.folder.path().join("outside");
+fn what_fmi_does_not_have_is_reported() {
+    let workspace = Workspace::new();
+    let folder = workspace.folder.path().join("outside");
     std::fs::create_dir(&folder).unwrap();
     let fmu = Model::Gain.variant(&folder.join("x.fmu"), &[], |description| {
         description.replace("causality=\"input\"><Real", "causalty=\"input\"><Real").replace(
@@ -420,7 +425,7 @@ fn what_fmi_does_not_have_is_told() {
     });
     let bytes = std::fs::read(fmu).unwrap();
     std::fs::remove_dir_all(folder).unwrap();
-    let (code, shown) = room.run("validate", "x.fmu", &bytes);
+    let (code, shown) = workspace.run("validate", "x.fmu", &bytes);
     assert_eq!(code, 0, "{shown}");
     for part in ["'causalty' of <ScalarVariable>", "'causality'?", "<Surprise>", "xml:9", "xml:7"] {
         assert!(shown.contains(part), "{part} in {shown}");
@@ -429,15 +434,15 @@ fn what_fmi_does_not_have_is_told() {
 }
 
 #[test]
-fn a_wrong_guid_is_refused_by_the_fmu_and_told() {
-    let room = Room::new();
-    let folder = room.folder.path().join("outside");
+fn a_wrong_guid_is_refused_by_the_fmu_and_reported() {
+    let workspace = Workspace::new();
+    let folder = workspace.folder.path().join("outside");
     std::fs::create_dir(&folder).unwrap();
     let fmu = Model::Gain.variant(&folder.join("x.fmu"), &[], |d| d.replace("{test}", "{other}"));
     let bytes = std::fs::read(fmu).unwrap();
     std::fs::remove_dir_all(folder).unwrap();
-    let (code, shown) = room.run("simulate -o -", "x.fmu", &bytes);
-    // Only running tells: the library decides.
+    let (code, shown) = workspace.run("simulate -o -", "x.fmu", &bytes);
+    // Only running it shows the problem: the library decides.
     assert_eq!(code, 1, "{shown}");
     assert!(shown.contains("returned NULL") && shown.contains("wrong GUID {other}"), "{shown}");
 }
@@ -445,21 +450,21 @@ fn a_wrong_guid_is_refused_by_the_fmu_and_told() {
 /// Found by the fuzz target: a record of 2^64 - 1 bytes, and a string of 4 GiB in a channel.
 #[test]
 fn results_that_lie_about_their_lengths() {
-    let room = Room::new();
+    let workspace = Workspace::new();
     let length = include_bytes!("hostile_mcap/record_length.mcap");
-    let (code, shown) = room.run("verify r.mcap", "r.mcap", length);
+    let (code, shown) = workspace.run("verify r.mcap", "r.mcap", length);
     assert_eq!(code, 0, "{shown}");
     let length = include_bytes!("hostile_mcap/string_length.mcap");
-    let (code, shown) = room.run("verify r.mcap", "r.mcap", length);
+    let (code, shown) = workspace.run("verify r.mcap", "r.mcap", length);
     assert_eq!(code, 3, "{shown}");
     assert!(shown.contains("r.mcap") && shown.contains("a channel is damaged"), "{shown}");
 }
 
-/// A tree takes a bounded multiple of its text: a namespace that every element is in, names that
-/// occur a million times, attributes by the million. Where that is too much, it is refused in time.
+/// A tree takes a bounded multiple of its text: a namespace shared by all elements, names that
+/// occur a million times, a million attributes. If that is too much, it is refused in time.
 #[test]
 fn small_files_that_would_become_large_trees() {
-    let room = Room::new();
+    let workspace = Workspace::new();
     let root = "<fmiModelDescription fmiVersion='2.0'";
     let children = "<b/>".repeat(250_000);
     let namespaced =
@@ -471,10 +476,10 @@ fn small_files_that_would_become_large_trees() {
     let wide = format!("{root}>{wide}</fmiModelDescription>");
     let long = format!("{root} guid='{}'/>", "x".repeat(40 << 20));
     for text in [&namespaced, &prefixed, &wide, &long] {
-        let (code, shown) = room.run_in(1 << 20, "info", "x.fmu", &described(text));
+        let (code, shown) = workspace.run_in(1 << 20, "info", "x.fmu", &described(text));
         assert!(matches!(code, 0 | 3), "{code}: {}: {shown}", &text[..100]);
     }
-    let (_, shown) = room.run_in(1 << 20, "info", "x.fmu", &described(&wide));
+    let (_, shown) = workspace.run_in(1 << 20, "info", "x.fmu", &described(&wide));
     assert!(shown.contains("[E103]") && shown.contains("takes too much memory"), "{shown}");
     // The same in a system, and in the parameters that it names.
     let system = namespaced.replace("fmiModelDescription", "ssd:SystemStructureDescription");
@@ -483,13 +488,13 @@ fn small_files_that_would_become_large_trees() {
         "xmlns:ssd='http://ssp-standard.org/SSP1/SystemStructureDescription' xmlns=",
         1,
     );
-    let (code, shown) = room.run_in(1 << 20, "info", "x.ssd", system.as_bytes());
+    let (code, shown) = workspace.run_in(1 << 20, "info", "x.ssd", system.as_bytes());
     assert_eq!(code, 3, "{}", &shown[..shown.len().min(2000)]);
 }
 
 #[test]
 fn names_too_long_for_a_table() {
-    let room = Room::new();
+    let workspace = Workspace::new();
     let variable = |length: usize| {
         let name = "v".repeat(length);
         let inside = "causality='local'><Real start='1'/>";
@@ -500,7 +505,7 @@ fn names_too_long_for_a_table() {
     };
     for length in [65_535, 65_536, 1 << 20] {
         for verb in ["info", "info --format json"] {
-            let (code, shown) = room.run(verb, "x.fmu", &variable(length));
+            let (code, shown) = workspace.run(verb, "x.fmu", &variable(length));
             assert_eq!(code, 0, "{length} {verb}: {shown}");
         }
     }
@@ -508,38 +513,38 @@ fn names_too_long_for_a_table() {
 
 #[test]
 fn folders_that_are_only_parts_of_names() {
-    let room = Room::new();
+    let workspace = Workspace::new();
     let path = |n: usize| (0..28).map(|level| format!("{n}-{level}/")).collect::<String>() + "x";
     let mut entries = vec![good()];
     entries.extend((0..9_000).map(|n| Entry::new(path(n), b"")));
     let parts = ["[E102]", "20000 files and folders"];
-    room.refuses("x.fmu", &archive(&entries), &parts);
+    workspace.refuses("x.fmu", &archive(&entries), &parts);
 }
 
 #[test]
 fn a_million_columns_are_compared_in_time() {
-    let room = Room::new();
+    let workspace = Workspace::new();
     let mut table = String::from("time");
     (0..1_000_000).for_each(|n| table.push_str(&format!(",c{n}")));
     table.push_str("\n0");
     table.push_str(&",1".repeat(1_000_000));
     table.push('\n');
     let other = table.replacen("c0,", "d0,", 1).replace("c999999\n", "d999999\n");
-    std::fs::write(room.folder.path().join("a/b/other.csv"), &other).unwrap();
-    let (code, shown) = room.run("verify other.csv", "r.csv", table.as_bytes());
+    std::fs::write(workspace.folder.path().join("a/b/other.csv"), &other).unwrap();
+    let (code, shown) = workspace.run("verify other.csv", "r.csv", table.as_bytes());
     assert_eq!(code, 1, "{shown}");
     assert!(shown.contains("different variables"), "{shown}");
     let header = format!("time{}\n", ",".repeat(2_000_001));
-    let (code, shown) = room.run("verify r.csv", "r.csv", header.as_bytes());
+    let (code, shown) = workspace.run("verify r.csv", "r.csv", header.as_bytes());
     assert_eq!(code, 3, "{shown}");
     assert!(shown.contains("2000000 columns"), "{shown}");
 }
 
-/// With a million wrong names and a thousand valid ones, looking for those that may be meant would
-/// take hours.
+/// With a million wrong names and a thousand valid ones, the search for suggestions would take
+/// hours.
 #[test]
-fn wrong_names_by_the_thousand_are_told_in_time() {
-    let room = Room::new();
+fn wrong_names_by_the_thousand_are_reported_in_time() {
+    let workspace = Workspace::new();
     let name = |n: usize| format!("{}{n}", "variable_with_a_long_name_".repeat(6));
     let variables: String = (0..2_000)
         .map(|n| {
@@ -553,7 +558,7 @@ fn wrong_names_by_the_thousand_are_told_in_time() {
     let description = Model::Gain.description();
     let description =
         description.replace("</ModelVariables>", &format!("{variables}</ModelVariables>"));
-    let inside = room.folder.path().join("a/b");
+    let inside = workspace.folder.path().join("a/b");
     std::fs::write(inside.join("g.fmu"), described(description)).unwrap();
     let connections: String = (0..20_000)
         .map(|n| {
@@ -569,19 +574,20 @@ fn wrong_names_by_the_thousand_are_told_in_time() {
          type='application/x-fmu-sharedlibrary' source='g.fmu'/></ssd:Elements><ssd:Connections>\
          {connections}</ssd:Connections></ssd:System></ssd:SystemStructureDescription>"
     );
-    let (code, shown) = room.run("info", "x.ssd", system.as_bytes());
+    let (code, shown) = workspace.run("info", "x.ssd", system.as_bytes());
     assert_eq!(code, 3, "{}", &shown[..shown.len().min(2000)]);
-    assert!(shown.len() < 1 << 20, "{} bytes are told", shown.len());
+    assert!(shown.len() < 1 << 20, "{} bytes are reported", shown.len());
 }
 
-/// What a terminal obeys is shown, wherever it comes from: a name in an FMU, a scenario, a message.
+/// Control characters are shown escaped, wherever they come from: a name in an FMU, a scenario, a
+/// message.
 #[test]
 fn no_text_of_a_file_commands_the_terminal() {
-    let room = Room::new();
-    let inside = room.folder.path().join("a/b");
+    let workspace = Workspace::new();
+    let inside = workspace.folder.path().join("a/b");
     let hostile = "&#27;]0;owned&#7;&#x9b;2J\u{202e}&#10;error: forged";
     let description = Model::Gain.description().replace("\"GAIN\"", "'GAIN'");
-    // The identifier names the library; only the model's name is free.
+    // The identifier names the library; only the name of the model is free.
     let description =
         description.replacen("modelName='GAIN'", &format!("modelName='{hostile}'"), 1);
     let description = description.replace("&#27;", "&#x1b;");
@@ -594,7 +600,7 @@ fn no_text_of_a_file_commands_the_terminal() {
     let fmu = Model::Gain.fmu();
     let fmu = fmu.to_str().unwrap();
     let talking = Model::Gain.variant(
-        &room.folder.path().join("talking.fmu"),
+        &workspace.folder.path().join("talking.fmu"),
         &["ATTACK=SAY(1, \"logAll\", \"a\\033]0;owned\\007\\033[2Jb\\nerror: forged\")"],
         |description| description,
     );
@@ -622,8 +628,8 @@ fn no_text_of_a_file_commands_the_terminal() {
 
 #[test]
 fn results_never_take_the_place_of_an_input() {
-    let room = Room::new();
-    let inside = room.folder.path().join("a/b");
+    let workspace = Workspace::new();
+    let inside = workspace.folder.path().join("a/b");
     let fmu = std::fs::read(Model::Gain.fmu()).unwrap();
     let ssd = crate::ssd::Ssd::new().add("g", Model::Gain);
     let ssd = std::fs::read(ssd.write()).unwrap();
@@ -637,7 +643,7 @@ fn results_never_take_the_place_of_an_input() {
         ("simulate -o other.csv", "x.fmu", &fmu, 1),
         ("run -o x.ssd", "x.ssd", &ssd, 2),
     ] {
-        let (found, shown) = room.run(verb, name, bytes);
+        let (found, shown) = workspace.run(verb, name, bytes);
         assert_eq!(found, code, "{verb}: {shown}");
         assert_eq!(&std::fs::read(inside.join(name)).unwrap(), bytes, "{verb}");
     }
@@ -655,6 +661,6 @@ fn a_missing_temporary_folder_is_named() {
         .unwrap();
     let shown = text(&output.stderr);
     assert_eq!(output.status.code(), Some(3), "{shown}");
-    assert!(shown.contains("no temporary folder can be made"), "{shown}");
+    assert!(shown.contains("no temporary folder can be created"), "{shown}");
     assert!(shown.contains("missing") && shown.contains("TMPDIR"), "{shown}");
 }

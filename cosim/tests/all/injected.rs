@@ -1,4 +1,4 @@
-//! Faults that are put into a run while it goes on, and the scenario that does so again.
+//! Faults that are injected into a running simulation, and the scenario that repeats them.
 
 use cosim::scenario::{Injected, Scenario};
 use cosim::{Controls, Manipulator, Overrides, Recording, Result, Run, Snapshot, System, Time};
@@ -14,7 +14,7 @@ fn chain() -> System {
     ssd.load(&Overrides::new()).unwrap()
 }
 
-/// Somebody who injects, the next fault last.
+/// A user who injects faults, the next one last.
 struct Person {
     faults: Vec<(Time, Map<String, Value>)>,
     injected: Injected,
@@ -63,7 +63,7 @@ fn read(text: &str) -> Scenario {
 fn the_scenario_of_what_was_injected_makes_the_same_run() {
     let system = chain();
     let mut person = Person::new(&[
-        // It remembers values of before its beginning, if it was in its place then.
+        // It remembers values from before its start, if it was installed then.
         (0.4, json!({ "kind": "latency", "on": "g.u", "delay": 0.25, "jitter": 0.2 })),
         (0.4, json!({ "kind": "white-noise", "on": ["g.*"], "sigma": 0.5, "for": 0.7 })),
         (0.7, json!({ "kind": "reset", "on": "x" })),
@@ -76,13 +76,13 @@ fn the_scenario_of_what_was_injected_makes_the_same_run() {
     let text = person.injected.text().unwrap();
     let again = run(&system, &mut read(text));
     assert_eq!(touched, again);
-    // Faults that are in their places from the start see more.
+    // Faults that are installed from the start see more.
     let early: String =
         text.lines().filter(|l| !l.starts_with("installed")).map(|l| format!("{l}\n")).collect();
     assert_ne!(touched, run(&system, &mut read(&early)));
     assert_ne!(touched, run(&system, &mut Person::new(&[])));
 
-    // A run that is resumed puts in what is still to come, and nothing twice.
+    // A resumed run injects only what is still to come, and nothing twice.
     let (mut snapshots, at) = (Vec::new(), [Time::from_seconds(0.8, "t").unwrap()]);
     let mut keep = |snapshot: Snapshot| {
         snapshots.push(snapshot);
@@ -99,7 +99,7 @@ fn the_scenario_of_what_was_injected_makes_the_same_run() {
 }
 
 #[test]
-fn what_cannot_be_injected_is_told_and_changes_nothing() {
+fn what_cannot_be_injected_is_reported_and_changes_nothing() {
     let system = chain();
     let mut person = Person::new(&[
         (0.2, json!({ "kind": "bias", "on": "g.yy", "value": 1 })),
@@ -118,13 +118,13 @@ fn what_cannot_be_injected_is_told_and_changes_nothing() {
         "'value' is missing",
         "'from'",
         "'when'",
-        "no number",
+        "not a number",
         "no fault",
         "is unknown",
     ];
     assert_eq!(person.refused.len(), parts.len());
-    for (part, told) in parts.iter().zip(&person.refused) {
-        assert!(told.contains(part), "{part}: {told}");
+    for (part, reported) in parts.iter().zip(&person.refused) {
+        assert!(reported.contains(part), "{part}: {reported}");
     }
     assert_eq!(person.injected.text(), None);
     assert_eq!(left, run(&system, &mut Person::new(&[])));

@@ -1,5 +1,5 @@
-//! The locked door through the binary: who may not come in is told why, and FMUs do no more than
-//! they are allowed.
+//! Authentication and authorization through the binary: a refused client is told why, and FMUs can
+//! do only what they are allowed to.
 
 use std::net::TcpListener;
 use std::os::unix::fs::PermissionsExt;
@@ -22,7 +22,7 @@ pub(crate) struct Running(pub(crate) Child);
 impl Drop for Running {
     fn drop(&mut self) {
         signal(self.0.id(), "-TERM");
-        // One that is stopped hears nothing.
+        // A stopped process does not receive the signal.
         signal(self.0.id(), "-CONT");
         let _ = self.0.wait();
     }
@@ -37,10 +37,10 @@ pub(crate) fn free_port() -> u16 {
     TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port()
 }
 
-/// Keys of two authorities, `keys` and `strangers`.
+/// Keys of two authorities, `keys` and `foreign`.
 fn keys() -> TempDir {
     let folder = TempDir::new().unwrap();
-    for name in ["keys", "strangers"] {
+    for name in ["keys", "foreign"] {
         let arguments = ["keys", name, "--worker", "left", "--worker", "right"];
         let (code, stderr) = outcome(folder.path(), &arguments);
         assert_eq!(code, 0, "{stderr}");
@@ -48,7 +48,7 @@ fn keys() -> TempDir {
     folder
 }
 
-/// A folder of credentials made of files of others.
+/// A folder of credentials made from files of others.
 fn mixed(folder: &Path, name: &str, files: [(&str, String); 3]) {
     let place = folder.join(name);
     std::fs::create_dir(&place).unwrap();
@@ -109,9 +109,9 @@ fn keys_are_for_their_owner_and_never_overwritten() {
     }
 }
 
-/// A connection by TLS is damaged when one thread of Zenoh sends while another receives.
+/// A TLS connection is corrupted if one thread of Zenoh sends while another receives.
 #[test]
-fn tls_is_refused_where_somebody_wants_more_threads() {
+fn tls_is_refused_with_more_threads() {
     let (folder, endpoint) = (keys(), format!("tls/127.0.0.1:{}", free_port()));
     let workers = ["workers", "--wait", "0.1", "--listen", &endpoint];
     let arguments = [&workers[..], &["--credentials", "keys/orchestrator"]].concat();
@@ -131,16 +131,16 @@ fn a_refusal_says_which_it_is() {
     let folder = keys();
     let at = folder.path();
     let ca = |name: &str| text(at, &format!("{name}/authority/ca.pem"));
-    let both = ca("keys") + &ca("strangers");
+    let both = ca("keys") + &ca("foreign");
     let of = |member: &str, file: &str| text(at, &format!("{member}/{file}"));
     let certificate = |member: &str| ("cert.pem", of(member, "cert.pem"));
     let key = |member: &str| ("key.pem", of(member, "key.pem"));
     mixed(
         at,
         "foreign",
-        [("ca.pem", ca("keys")), certificate("strangers/left"), key("strangers/left")],
+        [("ca.pem", ca("keys")), certificate("foreign/left"), key("foreign/left")],
     );
-    mixed(at, "trusting", [("ca.pem", both), certificate("strangers/left"), key("strangers/left")]);
+    mixed(at, "trusting", [("ca.pem", both), certificate("foreign/left"), key("foreign/left")]);
     mixed(at, "swapped", [("ca.pem", ca("keys")), certificate("keys/left"), key("keys/right")]);
     mixed(
         at,
@@ -171,7 +171,7 @@ fn a_refusal_says_which_it_is() {
     let elsewhere = format!("tls/127.0.0.2:{port}");
     let plain = format!("tcp/127.0.0.1:{port}");
     for (endpoint, credentials, name, error) in [
-        (&tls, "strangers/left", "left", "[E506] no trust", "another authority than ours"),
+        (&tls, "foreign/left", "left", "[E506] no trust", "another authority than ours"),
         (&elsewhere, "keys/left", "left", "[E506] no trust", "not for the name 127.0.0.2"),
         (&tls, "empty", "left", "[E506] a certificate or key is missing", "empty/ca.pem"),
         (
@@ -214,7 +214,7 @@ fn locked_run(at: &Path, file: &str, more: &[&str]) -> (Running, Running, Runnin
         let arguments = ["worker", "--name", name, "--connect", &endpoint, "--allow-upload"];
         start(at, &[&arguments[..], &["--credentials", &credentials]].concat())
     };
-    // They dial for a while.
+    // They keep connecting for a while.
     let (left, right) = (worker("left"), worker("right"));
     (run, left, right, endpoint)
 }
@@ -246,7 +246,7 @@ fn an_observer_can_neither_read_nor_write_what_steers_a_run() {
 }
 
 #[test]
-fn a_worker_does_not_hear_what_another_is_told() {
+fn a_worker_does_not_receive_the_commands_of_another() {
     let (folder, file) = (keys(), chain(16.0));
     let (at, file) = (folder.path(), file.write());
     let (mut run, _left, _right, endpoint) =
@@ -259,7 +259,7 @@ fn a_worker_does_not_hear_what_another_is_told() {
     assert!(others.try_recv().unwrap().is_none());
 }
 
-/// A session of somebody with these credentials, by Zenoh alone.
+/// A session with these credentials, using Zenoh alone.
 fn observe(endpoint: &str, credentials: &Path) -> zenoh::Session {
     let mut config = zenoh::Config::default();
     let file = |name: &str| format!("{:?}", credentials.join(name));
@@ -325,7 +325,7 @@ fn sha256(file: &Path) -> String {
     hash.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// The kernel's version, as far as Landlock is concerned.
+/// The kernel version, as far as it matters for Landlock.
 fn has_landlock() -> bool {
     let release = std::fs::read_to_string("/proc/sys/kernel/osrelease").unwrap();
     let mut numbers = release.split(['.', '-']).map(|n| n.parse::<u32>().unwrap_or(0));
@@ -334,7 +334,7 @@ fn has_landlock() -> bool {
 }
 
 #[test]
-fn an_fmu_of_a_worker_writes_only_in_its_folder_and_dials_nobody() {
+fn an_fmu_of_a_worker_writes_only_in_its_folder_and_makes_no_connections() {
     let (folder, home) = (TempDir::new().unwrap(), TempDir::new().unwrap());
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = f64::from(listener.local_addr().unwrap().port());
@@ -361,7 +361,7 @@ fn an_fmu_of_a_worker_writes_only_in_its_folder_and_dials_nobody() {
 }
 
 #[test]
-fn a_configuration_file_opens_no_door() {
+fn a_configuration_file_weakens_no_protection() {
     let folder = TempDir::new().unwrap();
     let write = |text: &str| -> PathBuf {
         let file = folder.path().join("c.json5");
@@ -386,13 +386,13 @@ fn a_configuration_file_opens_no_door() {
     }
 }
 
-/// Every role tries every verb on keys of every kind, with real certificates: what it may do works, and
-/// nothing else does.
+/// Every role tries every verb on keys of every kind, with real certificates: what it may do works,
+/// and nothing else does.
 #[test]
 fn every_cell_of_the_table_of_rights_is_as_it_says() {
     let folder = keys();
     let at = folder.path();
-    // A name of the authority that the list does not know.
+    // A name of the authority that is not in the list.
     let list = text(at, "keys/orchestrator/members.json");
     std::fs::write(
         at.join("keys/orchestrator/members.json"),
@@ -441,13 +441,13 @@ fn includes(keys: &str, key: &str) -> bool {
     KeyExpr::try_from(keys).unwrap().includes(&KeyExpr::try_from(key).unwrap())
 }
 
-/// What was sent before by the same session has arrived when this has its answer.
+/// Everything sent before by the same session has arrived when this has its answer.
 fn fence(session: &zenoh::Session) {
     let asked = session.get("cosim/@1/rights").payload("x").timeout(Duration::from_secs(10));
     assert!(asked.wait().unwrap().recv().is_ok());
 }
 
-/// Whether `member` can do that, seen from the side of the orchestrator. What it `may` do is waited for.
+/// Whether `member` can do that, seen from the orchestrator. If it `may`, the effect is waited for.
 fn tries(
     orchestrator: &zenoh::Session,
     member: &zenoh::Session,

@@ -64,7 +64,7 @@ fn every_instance_logs_for_itself() {
     let output = cosim(folder.path(), &["run", path(&file), "--debug-logging"]);
     let shown = text(&output.stderr);
     for line in ["a: logger: OK (logAll): step to 0.1 s", "b: logger: OK (logAll): step to 0.2 s"] {
-        // Once: what was shown as it came is not told again at the end.
+        // Once: what was shown immediately is not repeated at the end.
         assert_eq!(shown.matches(line).count(), 1, "{shown}");
     }
     let only = ["run", path(&file), "--debug-logging", "--log-instance=b"];

@@ -20,7 +20,7 @@ fn pair(a: f64, b: f64) -> Ssd {
 
 #[test]
 fn a_linear_loop_has_its_exact_values_at_every_step() {
-    // a = ka b + t, b = kb a + t. The second pair runs away in fixed-point passes.
+    // a = ka b + t, b = kb a + t. The second pair diverges in fixed-point passes.
     for (ka, kb) in [(0.1, 0.2), (2.0, 3.0), (-4.0, 1.0)] {
         let system = pair(ka, kb).load(&iterative()).unwrap();
         assert!(system.warnings().is_empty() && system.notes()[0].contains("solved at each step"));
@@ -40,7 +40,7 @@ fn it_is_solved_at_the_start_and_with_members_of_other_steps() {
     let results = run(&system.unwrap());
     let (a, b) = (results.column("a.y").unwrap(), results.column("b.y").unwrap());
     assert_near(&[a[0], b[0]], &[-0.6, -0.8]);
-    // b rests at 1.1 and keeps -0.8; both are solved together at 1.2.
+    // b holds at 1.1 and keeps -0.8; both are solved together at 1.2.
     assert_near(&[a[1], b[1]], &[2.0 * -0.8 + 1.1, -0.8]);
     assert_near(&[a[2], b[2]], &[-0.6 * 1.2, -0.8 * 1.2]);
 }

@@ -1,5 +1,5 @@
-//! Three machines, as network namespaces with addresses of their own, joined by cables that can be
-//! cut. Needs the right to make namespaces; where that is missing the test says so and is passed over.
+//! Three machines, as network namespaces with their own addresses, joined by cables that can be
+//! cut. Needs permission to create namespaces; without it the test says so and is skipped.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -18,8 +18,8 @@ impl Network {
         format!("{}-{machine}", self.0)
     }
 
-    /// Lays the cables: 10.77.0.1 for the run, .2 and .3 for the workers. Nothing where that is
-    /// not permitted.
+    /// Connects the cables: 10.77.0.1 for the run, .2 and .3 for the workers. `None` if that is not
+    /// permitted.
     fn lay() -> Result<Self, String> {
         let network = Self(format!("cosim-{}", std::process::id()));
         let [hub, left, right] = ["hub", "left", "right"].map(|machine| network.name(machine));
@@ -42,7 +42,7 @@ impl Network {
         Ok(network)
     }
 
-    /// Cuts or heals the cable to a worker's machine.
+    /// Cuts or reconnects the cable to a worker's machine.
     fn cable(&self, cable: &str, state: &str) {
         ip(&["-n", &self.name("hub"), "link", "set", cable, state]).unwrap();
     }

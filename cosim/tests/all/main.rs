@@ -1,4 +1,4 @@
-//! The master against FMUs that are not ours, and the command line as a user sees it.
+//! The master with third-party FMUs, and the command line from the user's point of view.
 
 mod algorithms;
 mod archives;

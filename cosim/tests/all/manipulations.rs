@@ -54,7 +54,7 @@ fn connected_inputs_outputs_and_free_inputs_are_manipulated_and_released() {
     let results = play(&system(&overrides), text);
     assert_near(results.column("g.y").unwrap(), &[0.0, 0.1, 7.0, 7.0, 0.4, 100.5, 100.6]);
     assert_near(results.column("free.y").unwrap(), &[2.0, 2.0, 5.0, 2.5, 2.5, 2.0, 2.0]);
-    // x holds what g gave at the step's beginning; 100.5 is used from 0.5 s on.
+    // x holds the value of g at the start of the step; 100.5 is used from 0.5 s on.
     assert_near(results.column("x.y").unwrap(), &[0.0, 0.0, 0.01, 0.71, 1.41, 1.45, 11.5]);
     let jacobi = play(&system(&overrides.algorithm(Algorithm::Jacobi)), text);
     assert_near(jacobi.column("g.y").unwrap(), &[0.0, 0.0, 7.0, 7.0, 0.3, 100.4, 100.5]);

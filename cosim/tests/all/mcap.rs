@@ -1,4 +1,4 @@
-//! MCAP as the reader may meet it: cut anywhere, damaged, and by other tools.
+//! MCAP as a reader may encounter it: truncated anywhere, damaged, and from other tools.
 
 use std::fs::File;
 use std::path::PathBuf;
@@ -25,7 +25,7 @@ fn bits(values: &[f64]) -> Vec<u64> {
     values.iter().map(|value| value.to_bits()).collect()
 }
 
-/// `read` is what `whole` begins with.
+/// `read` is the beginning of `whole`.
 fn begins(whole: &Recording, read: &Recording) -> bool {
     let count = read.time().len();
     bits(&whole.time()[..count]) == bits(read.time())
@@ -44,7 +44,7 @@ fn a_file_cut_at_any_byte_is_read_as_far_as_it_goes() {
         std::fs::write(&cut, &bytes[..length]).unwrap();
         let read = Recording::read(&cut);
         if length < 8 {
-            assert!(read.unwrap_err().to_string().contains("no MCAP"), "{length}");
+            assert!(read.unwrap_err().to_string().contains("not MCAP"), "{length}");
             continue;
         }
         let read = read.unwrap_or_else(|error| panic!("{length}: {error}"));
@@ -55,7 +55,7 @@ fn a_file_cut_at_any_byte_is_read_as_far_as_it_goes() {
     assert_eq!(longest, whole.time().len());
 }
 
-/// The samples are of the file as written, or the damage is told.
+/// The samples are those of the file as written, or the damage is reported.
 #[test]
 fn no_bit_turns_unseen_in_the_samples() {
     let folder = TempDir::new().unwrap();
@@ -107,21 +107,21 @@ fn the_same_without_chunks_or_a_summary() {
 }
 
 #[test]
-fn what_is_of_other_tools_is_told() {
+fn what_is_of_other_tools_is_reported() {
     let folder = TempDir::new().unwrap();
     let file = folder.path().join("other.mcap");
-    let told = |parts: &[&str]| {
+    let reported = |parts: &[&str]| {
         let error = Recording::read(&file).unwrap_err().to_string();
         assert!(parts.iter().all(|part| error.contains(part)), "{parts:?} in {error}");
     };
     let plain = || WriteOptions::new().compression(None);
     of_another_tool(plain(), &file, None);
-    told(&["other.mcap", "/other", "not written by cosim", "cosim.columns"]);
+    reported(&["other.mcap", "/other", "not written by cosim", "cosim.columns"]);
     of_another_tool(plain(), &file, Some("0 float32 other.x\n"));
-    told(&["/other", "lists no columns"]);
+    reported(&["/other", "lists no columns"]);
     of_another_tool(plain(), &file, Some("0 float64 other.x\n1 float64 other.y\n"));
-    told(&["too short"]);
-    // As other tools compress it: behind the times, size and checksum of the chunk.
+    reported(&["too short"]);
+    // Compressed as in other tools: after the times, size and checksum of the chunk.
     for compression in ["zstd", "lz4"] {
         let (_, whole) = results(&folder);
         let bytes = std::fs::read(whole).unwrap();
@@ -133,6 +133,6 @@ fn what_is_of_other_tools_is_told() {
         compressed.extend(compression.bytes());
         compressed.extend(&after[4..]);
         std::fs::write(&file, compressed).unwrap();
-        told(&["other.mcap", compression, "mcap decompress"]);
+        reported(&["other.mcap", compression, "mcap decompress"]);
     }
 }

@@ -42,16 +42,16 @@ typedef struct {
   void *environment;
 } Callbacks;
 
-#ifdef FIRST_LIFE
-/* Whether this process was started to compute the first life of a group. */
-static int is_first_life(void) {
+#ifdef FIRST_INCARNATION
+/* Whether this process was started to compute the first incarnation of a group. */
+static int is_first_incarnation(void) {
   char line[4096];
   FILE *file = fopen("/proc/self/cmdline", "r");
   size_t count = file ? fread(line, 1, sizeof line, file) : 0;
   if (file) fclose(file);
   return memmem(line, count, "--generation\0" "1", 15) != NULL;
 }
-/* Until somebody kills the process; the name of the thread tells that it got here. */
+/* Waits until the process is killed; the name of the thread shows that it got here. */
 static void wait_for_the_end(void) {
   prctl(PR_SET_NAME, "waiting");
   for (;;) pause();
@@ -87,9 +87,9 @@ typedef struct {
 #define SAY(STATUS, ...)                                                           \
   m->callbacks->log(ENVIRONMENT(m), m->name, STATUS, __VA_ARGS__)
 #ifdef CHATTERS
-#define TELL(...) SAY(0, "logAll", __VA_ARGS__)
+#define REPORT(...) SAY(0, "logAll", __VA_ARGS__)
 #else
-#define TELL(...)
+#define REPORT(...)
 #endif
 #ifdef WARNS_ALWAYS
 #define WELL 1
@@ -98,16 +98,16 @@ typedef struct {
 #endif
 
 #ifdef ATTACK
-/* What -DATTACK=... does in a step, and tells by TELL(what came of it). */
+/* -DATTACK=... runs in a step, and logs its outcome with REPORT(result). */
 static const char *outcome(long result) { return result < 0 ? strerror(errno) : "done"; }
-#undef TELL
-#define TELL(RESULT) SAY(0, "logAll", "attack: %s", outcome(RESULT))
+#undef REPORT
+#define REPORT(RESULT) SAY(0, "logAll", "attack: %s", outcome(RESULT))
 static const char *in_home(const char *name) {
   static char path[512];
   snprintf(path, sizeof path, "%s/%s", getenv("HOME") ? getenv("HOME") : "", name);
   return path;
 }
-/* Writes the number of this process, which goes on when the run is over. */
+/* Writes the id of this process, which continues after the run. */
 static void linger(const char *name) {
   char unfinished[600];
   snprintf(unfinished, sizeof unfinished, "%s.unfinished", name);
@@ -133,8 +133,8 @@ static int read_file(const char *name) {
   return file < 0 ? -1 : (int)read(file, &byte, 1);
 }
 static void attack(Model *m) { ATTACK; }
-#undef TELL
-#define TELL(...)
+#undef REPORT
+#define REPORT(...)
 #endif
 
 static void outputs(Model *m) {
@@ -161,7 +161,7 @@ static void outputs(Model *m) {
 }
 
 #if defined MODEL_MASS || defined MODEL_INERTIA
-/* x'' = force - k x by Runge and Kutta in steps so fine that their error does not show. */
+/* x'' = force - k x by Runge-Kutta with steps so small that their error is negligible. */
 static double pull(Model *m, double x, double t) {
   double u = m->r[0] + m->slope * t;
 #ifdef MODEL_MASS
@@ -199,7 +199,7 @@ static void defaults(Model *m) {
   m->r[3] = 1e9;
 }
 
-#ifdef LEAVES_A_THREAD /* that goes on when the instance is gone */
+#ifdef LEAVES_A_THREAD /* that continues after the instance is freed */
 static void *go_on(void *argument) {
   for (volatile unsigned long k = 0;; k++) usleep(100);
   return NULL;
@@ -221,7 +221,7 @@ Component fmi2Instantiate(const char *name, int type, const char *guid, const ch
   m->callbacks = callbacks;
   defaults(m);
   snprintf(m->name, sizeof m->name, "%s", name);
-  TELL("instantiated");
+  REPORT("instantiated");
   m->thread = pthread_self();
 #ifdef READS /* its gain, in this folder */
   char path[1024];
@@ -247,7 +247,7 @@ void fmi2FreeInstance(Component c) { free(c); }
 #else
 void fmi2FreeInstance(Component c) {
   Model *m = c;
-  TELL("freed");
+  REPORT("freed");
   m->callbacks->release(c);
 }
 #endif
@@ -293,13 +293,13 @@ Status fmi2EnterInitializationMode(Component c) {
 Status fmi2ExitInitializationMode(Component c) {
   Model *m = c;
   m->mode = 2;
-  TELL("initialized");
+  REPORT("initialized");
   return WELL;
 }
 #ifndef LACKS_OPTIONAL
 Status fmi2Terminate(Component c) {
   Model *m = c;
-  TELL("terminated");
+  REPORT("terminated");
 #ifdef TERMINATE_FAILS
   return 3;
 #endif
@@ -319,18 +319,18 @@ Status fmi2Reset(Component c) {
 #else
 #define IGNORED(NAME, REF) 0
 #endif
-#ifdef HIGH_REFERENCES /* only their last bits count */
+#ifdef HIGH_REFERENCES /* only their lowest bits count */
 #define PLACE(REF) ((REF) & 3)
 #else
 #define PLACE(REF) (REF)
 #endif
-#ifdef REFUSES_NOTHING /* a call about no variable is an error */
+#ifdef REFUSES_NOTHING /* a call with no variables is an error */
 #define CHECKED(N) \
   if ((N) == 0) return 3
 #else
 #define CHECKED(N)
 #endif
-#ifdef SETS_ONLY_IN /* the one mode up to the end of initialization in which values are taken */
+#ifdef SETS_ONLY_IN /* the only mode up to the end of initialization in which values are accepted */
 #define SETTABLE \
   if (m->mode < 2 && m->mode != SETS_ONLY_IN) return 3
 #else
@@ -354,7 +354,7 @@ Status fmi2Reset(Component c) {
     Model *m = c;                                                                 \
     CHECKED(n);                                                                   \
     READABLE;                                                                     \
-    TELL("get " #NAME);                                                           \
+    REPORT("get " #NAME);                                                           \
     outputs(m);                                                                   \
     for (size_t k = 0; k < n; k++) values[k] = TRUTH_##NAME * m->FIELD[PLACE(refs[k])]; \
     return WELL;                                                                  \
@@ -364,7 +364,7 @@ Status fmi2Reset(Component c) {
     Model *m = c;                                                                 \
     CHECKED(n);                                                                   \
     SETTABLE;                                                                     \
-    TELL("set " #NAME);                                                           \
+    REPORT("set " #NAME);                                                           \
     for (size_t k = 0; k < n; k++)                                                \
       if (!IGNORED(#NAME, refs[k])) m->FIELD[PLACE(refs[k])] = values[k];         \
     m->slope = 0;                                                                 \
@@ -484,7 +484,7 @@ Status fmi2DoStep(Component c, double t, double h, int no_set) {
   Model *m = c;
   if (t - m->time > 1e-9 || m->time - t > 1e-9 || h <= 0) return 3;
   if (!m->first_step) m->first_step = h;
-#ifdef THIRTIETHS /* no rounding of any instant is taken */
+#ifdef THIRTIETHS /* no rounding of any instant is accepted */
   if (t != m->steps / 30.0 || h != 1 / 30.0) return 3;
 #endif
 #ifdef EQUAL_STEPS
@@ -493,7 +493,7 @@ Status fmi2DoStep(Component c, double t, double h, int no_set) {
 #ifdef ENDS_AT_STOP /* to the last bit */
   if (t + h > m->stop) return 3;
 #endif
-#ifdef ONE_THREAD /* calls it from the beginning to the end */
+#ifdef ONE_THREAD /* makes all calls from start to end */
   if (!pthread_equal(m->thread, pthread_self())) return 3;
 #endif
 #ifdef PRINTS
@@ -521,7 +521,7 @@ Status fmi2DoStep(Component c, double t, double h, int no_set) {
     m->reached = m->r[3];
     return 2;
   }
-  if (m->i[0] != 2 && h > m->r[3] * (1 + 1e-9)) { /* what it has computed by then is of no use */
+  if (m->i[0] != 2 && h > m->r[3] * (1 + 1e-9)) { /* what it has computed by then is unusable */
     m->reached = m->i[0] ? t : t + m->r[3] / 2;
     m->r[2] += 1000;
     m->time += m->r[3] / 3;
@@ -555,8 +555,8 @@ Status fmi2DoStep(Component c, double t, double h, int no_set) {
 #ifdef FATAL
   if (m->steps == 6) return 4;
 #endif
-#ifdef FIRST_LIFE /* a statement */
-  if (m->steps == 6 && is_first_life()) FIRST_LIFE;
+#ifdef FIRST_INCARNATION /* a statement */
+  if (m->steps == 6 && is_first_incarnation()) FIRST_INCARNATION;
 #endif
 #ifdef MODEL_FAILING
   if (m->time > m->r[3]) {

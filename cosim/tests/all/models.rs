@@ -26,8 +26,8 @@ pub(crate) enum Model {
     Cubic,
     /// A gain that fails in the first step that ends after `second`.
     Failing,
-    /// A gain that in its first step writes to $HOME, dials 127.0.0.1 at the port k and writes to
-    /// its temporary folder, and tells what came of it.
+    /// A gain that in its first step writes to $HOME, connects to 127.0.0.1 at the port k and
+    /// writes to its temporary folder, and logs the results.
     Nosy,
     /// A gain that logs in three formats and dies in its third step.
     Logging,
@@ -35,8 +35,8 @@ pub(crate) enum Model {
     Mass,
     /// x'' = u - k x, x(0) = second; y = x'', feed-through; interpolates u and gives y'.
     Inertia,
-    /// An integrator that discards steps longer than second, of which it makes a half, or with m
-    /// 1 nothing; with m 2 it ends the run at second.
+    /// An integrator that discards steps longer than second, of which it completes a half, or with
+    /// m = 1 nothing; with m = 2 it ends the run at second.
     Picky,
     /// Model exchange: height y, falls from 1 m, keeps k of its speed; n bounces.
     Ball,

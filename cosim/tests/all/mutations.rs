@@ -1,5 +1,5 @@
-//! Good files with something broken, thousands of them: the readers refuse or accept, nothing
-//! else. The same functions are the targets of `cosim/fuzz`; this is what runs everywhere.
+//! Thousands of valid files with mutations: the readers refuse or accept them, nothing else. The
+//! same functions are the targets of `cosim/fuzz`; this test runs everywhere.
 
 #[path = "../../fuzz/readers.rs"]
 #[allow(dead_code, unreachable_pub, reason = "the fuzz targets need all of it")]
@@ -30,7 +30,7 @@ impl Numbers {
     }
 }
 
-/// Bytes that mean something to the readers.
+/// Bytes that are meaningful to the readers.
 const WORDS: &[&[u8]] = &[
     b"<",
     b">",
@@ -97,7 +97,7 @@ fn mutate(good: &[u8], numbers: &mut Numbers) -> Vec<u8> {
     bytes
 }
 
-/// Feeds mutations of `good` to a reader; each must end soon, and keep to its memory.
+/// Feeds mutations of `good` to a reader; each must end soon, and stay within its memory budget.
 fn survive(seed: u64, good: &[u8], count: usize, reader: fn(&[u8])) {
     let mut numbers = Numbers(seed);
     readers::within(reader, good);
@@ -126,7 +126,7 @@ fn systems() {
     survive(3, readers::SYSTEM.as_bytes(), 1500, readers::ssd);
 }
 
-/// What is mutated is read wholly while it is good.
+/// The valid input must be read completely before it is mutated.
 #[test]
 fn the_structure_is_a_system() {
     let folder = TempDir::new().unwrap();
@@ -161,7 +161,7 @@ fn tables() {
     survive(6, readers::TABLE.as_bytes(), 3000, readers::csv);
 }
 
-/// A system whose runs give files to break.
+/// A system whose runs produce files to mutate.
 fn system() -> System {
     let ssd = Ssd::new().add("a", Model::Clock).add("b", Model::Integrator).connect("a.y", "b.u");
     ssd.load(&Overrides::new()).unwrap()
@@ -174,7 +174,7 @@ fn results() {
     let good = std::fs::read(&file).unwrap();
     std::fs::remove_file(&file).unwrap();
     survive(7, &good, 1500, readers::mcap);
-    // Lengths that no addition may meet: of a record, of one in a chunk, of a chunk.
+    // Lengths that would overflow: of a record, of one in a chunk, of a chunk.
     for length in [u64::MAX, u64::MAX - 8, 1 << 40] {
         for at in (0..good.len() - 8).filter(|at| good[*at..].starts_with(&[0; 6])) {
             let mut wrong = good.clone();
@@ -199,7 +199,7 @@ fn messages() {
     survive(10, &readers::step(), 20_000, readers::message);
 }
 
-/// What makes much of little, in every format, keeps to the same budget.
+/// Small inputs that expand, in every format, stay within the same budget.
 #[test]
 fn inflated_texts() {
     let namespace = |inside: String| format!("<a xmlns='{}'>{inside}</a>", "n".repeat(4000));

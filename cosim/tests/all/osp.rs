@@ -81,7 +81,7 @@ fn functions_take_no_time_in_any_algorithm() {
     let system = System::load(&file, &Overrides::new()).unwrap();
     assert_eq!(system.algorithm(), Algorithm::Jacobi);
     let results = run(&system);
-    // Jacobi: a gain sees the clocks of one step before, a sum in between adds no more.
+    // Jacobi: a gain sees the clocks of the previous step; a sum in between adds no delay.
     let before: Vec<f64> = (0..=10).map(|k| f64::from((k - 1).max(0)) * 0.1).collect();
     let expected: Vec<f64> = before.iter().map(|t| 4.0 * t).collect();
     assert_near(results.column("sum_of.y").unwrap(), &expected);
@@ -165,7 +165,7 @@ fn groups_of_variables_and_vectors() {
             "name='prot'/><SignalGroup",
             &["E202", "no variable group 'prot'", "'port'?", "OspSystemStructure.xml:11"][..],
         ),
-        ("simulator='b' name='in'", "simulator='g' name='in'", &["not of the same size"]),
+        ("simulator='b' name='in'", "simulator='g' name='in'", &["differ in size"]),
         ("dimension='1'", "dimension='2'", &["vectors of 'v' have 2"]),
         ("inputCount='2'", "inputCount='0'", &["'v' has 0 inputs"]),
         ("inputCount='2'", "inputCount='99999999'", &["must be 1 to"]),
@@ -199,7 +199,7 @@ fn the_log_config_chooses_what_is_recorded() {
     assert_parts(&error, &["E202", "'yy'", "did you mean 'y'?"]);
 }
 
-/// Every n-th step counts from the start of the run, also when the run goes on from between.
+/// Every n-th step counts from the start of the run, also if the run continues from the middle.
 #[test]
 fn decimated_results_are_every_nth_row_of_all() {
     let folder = Folder::new();
@@ -240,7 +240,7 @@ fn decimated_results_are_every_nth_row_of_all() {
 }
 
 #[test]
-fn what_is_wrong_is_told_all_at_once() {
+fn what_is_wrong_is_reported_all_at_once() {
     let folder = Folder::new();
     let text = summed()
         .replace("name='scaled' source", "name='scaled' stepsize='0.1' source")

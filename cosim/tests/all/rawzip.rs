@@ -1,21 +1,21 @@
-//! ZIP archives that no tool would write: every field can lie.
+//! ZIP archives that no tool would write: every field can be wrong.
 
 /// One entry, stored without compression.
 #[derive(Clone)]
 pub(crate) struct Entry {
     pub name: Vec<u8>,
     pub content: Vec<u8>,
-    /// Unix mode with the type of the file.
+    /// Unix mode with the file type.
     pub mode: u32,
     pub flags: u16,
     pub method: u16,
-    /// What the directory claims; the truth if `None`.
+    /// The declared value in the directory; the true one if `None`.
     pub size: Option<u32>,
     pub packed: Option<u32>,
     pub crc: Option<u32>,
     /// Extra field of the directory.
     pub extra: Vec<u8>,
-    /// The content is that of the entry before: the local header is not written again.
+    /// The content is that of the previous entry: the local header is not written again.
     pub shared: bool,
 }
 
@@ -43,7 +43,7 @@ fn crc32(bytes: &[u8]) -> u32 {
     })
 }
 
-/// The end of an archive: the counts and places it claims.
+/// The end of an archive: the declared counts and offsets.
 #[derive(Default)]
 pub(crate) struct End {
     pub disk: u16,

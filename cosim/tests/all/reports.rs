@@ -1,4 +1,4 @@
-//! Reports through the binary: what their data say, and what they do with bad input.
+//! Reports through the binary: their data, and the handling of bad input.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -9,7 +9,7 @@ use tempfile::TempDir;
 use crate::campaign::{HEAD, campaign};
 use crate::distributed::{cosim, outcome, results};
 
-/// The data of a page; nothing of it may be markup.
+/// The data of a page, which must not contain markup.
 fn data(page: &str) -> Value {
     let start = "<script type=\"application/json\" id=\"data\">";
     let (_, rest) = page.split_once(start).expect(page);
@@ -18,7 +18,7 @@ fn data(page: &str) -> Value {
     serde_json::from_str(data).unwrap()
 }
 
-/// The data of the report that this command writes, and what it says on stderr.
+/// The data of the report written by this command, and its stderr.
 fn report(folder: &Path, arguments: &[&str]) -> (Value, String) {
     let arguments = [&["report"][..], arguments, &["--output-file", "out.html"]].concat();
     let (code, stderr) = outcome(folder, &arguments);
@@ -35,23 +35,23 @@ fn strings(list: &Value) -> Vec<&str> {
 }
 
 #[test]
-fn a_campaign_is_told_with_its_worst_and_its_median_run() {
+fn a_campaign_is_reported_with_its_worst_and_its_median_run() {
     let folder = TempDir::new().unwrap();
     let folder = folder.path();
     campaign(folder, "[[verdict]]\nfigure = 'last'\nat-most = 100\n");
     let text = std::fs::read_to_string(folder.join("c.toml")).unwrap();
     write(folder, "c.toml", &format!("description = \"Is it <b>good</b>?\"\n{text}"));
     assert_eq!(outcome(folder, &["campaign", "c.toml", "-q"]).0, 0);
-    let (told, stderr) = report(folder, &["c_campaign"]);
+    let (reported, stderr) = report(folder, &["c_campaign"]);
     assert!(stderr.contains("the report is in out.html"), "{stderr}");
-    assert_eq!(told["question"], "Is it <b>good</b>?");
-    let campaign = &told["campaign"];
+    assert_eq!(reported["question"], "Is it <b>good</b>?");
+    let campaign = &reported["campaign"];
     assert_eq!((&campaign["answer"], &campaign["runs"]), (&"pass".into(), &24.into()));
     assert_eq!(campaign["figures"][0]["what"], "the last x.y");
     let cells = campaign["cells"].as_array().unwrap();
     assert_eq!(cells.len(), 2);
     for cell in cells {
-        // All runs are points, and the worst run is the greatest of them.
+        // All runs are points, and the worst run is the maximum of them.
         let (runs, values) = (&cell["sample"]["run"], &cell["sample"]["figures"][0]);
         assert_eq!(runs.as_array().unwrap().len(), 12);
         let values: Vec<f64> =
@@ -61,19 +61,19 @@ fn a_campaign_is_told_with_its_worst_and_its_median_run() {
         assert_eq!((&shown[0]["why"], &shown[1]["why"]), (&"worst".into(), &"median".into()));
         assert_eq!(shown[0]["run"], runs[worst]);
         assert!(shown[0]["problem"].is_null(), "{shown:?}");
-        // The run that was made again ends with the figure of its row.
-        let trace = &told["runs"][&shown[0]["run"].to_string()];
+        // The repeated run ends with the figure in its row.
+        let trace = &reported["runs"][&shown[0]["run"].to_string()];
         assert_eq!((&trace["start"], &trace["stop"]), (&0.0.into(), &1.0.into()));
-        // The gain decides the result.
+        // The gain determines the result.
         let correlation = cell["sensitivity"][0][0].as_f64().unwrap();
         assert!(correlation > 0.5, "{correlation}");
     }
-    let noisy = &told["runs"][&cells[1]["shown"][0]["run"].to_string()];
+    let noisy = &reported["runs"][&cells[1]["shown"][0]["run"].to_string()];
     assert_eq!(noisy["faults"][0]["label"], "white noise of g.y");
     let (none, _) = report(folder, &["c_campaign", "--runs-per-cell", "0"]);
     assert!(none["runs"].as_object().unwrap().is_empty());
     // The same folder gives the same bytes.
-    assert_eq!(report(folder, &["c_campaign"]).0, told);
+    assert_eq!(report(folder, &["c_campaign"]).0, reported);
     assert!(!folder.join("c_campaign/report.html").exists());
     assert_eq!(outcome(folder, &["report", "c_campaign"]).0, 0);
     assert!(folder.join("c_campaign/report.html").exists());
@@ -85,7 +85,7 @@ fn what_a_folder_lacks_is_named_and_the_rest_is_shown() {
     let folder = folder.path();
     campaign(folder, "");
     assert_eq!(outcome(folder, &["campaign", "c.toml", "-q"]).0, 0);
-    // A row cut short, one that is no row, and one that failed.
+    // A truncated row, one that is not a row, and one that failed.
     let log = std::fs::read_to_string(folder.join("c_campaign/runs.jsonl")).unwrap();
     let mut lines: Vec<&str> = log.lines().take(20).collect();
     lines.push("{\"run\":\"seven\"}");
@@ -94,19 +94,22 @@ fn what_a_folder_lacks_is_named_and_the_rest_is_shown() {
     lines.push(failed);
     let text = lines.join("\n") + "\n{\"run\":21,\"sta";
     write(folder, "c_campaign/runs.jsonl", &text);
-    let (told, stderr) = report(folder, &["c_campaign"]);
-    let notes = strings(&told["notes"]);
+    let (reported, stderr) = report(folder, &["c_campaign"]);
+    let notes = strings(&reported["notes"]);
     for part in ["line 21 of runs.jsonl", "line 23 of runs.jsonl", "3 of 24 runs are not there"] {
         assert!(notes.iter().any(|note| note.contains(part)), "{part}: {notes:?}");
         assert!(stderr.contains(part), "{part}: {stderr}");
     }
-    assert_eq!((&told["campaign"]["runs"], &told["campaign"]["failed"]), (&21.into(), &1.into()));
-    // Nothing but the manifest: no run is over.
+    assert_eq!(
+        (&reported["campaign"]["runs"], &reported["campaign"]["failed"]),
+        (&21.into(), &1.into())
+    );
+    // Only the manifest: no run is finished.
     std::fs::remove_file(folder.join("c_campaign/runs.jsonl")).unwrap();
-    let (told, _) = report(folder, &["c_campaign"]);
-    assert_eq!(told["campaign"]["runs"], 0);
-    assert!(strings(&told["notes"])[0].contains("runs.jsonl"), "{}", told["notes"]);
-    assert_eq!(told["campaign"]["answer"], "none");
+    let (reported, _) = report(folder, &["c_campaign"]);
+    assert_eq!(reported["campaign"]["runs"], 0);
+    assert!(strings(&reported["notes"])[0].contains("runs.jsonl"), "{}", reported["notes"]);
+    assert_eq!(reported["campaign"]["answer"], "none");
 }
 
 #[test]
@@ -116,10 +119,10 @@ fn runs_that_cannot_be_made_again_are_a_line_with_the_reason() {
     campaign(folder, "");
     assert_eq!(outcome(folder, &["campaign", "c.toml", "-q"]).0, 0);
     write(folder, "noise.toml", "[[fault]]\nkind = \"bias\"\non = \"g.y\"\nvalue = 1\n");
-    let (told, _) = report(folder, &["c_campaign"]);
-    let problem = told["campaign"]["cells"][0]["shown"][0]["problem"].as_str().unwrap();
+    let (reported, _) = report(folder, &["c_campaign"]);
+    let problem = reported["campaign"]["cells"][0]["shown"][0]["problem"].as_str().unwrap();
     assert!(problem.contains("changed") && problem.contains("scenario noisy"), "{problem}");
-    assert!(told["runs"].as_object().unwrap().is_empty());
+    assert!(reported["runs"].as_object().unwrap().is_empty());
     // Rows mean something else now: refused, as by `cosim campaign`.
     write(folder, "c.toml", &HEAD.replace("clean", "quiet"));
     let (code, stderr) = outcome(folder, &["report", "c_campaign"]);
@@ -150,7 +153,8 @@ fn folders_and_endings_that_are_no_such_thing_are_refused_with_a_remedy() {
     assert!(!folder.join("x.png").exists());
 }
 
-/// A run on a circle with an estimate that is sure to 0.5 m, and a variable that is no number.
+/// A run on a circle with an estimate that is accurate to 0.5 m, and a variable that is not a
+/// number.
 fn circle() -> String {
     let mut text = "time,t.pose.x,t.pose.y,t.pose.z,t.pose.yaw,e.pose.x,e.pose.y,e.pose.yaw,\
         e.sigma.x,e.sigma.y,e.sigma.yaw,e.innovation.fix.x,e.innovation_sigma.fix.x,\
@@ -176,8 +180,8 @@ fn a_run_has_its_map_errors_and_innovations_with_units() {
     write(folder, "run.csv", &circle());
     let scenario = "[[fault]]\nkind = \"drop-out\"\non = \"fix.x\"\nfrom = 30\nfor = 20\n";
     write(folder, "s.toml", scenario);
-    let (told, _) = report(folder, &["run.csv", "--scenario", "s.toml"]);
-    let run = &told["runs"][""];
+    let (reported, _) = report(folder, &["run.csv", "--scenario", "s.toml"]);
+    let run = &reported["runs"][""];
     let paths: Vec<(&str, &str)> = run["map"]["paths"]
         .as_array()
         .unwrap()
@@ -200,7 +204,7 @@ fn a_run_has_its_map_errors_and_innovations_with_units() {
     let error = plot("e.pose.x: error");
     assert_eq!((&error["unit"], &error["lines"][0]["v"][7]), (&"m".into(), &0.25.into()));
     assert_eq!(error["band"]["v"][7], 1.5);
-    // The short way round from 3.1 to -3.1.
+    // The shortest rotation from 3.1 to -3.1.
     let yaw = plot("e.pose.yaw: error")["lines"][0]["v"][0].as_f64().unwrap();
     assert!((yaw - (std::f64::consts::TAU - 6.2)).abs() < 1e-4, "{yaw}");
     let innovation = plot("e.innovation.fix.x");
@@ -225,22 +229,26 @@ fn recordings_that_lack_things_are_shown_as_far_as_they_go() {
     let folder = TempDir::new().unwrap();
     let folder = folder.path();
     write(folder, "bare.csv", "time,a,b\n0,1,2\n1,2,3\n");
-    let (told, _) = report(folder, &["bare.csv"]);
-    let run = &told["runs"][""];
-    assert!(strings(&told["notes"])[0].contains("no truth is recorded"));
+    let (reported, _) = report(folder, &["bare.csv"]);
+    let run = &reported["runs"][""];
+    assert!(strings(&reported["notes"])[0].contains("no truth is recorded"));
     assert!(run["map"].is_null());
-    // Their units are not known: each has an axis of its own.
+    // Their units are not known: each has its own axis.
     assert_eq!(run["signals"].as_array().unwrap().len(), 2);
     write(folder, "nan.csv", "time,a.pose.x,a.pose.y,b\n0,NaN,NaN,NaN\n1,NaN,NaN,NaN\n");
-    let (told, _) = report(folder, &["nan.csv"]);
-    assert_eq!(told["runs"][""]["table"][0]["not_finite"], 2);
+    let (reported, _) = report(folder, &["nan.csv"]);
+    assert_eq!(reported["runs"][""]["table"][0]["not_finite"], 2);
     write(folder, "none.csv", "time,a.pose.x,a.pose.y\n");
-    let (told, _) = report(folder, &["none.csv"]);
-    assert!(strings(&told["notes"]).contains(&"no instant is recorded"));
+    let (reported, _) = report(folder, &["none.csv"]);
+    assert!(strings(&reported["notes"]).contains(&"no instant is recorded"));
     write(folder, "back.csv", "time,a\n0,1\n2,2\n1,9\nNaN,9\n3,3\n");
-    let (told, _) = report(folder, &["back.csv"]);
-    assert!(strings(&told["notes"])[0].starts_with("2 rows are left out"), "{}", told["notes"]);
-    assert_eq!(told["runs"][""]["signals"][0]["t"], serde_json::json!([0, 2, 3]));
+    let (reported, _) = report(folder, &["back.csv"]);
+    assert!(
+        strings(&reported["notes"])[0].starts_with("2 rows are left out"),
+        "{}",
+        reported["notes"]
+    );
+    assert_eq!(reported["runs"][""]["signals"][0]["t"], serde_json::json!([0, 2, 3]));
     let plot = &["bare.csv", "--plot", "A: a, c"];
     let (code, stderr) = outcome(folder, &[&["report"], &plot[..]].concat());
     assert!(code != 0 && stderr.contains("'c' was not recorded"), "{stderr}");
@@ -259,7 +267,7 @@ fn ten_thousand_columns_fit() {
     let output = cosim(folder.path(), &["report", "wide.csv", "-o", "-"]).output().unwrap();
     let page = String::from_utf8(output.stdout).unwrap();
     assert!(page.len() < 5_000_000, "{}", page.len());
-    let told = data(&page);
-    let notes = strings(&told["notes"]);
+    let reported = data(&page);
+    let notes = strings(&reported["notes"]);
     assert!(notes.iter().any(|note| note.contains("2000 of")), "{notes:?}");
 }

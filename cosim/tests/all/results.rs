@@ -1,4 +1,4 @@
-//! Files of results: MCAP and CSV hold the same.
+//! Results files: MCAP and CSV contain the same.
 
 use std::process::Command;
 
@@ -23,7 +23,7 @@ fn ssd() -> Ssd {
 #[test]
 fn mcap_is_read_back_bit_by_bit_with_names_and_types() {
     let folder = TempDir::new().unwrap();
-    // A Boolean before Reals: they stand at multiples of their size.
+    // A Boolean before Reals, which are aligned to their size.
     let system = ssd().load(&Overrides::new().output_variable("*.even").output_variable("*.?"));
     let (system, mut memory) = (system.unwrap(), Recording::new());
     let file = folder.path().join("a.mcap");
@@ -35,7 +35,7 @@ fn mcap_is_read_back_bit_by_bit_with_names_and_types() {
     let again = folder.path().join("b.mcap");
     system.run(&mut [&mut McapRecorder::create(&again).unwrap()]).unwrap();
     assert!(std::fs::read(&file).unwrap() == std::fs::read(&again).unwrap());
-    // A file that was not finished is read as far as it goes.
+    // An unfinished file is read as far as it goes.
     let bytes = std::fs::read(&file).unwrap();
     std::fs::write(&again, &bytes[..bytes.len() / 2]).unwrap();
     let cut = Recording::read(&again).unwrap();

@@ -42,7 +42,7 @@ fn without_feed_through_the_input_is_of_the_beginning() {
 
 #[test]
 fn a_slow_component_gets_fresh_values_and_its_output_is_held() {
-    // slow steps by 0.3; what it gives at 0.3 is of 0.3, and stays until 0.6.
+    // slow steps by 0.3; its value at 0.3 is from 0.3, and stays until 0.6.
     let ssd = Ssd::new()
         .add_with("slow", Gain, &[("k", 10.0)], Some(0.3))
         .add("clock", Clock)
@@ -58,7 +58,7 @@ fn a_slow_component_gets_fresh_values_and_its_output_is_held() {
 
 #[test]
 fn a_slow_component_holds_its_input_from_the_beginning_of_its_own_step() {
-    // Jacobi: the value of 0.3 is used for the step from 0.3 to 0.6, not that of 0.5.
+    // Jacobi: the value at 0.3 is used for the step from 0.3 to 0.6, not that at 0.5.
     let ssd = Ssd::new()
         .add_with("slow", Gain, &[], Some(0.3))
         .add("clock", Clock)
@@ -81,8 +81,8 @@ fn steps_that_do_not_divide_each_other() {
 }
 
 #[test]
-fn a_loop_is_broken_by_the_order_of_the_file_and_told() {
-    // a.y = b.y + nothing else: a = k b, b = k a; the edge back to a is held.
+fn a_loop_is_broken_by_the_order_of_the_file_and_reported() {
+    // a.y = b.y alone: a = k b, b = k a; the edge back to a is held.
     let ssd = Ssd::new()
         .add_with("a", Gain, &[("k", 2.0)], None)
         .add_with("b", Gain, &[("k", 3.0)], None)
@@ -101,7 +101,7 @@ fn a_loop_is_broken_by_the_order_of_the_file_and_told() {
 }
 
 #[test]
-fn a_loop_that_does_not_settle_is_told() {
+fn a_loop_that_does_not_settle_is_reported() {
     let ssd = Ssd::new()
         .add_with("a", Gain, &[("k", 2.0)], None)
         .add_with("b", Integrator, &[("second", 1.0)], None)
@@ -203,7 +203,7 @@ fn what_a_component_says_is_passed_on() {
 
 #[test]
 fn a_loop_that_settles_begins_with_values_that_agree() {
-    // b begins with 3, a gives 0 whatever it gets: the second pass takes the 3 back.
+    // b begins with 3, a outputs 0 whatever it gets: the second pass undoes the 3.
     let ssd = Ssd::new()
         .add_with("a", Gain, &[("k", 0.0)], None)
         .add_with("b", Gain, &[("k", 3.0), ("u", 1.0)], None)
@@ -230,7 +230,7 @@ fn a_loop_that_is_cut_at_a_sampled_output_is_only_noted() {
     let held = ssd.load(&Overrides::new().replace("b", &sampled)).unwrap();
     assert!(held.warnings().is_empty(), "{:?}", held.warnings());
     assert!(held.sampled_loops()[0].starts_with("sampled loop through a, b"));
-    // Nor is it solved: a sample would act on the step that it ends.
+    // Nor is it solved: a sample would affect the step that it ends.
     let iterative = Overrides::new().replace("b", &sampled).algorithm(Algorithm::Iterative);
     assert_eq!(held.with(&iterative).unwrap().solved_loops().count(), 0);
     // The cut is not at the sampled one.

@@ -30,7 +30,7 @@ fn what_is_not_signed_by_that_key_is_neither_valid_nor_allowed() {
     assert_eq!(run(&["keys", "sign", "--key", "ours.key", "gain.fmu"]).0, 0);
     assert_eq!(validate("ours.pub").0, 0);
     let (code, stderr) = validate("theirs.pub");
-    assert!(code == 3 && stderr.contains("of another key"), "{stderr}");
+    assert!(code == 3 && stderr.contains("with another key"), "{stderr}");
     let (code, stderr) = validate("ours.key");
     assert!(code == 1 && stderr.contains("no public key"), "{stderr}");
 
@@ -42,7 +42,7 @@ fn what_is_not_signed_by_that_key_is_neither_valid_nor_allowed() {
     }
     let (code, stderr) = run(&[&allow[..], &["--allow-upload"]].concat());
     assert!(code == 2 && stderr.contains("--allow-upload"), "{stderr}");
-    // A folder for certificates is still made by its name alone.
+    // A folder for certificates is still created by its name alone.
     assert_eq!(run(&["keys", "members"]).0, 0);
     assert!(folder.path().join("members/authority/ca.pem").is_file());
 }

@@ -1,4 +1,4 @@
-//! A run that goes on from a snapshot is the run that nothing interrupted, to the last bit.
+//! A run that continues from a snapshot equals the uninterrupted run, to the last bit.
 
 use std::path::Path;
 
@@ -111,7 +111,7 @@ fn the_command_line_continues_a_file_in_another_process() {
         let (whole, part) = (format!("whole.{suffix}"), format!("part.{suffix}"));
         assert_eq!(cosim(&["-o", &whole]).0, Some(0));
         let arguments = ["-o", &part, "--snapshot-at=0.75", "--snapshot-file", "at_{t}.snapshot"];
-        // The end is another: what is known at 0.75 s goes on to any.
+        // The end is different: the state at 0.75 s continues to any end.
         let (code, stderr) = cosim(&[&arguments[..], &["--stop-time=1.1"]].concat());
         assert_eq!(code, Some(0), "{stderr}");
         let (code, stderr) = cosim(&["-o", &part, "--resume", "at_0.8.snapshot"]);
@@ -172,7 +172,7 @@ fn what_is_damaged_or_of_another_system_is_refused() {
         let error = Run::new(&other).resume(&snapshots[0]).go().unwrap_err().to_string();
         assert!(error.contains("another system") && error.contains(part), "{error}");
     }
-    // At the stop time nothing is left to do.
+    // At the stop time there is nothing left to do.
     let over = system.with(&Overrides::new().stop_time(0.5)).unwrap();
     assert_eq!(Run::new(&over).resume(&snapshots[0]).go().unwrap().steps, 0);
     let late = system.with(&Overrides::new().stop_time(0.4)).unwrap();

@@ -1,4 +1,4 @@
-//! Writing systems for tests.
+//! Writes systems for tests.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -144,7 +144,7 @@ impl Ssd {
         )
     }
 
-    /// Writes the file; it lives as long as `self`.
+    /// Writes the file, which exists as long as `self`.
     pub(crate) fn write(&self) -> PathBuf {
         let file = self.folder.path().join("test.ssd");
         std::fs::write(&file, self.text()).unwrap();
@@ -155,7 +155,7 @@ impl Ssd {
         System::load(self.write(), overrides)
     }
 
-    /// Runs it as it is.
+    /// Runs it without changes.
     pub(crate) fn run(&self) -> Recording {
         run(&self.load(&Overrides::new()).unwrap())
     }

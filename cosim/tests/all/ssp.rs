@@ -1,4 +1,4 @@
-//! SSP read whole: nested systems, transformations, bindings, mappings, sources.
+//! All of SSP: nested systems, transformations, bindings, mappings, sources.
 
 use crate::formats::{Folder, assert_parts, component, connection, last, listed, ssd, system};
 use crate::models::{Model, pack};
@@ -48,7 +48,7 @@ fn nested() -> String {
         &gain("g", ""),
         &[
             connection("in", "g.u", LINEAR),
-            // Written backwards: start and end tell no direction.
+            // Written backwards: start and end do not define the direction.
             connection("out", "g.y", ""),
             connection("slope", "g.k", "<ssc:LinearTransformation factor='10'/>"),
         ]
@@ -84,7 +84,7 @@ fn nested_systems_are_flat_and_transformed_on_every_way_in() {
 }
 
 #[test]
-fn what_is_wrong_with_connectors_of_systems_is_told_with_its_line() {
+fn what_is_wrong_with_connectors_of_systems_is_reported_with_its_line() {
     let folder = Folder::new();
     let text = ssd(&nested(), "");
     for (from, to, parts) in [
@@ -170,7 +170,7 @@ fn integers_booleans_and_items_are_mapped() {
 }
 
 #[test]
-fn bindings_with_prefix_and_mapping_and_who_wins() {
+fn bindings_with_prefix_and_mapping_and_their_precedence() {
     let folder = Folder::new();
     folder.write("values.ssv", &set(&[value("slope", 2.0), value("unused", 7.0)].concat()));
     folder.write(
@@ -187,10 +187,10 @@ fn bindings_with_prefix_and_mapping_and_who_wins() {
     let binding = "<ssd:ParameterBinding source='values.ssv' prefix='p.'>\
                    <ssd:ParameterMapping source='names.ssm'/></ssd:ParameterBinding>";
     let system = folder.load(&ssd(&[bound(binding), elements.clone()].concat(), "")).unwrap();
-    // The system's 5 * 2 + 1 wins over the component's own 100.
+    // The system's 5 * 2 + 1 takes precedence over the component's own 100.
     assert_eq!(last(&crate::ssd::run(&system), "g.y"), 11.0);
     assert_parts(&system.warnings().join("\n"), &["names.ssm:1", "'p.slpe'", "'p.slope'?"]);
-    // Without the mapping the names are unknown: told for a file, wrong inline.
+    // Without the mapping the names are unknown: reported for a file, an error inline.
     let plain = "<ssd:ParameterBinding source='values.ssv' prefix='g.'/>";
     let system = folder.load(&ssd(&[bound(plain), elements.clone()].concat(), "")).unwrap();
     assert_parts(&system.warnings().join("\n"), &["values.ssv:1: 'g.unused' is left out"]);
@@ -224,7 +224,7 @@ fn descriptions_in_descriptions() {
     let part = "<ssd:Component name='x' type='application/x-ssp-definition' source='test.ssd'/>";
     assert_parts(
         &folder.error(&ssd(&system(part, ""), "")),
-        &["too many descriptions lie one in the other"],
+        &["descriptions are nested too deeply"],
     );
 }
 
@@ -249,7 +249,7 @@ fn the_paths_of_a_package_do_not_leave_it() {
         let error = error.err().unwrap().to_string();
         assert_parts(&error, &["E208", "x.ssp/SystemStructure.ssd:8", &format!("\"{source}\"")]);
     }
-    // The same in a file of parameters; and on disk the user may point anywhere.
+    // The same in a parameter file; on disk the user may refer to any path.
     let binding = bound("<ssd:ParameterBinding source='../values.ssv'/>");
     let text = ssd(&[binding, system(&gain("g", ""), "")].concat(), "");
     pack(&folder.path("x.ssp"), &[("SystemStructure.ssd", text.clone().into_bytes())]);
@@ -290,10 +290,10 @@ fn a_text_is_read_without_any_file() {
     assert_eq!(cosim::System::read_text(&text).unwrap(), 2);
     let binding = bound("<ssd:ParameterBinding source='/etc/hostname'/>");
     let error = cosim::System::read_text(&ssd(&binding, "")).unwrap_err().to_string();
-    assert_parts(&error, &["E208", "text:8", "without a place"]);
+    assert_parts(&error, &["E208", "text:8", "without a location"]);
     let part = "<ssd:Component name='x' type='application/x-ssp-package' source='/x.ssp'/>";
     let error = cosim::System::read_text(&ssd(&system(part, ""), "")).unwrap_err().to_string();
-    assert_parts(&error, &["E208", "without a place"]);
+    assert_parts(&error, &["E208", "without a location"]);
     assert!(cosim::System::read_text("<OspSystemStructure").is_err());
 }
 

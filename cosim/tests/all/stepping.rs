@@ -1,4 +1,4 @@
-//! Steps that are taken back, made again, and made by their error; inputs that move.
+//! Steps that are rejected, repeated, and controlled by their error; inputs that move.
 
 use cosim::fmi::Fmu;
 use cosim::observe::Stop;
@@ -20,7 +20,7 @@ fn masses() -> Ssd {
         .stop(4.0)
 }
 
-/// The greatest error of the first mass: its exact solution has the modes 2 and 8.
+/// The maximum error of the first mass: its exact solution has the modes 2 and 8.
 fn error(results: &Recording) -> f64 {
     let exact = |t: f64| 0.5 * ((2.0_f64.sqrt() * t).cos() + (8.0_f64.sqrt() * t).cos());
     let found = results.time().iter().zip(results.column("a.y").unwrap());
@@ -39,7 +39,8 @@ fn the_error_follows_the_tolerance_of_the_step_control() {
             assert!(summary.notes.iter().any(|n| n.contains("accepted")), "{:?}", summary.notes);
             (error(&recording), summary)
         };
-        // Held forces are integrated twice before they show: 1000^(1/3) is the least to expect.
+        // Held forces are integrated twice before they have an effect: at least 1000^(1/3) is
+        // expected.
         let ((coarse, few), (fine, many)) = (outcome(1e-3), outcome(1e-6));
         assert!(coarse < 0.1 && fine < coarse / 5.0, "{input:?}: {coarse} {fine}");
         assert!(many.steps > 2 * few.steps && many.components[0].rejected > 0, "{many:?}");
@@ -64,7 +65,7 @@ fn taking_steps_back_neither_loses_nor_doubles_an_event() {
 }
 
 #[test]
-fn who_cannot_go_back_is_named() {
+fn a_component_that_cannot_go_back_is_named() {
     let folder = TempDir::new().unwrap();
     let flag = "canHandleVariableCommunicationStepSize=\"true\"";
     let fixed = Gain.varied(folder.path(), flag, "");
@@ -78,7 +79,7 @@ fn who_cannot_go_back_is_named() {
 
 #[test]
 fn a_discarded_step_is_made_again_by_smaller_ones() {
-    // It gives up steps longer than 0.04 s, after 0.02 s or without saying how far it came.
+    // It discards steps longer than 0.04 s, after 0.02 s or without reporting how far it got.
     for silent in [0.0, 1.0] {
         let values = [("second", 0.04), ("m", silent)];
         let ssd = Ssd::new()
@@ -93,7 +94,7 @@ fn a_discarded_step_is_made_again_by_smaller_ones() {
         let summary = system.run(&mut [&mut recording]).unwrap();
         assert_near(recording.column("x.y").unwrap(), &[0.0, 0.0, 0.01, 0.03, 0.06]);
         assert!(summary.components[1].rejected >= 4, "{summary:?}");
-        // The half of 0.1 s is still too long; 0.02 s, where it says so, is not.
+        // The half of 0.1 s is still too long; 0.02 s, where it reports that, is not.
         let outcome = ssd.load(&Overrides::new().retries(1)).unwrap().run(&mut []);
         assert_eq!(outcome.err().map(|e| e.code()), (silent == 1.0).then_some(Code::Step));
         let controlled = ssd.load(&Overrides::new().step_control(0.1)).unwrap();
@@ -113,7 +114,7 @@ fn an_fmu_that_ends_the_run_does_not_fail() {
     // By a discarded step, and by completedIntegratorStep.
     let picky = ending(Picky, &[("second", 0.25), ("m", 2.0)]);
     let saw = ending(Sawtooth, &[("m", 2.0)]);
-    for (ssd, end, told, why) in
+    for (ssd, end, reported, why) in
         [(&picky, 0.2, "t = 0.25 s", "fmi2Terminated"), (&saw, 2.0, "t = 2", "terminateSimulation")]
     {
         for overrides in [Overrides::new(), Overrides::new().retries(3)] {
@@ -126,7 +127,7 @@ fn an_fmu_that_ends_the_run_does_not_fail() {
             assert_eq!(time.last(), Some(&summary.simulated));
             assert_near(recording.column("clock.y").unwrap(), time);
             let warning = &summary.warnings[0];
-            assert!(warning.contains(&format!("'x' ended the run at {told}")), "{warning}");
+            assert!(warning.contains(&format!("'x' ended the run at {reported}")), "{warning}");
             assert!(warning.contains(why), "{warning}");
         }
     }
@@ -134,9 +135,9 @@ fn an_fmu_that_ends_the_run_does_not_fail() {
         .args(["run", picky.write().to_str().unwrap(), "-o-"])
         .output()
         .unwrap();
-    let (out, told) = (String::from_utf8(output.stdout), String::from_utf8(output.stderr));
+    let (out, reported) = (String::from_utf8(output.stdout), String::from_utf8(output.stderr));
     assert_eq!((output.status.code(), out.unwrap().lines().count()), (Some(0), 4));
-    assert!(told.as_ref().is_ok_and(|t| t.contains("'x' ended the run")), "{told:?}");
+    assert!(reported.as_ref().is_ok_and(|t| t.contains("'x' ended the run")), "{reported:?}");
 }
 
 #[test]
@@ -150,16 +151,16 @@ fn linear_inputs_serve_slow_and_fast_components() {
 }
 
 #[test]
-fn slopes_come_from_differences_where_a_source_tells_none() {
+fn slopes_come_from_differences_where_a_source_provides_none() {
     let folder = TempDir::new().unwrap();
     let silent = Mass.varied(folder.path(), "maxOutputDerivativeOrder=\"1\"", "");
     let error = |overrides: Overrides| {
         let overrides = overrides.step("a", 0.01).step("b", 0.01).output_interval(0.1);
         error(&run(&masses().load(&overrides.input("", Input::Linear)).unwrap()))
     };
-    let told = error(Overrides::new());
+    let reported = error(Overrides::new());
     let guessed = error(Overrides::new().replace("a", &silent).replace("b", &silent));
-    assert!(told < guessed && guessed < 1e-2, "{told} {guessed}");
+    assert!(reported < guessed && guessed < 1e-2, "{reported} {guessed}");
 }
 
 #[test]
@@ -217,19 +218,19 @@ fn directional_derivatives_save_passes_where_they_are_provided() {
         }
         (summary.steps, summary.notes[0].clone())
     };
-    let (by_differences, told) = passes(base.clone());
-    assert!(told.contains("by differences") && told.contains("residual"), "{told}");
+    let (by_differences, reported) = passes(base.clone());
+    assert!(reported.contains("by differences") && reported.contains("residual"), "{reported}");
     let both = base.clone().replace("x", &cubic).replace("z", &affine);
-    let (by_derivatives, told) = passes(both);
-    assert!(told.contains("Jacobians by directional derivatives"), "{told}");
+    let (by_derivatives, reported) = passes(both);
+    assert!(reported.contains("Jacobians by directional derivatives"), "{reported}");
     assert!(by_derivatives * 3 < by_differences * 2, "{by_derivatives} {by_differences}");
-    // One that provides none: differences for the whole loop.
-    let (_, told) = passes(base.replace("x", &cubic));
-    assert!(told.contains("by differences"), "{told}");
+    // One member provides none: differences for the whole loop.
+    let (_, reported) = passes(base.replace("x", &cubic));
+    assert!(reported.contains("by differences"), "{reported}");
 }
 
 #[test]
-fn costs_are_told_for_each_component() {
+fn costs_are_reported_for_each_component() {
     let ssd = Ssd::new()
         .add("a", Inertia)
         .add_with("slow", Integrator, &[], Some(0.5))

@@ -1,4 +1,4 @@
-//! System descriptions: what is found wrong, and what overrides do.
+//! System descriptions: reported problems, and the effect of overrides.
 
 use cosim::{Overrides, System};
 
@@ -24,7 +24,7 @@ fn assert_parts(error: &str, parts: &[&str]) {
 }
 
 #[test]
-fn wrong_files_are_told_with_line_and_remedy() {
+fn wrong_files_are_reported_with_line_and_remedy() {
     let text = two().text();
     let none = Overrides::new();
     for (from, to, parts) in [
@@ -73,7 +73,7 @@ fn wrong_files_are_told_with_line_and_remedy() {
 }
 
 #[test]
-fn all_problems_are_told_at_once() {
+fn all_problems_are_reported_at_once() {
     let ssd = two().connect("clock.y", "gain.u").connect("gain.y", "clock.uu").add_with(
         "gain",
         Model::Gain,

@@ -7,7 +7,7 @@ use crate::command::{cosim, text};
 use crate::formats::{Folder, component, connection, ssd, system};
 use crate::models::Model::Gain;
 
-/// What `said` tells the time to `heard` and that passes it on, with the length as k.
+/// What `said` sends to `heard`, which passes it on, with the length as k.
 fn talk(folder: &Folder) -> std::path::PathBuf {
     let last = "</ModelVariables>";
     let ports = "<ScalarVariable name=\"heard\" valueReference=\"1\" causality=\"input\" \
@@ -46,7 +46,7 @@ fn strings_pass_as_other_values_do() {
         assert_eq!(last(&recording, "b.said"), format!("{heard}, \"said\""));
         assert_eq!(*recording.column("b.k").unwrap().last().unwrap(), 13.0);
     }
-    // By a pattern, too; without being asked for no String is recorded.
+    // Also by a pattern; unless requested, no String is recorded.
     let names = |overrides: &Overrides| {
         let system = System::load(&file, overrides).unwrap();
         system.columns().iter().map(|c| c.name.clone()).collect::<Vec<_>>()
@@ -75,8 +75,8 @@ fn files_hold_strings_and_their_digest_is_one() {
     std::fs::write(folder.path("y.csv"), written.replace("begin", "start")).unwrap();
     let output = cosim(folder.0.path(), &["verify", "x.csv", "y.csv"]);
     assert_eq!(output.status.code(), Some(1));
-    let told = text(&output.stdout);
-    assert!(told.contains("b.said: \"begin\" and \"start\""), "{told}");
+    let reported = text(&output.stdout);
+    assert!(reported.contains("b.said: \"begin\" and \"start\""), "{reported}");
     assert!(cosim(folder.0.path(), &["verify", "x.csv", "x.mcap"]).status.success());
     assert!(cosim(folder.0.path(), &["report", "x.csv"]).status.success());
 }
@@ -96,8 +96,8 @@ fn a_run_with_strings_goes_on_from_its_snapshots() {
     Run::new(&system).observe(&mut recorder).snapshots(None, &[at], &mut keep).go().unwrap();
     let file = folder.path("x.snapshot");
     kept.unwrap().write(&file).unwrap();
-    // Another process has other numbers: this one has given out more since then.
-    cosim::texts::number("something that nobody said before");
+    // Another process has other numbers: this one has assigned more since then.
+    cosim::texts::number("a text that was not used before");
     let old = Recording::read_csv(&whole).unwrap();
     let recorder: Box<dyn Observer> = Box::new(CsvRecorder::create(&resumed).unwrap());
     let mut continued = Continued::new(recorder, old);
@@ -119,6 +119,6 @@ fn strings_are_not_distributed() {
     let folder = Folder::new();
     talk(&folder);
     let output = cosim(folder.0.path(), &["run", "talk.ssd", "-q", "--workers", "2"]);
-    let told = text(&output.stderr);
-    assert!(output.status.code() == Some(2) && told.contains("[E503] Strings"), "{told}");
+    let reported = text(&output.stderr);
+    assert!(output.status.code() == Some(2) && reported.contains("[E503] Strings"), "{reported}");
 }

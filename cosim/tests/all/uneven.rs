@@ -61,7 +61,7 @@ fn the_last_step_is_shorter() {
     let (time, y) = (found.time(), found.column("y").unwrap());
     assert_eq!((time.len(), &time[1427..]), (1430, &[9.989, 9.996, 10.0][..]));
     assert!((y[1429] - 10.0).abs() < 1e-12 && (y[1428] - 9.996).abs() < 1e-9, "{:?}", &y[1427..]);
-    // So do several together, and the inputs they hold are of the shorter step's beginning.
+    // So do several together, and the inputs they hold are those at the start of the shorter step.
     let ssd =
         Ssd::new().add("clock", Clock).add("x", Integrator).connect("clock.y", "x.u").stop(0.25);
     let results = ssd.run();
@@ -71,7 +71,7 @@ fn the_last_step_is_shorter() {
 }
 
 #[test]
-fn who_cannot_make_a_shorter_step_is_named_and_keeps_its_values() {
+fn a_component_that_cannot_make_a_shorter_step_is_named_and_keeps_its_values() {
     let folder = TempDir::new().unwrap();
     let fixed = Clock.varied(folder.path(), FIXED.0, FIXED.1);
     let ssd = Ssd::new().add("a", Clock).add("b", Clock).stop(0.25);
@@ -84,7 +84,7 @@ fn who_cannot_make_a_shorter_step_is_named_and_keeps_its_values() {
     let results = run(&system);
     let last = |name: &str| *results.column(name).unwrap().last().unwrap();
     assert!((last("a.y") - 0.25).abs() < 1e-12 && (last("b.y") - 0.2).abs() < 1e-12);
-    // With nobody who can, the run ends before.
+    // If no component can, the run ends earlier.
     let stop = |seconds| Overrides::new().stop_time(seconds);
     let alone = System::single(&fixed, &stop(0.25), None).unwrap();
     assert!(alone.warnings()[0].contains("the run ends at 0.2 s"), "{:?}", alone.warnings());
@@ -169,7 +169,7 @@ fn an_interval_of_the_file_gives_way_to_other_steps() {
     assert!(system.notes()[0].contains("recorded every 0.12 s instead of 0.1 s"));
     let asked = Overrides::new().step("", 0.03).output_interval(0.1);
     assert_eq!(ssd.load(&asked).err().unwrap().code(), Code::Timing);
-    // Of an FMU alone the step is only a suggestion.
+    // For a single FMU the step is only a suggestion.
     let finer = Overrides::new().output_interval(0.25);
     let system = System::single(&Clock.fmu(), &finer, None).unwrap();
     assert_eq!(system.components()[0].step.seconds(), 0.25 / 3.0);

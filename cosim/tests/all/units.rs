@@ -1,4 +1,4 @@
-//! Units: converted where dimensions agree, refused where not, told where unknown.
+//! Units: converted where dimensions agree, refused where they do not, reported where unknown.
 
 use crate::formats::{Folder, assert_parts, component, connection, last, ssd, system};
 use crate::models::Model;
@@ -32,7 +32,7 @@ fn units_of_one_dimension_are_converted() {
 }
 
 #[test]
-fn other_dimensions_are_refused_and_all_of_them_told() {
+fn other_dimensions_are_refused_and_all_of_them_reported() {
     let folder = Folder::new();
     let metre = folder.fmu_in(Model::Clock, "m", "m=\"1\"");
     let newton = folder.fmu_in(Model::Gain, "N", "kg=\"1\" m=\"1\" s=\"-2\"");
@@ -83,7 +83,7 @@ fn units_of_connectors_and_values_count() {
         ];
         ssd(&system(&elements.concat(), &connection("c.y", "g.u", "")), units)
     };
-    // The clock's own unit has no definition, its connector's has: km into m.
+    // The clock's own unit has no definition, that of its connector has: km into m.
     let results = folder.run(&text("km"));
     assert_eq!(last(&results, "g.y"), 1000.0);
     assert_eq!(last(&results, "h.y"), 7000.0);

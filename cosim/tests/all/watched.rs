@@ -1,4 +1,4 @@
-//! Observers of a distributed run: what they read, and that they can harm nothing.
+//! Observers of a distributed run: what they read, and that they cannot disturb it.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
@@ -32,7 +32,7 @@ fn observer(endpoint: &str) -> zenoh::Session {
     observer_by(endpoint, false)
 }
 
-/// The same, maybe by Zenoh's transport for low latency, which asks for no priorities.
+/// The same, optionally with Zenoh's low-latency transport, which has no priorities.
 fn observer_by(endpoint: &str, quick: bool) -> zenoh::Session {
     let mut config = zenoh::Config::default();
     for (key, value) in [
@@ -68,7 +68,7 @@ fn an_observer_of_everything() {
     while all.recv().is_ok() {}
 }
 
-/// A process that listens to everything, and then does not read any more.
+/// A process that subscribes to everything, and then stops reading.
 fn stalled(endpoint: &str, quick: bool) -> Running {
     let mut command = Command::new(std::env::current_exe().unwrap());
     command.args(["--exact", "watched::an_observer_of_everything", "--nocapture"]);
@@ -85,8 +85,9 @@ fn stalled(endpoint: &str, quick: bool) -> Running {
     observer
 }
 
-/// A run that tells everything at an endpoint, and in its folder the results of the same one here.
-fn told() -> (TempDir, String, Running) {
+/// A run that publishes everything at an endpoint, and a folder with the results of the same run in
+/// one process.
+fn reported() -> (TempDir, String, Running) {
     let folder = TempDir::new().unwrap();
     let at = folder.path();
     std::fs::write(at.join("wide.ssd"), wide(1000.0).text()).unwrap();
@@ -94,14 +95,14 @@ fn told() -> (TempDir, String, Running) {
     assert_eq!(code, 0, "{stderr}");
     let endpoint = format!("tcp/127.0.0.1:{}", free_port());
     let run = ["run", "wide.ssd", "-q", "-o", "there.csv", "--workers", "2", "--telemetry"];
-    // Slow enough not to be over before its observers are there.
+    // Slow enough not to finish before its observers are connected.
     let run = start(at, &[&run[..], &["--listen", &endpoint, "--real-time=150"]].concat());
     (folder, endpoint, run)
 }
 
 #[test]
 fn a_stopped_observer_delays_no_step() {
-    let (folder, endpoint, mut run) = told();
+    let (folder, endpoint, mut run) = reported();
     let at = folder.path();
     let good = observer(&endpoint);
     let status_told = good.declare_subscriber("cosim/1/*/status").wait().unwrap();
@@ -115,8 +116,10 @@ fn a_stopped_observer_delays_no_step() {
     let stopped = stalled(&endpoint, false);
     let mut status = serde_json::Value::Null;
     while status["ended"] != true {
-        let message =
-            status_told.recv_timeout(Duration::from_secs(30)).unwrap().expect("the run tells");
+        let message = status_told
+            .recv_timeout(Duration::from_secs(30))
+            .unwrap()
+            .expect("the status of the run");
         status = serde_json::from_slice(&message.payload().to_bytes()).unwrap();
     }
     let ended = Instant::now();
@@ -129,18 +132,18 @@ fn a_stopped_observer_delays_no_step() {
     let groups = status["groups"].as_array().unwrap();
     assert_eq!(groups.len(), 2);
     for group in groups {
-        // One stalled line would hold a step up for the lease, or five seconds.
+        // A stalled connection would hold up a step for the lease, or five seconds.
         let longest = group["longest"].as_f64().unwrap();
         assert!(longest < 4.0, "{status}");
         assert_eq!(group["generation"], 1, "{status}");
     }
 }
 
-/// Zenoh waits without end for somebody who asked for low latency and does not read.
+/// Zenoh waits forever for a peer that requested low latency and does not read.
 #[test]
 fn an_observer_that_blocks_its_line_holds_up_neither_steps_nor_the_end() {
     let begun = Instant::now();
-    let (folder, endpoint, mut run) = told();
+    let (folder, endpoint, mut run) = reported();
     let at = folder.path();
     let stopped = stalled(&endpoint, true);
     assert_eq!(run.0.wait().unwrap().code(), Some(0));
@@ -180,5 +183,5 @@ fn watch_shows_a_run_until_it_ends() {
     assert_eq!(places, ["worker worker-1", "worker worker-2"]);
     let (code, stderr) = outcome(at, &["watch", "--connect", &endpoint]);
     assert_eq!(code, 1);
-    assert!(stderr.contains("[E504]") && stderr.contains("nobody listens"), "{stderr}");
+    assert!(stderr.contains("[E504]") && stderr.contains("nothing listens"), "{stderr}");
 }

@@ -1,4 +1,4 @@
-//! What this process has at the moment, from /proc.
+//! Current resources of this process, from /proc.
 
 use std::fs;
 

@@ -1,4 +1,4 @@
-//! How often somebody elsewhere is asked, and for what.
+//! How many requests are sent to the other process, and which.
 
 use std::os::unix::net::UnixStream;
 use std::sync::mpsc::{Receiver, channel};
@@ -7,11 +7,11 @@ use cosim::proxy::frames::{read, write};
 
 use super::*;
 
-/// An instance with the outputs 7 and 8 and the input 1, and what is asked of it. Every Real that
-/// is read is ten times its value reference, and more by one for each step made.
+/// An instance with the outputs 7 and 8 and the input 1, and the requests it gets. Every Real that
+/// is read is ten times its value reference, plus one for each step made.
 fn remote() -> (Remote, Receiver<Vec<Ask>>) {
     let (ours, mut theirs) = UnixStream::pair().unwrap();
-    let (told, asked) = channel();
+    let (sender, asked) = channel();
     std::thread::spawn(move || {
         let mut steps = 0.0;
         while let Ok(Request::Calls(asks)) = read(&mut theirs) {
@@ -28,7 +28,7 @@ fn remote() -> (Remote, Receiver<Vec<Ask>>) {
             };
             let given = asks.iter().map(give).collect();
             let outcome = Outcome { given, trouble: None };
-            told.send(asks).unwrap();
+            sender.send(asks).unwrap();
             write(&mut theirs, &Reply::Done(outcome, Vec::new(), Vec::new())).unwrap();
         }
     });

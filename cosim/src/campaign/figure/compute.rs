@@ -1,4 +1,4 @@
-//! What figures are of a recording.
+//! Computes figures of a recording.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -45,7 +45,7 @@ impl Poses {
 impl Figure {
     /// The number; NaN if the run has none.
     ///
-    /// `faults` is when the first fault of the run began and when the last one ended (s).
+    /// `faults` contains when the first fault of the run began and when the last one ended (s).
     pub(in crate::campaign) fn compute(
         &self,
         recording: &Recording,
@@ -161,7 +161,7 @@ impl Take {
                 quantile(values, p / 100.0)
             }
             Take::Percentile(_) => f64::NAN,
-            // A sample stands for the time until the next one.
+            // A sample is valid until the next one.
             Take::TimeAbove(bound) => {
                 let spans = times.windows(2).zip(values);
                 spans.filter(|(_, v)| **v > bound).map(|(pair, _)| pair[1] - pair[0]).sum()
@@ -179,13 +179,14 @@ impl Take {
     }
 }
 
-/// The least or the greatest; NaN if one is.
+/// The minimum or maximum; NaN if any value is NaN.
 fn extreme(values: &[f64], of: fn(f64, f64) -> f64) -> f64 {
     let both = |a: f64, b: f64| if a.is_nan() || b.is_nan() { f64::NAN } else { of(a, b) };
     values.iter().copied().reduce(both).unwrap_or(f64::NAN)
 }
 
-/// Of one sample; NaN without a covariance that is one. Of axes called `yaw` the nearest turn counts.
+/// Of one sample; NaN without a valid covariance. For axes called `yaw` the smallest rotation
+/// counts.
 fn nees(
     poses: &Poses,
     sigma: &str,
@@ -213,7 +214,7 @@ fn nees(
     Ok(matrix.cholesky().map_or(f64::NAN, |factor| errors.dot(&factor.solve(&errors))))
 }
 
-/// Of axes called `yaw` the nearest turn counts.
+/// For axes called `yaw` the smallest rotation counts.
 fn axis_error(axis: &str, error: f64) -> f64 {
     if axis == "yaw" { wrapped(error) } else { error }
 }
@@ -223,7 +224,7 @@ fn wrapped(angle: f64) -> f64 {
     (angle + PI).rem_euclid(TAU) - PI
 }
 
-/// The rows at which a count is larger than before.
+/// The rows at which a count has increased.
 fn grown(count: &[f64], rows: &[usize]) -> Vec<usize> {
     rows.iter().copied().filter(|&row| row > 0 && count[row] > count[row - 1]).collect()
 }

@@ -5,17 +5,17 @@ use exmex::{Express, FlatEx};
 use crate::error::{Code, Error, Result};
 use crate::observe::Recording;
 
-/// A variable by its name, or a formula in which names stand in braces. It has `+ - * / ^`, parentheses,
+/// The name of a variable, or a formula with names in braces. It has `+ - * / ^`, parentheses,
 /// numbers, `PI`, and functions such as `abs`, `sqrt`, `sin`, `exp`, `atan2`, `min` and `max`.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Expression {
     text: String,
-    /// In the order of the formula's arguments.
+    /// In the order of the arguments of the formula.
     variables: Vec<String>,
 }
 
 impl Expression {
-    /// Nothing but the reason if it is no expression.
+    /// Fails with the reason if the text is not an expression.
     pub(super) fn read(text: &str) -> std::result::Result<Self, String> {
         let variables = match text.contains('{') {
             true => parsed(text)?.var_names().to_vec(),
@@ -24,12 +24,12 @@ impl Expression {
         Ok(Self { text: text.to_owned(), variables })
     }
 
-    /// The variables in it.
+    /// Its variables.
     pub(super) fn variables(&self) -> &[String] {
         &self.variables
     }
 
-    /// The same, to be changed; the formula's text keeps the names of its file.
+    /// Its variables, mutable; the text of the formula keeps the names of its file.
     pub(super) fn variables_mut(&mut self) -> &mut [String] {
         &mut self.variables
     }
@@ -59,7 +59,7 @@ impl std::fmt::Display for Expression {
 }
 
 fn parsed(text: &str) -> std::result::Result<FlatEx<f64>, String> {
-    exmex::parse(text).map_err(|e| format!("'{text}' is no expression: {e}"))
+    exmex::parse(text).map_err(|e| format!("'{text}' is not a valid expression: {e}"))
 }
 
 #[cfg(test)]
@@ -76,7 +76,7 @@ mod tests {
         assert_eq!(values("sqrt({a.x}^2 + {b[1].y}^2)"), [5.0, 10.0]);
         assert_eq!(values("max(abs({a.x}), 2 * {b[1].y}) - 1"), [7.0, 15.0]);
         let error = Expression::read("{a.x} +* 2").unwrap_err();
-        assert!(error.contains("'{a.x} +* 2' is no expression"), "{error}");
+        assert!(error.contains("'{a.x} +* 2' is not a valid expression"), "{error}");
         let unknown = Expression::read("{c} - 1").unwrap().values(&recording);
         assert!(unknown.unwrap_err().to_string().contains("'c' was not recorded"));
     }

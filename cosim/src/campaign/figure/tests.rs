@@ -1,4 +1,4 @@
-//! Figures of recordings made by hand.
+//! Figures of hand-made recordings.
 
 use super::*;
 use crate::error::Code;
@@ -80,7 +80,7 @@ fn errors_beside_the_way_beyond_their_deviation_and_correlated_are_found() {
     ];
     let poses = "truth = 't'\nestimate = 'e'\naxes = ['x', 'y']\n";
     let of = |text: &str| compute(&format!("{poses}{text}"), columns);
-    // 1 and 2 beside the way north, then 0.5 beside the way east.
+    // 1 and 2 to the side of the way north, then 0.5 to the side of the way east.
     assert_eq!(of("kind = 'cross-track'\ntake = 'max'"), 2.0);
     assert!(
         (of("kind = 'cross-track'") - ((1.0 + 4.0 + 0.25 + 0.25) / 4.0_f64).sqrt()).abs() < 1e-12

@@ -1,4 +1,4 @@
-//! Figures of merit in words, with their units, for reports.
+//! Describes figures of merit in words, with their units, for reports.
 
 use super::{Figure, Over, Poses, Take, What, Window};
 use crate::campaign::trajectory::{ALIGNMENTS, Alignment};
@@ -13,18 +13,18 @@ impl Figure {
         let what = match &self.what {
             What::Of { of, minus, absolute, angle, take } => {
                 let less = minus.as_ref().map_or(String::new(), |minus| format!(" - {minus}"));
-                let turn = if *angle { ", as the nearest turn" } else { "" };
+                let turn = if *angle { ", as the smallest rotation" } else { "" };
                 let of = format!("{of}{less}{turn}");
                 let of = if *absolute { format!("|{of}|") } else { of };
                 match take {
                     Take::Final => format!("the last {of}"),
-                    Take::Min => format!("the least {of}"),
-                    Take::Max => format!("the greatest {of}"),
+                    Take::Min => format!("the minimum of {of}"),
+                    Take::Max => format!("the maximum of {of}"),
                     Take::Mean => format!("the mean of {of}"),
                     Take::Rms => format!("the root mean square of {of}"),
                     Take::Percentile(p) => format!("the {p}th percentile of {of} over time"),
                     Take::TimeAbove(bound) => format!("how long {of} is above {bound}"),
-                    Take::FirstAbove(bound) => format!("when {of} is above {bound} first"),
+                    Take::FirstAbove(bound) => format!("when {of} first exceeds {bound}"),
                     Take::SettledBelow(bound) => {
                         format!("how long it takes until {of} stays below {bound}")
                     }
@@ -48,7 +48,7 @@ impl Figure {
                 format!("root mean square error of the movement over {over} of {of}, by {heading}")
             }
             What::Drift(poses) => {
-                format!("distance of {} in the end, in % of the way", apart(poses))
+                format!("final distance of {}, in % of the distance travelled", apart(poses))
             }
             What::CrossTrack { poses, greatest } => {
                 let take = if *greatest { "greatest" } else { "root mean square of the" };
@@ -105,7 +105,7 @@ impl Figure {
         unit.unwrap_or_default().to_owned()
     }
 
-    /// The degrees of freedom of what is chi-square distributed if the filter is consistent.
+    /// The degrees of freedom if the value is chi-square distributed for a consistent filter.
     pub(in crate::campaign) fn freedom(&self, recorded: &[String]) -> Option<usize> {
         match &self.what {
             What::Nees { poses, .. } => Some(poses.axes.len()),

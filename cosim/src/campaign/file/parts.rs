@@ -1,22 +1,22 @@
-//! The parts of a campaign's file.
+//! The parts of a campaign file.
 
 use std::path::PathBuf;
 
 use crate::names::Aliases;
 use crate::table::Entry;
 
-/// A system as the campaign has it.
+/// A system of the campaign.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::campaign) struct Source {
     pub(in crate::campaign) file: PathBuf,
-    /// What the campaign and its scenarios call its components and variables.
+    /// The names by which the campaign and its scenarios refer to its components and variables.
     pub(in crate::campaign) names: Aliases,
-    /// Components that are left out.
+    /// Components that are omitted.
     pub(in crate::campaign) without: Vec<String>,
 }
 
 impl Source {
-    /// From a file's name, or a table with it; `path` says where the file is.
+    /// From a file name, or a table with it; the file is relative to `path`.
     pub(super) fn read(entry: &Entry<'_>, path: impl Fn(&str) -> PathBuf) -> Option<Self> {
         if !entry.is_table() {
             let file = path(entry.text()?);
@@ -34,7 +34,7 @@ impl Source {
     }
 }
 
-/// What is put in the place of components.
+/// The replacements of components.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::campaign) struct Replacement {
     pub(in crate::campaign) name: String,
@@ -44,16 +44,16 @@ pub(in crate::campaign) struct Replacement {
 /// Runs of each cell whose trajectories are kept.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(in crate::campaign) struct Keep {
-    /// So many with the worst value of a figure, by its place.
+    /// How many with the worst value of a figure, given by its position.
     pub(in crate::campaign) worst: usize,
     pub(in crate::campaign) figure: usize,
-    /// So many others, the first ones.
+    /// How many others, the first ones.
     pub(in crate::campaign) sample: usize,
-    /// And those that failed.
+    /// Also those that failed.
     pub(in crate::campaign) failed: bool,
 }
 
-/// What happens in a scenario.
+/// A scenario.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(in crate::campaign) struct Scene {
     /// The file with its faults.
@@ -69,11 +69,11 @@ pub(in crate::campaign) struct Threshold {
     pub(in crate::campaign) least: Option<f64>,
     pub(in crate::campaign) most: Option<f64>,
     pub(in crate::campaign) confidence: f64,
-    /// A pattern for the cells that it is for.
+    /// A pattern for the cells to which it applies.
     pub(in crate::campaign) cells: String,
 }
 
-/// A combination of everything that is not random: places in the lists of the campaign.
+/// A combination of everything that is not random: positions in the lists of the campaign.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::campaign) struct Cell {
     pub(in crate::campaign) system: usize,

@@ -21,7 +21,7 @@ fn cells_are_all_combinations_and_a_run_has_a_place_in_one() {
 }
 
 #[test]
-fn every_mistake_is_told_at_once_with_its_line() {
+fn every_mistake_is_reported_at_once_with_its_line() {
     let text = "seeds = 0\ndesing = 'sobol'\n[systems]\n[dispersions]\n\
         'p.a' = { kind = 'normal', mean = 0, sigma = 0 }\n'p.b' = { kind = 'uniform', min = 2, max = 2 }\n\
         'p.c' = { kind = 'uniforn' }\n[figures.ate]\nkind = 'ate'\ntruth = 't'\nestimat = 'e'\n\

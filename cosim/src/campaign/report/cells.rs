@@ -1,4 +1,4 @@
-//! What the page says of each cell.
+//! The part of the page for each cell.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ use crate::report::{Numbers, chi_square_quantile, mean, quantile};
 #[derive(Serialize)]
 pub(super) struct Cell<'a> {
     pub(super) name: &'a str,
-    /// Of the matrix.
+    /// Position in the matrix.
     row: String,
     column: String,
     /// Values of the factors and the list.
@@ -26,15 +26,15 @@ pub(super) struct Cell<'a> {
     compared: Vec<&'a Compared>,
     /// Means over the runs of normalised errors squared, over time.
     over_time: Vec<OverTime<'a>>,
-    /// Per figure and input: Spearman's rank correlation; null where it means nothing.
+    /// For each figure and input: Spearman's rank correlation; null if it is meaningless.
     sensitivity: Vec<Numbers>,
     failures: Vec<Failure>,
     sample: Sample,
-    /// Runs that are shown whole.
+    /// Runs that are shown in full.
     pub(super) shown: Vec<ShownRun>,
 }
 
-/// A figure over time, and where it lies with 95 % if the filter is consistent.
+/// A figure over time, and its 95 % interval if the filter is consistent.
 #[derive(Serialize)]
 struct OverTime<'a> {
     figure: &'a str,
@@ -47,7 +47,7 @@ struct OverTime<'a> {
 /// A figure in a cell.
 #[derive(Serialize)]
 struct Figure {
-    /// Runs that have it, and those in which it is no finite number.
+    /// Runs that have it, and those in which it is not a finite number.
     runs: usize,
     infinite: usize,
     mean: f64,
@@ -59,7 +59,7 @@ struct Figure {
     consistency: Option<Consistency>,
 }
 
-/// How a mean over runs compares with what chi-square allows.
+/// How a mean over runs compares with the chi-square interval.
 #[derive(Serialize)]
 struct Consistency {
     freedom: usize,
@@ -67,7 +67,7 @@ struct Consistency {
     high: f64,
 }
 
-/// Runs that came to nothing for the same reason.
+/// Runs that failed for the same reason.
 #[derive(Serialize)]
 struct Failure {
     status: &'static str,
@@ -86,18 +86,18 @@ pub(super) struct ShownRun {
     pub(super) problem: Option<String>,
 }
 
-/// What all cells are made from.
+/// The data from which all cells are made.
 pub(super) struct Source<'a> {
     pub(super) campaign: &'a Campaign,
     pub(super) judgement: &'a Judgement,
-    /// Per cell: its rows in the order of their numbers.
+    /// For each cell: its rows in the order of their numbers.
     pub(super) rows: Vec<Vec<&'a Row>>,
-    /// Per figure.
+    /// For each figure.
     pub(super) freedom: Vec<Option<usize>>,
 }
 
 impl<'a> Source<'a> {
-    /// A cell with so many runs as points.
+    /// A cell with this many runs as points.
     pub(super) fn cell(&self, cell: usize, sampling: &Sampling, main: &Main) -> Cell<'a> {
         let campaign = self.campaign;
         let (own, name) = (&campaign.cells[cell], campaign.cell_name(cell));
@@ -125,8 +125,8 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Row and column of a cell in the matrix: columns are what is compared, filters in most
-    /// campaigns; rows are what they are compared in.
+    /// Row and column of a cell in the matrix: columns are the alternatives that are compared, in
+    /// most campaigns filters; rows are the conditions under which they are compared.
     fn place(&self, cell: usize) -> (String, String) {
         let (campaign, own) = (self.campaign, &self.campaign.cells[cell]);
         let mut column = campaign.replacements[own.replacement].name.clone();
@@ -162,11 +162,12 @@ impl<'a> Source<'a> {
         let values: Vec<f64> = good.map(|row| row.figure(figure)).collect();
         let mut finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
         finite.sort_by(f64::total_cmp);
-        let told = &self.judgement.figures[cell * self.campaign.summarized().len() + figure];
+        let judged = &self.judgement.figures[cell * self.campaign.summarized().len() + figure];
         let parts = if finite.is_empty() { 0 } else { 41 };
         let quantiles = (0..parts).map(|part| quantile_of_sorted(&finite, f64::from(part) / 40.0));
         let consistency = self.freedom[figure].filter(|_| !finite.is_empty()).map(|freedom| {
-            // The mean over so many independent runs, times their number, is chi-square.
+            // The mean over this many independent runs, times their number, is chi-square
+            // distributed.
             let (count, all) = (finite.len() as f64, (finite.len() * freedom) as f64);
             let bound = |p| chi_square_quantile(p, all) / count;
             Consistency { freedom, low: bound(0.025), high: bound(0.975) }
@@ -175,8 +176,8 @@ impl<'a> Source<'a> {
             runs: values.len(),
             infinite: values.len() - finite.len(),
             mean: mean(&finite),
-            median: told.median,
-            percentile_95: told.percentile_95,
+            median: judged.median,
+            percentile_95: judged.percentile_95,
             quantiles: Numbers::values(quantiles),
             consistency,
         }
@@ -190,7 +191,7 @@ fn quantile_of_sorted(sorted: &[f64], p: f64) -> f64 {
     quantile(&[sorted[below], sorted[above]], place - place.floor())
 }
 
-/// The figure that runs are ordered by, and whether small values are the bad ones.
+/// The figure by which runs are ordered, and whether small values are the bad ones.
 #[derive(Clone, Copy)]
 pub(super) struct Main {
     pub(super) figure: usize,
@@ -198,7 +199,7 @@ pub(super) struct Main {
 }
 
 impl Main {
-    /// That of the first threshold, else the first.
+    /// The figure of the first threshold, otherwise the first one.
     pub(super) fn of(campaign: &Campaign) -> Self {
         let first = campaign.verdicts.first();
         Self {
@@ -207,10 +208,10 @@ impl Main {
         }
     }
 
-    /// Runs to be shown: the worst, the median one, then others evenly between them.
+    /// Runs to show: the worst, the median, then others evenly spaced between them.
     pub(super) fn choose(&self, rows: &[&Row], count: usize) -> Vec<(u64, &'static str)> {
         let mut good: Vec<&&Row> = rows.iter().filter(|row| row.status == Status::Ok).collect();
-        // From the worst on; what is no number is worst.
+        // From the worst on; a value that is not a number counts as the worst.
         let badness = |row: &Row| {
             let value = row.figure(self.figure);
             if value.is_nan() {
@@ -261,7 +262,7 @@ fn failures(rows: &[&Row]) -> Vec<Failure> {
     failures
 }
 
-/// What is worst comes first where not all cells have room.
+/// The worst come first if there is not enough space for all cells.
 pub(super) fn urgency(cell: &Cell<'_>) -> u8 {
     let has = |wanted: fn(&Answer) -> bool| cell.verdicts.iter().any(|v| wanted(&v.answer));
     if has(|answer| *answer == Answer::Fail) {

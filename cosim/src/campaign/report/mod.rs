@@ -1,5 +1,5 @@
-//! The report of a campaign: one page with the verdict, the matrix of cells, each cell, and some runs
-//! whole. It stays below five megabytes whatever the number of runs.
+//! The report of a campaign: one page with the verdict, the matrix of cells, each cell, and some
+//! runs in full. It stays below five megabytes whatever the number of runs.
 
 mod cells;
 mod sample;
@@ -20,23 +20,23 @@ use crate::report::{Document, Term, Trace, Units};
 /// How a campaign is reported.
 #[derive(Debug, Clone)]
 pub struct Report {
-    /// Title of the page; the campaign's name if there is none.
+    /// Title of the page; by default the name of the campaign.
     pub title: Option<String>,
-    /// So many runs of each cell are made again and shown whole: the worst, the median one, others.
+    /// How many runs of each cell are repeated and shown in full: the worst, the median, others.
     pub runs_per_cell: usize,
 }
 
-/// Octets that the cells, and then all data, may have.
+/// Maximum size in octets of the cells, and of all data.
 const CELLS: usize = 2_000_000;
 const ALL: usize = 4_500_000;
-/// A run that is shown whole has at least so many octets, or it is left out.
+/// A run that is shown in full has at least this many octets, or it is omitted.
 const RUN: usize = 16_000;
 
-/// The campaign as the page has it.
+/// The campaign as data of the page.
 #[derive(Serialize)]
-struct Told<'a> {
+struct CampaignData<'a> {
     folder: String,
-    /// The folder as a shell reads it.
+    /// The folder, quoted for a shell.
     folder_quoted: String,
     runs: u64,
     expected: u64,
@@ -59,10 +59,10 @@ struct Figure {
     unit: String,
 }
 
-/// The page of the campaign whose results are in a folder, and what is missing there. `more` is asked
-/// before each run that is made again, with the number of runs that are left; if it is false, the
-/// rest is not shown. An error if the folder holds no results, or those of another campaign than its
-/// file says now.
+/// The page of the campaign whose results are in a folder, and notes on what is missing. `more` is
+/// called before each run that is repeated, with the number of runs that are left; if it returns
+/// false, the rest is not shown. Fails if the folder holds no results, or results of another
+/// campaign than its file describes now.
 pub fn report(
     folder: &Path,
     options: &Report,
@@ -91,14 +91,14 @@ pub fn report(
     let mut runs = BTreeMap::new();
     if options.runs_per_cell > 0 && !contents.rows.is_empty() {
         let plan = shown::plan(&source, &cells, &main, options.runs_per_cell);
-        let room = ALL.saturating_sub(used);
-        let most = room / RUN;
+        let space = ALL.saturating_sub(used);
+        let most = space / RUN;
         if plan.len() > most {
             let left = plan.len() - most;
-            notes.push(format!("{left} runs have no room on this page: replay them one by one"));
+            notes.push(format!("{left} runs do not fit on this page: replay them one by one"));
         }
         let made = shown::Shown { bench, campaign: &campaign, rows: &source.rows };
-        runs = made.make(&plan[..plan.len().min(most)], room, &mut cells, more);
+        runs = made.make(&plan[..plan.len().min(most)], space, &mut cells, more);
     }
     missing(&campaign, &judgement, &mut notes);
     let document = Document {
@@ -108,7 +108,9 @@ pub fn report(
         method: method(&campaign),
         provenance: provenance(&campaign, &contents),
         identity: identity(&contents),
-        campaign: Some(told(&campaign, folder, &judgement, &units, &main, sampling, cells)),
+        campaign: Some(campaign_data(
+            &campaign, folder, &judgement, &units, &main, sampling, cells,
+        )),
         runs,
     };
     Ok((document.html()?, notes))
@@ -131,7 +133,7 @@ fn source<'a>(
     Source { campaign, judgement, rows, freedom }
 }
 
-/// All cells, with as many points as there is room for; if there is none, the urgent ones.
+/// All cells, with as many points as there is space for; if there is none, only the urgent cells.
 fn fitting<'a>(
     source: &Source<'a>,
     sampling: &mut Sampling,
@@ -149,15 +151,14 @@ fn fitting<'a>(
         let kept = (count * CELLS / used).max(1);
         cells.truncate(kept);
         let left = count - kept;
-        notes.push(format!(
-            "{left} of {count} cells have no room on this page: summary.json has all"
-        ));
+        notes
+            .push(format!("{left} of {count} cells do not fit on this page: summary.json has all"));
     }
     let points = source.rows.iter().map(Vec::len).max().unwrap_or(0);
     if sampling.replicates < points {
         notes.push(format!(
-            "points are those of the first {} runs of each cell and of the worst: numbers, quantiles \
-             and verdicts are of all",
+            "points are those of the first {} runs of each cell and of the worst: numbers, \
+             quantiles and verdicts are of all",
             sampling.replicates
         ));
     }
@@ -172,7 +173,7 @@ fn missing(campaign: &Campaign, judgement: &Judgement, notes: &mut Vec<String>) 
     let left = campaign.runs() - judgement.runs;
     if left > 0 {
         notes.push(format!(
-            "{left} of {} runs are not there yet: give cosim campaign again to make them",
+            "{left} of {} runs have not been made yet: run cosim campaign again to make them",
             campaign.runs()
         ));
     }
@@ -181,7 +182,7 @@ fn missing(campaign: &Campaign, judgement: &Judgement, notes: &mut Vec<String>) 
     }
 }
 
-fn told<'a>(
+fn campaign_data<'a>(
     campaign: &'a Campaign,
     folder: &Path,
     judgement: &Judgement,
@@ -189,7 +190,7 @@ fn told<'a>(
     main: &Main,
     sampling: Sampling,
     cells: Vec<Cell<'a>>,
-) -> Told<'a> {
+) -> CampaignData<'a> {
     let count = |wanted: fn(&Answer) -> bool| {
         judgement.verdicts.iter().filter(|verdict| wanted(&verdict.answer)).count()
     };
@@ -204,7 +205,7 @@ fn told<'a>(
         unit: figure.unit(units),
     };
     let folder = folder.display().to_string();
-    Told {
+    CampaignData {
         folder_quoted: format!("'{}'", folder.replace('\'', "'\\''")),
         folder,
         runs: judgement.runs,
@@ -244,19 +245,19 @@ fn method(campaign: &Campaign) -> Vec<Term> {
     for (term, text) in [
         (
             "Verdict",
-            "A threshold bounds a quantile of all runs there could be. The exact interval of the \
-             share of runs that keep it (Clopper and Pearson 1934) decides: wholly on one side it \
-             passes or fails, else it is undecided. A run without figures keeps no bound.",
+            "A threshold bounds a quantile over all possible runs. The exact interval of the \
+             share of runs that meet it (Clopper and Pearson 1934) decides: wholly on one side it \
+             passes or fails, else it is undecided. A run without figures meets no bound.",
         ),
         (
             "Intervals",
             "Medians and percentiles have 95 % intervals by order statistics (David and Nagaraja \
-             2003, 7.1): they ask nothing of the distribution.",
+             2003, 7.1): they make no assumption about the distribution.",
         ),
         (
             "Paired comparison",
-            "Runs of one replicate have the same seeds and dispersions in all cells. The difference \
-             is formed run by run, and its median is given.",
+            "Runs of one replicate have the same seeds and dispersions in all cells. The \
+             difference is formed run by run, and its median is given.",
         ),
         (
             "Sensitivity",
@@ -265,9 +266,9 @@ fn method(campaign: &Campaign) -> Vec<Term> {
         ),
         (
             "Consistency",
-            "NEES and NIS of a consistent filter are chi-square distributed. The mean over n runs of \
-             k degrees of freedom lies in [χ²(0.025, n k), χ²(0.975, n k)] / n with 95 %, if a run \
-             counts as one sample; a figure is itself a mean over time, so it spreads less.",
+            "NEES and NIS of a consistent filter are chi-square distributed. The mean over n runs \
+             of k degrees of freedom lies in [χ²(0.025, n k), χ²(0.975, n k)] / n with 95 %, if a \
+             run counts as one sample; a figure is itself a mean over time, so it spreads less.",
         ),
         (
             "Box plots",
@@ -304,7 +305,7 @@ fn identity(contents: &Contents) -> Vec<String> {
     lines
 }
 
-/// A run that was made again; kept by its number.
+/// A run that was repeated, by its number.
 type Runs = BTreeMap<String, Trace>;
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Runs as points, and which parameters figures hang on.
+//! Runs as points, and the parameters that figures depend on.
 
 use std::collections::HashSet;
 
@@ -7,14 +7,14 @@ use serde::Serialize;
 use crate::campaign::{Campaign, Row, Status};
 use crate::report::Numbers;
 
-/// Some runs of a cell, column by column: the first replicates, which are the same in all cells, and
-/// the worst.
+/// Some runs of a cell, column by column: the first replicates, which are the same in all cells,
+/// and the worst.
 #[derive(Serialize)]
 pub(super) struct Sample {
     run: Vec<u64>,
-    /// Per figure.
+    /// For each figure.
     figures: Vec<Numbers>,
-    /// Per input.
+    /// For each input.
     inputs: Vec<Numbers>,
 }
 
@@ -23,7 +23,7 @@ pub(super) struct Sample {
 pub(super) struct Input {
     name: String,
     unit: String,
-    /// If it is no number: its texts, and values are their places.
+    /// If it is not a number: its texts; the values are their positions.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     texts: Vec<String>,
 }
@@ -32,17 +32,17 @@ pub(super) struct Input {
 pub(super) struct Sampling {
     pub(super) inputs: Vec<Input>,
     pub(super) figures: usize,
-    /// So many replicates of each cell.
+    /// Number of replicates of each cell.
     pub(super) replicates: usize,
 }
 
-/// Of the worst runs so many are points in any case.
+/// How many of the worst runs are always points.
 const WORST: usize = 20;
-/// Other texts of an input are no values.
+/// Other texts of an input are not values.
 const TEXTS: usize = 50;
 
 impl Input {
-    /// The inputs of a campaign as the rows have them.
+    /// The inputs of a campaign as in the rows.
     pub(super) fn of_all(
         campaign: &Campaign,
         rows: &[Row],
@@ -120,7 +120,7 @@ impl Sampling {
     }
 }
 
-/// NaN for fewer than five pairs of numbers, or if one of both is constant.
+/// NaN for fewer than five pairs of numbers, or if either is constant.
 fn rank_correlation(a: &[f64], b: &[f64]) -> f64 {
     let known = |(a, b): &(&f64, &f64)| !a.is_nan() && !b.is_nan();
     let (a, b): (Vec<f64>, Vec<f64>) = a.iter().zip(b).filter(known).unzip();

@@ -1,4 +1,4 @@
-//! Runs that are made again to be shown whole.
+//! Runs that are repeated to be shown in full.
 
 use super::cells::{Cell, Main, ShownRun, Source, urgency};
 use super::{Bench, Campaign, Contents, Row, Runs};
@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::observe::Recording;
 use crate::report::{Choice, ShownAs, Trace};
 
-/// A run to be shown: the place of its cell on the page, its number, and why it is chosen.
+/// A run to show: the position of its cell on the page, its number, and why it was chosen.
 pub(super) type Planned = (usize, u64, &'static str);
 
 /// Makes the runs.
@@ -18,15 +18,15 @@ pub(super) struct Shown<'a> {
     pub(super) rows: &'a [Vec<&'a Row>],
 }
 
-/// What makes runs, if everything is as it was.
+/// Prepares the runs, if nothing has changed.
 pub(super) fn bench(contents: &Contents) -> Result<Bench, String> {
-    let told = |error: Error| error.line();
-    let bench = Bench::open(Campaign::read(&contents.campaign).map_err(told)?).map_err(told)?;
-    let now = bench.identity().map_err(told)?;
+    let line = |error: Error| error.line();
+    let bench = Bench::open(Campaign::read(&contents.campaign).map_err(line)?).map_err(line)?;
+    let now = bench.identity().map_err(line)?;
     let changed = contents.identity.iter().find(|line| !now.contains(line));
     match changed.or_else(|| now.iter().find(|line| !contents.identity.contains(line))) {
         None => Ok(bench),
-        Some(line) => Err(format!("something was changed since: {line}")),
+        Some(line) => Err(format!("something has changed since then: {line}")),
     }
 }
 
@@ -52,7 +52,7 @@ pub(super) fn plan(
 }
 
 impl Shown<'_> {
-    /// The runs by their numbers, with so many octets in all; cells get to know theirs.
+    /// The runs by number, with at most this many octets in total; records them in the cells.
     pub(super) fn make(
         &self,
         plan: &[Planned],
@@ -61,7 +61,7 @@ impl Shown<'_> {
         more: &mut dyn FnMut(usize) -> bool,
     ) -> Runs {
         let mut runs = Runs::new();
-        // A run of its own may be longer than others, but none needs more than this.
+        // Its own run may be longer than others, but none needs more than this.
         let each = (octets / plan.len().max(1)).min(400_000);
         let mut stopped = false;
         for (place, (cell, run, why)) in plan.iter().enumerate() {
@@ -92,23 +92,23 @@ impl Shown<'_> {
         let bench = self.bench.as_ref().map_err(Clone::clone)?;
         let (all, mut recording) = (["*".to_owned()], Recording::new());
         let again = bench.replay(run, &all, &mut recording);
-        let before = self.row(run).ok_or("its row is not there")?;
+        let before = self.row(run).ok_or("its row is missing")?;
         if again.status != Status::Ok {
             return Err(format!("it fails now: {}", again.reason));
         }
         if again.digest != before.digest {
-            return Err(format!("it is another run now: its digest is {}", again.digest));
+            return Err(format!("it gives a different result now: its digest is {}", again.digest));
         }
-        let told = |error: Error| error.line();
+        let line = |error: Error| error.line();
         let mut choice = Choice::default();
         let count = self.campaign.summarized().len();
         bench.figures(run)[..count].iter().for_each(|figure| figure.choose(&mut choice));
         let shown = ShownAs {
-            units: bench.units(run, &all).map_err(told)?,
+            units: bench.units(run, &all).map_err(line)?,
             choice,
             faults: bench.windows(run, &recording),
             ..ShownAs::default()
         };
-        Trace::within(&recording, shown, most).map_err(told)
+        Trace::within(&recording, shown, most).map_err(line)
     }
 }

@@ -10,14 +10,14 @@ use cosim::{Code, Error, Result};
 use super::pool::read_until;
 use crate::cli::{interrupt, messages, worker};
 
-/// A replay that records everything may take so many times as long as a run of the campaign.
+/// How many times as long a replay, which records everything, may take as a run of the campaign.
 const SLOWER: f64 = 2.0;
 
-/// Makes the runs again whose trajectories are wanted, each in a process of its own: one that crashed
+/// Repeats the runs whose trajectories are wanted, each in its own process: a run that crashed
 /// crashes again.
 pub(super) fn keep(bench: &Bench, folder: &Path, results: Folder) -> Result<()> {
     let kept = campaign::kept(bench.campaign(), results.rows());
-    // Each replay is a process of its own that reads the rows: they need not be in memory twice.
+    // Each replay is a separate process that reads the rows: they are not needed in memory twice.
     drop(results);
     let program = worker::this_program()?;
     let seconds = SLOWER * bench.campaign().time_limit;
@@ -31,16 +31,15 @@ pub(super) fn keep(bench: &Bench, folder: &Path, results: Folder) -> Result<()> 
         std::fs::create_dir_all(&place).map_err(unmade)?;
         let mut replay = Command::new(&program);
         replay.arg("replay").arg(folder).arg(run.to_string()).arg("--output-file").arg(&file);
-        let ended = ends(&mut replay, seconds).map_err(|e| {
-            Error::new(Code::Lost, format!("run {run} cannot be made again")).why(e)
-        })?;
+        let ended = ends(&mut replay, seconds)
+            .map_err(|e| Error::new(Code::Lost, format!("run {run} cannot be repeated")).why(e))?;
         let said = match ended {
             None => {
-                // What there is has no end.
+                // Without a recorded duration there is no limit.
                 drop(std::fs::remove_file(&file));
                 format!("it took longer than {seconds} s")
             }
-            // What a failed run left is kept; the row says why it failed.
+            // The trajectory of a failed run is kept; the row says why it failed.
             Some((good, _)) if good || file.exists() => continue,
             Some((_, said)) => said,
         };
@@ -49,7 +48,7 @@ pub(super) fn keep(bench: &Bench, folder: &Path, results: Folder) -> Result<()> 
     Ok(())
 }
 
-/// Whether a process ends well, and what it said; nothing if it does not end in this time.
+/// Whether a process succeeds, and its output; `None` if it does not end within this time.
 fn ends(command: &mut Command, seconds: f64) -> std::io::Result<Option<(bool, String)>> {
     let mut process = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn()?;
     let mut said = Vec::new();
@@ -57,7 +56,7 @@ fn ends(command: &mut Command, seconds: f64) -> std::io::Result<Option<(bool, St
         let limit = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
         let outcome = read_until(&mut stderr, &mut said, limit, |_| None::<()>);
         if outcome == Err(Status::TimedOut) {
-            // What cannot be killed is over already.
+            // A process that cannot be killed has already ended.
             drop(process.kill());
             process.wait()?;
             return Ok(None);

@@ -1,4 +1,4 @@
-//! `cosim campaign --merge`: the results of shards as those of one campaign.
+//! `cosim campaign --merge`: merges the results of shards into those of one campaign.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,11 +9,11 @@ use cosim::{Code, Error, Result};
 use super::keep::keep;
 use super::{Campaign, verdict};
 
-/// So many missing runs are named.
+/// How many missing runs are listed.
 const NAMED: usize = 5;
 
 impl Campaign {
-    /// Puts the rows together, and judges them.
+    /// Merges the rows, and judges them.
     pub(super) fn merged(&self) -> Result<()> {
         let (Some(first), Some(output)) = (self.merge.first(), &self.output_dir) else {
             return Err(Error::new(Code::Usage, "--merge needs folders and --output-dir"));
@@ -54,10 +54,13 @@ impl Campaign {
 }
 
 fn parted(run: u64, one: &Path, other: &Path) -> Error {
-    let what = format!("run {run} is not the same in {} and {}", one.display(), other.display());
-    Error::new(Code::Parted, what).why("the same run gave other figures, or ended otherwise").help(
-        format!("look at it: cosim replay {} {run}; then leave one of them out", other.display()),
-    )
+    let what = format!("run {run} differs between {} and {}", one.display(), other.display());
+    Error::new(Code::Parted, what)
+        .why("the same run gave different figures, or ended differently")
+        .help(format!(
+            "check it with cosim replay {} {run}, then omit one of the folders",
+            other.display()
+        ))
 }
 
 fn incomplete(missing: &[u64], all: u64) -> Error {
@@ -65,5 +68,5 @@ fn incomplete(missing: &[u64], all: u64) -> Error {
     let rest = if missing.len() > NAMED { ", …" } else { "" };
     Error::new(Code::Campaign, format!("{} of {all} runs are missing", missing.len()))
         .why(format!("there is no row of {}{rest}", named.join(", ")))
-        .help("give the commands of the shards again, then merge again")
+        .help("run the shards again, then merge again")
 }

@@ -1,10 +1,10 @@
-//! `cosim campaign`: many runs, kept one by one, and what they say.
+//! `cosim campaign`: many runs, stored one by one, and their statistics.
 
 mod keep;
 mod merge;
 mod pool;
+mod render;
 mod shard;
-mod told;
 mod worker;
 
 use std::path::PathBuf;
@@ -20,22 +20,22 @@ use super::{Format, interrupt, messages, problems};
 
 pub(crate) use worker::CampaignWorker;
 
-/// Make many runs with other seeds, parameters, components and faults, and judge them
+/// Run many variations of a system (seeds, parameters, components, faults) and judge the results
 #[derive(Args)]
 pub(crate) struct Campaign {
     /// The campaign (TOML)
     #[arg(required_unless_present = "merge")]
     file: Option<PathBuf>,
-    /// Keep the results there; those that are there already are gone on from (default:
-    /// NAME_campaign in the present folder)
+    /// Folder for the results; results that are already there are continued (default: NAME_campaign
+    /// in the current folder)
     #[arg(long, value_name = "FOLDER")]
     output_dir: Option<PathBuf>,
-    /// Make the runs of this part only, such as 1/8, in a folder of their own in the output
-    /// folder; auto takes both numbers from an array of Slurm, auto/8 the first also from an
-    /// indexed job of Kubernetes
+    /// Make only the runs of this part, such as 1/8, in a subfolder of the output folder; auto
+    /// takes both numbers from a Slurm array, auto/8 takes the first one from a Slurm array or an
+    /// indexed Kubernetes job
     #[arg(long, value_name = "I/N")]
     shard: Option<shard::Shard>,
-    /// Put the results of shards together, and judge them
+    /// Merge the results of shards, and judge them
     #[arg(
         long,
         value_name = "FOLDER",
@@ -44,34 +44,34 @@ pub(crate) struct Campaign {
         conflicts_with_all = ["file", "shard", "dry_run", "jobs"]
     )]
     merge: Vec<PathBuf>,
-    /// So many runs at once (default: one per core)
+    /// Number of parallel runs (default: one per core)
     #[arg(long, short, value_name = "N")]
     jobs: Option<std::num::NonZeroUsize>,
-    /// Check everything and say how many runs there are, how long they take and how large the
-    /// results are; one run is made to know
+    /// Check everything and estimate the number of runs, their duration and the size of the
+    /// results; one run is made for the estimate
     #[arg(long)]
     dry_run: bool,
-    /// Tell which figures became significantly better or worse than in the results in this folder
+    /// Report which figures became significantly better or worse than in the results in this folder
     #[arg(long, value_name = "FOLDER")]
     compare: Option<PathBuf>,
-    /// Write runs.csv beside runs.parquet
+    /// Also write runs.csv beside runs.parquet
     #[arg(long)]
     csv: bool,
     /// Format of the summary on stdout
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
-    /// No progress and no summary
+    /// Show no progress and no summary
     #[arg(long, short)]
     quiet: bool,
 }
 
-/// The verdicts so far are looked at so often.
+/// Interval at which the verdicts so far are updated.
 const LOOK: Duration = Duration::from_secs(5);
 
 impl Campaign {
     pub(crate) fn run(self) -> Result<()> {
         interrupt::listen();
-        problems::told(self.format, self.computed())
+        problems::reported(self.format, self.computed())
     }
 
     fn computed(&self) -> Result<()> {
@@ -95,8 +95,8 @@ impl Campaign {
         if let Some(shard) = self.shard {
             if bench.campaign().looks().len() > 1 {
                 return Err(Error::new(Code::Usage, "a sequential campaign has no shards")
-                    .why("which runs it makes depends on all runs before")
-                    .help("leave out --shard, or `sequential` in the file"));
+                    .why("which runs it makes depends on all previous runs")
+                    .help("remove --shard, or `sequential` from the file"));
             }
             folder.push(shard.folder());
         }
@@ -105,9 +105,9 @@ impl Campaign {
         let judgement = self.conclude(&bench, &identity, &results)?;
         if let Some(past) = past {
             let changes = campaign::changes(bench.campaign(), results.rows(), &past);
-            results.write("changes.json", told::json(&changes)?)?;
+            results.write("changes.json", render::json(&changes)?)?;
             if self.format == Format::Text && !self.quiet {
-                print(&told::changes(&changes))?;
+                print(&render::changes(&changes))?;
             }
         }
         outcome?;
@@ -116,11 +116,11 @@ impl Campaign {
         }
         if interrupt::interrupted() {
             return Err(Error::new(Code::Interrupted, "the campaign was interrupted")
-                .why(format!("{} of {} runs are over", judgement.runs, bench.campaign().runs()))
-                .help("give the same command again to go on"));
+                .why(format!("{} of {} runs are done", judgement.runs, bench.campaign().runs()))
+                .help("run the same command again to continue"));
         }
         match self.shard {
-            // What a part says is no verdict.
+            // The result of one part is not a verdict.
             Some(_) => Ok(()),
             None => verdict(&judgement),
         }
@@ -140,14 +140,14 @@ impl Campaign {
         let left: Vec<u64> = wanted.iter().copied().filter(|run| !over[*run as usize]).collect();
         if left.len() < wanted.len() && !self.quiet {
             let there = wanted.len() - left.len();
-            messages::note(&format!("{there} of {} runs are there already", wanted.len()));
+            messages::note(&format!("{there} of {} runs are already done", wanted.len()));
         }
         let bar = if self.quiet { ProgressBar::hidden() } else { bar(left.len() as u64) };
         let (mut failed, mut looked) = (0, Instant::now());
         let mut cells: Vec<usize> = (0..campaign.cells()).collect();
         let (mut outcome, mut begin) = (Ok(()), 0);
         for end in campaign.looks() {
-            // What other blocks have, such as those of a run before this one, counts later.
+            // Results of other blocks, such as those of an earlier run, are counted later.
             let block = (begin..end).flat_map(|replicate| {
                 cells.iter().map(move |cell| (replicate * campaign.cells() + cell) as u64)
             });
@@ -159,7 +159,7 @@ impl Campaign {
                 if looked.elapsed() > LOOK {
                     looked = Instant::now();
                     let judgement = Judgement::new(campaign, results.rows());
-                    bar.set_message(format!("{failed} failed; {}", told::counted(&judgement)));
+                    bar.set_message(format!("{failed} failed; {}", render::counted(&judgement)));
                 }
                 Ok(())
             });
@@ -177,18 +177,18 @@ impl Campaign {
         outcome
     }
 
-    /// Writes what follows from the rows, and tells it.
+    /// Writes everything derived from the rows, and prints the summary.
     fn conclude(&self, bench: &Bench, identity: &[String], results: &Folder) -> Result<Judgement> {
         let campaign = bench.campaign();
         let judgement = Judgement::new(campaign, results.rows());
         results.write_table(campaign, identity, self.csv)?;
-        let json = told::json(&judgement)?;
+        let json = render::json(&judgement)?;
         results.write("summary.json", &json)?;
-        results.write("junit.xml", told::junit(&judgement))?;
+        results.write("junit.xml", render::junit(&judgement))?;
         if self.format == Format::Json {
             print(&json)?;
         } else if !self.quiet && self.shard.is_none() {
-            print(&told::text(&judgement))?;
+            print(&render::text(&judgement))?;
         }
         Ok(judgement)
     }
@@ -204,7 +204,7 @@ impl Campaign {
             return Err(Error::new(Code::Interrupted, "the campaign was interrupted"));
         };
         if row.status != campaign::Status::Ok {
-            return Err(Error::new(Code::Fmu, "the first run comes to nothing").why(row.reason));
+            return Err(Error::new(Code::Fmu, "the first run fails").why(row.reason));
         }
         let seconds = row.cpu_ms.parse::<f64>().unwrap_or(0.0) / 1e3 * campaign.runs() as f64;
         let octets = serde_json::to_vec(&row).map_or(0, |row| row.len()) as u64 * campaign.runs();
@@ -214,7 +214,7 @@ impl Campaign {
             campaign.cells(),
             campaign.seeds,
             campaign.runs(),
-            told::span(seconds / jobs as f64),
+            render::span(seconds / jobs as f64),
             row.cpu_ms,
             // The log and the table.
             1.6 * octets as f64 / 1e6
@@ -235,14 +235,14 @@ fn verdict(judgement: &Judgement) -> Result<()> {
     let all = judgement.verdicts.len();
     let missed = count(|answer| *answer == Answer::Fail);
     if missed > 0 {
-        let what = format!("{missed} of {all} thresholds are not kept");
+        let what = format!("{missed} of {all} thresholds are not met");
         return Err(Error::new(Code::Missed, what));
     }
     let open = count(|answer| matches!(answer, Answer::Undecided(_)));
     if open > 0 {
         let what = format!("{open} of {all} thresholds are undecided");
         return Err(Error::new(Code::Undecided, what)
-            .help("raise `seeds` in the file and give the same command again"));
+            .help("raise `seeds` in the file and run the same command again"));
     }
     Ok(())
 }

@@ -1,5 +1,5 @@
-//! Processes that make runs. Each makes many, so that FMUs are loaded once; one that ends, or takes
-//! too long, costs its run only, and another takes its place.
+//! Processes that make runs. Each makes many, so that FMUs are loaded only once. If a process ends
+//! or takes too long, only its current run is lost, and another process takes its place.
 
 use std::io::{Read, Write};
 use std::os::fd::AsFd;
@@ -16,7 +16,7 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use crate::cli::interrupt::interrupted;
 
-/// What is needed to make runs.
+/// Everything needed to make runs.
 pub(super) struct Pool<'a> {
     bench: &'a Bench,
     program: PathBuf,
@@ -31,8 +31,8 @@ impl<'a> Pool<'a> {
         Ok(Self { bench, program, identity: fingerprint(identity), jobs })
     }
 
-    /// Makes these runs, as many at once as there are jobs, and hands over each row as it comes. After
-    /// a signal, or an error of `keep`, no other run is begun.
+    /// Makes these runs, as many in parallel as there are jobs, and hands over each row when it is
+    /// ready. After a signal or an error of `keep`, no further run is started.
     pub(super) fn make(&self, runs: &[u64], keep: &mut dyn FnMut(Row) -> Result<()>) -> Result<()> {
         let (next, enough) = (AtomicUsize::new(0), AtomicBool::new(false));
         let (send, receive) = mpsc::channel();
@@ -63,7 +63,7 @@ impl<'a> Pool<'a> {
         })
     }
 
-    /// Makes a run by a process that is there, or a new one.
+    /// Makes a run in an idle process, or in a new one.
     fn row(&self, maker: &mut Option<Maker>, run: u64) -> Result<Row> {
         let mut at_work = match maker.take() {
             Some(maker) => maker,
@@ -76,7 +76,7 @@ impl<'a> Pool<'a> {
                 Ok(row)
             }
             Err(Status::TimedOut) => {
-                // What cannot be killed is over already.
+                // A process that cannot be killed has already ended.
                 drop(at_work.process.kill());
                 let limit = self.bench.campaign().time_limit;
                 let reason = format!("it took longer than {limit} s");
@@ -94,7 +94,7 @@ impl<'a> Pool<'a> {
         command.arg("campaign-worker").arg(&self.bench.campaign().file);
         command.args(["--identity", &self.identity]);
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
-        // Ctrl-C is for this process: the runs in flight are finished.
+        // Ctrl-C is meant for this process: the runs in progress are finished.
         command.process_group(0);
         let wrong = |why: String| Error::new(Code::Lost, "no process can make runs").why(why);
         let mut process = command.spawn().map_err(|e| wrong(e.to_string()))?;
@@ -116,7 +116,7 @@ struct Maker {
 }
 
 impl Maker {
-    /// The row of a run, or what became of it.
+    /// The row of a run, or how it failed.
     fn ask(&mut self, run: u64, limit: Duration) -> Result<Row, Status> {
         let begun = Instant::now();
         let input = self.input.as_mut().ok_or(Status::Crashed)?;
@@ -130,13 +130,13 @@ impl Maker {
         })?
     }
 
-    /// How a process that is over ended.
+    /// How a process ended.
     fn end(&mut self) -> String {
         self.process.wait().map_or_else(|e| e.to_string(), |status| status.to_string())
     }
 }
 
-/// Reads until something is found: crashed if the process ends before, timed out after the limit.
+/// Reads until a row arrives: crashed if the process ends first, timed out after the limit.
 pub(super) fn read_until<T>(
     output: &mut (impl Read + AsFd),
     read: &mut Vec<u8>,
@@ -167,8 +167,8 @@ pub(super) fn read_until<T>(
 
 impl Drop for Maker {
     fn drop(&mut self) {
-        // One that waits for its next run ends by itself: what it has unpacked is removed. One that
-        // hangs does not.
+        // A process that waits for its next run ends by itself, so that its unpacked files are
+        // removed. One that hangs does not.
         self.input = None;
         let patience = Instant::now();
         while patience.elapsed() < Duration::from_secs(2) {
@@ -177,7 +177,7 @@ impl Drop for Maker {
             }
             std::thread::sleep(Duration::from_millis(2));
         }
-        // What cannot be killed is over already.
+        // A process that cannot be killed has already ended.
         drop(self.process.kill());
         drop(self.process.wait());
     }

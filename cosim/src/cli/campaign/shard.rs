@@ -1,22 +1,23 @@
-//! A part of a campaign: which runs it has, and where its number comes from.
+//! A part of a campaign: which runs belong to it, and where its number comes from.
 
 use std::str::FromStr;
 
 /// One of several parts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Shard {
-    /// From 0 on.
+    /// Counted from 0.
     index: u64,
     count: u64,
 }
 
 impl Shard {
-    /// Its folder among those of the others.
+    /// Its folder beside those of the others.
     pub(super) fn folder(self) -> String {
         format!("shard-{}-of-{}", self.index + 1, self.count)
     }
 
-    /// Whether a run is in it: every part has runs of all cells, and more seeds move no run.
+    /// Whether a run belongs to it: every part has runs of all cells, and further seeds do not move
+    /// a run to another part.
     pub(super) fn has(self, run: u64, cells: usize) -> bool {
         let cells = cells as u64;
         (run / cells + run % cells) % self.count == self.index
@@ -31,9 +32,9 @@ impl Shard {
 
     fn read(text: &str, environment: impl Fn(&str) -> Option<String>) -> Result<Self, String> {
         let number = |what: &str, text: &str| {
-            text.parse::<u64>().map_err(|_| format!("{what} is '{text}', which is no whole number"))
+            text.parse::<u64>().map_err(|_| format!("{what} is '{text}', which is not an integer"))
         };
-        let told = |name: &str| environment(name).map(|text| number(name, &text)).transpose();
+        let number_of = |name: &str| environment(name).map(|text| number(name, &text)).transpose();
         let (first, count) = match text.split_once('/') {
             Some((first, count)) => (first, Some(number("the count", count)?)),
             None => (text, None),
@@ -45,16 +46,16 @@ impl Shard {
                 index => Self::new(index - 1, count),
             };
         }
-        if let Some(task) = told("SLURM_ARRAY_TASK_ID")? {
-            let least = told("SLURM_ARRAY_TASK_MIN")?.unwrap_or(0);
-            let count = count.or(told("SLURM_ARRAY_TASK_COUNT")?);
+        if let Some(task) = number_of("SLURM_ARRAY_TASK_ID")? {
+            let least = number_of("SLURM_ARRAY_TASK_MIN")?.unwrap_or(0);
+            let count = count.or(number_of("SLURM_ARRAY_TASK_COUNT")?);
             let count = count.ok_or("SLURM_ARRAY_TASK_COUNT is not set; write auto/8")?;
             return Self::new(task.saturating_sub(least), count);
         }
-        match (told("JOB_COMPLETION_INDEX")?, count) {
+        match (number_of("JOB_COMPLETION_INDEX")?, count) {
             (Some(index), Some(count)) => Self::new(index, count),
             (Some(_), None) => {
-                Err("Kubernetes does not say how many there are; write auto/8".into())
+                Err("Kubernetes does not provide the number of parts; write auto/8".into())
             }
             (None, _) => {
                 Err("neither SLURM_ARRAY_TASK_ID nor JOB_COMPLETION_INDEX is set".to_owned())
@@ -102,8 +103,8 @@ mod tests {
             ("auto", &[], "SLURM_ARRAY_TASK_ID"),
             ("auto", &[("JOB_COMPLETION_INDEX", "2")], "auto/8"),
         ] {
-            let told = read(text, set).unwrap_err();
-            assert!(told.contains(why), "{text}: {told}");
+            let error = read(text, set).unwrap_err();
+            assert!(error.contains(why), "{text}: {error}");
         }
     }
 

@@ -1,4 +1,4 @@
-//! A process that makes runs of a campaign, one after the other, for the process that keeps them.
+//! A process that makes runs of a campaign, one after another, for the process that stores them.
 
 use std::io::BufRead;
 use std::path::PathBuf;
@@ -9,32 +9,34 @@ use cosim::{Code, Error, Result};
 
 use crate::cli::standard;
 
-/// Make the runs whose numbers come on stdin, a line each; give their rows on stdout
+/// Make the runs whose numbers arrive on stdin, one per line; write their rows to stdout
 #[derive(Args)]
 pub(crate) struct CampaignWorker {
     /// The campaign
     file: PathBuf,
-    /// What it must be
+    /// Its expected identity
     #[arg(long)]
     identity: String,
 }
 
 impl CampaignWorker {
     pub(crate) fn run(self) -> Result<()> {
-        let broken = |e: std::io::Error| Error::new(Code::Output, "a row cannot be given").why(e);
-        // What FMUs print does not go between the rows.
+        let broken = |e: std::io::Error| Error::new(Code::Output, "a row cannot be written").why(e);
+        // Output of FMUs must not appear between the rows.
         standard::keep_apart()?;
         let mut rows = standard::out();
         let bench = Bench::open(Campaign::read(&self.file)?)?;
         if fingerprint(&bench.identity()?) != self.identity {
-            return Err(
-                Error::new(Code::Campaign, "the campaign has changed while it ran").at(&self.file)
-            );
+            return Err(Error::new(
+                Code::Campaign,
+                "the campaign has changed while it was running",
+            )
+            .at(&self.file));
         }
         for line in std::io::stdin().lock().lines() {
             let line = line.map_err(broken)?;
             let run = line.trim().parse().map_err(|e| {
-                Error::new(Code::Usage, format!("'{line}' is no number of a run")).why(e)
+                Error::new(Code::Usage, format!("'{line}' is not the number of a run")).why(e)
             })?;
             let mut row = serde_json::to_vec(&bench.run(run)).unwrap_or_default();
             row.push(b'\n');

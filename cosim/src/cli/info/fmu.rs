@@ -1,4 +1,4 @@
-//! An FMU's description for people and programs.
+//! The description of an FMU as text or JSON.
 
 use cosim::fmi::description::{Experiment, Interface};
 use cosim::fmi::{Causality, Description, Fmu, Kind, Variable};
@@ -101,7 +101,7 @@ pub(super) fn json(fmu: &Fmu) -> Value {
     })
 }
 
-/// By FMI's names.
+/// Under FMI's names.
 fn capabilities(interface: &Interface) -> Value {
     json!({
         "canGetAndSetFMUstate": interface.get_and_set_state,

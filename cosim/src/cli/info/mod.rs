@@ -1,4 +1,4 @@
-//! `cosim info`: what an FMU or a system is.
+//! `cosim info`: describes an FMU or a system.
 
 mod fmu;
 mod system;
@@ -12,12 +12,12 @@ use cosim::{Overrides, Result, System};
 use super::output::{print, print_lines};
 use super::{Format, messages};
 
-/// Show what an FMU or a system is; a system is checked as by validate
+/// Show the contents of an FMU or a system; a system is checked as by validate
 #[derive(Args)]
 pub(crate) struct Info {
-    /// A .fmu, .ssd, .ssp or OspSystemStructure.xml file, or the folder of the last
+    /// A .fmu, .ssd, .ssp or OspSystemStructure.xml file, or the folder of the latter
     file: PathBuf,
-    /// For people or for programs
+    /// Output format
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 }

@@ -1,11 +1,11 @@
-//! A system for people and programs: what it is made of.
+//! The parts of a system as text or JSON.
 
 use cosim::shown;
 use cosim::system::{Component, Model};
 use cosim::{System, Time};
 use serde_json::{Value, json};
 
-/// The model's name and its file.
+/// The name of the model and its file.
 fn model(component: &Component) -> (String, String) {
     match &component.model {
         Model::Fmu(fmu) => (fmu.description().model_name.clone(), fmu.path().display().to_string()),

@@ -1,29 +1,29 @@
-//! Single keys of the terminal.
+//! Single key presses in the terminal.
 
 use std::io::IsTerminal;
 use std::time::Duration;
 
-use cosim::live::Wish;
+use cosim::live::Request;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::termios::{LocalModes, OptionalActions, Termios, tcgetattr, tcgetpgrp, tcsetattr};
 
-/// The terminal that stdin is, told to hand over single keys.
+/// The terminal of stdin, set to deliver single keys.
 pub(super) struct Keyboard {
-    /// As it was before.
+    /// Its previous settings.
     modes: Termios,
 }
 
-/// What a key means.
+/// The meaning of a key.
 pub(super) enum Key {
-    Wish(Wish),
-    /// Pause, or go on.
+    Request(Request),
+    /// Pause, or continue.
     Turn,
     Quit,
     Other,
 }
 
 impl Keyboard {
-    /// None when stdin is no terminal, or another process has it.
+    /// `None` if stdin is not a terminal, or belongs to another process.
     pub(super) fn open() -> Option<Self> {
         let stdin = std::io::stdin();
         if !stdin.is_terminal() || tcgetpgrp(&stdin).ok()? != rustix::process::getpgrp() {
@@ -36,7 +36,7 @@ impl Keyboard {
         Some(Self { modes })
     }
 
-    /// The next key; one is waited for so long.
+    /// The next key; waits at most this long.
     pub(super) fn key(&self, wait: Duration) -> Option<Key> {
         let stdin = std::io::stdin();
         let wait = Timespec { tv_sec: 0, tv_nsec: i64::from(wait.subsec_nanos()) };
@@ -45,12 +45,12 @@ impl Keyboard {
             return None;
         }
         let mut key = [0];
-        // A terminal that has gone will not say how to go on.
+        // A terminal that is gone delivers no more keys.
         let read = rustix::io::read(&stdin, &mut key).ok()?;
         Some(match key[0] {
             _ if read != 1 => Key::Quit,
             b'q' => Key::Quit,
-            b's' => Key::Wish(Wish::Step),
+            b's' => Key::Request(Request::Step),
             b' ' => Key::Turn,
             _ => Key::Other,
         })
@@ -59,7 +59,7 @@ impl Keyboard {
 
 impl Drop for Keyboard {
     fn drop(&mut self) {
-        // Nobody is left to be told that the terminal has gone.
+        // If the terminal is gone, there is no channel left to report it.
         let _ = tcsetattr(std::io::stdin(), OptionalActions::Now, &self.modes);
     }
 }

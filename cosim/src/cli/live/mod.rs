@@ -1,8 +1,8 @@
-//! A run that goes by the clock and listens to the keyboard and to the live page.
+//! A run in real time that responds to the keyboard and to the live page.
 //!
-//! Keys, when stdin is a terminal: space pauses and goes on, s makes one output interval and
-//! pauses, q ends the run. The clock of `--real-time` stands still in a pause. Both are looked at
-//! at output instants, where nothing that is computed depends on it.
+//! Keys, if stdin is a terminal: space pauses and continues, s makes one output interval and
+//! pauses, q ends the run. The clock of `--real-time` stops during a pause. Both are checked at
+//! output instants, where they do not affect what is computed.
 
 mod keyboard;
 
@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use cosim::live::{Playing, Server, Wish};
+use cosim::live::{Playing, Request, Server};
 use cosim::observe::Stop;
 use cosim::pace::{Overruns, Pace};
 use cosim::scenario::Injected;
@@ -20,17 +20,17 @@ use cosim::{Code, Controls, Error, Manipulator, Result, Step, System, Time, file
 use self::keyboard::{Key, Keyboard};
 use super::{interrupt, messages};
 
-/// Who watches.
+/// Options for live viewers.
 #[derive(Args)]
 #[command(next_help_heading = "Watching")]
 pub(crate) struct Watching {
-    /// Serve a page that shows the run while it goes on, and Foxglove's WebSocket protocol; at
-    /// ADDRESS:PORT, or at a free port that only this machine reaches. The run goes at the pace of
-    /// the clock, unless --real-time or the page says otherwise
+    /// Serve a page that shows the run in progress, and Foxglove's WebSocket protocol, at
+    /// ADDRESS:PORT, or at a free port that only this machine can reach. The run goes in real time,
+    /// unless --real-time or the page says otherwise
     #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, default_missing_value = "127.0.0.1:0",
           require_equals = true)]
     live: Option<SocketAddr>,
-    /// Begin paused: the page or a key lets it go
+    /// Start paused: the page or a key starts the run
     #[arg(long, requires = "live")]
     paused: bool,
 }
@@ -40,25 +40,25 @@ impl Watching {
         self.live.is_some()
     }
 
-    /// The server, if one is wanted, and how the run begins.
+    /// The server, if requested, and the initial state of the run.
     pub(crate) fn open(&self, speed: Option<f64>) -> Result<(Option<Server>, Playing)> {
         let Some(address) = self.live else {
             return Ok((None, Playing { paused: false, speed }));
         };
         let playing = Playing { paused: self.paused, speed: speed.or(Some(1.0)) };
         let server = Server::listen(address, playing.clone())?;
-        messages::tell(&format!("the page is at {}", server.page()));
-        messages::tell(&format!("Foxglove and Lichtblick: {}", server.foxglove()));
+        messages::info(&format!("the page is at {}", server.page()));
+        messages::info(&format!("Foxglove and Lichtblick: {}", server.foxglove()));
         if !address.ip().is_loopback() {
-            messages::note("whoever reads the address can act on the run: it is not encrypted");
+            messages::note("anyone who knows the address can control the run: it is not encrypted");
         }
         Ok((Some(server), playing))
     }
 }
 
-/// Who asks is looked at so often.
+/// Interval at which requests are checked.
 const LOOK: Duration = Duration::from_millis(20);
-/// So long one is waited for in a pause, at a time.
+/// How long to wait for a request at a time during a pause.
 const WAIT: Duration = Duration::from_millis(50);
 
 /// Pace, keyboard and page.
@@ -68,7 +68,7 @@ pub(crate) struct Live {
     server: Option<Server>,
     playing: Playing,
     injected: Injected,
-    /// Where injected faults are kept.
+    /// The file for injected faults.
     record: PathBuf,
     looked: Option<Instant>,
     start: Time,
@@ -79,7 +79,7 @@ pub(crate) struct Live {
 }
 
 impl Live {
-    /// Injected faults are kept in the file `record`.
+    /// Injected faults are written to the file `record`.
     pub(crate) fn new(server: Option<Server>, playing: Playing, record: PathBuf) -> Self {
         Self {
             pace: Pace::new(playing.speed.unwrap_or(1.0)),
@@ -109,28 +109,28 @@ impl Live {
         self.server.as_ref()
     }
 
-    /// Instants that came too late, if there was a pace.
+    /// Number of late instants, if the run had a pace.
     pub(crate) fn overruns(&self) -> Option<Overruns> {
         Some(self.pace.overruns()).filter(|overruns| overruns.instants > 0)
     }
 
-    /// The file that does again what was done to the run, if anything was.
+    /// The scenario file that repeats what was done to the run, if anything was.
     pub(crate) fn record(&self) -> Option<&PathBuf> {
         self.injected.text().map(|_| &self.record)
     }
 
-    /// Tells clients how the run ended.
+    /// Shows clients how the run ended.
     pub(crate) fn end(&mut self, text: &str) {
         if let Some(server) = self.server.take() {
             server.end(self.now, text);
         }
     }
 
-    /// Tells the keyboard's user what keys do in a pause.
+    /// Shows the keys that work in a pause.
     fn prompt(&self) {
         if self.keyboard.is_some() {
             let now = self.now;
-            messages::tell(&format!("paused at t = {now}; space: go on, s: step, q: quit"));
+            messages::info(&format!("paused at t = {now}; space: continue, s: step, q: quit"));
         }
     }
 
@@ -140,13 +140,13 @@ impl Live {
         }
     }
 
-    fn tell(&self) {
+    fn update_clients(&self) {
         if let Some(server) = &self.server {
-            server.tell(self.now, &self.playing);
+            server.update(self.now, &self.playing);
         }
     }
 
-    /// The next thing that somebody asks for; in a pause it is waited for, a while.
+    /// The next request; in a pause, waits a while for one.
     fn key(&self) -> Option<Key> {
         let wait = if self.playing.paused { WAIT } else { Duration::ZERO };
         let (keys, page) = match self.server {
@@ -154,47 +154,47 @@ impl Live {
             None => (wait, Duration::ZERO),
         };
         let key = self.keyboard.as_ref().and_then(|keyboard| keyboard.key(keys));
-        key.or_else(|| self.server.as_ref()?.wish(page).map(Key::Wish))
+        key.or_else(|| self.server.as_ref()?.request(page).map(Key::Request))
     }
 
-    /// Does what is asked for, in a pause until it ends; whether the run is to end.
+    /// Handles requests, in a pause until it ends; whether the run is to end.
     fn listen(&mut self, controls: &mut Controls<'_>) -> Result<bool> {
         loop {
-            let wish = match self.key() {
+            let request = match self.key() {
                 Some(Key::Quit) => return Ok(true),
-                Some(Key::Turn) if self.playing.paused => Wish::Play,
-                Some(Key::Turn) => Wish::Pause,
-                Some(Key::Wish(wish)) => wish,
+                Some(Key::Turn) if self.playing.paused => Request::Play,
+                Some(Key::Turn) => Request::Pause,
+                Some(Key::Request(request)) => request,
                 Some(Key::Other) => continue,
                 // Ctrl-C: the observer that waits for it ends the run.
                 None if self.playing.paused && !interrupt::interrupted() => continue,
                 None => return Ok(false),
             };
-            match wish {
-                Wish::Pause if !self.playing.paused => {
+            match request {
+                Request::Pause if !self.playing.paused => {
                     self.playing.paused = true;
-                    self.tell();
+                    self.update_clients();
                     self.note("paused");
                     self.prompt();
                 }
-                Wish::Play if self.playing.paused => {
+                Request::Play if self.playing.paused => {
                     self.playing.paused = false;
-                    self.tell();
-                    self.note("goes on");
+                    self.update_clients();
+                    self.note("continued");
                     return Ok(false);
                 }
-                Wish::Pause | Wish::Play => (),
-                Wish::Step => {
+                Request::Pause | Request::Play => (),
+                Request::Step => {
                     self.playing.paused = true;
-                    self.tell();
+                    self.update_clients();
                     return Ok(false);
                 }
-                Wish::Speed(factor) => {
+                Request::Speed(factor) => {
                     self.playing.speed = factor;
                     self.pace.change(factor, self.now);
-                    self.tell();
+                    self.update_clients();
                 }
-                Wish::Inject(fault) => self.inject(&fault, controls)?,
+                Request::Inject(fault) => self.inject(&fault, controls)?,
             }
         }
     }
@@ -214,7 +214,7 @@ impl Live {
         }
         let text = self.injected.text().unwrap_or_default();
         files::replace(&self.record, text.as_bytes()).map_err(|e| {
-            Error::new(Code::Output, "the injected faults cannot be kept").at(&self.record).why(e)
+            Error::new(Code::Output, "the injected faults cannot be saved").at(&self.record).why(e)
         })
     }
 }
@@ -245,7 +245,7 @@ impl Manipulator for Live {
             if self.playing.paused || due {
                 self.looked = Some(begun);
                 if self.playing.paused {
-                    self.tell();
+                    self.update_clients();
                     self.prompt();
                 }
                 if self.listen(controls)? {

@@ -3,7 +3,7 @@
 use super::systems::{Sample, Trial, apart, chain, driven, here, placements, solved};
 use crate::{Algorithm, Code, Run, Snapshot, Time};
 
-/// Compares all placements; how many there are, and how many are refused.
+/// Compares all placements; returns how many there are, and how many are refused.
 fn compare(sample: &Sample) -> (usize, usize) {
     let (bits, summary) = here(&sample.system);
     let all = placements(sample.system.components().len());
@@ -47,7 +47,7 @@ fn a_run_goes_on_here_or_there() {
     let sample = chain(Algorithm::GaussSeidel);
     let system = &sample.system;
     let (bits, at) = (here(system).0, Time::from_seconds(0.7, "t").unwrap());
-    // Columns end with the same values when a run goes on.
+    // Columns end with the same values when a run is resumed.
     let tail = |all: &[Vec<u64>], count: usize| -> Vec<Vec<u64>> {
         all.iter().map(|column| column[column.len() - count..].to_vec()).collect()
     };

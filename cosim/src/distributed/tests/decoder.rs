@@ -1,4 +1,4 @@
-//! No bytes make a host panic, and none that are damaged make it do something twice.
+//! No bytes make a host panic, and no damaged bytes make it do something twice.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -23,7 +23,7 @@ fn mutated(message: &[u8], dice: &mut Dice) -> Vec<u8> {
         match dice.below(5) {
             0 => bytes.truncate(at),
             1 => bytes.insert(at.min(bytes.len()), dice.below(256) as u8),
-            // The header decides most.
+            // The header has the greatest effect.
             2 if bytes.len() > HEADER => {
                 bytes[dice.below(HEADER as u64) as usize] ^= 1 << dice.below(8)
             }
@@ -41,10 +41,10 @@ fn damaged_messages_are_refused_or_ignored() {
     let mut dice = Dice(11);
     for round in 0..20 {
         let mut host = Host::new(1, Box::new(Files(outcome.files.clone())));
-        for message in outcome.told.iter().take(10 + 2 * round) {
+        for message in outcome.sent_to_first.iter().take(10 + 2 * round) {
             for _ in 0..20 {
-                // A value may be another after this, a count of commands may be too large: what
-                // counts is that the host answers.
+                // A value may differ after this, a count of commands may be too large: what matters
+                // is that the host answers.
                 host.handle(&mutated(message, &mut dice));
             }
             host.handle(message);
@@ -60,7 +60,7 @@ fn damaged_messages_are_refused_or_ignored() {
 fn a_damaged_set_up_makes_nothing() {
     let sample = chain(Algorithm::GaussSeidel);
     let outcome = apart(&sample.system, &[0; 5], Trial::default()).unwrap();
-    let setup = &outcome.told[0];
+    let setup = &outcome.sent_to_first[0];
     let mut dice = Dice(5);
     for _ in 0..100 {
         let mut host = Host::new(1, Box::new(Files(outcome.files.clone())));
@@ -78,30 +78,34 @@ fn commands_out_of_turn_are_refused_with_both_numbers() {
     let sample = chain(Algorithm::GaussSeidel);
     let outcome = apart(&sample.system, &[0; 5], Trial::default()).unwrap();
     let mut host = Host::new(1, Box::new(Files(outcome.files.clone())));
-    host.handle(&outcome.told[0]);
-    let Handled::Answer(answer) = host.handle(&outcome.told[3]) else { panic!("no answer") };
+    host.handle(&outcome.sent_to_first[0]);
+    let Handled::Answer(answer) = host.handle(&outcome.sent_to_first[3]) else {
+        panic!("no answer")
+    };
     assert!(String::from_utf8_lossy(&answer).contains("command 3 came where 1 was due"));
-    // The one that was due is still welcome, and welcome twice.
-    let first = host.handle(&outcome.told[1]);
-    assert_eq!(host.handle(&outcome.told[1]), first);
-    let mut foreign = outcome.told[2].clone();
+    // The command that was due is still accepted, even twice.
+    let first = host.handle(&outcome.sent_to_first[1]);
+    assert_eq!(host.handle(&outcome.sent_to_first[1]), first);
+    let mut foreign = outcome.sent_to_first[2].clone();
     foreign[4] = 9;
-    assert!(matches!(host.handle(&foreign), Handled::Ignored(why) if why.contains("life 9")));
+    assert!(
+        matches!(host.handle(&foreign), Handled::Ignored(why) if why.contains("incarnation 9"))
+    );
 }
 
-/// Octets of a checksum, which stands between header and body of a set-up.
+/// Octets of the checksum between header and body of a set-up.
 const SUM: usize = 32;
 
 fn is_setup(message: &[u8]) -> bool {
     Header::read(message).is_ok_and(|(header, _)| header.kind == Kind::Setup)
 }
 
-/// A set-up whose body somebody changed who knows how checksums are made.
+/// A set-up with a changed body and a matching checksum.
 fn resigned(setup: &[u8], body: &[u8]) -> Vec<u8> {
     [&setup[..HEADER], &Sha256::digest(body), body].concat()
 }
 
-/// Runs that tell group 0 set-ups with and without a state, and what they told.
+/// Runs in which group 0 gets set-ups with and without a state, and the messages it was sent.
 fn runs() -> Vec<Outcome> {
     let run = |sample: Sample, places: &[usize]| {
         let options = Options { save_every: Some(2), ..Options::default() };
@@ -120,7 +124,8 @@ fn set_ups_that_contradict_themselves_are_refused_by_name() {
     let (mut dice, mut decoded, mut refused, mut made) = (Dice(23), 0, 0, 0);
     for outcome in runs() {
         let open = Open::all(&outcome.files);
-        let set_ups = outcome.told.iter().enumerate().filter(|(_, message)| is_setup(message));
+        let set_ups =
+            outcome.sent_to_first.iter().enumerate().filter(|(_, message)| is_setup(message));
         for (at, setup) in set_ups {
             let (header, _) = Header::read(setup).unwrap();
             let body = &setup[HEADER + SUM..];
@@ -143,8 +148,10 @@ fn set_ups_that_contradict_themselves_are_refused_by_name() {
                     Kind::Done => made += 1,
                     _ => refused += usize::from(contradicts(&answer)),
                 }
-                // What was made computes something, or fails by name.
-                for message in outcome.told[at + 1..].iter().take_while(|m| !is_setup(m)).take(30) {
+                // A set-up that was accepted computes something, or fails with a clear error.
+                for message in
+                    outcome.sent_to_first[at + 1..].iter().take_while(|m| !is_setup(m)).take(30)
+                {
                     host.handle(message);
                 }
             }
@@ -177,7 +184,7 @@ fn contradicts(answer: &[u8]) -> bool {
 #[test]
 fn a_file_of_a_set_up_stays_in_its_folder() {
     let outcome = apart(&chain(Algorithm::GaussSeidel).system, &[0; 5], Trial::default()).unwrap();
-    let body = &outcome.told[0][HEADER + SUM..];
+    let body = &outcome.sent_to_first[0][HEADER + SUM..];
     for (name, hash) in [
         ("../m.fmu", None),
         ("/m.fmu", None),
@@ -191,7 +198,7 @@ fn a_file_of_a_set_up_stays_in_its_folder() {
         let Source::Fmu(file) = &mut setup.components[0].source else { panic!("no FMU") };
         file.name = name.to_owned();
         file.sha256 = hash.map_or(file.sha256.clone(), str::to_owned);
-        let message = resigned(&outcome.told[0], &postcard::to_stdvec(&setup).unwrap());
+        let message = resigned(&outcome.sent_to_first[0], &postcard::to_stdvec(&setup).unwrap());
         let mut host = Host::new(1, Box::new(Files(outcome.files.clone())));
         let Handled::Answer(answer) = host.handle(&message) else { panic!("no answer") };
         assert!(contradicts(&answer), "{name} {hash:?}");
@@ -203,8 +210,8 @@ fn a_change_of_a_variable_that_is_not_there_is_refused() {
     let sample = chain(Algorithm::GaussSeidel);
     let outcome = apart(&sample.system, &[0; 5], Trial::default()).unwrap();
     let mut host = Host::new(1, Box::new(Files(outcome.files.clone())));
-    host.handle(&outcome.told[0]);
-    let mut message = outcome.told[1].clone();
+    host.handle(&outcome.sent_to_first[0]);
+    let mut message = outcome.sent_to_first[1].clone();
     message[2] = Kind::Change as u8;
     let (way, act) = (crate::fault::Way::Free, crate::master::Act::Release);
     let change = crate::master::Change { variable: 8, way, act, start: 0.0 };

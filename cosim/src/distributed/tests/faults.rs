@@ -1,4 +1,4 @@
-//! Whatever happens to hosts and messages, no bit of the results changes.
+//! Whatever happens to hosts and messages, the results do not change by a bit.
 
 use super::fmu::Nature;
 use super::systems::{Dice, Sample, Trial, apart, chain, here, sample};
@@ -6,7 +6,7 @@ use crate::distributed::local::Fault;
 use crate::distributed::options::Options;
 use crate::{Algorithm, Code};
 
-/// What may happen to a run that changes nothing.
+/// Faults that must not change a run.
 const FAULTS: [Fault; 10] = [
     Fault::DiesBefore,
     Fault::DiesAfter,
@@ -37,7 +37,7 @@ fn random_faults_change_nothing() {
     let sample = chain(Algorithm::GaussSeidel);
     let (bits, summary) = here(&sample.system);
     let mut dice = Dice(7);
-    let mut lives = 0;
+    let mut incarnations = 0;
     for round in 0..120 {
         let mut fault = || (1 + dice.below(300), FAULTS[dice.below(FAULTS.len() as u64) as usize]);
         let faults: Vec<_> = (0..16).map(|_| fault()).collect();
@@ -48,9 +48,10 @@ fn random_faults_change_nothing() {
         let outcome = apart(&sample.system, &places, trial).unwrap();
         assert!(outcome.bits == bits, "{faults:?} {places:?} {save_every:?}");
         assert_eq!(outcome.summary.steps, summary.steps, "{faults:?} {places:?} {save_every:?}");
-        lives += outcome.summary.notes.iter().filter(|note| note.contains("went on")).count();
+        incarnations +=
+            outcome.summary.notes.iter().filter(|note| note.contains("went on")).count();
     }
-    assert!(lives > 100, "only {lives} lives were lost");
+    assert!(incarnations > 100, "only {incarnations} incarnations were lost");
 }
 
 #[test]
@@ -88,7 +89,7 @@ fn what_is_not_deterministic_is_found() {
 }
 
 #[test]
-fn new_lives_are_counted() {
+fn restarts_are_counted() {
     let sample = pair(Nature::State);
     let options = Options { recoveries: 2, ..Options::default() };
     let faults = |count| (0..count).map(|k| (10 + 4 * k, Fault::DiesBefore)).collect();
@@ -105,7 +106,7 @@ fn each_kind_of_stray_message_at_each_place_is_ignored() {
     let (bits, summary) = here(&sample.system);
     for fault in &FAULTS[2..] {
         for at in 1..60 {
-            // One after the other, so that strays meet each other too.
+            // One after another, so that stray messages also meet each other.
             let faults = (at..at + 3).map(|at| (at, *fault)).collect();
             let trial = Trial { faults, options: every(Some(3)), ..Trial::default() };
             let outcome = apart(&sample.system, &[0, 1], trial).unwrap();
@@ -125,7 +126,8 @@ fn what_is_cut_is_refused_by_name() {
         for at in 1..60 {
             let trial = Trial { faults: vec![(at, fault)], ..Trial::default() };
             match apart(&sample.system, &[0, 1], trial) {
-                // Without its end a header is none: nobody answers, and the group begins anew.
+                // A truncated header is not a header: there is no answer, and the group starts
+                // over.
                 Ok(outcome) => assert!(outcome.bits == bits, "{fault:?} at {at}"),
                 Err(error) => {
                     assert_eq!(error.code(), Code::Protocol, "{fault:?} at {at}: {error}");

@@ -1,5 +1,5 @@
 /* An FMI 2.0 FMU with a state, noise whose generator is part of the state, a held input v, and an input u that is fed
- * through when `through` is 1. `chaos` 1 adds what no state holds. Written from the standard. */
+ * through when `through` is 1. `chaos` 1 adds something that no state contains. Written from the standard. */
 #include <stddef.h>
 #include <string.h>
 
@@ -24,7 +24,7 @@ typedef struct {
   double next;
 } EventInfo;
 
-static unsigned long long calls; /* of all instances: no state holds it */
+static unsigned long long calls; /* of all instances: no state contains it */
 
 static void derive(double *r) {
   r[2] = r[5] + r[4] * r[3] * r[0];

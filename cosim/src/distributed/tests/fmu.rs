@@ -1,4 +1,4 @@
-//! FMUs of one library with several descriptions, compiled and packed on the fly.
+//! FMUs that share one library but have different descriptions, compiled and packed on the fly.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ pub(super) enum Nature {
     Through,
     /// Model exchange.
     Exchange,
-    /// As `State`, but its state cannot become bytes.
+    /// As `State`, but its state cannot be serialized.
     Mute,
     /// As `State`, but not deterministic.
     Chaos,
@@ -40,7 +40,7 @@ pub(super) fn fmu(nature: Nature) -> PathBuf {
     path
 }
 
-/// Packs an FMU into `folder`, whose library is there as `m.so`.
+/// Packs an FMU into `folder`, which contains its library as `m.so`.
 fn pack(folder: &Path, nature: Nature) {
     let path = folder.join(format!("{nature:?}.fmu"));
     let mut zip = ZipWriter::new(std::fs::File::create(&path).unwrap());

@@ -1,4 +1,4 @@
-//! Who waits for whom.
+//! Which group waits for which.
 
 use super::systems::{Sample, chain, solved};
 use crate::Algorithm;

@@ -1,4 +1,4 @@
-//! Which component goes to which worker.
+//! Which component runs on which worker.
 
 use super::fmu::Nature;
 use super::systems::{Sample, sample, solved};
@@ -19,7 +19,7 @@ fn workers(count: usize) -> Vec<String> {
     (0..count).map(|number| format!("w{number}")).collect()
 }
 
-fn wish(component: &str, worker: &str) -> (String, String) {
+fn request(component: &str, worker: &str) -> (String, String) {
     (component.to_owned(), worker.to_owned())
 }
 
@@ -37,12 +37,12 @@ fn those_coupled_most_stay_together() {
 }
 
 #[test]
-fn a_wish_takes_along_what_is_coupled_to_it() {
+fn a_request_takes_along_what_is_coupled_to_it() {
     let system = pairs().system;
-    assert_eq!(place(&system, &[wish("d", "w0")], &workers(2)).unwrap(), [1, 0, 1, 0]);
-    assert_eq!(place(&system, &[wish("d", "w1")], &workers(2)).unwrap(), [0, 1, 0, 1]);
-    // Two wishes part a pair.
-    let places = place(&system, &[wish("a", "w0"), wish("b", "w1")], &workers(2)).unwrap();
+    assert_eq!(place(&system, &[request("d", "w0")], &workers(2)).unwrap(), [1, 0, 1, 0]);
+    assert_eq!(place(&system, &[request("d", "w1")], &workers(2)).unwrap(), [0, 1, 0, 1]);
+    // Two requests separate a pair.
+    let places = place(&system, &[request("a", "w0"), request("b", "w1")], &workers(2)).unwrap();
     assert_eq!((places[0], places[2]), (0, 1));
 }
 
@@ -56,14 +56,14 @@ fn a_solved_loop_is_in_one_place() {
 }
 
 #[test]
-fn a_wish_that_cannot_be_is_refused_with_the_nearest_name() {
+fn an_impossible_request_is_refused_with_the_nearest_name() {
     let system = pairs().system;
-    for (wishes, part) in [
-        (vec![wish("aa", "w0")], "no component 'aa'"),
-        (vec![wish("a", "w7")], "no worker 'w7'"),
-        (vec![wish("a", "w0"), wish("a", "w1")], "on two workers"),
+    for (requests, part) in [
+        (vec![request("aa", "w0")], "no component 'aa'"),
+        (vec![request("a", "w7")], "no worker 'w7'"),
+        (vec![request("a", "w0"), request("a", "w1")], "on two workers"),
     ] {
-        let error = place(&system, &wishes, &workers(2)).unwrap_err();
+        let error = place(&system, &requests, &workers(2)).unwrap_err();
         assert_eq!(error.code(), Code::Placement);
         assert!(error.what().contains(part), "{error}");
     }

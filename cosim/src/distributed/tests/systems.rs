@@ -1,4 +1,4 @@
-//! Systems for tests, and running them here or in groups.
+//! Systems for tests, run in this process or in groups.
 
 use std::collections::BTreeMap;
 
@@ -61,7 +61,7 @@ pub(super) fn sample(
     Sample { system: System::load(&file, &overrides).unwrap() }
 }
 
-/// A chain of feed-through with several rates, model exchange and a way back.
+/// A chain of feed-through components with several rates, model exchange and a feedback.
 pub(super) fn chain(algorithm: Algorithm) -> Sample {
     use Nature::{Exchange, State, Through};
     sample(
@@ -77,7 +77,7 @@ pub(super) fn chain(algorithm: Algorithm) -> Sample {
     )
 }
 
-/// A loop of feed-through through b and c that is solved, with what feeds it and what it feeds.
+/// A solved loop of feed-through through b and c, with a source and a sink.
 pub(super) fn solved() -> Sample {
     use Nature::{State, Through};
     sample(
@@ -98,7 +98,7 @@ pub(super) fn driven() -> Sample {
     Sample { system }
 }
 
-/// The bits of all that was recorded.
+/// The bits of everything that was recorded.
 pub(super) type Bits = Vec<Vec<u64>>;
 
 fn bits(recording: &Recording) -> Bits {
@@ -115,7 +115,7 @@ pub(super) fn here(system: &System) -> (Bits, Summary) {
     (bits(&recording), summary)
 }
 
-/// How a run in groups is to be.
+/// How to run a system in groups.
 #[derive(Default)]
 pub(super) struct Trial<'a> {
     pub faults: Vec<(u64, Fault)>,
@@ -125,22 +125,22 @@ pub(super) struct Trial<'a> {
     pub keep: Option<Time>,
 }
 
-/// What came of it.
+/// The outcome.
 pub(super) struct Outcome {
     pub bits: Bits,
     pub summary: Summary,
     pub kept: Option<Snapshot>,
-    /// What group 0 was told.
-    pub told: Vec<Vec<u8>>,
+    /// The messages that group 0 was sent.
+    pub sent_to_first: Vec<Vec<u8>>,
     pub files: BTreeMap<String, std::path::PathBuf>,
 }
 
-/// A run in the groups that `places` says.
+/// Runs in the groups given by `places`.
 pub(super) fn apart(system: &System, places: &[usize], trial: Trial<'_>) -> Result<Outcome> {
     let Distribution { plan, layout, setups, files } = Distribution::new(system, places)?;
     let files: BTreeMap<_, _> = files.into_iter().flatten().collect();
     let fabric = Local::new(Files(files.clone()), trial.faults);
-    let told = fabric.told.clone();
+    let sent_to_first = fabric.sent_to_first.clone();
     let fabric = Box::new(fabric);
     let mut driven = Coordinator::new(system, plan, layout, &setups, fabric, trial.options)?;
     let (mut recording, mut kept) = (Recording::new(), None);
@@ -154,11 +154,11 @@ pub(super) fn apart(system: &System, places: &[usize], trial: Trial<'_>) -> Resu
         run = run.resume(snapshot);
     }
     let summary = run.drive_all(&mut driven)?;
-    let told = told.borrow().clone();
-    Ok(Outcome { bits: bits(&recording), summary, kept, told, files })
+    let sent_to_first = sent_to_first.borrow().clone();
+    Ok(Outcome { bits: bits(&recording), summary, kept, sent_to_first, files })
 }
 
-/// Every way to put `count` components into groups: groups are numbered by their first member.
+/// Every way to divide `count` components into groups, numbered by their first member.
 pub(super) fn placements(count: usize) -> Vec<Vec<usize>> {
     let mut all: Vec<Vec<usize>> = vec![Vec::new()];
     for _ in 0..count {
@@ -171,7 +171,7 @@ pub(super) fn placements(count: usize) -> Vec<Vec<usize>> {
     all
 }
 
-/// Random numbers, the same in every run of the tests.
+/// Random numbers that are the same in every test run.
 pub(super) struct Dice(pub u64);
 
 impl Dice {

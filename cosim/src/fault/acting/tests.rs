@@ -1,4 +1,4 @@
-//! What each kind of fault does, by itself.
+//! The effect of each kind of fault by itself.
 
 use super::*;
 use crate::fault::{Begin, Fault};
@@ -20,13 +20,13 @@ fn fault(kind: Kind) -> Fault {
     }
 }
 
-/// What an output 0, 10, 20 … at 0 s, 1 s, 2 s … becomes.
+/// The result for an output 0, 10, 20 … at 0 s, 1 s, 2 s …
 fn course(mut acting: Acting, steps: i32) -> Vec<f64> {
     let mut seen = vec![acting.apply(0.0)];
     for step in 1..=steps {
         acting.advance(seconds(f64::from(step - 1)), seconds(f64::from(step)));
         let value = f64::from(step) * 10.0;
-        // Asked twice, and first for a value that is not the last word.
+        // Called twice, and first with a value that is not final.
         acting.apply(value - 3.0);
         let first = acting.apply(value);
         assert_eq!(acting.apply(value).to_bits(), first.to_bits());
@@ -80,7 +80,7 @@ fn samples_are_taken_late_or_again_on_their_grid() {
     let (reordered, doubled) = (late(false), late(true));
     let back = |seen: &[f64]| seen.windows(2).filter(|pair| pair[1] < pair[0]).count();
     assert!(back(&reordered) > 50 && back(&doubled) > 50);
-    // What comes twice is late by the delay, and no more.
+    // A value that arrives twice is late by the delay, and no more.
     assert!(doubled.iter().zip(0..).skip(5).all(|(v, step)| {
         let old = f64::from(step) - v;
         old == 0.0 || old == 2.0

@@ -1,9 +1,11 @@
 //! The rules for the entries of an archive.
 //!
-//! A name must stay inside the folder on every system (no `..`, `/x`, `C:`, NUL; a `\` separates as
-//! `/` does, since tools on Windows write it), must not meet another one where case makes no difference, and must not be a file and a folder at once.
-//! Only plain files and folders are taken, no links and devices. Numbers, sizes, depth and ratios
-//! are bounded, and no two entries share bytes of the archive (overlapping entries make a small
+//! A name must stay inside the folder on every system (no `..`, `/x`, `C:`, NUL; `\` is a separator
+//! like `/`, because tools on Windows write it), must not collide with another one on a
+//! case-insensitive file system, and must not be both a file and a folder. Only plain files and
+//! folders are accepted, no links and devices. Numbers, sizes, depth and ratios are bounded, and no
+//! two entries share bytes of the archive (overlapping entries make a small archive large without a
+//! suspicious ratio).
 //! archive large without a suspicious ratio).
 
 use std::collections::HashMap;
@@ -17,22 +19,24 @@ use super::{broken, refused};
 use crate::error::{Code, Error, Result};
 
 const MAX_ENTRIES: usize = 10_000;
-/// Files and folders, with the folders that are there only as parts of names: making each takes time.
+/// Files and folders, including folders that appear only as parts of names: creating each takes
+/// time.
 const MAX_PLACES: usize = 20_000;
 const MAX_BYTES: u64 = 4 << 30;
-/// Ratio refused for entries above `RATIO_FROM` bytes; deflate reaches 1032 on zeros, and not
-/// this on real content.
+/// Ratio refused for entries above `RATIO_FROM` bytes; deflate reaches 1032 on zeros, but not on
+/// real content.
 const MAX_RATIO: u64 = 500;
 const RATIO_FROM: u64 = 10 << 20;
 /// Ratio refused for archives that unpack to more than `TOTAL_RATIO_FROM` bytes.
 const MAX_TOTAL_RATIO: u64 = 200;
 const TOTAL_RATIO_FROM: u64 = 100 << 20;
 const MAX_DEPTH: usize = 32;
-/// Of one part of a name, and of all of it, in bytes; what common file systems take.
+/// Maximum length of one part of a name, and of the whole name, in bytes; the limits of common file
+/// systems.
 const MAX_PART: usize = 255;
 const MAX_NAME: usize = 1024;
 
-/// Type of a file in the upper bits of the Unix mode.
+/// File type in the upper bits of the Unix mode.
 const S_IFMT: u32 = 0o170_000;
 const S_IFREG: u32 = 0o100_000;
 const S_IFDIR: u32 = 0o040_000;
@@ -46,7 +50,7 @@ pub(super) struct Checked {
     pub size: u64,
 }
 
-/// Checks all entries, in their order.
+/// Checks all entries, in order.
 pub(super) fn entries<R: Read + Seek>(
     zip: &mut ZipIterable<R>,
     archive: &Path,
@@ -97,12 +101,12 @@ pub(super) fn entries<R: Read + Seek>(
     Ok(checked)
 }
 
-/// What the entries before have taken.
+/// What the previous entries use.
 struct Places<'a> {
     archive: &'a Path,
-    /// Names in lower case, and whether they are folders and are entries of their own.
+    /// Names in lower case, with whether they are folders and whether they have their own entry.
     seen: HashMap<String, (bool, bool)>,
-    /// Bytes of the archive: first, end, entry.
+    /// Bytes of the archive: start, end, entry.
     spans: Vec<(u64, u64, usize)>,
     total: u64,
     length: u64,
@@ -120,7 +124,7 @@ impl Places<'_> {
         }
         let earlier = self.seen.insert(key(path), (is_folder, true));
         if self.seen.len() > MAX_PLACES {
-            return refuse("with it the archive has more than 20000 files and folders");
+            return refuse("with it, the archive has more than 20000 files and folders");
         }
         match earlier {
             None | Some((true, false)) if is_folder => Ok(()),
@@ -134,13 +138,13 @@ impl Places<'_> {
         let refuse = |why: &str| Err(refused(self.archive, name).why(why));
         self.total = self.total.saturating_add(size);
         if size > RATIO_FROM && size / packed.max(1) > MAX_RATIO {
-            return refuse("its compression ratio is absurd");
+            return refuse("its compression ratio is implausible");
         }
         if self.total > TOTAL_RATIO_FROM && self.total / self.length.max(1) > MAX_TOTAL_RATIO {
-            return refuse("with it the compression ratio of the archive is absurd");
+            return refuse("with it, the compression ratio of the archive is implausible");
         }
         if self.total > MAX_BYTES {
-            return refuse("with it the archive unpacks to more than 4 GiB");
+            return refuse("with it, the archive unpacks to more than 4 GiB");
         }
         Ok(())
     }
@@ -158,21 +162,21 @@ impl Places<'_> {
     }
 }
 
-/// The place of an entry inside the folder, or why it has none.
+/// The path of an entry inside the folder, or why it has none.
 fn relative(name: &str) -> Result<PathBuf, &'static str> {
     let name = &name.replace('\\', "/");
     if name.chars().any(char::is_control) {
-        return Err("its name has control characters");
+        return Err("its name contains control characters");
     }
     if name.starts_with('/') {
-        return Err("its name is absolute: it would be written outside of the unpacked folder");
+        return Err("its name is absolute: it would be written outside the unpacked folder");
     }
     if name.get(1..2) == Some(":") {
-        return Err("its name begins with a drive: it would be written outside of the folder");
+        return Err("its name begins with a drive: it would be written outside the folder");
     }
     let parts: Vec<&str> = name.split('/').filter(|part| !matches!(*part, "" | ".")).collect();
     if parts.contains(&"..") {
-        return Err("its name has '..': it would be written outside of the unpacked folder");
+        return Err("its name contains '..': it would be written outside the unpacked folder");
     }
     // Some tools pack the folder itself.
     if name == "./" {
@@ -185,7 +189,7 @@ fn relative(name: &str) -> Result<PathBuf, &'static str> {
         return Err("its name is too long");
     }
     if parts.len() > MAX_DEPTH {
-        return Err("it lies too deep: more than 32 folders");
+        return Err("it is nested too deeply: more than 32 folders");
     }
     Ok(parts.iter().collect())
 }

@@ -1,7 +1,9 @@
-//! Whose message it is: the instances that live, by what an FMU may say of itself.
+//! Which instance a message belongs to: the live instances, by any identification that an FMU may
+//! pass.
 //!
-//! FMI lets an FMU pass on the `componentEnvironment` that it was given. Some pass their component
-//! instead, or a number of their own; so what comes is looked up here, and never dereferenced.
+//! FMI requires an FMU to pass the `componentEnvironment` that it was given. Some pass their
+//! component instead, or a number of their own; so the value is looked up here, and never
+//! dereferenced.
 
 use std::collections::BTreeMap;
 use std::ffi::c_char;
@@ -19,7 +21,7 @@ const LONGEST: usize = 4096;
 struct Living {
     log: Arc<Log>,
     name: String,
-    /// 0 until it is made.
+    /// 0 until it is created.
     component: usize,
 }
 
@@ -27,7 +29,7 @@ fn live() -> MutexGuard<'static, BTreeMap<usize, Living>> {
     LIVE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The log of an instance, which is found as long as this lives.
+/// The log of an instance, which can be found until this is dropped.
 pub(in crate::fmi) struct Known {
     log: Arc<Log>,
     stays: bool,
@@ -42,14 +44,14 @@ impl Known {
         Self { log, stays: false }
     }
 
-    /// What the FMU calls its instance.
+    /// The FMU's own handle of its instance.
     pub(in crate::fmi) fn is_of(&self, component: usize) {
         if let Some(living) = live().get_mut(&Arc::as_ptr(&self.log).addr()) {
             living.component = component;
         }
     }
 
-    /// It is found for ever: the FMU may still log.
+    /// Keeps it permanently: the FMU may still log.
     pub(in crate::fmi) fn stay(&mut self) {
         self.stays = true;
     }
@@ -70,8 +72,9 @@ impl Drop for Known {
     }
 }
 
-/// The log that a message belongs to: of the instance with this environment; else, for an FMU that
-/// passes something else, of the only one with that name, or that component, or the only one.
+/// The log that a message belongs to: that of the instance with this environment; for an FMU that
+/// passes something else, that of the only instance with that name, or that component, or the only
+/// instance.
 pub(super) fn find(environment: usize, name: *const c_char) -> Option<Arc<Log>> {
     if let Some(living) = live().get(&environment) {
         return Some(living.log.clone());

@@ -1,14 +1,15 @@
-//! Memory at an address that an FMU gave, read without trusting it.
+//! Reads memory at an address from an FMU without trusting it.
 //!
-//! `process_vm_readv` copies from this process into itself and returns an error where a plain
-//! read would be a segmentation fault: a message that is used as a format (`"50% solved"`) makes
-//! `printf` look for strings at arbitrary places.
+//! `process_vm_readv` copies from this process into itself and returns an error where a plain read
+//! would be a segmentation fault: a message that is used as a format (`"50% solved"`) makes
+//! `printf` look for strings at arbitrary addresses.
 
-/// The size of the smallest page: a read that ends at its border never spoils the part before.
+/// The size of the smallest page: a read that ends at its boundary never fails because of the next
+/// page.
 #[cfg(target_os = "linux")]
 const PAGE: usize = 4096;
 
-/// The bytes at `address` until NUL or until there are `limit`; `None` where nothing can be read.
+/// The bytes at `address` up to NUL or at most `limit`; `None` if nothing can be read.
 #[cfg(target_os = "linux")]
 pub(super) fn string(address: usize, limit: usize) -> Option<Vec<u8>> {
     let mut found = Vec::new();
@@ -28,7 +29,7 @@ pub(super) fn string(address: usize, limit: usize) -> Option<Vec<u8>> {
     Some(found)
 }
 
-/// Where the system has no such call the FMU is trusted.
+/// On a system without such a call the FMU is trusted.
 #[cfg(not(target_os = "linux"))]
 pub(super) fn string(address: usize, limit: usize) -> Option<Vec<u8>> {
     let pointer = std::ptr::with_exposed_provenance::<u8>(address);
@@ -49,8 +50,8 @@ fn copy(from: usize, to: &mut [u8]) -> Option<usize> {
         Ok(0) => None,
         Ok(read) => Some(read),
         Err(_) if forbidden() => {
-            // SAFETY: a sandbox forbids the check; the FMU promised a readable string, and within
-            // one page it is all readable or not at all.
+            // SAFETY: a sandbox forbids the check; the FMU promised a readable string, and a page
+            // is either entirely readable or not at all.
             unsafe { std::ptr::copy_nonoverlapping(pointer.cast(), to.as_mut_ptr(), to.len()) };
             Some(to.len())
         }

@@ -1,8 +1,8 @@
-//! `printf` formats (C11, 7.21.6.1) of strangers: all conversions, flags, widths, precisions and
-//! lengths, and never more than the format promises.
+//! `printf` formats (C11, 7.21.6.1) from untrusted FMUs: all conversions, flags, widths, precisions
+//! and lengths, without ever reading more arguments than the format requires.
 //!
-//! Numbers are formatted by the C library, with a conversion that was put together here. Strings
-//! are read where memory is readable, `%n` writes nothing, and text is bounded.
+//! Numbers are formatted by the C library with a conversion that is assembled here. Strings are
+//! read only where memory is readable, `%n` writes nothing, and the text is bounded.
 
 use std::ffi::{CString, c_char};
 
@@ -16,7 +16,7 @@ const MAX_FIELD: usize = 1000;
 /// Conversions of one format.
 const MAX_CONVERSIONS: usize = 64;
 
-/// Fills the arguments into the format.
+/// Formats the arguments.
 pub(super) fn render(format: &[u8], arguments: &mut Arguments) -> String {
     let mut text = Vec::with_capacity(format.len());
     let mut rest = format;
@@ -26,7 +26,7 @@ pub(super) fn render(format: &[u8], arguments: &mut Arguments) -> String {
         rest = &rest[at..];
         conversions += 1;
         let parsed = if conversions <= MAX_CONVERSIONS { Conversion::parse(rest) } else { None };
-        // What follows an unknown conversion cannot be matched with arguments any more.
+        // After an unknown conversion, the remaining arguments cannot be matched any more.
         let Some((mut conversion, length)) = parsed else { break };
         conversion.show(arguments, &mut text);
         rest = &rest[length..];
@@ -61,26 +61,26 @@ enum Field {
     Argument,
 }
 
-/// The length of an integer in bits, and what it means elsewhere.
+/// The length of an integer in bits, and its meaning for other conversions.
 #[derive(Debug, Default, Clone, Copy, PartialEq)]
 enum Length {
     Char,
     Short,
     #[default]
     Int,
-    /// `l`: of 64 bits; of wide characters.
+    /// `l`: 64 bits; wide characters.
     Long,
     /// `L`: long double.
     LongDouble,
 }
 
 impl Conversion {
-    /// The conversion at the beginning of `format`, and its length.
+    /// The conversion at the start of `format`, and its length.
     fn parse(format: &[u8]) -> Option<(Self, usize)> {
         let mut at = 1;
         let mut conversion = Self::default();
         while let Some(&flag @ (b'-' | b'+' | b' ' | b'#' | b'0' | b'\'')) = format.get(at) {
-            // Grouping of digits belongs to a locale; there is none here.
+            // Digit grouping belongs to a locale; there is none here.
             if flag != b'\'' && !conversion.flags.contains(&flag) {
                 conversion.flags.push(flag);
             }
@@ -142,7 +142,7 @@ impl Conversion {
                 arguments.word();
                 text.extend_from_slice(b"(%n refused)");
             }
-            // The error number of the C library is that of another call by now.
+            // By now, the error number of the C library belongs to another call.
             _ => text.extend_from_slice(b"%m"),
         }
     }
@@ -172,7 +172,7 @@ impl Conversion {
         });
     }
 
-    /// Formats a number by the C library.
+    /// Formats a number with the C library.
     fn number(
         &self,
         length: &str,
@@ -190,7 +190,7 @@ impl Conversion {
         format.push_str(length);
         format.push(char::from(self.kind));
         let Ok(format) = CString::new(format) else { return };
-        // 309 digits before the point, MAX_FIELD behind it.
+        // 309 digits before the decimal point, MAX_FIELD after it.
         let mut buffer = [0_u8; 2 * MAX_FIELD];
         let written = print(buffer.as_mut_ptr().cast(), buffer.len(), format.as_ptr());
         let written = usize::try_from(written).unwrap_or(0).min(buffer.len() - 1);

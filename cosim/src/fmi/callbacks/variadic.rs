@@ -1,19 +1,19 @@
-//! The variadic logger, which stable Rust cannot define: its entry is a few instructions of
-//! assembly that put the argument registers into memory, as the prologue of every variadic C
-//! function does, and hand them to Rust.
+//! The variadic logger, which stable Rust cannot define: its entry point is a few assembly
+//! instructions that store the argument registers in memory, as the prologue of every variadic C
+//! function does, and pass them to Rust.
 //!
 //! * x86-64: System V ABI, 3.2.3 and 3.5.7: integers and pointers in rdi, rsi, rdx, rcx, r8, r9,
 //!   doubles in xmm0 to xmm7 if al is not zero, the rest on the stack, 8 bytes each.
 //! * AArch64: AAPCS64, 6.8.2: x0 to x7, v0 to v7, then the stack.
 //!
-//! `fmi2CallbackLogger` has five named arguments; what follows them is variadic.
+//! `fmi2CallbackLogger` has five named arguments; the rest are variadic.
 
 use std::ffi::c_char;
 
 use super::Log;
 use crate::fmi::status::RawStatus;
 
-/// The five named arguments. C sees a variadic function; Rust never calls it.
+/// The five named arguments. To C it is a variadic function; Rust never calls it.
 pub(in crate::fmi) type Logger =
     unsafe extern "C" fn(*const Log, *const c_char, RawStatus, *const c_char, *const c_char);
 
@@ -27,7 +27,7 @@ const INTEGERS: usize = 6;
 const INTEGERS: usize = 8;
 const FLOATS: usize = 8;
 
-/// What the entry stores, in this layout.
+/// What the entry point stores, in this layout.
 #[repr(C)]
 pub(super) struct Saved {
     integers: [u64; INTEGERS],
@@ -37,10 +37,10 @@ pub(super) struct Saved {
     stack: *const u64,
 }
 
-/// The variadic arguments of one call, taken one after the other.
+/// The variadic arguments of one call, taken one after another.
 ///
-/// Taking more than were passed gives other words of the stack, as in C: reading is harmless, and
-/// what is read is not trusted.
+/// Taking more than were passed returns other words of the stack, as in C: reading is harmless, and
+/// the values are not trusted.
 pub(super) struct Arguments {
     saved: *const Saved,
     integers: usize,
@@ -50,7 +50,7 @@ pub(super) struct Arguments {
 
 impl Arguments {
     /// # Safety
-    /// `saved` is that of a call that has not returned while this value is used.
+    /// `saved` belongs to a call that does not return while this value is used.
     unsafe fn new(saved: *const Saved) -> Self {
         // SAFETY: `saved` is alive.
         let stack = unsafe { (*saved).stack };
@@ -104,8 +104,8 @@ impl Arguments {
     }
 
     fn next_on_stack(&mut self) -> u64 {
-        // SAFETY: above the frame of the caller lie those of its callers: a page at least, and
-        // `printf` takes few arguments.
+        // SAFETY: above the caller's frame are those of its callers: at least a page, and `printf`
+        // takes few arguments.
         let word = unsafe { self.stack.read() };
         self.stack = self.stack.wrapping_add(1);
         word
@@ -236,7 +236,7 @@ pub(super) unsafe extern "C" fn logger(
     )
 }
 
-/// The logger of other machines: the format is shown as it stands.
+/// The logger on other machines: the format is shown unchanged.
 ///
 /// # Safety
 /// Called as `fmi2CallbackLogger`.
@@ -251,7 +251,7 @@ pub(super) unsafe extern "C" fn logger(
     category: *const c_char,
     format: *const c_char,
 ) {
-    // SAFETY: what the FMU passed.
+    // SAFETY: the values that the FMU passed.
     unsafe { super::logged(log, instance, status, category, format, None) }
 }
 

@@ -1,15 +1,15 @@
-//! Elements and attributes that FMI 2.0 does not have in a modelDescription.xml.
+//! Elements and attributes in a modelDescription.xml that FMI 2.0 does not define.
 //!
-//! They are left out, and told: a misspelt attribute is otherwise a default that nobody wanted.
-//! `VendorAnnotations` and `Annotations` belong to others and are not looked into.
+//! They are ignored and reported: otherwise a misspelt attribute would silently become a default.
+//! `VendorAnnotations` and `Annotations` belong to other tools and are not checked.
 
 use std::path::Path;
 
 use crate::names;
 use crate::xml::Element;
 
-/// Warnings that are told one by one; more are counted.
-const TOLD: usize = 20;
+/// Warnings that are reported individually; further ones are counted.
+const REPORTED: usize = 20;
 
 /// Element (of a parent, `*`: of any), its attributes and its children. FMI 2.0.5, chapters 2.2,
 /// 3.3 and 4.3.
@@ -124,17 +124,17 @@ const KNOWN: &[(&str, &str, &[&str], &[&str])] = &[
     ("*", "Unknown", &["index", "dependencies", "dependenciesKind"], &[]),
 ];
 
-/// What is not of FMI 2.0 in the tree under `root`.
-pub(super) fn strangers(root: &Element, file: &Path) -> Vec<String> {
-    let mut found = Found { file, told: Vec::new(), more: 0 };
+/// Everything in the tree under `root` that FMI 2.0 does not define.
+pub(super) fn unknown(root: &Element, file: &Path) -> Vec<String> {
+    let mut found = Found { file, reported: Vec::new(), more: 0 };
     found.walk("", root);
     let more = (found.more > 0).then(|| format!("and {} more of this kind", found.more));
-    found.told.into_iter().chain(more).collect()
+    found.reported.into_iter().chain(more).collect()
 }
 
 struct Found<'a> {
     file: &'a Path,
-    told: Vec<String>,
+    reported: Vec<String>,
     more: usize,
 }
 
@@ -144,29 +144,29 @@ impl Found<'_> {
         let known = KNOWN.iter().find(|(of, n, ..)| *n == name && (*of == "*" || *of == parent));
         let Some((_, _, attributes, children)) = known else { return };
         for attribute in &element.attributes {
-            // A prefix: of another namespace, as xsi:schemaLocation.
+            // A prefix: from another namespace, such as xsi:schemaLocation.
             if !attribute.name.contains(':') && !attributes.contains(&attribute.name.as_str()) {
                 let what = format!("the attribute '{}' of <{name}>", attribute.name);
-                self.tell(what, element.line, &attribute.name, attributes);
+                self.report(what, element.line, &attribute.name, attributes);
             }
         }
         for child in &element.children {
             if !children.contains(&child.name.as_str()) {
                 let what = format!("the element <{}> in <{name}>", child.name);
-                self.tell(what, child.line, &child.name, children);
+                self.report(what, child.line, &child.name, children);
             }
             self.walk(name, child);
         }
     }
 
-    fn tell(&mut self, what: String, line: usize, name: &str, known: &[&str]) {
-        if self.told.len() >= TOLD {
+    fn report(&mut self, what: String, line: usize, name: &str, known: &[&str]) {
+        if self.reported.len() >= REPORTED {
             self.more += 1;
             return;
         }
         let hint = names::did_you_mean(name, known.iter().copied());
         let hint = hint.map_or(String::new(), |hint| format!(" ({hint})"));
         let place = format!("{}:{line}", self.file.display());
-        self.told.push(format!("{what} is not of FMI 2.0 and is left out{hint}, {place}"));
+        self.reported.push(format!("{what} is not part of FMI 2.0 and is ignored{hint}, {place}"));
     }
 }

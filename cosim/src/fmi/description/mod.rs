@@ -14,14 +14,14 @@ mod value;
 pub use read::{parse, read};
 pub use value::{Value, ValueError};
 
-/// What an FMU says of itself.
+/// The description of an FMU.
 #[derive(Debug)]
 pub struct Description {
     /// Name of the model.
     pub model_name: String,
     /// Identity that links the XML to the binary.
     pub guid: String,
-    /// What the model is.
+    /// Description of the model.
     pub description: String,
     /// Tool that wrote it.
     pub generation_tool: String,
@@ -39,13 +39,13 @@ pub struct Description {
     pub experiment: Experiment,
     /// Definitions of units.
     pub units: Units,
-    /// All variables, in the order of the file; FMI's indices are positions in it plus one.
+    /// All variables, in the order of the file; FMI's indices are their positions plus one.
     pub variables: Vec<Variable>,
     /// Outputs with the inputs they depend on directly.
     pub outputs: Vec<Output>,
     /// Names of the log categories.
     pub log_categories: Vec<String>,
-    /// What FMI 2.0 does not have in this file, and was left out: elements and attributes.
+    /// Elements and attributes in this file that FMI 2.0 does not define, and that were ignored.
     pub warnings: Vec<String>,
     positions: HashMap<String, usize>,
 }
@@ -53,47 +53,47 @@ pub struct Description {
 /// How an FMU is driven.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum InterfaceType {
-    /// It brings its solver and is stepped.
+    /// It brings its own solver and is stepped.
     CoSimulation,
-    /// It gives derivatives and events; the importer solves.
+    /// It provides derivatives and events; the importer solves.
     ModelExchange,
 }
 
 /// The part for co-simulation or for model exchange.
 #[derive(Debug, Clone)]
 pub struct Interface {
-    /// Name of the library's file without its ending.
+    /// Name of the library file without its extension.
     pub model_identifier: String,
     /// The FMU only wraps a tool that must be installed.
     pub needs_execution_tool: bool,
-    /// A process may hold one instance only.
+    /// A process may create one instance only.
     pub once_per_process: bool,
-    /// Its state can be saved and set back.
+    /// Its state can be saved and restored.
     pub get_and_set_state: bool,
-    /// A saved state can be turned into bytes and back.
+    /// A saved state can be serialized.
     pub serialize_state: bool,
-    /// It computes directional derivatives.
+    /// It provides directional derivatives.
     pub directional_derivative: bool,
     /// Co-simulation: its steps may differ in length.
     pub variable_step: bool,
-    /// Co-simulation: its inputs may be given with derivatives.
+    /// Co-simulation: its inputs may be set with derivatives.
     pub interpolates_inputs: bool,
-    /// Co-simulation: the order up to which it gives derivatives of its outputs.
+    /// Co-simulation: the order up to which it provides derivatives of its outputs.
     pub output_derivative_order: u32,
-    /// Model exchange: it need not be told that a step was accepted.
+    /// Model exchange: it need not be notified of accepted steps.
     pub no_completed_step: bool,
-    /// It allocates by itself and ignores the memory callbacks.
+    /// It allocates memory itself and ignores the memory callbacks.
     pub own_memory: bool,
-    /// Co-simulation: `fmi2DoStep` may return before the step is done.
+    /// Co-simulation: `fmi2DoStep` may return before the step is complete.
     pub asynchronous: bool,
 }
 
 /// Suggested experiment, in seconds.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Experiment {
-    /// First instant.
+    /// Start time.
     pub start: Option<f64>,
-    /// Last instant.
+    /// Stop time.
     pub stop: Option<f64>,
     /// Communication step.
     pub step: Option<f64>,
@@ -108,13 +108,13 @@ pub struct Variable {
     pub name: String,
     /// FMI's handle; unique per type only, and shared by aliases.
     pub value_reference: u32,
-    /// What it is.
+    /// Its description.
     pub description: String,
     /// Role.
     pub causality: Causality,
     /// When it may change.
     pub variability: Variability,
-    /// `initial="exact"`: it may be set before the initialization.
+    /// `initial="exact"`: it may be set before initialization.
     pub exact: bool,
     /// Type.
     pub kind: Kind,
@@ -122,7 +122,7 @@ pub struct Variable {
     pub nominal: f64,
     /// Unit of a Real.
     pub unit: Option<String>,
-    /// Start value, when the file gives one.
+    /// Start value, if the file gives one.
     pub start: Option<Value>,
     /// Line in modelDescription.xml.
     pub line: usize,
@@ -173,7 +173,7 @@ pub enum Kind {
 }
 
 impl InterfaceType {
-    /// Its name in sentences.
+    /// Its name in messages.
     pub fn name(self) -> &'static str {
         match self {
             InterfaceType::CoSimulation => "co-simulation",
@@ -236,7 +236,7 @@ impl Variability {
 }
 
 impl Variable {
-    /// Whether a start value may be given to it before the initialization.
+    /// Whether a start value may be set before initialization.
     pub fn settable(&self) -> bool {
         self.variability != Variability::Constant
             && (self.causality == Causality::Input || self.exact)
@@ -244,7 +244,7 @@ impl Variable {
 }
 
 impl Description {
-    /// A description of a model that is no FMU: a function of a system.
+    /// The description of a model that is not an FMU: a function of a system.
     pub(crate) fn of_model(name: &str, variables: Vec<Variable>, outputs: Vec<Output>) -> Self {
         let positions = variables.iter().enumerate().map(|(p, v)| (v.name.clone(), p)).collect();
         Self {
@@ -280,7 +280,7 @@ impl Description {
         self.positions.get(name).copied()
     }
 
-    /// A variable by its name.
+    /// A variable by name.
     pub fn variable(&self, name: &str) -> Option<&Variable> {
         self.position(name).map(|position| &self.variables[position])
     }
@@ -290,7 +290,7 @@ impl Description {
         self.variables.iter().map(|v| v.name.as_str())
     }
 
-    /// Whether some output depends on that input without delay. An output without a list of
+    /// Whether any output depends on that input without delay. An output without a list of
     /// dependencies depends on every input (FMI 2.0.5, 2.2.8).
     pub fn feeds_through(&self, input: usize) -> bool {
         self.outputs.iter().any(|output| {

@@ -1,4 +1,4 @@
-//! modelDescription.xml into [`Description`].
+//! Reads a modelDescription.xml into a [`Description`].
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -15,7 +15,8 @@ use crate::xml::{self, Element};
 /// Enumerations by the name of their type.
 type Enumerations = BTreeMap<String, Arc<[(String, i32)]>>;
 
-/// Dependencies of all outputs together; a file can name more than memory holds.
+/// Maximum number of dependencies of all outputs together; a file can name more than fit into
+/// memory.
 const MAX_DEPENDENCIES: usize = 20_000_000;
 
 /// Reads `file`; `shown` is its name in messages.
@@ -23,7 +24,7 @@ pub fn read(file: &Path, shown: &Path) -> Result<Description> {
     of(&xml::read(file, shown)?, shown)
 }
 
-/// Reads a description that is in memory; `shown` is its name in messages.
+/// Reads a description from memory; `shown` is its name in messages.
 pub fn parse(text: &[u8], shown: &Path) -> Result<Description> {
     of(&xml::decode(text, shown)?, shown)
 }
@@ -118,7 +119,7 @@ impl Reader<'_> {
                 .iter()
                 .filter_map(|category| category.get("name").map(str::to_owned))
                 .collect(),
-            warnings: known::strangers(root, self.file),
+            warnings: known::unknown(root, self.file),
             variables,
             positions,
         })
@@ -159,7 +160,7 @@ impl Reader<'_> {
         Ok(derivatives.len())
     }
 
-    /// A derivative, where ModelStructure lists none at all.
+    /// A derivative, if ModelStructure lists none at all.
     fn unlisted_derivative(&self, root: &Element) -> Option<(String, usize)> {
         let listed = root.child("ModelStructure").is_some_and(|s| s.child("Derivatives").is_some());
         let is_derivative = |variable: &&Element| {
@@ -178,7 +179,7 @@ impl Reader<'_> {
         Ok(Experiment {
             start: number("startTime")?,
             stop: number("stopTime")?,
-            // 0 is written for no step.
+            // 0 means no step.
             step: number("stepSize")?.filter(|step| *step > 0.0),
             tolerance: number("tolerance")?,
         })
@@ -214,7 +215,7 @@ impl Reader<'_> {
         Ok(Variable {
             description: element.get("description").unwrap_or_default().to_owned(),
             unit: self.unit(typed).map(str::to_owned),
-            // A nominal value that is no magnitude says nothing.
+            // A nominal value that is not a magnitude is ignored.
             nominal: typed
                 .get("nominal")
                 .and_then(|text| text.trim().parse().ok())
@@ -231,12 +232,12 @@ impl Reader<'_> {
         })
     }
 
-    /// The start value; none where it is no number that could be set.
+    /// The start value; `None` if it is not a number that could be set.
     fn start(&self, typed: &Element, name: &str, kind: &Kind) -> Result<Option<Value>> {
         let Some(text) = typed.get("start") else { return Ok(None) };
         match (kind, text.trim(), text.trim().parse()) {
             (Kind::Real, "INF" | "-INF" | "NaN", _) => Ok(None),
-            // Some FMUs start with a number that is none of the items.
+            // Some FMUs have a start value that is not one of the items.
             (Kind::Enumeration(_), _, Ok(number)) => Ok(Some(Value::Integer(number))),
             _ => Value::parse(text, kind)
                 .map(Some)
@@ -279,7 +280,7 @@ impl Reader<'_> {
 
     fn variability(&self, element: &Element, kind: &Kind) -> Result<Variability> {
         Ok(match element.get("variability") {
-            // The default is "continuous" for Reals; nothing else can be that.
+            // The default is "continuous" for Reals; other types cannot be continuous.
             None if *kind == Kind::Real => Variability::Continuous,
             None => Variability::Discrete,
             Some("constant") => Variability::Constant,
@@ -291,7 +292,8 @@ impl Reader<'_> {
         })
     }
 
-    /// The outputs of ModelStructure; an output variable missing there depends on everything.
+    /// The outputs of ModelStructure; an output variable that is missing there depends on
+    /// everything.
     fn outputs(&self, root: &Element, variables: &[Variable]) -> Result<Vec<Output>> {
         let mut outputs = Vec::new();
         let mut listed = vec![false; variables.len()];
@@ -326,7 +328,7 @@ impl Reader<'_> {
         match index.parse::<usize>() {
             Ok(index) if (1..=variables.len()).contains(&index) => Ok(index - 1),
             _ => Err(self
-                .wrong(element, format!("the index '{index}' names no variable"))
+                .wrong(element, format!("the index '{index}' does not refer to a variable"))
                 .why(format!("there are {} variables, counted from 1", variables.len()))),
         }
     }

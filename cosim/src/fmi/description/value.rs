@@ -1,4 +1,4 @@
-//! Values of variables, parsed from text by the declared type.
+//! Values of variables, parsed from text according to the declared type.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +18,7 @@ pub enum Value {
     String(String),
 }
 
-/// Why a text is no value of a type.
+/// Why a text is not a value of a type.
 #[derive(Debug)]
 pub struct ValueError(pub String);
 
@@ -54,7 +54,7 @@ fn enumeration(text: &str, items: &[(String, i32)]) -> Result<Value, ValueError>
     }
     let names: Vec<&str> = items.iter().map(|(name, _)| name.as_str()).collect();
     let hint = names::did_you_mean(text, names.iter().copied()).unwrap_or_default();
-    Err(ValueError(format!("'{text}' is none of {}; {hint}", names.join(", "))))
+    Err(ValueError(format!("'{text}' is not one of {}; {hint}", names.join(", "))))
 }
 
 impl fmt::Display for Value {

@@ -1,4 +1,4 @@
-//! Setting and reading variables of an instance.
+//! Sets and reads variables of an instance.
 
 use std::ffi::{CString, c_char};
 
@@ -68,7 +68,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Sets Boolean variables, as FMI has them: 0 or 1.
+    /// Sets Boolean variables, in FMI's form: 0 or 1.
     pub fn set_boolean(&mut self, references: &[u32], values: &[i32]) -> Result<()> {
         self.check("fmi2SetBoolean", WRITABLE, references.len(), values.len())?;
         let shown = |f: &Followed| f.pairs(&Kind::Boolean, references, values);
@@ -78,7 +78,7 @@ impl Instance {
         })
     }
 
-    /// Reads Boolean variables, as FMI has them: 0 or 1.
+    /// Reads Boolean variables, in FMI's form: 0 or 1.
     pub fn get_boolean(&mut self, references: &[u32], values: &mut [i32]) -> Result<()> {
         self.check("fmi2GetBoolean", READABLE, references.len(), values.len())?;
         let shown = |f: &Followed| f.names(&Kind::Boolean, references);
@@ -135,7 +135,7 @@ impl Instance {
         let mut pointer: *const c_char = std::ptr::null();
         let shown = |f: &Followed| f.names(&Kind::String, &[reference]);
         self.get("fmi2GetString", shown, |f, c| {
-            // SAFETY: `c` is alive; one reference and room for one pointer.
+            // SAFETY: `c` is alive; one reference and space for one pointer.
             unsafe { (f.get_string)(c, &reference, 1, &mut pointer) }
         })?;
         // SAFETY: the FMU gave NULL or a C string, which lives until the next call.

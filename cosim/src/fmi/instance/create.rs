@@ -1,4 +1,4 @@
-//! Making an instance.
+//! Creates an instance.
 
 use std::ffi::{CString, c_char};
 use std::sync::Arc;
@@ -54,11 +54,11 @@ impl Instance {
             fmu,
         };
         for line in &instance.fmu.binary(kind)?.changed {
-            instance.log.told(line);
+            instance.log.push_line(line);
         }
         instance.instantiate(logging)?;
         if instance.attempt(|instance| instance.choose_categories(logging))?.is_err() {
-            instance.log.told("fmi2SetDebugLogging is refused: the FMU logs what it chooses");
+            instance.log.push_line("fmi2SetDebugLogging is refused: the FMU logs what it chooses");
         }
         Ok(instance)
     }
@@ -71,7 +71,7 @@ impl Instance {
             InterfaceType::ModelExchange => 0,
             InterfaceType::CoSimulation => 1,
         };
-        // Categories are chosen after this, and only then is anything logged.
+        // Categories are selected after this, and only then is anything logged.
         let debug = logging.debug && logging.categories.is_empty();
         if let Some(followed) = &self.followed {
             let (guid, kind) = (&self.fmu.description().guid, self.kind.name());
@@ -114,13 +114,16 @@ impl Instance {
         if !tool {
             return error;
         }
-        error.help(format!("the FMU needs its tool: is '{}' here?", description.generation_tool))
+        error.help(format!(
+            "the FMU needs its tool: is '{}' installed?",
+            description.generation_tool
+        ))
     }
 
-    /// Asks for debug messages of all categories, or for none.
+    /// Requests debug messages of all categories, or of none.
     pub fn debug(&mut self, on: bool) -> Result<()> {
         let set = |f: &Functions, c: Component| {
-            // SAFETY: `c` is alive; of an empty list nothing is read.
+            // SAFETY: `c` is alive; an empty list is not read.
             unsafe { (f.set_debug_logging)(c, i32::from(on), 0, std::ptr::null()) }
         };
         self.call("fmi2SetDebugLogging", |_| format!("{on}, []"), set)

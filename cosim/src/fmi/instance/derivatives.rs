@@ -11,7 +11,7 @@ const DIFFERENTIABLE: &[State] =
     &[State::Initialization, State::Ready, State::EventMode, State::ContinuousTime];
 
 impl Instance {
-    /// Gives the first time derivatives of Real inputs, valid during the next step.
+    /// Sets the first time derivatives of Real inputs, valid during the next step.
     pub fn set_input_derivatives(&mut self, references: &[u32], values: &[f64]) -> Result<()> {
         self.check("fmi2SetRealInputDerivatives", STEPPING, references.len(), values.len())?;
         let orders = vec![1; references.len()];
@@ -39,8 +39,8 @@ impl Instance {
         Ok(())
     }
 
-    /// How `unknowns` change when `knowns` change by `seed`, everything else held. `false` when the
-    /// FMU has no answer, whatever it declares: there are differences instead.
+    /// How `unknowns` change when `knowns` change by `seed`, with everything else held. `false` if
+    /// the FMU has no answer, whatever it declares: then differences are used instead.
     pub fn directional_derivative(
         &mut self,
         unknowns: &[u32],

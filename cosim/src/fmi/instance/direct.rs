@@ -1,13 +1,12 @@
 //! The calls of plain co-simulation steps without the handles around them.
 //!
-//! [`Instance`] checks before each call whether the state allows it, and after it what came of it.
-//! Between initialization and the first call that does not go well the answer is always the same;
-//! a master that steps hundreds of small FMUs need not touch the handles to get it. It keeps
-//! [`DirectSteps`]: one cache line per instance with the calls and what else the master needs for
-//! the step.
+//! [`Instance`] checks before each call whether the state allows it, and after it whether it
+//! succeeded. Between initialization and the first failure the answer is always the same; a master
+//! that steps hundreds of small FMUs need not access the handles for it. It keeps [`DirectSteps`]:
+//! one cache line per instance with the calls and everything else the master needs for the step.
 //!
-//! Their calls are safe: they are made of instances that are initialized, they end with the first
-//! that fails, and while they are there no instance is freed.
+//! Their calls are safe: they are created from initialized instances, they end with the first
+//! failure, and no instance is freed while they exist.
 
 use std::sync::Arc;
 
@@ -22,7 +21,7 @@ type SetReal = unsafe extern "C" fn(Component, *const u32, usize, *const f64) ->
 type GetReal = unsafe extern "C" fn(Component, *const u32, usize, *mut f64) -> RawStatus;
 type DoStep = unsafe extern "C" fn(Component, f64, f64, i32) -> RawStatus;
 
-/// What a plain step needs of an instance.
+/// What a plain step needs from an instance.
 struct Calls {
     component: Component,
     set_real: SetReal,
@@ -30,25 +29,26 @@ struct Calls {
     get_real: GetReal,
 }
 
-/// The calls of an instance, which keep it.
+/// The calls of an instance, which keep it alive.
 pub(crate) struct Direct {
     calls: Calls,
     kept: Arc<()>,
 }
 
-/// The steps of many instances in an order, each with something of the master's.
+/// The steps of many instances in order, each with data of the master.
 pub(crate) struct DirectSteps<T> {
     lines: Vec<Line<T>>,
-    /// Those of all lines: of each first what is set, then what is read.
+    /// The value references of all lines: for each first those that are set, then those that are
+    /// read.
     references: Vec<u32>,
-    /// No instance of a line is freed as long as this is there.
+    /// No instance of a line is freed while this exists.
     kept: Vec<Arc<()>>,
 }
 
-/// A cache line, if `T` is no longer than 24 bytes.
+/// A cache line, if `T` is at most 24 bytes long.
 #[repr(C, align(64))]
 struct Line<T> {
-    /// None: the step is not made directly.
+    /// `None`: the step is not made directly.
     calls: Option<Calls>,
     /// Where its references begin; there are as many as are set and read.
     references: u32,
@@ -60,12 +60,12 @@ struct Line<T> {
 /// The step of an instance.
 pub(crate) struct DirectStep<'a> {
     calls: &'a mut Option<Calls>,
-    /// What is set, then what is read.
+    /// The references to set, followed by those to read.
     references: &'a [u32],
     sets: usize,
 }
 
-/// A call that did not go well: nothing more was called.
+/// A call that did not succeed: nothing else was called.
 pub struct Unusual {
     call: Call,
     status: RawStatus,
@@ -84,8 +84,8 @@ impl<T> Default for DirectSteps<T> {
 }
 
 impl<T> DirectSteps<T> {
-    /// Adds a step that sets Reals and then reads some, or one that is not made directly, which is
-    /// also what becomes of one with more of them than can be counted.
+    /// Adds a step that sets Reals and then reads some, or a step that is not made directly; a step
+    /// with more Reals than can be counted is also not made directly.
     pub(crate) fn push(&mut self, direct: Option<Direct>, sets: &[u32], reads: &[&[u32]], own: T) {
         let mut line = Line { calls: None, references: 0, sets: 0, reads: 0, own };
         if let Some(direct) = direct {
@@ -102,14 +102,14 @@ impl<T> DirectSteps<T> {
         self.lines.push(line);
     }
 
-    /// From now on this step is not made directly.
+    /// From now on, this step is not made directly.
     pub(crate) fn leave(&mut self, place: usize) {
         if let Some(line) = self.lines.get_mut(place) {
             line.calls = None;
         }
     }
 
-    /// The steps from that place on, up to the first that is not made directly.
+    /// The steps from that position on, up to the first that is not made directly.
     #[inline(always)]
     pub(crate) fn from(&mut self, place: usize) -> impl Iterator<Item = (&T, DirectStep<'_>)> {
         let references = &self.references;
@@ -136,9 +136,9 @@ impl DirectStep<'_> {
         self.references.len() - self.sets
     }
 
-    /// Sets the inputs, steps from `start` by `length` (in seconds), reads the outputs. The inputs
-    /// are as many as it sets; of the outputs the last may be left out. Empty arrays are left
-    /// alone.
+    /// Sets the inputs, steps from `start` by `length` (in seconds), reads the outputs. `inputs`
+    /// must have as many as it sets; the last outputs may be omitted. Nothing is called for empty
+    /// arrays.
     #[inline(always)]
     pub(crate) fn advance(
         self,
@@ -152,8 +152,8 @@ impl DirectStep<'_> {
         let (set, read) = self.references.split_at(inputs.len());
         let read = &read[..outputs.len()];
         if !set.is_empty() {
-            // SAFETY: the instance is kept and was initialized, here and below; the arrays have one
-            // length and live during the calls.
+            // SAFETY: the instance is kept alive and was initialized, here and below; the arrays
+            // have the same length and live during the calls.
             let status = unsafe { set_real(component, set.as_ptr(), set.len(), inputs.as_ptr()) };
             if is_unusual(status) {
                 return Err(self.end(Call::Set, status));
@@ -175,7 +175,7 @@ impl DirectStep<'_> {
         Ok(())
     }
 
-    /// A discarded step may be followed by others, nothing else may.
+    /// A discarded step may be followed by other calls, other failures may not.
     #[cold]
     fn end(self, call: Call, status: RawStatus) -> Unusual {
         if status != status::DISCARD {
@@ -185,16 +185,15 @@ impl DirectStep<'_> {
     }
 }
 
-/// Neither well nor with a warning, which the FMU has logged.
+/// Not OK, and not just a warning, which the FMU has logged.
 #[inline(always)]
 fn is_unusual(status: RawStatus) -> bool {
     !matches!(status, status::OK | status::WARNING)
 }
 
 impl Instance {
-    /// The bare calls of its steps, once it is initialized. There are none when somebody follows
-    /// the calls, when a step may go on in the background or is a fraction of nanoseconds, and in
-    /// model exchange.
+    /// The bare calls of its steps, once it is initialized. `None` if the calls are followed, if a
+    /// step may continue in the background or is a fraction of nanoseconds, and in model exchange.
     pub(crate) fn direct(&self) -> Option<Direct> {
         let Hot { set_real, get_real, do_step } = self.hot;
         let asynchronous = self.fmu.interface(self.kind).is_ok_and(|own| own.asynchronous);
@@ -206,19 +205,19 @@ impl Instance {
         Some(Direct { calls, kept: self.kept.clone() })
     }
 
-    /// Sets back what a direct step changed of the floating-point environment, which was `before`.
+    /// Undoes what a direct step changed in the floating-point environment, which was `before`.
     #[cold]
     pub(crate) fn changed_float(&self, before: Float) {
         before.changed(&self.log, "a step");
     }
 
-    /// Direct calls have brought the instance to this instant: errors tell it.
+    /// Direct calls have brought the instance to this instant, for error messages.
     pub(crate) fn came_to(&mut self, now: Time) {
         self.time = now;
     }
 
-    /// What a direct step from `start` by `step` came to after an unusual call: the instant
-    /// reached if the FMU discarded it, else the error.
+    /// The result of a direct step from `start` by `step` after an unusual status: the instant
+    /// reached if the FMU discarded the step, otherwise the error.
     #[cold]
     pub(crate) fn conclude(&mut self, found: Unusual, start: Time, step: Time) -> Result<Time> {
         self.time = start;

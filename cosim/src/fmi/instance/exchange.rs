@@ -7,18 +7,18 @@ use crate::fmi::library::{Component, EventInfo, Exchange, Own};
 use crate::fmi::status::RawStatus;
 use crate::time::Time;
 
-/// Iterations of one event after which the FMU is taken to never settle.
+/// Iterations of one event after which the FMU is assumed not to settle.
 const MAX_ITERATIONS: usize = 1000;
 
 const CONTINUOUS: &[State] = &[State::ContinuousTime];
 const BOTH: &[State] = &[State::ContinuousTime, State::EventMode];
 
-/// What an event left behind.
+/// The result of an event.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct NextEvent {
     /// The next time event in seconds, if there is one.
     pub time: Option<f64>,
-    /// The continuous states have jumped.
+    /// The continuous states have changed discontinuously.
     pub states_changed: bool,
     /// The nominal values of the states have changed.
     pub nominals_changed: bool,
@@ -28,7 +28,7 @@ impl Instance {
     /// Sets the time in seconds.
     #[inline]
     pub fn set_time(&mut self, time: f64) -> Result<()> {
-        // For messages; beyond 146 years the last instant stands there.
+        // For messages; beyond 146 years the last instant is kept.
         self.time = Time::from_seconds(time, "the time").unwrap_or(self.time);
         // SAFETY: `c` is alive and the state allows the call.
         self.exchange(
@@ -102,7 +102,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Tells that a step was accepted; whether the FMU wants a step event.
+    /// Notifies the FMU of an accepted step; returns whether it requests a step event.
     pub fn completed_step(&mut self) -> Result<bool> {
         let (mut event, mut terminate) = (0, 0);
         self.exchange_get("fmi2CompletedIntegratorStep", CONTINUOUS, |f, c| {
@@ -124,7 +124,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Iterates over the event until nothing new happens, and enters continuous-time mode.
+    /// Iterates over the event until nothing changes, and enters continuous-time mode.
     pub fn finish_event(&mut self) -> Result<NextEvent> {
         let mut next = NextEvent::default();
         for _ in 0..MAX_ITERATIONS {
@@ -150,7 +150,7 @@ impl Instance {
         }
         Err(Error::new(Code::Fmu, format!("'{}' does not settle at t = {}", self.name, self.time))
             .at(self.fmu.path())
-            .why(format!("the event asked for {MAX_ITERATIONS} iterations and still for more")))
+            .why(format!("the event requested {MAX_ITERATIONS} iterations and still more")))
     }
 
     fn unless_ended(&mut self, terminate: i32) -> Result<()> {
@@ -169,7 +169,7 @@ impl Instance {
         self.call(function, arguments, |_, c| call(&own, c))
     }
 
-    /// A call that gives something, which is told by `show`.
+    /// A call with results, which `show` formats.
     #[inline]
     fn exchange_get(
         &mut self,

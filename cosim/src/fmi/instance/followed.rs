@@ -1,4 +1,4 @@
-//! Those who follow the calls of an instance: value references become names again.
+//! Followers of the calls of an instance: value references become names again.
 
 use std::collections::HashMap;
 use std::fmt::Debug;
@@ -9,16 +9,16 @@ use crate::fmi::trace::Trace;
 use crate::fmi::{Description, Kind, LastCall, Logging};
 use crate::time::Time;
 
-/// Followers, and what they call things.
+/// Followers, and the names they use.
 pub(super) struct Followed {
     trace: Option<Arc<Trace>>,
     last: Option<Arc<LastCall>>,
     instance: String,
-    /// Names of variables by FMI's base type and value reference; the first of aliases.
+    /// Names of variables by FMI's base type and value reference; the first of several aliases.
     names: HashMap<(&'static str, u32), String>,
 }
 
-/// The arguments of a function that has none but the instance.
+/// The arguments of a function that takes only the instance.
 pub(super) fn nothing(_: &Followed) -> String {
     String::new()
 }
@@ -32,7 +32,7 @@ fn base(kind: &Kind) -> &'static str {
 }
 
 impl Followed {
-    /// None if nobody follows.
+    /// `None` if there are no followers.
     pub(super) fn of(logging: &Logging, instance: &str, description: &Description) -> Option<Self> {
         let (trace, last) = (logging.calls_of(instance), logging.last.clone());
         if trace.is_none() && last.is_none() {
@@ -46,7 +46,7 @@ impl Followed {
         Some(Self { trace, last, instance: instance.to_owned(), names })
     }
 
-    /// Before a call at the instance's time `now`. Arguments become words for a trace only.
+    /// Before a call at the instance's time `now`. Arguments are formatted only for a trace.
     pub(super) fn begin(
         &self,
         function: &'static str,

@@ -1,5 +1,5 @@
-//! Calls that somebody elsewhere makes: as they come, with their very arguments. Which are legal
-//! now is for those to know who make them.
+//! Calls relayed from another process: as they arrive, with exactly their arguments. The caller is
+//! responsible for making only legal calls.
 
 use std::ffi::{CString, c_char};
 use std::ptr;
@@ -181,7 +181,7 @@ impl Instance {
         let mut came = status::OK;
         let shown = |_: &Followed| format!("{t:?}, {h:?}, false");
         self.call("fmi2DoStep", shown, |_, c| {
-            // SAFETY: `c` is alive. A state of before may be set later: who asks may go back.
+            // SAFETY: `c` is alive. An earlier state may be restored later: the caller may go back.
             came = unsafe { do_step(c, t, h, 0) };
             if matches!(came, status::PENDING | status::DISCARD) { status::OK } else { came }
         })?;
@@ -189,7 +189,7 @@ impl Instance {
             came = self.wait()?;
         }
         if came == status::DISCARD {
-            // It says so itself if it wants the run to end.
+            // The FMU reports it itself if it wants the run to end.
             self.reached(self.time, near(h, Time::ZERO))?;
             return Err(self.failed("fmi2DoStep", came));
         }
@@ -211,7 +211,7 @@ impl Instance {
             return result.and(Err(self.without("fmi2DeSerializeFMUstate")));
         }
         if result.is_ok() {
-            // SAFETY: `saved` is a state of this living instance, here and below.
+            // SAFETY: `saved` is a state of this live instance, here and below.
             let set = |f: &Functions, c: Component| unsafe { (f.set_state)(c, saved) };
             result = self.call("fmi2SetFMUstate", nothing, set);
         }
@@ -249,7 +249,7 @@ impl Instance {
     }
 }
 
-/// The instant for messages; one that is no time leaves the last one.
+/// The instant for messages; an invalid time leaves the last one.
 fn near(seconds: f64, last: Time) -> Time {
     Time::from_seconds(seconds, "t").unwrap_or(last)
 }

@@ -1,4 +1,4 @@
-//! The state of an FMU as a whole: kept, set back, turned into bytes (FMI 2.0.5, 2.1.8).
+//! The complete state of an FMU: saved, restored, serialized (FMI 2.0.5, 2.1.8).
 
 use std::ptr;
 
@@ -11,26 +11,27 @@ use crate::time::Time;
 const RESTORABLE: &[State] =
     &[State::Ready, State::EventMode, State::ContinuousTime, State::Failed];
 
-/// Where a state is kept: those who go back do so independently of each other.
+/// Slots for saved states: features that go back do so independently of each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
     /// The iteration that solves an algebraic loop.
     Iteration,
     /// The repetition of a discarded step.
     Retry,
-    /// The beginning of a step whose error is controlled.
+    /// The start of a step under error control.
     Control,
     /// A snapshot.
     Snapshot,
 }
 
 impl Place {
-    /// How many there are.
+    /// The number of slots.
     pub const COUNT: usize = 4;
 }
 
 impl Instance {
-    /// Saves the FMU's whole state for [`Instance::restore`], in place of one saved there before.
+    /// Saves the FMU's complete state for [`Instance::restore`], replacing the one saved there
+    /// before.
     pub fn save(&mut self, place: Place) -> Result<()> {
         self.require("fmi2GetFMUstate", RUNNING)?;
         self.keep(place)
@@ -51,7 +52,7 @@ impl Instance {
         result
     }
 
-    /// Sets the FMU back to the state saved there, which was that of the instant `time`.
+    /// Restores the FMU's state saved there, which was that of the instant `time`.
     pub fn restore(&mut self, place: Place, time: Time) -> Result<()> {
         self.require("fmi2SetFMUstate", RESTORABLE)?;
         let Some((saved, state)) = self.saved[place as usize] else {
@@ -70,13 +71,14 @@ impl Instance {
         Ok(())
     }
 
-    /// The FMU's whole state as bytes, for another instance of the same FMU in another process.
+    /// Serializes the FMU's complete state, for another instance of the same FMU in another
+    /// process.
     pub fn serialize(&mut self) -> Result<Vec<u8>> {
         self.require("fmi2GetFMUstate", RUNNING)?;
         self.serialized()
     }
 
-    /// The same, whatever the instance does at present.
+    /// The same, whatever the current state of the instance.
     pub(super) fn serialized(&mut self) -> Result<Vec<u8>> {
         self.serializable()?;
         self.keep(Place::Snapshot)?;
@@ -97,8 +99,8 @@ impl Instance {
         Ok(bytes)
     }
 
-    /// Sets the state that [`Instance::serialize`] gave, which was that of the instant `time`. The
-    /// instance has left its initialization, and is in the state that the other one was in.
+    /// Restores the state from [`Instance::serialize`], which was that of the instant `time`. The
+    /// instance must have left initialization, and be in the same state as the other one was.
     pub fn deserialize(&mut self, bytes: &[u8], time: Time) -> Result<()> {
         self.require("fmi2DeSerializeFMUstate", RUNNING)?;
         self.serializable()?;
@@ -114,7 +116,7 @@ impl Instance {
         if let Some((mut old, _)) =
             self.saved[Place::Snapshot as usize].replace((saved, self.state))
         {
-            // SAFETY: `old` is a state of this living instance.
+            // SAFETY: `old` is a state of this live instance.
             unsafe { (self.functions.free_state)(self.component, &mut old) };
         }
         result?;
@@ -125,7 +127,7 @@ impl Instance {
         self.declares("be part of a snapshot", "canSerializeFMUstate", |i| i.serialize_state)
     }
 
-    /// An error that names the flag when the FMU does not declare it.
+    /// An error that names the flag if the FMU does not declare it.
     fn declares(&self, what: &str, flag: &str, has: impl Fn(&Interface) -> bool) -> Result<()> {
         if has(self.fmu.interface(self.kind)?) {
             return Ok(());

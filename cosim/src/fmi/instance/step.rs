@@ -1,8 +1,8 @@
-//! The step of co-simulation, and how far it came (FMI 2.0.5, 4.2.2 and 4.2.3).
+//! The step of co-simulation, and how far it got (FMI 2.0.5, 4.2.2 and 4.2.3).
 //!
-//! An FMU that declares canRunAsynchronuously may return `fmi2Pending` and go on in the
-//! background: it is asked by `fmi2GetStatus` until it is done. One that does not declare it is
-//! refused and not touched again, for its thread may still run.
+//! An FMU that declares canRunAsynchronuously may return `fmi2Pending` and continue in the
+//! background: it is polled with `fmi2GetStatus` until it is done. An FMU that does not declare it
+//! is refused and not touched again, because its thread may still run.
 
 use std::time::Duration;
 
@@ -13,7 +13,8 @@ use crate::fmi::library::{Component, Functions, Own, Stepping};
 use crate::fmi::status::{self, RawStatus};
 use crate::time::{Step, Time};
 
-/// Between two questions to an FMU in the background; short at first, for most steps are.
+/// Interval between polls of an FMU in the background; short at first, because most steps are
+/// short.
 const FIRST_PAUSE: Duration = Duration::from_micros(20);
 const LONGEST_PAUSE: Duration = Duration::from_millis(5);
 
@@ -22,7 +23,7 @@ const DO_STEP_STATUS: i32 = 0;
 const LAST_SUCCESSFUL_TIME: i32 = 2;
 const TERMINATED: i32 = 3;
 
-/// Begin and length of a step in seconds.
+/// Start and length of a step in seconds.
 #[cold]
 fn unrounded((origin, grid): (Time, Step), begin: Time, end: Time) -> (f64, f64) {
     let from = grid.seconds_at(origin, begin);
@@ -31,8 +32,9 @@ fn unrounded((origin, grid): (Time, Step), begin: Time, end: Time) -> (f64, f64)
 }
 
 impl Instance {
-    /// `stop` in seconds as the FMU finds it by adding the last step's length to its begin. That may
-    /// be more by a rounding, and some refuse every step that ends behind the stop time.
+    /// `stop` in seconds as the FMU computes it by adding the length of the last step to its start.
+    /// Rounding may make that greater, and some FMUs refuse every step that ends after the stop
+    /// time.
     pub(super) fn end_of_last_step(&self, start: Time, stop: Time) -> f64 {
         let duration = stop - start;
         let Some(usual) = self.usual.filter(|_| duration > Time::ZERO) else {
@@ -47,7 +49,7 @@ impl Instance {
         stop.seconds().max(from + length)
     }
 
-    /// Advances from `start` by `step`; a step that is not made as a whole is an error.
+    /// Advances from `start` by `step`; an incomplete step is an error.
     pub fn do_step(&mut self, start: Time, step: Time) -> Result<()> {
         match self.try_step(start, step)? {
             reached if reached == start + step => Ok(()),
@@ -55,8 +57,8 @@ impl Instance {
         }
     }
 
-    /// Advances from `start` by `step`: the instant reached. If that is less than the whole, the FMU
-    /// discarded the rest, and a saved state may be set back, nothing else.
+    /// Advances from `start` by `step`; returns the instant reached. If that is before the end of
+    /// the step, the FMU discarded the rest, and only a saved state may be restored.
     #[inline(always)]
     pub fn try_step(&mut self, start: Time, step: Time) -> Result<Time> {
         self.require("fmi2DoStep", &[State::Ready])?;
@@ -65,7 +67,7 @@ impl Instance {
         };
         self.time = start;
         if step != self.step.0 {
-            // A division less per step, most of which have one length.
+            // Saves a division per step; most steps have the same length.
             self.step = (step, step.seconds());
         }
         let (from, length) = match self.grid {
@@ -88,7 +90,7 @@ impl Instance {
         self.stepped(start, step, status)
     }
 
-    /// What came of a step that returned `status`.
+    /// The result of a step that returned `status`.
     #[inline(always)]
     pub(super) fn stepped(
         &mut self,
@@ -122,7 +124,8 @@ impl Instance {
         loop {
             std::thread::sleep(pause);
             let mut found = status::PENDING;
-            // SAFETY: the component is alive and asked for its step; `found` lives during the call.
+            // SAFETY: the component is alive and only polled for its step; `found` lives during the
+            // call.
             let status = unsafe { get_status(self.component, DO_STEP_STATUS, &mut found) };
             if status != status::OK {
                 let error = self.failed("fmi2GetStatus", status);
@@ -148,7 +151,7 @@ impl Instance {
         }
     }
 
-    /// How far a discarded step came; an FMU that does not say so came nowhere.
+    /// How far a discarded step got; an FMU that does not report it made no progress.
     #[cold]
     pub(super) fn reached(&mut self, start: Time, step: Time) -> Result<Time> {
         self.state = State::Failed;
@@ -158,11 +161,11 @@ impl Instance {
             self.time = reached.filter(|t| *t >= start && *t <= start + step).unwrap_or(start);
             return Err(self.ended("the FMU discarded a step with the status fmi2Terminated"));
         }
-        // One that came to the end has no reason to discard the step: it came nowhere.
+        // An FMU that reached the end has no reason to discard the step: it made no progress.
         Ok(reached.filter(|t| *t > start && *t < start + step).unwrap_or(start))
     }
 
-    /// The FMU wants the run to end at the present time.
+    /// The FMU requests the end of the run at the current time.
     #[cold]
     pub(super) fn ended(&mut self, why: &str) -> Error {
         Error::new(Code::Ended, format!("'{}' ended the run at t = {}", self.name, self.time))
@@ -170,13 +173,13 @@ impl Instance {
             .why(why)
     }
 
-    /// The error for a discarded step that nobody repeats.
+    /// The error for a discarded step that is not repeated.
     #[cold]
     pub fn discarded(&mut self, reached: Time) -> Error {
         let error = self.failed("fmi2DoStep", status::DISCARD);
         match reached > self.time {
-            true => error.why(format!("the FMU discarded the step; it came as far as {reached}")),
-            false => error.why("the FMU discarded the step and came nowhere"),
+            true => error.why(format!("the FMU discarded the step; it reached {reached}")),
+            false => error.why("the FMU discarded the step and made no progress"),
         }
     }
 

@@ -1,4 +1,4 @@
-//! One axis as the drawing library wants it: a linear map with labelled ticks.
+//! An axis for the drawing library: a linear map with labelled ticks.
 
 use std::ops::Range;
 
@@ -32,7 +32,7 @@ impl Ranged for Coordinate {
     type FormatOption = NoDefaultFormatting;
     type ValueType = f64;
 
-    /// Values beyond the range come to lie on its end.
+    /// Values beyond the range are placed at its end.
     fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
         let part = ((value - self.low) / (self.high - self.low)).clamp(0.0, 1.0);
         let part = if self.axis.reversed { 1.0 - part } else { part };
@@ -40,7 +40,7 @@ impl Ranged for Coordinate {
     }
 
     fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
-        // The library asks twice: for light lines, of which there are none, and for ticks.
+        // The library asks twice: for light grid lines, of which there are none, and for ticks.
         if hint.weight().allow_light_points() { Vec::new() } else { self.ticks.places.clone() }
     }
 

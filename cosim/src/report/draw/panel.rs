@@ -9,9 +9,9 @@ use super::super::legend::FONT;
 use super::coordinate::Coordinate;
 use super::{Drawn, INK, Sheet, font, shapes, units};
 
-/// Left of the label of the vertical axis, px.
+/// To the left of the label of the vertical axis, px.
 const EDGE: f64 = 8.0;
-/// Ticks of the horizontal and of the vertical axis are about so far apart, px.
+/// Approximate distance of ticks on the horizontal and on the vertical axis, px.
 const SPACING: (f64, f64) = (110.0, 36.0);
 const GRID: RGBColor = RGBColor(0xE4, 0xE4, 0xE4);
 const AXIS: RGBColor = RGBColor(0x9A, 0x9A, 0x9A);

@@ -44,7 +44,7 @@ fn lines(chart: &mut Chart, points: &[(f64, f64)], role: Role, cell: &Cell) -> D
     Ok(())
 }
 
-/// A line in drawing units in the look of its role.
+/// A line in drawing units in the style of its role.
 pub(super) fn stroke(sheet: &Sheet, points: Vec<(i32, i32)>, role: Role) -> Drawn {
     let style = role.colour().stroke_width(units(role.width()) as u32);
     match role.dash() {
@@ -57,7 +57,7 @@ pub(super) fn stroke(sheet: &Sheet, points: Vec<(i32, i32)>, role: Role) -> Draw
     }
 }
 
-/// The corners of a curve that holds each value until the next.
+/// The vertices of a curve that holds each value until the next.
 fn stairs(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let corners = points.windows(2).flat_map(|w| [w[0], (w[1].0, w[0].1)]);
     corners.chain(points.last().copied()).collect()
@@ -88,7 +88,7 @@ fn marks(chart: &mut Chart, points: &[(f64, f64)], role: Role) -> Drawn {
     Ok(())
 }
 
-/// A diamond about a place in drawing units.
+/// A diamond around a position in drawing units.
 pub(super) fn diamond((x, y): (i32, i32), role: Role) -> Polygon<(i32, i32)> {
     let half = units(4.5);
     let corners = [(x - half, y), (x, y - half), (x + half, y), (x, y + half)];

@@ -1,18 +1,18 @@
-//! The columns of a recording by their names, as far as plots can use them.
+//! The columns of a recording by name, as far as plots can use them.
 
 use std::collections::HashMap;
 
 use crate::Recording;
 
-/// Columns of numbers, over instants that do not go back.
+/// Columns of numbers, at instants that do not decrease.
 pub(super) struct Columns<'a> {
     pub(super) time: Vec<f64>,
     /// In the order of the recording.
     pub(super) names: Vec<&'a str>,
     values: HashMap<&'a str, &'a [f64]>,
-    /// The rows that are shown; `None`: all.
+    /// The rows to show; `None`: all.
     rows: Option<Vec<usize>>,
-    /// What is wrong with the recording.
+    /// Problems of the recording.
     pub(super) notes: Vec<String>,
 }
 
@@ -28,12 +28,13 @@ impl<'a> Columns<'a> {
             }
         }
         if texts > 0 {
-            notes.push(format!("{texts} variables are text and have no plot"));
+            notes.push(format!("{texts} variables are text and cannot be plotted"));
         }
         let (time, rows) = forward(recording.time());
         if let Some(rows) = &rows {
             let lost = recording.time().len() - rows.len();
-            notes.push(format!("{lost} rows are left out: their time is no number or goes back"));
+            notes
+                .push(format!("{lost} rows are left out: their time is not a number or goes back"));
         }
         if time.is_empty() {
             notes.push("no instant is recorded".to_owned());
@@ -41,7 +42,7 @@ impl<'a> Columns<'a> {
         Self { time, names, values, rows, notes }
     }
 
-    /// The values of a column at the instants that are shown.
+    /// The values of a column at the instants shown.
     pub(super) fn get(&self, name: &str) -> Option<Vec<f64>> {
         let column = *self.values.get(name)?;
         Some(match &self.rows {
@@ -51,7 +52,7 @@ impl<'a> Columns<'a> {
     }
 }
 
-/// The instants up to which none was later, and their rows unless these are all.
+/// The instants that are not before an earlier one, and their rows unless these are all.
 fn forward(time: &[f64]) -> (Vec<f64>, Option<Vec<usize>>) {
     let mut latest = f64::NEG_INFINITY;
     let rows: Vec<usize> = (0..time.len())

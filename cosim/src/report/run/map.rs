@@ -1,4 +1,4 @@
-//! The map: paths over the same instants, and how sure the estimates are.
+//! The map: paths at the same instants, and the uncertainty of the estimates.
 
 use serde::Serialize;
 
@@ -32,7 +32,7 @@ struct Path {
 /// Covariances of x and y at some instants.
 #[derive(Debug, Clone, Serialize)]
 struct Ellipses {
-    /// Places among the instants of the map.
+    /// Positions among the instants of the map.
     at: Vec<usize>,
     xx: Numbers,
     xy: Numbers,
@@ -44,7 +44,7 @@ const ELLIPSES: usize = 60;
 const FIXES: usize = 300;
 
 impl Map {
-    /// With at most so many instants; `None` without a path.
+    /// With at most this many instants; `None` without a path.
     pub(super) fn of(columns: &Columns<'_>, paths: &Paths, instants: usize) -> Option<Self> {
         let places = thin::even(columns.time.len(), instants);
         let truth = paths.truth.iter().map(|path| (path.clone(), Role::Truth, None));
@@ -91,7 +91,7 @@ fn ellipses(columns: &Columns<'_>, estimate: &Estimate, places: &[usize]) -> Opt
     })
 }
 
-/// The places where a fix is another one than before: what is held is not drawn again.
+/// The positions where a fix differs from the previous one: held values are not drawn again.
 fn fixes(columns: &Columns<'_>, name: &str) -> Option<Path> {
     let (x, y) = (columns.get(&format!("{name}.x"))?, columns.get(&format!("{name}.y"))?);
     let new = |row: &usize| {

@@ -1,5 +1,5 @@
-//! One run as data for the page: the map first, then what tells of the estimates, the actuators and
-//! health, and behind these all that was recorded.
+//! One run as data for the page: the map first, then plots on the estimates, the actuators and
+//! health, followed by everything that was recorded.
 
 mod columns;
 mod map;
@@ -22,23 +22,23 @@ use crate::{Code, Error, Recording, Result};
 pub(crate) use self::navigation::freedom;
 pub use crate::roles::{Choice, Estimate};
 
-/// How a run is shown.
+/// How to show a run.
 #[derive(Debug, Default)]
 pub(crate) struct Shown<'a> {
     pub(crate) units: Units,
     pub(crate) choice: Choice,
-    /// Shaded on every time axis.
+    /// Time spans shaded on every time axis.
     pub(crate) faults: Vec<Window>,
-    /// Plots that are asked for come first.
+    /// Requested plots come first.
     pub(crate) plots: &'a [Chosen],
     pub(crate) paths: &'a [XyPlot],
-    /// Whether all variables are there, behind the rest.
+    /// Whether all variables are included after the rest.
     pub(crate) all: bool,
-    /// About how many numbers the run may have.
+    /// Approximate maximum number of values of the run.
     pub(crate) numbers: usize,
 }
 
-/// A run as the page has it.
+/// A run as data of the page.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Trace {
     start: f64,
@@ -71,7 +71,7 @@ struct Curve {
 }
 
 impl Trace {
-    /// With at most about so many octets as JSON.
+    /// Approximate maximum size as JSON, in octets.
     pub(crate) fn within(
         recording: &Recording,
         mut shown: Shown<'_>,
@@ -79,7 +79,7 @@ impl Trace {
     ) -> Result<Self> {
         shown.numbers = octets / 7;
         let mut trace = Self::new(recording, &shown)?;
-        // Numbers have more or fewer digits.
+        // The number of digits varies.
         for _ in 0..6 {
             let size = serde_json::to_vec(&trace).map_or(0, |octets| octets.len());
             if size <= octets {
@@ -91,7 +91,7 @@ impl Trace {
         Ok(trace)
     }
 
-    /// Of what was recorded; an error if it lacks a variable that is asked for.
+    /// From a recording; an error if a requested variable is missing.
     fn new(recording: &Recording, shown: &Shown<'_>) -> Result<Self> {
         let columns = Columns::of(recording);
         let paths = Paths::find(&Names::new(columns.names.iter().copied()), &shown.choice)?;
@@ -119,7 +119,7 @@ impl Trace {
             notes.extend(left_out.into_iter().chain(cut));
             (behind, table) = (plots, rows);
         }
-        // The map has a fifth of all numbers, what stands in front at least half of the rest.
+        // The map gets a fifth of all values, the sections at the front at least half of the rest.
         let map = Map::of(&columns, &paths, (shown.numbers / 50).clamp(40, 1500));
         let of_all = shown.numbers * 4 / 5;
         let in_front = if behind.is_empty() { of_all } else { of_all / 2 };
@@ -147,16 +147,16 @@ impl Trace {
     }
 }
 
-/// The plots that are asked for; variables of another unit get one of their own.
+/// The requested plots; variables with a different unit get a separate one.
 fn chosen(recording: &Recording, columns: &Columns<'_>, shown: &Shown<'_>) -> Result<Vec<Whole>> {
     let mut plots: Vec<Whole> = Vec::new();
     for plot in shown.plots {
         let first = plots.len();
         for name in &plot.signals {
-            // For the error with the nearest name.
+            // To report the nearest name.
             recording.column(name)?;
             let values = columns.get(name).ok_or_else(|| {
-                Error::new(Code::Report, format!("'{name}' is text, which has no plot"))
+                Error::new(Code::Report, format!("'{name}' is text, which cannot be plotted"))
             })?;
             let unit = shown.units.unit(name).unwrap_or_default();
             let line = (name.clone(), Role::Signal, values);
@@ -175,7 +175,7 @@ fn chosen(recording: &Recording, columns: &Columns<'_>, shown: &Shown<'_>) -> Re
     Ok(plots)
 }
 
-/// Depths, if any changes.
+/// Depths, if any of them changes.
 fn depth(columns: &Columns<'_>, paths: &Paths, units: &Units) -> Option<Whole> {
     let truth = paths.truth.iter().map(|path| (path, Role::Truth));
     let estimates = paths.estimates.iter().map(|estimate| (&estimate.path, Role::Estimate));

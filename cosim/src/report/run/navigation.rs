@@ -1,4 +1,4 @@
-//! Plots that tell how good estimates are: errors, innovations, consistency.
+//! Plots of the quality of estimates: errors, innovations, consistency.
 
 use std::f64::consts::{PI, TAU};
 
@@ -8,7 +8,7 @@ use crate::report::statistics::chi_square_quantile;
 use crate::report::units::Units;
 use crate::roles::{Estimate, Paths};
 
-/// The axes of a pose, and whether they turn.
+/// The axes of a pose, and whether they are angles.
 const AXES: [(&str, bool); 6] =
     [("x", false), ("y", false), ("z", false), ("roll", true), ("pitch", true), ("yaw", true)];
 
@@ -20,7 +20,7 @@ fn times(values: Vec<f64>, factor: f64) -> Vec<f64> {
     values.into_iter().map(|value| value * factor).collect()
 }
 
-/// Estimates less the truth, with three standard deviations.
+/// Estimates minus the truth, with three standard deviations.
 pub(super) fn errors(columns: &Columns<'_>, paths: &Paths, units: &Units) -> Vec<Whole> {
     let Some(truth) = &paths.truth else { return Vec::new() };
     let mut plots = Vec::new();
@@ -30,7 +30,7 @@ pub(super) fn errors(columns: &Columns<'_>, paths: &Paths, units: &Units) -> Vec
             let sigma = estimate.sigma.as_deref().map(name);
             (name(&estimate.path), name(truth), sigma, *turns)
         });
-        // Whatever else the estimator is sure of, and the truth has: `velocity.u`, `velocity_sigma.u`.
+        // Other quantities with a standard deviation and a truth: `velocity.u`, `velocity_sigma.u`.
         let (own, true_one) = (component(&estimate.path), component(truth));
         let others = columns.names.iter().filter_map(|name| {
             let rest = name.strip_prefix(own)?.strip_prefix('.')?;
@@ -64,8 +64,7 @@ pub(super) fn errors(columns: &Columns<'_>, paths: &Paths, units: &Units) -> Vec
     plots
 }
 
-/// Horizontal normalized estimation error squared, with the band that holds 95 % of a consistent
-/// estimate.
+/// Horizontal normalized estimation error squared, with the 95 % band of a consistent estimate.
 pub(super) fn consistency(columns: &Columns<'_>, paths: &Paths) -> Vec<Whole> {
     let Some(truth) = &paths.truth else { return Vec::new() };
     let plot = |estimate: &Estimate| {
@@ -137,7 +136,7 @@ fn rejected(columns: &Columns<'_>, owner: &str, of: &str) -> Option<(String, Vec
     Some(("rejected".to_owned(), rows.collect()))
 }
 
-/// Normalized innovations squared, with the band that holds 95 % of a consistent filter's.
+/// Normalized innovations squared, with the 95 % band of a consistent filter.
 pub(super) fn normalized(columns: &Columns<'_>, paths: &Paths) -> Vec<Whole> {
     let mut plots = Vec::new();
     for estimate in &paths.estimates {
@@ -162,7 +161,7 @@ pub(super) fn normalized(columns: &Columns<'_>, paths: &Paths) -> Vec<Whole> {
     plots
 }
 
-/// How many innovations a sensor's measurement has: `filter.innovation.fix.x` and `.y` are two.
+/// How many innovations a measurement of a sensor has: `filter.innovation.fix.x` and `.y` are two.
 pub(crate) fn freedom<'a>(
     names: impl Iterator<Item = &'a str>,
     owner: &str,

@@ -1,4 +1,4 @@
-//! Plots over time as data: curves of one unit over common instants.
+//! Plots over time as data: curves with the same unit at common instants.
 
 use serde::Serialize;
 
@@ -6,26 +6,26 @@ use super::columns::Columns;
 use super::thin;
 use crate::report::numbers::Numbers;
 
-/// One plot; every curve has its unit.
+/// One plot; all curves have its unit.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Plot {
-    /// The plots of a section stand together.
+    /// Plots of the same section are shown together.
     pub(super) section: String,
     pub(super) title: String,
     /// Empty if it is not known.
     pub(super) unit: String,
     t: Numbers,
     lines: Vec<Line>,
-    /// Shaded between plus and minus this.
+    /// Shaded between plus and minus this value.
     #[serde(skip_serializing_if = "Option::is_none")]
     band: Option<Line>,
     /// Constant bounds.
     #[serde(skip_serializing_if = "Option::is_none")]
     limits: Option<Limits>,
-    /// Places among the instants that are marked, and why.
+    /// Positions of marked instants, and the reason.
     #[serde(skip_serializing_if = "Option::is_none")]
     marks: Option<Marks>,
-    /// Values hold until the next.
+    /// Values hold until the next sample.
     steps: bool,
     /// The axis points down.
     down: bool,
@@ -51,7 +51,7 @@ struct Marks {
     at: Vec<usize>,
 }
 
-/// What a curve stands for: decides its colour and dashes.
+/// The meaning of a curve, which decides its colour and dashes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Role {
@@ -79,17 +79,17 @@ pub(super) struct Whole {
 const MARKS: usize = 200;
 
 impl Whole {
-    /// Whether there is anything to see.
+    /// Whether there is anything to show.
     pub(super) fn is_empty(&self) -> bool {
         !self.lines.iter().any(|(_, _, values)| values.iter().any(|v| v.is_finite()))
     }
 
-    /// How many lists of numbers it has.
+    /// The number of its value lists.
     pub(super) fn lists(&self) -> usize {
         1 + self.lines.len() + usize::from(self.band.is_some())
     }
 
-    /// With about so many numbers at most.
+    /// With at most about this many values.
     pub(super) fn thinned(self, columns: &Columns<'_>, numbers: usize) -> Plot {
         let curves: Vec<&[f64]> = self
             .lines

@@ -9,21 +9,21 @@ use crate::report::numbers::rounded;
 use crate::report::statistics::mean;
 use crate::report::units::Units;
 
-/// A line of the table of variables.
+/// A row of the table of variables.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Row {
     name: String,
     unit: String,
-    /// First, last, least, mean, greatest; null where there is none.
+    /// First, last, minimum, mean, maximum; null if there is none.
     values: [Option<f64>; 5],
     not_finite: usize,
 }
 
-/// So many variables are in the table, and so many are plotted.
+/// How many variables are listed in the table, and how many are plotted.
 const LISTED: usize = 5_000;
 const PLOTTED: usize = 2_000;
 
-/// The table, and a note if it is not of all.
+/// The table, and a note if it is incomplete.
 pub(super) fn table(columns: &Columns<'_>, units: &Units) -> (Vec<Row>, Option<String>) {
     let row = |name: &&str| {
         let values = columns.get(name)?;
@@ -49,7 +49,7 @@ pub(super) fn table(columns: &Columns<'_>, units: &Units) -> (Vec<Row>, Option<S
     (columns.names.iter().take(LISTED).filter_map(row).collect(), note)
 }
 
-/// Plots of what changes; of the rest a note.
+/// Plots of variables that change; a note on the rest.
 pub(super) fn plots(columns: &Columns<'_>, units: &Units) -> (Vec<Whole>, Option<String>) {
     let changes = |values: &[f64]| {
         let mut finite = values.iter().filter(|value| value.is_finite());
@@ -63,7 +63,7 @@ pub(super) fn plots(columns: &Columns<'_>, units: &Units) -> (Vec<Whole>, Option
     let mut signals: Vec<Signal<'_>> = changing.collect();
     let note = (signals.len() > PLOTTED).then(|| {
         format!(
-            "{PLOTTED} of {} variables that change are plotted: name others by --plot",
+            "{PLOTTED} of {} variables that change are plotted: select others with --plot",
             signals.len()
         )
     });
@@ -82,7 +82,7 @@ pub(super) fn plots(columns: &Columns<'_>, units: &Units) -> (Vec<Whole>, Option
     (plots.collect(), note)
 }
 
-/// What actuators do: arrays of forces, and all that tells of health.
+/// Signals of actuators: arrays of forces, and everything about health.
 pub(super) fn system(columns: &Columns<'_>, units: &Units) -> Vec<Whole> {
     const HEALTH: [&str; 5] = ["health", "status", "mode", "alarm", "fault"];
     let (mut forces, mut plots) = (Vec::new(), Vec::new());

@@ -1,10 +1,11 @@
-//! Fewer instants with the same picture, for several curves over one list of instants.
+//! Reduces the number of instants without changing the picture, for several curves at common
+//! instants.
 
-/// Of each curve at least so many parts are told apart, and at most so many.
+/// Minimum and maximum number of parts that each curve is divided into.
 const PARTS: (usize, usize) = (8, 1500);
 
-/// About `most` places of `count` instants at most, as [`places`] chooses them: how many fall
-/// together is known when they are chosen.
+/// About `most` positions of `count` instants at most, chosen by [`places`]: how many coincide is
+/// known only after they are chosen.
 pub(super) fn fitting(curves: &[&[f64]], count: usize, most: usize, marks: &[usize]) -> Vec<usize> {
     if count <= most {
         return (0..count).collect();
@@ -19,8 +20,8 @@ pub(super) fn fitting(curves: &[&[f64]], count: usize, most: usize, marks: &[usi
     }
 }
 
-/// Places to keep of `count` instants: of each of so many parts and each curve the least and the
-/// greatest value, and where NaN begins, so that no spike and no gap is lost; all `marks`.
+/// Positions to keep of `count` instants: for each part and each curve the minimum and the maximum,
+/// and where NaN begins, so that no spike and no gap is lost; also all `marks`.
 fn places(curves: &[&[f64]], count: usize, parts: usize, marks: &[usize]) -> Vec<usize> {
     if count <= 2 * parts {
         return (0..count).collect();
@@ -40,7 +41,7 @@ fn places(curves: &[&[f64]], count: usize, parts: usize, marks: &[usize]) -> Vec
                 low = low.filter(|low| curve[*low] <= value).or(Some(place));
                 high = high.filter(|high| curve[*high] >= value).or(Some(place));
             }
-            // One of a part that is all NaN is enough.
+            // One is enough for a part that is all NaN.
             [low, high, gap].into_iter().flatten().for_each(|place| keep[place] = true);
         }
     }
@@ -48,7 +49,7 @@ fn places(curves: &[&[f64]], count: usize, parts: usize, marks: &[usize]) -> Vec
     (0..count).filter(|place| keep[*place]).collect()
 }
 
-/// So many places, evenly, with the first and the last.
+/// This many positions, evenly spaced, including the first and the last.
 pub(super) fn even(count: usize, most: usize) -> Vec<usize> {
     if count <= most || most < 2 {
         return (0..count.min(most.max(1))).collect();

@@ -1,4 +1,4 @@
-//! Which variables are recorded; Strings only if they are asked for.
+//! Which variables are recorded; Strings only if requested.
 
 use super::Names;
 use crate::error::{Code, Error, Result};
@@ -6,7 +6,7 @@ use crate::fmi::{Causality, Kind};
 use crate::names;
 use crate::system::Column;
 
-/// Columns for the patterns, in their order; without patterns all outputs.
+/// Columns that match the patterns, in order; all outputs if there are no patterns.
 pub(in crate::system) fn columns(names: &Names, patterns: &[String]) -> Result<Vec<Column>> {
     let mut columns: Vec<Column> = Vec::new();
     let mut add = |name: String, port, kind: &Kind| {
@@ -63,5 +63,5 @@ fn by_pattern(
     }
     Err(Error::new(Code::UnknownName, format!("the pattern '{pattern}' matches no variable"))
         .why("* stands for any text, ? for one character")
-        .help("list the variables by: cosim info FILE"))
+        .help("list the variables with cosim info FILE"))
 }

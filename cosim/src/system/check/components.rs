@@ -11,13 +11,14 @@ use crate::system::overrides::is_for;
 use crate::system::raw::{RawComponent, RawConnector, RawModel, RawSystem};
 use crate::system::{Model, Overrides};
 
-/// A component whose model was looked for.
+/// A component whose model was searched for.
 pub(super) struct Opened {
     pub name: String,
-    /// `None` when it could not be opened; that is noted, and what depends on it is skipped.
+    /// `None` if it could not be opened; the problem is recorded, and whatever depends on it is
+    /// skipped.
     pub model: Option<Model>,
     pub interface: InterfaceType,
-    /// The FMU is not the file's, so its connectors and parameters may be others.
+    /// The FMU differs from the one in the file, so its connectors and parameters may differ.
     pub replaced: bool,
 }
 
@@ -103,8 +104,8 @@ fn open_one(
     Opened { name, model: fmu.map(Model::Fmu), interface, replaced }
 }
 
-/// Refuses an FMU that only wraps a tool, unless the user says that the tool is here; of Python classes it is
-/// known.
+/// Refuses an FMU that only wraps a tool, unless the user states that the tool is installed; for
+/// Python classes it is known.
 pub(in crate::system) fn needs_no_tool(
     fmu: &Fmu,
     interface: InterfaceType,
@@ -122,7 +123,7 @@ pub(in crate::system) fn needs_no_tool(
     Err(Error::new(Code::Library, format!("'{name}' needs a tool to be installed"))
         .at(fmu.path())
         .why(format!("its modelDescription.xml declares needsExecutionTool; the tool is {tool}"))
-        .help("if it is installed here say so by --execution-tool, else export without the tool"))
+        .help("if it is installed here, add --execution-tool; otherwise export without the tool"))
 }
 
 fn named_in(error: Error, component: &RawComponent, path: &Path) -> Error {
@@ -140,8 +141,8 @@ fn named_in(error: Error, component: &RawComponent, path: &Path) -> Error {
         ))
 }
 
-/// A connector of a parameter that the FMU keeps to itself, as Dymola lists them. What is connected
-/// to it or bound to it is told where that is checked.
+/// A connector of a parameter that the FMU does not expose, as listed by Dymola. Connections or
+/// bindings to it are reported where they are checked.
 fn is_hidden(connector: &RawConnector, fmu: &Fmu) -> bool {
     connector.kind.to_lowercase().ends_with("parameter")
         && fmu.description().position(&connector.name).is_none()
@@ -180,23 +181,23 @@ fn check_connector(
     if connector.kind != causality && connector.kind != "unspecified" {
         let (name, kind) = (&connector.name, &connector.kind);
         return Err(wrong(format!("'{}.{name}' is listed as kind=\"{kind}\"", component.name))
-            .why(format!("in the FMU it is of the causality {}", variable.causality.name()))
+            .why(format!("its causality in the FMU is {}", variable.causality.name()))
             .help(format!("write kind=\"{causality}\"")));
     }
     match &connector.kind_of_value {
-        // Stands for types of the modelling language, which FMI 2.0 does not have.
+        // Represents types of the modelling language, which FMI 2.0 does not have.
         Some(kind) if kind == "Binary" => Ok(()),
         Some(kind) if !same_kind(kind, &variable.kind) => {
             let name = &connector.name;
             Err(wrong(format!("'{}.{name}' is listed as <ssc:{kind}/>", component.name))
-                .why(format!("in the FMU it is of the type {}", variable.kind.name()))
+                .why(format!("its type in the FMU is {}", variable.kind.name()))
                 .help(format!("write <ssc:{}/>", variable.kind.name())))
         }
         _ => Ok(()),
     }
 }
 
-/// Whether a type named in SSP can stand for a variable's.
+/// Whether a type named in SSP is compatible with a variable's type.
 pub(super) fn same_kind(named: &str, kind: &Kind) -> bool {
     named == kind.name() || (named == "Integer" && matches!(kind, Kind::Enumeration(_)))
 }
@@ -217,7 +218,7 @@ fn once_per_process(opened: &[Opened], findings: &mut Findings) {
     }
 }
 
-/// A variable of a component and its position, or the error that names the nearest.
+/// A variable of a component and its position; the error names the nearest.
 pub(super) fn variable<'m>(
     component: &str,
     model: &'m Model,
@@ -237,7 +238,7 @@ pub(super) fn variable<'m>(
     };
     Err(error.help(
         names::did_you_mean(name, description.names())
-            .unwrap_or_else(|| "list its variables by: cosim info FILE.fmu".to_owned()),
+            .unwrap_or_else(|| "list its variables with cosim info FILE.fmu".to_owned()),
     ))
 }
 

@@ -1,9 +1,9 @@
-//! Connections: both ends exist, an output drives an input of its type, and no other does.
+//! Checks connections: both ends exist, an output drives an input of its type, and no other does.
 
 use super::Findings;
 use super::components::{Opened, unknown_component, variable};
+use super::connection_notes::{ConnectionNotes, Dropped};
 use super::conversion::{self, Measured, Way};
-use super::told::{Dropped, Told};
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Causality, Kind, Variable};
 use crate::names;
@@ -16,10 +16,10 @@ pub(super) fn check(
     findings: &mut Findings,
 ) -> Vec<Connection> {
     let mut connections: Vec<(Connection, &RawConnection)> = Vec::new();
-    let mut told = Told::default();
+    let mut notes = ConnectionNotes::default();
     for connection in &raw.connections {
         let checker = Checker { raw, opened, connection };
-        let found = checker.check(&mut findings.warnings, &mut told);
+        let found = checker.check(&mut findings.warnings, &mut notes);
         let Some(found) = findings.note(found).flatten() else {
             continue;
         };
@@ -28,7 +28,7 @@ pub(super) fn check(
             Some((_, first)) => findings.problems.push(checker.two_drivers(&found, first)),
         }
     }
-    told.tell(&mut findings.warnings, &mut findings.notes);
+    notes.report(&mut findings.warnings, &mut findings.notes);
     connections.into_iter().map(|(connection, _)| connection).collect()
 }
 
@@ -46,12 +46,16 @@ struct End<'a> {
     listed: Option<&'a RawConnector>,
 }
 
-/// Component and connector as they are written.
+/// Component and connector as written.
 type Name = (String, String);
 
 impl<'a> Checker<'a> {
     /// `None`: dropped with a warning, or depends on an FMU that could not be opened.
-    fn check(&self, warnings: &mut Vec<String>, told: &mut Told) -> Result<Option<Connection>> {
+    fn check(
+        &self,
+        warnings: &mut Vec<String>,
+        notes: &mut ConnectionNotes,
+    ) -> Result<Option<Connection>> {
         let (from, to) = self.directed();
         let Some((source, source_model)) = self.component(from, "output")? else {
             return Ok(None);
@@ -61,7 +65,7 @@ impl<'a> Checker<'a> {
         };
         let has_input = sink_model.description().is_some_and(|d| d.position(&to.1).is_some());
         if self.opened[sink].replaced && !has_input {
-            told.dropped.push(Dropped {
+            notes.dropped.push(Dropped {
                 place: self.connection.place.to_string(),
                 from: format!("{}.{}", from.0, from.1),
                 to: to.clone(),
@@ -73,11 +77,11 @@ impl<'a> Checker<'a> {
         self.causality(&start, &from.0, Causality::Output)?;
         self.causality(&end, &to.0, Causality::Input)?;
         self.kinds(&start, &end)?;
-        let conversion = self.convert(&start, &end, warnings, told)?;
+        let conversion = self.convert(&start, &end, warnings, notes)?;
         Ok(Some(Connection { from: start.port, to: end.port, conversion }))
     }
 
-    /// Source and destination: which end is written first says nothing.
+    /// Source and destination: the order in the file does not matter.
     fn directed(&self) -> (&'a Name, &'a Name) {
         let (first, second) = (&self.connection.from, &self.connection.to);
         let causality = |name: &Name| {
@@ -91,7 +95,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// The component of an end; where connectors are listed, its own must be.
+    /// The component of an end; if connectors are listed, this one must be among them.
     fn component(
         &self,
         (component, connector): &Name,
@@ -138,12 +142,12 @@ impl<'a> Checker<'a> {
                 (Some(Model::Fmu(fmu)), true) => self
                     .wrong(Code::Replacement, format!("'{}' has no output '{name}'", opened.name))
                     .why(format!(
-                        "{} was put in its place, and the connection to {}.{} needs it",
+                        "{} replaces it, and the connection to {}.{} needs that output",
                         fmu.path().display(),
                         self.connection.to.0,
                         self.connection.to.1,
                     ))
-                    .help("take an FMU with the same outputs"),
+                    .help("use an FMU with the same outputs"),
                 _ => self.place(unknown),
             })?;
         let connectors = self.raw.components[component].connectors.as_ref();
@@ -158,7 +162,7 @@ impl<'a> Checker<'a> {
         }
         let (name, causality) = (&end.variable.name, end.variable.causality.name());
         Err(self
-            .wrong(Code::Connection, format!("'{component}.{name}' is no {}", wanted.name()))
+            .wrong(Code::Connection, format!("'{component}.{name}' is not an {}", wanted.name()))
             .why(format!("its causality is {causality}"))
             .help("a connection joins an output and an input"))
     }
@@ -175,7 +179,7 @@ impl<'a> Checker<'a> {
             .wrong(Code::Connection, format!("{}.{} -> {}.{}", from.0, from.1, to.0, to.1))
             .why(format!("it joins {} and {}", start.name(), end.name()))
             .help(
-                "Real joins Real, Integer and Enumeration each other, Boolean and String their own",
+                "Real connects to Real, Integer and Enumeration to each other, Boolean and String to their own type",
             ))
     }
 
@@ -184,7 +188,7 @@ impl<'a> Checker<'a> {
         from: &End<'_>,
         to: &End<'_>,
         warnings: &mut Vec<String>,
-        told: &mut Told,
+        notes: &mut ConnectionNotes,
     ) -> Result<Option<crate::system::Conversion>> {
         let name = |end: &End<'_>| {
             format!("{}.{}", self.opened[end.port.component].name, end.variable.name)
@@ -196,7 +200,7 @@ impl<'a> Checker<'a> {
         let way = conversion::between(&start, &end, &self.connection.stages).map_err(|error| {
             let help = match error.code() {
                 Code::Unit => Some(
-                    "correct a unit, or say what is meant: a transformation with \
+                    "correct a unit, or specify the conversion: a transformation with \
                      suppressUnitConversion=\"true\""
                         .to_owned(),
                 ),
@@ -212,7 +216,7 @@ impl<'a> Checker<'a> {
         let Way { conversion, missing, undefined, converted } = way;
         let function = [from, to].iter().any(|e| matches!(e.model, Model::Function(_)));
         if let (Some(unit), false) = (missing, function) {
-            told.missing.push(format!("{names} ({unit})"));
+            notes.missing.push(format!("{names} ({unit})"));
         }
         if let Some(units) = undefined {
             warnings.push(format!(
@@ -222,7 +226,7 @@ impl<'a> Checker<'a> {
             ));
         }
         if let (Some((a, b)), Some(conversion)) = (converted, &conversion) {
-            told.converted.push(format!("{names} from {a} to {b}, {conversion}"));
+            notes.converted.push(format!("{names} from {a} to {b}, {conversion}"));
         }
         Ok(conversion)
     }
@@ -232,7 +236,7 @@ impl<'a> Checker<'a> {
         let name = component.description().map_or("", |d| &d.variables[found.to.variable].name);
         let what = format!("the input '{}.{name}' has two drivers", component.name);
         self.wrong(Code::Connection, what)
-            .why(format!("the connection on line {} drives it already", first.place.line))
+            .why(format!("the connection on line {} already drives it", first.place.line))
             .help("remove one of the two")
     }
 

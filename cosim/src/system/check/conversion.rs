@@ -1,8 +1,9 @@
-//! What happens to a value between two variables: units along the way, transformations, maps.
+//! The conversion of a value between two variables: units along the path, transformations, maps.
 //!
-//! A value passes the unit of its variable, that of the listed connector, those of connectors of
-//! systems, and so on to the variable at the other end. Between two known units of one dimension
-//! it is converted, unless the connection suppresses that; other dimensions are an error.
+//! A value passes through the unit of its variable, that of the listed connector, those of
+//! connectors of systems, and so on to the variable at the other end. Between two known units of
+//! the same dimension it is converted, unless the connection suppresses that; different dimensions
+//! are an error.
 
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Kind, Variable};
@@ -11,21 +12,21 @@ use crate::system::Conversion;
 use crate::system::raw::{RawUnit, Stage, Transformation};
 use crate::units::{Linear, Units};
 
-/// One end as far as units go.
+/// The units at one end.
 pub(super) struct Measured<'a> {
     pub variable: &'a Variable,
-    /// Definitions of the variable's FMU.
+    /// Unit definitions of the variable's FMU.
     pub units: &'a Units,
     /// Unit of the listed connector.
     pub connector: Option<&'a RawUnit>,
 }
 
-/// What was found on the way.
+/// Findings along the path.
 pub(super) struct Way {
     pub conversion: Option<Conversion>,
-    /// The first unit or the last, when the other end has none.
+    /// The first or the last unit, if the other end has none.
     pub missing: Option<String>,
-    /// A unit that differs and is nowhere defined, or that is suppressed.
+    /// A unit that differs and is not defined anywhere, or that is suppressed.
     pub undefined: Option<String>,
     /// Units that were converted: from and to.
     pub converted: Option<(String, String)>,
@@ -37,7 +38,7 @@ impl Measured<'_> {
         Some(RawUnit { name: name.clone(), unit: self.units.get(name).copied() })
     }
 
-    /// The connector's unit; what its file does not define, the FMU may.
+    /// The unit of the connector; if its file does not define it, the FMU may.
     fn listed(&self) -> Option<RawUnit> {
         self.connector.map(|unit| define(unit, self.units))
     }
@@ -48,7 +49,7 @@ fn define(unit: &RawUnit, units: &Units) -> RawUnit {
     RawUnit { name: unit.name.clone(), unit: defined }
 }
 
-/// The way of a Real.
+/// The path of a Real.
 struct Walk {
     linear: Linear,
     unit: Option<RawUnit>,
@@ -56,7 +57,7 @@ struct Walk {
 }
 
 impl Walk {
-    /// On to `target`; nothing is converted where a unit is not known.
+    /// Continues to `target`; nothing is converted if a unit is unknown.
     fn to(&mut self, target: Option<RawUnit>, suppress: bool) -> Result<()> {
         let Some(target) = target else {
             return Ok(());
@@ -96,7 +97,7 @@ impl Walk {
     }
 }
 
-/// The way from an output to an input.
+/// The path from an output to an input.
 pub(super) fn between(from: &Measured, to: &Measured, stages: &[Stage]) -> Result<Way> {
     let mut way = Way { conversion: None, missing: None, undefined: None, converted: None };
     if let Some(map) = map(&from.variable.kind, &to.variable.kind, stages)? {
@@ -138,7 +139,7 @@ fn walk_through(walk: &mut Walk, to: &Measured, stages: &[Stage]) -> Result<()> 
     walk.to(to.own(), false)
 }
 
-/// The way of a value of a file, a Real in `unit`, to its variable.
+/// The path of a value in a file, a Real in `unit`, to its variable.
 pub(super) fn of_value(unit: Option<&RawUnit>, to: &Measured, stages: &[Stage]) -> Result<Way> {
     let unit = unit.map(|unit| define(unit, to.units));
     let mut walk = Walk { linear: Linear::IDENTITY, unit: unit.clone(), undefined: None };
@@ -151,7 +152,7 @@ pub(super) fn of_value(unit: Option<&RawUnit>, to: &Measured, stages: &[Stage]) 
     })
 }
 
-/// The way of an output to a connector of the outermost system.
+/// The path of an output to a connector of the outermost system.
 pub(super) fn outward(from: &Measured, stages: &[Stage]) -> Result<Way> {
     let mut walk = Walk { linear: Linear::IDENTITY, unit: from.own(), undefined: None };
     walk.to(from.listed(), false)?;
@@ -164,7 +165,7 @@ pub(super) fn outward(from: &Measured, stages: &[Stage]) -> Result<Way> {
     Ok(Way { conversion, missing: None, undefined, converted: None })
 }
 
-/// What the mappings among the stages do to integers; `None`: there is none of them.
+/// The effect of the mappings among the stages on integers; `None` if there are none.
 pub(super) fn map(from: &Kind, to: &Kind, stages: &[Stage]) -> Result<Option<Vec<(i32, i32)>>> {
     let mut whole: Option<Vec<(i32, i32)>> = None;
     let transformations = stages.iter().filter_map(|s| s.transformation.as_ref());

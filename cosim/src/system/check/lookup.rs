@@ -1,4 +1,4 @@
-//! Full names of variables, `component.variable`, to ports.
+//! Resolves full names of variables, `component.variable`, to ports.
 
 use std::sync::Arc;
 
@@ -12,12 +12,12 @@ use crate::system::{Component, Model, Port};
 /// The names of a system's variables.
 pub(in crate::system) struct Names {
     targets: Vec<Target>,
-    /// A component could not be opened, so a name may be right and still not be found.
+    /// A component could not be opened, so a correct name may not be found.
     incomplete: bool,
 }
 
 struct Target {
-    /// What the names of its variables begin with: `component.`, or nothing for a single FMU.
+    /// The prefix of its variables: `component.`, or empty for a single FMU.
     prefix: String,
     component: usize,
     model: Option<Model>,
@@ -40,7 +40,7 @@ impl Names {
         Self { targets: vec![target], incomplete: false }
     }
 
-    /// Names of components with the prefix `component.`, or of the first one without.
+    /// Names of components with the prefix `component.`, or of the first one without it.
     pub(in crate::system) fn of_components(components: &[Component], prefixed: bool) -> Self {
         let targets = components.iter().enumerate().filter_map(|(component, c)| {
             c.model.description()?;
@@ -50,14 +50,14 @@ impl Names {
         Self { targets: targets.collect(), incomplete: false }
     }
 
-    /// A port by the full name.
+    /// A port by full name.
     pub(in crate::system) fn port(&self, name: &str) -> Result<Port> {
         self.find(name)?.map(|(port, _)| port).ok_or_else(|| self.unknown(name))
     }
 
-    /// A port and its variable by the full name; `None` when its component could not be opened.
+    /// A port and its variable by full name; `None` if its component could not be opened.
     pub(in crate::system) fn find(&self, name: &str) -> Result<Option<(Port, &Variable)>> {
-        // Names of components may contain dots: the longest that fits is meant.
+        // Names of components may contain dots: the longest match is meant.
         let target = self
             .targets
             .iter()
@@ -83,13 +83,13 @@ impl Names {
         match name.split_once('.') {
             Some((component, _)) => unknown_component(component, components)
                 .why(format!("'{name}' is read as component.variable")),
-            None => Error::new(Code::UnknownName, format!("'{name}' is no variable"))
+            None => Error::new(Code::UnknownName, format!("'{name}' is not a variable"))
                 .why("in a system a variable is named component.variable")
                 .maybe_help(names::did_you_mean(name, components)),
         }
     }
 
-    /// The unit of a variable, as its description names and defines it.
+    /// The unit of a variable, as named and defined in its description.
     pub(in crate::system) fn unit(&self, port: Port) -> Option<RawUnit> {
         let target = self.targets.iter().find(|target| target.component == port.component)?;
         target.model.as_ref()?.unit(port.variable)

@@ -1,14 +1,14 @@
-//! The one check from raw structures to a [`System`]; every problem found is reported.
+//! The single check that turns raw structures into a [`System`]; every problem found is reported.
 
 mod columns;
 mod components;
+mod connection_notes;
 mod connections;
 mod conversion;
 mod lookup;
 mod parameters;
 mod ports;
 mod timing;
-mod told;
 
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ pub(super) use lookup::Names;
 pub(super) use parameters::start_value;
 pub(super) use timing::{Interval, Span, Stepped, check_span};
 
-/// What is being collected while checking.
+/// Findings collected during the check.
 struct Findings {
     problems: Vec<Error>,
     warnings: Vec<String>,
@@ -33,7 +33,7 @@ struct Findings {
 }
 
 impl Findings {
-    /// The value, or `None` with the problem noted.
+    /// The value, or `None` after recording the problem.
     fn note<T>(&mut self, result: Result<T>) -> Option<T> {
         result.map_err(|problem| self.problems.push(problem)).ok()
     }
@@ -100,7 +100,7 @@ pub(super) fn check(
         sampled: Vec::new(),
         notes: [findings.notes, span.notes].concat(),
     };
-    loops::tell(&mut system)?;
+    loops::report(&mut system)?;
     input::apply(&mut system, &overrides.inputs)?;
     abilities::check(&system)?;
     Ok(system)

@@ -1,4 +1,4 @@
-//! Start values: of the file, then of the command line.
+//! Start values: from the file, then from the command line.
 
 use super::components::{Opened, same_kind, unknown_component};
 use super::conversion::{self, Measured};
@@ -9,7 +9,7 @@ use crate::system::overrides::is_for;
 use crate::system::raw::{RawParameter, RawSystem};
 use crate::system::{Conversion, Overrides, Port};
 
-/// Start values per component.
+/// Start values for each component.
 pub(super) fn check(
     raw: &RawSystem,
     overrides: &Overrides,
@@ -25,7 +25,7 @@ pub(super) fn check(
             Err(problem) if replaced(opened, name) || not_meant(parameter, &problem) => {
                 let why = match replaced(opened, name) {
                     true => "the component's FMU was replaced",
-                    false => "a file of parameters may hold more than is used",
+                    false => "a parameter file may contain more than is used",
                 };
                 let hint = problem.remedy().map_or(String::new(), |hint| format!("; {hint}"));
                 findings.warnings.push(format!(
@@ -50,7 +50,7 @@ pub(super) fn check(
     values
 }
 
-/// A later value of the same variable takes the earlier one's place.
+/// A later value of the same variable replaces an earlier one.
 fn keep(values: &mut [Vec<(usize, Value)>], found: Option<(Port, Value)>) {
     let Some((port, value)) = found else { return };
     let list = &mut values[port.component];
@@ -66,7 +66,7 @@ fn replaced(opened: &[Opened], name: &str) -> bool {
         .any(|o| o.replaced && name.strip_prefix(&o.name).is_some_and(|rest| rest.starts_with('.')))
 }
 
-/// Names that a file of parameters has and the system has not.
+/// Names in a parameter file that the system does not have.
 fn not_meant(parameter: &RawParameter, problem: &Error) -> bool {
     !parameter.required && problem.code() == Code::UnknownName
 }
@@ -111,7 +111,7 @@ fn of_file(
     Ok(Some((port, value)))
 }
 
-/// The value in the unit of its variable, transformed as its mapping says.
+/// The value in the unit of its variable, transformed according to its mapping.
 fn converted(
     parameter: &RawParameter,
     value: Value,
@@ -128,8 +128,8 @@ fn converted(
             let way = conversion::of_value(parameter.unit.as_ref(), to, &parameter.stages)?;
             if let Some(units) = way.undefined {
                 warnings.push(format!(
-                    "{}: '{}' joins the units {units}, of which one is not defined; the value is \
-                     taken as it is",
+                    "{}: '{}' combines the units {units}, of which one is not defined; the value \
+                     is used unconverted",
                     parameter.place, parameter.name
                 ));
             }
@@ -148,7 +148,7 @@ fn converted(
     }
 }
 
-/// A start value from its full name and text; `None` when the component could not be opened.
+/// A start value from its full name and text; `None` if the component could not be opened.
 pub(in crate::system) fn start_value(
     names: &Names,
     name: &str,
@@ -167,14 +167,14 @@ pub(in crate::system) fn start_value(
 }
 
 fn not_settable(name: &str, variable: &Variable) -> Error {
-    let error = Error::new(Code::Parameter, format!("'{name}' cannot be given a start value"));
+    let error = Error::new(Code::Parameter, format!("'{name}' cannot have a start value"));
     if variable.variability == Variability::Constant {
         return error.why("it is constant");
     }
     match variable.causality {
         Causality::Independent => error.why("it is the time"),
         causality => error
-            .why(format!("it is of the causality {}: the FMU computes it", causality.name()))
+            .why(format!("its causality is {}: the FMU computes it", causality.name()))
             .help("set a parameter or an input; cosim info FILE.fmu lists them"),
     }
 }

@@ -1,7 +1,7 @@
-//! Connectors of the outermost system: what they lead to, and what happens to values on the way.
+//! Connectors of the outermost system: what they lead to, and the conversion of values on the way.
 //!
-//! In a run nothing drives or reads them. They matter where the system is a part of something
-//! else: an exported FMU has them as its own variables.
+//! In a run nothing drives or reads them. They matter if the system is part of something else: an
+//! exported FMU exposes them as its own variables.
 
 use super::Findings;
 use super::components::{Opened, unknown_component, variable};
@@ -101,7 +101,7 @@ fn conversion(
     Ok(way.conversion)
 }
 
-/// Whether a connector of that type can stand for a variable.
+/// Whether a connector of that type is compatible with a variable.
 fn fits(connector: &str, kind: &Kind) -> bool {
     match kind {
         Kind::Integer | Kind::Enumeration(_) => matches!(connector, "Integer" | "Enumeration"),

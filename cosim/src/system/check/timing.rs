@@ -7,33 +7,34 @@ use crate::system::raw::RawSystem;
 use crate::system::{Model, Overrides};
 use crate::time::{Step, Time};
 
-/// Stands for steps that nobody knows.
+/// Default for unknown steps.
 const UNKNOWN: Time = Time::from_nanoseconds(1_000_000_000);
 
-/// Steps that share no common base longer than this part of the smallest are refused.
+/// Steps without a common base longer than this part of the smallest are refused.
 const FINEST: f64 = 1000.0;
 
 pub(super) struct Timing {
     pub span: Span,
-    /// Per component.
+    /// For each component.
     pub steps: Vec<Step>,
-    /// Nobody said how long they are.
+    /// Their lengths are unknown.
     pub unknown_steps: bool,
 }
 
-/// When a run begins and ends, and what is recorded.
+/// Start and stop of a run, and the recording interval.
 pub(in crate::system) struct Span {
     pub start: Time,
-    /// [`Time::NEVER`] if nobody says it.
+    /// [`Time::NEVER`] if it is unknown.
     pub stop: Time,
     pub output_interval: Step,
-    /// The run ends by shorter steps.
+    /// The run ends with shorter steps.
     pub shortened: bool,
     pub warnings: Vec<String>,
     pub notes: Vec<String>,
 }
 
-/// A component's step, and whether its last one may be shorter; a model that is no FMU always can.
+/// The step of a component, and whether its last one may be shorter; for a model that is not an FMU
+/// it always may.
 pub(in crate::system) struct Stepped<'a> {
     pub name: &'a str,
     pub step: Step,
@@ -44,9 +45,9 @@ pub(in crate::system) struct Stepped<'a> {
 /// An output interval.
 #[derive(Clone, Copy)]
 pub(in crate::system) enum Interval {
-    /// Of the command line.
+    /// From the command line.
     Asked(f64),
-    /// Of the file.
+    /// From the file.
     Suggested(f64),
     /// The smallest step.
     Smallest,
@@ -98,8 +99,9 @@ fn is_base(base: Step, smallest: Step) -> bool {
     base.seconds() * FINEST >= smallest.seconds() * (1.0 - 1e-9)
 }
 
-/// A component's step: of the command line, of its annotation, of its FMU's default experiment,
-/// of the system's annotation, or the smallest of the others. `None` inside: there is none at all.
+/// The step of a component: from the command line, from its annotation, from the default experiment
+/// of its FMU, from the annotation of the system, or the smallest of the others. `None` inside:
+/// there is none at all.
 fn steps(
     raw: &RawSystem,
     overrides: &Overrides,
@@ -145,7 +147,7 @@ fn span(raw: &RawSystem, overrides: &Overrides, opened: &[Opened]) -> Result<(Ti
     Ok((Time::from_seconds(start, "the start time")?, stop.unwrap_or(Time::NEVER)))
 }
 
-/// Checks that the steps fit together, and finds how the run ends.
+/// Checks that the steps are consistent, and determines how the run ends.
 pub(in crate::system) fn check_span(
     stepped: &[Stepped<'_>],
     start: Time,
@@ -164,9 +166,11 @@ pub(in crate::system) fn check_span(
         notes: Vec::new(),
     };
     if !is_base(base, smallest) {
-        return Err(Error::new(Code::Timing, "the step sizes do not fit together")
+        return Err(Error::new(Code::Timing, "the step sizes are inconsistent")
             .why(format!("their greatest common divisor is {base}, the smallest is {smallest}"))
-            .help("choose steps that are multiples of one another, by --step COMPONENT=SECONDS"));
+            .help(
+                "choose steps that are multiples of one another, with --step COMPONENT=SECONDS",
+            ));
     }
     if stop <= start {
         return Err(Error::new(Code::Timing, format!("the run would go from {start} to {stop}"))
@@ -192,8 +196,8 @@ pub(in crate::system) fn check_span(
             };
             if span.output_interval != interval {
                 span.notes.push(format!(
-                    "recorded every {} instead of {interval}, which is no multiple of {base}, the \
-                     common base of the step sizes",
+                    "recorded every {} instead of {interval}, which is not a multiple of {base}, \
+                     the common base of the step sizes",
                     span.output_interval
                 ));
             }
@@ -202,7 +206,7 @@ pub(in crate::system) fn check_span(
     Ok(span)
 }
 
-/// The duration is no multiple of the steps: the last ones are shorter, or the run ends before.
+/// The duration is not a multiple of the steps: the last ones are shorter, or the run ends earlier.
 fn end_between_steps(span: &mut Span, stepped: &[Stepped<'_>], base: Step) -> Result<()> {
     let (start, stop) = (span.start, span.stop);
     let fmus = || stepped.iter().filter(|component| component.fmu);
@@ -212,10 +216,7 @@ fn end_between_steps(span: &mut Span, stepped: &[Stepped<'_>], base: Step) -> Re
             let what = format!("the run from {start} to {stop} is shorter than a step of {base}");
             return Err(Error::new(Code::Timing, what)
                 .why("no FMU declares canHandleVariableCommunicationStepSize")
-                .help(format!(
-                    "take --stop-time {} or later",
-                    (start + base.rounded()).seconds()
-                )));
+                .help(format!("use --stop-time {} or later", (start + base.rounded()).seconds())));
         }
         span.warnings.push(format!(
             "the run ends at {last}, with the last whole step before {stop}: no FMU declares \
@@ -240,9 +241,9 @@ fn off_base(interval: Step, base: Step) -> Error {
     let nearest = if below > 0 {
         format!("take {} or {}", base.times(below), base.times(below + 1))
     } else {
-        format!("take {base} or a multiple of it")
+        format!("use {base} or a multiple of it")
     };
     Error::new(Code::Timing, format!("the output interval is {interval}"))
-        .why(format!("it is no multiple of {base}, the common base of the step sizes"))
+        .why(format!("it is not a multiple of {base}, the common base of the step sizes"))
         .help(nearest)
 }

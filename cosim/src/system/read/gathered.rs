@@ -1,4 +1,4 @@
-//! What reading brings besides the system: problems, warnings, and what it opened.
+//! Results of reading besides the system: problems, warnings, and opened files.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -18,9 +18,9 @@ pub(super) struct Gathered {
     pub problems: Vec<Error>,
     pub fmus: OpenedFmus,
     pub unpacked: Vec<Unpacked>,
-    /// How many files deep it is: descriptions may refer to descriptions.
+    /// Nesting depth of the file: descriptions may refer to descriptions.
     pub depth: usize,
-    /// How many descriptions were read inside of others.
+    /// How many nested descriptions were read.
     pub descriptions: usize,
 }
 
@@ -28,12 +28,12 @@ pub(super) struct Gathered {
 const COMMON: &[&str] = &["id", "description"];
 
 impl Gathered {
-    /// The value, or `None` with the problem noted.
+    /// The value, or `None` after recording the problem.
     pub(super) fn take<T>(&mut self, result: Result<T>) -> Option<T> {
         result.map_err(|problem| self.problems.push(problem)).ok()
     }
 
-    /// Reports children that the format does not have there, and warns of such attributes.
+    /// Reports children that the format does not allow there, and warns about such attributes.
     pub(super) fn known(
         &mut self,
         file: &Arc<Path>,
@@ -48,7 +48,7 @@ impl Gathered {
             self.problems.push(
                 Error::new(Code::Ssd, what)
                     .at_line(file, child.line)
-                    .why("leaving it out could change what the system means")
+                    .why("ignoring it could change the meaning of the system")
                     .maybe_help(hint.or(Some("remove it".to_owned()))),
             );
         }
@@ -67,7 +67,7 @@ impl Gathered {
     }
 }
 
-/// The place of an element.
+/// The location of an element.
 pub(super) fn place(file: &Arc<Path>, element: &Element) -> Place {
     Place { file: file.clone(), line: element.line }
 }

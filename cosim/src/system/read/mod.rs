@@ -1,7 +1,7 @@
-//! Files of system descriptions into raw structures: SSP (`ssp`) and OSP (`osp`).
+//! Reads files of system descriptions into raw structures: SSP (`ssp`) and OSP (`osp`).
 //!
-//! A reader gathers what it finds wrong and goes on, so that everything is told at once. What it
-//! does not know is an error; what it knows and cannot do is refused by name.
+//! A reader collects problems and continues, so that all are reported at once. Unknown content is
+//! an error; known but unsupported content is refused by name.
 
 mod gathered;
 mod osp;
@@ -24,13 +24,13 @@ pub(super) use ssp::SSD_FILE;
 /// The file of an OSP system in its folder.
 pub(super) const OSP_FILE: &str = "OspSystemStructure.xml";
 
-/// Whether a path is a system description and not an FMU: by its ending, or a folder.
+/// Whether a path is a system description rather than an FMU: by its extension, or a folder.
 pub(super) fn is_system(path: &Path) -> bool {
     let ends_with = |end| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
     path.is_dir() || ["ssd", "ssp", "xml"].into_iter().any(ends_with)
 }
 
-/// Reads a .ssd, .ssp or OspSystemStructure.xml file, or the folder of the last.
+/// Reads a .ssd, .ssp or OspSystemStructure.xml file, or the folder of the latter.
 pub(super) fn read(path: &Path) -> Result<RawSystem> {
     let ends_with = |end| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
     if ends_with("ssp") {
@@ -41,7 +41,7 @@ pub(super) fn read(path: &Path) -> Result<RawSystem> {
     any(&root, &file, Base::of_file(&file), Gathered::default())
 }
 
-/// Reads a system description that is a text and not a file; it refers to no other file.
+/// Reads a system description from text instead of a file; it cannot refer to other files.
 pub(super) fn read_text(text: &str) -> Result<RawSystem> {
     let file = Path::new("text");
     let base = Base { folder: None, archive: None };
@@ -77,7 +77,7 @@ fn package(file: &Path) -> Result<RawSystem> {
     ssp::read(&root, &shown, base, gathered)
 }
 
-/// The description in an .ssp, its name in messages, and where its sources lead.
+/// The description in an .ssp, its name in messages, and the base of its sources.
 fn unpack(file: &Path, gathered: &mut Gathered) -> Result<(Element, PathBuf, Base)> {
     let unpacked = archive::unpack(file)?;
     let description = unpacked.path().join(ssp::SSD_FILE);
@@ -85,7 +85,7 @@ fn unpack(file: &Path, gathered: &mut Gathered) -> Result<(Element, PathBuf, Bas
     if !description.is_file() {
         return Err(Error::new(Code::Archive, format!("the package has no {}", ssp::SSD_FILE))
             .at(file)
-            .help("an .ssp has that file at its top level, in no folder"));
+            .help("an .ssp has that file at its top level, not in a folder"));
     }
     let root = xml::read(&description, &shown)?;
     let base = Base::of_archive(unpacked.path());

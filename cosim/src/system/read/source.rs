@@ -1,20 +1,21 @@
-//! Where a `source` of a file leads.
+//! Resolves the `source` attributes of a file.
 //!
-//! One rule: the user's own files may point anywhere (an .ssd on disk names its FMUs by any path
-//! the user may read), what came in an archive may not leave it, whatever the path is written
-//! like. Sources are URIs: `%20` is a space, `file:` is the only scheme; nothing is downloaded.
+//! One rule: the user's own files may refer to any path (an .ssd on disk names its FMUs by any path
+//! that the user may read); files from an archive may not refer to anything outside it, however the
+//! path is written. Sources are URIs: `%20` is a space, `file:` is the only scheme; nothing is
+//! downloaded.
 
 use std::path::{Component, Path, PathBuf};
 
 use crate::error::{Code, Error, Result};
 use crate::system::raw::Place;
 
-/// What relative sources are relative to.
+/// The base of relative sources.
 #[derive(Debug, Clone)]
 pub(super) struct Base {
-    /// The folder of the file; `None` when it is a text without a place.
+    /// The folder of the file; `None` if it is a text without a location.
     pub folder: Option<PathBuf>,
-    /// The folder of the unpacked archive that the file came in.
+    /// The folder of the unpacked archive that contains the file.
     pub archive: Option<PathBuf>,
 }
 
@@ -28,37 +29,38 @@ impl Base {
         Self { folder: Some(folder.to_owned()), archive: Some(folder.to_owned()) }
     }
 
-    /// The base of what a file of this base refers to in turn.
+    /// The base of sources in a file that is reached from this base.
     pub(super) fn of_neighbour(&self, file: &Path) -> Self {
         Self { archive: self.archive.clone(), ..Self::of_file(file) }
     }
 
-    /// The path that a source means; an error at its place when it is refused.
+    /// The path of a source; an error at its location if it is refused.
     pub(super) fn follow(&self, source: &str, place: &Place) -> Result<PathBuf> {
         self.resolve(source).map_err(|why| {
             let what = format!("the source \"{source}\" is refused");
             let error = place.mark(Error::new(Code::Source, what)).why(why);
             match split_scheme(source).0 {
                 Some(scheme) if scheme.eq_ignore_ascii_case("proxyfmu") => error.help(
-                    "name the FMU's own file, source=\"x.fmu\"; to compute it in another process or \
-                     on another machine, take --distributed or write a remote FMU by cosim proxy",
+                    "name the FMU's own file, source=\"x.fmu\"; to compute it in another process \
+                     or on another machine, use --distributed or write a remote FMU with cosim \
+                     proxy",
                 ),
                 _ => error,
             }
         })
     }
 
-    /// The same for a file that is read at once; a text without a place has none.
+    /// The same for a file that is read immediately; a text without a location has none.
     pub(super) fn open(&self, source: &str, place: &Place) -> Result<PathBuf> {
         if self.folder.is_none() {
             let what = format!("the source \"{source}\" is refused");
             let error = place.mark(Error::new(Code::Source, what));
-            return Err(error.why("a text without a place cannot refer to files"));
+            return Err(error.why("a text without a location cannot refer to files"));
         }
         self.follow(source, place)
     }
 
-    /// The path that a source means, or why it is refused.
+    /// The path of a source, or why it is refused.
     fn resolve(&self, source: &str) -> Result<PathBuf, String> {
         let (scheme, rest) = split_scheme(source);
         let path = match scheme {
@@ -72,16 +74,17 @@ impl Base {
         };
         let path = decode(path)?;
         if path.is_empty() || path.contains('\0') {
-            return Err("it names no file".to_owned());
+            return Err("it does not name a file".to_owned());
         }
         let joined = self.folder.as_ref().map_or(PathBuf::from(&path), |f| f.join(&path));
         match &self.archive {
             None => Ok(joined),
             Some(_) if path.contains('\\') => {
-                Err("it has a backslash; inside of an archive '/' separates".to_owned())
+                Err("it contains a backslash; inside an archive the separator is '/'".to_owned())
             }
             Some(_) if Path::new(&path).is_absolute() || scheme.is_some() => {
-                Err("it is absolute, and what is in an archive must stay in it".to_owned())
+                Err("it is absolute, but files in an archive may not refer to anything outside it"
+                    .to_owned())
             }
             Some(archive) => match lexical(&joined) {
                 Some(inside) if inside.starts_with(archive) => Ok(inside),
@@ -134,7 +137,7 @@ fn decode(text: &str) -> Result<String, String> {
     String::from_utf8(decoded).map_err(|_| "it is not UTF-8 once decoded".to_owned())
 }
 
-/// The path without `.` and `..`; `None` when it would climb above its beginning.
+/// The path without `.` and `..`; `None` if it would leave its root.
 fn lexical(path: &Path) -> Option<PathBuf> {
     let mut clean = PathBuf::new();
     for part in path.components() {
@@ -148,13 +151,13 @@ fn lexical(path: &Path) -> Option<PathBuf> {
     Some(clean)
 }
 
-/// A path as a source, relative to `folder` where that is possible.
+/// A path as a source, relative to `folder` where possible.
 pub(in crate::system) fn write(path: &Path, folder: &Path) -> String {
     let absolute = |p: &Path| p.canonicalize().unwrap_or_else(|_| p.to_owned());
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let (path, folder) = (absolute(path), absolute(folder));
     let shared = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
-    // Two places that share no more than the root have nothing to do with one another.
+    // Two locations that share no more than the root are unrelated.
     let relative: PathBuf = if shared < 2 {
         path
     } else {

@@ -1,4 +1,4 @@
-//! Where the FMUs of a written system are: where they lie, beside it, or in its package.
+//! Where the FMUs of a written system are: in place, beside it, or in its package.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -18,7 +18,7 @@ use crate::system::read::{SSD_FILE, write_source};
 pub(super) struct Files {
     /// By position of the component.
     sources: BTreeMap<usize, String>,
-    /// New names, relative to the written file, and the files they are made of.
+    /// New names, relative to the written file, and the original files.
     copies: BTreeMap<String, PathBuf>,
 }
 
@@ -33,7 +33,7 @@ impl Files {
         files
     }
 
-    /// FMUs stay where they are; those of an archive, which is gone soon, are copied.
+    /// FMUs stay where they are; those in a temporary unpacked archive are copied.
     pub(super) fn beside(system: &System, folder: &Path) -> Result<Self> {
         fs::create_dir_all(folder).map_err(|e| unwritten(folder, e))?;
         let mut files = Self { sources: BTreeMap::new(), copies: BTreeMap::new() };
@@ -57,7 +57,7 @@ impl Files {
         self.copies.into_iter().collect()
     }
 
-    /// The new name of a file: plain characters, and no two files of one name.
+    /// The new name of a file: plain characters, and unique.
     fn add(&mut self, path: &Path, folder: &str) -> String {
         if let Some((name, _)) = self.copies.iter().find(|(_, file)| *file == path) {
             return name.clone();
@@ -75,7 +75,7 @@ impl Files {
         name
     }
 
-    /// Copies what has a new name into `folder`.
+    /// Copies files with new names into `folder`.
     pub(super) fn copy(&self, folder: &Path) -> Result<()> {
         for (name, from) in &self.copies {
             let to = folder.join(name);
@@ -91,8 +91,8 @@ impl Files {
         Ok(())
     }
 
-    /// Writes the package: the description first, then the FMUs as they are. The same system
-    /// gives the same bytes.
+    /// Writes the package: the description first, then the unchanged FMUs. The same system gives
+    /// the same bytes.
     pub(super) fn pack(&self, path: &Path, description: &[u8]) -> Result<()> {
         if let Some(parent) = path.parent() {
             fs::create_dir_all(parent).map_err(|e| unwritten(parent, e))?;

@@ -1,9 +1,9 @@
-//! Systems into files: SSP 1.0 (.ssd, .ssp) and OSP (`OspSystemStructure.xml`, or its folder).
+//! Writes systems to files: SSP 1.0 (.ssd, .ssp) and OSP (`OspSystemStructure.xml`, or its folder).
 //!
-//! What is written is the checked system, flat and plain, so that other tools read it: every
-//! connected connector is listed with its type and no other, start values stand inline, units
-//! that are converted here are written as the transformation that they amount to (libcosim and
-//! FMPy convert none). What a format has no word for is refused by name or told as a note.
+//! The output is the checked system, flat and plain, so that other tools can read it: every
+//! connected connector is listed with its type and no other, start values are inline, and unit
+//! conversions are written as the equivalent transformation (libcosim and FMPy do not convert
+//! units). Whatever a format cannot express is refused by name or reported as a note.
 
 mod files;
 mod osp;
@@ -24,7 +24,7 @@ pub(crate) use xml::{Xml, number};
 
 use super::read::{OSP_FILE, SSD_FILE};
 
-/// How a system is written.
+/// How to write a system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Format {
     Ssd,
@@ -44,16 +44,18 @@ impl Format {
             Some("xml") => Ok(Format::OspFile),
             None => Ok(Format::OspFolder),
             Some(_) if path.is_dir() => Ok(Format::OspFolder),
-            Some(other) => Err(Error::new(Code::Usage, format!("no format ends with .{other}"))
-                .at(path)
-                .help("write .ssd, .ssp, .xml (OSP) or the name of a folder (OSP)")),
+            Some(other) => {
+                Err(Error::new(Code::Usage, format!("no format has the extension .{other}"))
+                    .at(path)
+                    .help("write .ssd, .ssp, .xml (OSP) or the name of a folder (OSP)"))
+            }
         }
     }
 }
 
 impl System {
-    /// Writes the system to a .ssd or .ssp file, an OSP .xml file, or an OSP folder with its
-    /// FMUs; gives what is good to know about it.
+    /// Writes the system to a .ssd or .ssp file, an OSP .xml file, or an OSP folder with its FMUs;
+    /// returns notes.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<Vec<String>> {
         let path = path.as_ref();
         self.ready()?;
@@ -89,19 +91,19 @@ impl System {
         let log = file.with_file_name(osp::LOG_FILE);
         match osp::log_config(self, notes) {
             Some(text) => store(&log, text.as_bytes())?,
-            // One of an earlier system would choose the variables of this one.
+            // A file of an earlier system would select the variables of this one.
             None if log.is_file() => fs::remove_file(&log).map_err(|e| unwritten(&log, e))?,
             None => (),
         }
         files.copy(&parent(file))
     }
 
-    /// The system as a part of a package: its description, and the FMUs under their names in
-    /// `folder` beside it.
+    /// The system as part of a package: its description, and the FMUs under their names in `folder`
+    /// beside it.
     pub(crate) fn packed(&self, folder: &str) -> Result<Packed> {
         let files = Files::packed(self, folder);
         let sums = self.components.iter().any(|c| matches!(c.model, Model::Function(_)));
-        // SSP has no word for sums.
+        // SSP cannot express sums.
         let (name, text) = match sums {
             true => (OSP_FILE, osp::text(self, &files, &mut Vec::new())?),
             false => (SSD_FILE, ssd::text(self, &files)?),
@@ -109,7 +111,7 @@ impl System {
         Ok(Packed { name, text, fmus: files.into_copies() })
     }
 
-    /// The folders of the archives that the system came in.
+    /// The folders of the archives that contained the system.
     fn archives(&self) -> impl Iterator<Item = &Path> {
         self.raw.iter().flat_map(|raw| raw._unpacked.iter().map(|folder| folder.path()))
     }
@@ -125,10 +127,10 @@ impl System {
 
 /// A system in a package.
 pub(crate) struct Packed {
-    /// Of the description's file.
+    /// Name of the description file.
     pub name: &'static str,
     pub text: String,
-    /// Names relative to the description, and the files they are made of.
+    /// Names relative to the description, and the original files.
     pub fmus: Vec<(String, PathBuf)>,
 }
 
@@ -147,7 +149,7 @@ fn unwritten(path: &Path, error: impl std::fmt::Display) -> Error {
     Error::new(Code::Output, "the system cannot be written").at(path).why(error)
 }
 
-/// What the format cannot say.
+/// What the format cannot express.
 fn unsaid(format: &str, what: String) -> Error {
-    Error::new(Code::Format, format!("{format} cannot say that {what}"))
+    Error::new(Code::Format, format!("{format} cannot express that {what}"))
 }

@@ -1,7 +1,7 @@
 //! OSP: `OspSystemStructure.xml` 0.1 and `LogConfig.xml`.
 //!
 //! A conversion becomes a linear transformation between two signal connections. The algorithm is
-//! `fixedStep`, the only one there that we have; vector sums are written element by element.
+//! `fixedStep`, the only one of OSP that we support; vector sums are written element by element.
 
 use std::collections::BTreeSet;
 
@@ -49,7 +49,7 @@ pub(super) fn text(system: &System, files: &Files, notes: &mut Vec<String>) -> R
     Ok(xml.finish())
 }
 
-/// The converted connections: position, name of the function, what it does.
+/// The converted connections: position, name of the function, conversion.
 fn converted(system: &System) -> Result<Vec<(usize, String, Linear)>> {
     let mut taken: BTreeSet<String> = system.components().iter().map(|c| c.name.clone()).collect();
     let mut found = Vec::new();
@@ -96,7 +96,7 @@ impl Writer<'_> {
         };
         if component.interface == InterfaceType::ModelExchange {
             return Err(unsaid("OSP", format!("'{}' is a model exchange FMU", component.name))
-                .help("write an SSP, or take --interface-type NAME=cs if the FMU has it"));
+                .help("write an SSP, or use --interface-type NAME=cs if the FMU supports it"));
         }
         let step = number(component.step.seconds());
         let source = files.source(position);
@@ -125,7 +125,7 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// OSP has no enumerations among its values.
+    /// OSP has no enumeration values.
     fn enumerations(&self, component: usize) -> impl Iterator<Item = String> {
         let component = &self.system.components()[component];
         let variables = component.model.description().map_or(&[][..], |d| &d.variables);
@@ -223,7 +223,7 @@ fn element_name(name: &str, function: &Function, element: usize) -> String {
     }
 }
 
-/// `LogConfig.xml`; `None`: all outputs are recorded at every step, as without one.
+/// `LogConfig.xml`; `None`: all outputs are recorded at every step, which is the default.
 pub(super) fn log_config(system: &System, notes: &mut Vec<String>) -> Option<String> {
     let smallest = system.components().iter().map(|c| c.step).min()?;
     if system.records_all_outputs() && system.output_interval == smallest {
@@ -250,7 +250,7 @@ pub(super) fn log_config(system: &System, notes: &mut Vec<String>) -> Option<Str
             Some(factor) => factor,
             None => {
                 notes.push(format!(
-                    "LogConfig.xml records '{}' at every step: {interval} is no multiple of {}",
+                    "LogConfig.xml records '{}' at every step: {interval} is not a multiple of {}",
                     component.name, component.step
                 ));
                 1

@@ -1,7 +1,7 @@
 //! SSP 1.0: `SystemStructure.ssd`.
 //!
-//! Step sizes and the algorithm, for which SSP has no place, stand in annotations of ours (see
-//! `read::ssp::annotation`) and of the Open Simulation Platform, so libcosim steps as we do.
+//! Step sizes and the algorithm, which SSP does not define, are in annotations of ours (see
+//! `read::ssp::annotation`) and of the Open Simulation Platform, so libcosim makes the same steps.
 
 use super::files::Files;
 use super::xml::{Xml, number};
@@ -84,7 +84,7 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// Only those that are connected: FMPy gives every listed input a value.
+    /// Only those that are connected: FMPy sets a value for every listed input.
     fn connectors(&self, xml: &mut Xml, component: usize) {
         let ports = self.system.connections().iter().flat_map(|c| [c.from, c.to]);
         let mut own: Vec<usize> =
@@ -111,7 +111,7 @@ impl Writer<'_> {
                     let unit = self.unit(port).map(|unit| [("unit", unit)]);
                     xml.empty("ssc:Real", unit.as_ref().map_or(&[], |unit| &unit[..]));
                 }
-                // libcosim ends at an Enumeration.
+                // libcosim fails on an Enumeration.
                 Kind::Integer | Kind::Enumeration(_) => xml.empty("ssc:Integer", &[]),
                 Kind::Boolean => xml.empty("ssc:Boolean", &[]),
                 Kind::String => xml.empty("ssc:String", &[]),
@@ -121,7 +121,7 @@ impl Writer<'_> {
         xml.end();
     }
 
-    /// The unit of a variable, when this file defines it as its FMU does.
+    /// The unit of a variable, if this file defines it like its FMU.
     fn unit(&self, port: Port) -> Option<&str> {
         let (variable, unit) = units::of(self.system, port)?;
         let name = variable.unit.as_deref()?;
@@ -138,7 +138,7 @@ impl Writer<'_> {
         xml.start("ssd:ParameterBindings", &[]);
         xml.start("ssd:ParameterBinding", &[]);
         xml.start("ssd:ParameterValues", &[]);
-        // One name for all: Ecos applies the sets of one name.
+        // The same name for all: Ecos applies the parameter sets with one name.
         xml.start("ssv:ParameterSet", &[("version", "1.0"), ("name", "parameters")]);
         xml.start("ssv:Parameters", &[]);
         for (variable, value) in &component.start_values {
@@ -231,7 +231,7 @@ pub(crate) fn base_step(system: &System) -> Step {
 }
 
 impl System {
-    /// Whether the columns are those that are recorded when nothing else is said.
+    /// Whether the columns are those that are recorded by default.
     pub(super) fn records_all_outputs(&self) -> bool {
         let outputs = self.components.iter().enumerate().flat_map(|(component, c)| {
             let variables = c.model.description().map_or(&[][..], |d| &d.variables);

@@ -1,11 +1,11 @@
-//! Conversions of connections as SSP writes them.
+//! Conversions of connections in the form of SSP.
 
 use super::xml::{Xml, number};
 use crate::fmi::Kind;
 use crate::system::Conversion;
 use crate::units::Linear;
 
-/// Writes the transformation that a conversion is.
+/// Writes a conversion as a transformation.
 pub(super) fn write(xml: &mut Xml, conversion: &Conversion, kind: &Kind) {
     let entries = match conversion {
         Conversion::Linear(Linear { factor, offset }) => {

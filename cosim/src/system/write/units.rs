@@ -1,4 +1,4 @@
-//! `<ssd:Units>`: what the units of connected variables are made of.
+//! `<ssd:Units>`: definitions of the units of connected variables.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use crate::fmi::Variable;
 use crate::system::{Port, System};
 use crate::units::{BASES, Unit, Units};
 
-/// Units of connected variables that their FMUs define; of two meanings the first is kept.
+/// Units of connected variables that their FMUs define; if two differ, the first is kept.
 pub(super) fn collect(system: &System) -> Units {
     let mut units = Units::new();
     let ports = system.connections().iter().flat_map(|c| [c.from, c.to]);
@@ -18,7 +18,7 @@ pub(super) fn collect(system: &System) -> Units {
     units
 }
 
-/// A variable and its unit, when its FMU defines that.
+/// A variable and its unit, if its FMU defines it.
 pub(super) fn of(system: &System, port: Port) -> Option<(&Variable, Unit)> {
     let description = system.components()[port.component].model.description()?;
     let variable = &description.variables[port.variable];

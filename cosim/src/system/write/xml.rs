@@ -79,7 +79,7 @@ impl Xml {
     }
 }
 
-/// A number that is read as exactly the same.
+/// A number that reads back exactly.
 pub(crate) fn number(value: f64) -> String {
     format!("{value:?}")
 }

@@ -1,4 +1,4 @@
-//! What is kept of runs that failed, and campaigns that were made in parts.
+//! What is kept of failed runs, and campaigns made in parts.
 
 use tempfile::TempDir;
 
@@ -40,13 +40,13 @@ fn a_run_that_hangs_when_it_is_made_again_is_given_up() {
     std::fs::write(folder.join("c.toml"), text).unwrap();
     let (_, stderr) = run(folder, &[]);
     assert!(!stderr.contains("trajectory"), "{stderr}");
-    // As if one of them had failed otherwise.
+    // As if one of them had failed in a different way.
     let log = folder.join("c_campaign/runs.jsonl");
     let rows = std::fs::read_to_string(&log).unwrap();
     std::fs::write(&log, rows.replacen("timed-out", "failed", 1)).unwrap();
     let (_, stderr) = run(folder, &[]);
-    let told = "has left no trajectory: it took longer than 1 s";
-    assert_eq!(stderr.matches(told).count(), 1, "{stderr}");
+    let reported = "has left no trajectory: it took longer than 1 s";
+    assert_eq!(stderr.matches(reported).count(), 1, "{stderr}");
 }
 
 #[test]
@@ -67,10 +67,10 @@ fn parts_put_together_are_the_whole_and_those_that_do_not_fit_are_refused() {
     assert_eq!(code, 0, "{stderr}");
     assert_eq!(rows(folder, "merged/runs.csv"), rows(folder, "whole/runs.csv"));
     assert_eq!(json(folder, "merged/summary.json", "/verdicts/0/answer"), "pass");
-    // A part that is missing is told.
+    // A missing part is reported.
     let (_, stderr) = merge(&all[..2], "fewer");
     assert!(stderr.contains("8 of 24 runs"), "{stderr}");
-    // Two rows of one run that differ.
+    // Two different rows of the same run.
     let log = folder.join(all[0]).join("runs.jsonl");
     let text = std::fs::read_to_string(&log).unwrap();
     let copy = folder.join("copy");
@@ -83,7 +83,7 @@ fn parts_put_together_are_the_whole_and_those_that_do_not_fit_are_refused() {
     .unwrap();
     let (code, stderr) = merge(&[all[0], "copy"], "differs");
     assert!(code != 0 && stderr.contains("run 0"), "{stderr}");
-    // Those of another campaign.
+    // Results of another campaign.
     let text = std::fs::read_to_string(folder.join("c.toml")).unwrap();
     std::fs::write(folder.join("c.toml"), text.replace("seed = 3", "seed = 4")).unwrap();
     assert_eq!(run(folder, &["--shard", "1/3", "--output-dir", "others"]).0, 0);

@@ -1,10 +1,10 @@
-//! Several systems in one campaign, which call the same things differently.
+//! Several systems in one campaign, with different names for the same things.
 
 use tempfile::TempDir;
 
 use super::*;
 
-/// The chain of [`campaign`] with other names, and with a component that only listens.
+/// The chain of [`campaign`] with other names, and with a component that only receives.
 fn other(folder: &Path, of_system: &str) {
     let ssd = Ssd::new()
         .add("clock", Clock)
@@ -34,8 +34,8 @@ fn scenarios_and_figures_are_the_same_in_a_system_with_other_names() {
     let (code, stderr) = run(folder, &[]);
     assert_eq!(code, 0, "{stderr}");
     let rows = rows(folder, "c_campaign/runs.csv");
-    // Whatever does not name the run, its system and what was recorded.
-    let told = |system: &str| -> Vec<String> {
+    // Everything that does not identify the run, its system and the recording.
+    let reported = |system: &str| -> Vec<String> {
         let own = rows.iter().filter(|row| row.contains(&format!(",{system}/")));
         own.map(|row| {
             let cells: Vec<&str> = row.split(',').skip(3).collect();
@@ -43,8 +43,8 @@ fn scenarios_and_figures_are_the_same_in_a_system_with_other_names() {
         })
         .collect()
     };
-    assert_eq!(told("chain").len(), 24);
-    assert_eq!(told("chain"), told("other"));
+    assert_eq!(reported("chain").len(), 24);
+    assert_eq!(reported("chain"), reported("other"));
     let (code, stderr) = outcome(folder, &["replay", "c_campaign", "3"]);
     assert_eq!(code, 0, "{stderr}");
     let recorded = String::from_utf8(results(folder, "run3.csv")).unwrap();
@@ -53,7 +53,7 @@ fn scenarios_and_figures_are_the_same_in_a_system_with_other_names() {
 }
 
 #[test]
-fn names_and_components_that_are_not_there_are_told() {
+fn names_and_components_that_are_not_there_are_reported() {
     let folder = TempDir::new().unwrap();
     let folder = folder.path();
     for (of_system, part) in [
@@ -74,7 +74,7 @@ fn seeds_can_be_counted() {
     let folder = folder.path();
     let ssd = Ssd::new().add("count", Counter).stop(1.0);
     std::fs::write(folder.join("count.ssd"), ssd.text()).unwrap();
-    // The counter's output is its steps and the number that it begins with.
+    // The counter's output is its steps plus its start value.
     let text = "seeds = 3\nsystems.count = \"count.ssd\"\nfigures.n = { kind = \"final\", of = \"count.n\" }\n\
                 [seed-parameters]\n\"count.m\" = { first = 5, step = 2 }\n";
     std::fs::write(folder.join("c.toml"), text).unwrap();

@@ -1,4 +1,4 @@
-//! The same bytes as in one process, however it is distributed and disturbed.
+//! The same bytes as in one process, however the run is distributed and disturbed.
 
 use super::*;
 
@@ -62,16 +62,16 @@ fn workers_that_were_there_before_serve_several_runs() {
 }
 
 #[test]
-fn an_endpoint_where_a_stranger_listens_does_not_end_the_service_of_others() {
+fn an_endpoint_of_another_program_does_not_end_the_service_of_others() {
     let (file, folder) = (chain(2.0), TempDir::new().unwrap());
     let file = file.write();
     let path = file.to_str().unwrap();
     let here = undisturbed(folder.path(), path);
-    let stranger = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let place = endpoint();
-    let both = format!("tcp/{},{place}", stranger.local_addr().unwrap());
-    // It answers every call by hanging up.
-    std::thread::spawn(move || stranger.incoming().for_each(drop));
+    let both = format!("tcp/{},{place}", listener.local_addr().unwrap());
+    // It answers every call by closing the connection.
+    std::thread::spawn(move || listener.incoming().for_each(drop));
     let _worker = Kept::worker(folder.path(), "left", &both);
     for _ in 0..2 {
         let arguments = ["run", path, "-q", "-o", "there.csv", "--distributed", "--listen", &place];

@@ -1,4 +1,4 @@
-//! FMUs that crash, spin or give up: component, time and last call are named.
+//! FMUs that crash, hang or fail: component, time and last call are named.
 
 use super::*;
 
@@ -53,7 +53,8 @@ fn one_that_is_fatal_each_time_ends_the_run_that_was_to_be_resumed() {
 #[test]
 fn one_that_is_fatal_once_is_resumed_where_that_is_wanted() {
     let folder = TempDir::new().unwrap();
-    let system = with(folder.path(), 2.0, &["FIRST_LIFE=return 4"], |description| description);
+    let system =
+        with(folder.path(), 2.0, &["FIRST_INCARNATION=return 4"], |description| description);
     let here = undisturbed(folder.path(), &system);
     for (more, code) in [(&["--on-fatal", "resume"][..], 0), (&["--on-fatal", "end"], 1)] {
         let arguments = ["run", &system, "-o", "there.csv", "--workers", "2"];
@@ -67,7 +68,7 @@ fn one_that_is_fatal_once_is_resumed_where_that_is_wanted() {
 }
 
 #[test]
-fn one_for_another_machine_is_told_once_and_leaves_nothing() {
+fn one_for_another_machine_is_reported_once_and_leaves_nothing() {
     use crate::models::pack;
     let folder = TempDir::new().unwrap();
     let system = with(folder.path(), 2.0, &[], |description| description);
@@ -97,7 +98,7 @@ fn a_component_is_where_its_file_says_and_rather_where_the_command_line_says() {
     let folder = TempDir::new().unwrap();
     let system = with(folder.path(), 2.0, &["FATAL"], |description| description);
     let text = std::fs::read_to_string(&system).unwrap();
-    // Its failure tells where it was.
+    // Its failure reports where it was.
     let annotation = "<ssd:Annotations><ssc:Annotation type='cosim'><cosim:Component worker='far'/>\
                       </ssc:Annotation></ssd:Annotations>";
     let after = text.find("name='b'").unwrap();
@@ -113,7 +114,7 @@ fn a_component_is_where_its_file_says_and_rather_where_the_command_line_says() {
         assert_eq!(code, 1, "{stderr}");
         assert!(stderr.contains(place), "{more:?}: {stderr}");
     }
-    // Nobody else may stand in for a worker that somebody asked for.
+    // No other worker may replace one that was requested by name.
     let arguments = ["run", &system, "-q", "-o", "x.csv", "--workers", "2", "--place", "b=fat"];
     let (code, stderr) = outcome(folder.path(), &[&arguments[..], &["--wait", "1"]].concat());
     assert_eq!(code, 2, "{stderr}");
@@ -123,7 +124,8 @@ fn a_component_is_where_its_file_says_and_rather_where_the_command_line_says() {
 #[test]
 fn one_that_crashes_once_is_resumed() {
     let folder = TempDir::new().unwrap();
-    let system = with(folder.path(), 2.0, &["FIRST_LIFE=abort()"], |description| description);
+    let system =
+        with(folder.path(), 2.0, &["FIRST_INCARNATION=abort()"], |description| description);
     let here = undisturbed(folder.path(), &system);
     let arguments = ["run", &system, "-o", "there.csv", "--workers", "2"];
     let (code, stderr) = outcome(folder.path(), &arguments);
@@ -136,7 +138,7 @@ fn one_that_crashes_once_is_resumed() {
 fn one_that_cannot_be_saved_is_computed_again_unless_that_is_refused() {
     let folder = TempDir::new().unwrap();
     let mute = |description: String| description.replace("canSerializeFMUstate=\"true\"", "");
-    let system = with(folder.path(), 2.0, &["FIRST_LIFE=abort()"], mute);
+    let system = with(folder.path(), 2.0, &["FIRST_INCARNATION=abort()"], mute);
     let here = undisturbed(folder.path(), &system);
     for (more, code) in [(&[][..], 0), (&["--require-resume"], 1)] {
         let arguments = ["run", &system, "-o", "there.csv", "--workers", "1"];

@@ -1,11 +1,12 @@
-//! Whoever is killed or stopped: the run goes on, with the same bytes, and leaves nothing.
+//! Whatever is killed or stopped: the run continues, with the same bytes, and leaves nothing
+//! behind.
 
 use std::io::{BufRead, BufReader};
 
 use super::*;
 
-/// A run of `system` that is disturbed by `disturb`: its messages. Its bytes are those of an ordinary
-/// run, and nothing of it is left.
+/// A run of `system` that is disturbed by `disturb`; returns its messages. Its bytes are those of
+/// an ordinary run, and nothing of it is left behind.
 fn survives(system: &str, workers: &str, disturb: impl FnOnce(&mut Child)) -> String {
     let folder = TempDir::new().unwrap();
     let here = undisturbed(folder.path(), system);
@@ -22,15 +23,15 @@ fn survives(system: &str, workers: &str, disturb: impl FnOnce(&mut Child)) -> St
     stderr
 }
 
-/// A system of which one group waits in the middle of the run for what is done to it.
+/// A system in which one group waits in the middle of the run for the disturbance.
 fn waiting(folder: &TempDir) -> String {
-    with(folder.path(), 2.0, &["FIRST_LIFE=wait_for_the_end()"], |description| description)
+    with(folder.path(), 2.0, &["FIRST_INCARNATION=wait_for_the_end()"], |description| description)
 }
 
 #[test]
 fn killed_groups_and_workers_change_no_byte_and_leave_nothing() {
     let file = chain(2000.0);
-    let told = survives(file.write().to_str().unwrap(), "3", |run| {
+    let reported = survives(file.write().to_str().unwrap(), "3", |run| {
         let mut dice = Dice(3);
         for round in 0..12 {
             let groups = groups_below(run, 1);
@@ -41,30 +42,30 @@ fn killed_groups_and_workers_change_no_byte_and_leave_nothing() {
             }
         }
     });
-    assert!(told.contains("went on at worker"), "{told}");
-    assert!(told.contains("was killed by SIGKILL"), "{told}");
+    assert!(reported.contains("went on at worker"), "{reported}");
+    assert!(reported.contains("was killed by SIGKILL"), "{reported}");
 }
 
 #[test]
 fn the_only_worker_is_started_again() {
     let folder = TempDir::new().unwrap();
-    let told = survives(&waiting(&folder), "1", |run| {
+    let reported = survives(&waiting(&folder), "1", |run| {
         assert!(!groups_below(run, 1).is_empty());
         let workers = children(run.id());
         waiting_below(&workers);
         workers.into_iter().for_each(|worker| signal(worker, "-KILL"));
     });
-    assert!(told.contains("went on at worker worker-1"), "{told}");
+    assert!(reported.contains("went on at worker worker-1"), "{reported}");
 }
 
 #[test]
 fn a_stopped_group_is_named_and_replaced() {
     let folder = TempDir::new().unwrap();
-    let told = survives(&waiting(&folder), "2", |run| {
+    let reported = survives(&waiting(&folder), "2", |run| {
         assert!(!groups_below(run, 2).is_empty());
         signal(waiting_below(&children(run.id())), "-STOP");
     });
-    assert!(told.contains("its process is stopped"), "{told}");
+    assert!(reported.contains("its process is stopped"), "{reported}");
 }
 
 #[test]
@@ -84,7 +85,7 @@ fn a_stopped_worker_is_harmless_when_it_comes_back() {
         Some((_, parent)) if parent == left.id() => (parent, "right"),
         _ => (right.id(), "left"),
     };
-    // With what it started, as if its machine had been cut off.
+    // With everything it started, as if its machine had been disconnected.
     let cut = [worker, group];
     cut.iter().for_each(|&process| signal(process, "-STOP"));
     let mut messages = BufReader::new(run.stderr.take().unwrap()).lines().map(Result::unwrap);
@@ -93,7 +94,7 @@ fn a_stopped_worker_is_harmless_when_it_comes_back() {
     let rest: Vec<String> = messages.collect();
     assert!(run.wait().unwrap().success(), "{rest:?}");
     assert!(here == results(folder.path(), "there.csv"), "{rest:?}");
-    // The worker has ended what it did for a run that is over.
+    // The worker has ended its work for a run that is over.
     assert!(remaining(&[group], Duration::from_secs(3)).is_empty());
 }
 

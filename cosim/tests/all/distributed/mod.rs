@@ -1,4 +1,4 @@
-//! Runs on workers through the binary: the same bytes, whatever is killed, and nothing left over.
+//! Runs on workers through the binary: the same bytes, whatever is killed, and nothing left behind.
 
 mod bits;
 mod faults;
@@ -77,12 +77,12 @@ fn status(process: u32) -> Option<(char, u32)> {
     Some((words.next()?.chars().next()?, words.next()?.parse().ok()?))
 }
 
-/// A process computes nothing any more: nobody may have waited for it yet.
+/// A process no longer computes, although it may not have been waited for yet.
 fn is_over(process: u32) -> bool {
     status(process).is_none_or(|(state, _)| state == 'Z' || state == 'X')
 }
 
-/// Waits until all of these are over; the ones that are not.
+/// Waits until all of these have ended; returns those that have not.
 pub(crate) fn remaining(processes: &[u32], patience: Duration) -> Vec<u32> {
     let begun = Instant::now();
     loop {
@@ -108,14 +108,14 @@ pub(crate) fn signal(process: u32, name: &str) {
     let _ = Command::new("kill").args([name, &process.to_string()]).stderr(Stdio::null()).status();
 }
 
-/// Every process that `root` started, and those that they started.
+/// Every process started by `root`, and their descendants.
 fn below(root: u32) -> Vec<u32> {
     let workers = children(root);
     let groups: Vec<u32> = workers.iter().flat_map(|&worker| children(worker)).collect();
     [workers, groups].concat()
 }
 
-/// Waits until `count` groups are at work below a run, or below workers of its own.
+/// Waits until `count` groups are computing below a run, or below its local workers.
 fn groups_of(roots: &[u32], count: usize) -> Vec<u32> {
     let mut groups: Vec<u32> = Vec::new();
     for _ in 0..4000 {
@@ -128,7 +128,7 @@ fn groups_of(roots: &[u32], count: usize) -> Vec<u32> {
     groups
 }
 
-/// The groups of a run with workers of its own.
+/// The groups of a run with local workers.
 fn groups_below(run: &Child, count: usize) -> Vec<u32> {
     let mut groups = Vec::new();
     for _ in 0..200 {
@@ -142,7 +142,7 @@ fn groups_below(run: &Child, count: usize) -> Vec<u32> {
 }
 
 /// Waits until a group below one of these workers is in the middle of its run, where its FMU was
-/// compiled to wait: the group.
+/// compiled to wait; returns the group.
 fn waiting_below(workers: &[u32]) -> u32 {
     let waits = |group: &u32| {
         let threads = std::fs::read_dir(format!("/proc/{group}/task")).into_iter().flatten();
@@ -166,13 +166,13 @@ fn leftovers(folder: &Path) -> Vec<PathBuf> {
     all.filter(|path| path.is_dir()).collect()
 }
 
-/// An endpoint of this machine that nobody uses.
+/// An unused endpoint on this machine.
 fn endpoint() -> String {
     let free = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     format!("tcp/{}", free.local_addr().unwrap())
 }
 
-/// Random numbers, the same in every run of the tests.
+/// Random numbers that are the same in every test run.
 struct Dice(u64);
 
 impl Dice {

@@ -1,4 +1,4 @@
-//! The run itself is killed: nothing goes on without it, and it is resumed to the same bytes.
+//! The run itself is killed: nothing continues without it, and it is resumed to the same bytes.
 
 use super::*;
 
@@ -16,7 +16,7 @@ fn a_killed_run_is_resumed_to_the_bytes_of_an_undisturbed_one() {
         let saved = ["--snapshot-every", "5", "--snapshot-file", "s"];
         let _ = std::fs::remove_file(folder.path().join("s"));
         let mut arguments = [&common[..], &saved].concat();
-        // Killed twice: the second time while it goes on from what the first left.
+        // Killed twice: the second time while it continues from what the first one left.
         for _ in 0..2 {
             let mut run = cosim(folder.path(), &arguments).stderr(Stdio::null()).spawn().unwrap();
             groups_below(&run, 2);

@@ -1,9 +1,9 @@
-//! What cannot be is told in one error, and leaves nothing behind.
+//! Invalid requests are reported in one error, and leave nothing behind.
 
 use super::*;
 
 #[test]
-fn what_cannot_be_is_told_before_anything_runs() {
+fn what_cannot_be_is_reported_before_anything_runs() {
     let (file, folder) = (chain(1.0), TempDir::new().unwrap());
     let file = file.write();
     let path = file.to_str().unwrap();

@@ -1,11 +1,11 @@
-//! `cosim verify`: the same or not, and where results part.
+//! `cosim verify`: the same or not, and where results diverge.
 
 use super::*;
 
 fn verify(folder: &Path, a: &str, b: &str) -> (i32, String) {
     let output = cosim(folder, &["verify", a, b]).output().unwrap();
-    let told = [output.stdout, output.stderr].concat();
-    (output.status.code().unwrap_or(-1), String::from_utf8(told).unwrap())
+    let reported = [output.stdout, output.stderr].concat();
+    (output.status.code().unwrap_or(-1), String::from_utf8(reported).unwrap())
 }
 
 #[test]
@@ -24,13 +24,13 @@ fn files_are_the_same_or_part_at_a_named_sample_and_variable() {
         let last = std::fs::read_to_string(folder.join(&digests)).unwrap();
         assert!(last.trim_end().ends_with(&digest), "{last}");
     }
-    let (code, told) = verify(folder, "a.csv", "a.mcap");
-    assert_eq!(code, 0, "{told}");
-    assert!(told.contains("the same: 51 samples"), "{told}");
-    let (code, told) = verify(folder, "a.csv.digests", "a.mcap.digests");
-    assert_eq!(code, 0, "{told}");
+    let (code, reported) = verify(folder, "a.csv", "a.mcap");
+    assert_eq!(code, 0, "{reported}");
+    assert!(reported.contains("the same: 51 samples"), "{reported}");
+    let (code, reported) = verify(folder, "a.csv.digests", "a.mcap.digests");
+    assert_eq!(code, 0, "{reported}");
 
-    // One value of one sample, by its last bit.
+    // One value of one sample, in its last bit.
     let text = std::fs::read_to_string(folder.join("a.csv")).unwrap();
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     let column = lines[0].split(',').position(|name| name == "x.y").unwrap();
@@ -39,15 +39,21 @@ fn files_are_the_same_or_part_at_a_named_sample_and_variable() {
     fields[column] = format!("{:?}", value.next_up());
     lines[31] = fields.join(",");
     std::fs::write(folder.join("b.csv"), lines.join("\n") + "\n").unwrap();
-    let (code, told) = verify(folder, "b.csv", "a.mcap");
-    assert_eq!(code, 1, "{told}");
-    assert!(told.contains("part at sample 30, t = 3.0: 1 of"), "{told}");
-    assert!(told.contains(&format!("x.y: {:?} and {value:?}, 1 ULP", value.next_up())), "{told}");
+    let (code, reported) = verify(folder, "b.csv", "a.mcap");
+    assert_eq!(code, 1, "{reported}");
+    assert!(reported.contains("part at sample 30, t = 3.0: 1 of"), "{reported}");
+    assert!(
+        reported.contains(&format!("x.y: {:?} and {value:?}, 1 ULP", value.next_up())),
+        "{reported}"
+    );
 
     std::fs::write(folder.join("c.csv"), lines[..20].join("\n") + "\n").unwrap();
-    let (code, told) = verify(folder, "a.csv", "c.csv");
-    assert_eq!(code, 1, "{told}");
-    assert!(told.contains("c.csv ends at t = 1.8 after 19 samples, a.csv has 51"), "{told}");
+    let (code, reported) = verify(folder, "a.csv", "c.csv");
+    assert_eq!(code, 1, "{reported}");
+    assert!(
+        reported.contains("c.csv ends at t = 1.8 after 19 samples, a.csv has 51"),
+        "{reported}"
+    );
     assert_eq!(verify(folder, "a.csv", "missing.csv").0, 3);
     assert_eq!(verify(folder, "a.csv", &"0".repeat(64)).0, 1);
 }
@@ -68,8 +74,8 @@ fn lists_of_digests_part_where_the_runs_do() {
         assert_eq!(code, 0, "{stderr}");
     }
     let (_, values) = verify(folder, "a.csv", "b.csv");
-    let (code, told) = verify(folder, "a.digests", "b.digests");
-    assert_eq!(code, 1, "{told}");
-    let place = told.split("part at ").nth(1).unwrap().split('\n').next().unwrap();
-    assert!(values.contains(place.split(", ").next().unwrap()), "{told} {values}");
+    let (code, reported) = verify(folder, "a.digests", "b.digests");
+    assert_eq!(code, 1, "{reported}");
+    let place = reported.split("part at ").nth(1).unwrap().split('\n').next().unwrap();
+    assert!(values.contains(place.split(", ").next().unwrap()), "{reported} {values}");
 }

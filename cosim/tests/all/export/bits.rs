@@ -1,4 +1,4 @@
-//! An exported system computes what its run computes, to the last bit.
+//! An exported system computes the same as its run, to the last bit.
 
 use cosim::{Algorithm, Input, Overrides, System};
 
@@ -79,7 +79,7 @@ fn inputs_hold_from_the_beginning_of_a_step() {
     let mut instance = exported.started();
     set(&mut instance, "i.u", 2.0);
     set(&mut instance, "g.u", 7.0);
-    // Set, but no step was made yet.
+    // Set, but no step has been made yet.
     assert_eq!([get(&mut instance, "g.y"), get(&mut instance, "g.u")], [0.0, 7.0]);
     step(&mut instance, 0.0, 0.5);
     set(&mut instance, "i.u", 10.0);

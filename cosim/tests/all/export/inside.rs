@@ -1,4 +1,4 @@
-//! Exported systems as parts of systems, side by side, and what the FMUs inside have to say.
+//! Exported systems as parts of systems, side by side, and the messages of their inner FMUs.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use crate::formats::{Folder, component, connection, ssd};
 use crate::models::Model::{self, Clock, Failing, Gain, Integrator};
 use crate::ssd::{Ssd, run, zoo};
 
-/// The chain clock -> gain -> integrator with its middle as an FMU of its own.
+/// The chain clock -> gain -> integrator with its middle exported as an FMU.
 fn around(inner: &Path) -> String {
     let parts = [
         component("clock", &Clock.fmu(), "y:output:Real", ""),
@@ -80,7 +80,7 @@ fn many_instances_on_many_threads_do_not_meet() {
     });
 }
 
-/// Status, text of each message of the exported FMU.
+/// Status and text of each message of the exported FMU.
 fn failing(parameter: f64) -> (cosim::Error, Vec<(i32, String)>) {
     let system = Ssd::new().add("tank", Failing).add("clock", Clock).connect("clock.y", "tank.u");
     let exported = export(&system.write(), &[]);
@@ -92,15 +92,15 @@ fn failing(parameter: f64) -> (cosim::Error, Vec<(i32, String)>) {
     instance.exit_initialization().unwrap();
     step(&mut instance, 0.0, 0.3);
     let error = instance.do_step(seconds(0.3), seconds(0.3)).unwrap_err();
-    let told = mailbox.take().into_iter().map(|m| (m.status, m.text)).collect();
-    (error, told)
+    let reported = mailbox.take().into_iter().map(|m| (m.status, m.text)).collect();
+    (error, reported)
 }
 
 #[test]
-fn a_failure_inside_is_told_by_the_component_and_once_by_the_system() {
-    let (error, told) = failing(0.45);
+fn a_failure_inside_is_reported_by_the_component_and_once_by_the_system() {
+    let (error, reported) = failing(0.45);
     assert_eq!(error.status(), Some(3));
-    let [(3, inner), (3, own)] = &told[..] else { panic!("{told:?}") };
+    let [(3, inner), (3, own)] = &reported[..] else { panic!("{reported:?}") };
     assert_eq!(inner, "tank (logStatusError): the tank is empty");
     assert!(own.starts_with("fmi2DoStep: fmi2DoStep of 'tank' failed at t = 0.4"), "{own}");
     assert!(own.contains("the FMU returned Error"), "{own}");
@@ -119,9 +119,9 @@ fn debug_messages_come_when_they_are_asked_for() {
         step(&mut instance, 0.0, 0.2);
         mailbox.take().into_iter().map(|message| message.text).collect::<Vec<_>>()
     };
-    let told = texts(true);
+    let reported = texts(true);
     for line in ["a (logAll): step to 0.1 s", "b (logAll): step to 0.2 s"] {
-        assert!(told.iter().any(|text| text.starts_with(line)), "{line} in {told:?}");
+        assert!(reported.iter().any(|text| text.starts_with(line)), "{line} in {reported:?}");
     }
     assert_eq!(texts(false), Vec::<String>::new());
 }
@@ -139,9 +139,9 @@ fn debug_messages_can_be_asked_for_between_steps() {
         mailbox.take();
         let (begin, end) = (0.1 * number as f64, 0.1 * (number + 1) as f64);
         step(&mut instance, begin, end);
-        let told = mailbox.take();
-        let inner = told.iter().any(|message| message.text.starts_with("a (logAll): step to"));
-        assert_eq!(inner, debug, "{told:?}");
+        let reported = mailbox.take();
+        let inner = reported.iter().any(|message| message.text.starts_with("a (logAll): step to"));
+        assert_eq!(inner, debug, "{reported:?}");
     }
 }
 

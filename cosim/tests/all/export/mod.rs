@@ -2,7 +2,7 @@
 
 mod bits;
 mod inside;
-mod lives;
+mod lifecycles;
 mod refused;
 mod scenario;
 mod shown;
@@ -54,7 +54,7 @@ fn command(folder: &Path, system: &Path, arguments: &[&str]) -> (i32, String) {
 }
 
 impl Exported {
-    /// Runs it as one FMU whose communication step is that long.
+    /// Runs it as one FMU with communication steps of that length.
     fn run(&self, step: f64, overrides: Overrides) -> Recording {
         let system = System::single(&self.fmu, &overrides.step("", step), None);
         run(&system.unwrap_or_else(|e| panic!("{e}")))

@@ -1,4 +1,4 @@
-//! What is not exported, and exported FMUs that cannot run.
+//! What cannot be exported, and exported FMUs that cannot run.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
@@ -14,7 +14,7 @@ use crate::models::Model::{Clock, Gain};
 use crate::models::{compile, pack};
 use crate::ssd::Ssd;
 
-/// Nothing is written, and the message has these parts.
+/// Nothing is written, and the message contains these parts.
 #[track_caller]
 fn refused(system: &Path, arguments: &[&str], exit: i32, parts: &[&str]) {
     let folder = TempDir::new().unwrap();
@@ -33,7 +33,7 @@ fn a_system_that_does_not_check_is_not_exported() {
 }
 
 #[test]
-fn names_that_are_not_there_are_told_with_the_nearest() {
+fn names_that_are_not_there_are_reported_with_the_nearest() {
     let system = Ssd::new().add("clock", Clock);
     let file = system.write();
     refused(&file, &["--hide", "clock.yy"], 3, &["E202", "'clock.yy'", "'clock.y'?"]);
@@ -41,7 +41,7 @@ fn names_that_are_not_there_are_told_with_the_nearest() {
 }
 
 #[test]
-fn two_variables_of_one_name_are_told() {
+fn two_variables_of_one_name_are_reported() {
     let folder = TempDir::new().unwrap();
     let dotted = Gain.varied(folder.path(), "name=\"k\"", "name=\"b.k\"");
     let system = Ssd::new().add("a", Gain).add("a.b", Gain);
@@ -70,7 +70,7 @@ fn another_name_than_an_fmus_is_refused() {
 }
 
 #[test]
-fn a_place_that_cannot_be_written_is_told() {
+fn a_place_that_cannot_be_written_is_reported() {
     let system = Ssd::new().add("clock", Clock);
     let file = system.write();
     let library = library().to_str().unwrap();
@@ -82,7 +82,7 @@ fn a_place_that_cannot_be_written_is_told() {
     assert!(text(&output.stderr).contains("E302"));
 }
 
-/// A library for ARM: an ELF header and the mark are all that is looked at.
+/// A library for ARM: only an ELF header and the marker are checked.
 fn foreign(folder: &Path) -> std::path::PathBuf {
     let mut bytes = vec![0; 64];
     bytes[..6].copy_from_slice(b"\x7fELF\x02\x01");
@@ -100,8 +100,8 @@ fn every_fmu_inside_must_have_a_binary_for_each_platform() {
     let system = Ssd::new().add("clock", Clock);
     let file = system.write();
     let arm = ["--library", foreign.to_str().unwrap()];
-    let told = ["E105", "'clock' has no binary for aarch64-linux", "foreign.so"];
-    refused(&file, &arm, 3, &told);
+    let reported = ["E105", "'clock' has no binary for aarch64-linux", "foreign.so"];
+    refused(&file, &arm, 3, &reported);
     let both = folder.path().join("both.fmu");
     pack(
         &both,
@@ -128,7 +128,7 @@ fn other_libraries_are_refused() {
     let file = system.write();
     for (name, bytes, part) in [
         ("wrong.so", fs::read(compile(Gain)).unwrap(), "does not say"),
-        ("text.so", b"no library, but long enough".to_vec(), "no ELF"),
+        ("text.so", b"no library, but long enough".to_vec(), "not an ELF"),
     ] {
         let path = folder.path().join(name);
         fs::write(&path, bytes).unwrap();
@@ -138,7 +138,7 @@ fn other_libraries_are_refused() {
     refused(&file, &["--library", same], 2, &["two libraries are for linux64"]);
 }
 
-/// An exported FMU packed again with a changed file of its resources.
+/// An exported FMU, repacked with a changed file in its resources.
 fn changed(name: &str, bytes: Option<&[u8]>) -> (TempDir, std::path::PathBuf) {
     let exported = export(&Ssd::new().add("g", Gain).write(), &[]);
     let unpacked = cosim::fmi::archive::unpack(&exported.fmu).unwrap();
@@ -177,10 +177,13 @@ fn without_sound_resources_there_is_no_instance_but_one_line() {
         let logging = Logging { mailbox: Some(mailbox.clone()), ..Logging::default() };
         let made = Instance::new(Fmu::open(&fmu).unwrap(), "x", &logging);
         assert!(made.is_err(), "{name}");
-        let told = mailbox.take();
-        assert_eq!(told.len(), 1, "{name}: {told:?}");
-        assert!(told[0].text.starts_with("fmi2Instantiate: "), "{told:?}");
-        assert!(told[0].text.contains(part) && !told[0].text.contains('\n'), "{told:?}");
+        let reported = mailbox.take();
+        assert_eq!(reported.len(), 1, "{name}: {reported:?}");
+        assert!(reported[0].text.starts_with("fmi2Instantiate: "), "{reported:?}");
+        assert!(
+            reported[0].text.contains(part) && !reported[0].text.contains('\n'),
+            "{reported:?}"
+        );
     }
 }
 

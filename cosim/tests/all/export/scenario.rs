@@ -9,7 +9,7 @@ use crate::formats::Folder;
 use crate::models::Model::{Clock, Gain, Integrator};
 use crate::ssd::Ssd;
 
-/// On an output, connected inputs and a free one; random, remembering, a reset.
+/// On an output, connected inputs and a free one; random, with memory, a reset.
 const FAULTS: &str = r#"
 seed = 5
 [[fault]]
@@ -94,7 +94,7 @@ fn faults_are_part_of_the_state_and_begin_anew_with_the_system() {
     let mut second = exported.started();
     second.deserialize(&bytes, seconds(0.65)).unwrap();
     assert_eq!(on(&mut second, 13, 30), end);
-    // Back to where no fault is there yet.
+    // Back to a time before any fault.
     let mut third = exported.started();
     third.save(Place::Snapshot).unwrap();
     assert_eq!(on(&mut third, 0, 30), end);

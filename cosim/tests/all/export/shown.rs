@@ -1,4 +1,4 @@
-//! What an exported FMU shows, and what lies in its archive.
+//! The variables of an exported FMU, and the files in its archive.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -54,7 +54,7 @@ fn outputs_parameters_and_free_inputs_are_shown() {
 }
 
 #[test]
-fn it_tells_people_what_is_inside_and_on_which_terms() {
+fn the_documentation_says_what_is_inside_and_on_which_terms() {
     let exported = export(&two().write(), &[]);
     let folder = cosim::fmi::archive::unpack(&exported.fmu).unwrap();
     let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();

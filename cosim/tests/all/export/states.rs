@@ -1,4 +1,4 @@
-//! States of a whole system: kept, set back, as bytes elsewhere, and refused when they are wrong.
+//! States of a whole system: saved, restored, serialized, and refused if they are wrong.
 
 use cosim::Time;
 use cosim::fmi::{Instance, Place};
@@ -85,7 +85,7 @@ fn bytes_that_are_no_state_of_this_system_are_refused() {
     altered[30] ^= 1;
     refused(&exported, &altered, "altered");
     let other = export(&Ssd::new().add("g", Counter).write(), &[]);
-    refused(&other, &bytes, "another FMU's");
+    refused(&other, &bytes, "another FMU");
 }
 
 #[test]

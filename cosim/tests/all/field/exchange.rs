@@ -1,4 +1,4 @@
-//! Model exchange as other tools do it.
+//! Model exchange as in other tools.
 
 use std::path::{Path, PathBuf};
 
@@ -33,7 +33,7 @@ fn events_that_are_due_already_do_not_stop_the_time_unnoticed() {
     let folder = TempDir::new().unwrap();
     let error = outputs(&variant(&folder, Ticker, "LATE", ("", ""))).unwrap_err().to_string();
     assert!(error.contains("more than 1000 events follow at one instant"), "{error}");
-    // An instant that is none is no event.
+    // An invalid instant is not an event.
     assert!(outputs(&variant(&folder, Ticker, "UNDEFINED", ("", ""))).is_ok());
 }
 

@@ -1,4 +1,4 @@
-//! What archives and descriptions of other tools look like.
+//! Archives and descriptions as written by other tools.
 
 use std::path::Path;
 
@@ -28,8 +28,8 @@ fn backslashes_separate_the_folders_of_an_archive() {
         ("binaries\\linux64\\GAIN.so", library),
         ("modelDescription.xml", Gain.description().into_bytes()),
     ];
-    pack(&folder.path("house.fmu"), &entries);
-    assert_eq!(record(&folder.path("house.fmu"), &Overrides::new()).time().len(), 11);
+    pack(&folder.path("packed.fmu"), &entries);
+    assert_eq!(record(&folder.path("packed.fmu"), &Overrides::new()).time().len(), 11);
 }
 
 #[test]
@@ -67,7 +67,7 @@ fn what_depends_on_what_may_be_left_out() {
         let text = ssd(&system(&elements.concat(), &connection("c.y", "g.u", "")), "");
         let mut recording = Recording::new();
         folder.load(&text).unwrap().run(&mut [&mut recording]).unwrap();
-        // It is taken to depend on all inputs, so they are fresh.
+        // It is assumed to depend on all inputs, so they are fresh.
         assert_eq!(recording.column("g.y").unwrap(), recording.column("c.y").unwrap(), "{new}");
     }
 }
@@ -111,7 +111,7 @@ fn items_of_enumerations_need_not_be_one_two_three() {
     let overrides = Overrides::new().start_value("mode", "Fats");
     let error = System::single(&fmu, &overrides, None).err().unwrap().to_string();
     assert!(error.contains("did you mean 'Fast'"), "{error}");
-    // A number that is no item, or of no type, is the FMU's own affair.
+    // A number that is not an item, or without a type, is left to the FMU.
     let changes = [
         ("declaredType=\"Mode\" start=\"1\"", "declaredType=\"Mode\" start=\"3\""),
         ("declaredType=\"Mode\" start=\"1\"", "start=\"3\""),
@@ -132,7 +132,7 @@ fn a_start_value_may_lie_out_of_its_bounds_or_be_infinite() {
         let new = format!("variability=\"fixed\"><Real {new}");
         let fmu = described(&folder, "BOUNDS", &[(k, &new)]);
         let (recording, warnings) = run(&fmu, &Overrides::new().start_value("u", 2));
-        // The description tells what the FMU has; nothing is set.
+        // The description contains the FMU's value; nothing is set.
         assert_eq!(recording.column("y").unwrap()[0], 2.0, "{new}");
         assert!(warnings.is_empty(), "{warnings:?}");
     }
@@ -218,7 +218,7 @@ fn connectors_of_parameters_that_an_fmu_does_not_have_are_left_out() {
     let loaded = folder.load(&text).unwrap();
     let wanted = "'g' lists parameters that its FMU does not have: fmi_rTol; they are left out";
     assert_eq!(loaded.warnings(), [wanted]);
-    // An input that is not there, or is of another type, would be missed.
+    // An input that does not exist, or has another type, would be reported.
     for ports in ["v:input:Real", "u:input:Integer"] {
         let text = ssd(&system(&component("g", &Gain.fmu(), ports, ""), ""), "");
         assert!(!folder.error(&text).is_empty());
@@ -249,7 +249,7 @@ fn a_step_in_omsimulators_annotation_is_that_of_all_components() {
     let inside = system(&component("g", &Gain.fmu(), "", ""), "");
     let loaded = folder.load(&ssd(&format!("{inside}{annotation}"), "")).unwrap();
     assert_eq!(loaded.components()[0].step.seconds(), 0.25);
-    // 0 is written where a solver of variable step chooses.
+    // 0 is written where a variable-step solver chooses.
     let none = annotation.replace("0.250000", "0.000000");
     let loaded = folder.load(&ssd(&format!("{inside}{none}"), "")).unwrap();
     assert_eq!(loaded.components()[0].step.seconds(), 0.1);

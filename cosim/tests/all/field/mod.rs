@@ -1,4 +1,4 @@
-//! What FMUs in the field do, each trait on an FMU made for it.
+//! Traits of FMUs in the field, each tested on an FMU made for it.
 
 mod exchange;
 mod files;
@@ -19,7 +19,7 @@ fn with(folder: &TempDir, model: Model, define: &str) -> std::path::PathBuf {
     model.variant(&folder.path().join(format!("{define}.fmu")), &[define], |text| text)
 }
 
-/// Runs an FMU alone: what was recorded, and what was odd.
+/// Runs an FMU alone; returns the recording and the warnings.
 fn run(fmu: &std::path::Path, overrides: &Overrides) -> (Recording, Vec<String>) {
     let overrides = overrides.clone().output_variables(["y", "k", "second"]);
     let system = System::single(fmu, &overrides, None).unwrap();
@@ -55,7 +55,7 @@ fn a_start_value_that_is_not_taken_is_named_once() {
 }
 
 #[test]
-fn messages_of_fmus_with_an_environment_of_their_own_are_told() {
+fn messages_of_fmus_with_an_environment_of_their_own_are_reported() {
     let folder = TempDir::new().unwrap();
     for define in ["ENVIRONMENT_IS_COMPONENT", "ENVIRONMENT_IS_ONE"] {
         let fmu = with(&folder, Gain, define);
@@ -87,14 +87,14 @@ fn model_exchange_without_listed_derivatives_is_refused_and_co_simulation_is_not
     let path = fmu.to_str().unwrap();
     for command in ["validate", "simulate"] {
         let output = cosim(folder.path(), &[command, path]);
-        let told = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(3), "{told}");
+        let reported = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(3), "{reported}");
         assert!(
-            told.contains("[E107] 'der(x)' is a derivative") && told.contains(".xml:"),
-            "{told}"
+            reported.contains("[E107] 'der(x)' is a derivative") && reported.contains(".xml:"),
+            "{reported}"
         );
     }
-    // An empty list says that there are none.
+    // An empty list means that there are none.
     let empty = Lag.varied(folder.path(), list, "<Derivatives></Derivatives>");
     assert!(System::single(&empty, &Overrides::new(), None).is_ok());
 }
@@ -176,21 +176,24 @@ fn what_is_missing_to_run_a_system_does_not_make_it_invalid() {
     folder.write("x.ssd", &text.replace(experiment, ""));
     let at = folder.0.path();
     let output = cosim(at, &["validate", "x.ssd"]);
-    let told = crate::command::text(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{told}");
-    assert!(told.contains("no stop time") && told.contains("no component has a step"), "{told}");
+    let reported = crate::command::text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{reported}");
+    assert!(
+        reported.contains("no stop time") && reported.contains("no component has a step"),
+        "{reported}"
+    );
     for command in [&["run", "x.ssd"][..], &["convert", "x.ssd", "y.ssd"]] {
         let output = cosim(at, command);
-        let told = crate::command::text(&output.stderr);
-        assert_eq!(output.status.code(), Some(3), "{told}");
-        assert!(told.contains("--stop-time") && told.contains("--step-size"), "{told}");
+        let reported = crate::command::text(&output.stderr);
+        assert_eq!(output.status.code(), Some(3), "{reported}");
+        assert!(reported.contains("--stop-time") && reported.contains("--step-size"), "{reported}");
     }
     assert!(cosim(at, &["info", "x.ssd"]).status.success());
-    // Nor does it that nothing is in it.
+    // Nor does it report an empty system.
     folder.write("empty.ssd", &ssd(&system("", ""), ""));
     assert!(cosim(at, &["validate", "empty.ssd"]).status.success());
-    let told = crate::command::text(&cosim(at, &["run", "empty.ssd"]).stderr);
-    assert!(told.contains("[E201] the system has no components"), "{told}");
+    let reported = crate::command::text(&cosim(at, &["run", "empty.ssd"]).stderr);
+    assert!(reported.contains("[E201] the system has no components"), "{reported}");
     let given = ["run", "x.ssd", "--stop-time=1", "--step-size=0.5", "-q"];
     assert!(cosim(at, &given).status.success());
 }
@@ -282,9 +285,12 @@ fn an_fmu_may_log_in_every_call() {
     let folder = TempDir::new().unwrap();
     let fmu = with(&folder, Gain, "CHATTERS");
     let output = cosim(folder.path(), &["simulate", fmu.to_str().unwrap(), "--start-value=k=2"]);
-    let told = text(&output.stderr);
-    assert!(output.status.success(), "{told}");
-    assert!(told.contains("earlier messages are not kept") && told.contains("get Real"), "{told}");
+    let reported = text(&output.stderr);
+    assert!(output.status.success(), "{reported}");
+    assert!(
+        reported.contains("earlier messages are not kept") && reported.contains("get Real"),
+        "{reported}"
+    );
 }
 
 #[test]

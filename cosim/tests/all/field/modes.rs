@@ -1,4 +1,4 @@
-//! When FMUs take values, give them, and end their steps.
+//! When FMUs accept values, provide them, and end their steps.
 
 use cosim::{Overrides, Recording, System};
 use tempfile::TempDir;
@@ -29,9 +29,9 @@ fn a_value_that_is_refused_in_every_mode_is_an_error() {
     let folder = TempDir::new().unwrap();
     let fmu = with(&folder, Gain, "SETS_ONLY_IN=9");
     let output = cosim(folder.path(), &["simulate", fmu.to_str().unwrap(), "--start-value=k=2"]);
-    let told = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{told}");
-    assert!(told.contains("fmi2SetReal of 'GAIN' failed at t = 0 s"), "{told}");
+    let reported = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{reported}");
+    assert!(reported.contains("fmi2SetReal of 'GAIN' failed at t = 0 s"), "{reported}");
 }
 
 #[test]
@@ -65,9 +65,9 @@ fn an_fmu_that_refuses_to_log_runs_all_the_same() {
     let folder = TempDir::new().unwrap();
     let fmu = with(&folder, Gain, "REFUSES_DEBUG");
     let output = cosim(folder.path(), &["simulate", fmu.to_str().unwrap(), "--log-category=all"]);
-    let told = text(&output.stderr);
-    assert!(output.status.success(), "{told}");
-    assert!(told.contains("fmi2SetDebugLogging is refused"), "{told}");
+    let reported = text(&output.stderr);
+    assert!(output.status.success(), "{reported}");
+    assert!(reported.contains("fmi2SetDebugLogging is refused"), "{reported}");
 }
 
 #[test]

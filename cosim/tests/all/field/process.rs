@@ -1,4 +1,4 @@
-//! What FMUs expect of the process that they are in, and of the files around them.
+//! What FMUs expect from their process and from the files around them.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -13,7 +13,7 @@ use crate::models::Model::Gain;
 use crate::models::{compile_into, pack};
 use crate::ssd::Ssd;
 
-/// An FMU of a gain with this library, and with more files in it.
+/// An FMU of a gain with this library, and with additional files.
 fn filled(folder: &Path, library: &Path, more: &[(&str, Vec<u8>)]) -> PathBuf {
     let mut entries = vec![
         ("modelDescription.xml", Gain.description().into_bytes()),
@@ -25,7 +25,7 @@ fn filled(folder: &Path, library: &Path, more: &[(&str, Vec<u8>)]) -> PathBuf {
     fmu
 }
 
-/// One that reads its gain from a file in the folder that this C expression names.
+/// An FMU that reads its gain from a file in the folder given by this C expression.
 fn reading(folder: &Path, place: &str) -> PathBuf {
     let library = folder.join("reading.so");
     compile_into(Gain, &library, &[&format!("READS={place}")], &[]);
@@ -49,21 +49,21 @@ fn resources_are_found_by_fmus_that_cut_the_uri_to_a_path() {
     let fmu = reading(folder.path(), "resources+7");
     let (recording, _) = run(&fmu, &Overrides::new().start_value("u", 1.0));
     assert_eq!(recording.column("y").unwrap()[0], 4.0);
-    // The URI of such a folder is no path, and the FMU itself says what it misses.
+    // The URI of such a folder is not a path, and the FMU itself reports what is missing.
     let odd = folder.path().join("temporary folder \u{fc}");
     std::fs::create_dir(&odd).unwrap();
-    let (code, told) = simulate(folder.path(), &fmu, &odd);
-    assert_eq!(code, Some(1), "{told}");
-    assert!(told.contains("fmi2Instantiate returned NULL"), "{told}");
-    assert!(told.contains("temporary%20folder%20%C3%BC"), "{told}");
+    let (code, reported) = simulate(folder.path(), &fmu, &odd);
+    assert_eq!(code, Some(1), "{reported}");
+    assert!(reported.contains("fmi2Instantiate returned NULL"), "{reported}");
+    assert!(reported.contains("temporary%20folder%20%C3%BC"), "{reported}");
 }
 
 #[test]
 fn the_working_folder_is_the_users_and_an_fmu_that_wants_another_says_what_it_misses() {
     let folder = TempDir::new().unwrap();
     let fmu = reading(folder.path(), "\"resources\"");
-    let (code, told) = simulate(folder.path(), &fmu, folder.path());
-    assert!(code == Some(1) && told.contains("no file resources/gain.txt"), "{told}");
+    let (code, reported) = simulate(folder.path(), &fmu, folder.path());
+    assert!(code == Some(1) && reported.contains("no file resources/gain.txt"), "{reported}");
     std::fs::create_dir(folder.path().join("resources")).unwrap();
     std::fs::write(folder.path().join("resources/gain.txt"), "3").unwrap();
     assert_eq!(simulate(folder.path(), &fmu, folder.path()).0, Some(0));
@@ -90,8 +90,8 @@ fn a_library_beside_the_fmus_own_is_found() {
     let (recording, _) = run(&fmu, &Overrides::new().start_value("u", 1.0));
     assert_eq!(recording.column("y").unwrap()[0], 7.0);
     let without = filled(folder.path(), &library, &[]);
-    let (code, told) = simulate(folder.path(), &without, folder.path());
-    assert!(code == Some(3) && told.contains("install the library libother.so"), "{told}");
+    let (code, reported) = simulate(folder.path(), &without, folder.path());
+    assert!(code == Some(3) && reported.contains("install the library libother.so"), "{reported}");
 }
 
 #[test]

@@ -1,10 +1,10 @@
-//! The table of what FMUs in the field do names tests that exist, and all of those made for it.
+//! The table of traits in the field names tests that exist, and all tests made for it.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 const PAGE: &str = include_str!("../../../../docs/reference/traits.md");
-/// How many traits the table has at least.
+/// The minimum number of traits in the table.
 const TRAITS: usize = 40;
 /// The folder of these tests, all of which the table must name.
 const MADE_FOR_IT: [&str; 5] =

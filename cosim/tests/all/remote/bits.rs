@@ -1,4 +1,4 @@
-//! What a worker computes has the bits of what is computed here.
+//! What a worker computes has the same bits as when computed here.
 
 use cosim::fmi::Place;
 use cosim::{Overrides, System, Time};

@@ -1,4 +1,4 @@
-//! The door of remote FMUs: mutual TLS, as for runs.
+//! Access to remote FMUs: mutual TLS, as for runs.
 
 use tempfile::TempDir;
 
@@ -7,10 +7,10 @@ use crate::distributed::outcome;
 use crate::locked::{free_port, start};
 use crate::models::Model::Integrator;
 
-/// Keys of two authorities, `keys` and `strangers`.
+/// Keys of two authorities, `keys` and `foreign`.
 fn keys() -> TempDir {
     let folder = TempDir::new().unwrap();
-    for name in ["keys", "strangers"] {
+    for name in ["keys", "foreign"] {
         let (code, stderr) = outcome(folder.path(), &["keys", name, "--worker", "left"]);
         assert_eq!(code, 0, "{stderr}");
     }
@@ -18,7 +18,7 @@ fn keys() -> TempDir {
 }
 
 #[test]
-fn only_who_has_a_certificate_computes() {
+fn only_a_worker_with_a_certificate_computes() {
     let folder = keys();
     let endpoint = format!("tls/127.0.0.1:{}", free_port());
     let arguments = ["--credentials", "keys/orchestrator", "--wait", "3"];
@@ -29,10 +29,10 @@ fn only_who_has_a_certificate_computes() {
         let allow = ["--allow", fmu.to_str().unwrap()];
         start(made.folder.path(), &[&own[..], &[credentials], &allow].concat())
     };
-    let stranger = worker("strangers/left");
+    let foreign = worker("foreign/left");
     let error = made.make().err().unwrap().to_string();
     assert!(error.contains("no worker"), "{error}");
-    drop(stranger);
+    drop(foreign);
     let _friend = worker("keys/left");
     let mut it = (0..5).find_map(|_| made.make().ok()).unwrap();
     super::initialize(&mut it, &[]);

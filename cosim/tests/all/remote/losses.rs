@@ -1,4 +1,4 @@
-//! Workers that are killed or stopped, and none that comes.
+//! Workers that are killed or stopped, and workers that never connect.
 
 use std::time::{Duration, Instant};
 

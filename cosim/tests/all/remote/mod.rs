@@ -26,7 +26,7 @@ fn library() -> PathBuf {
     library
 }
 
-/// A remote FMU in a folder of its own, and where workers dial it.
+/// A remote FMU in a folder of its own, and the endpoint where workers connect.
 struct Made {
     folder: TempDir,
     fmu: PathBuf,
@@ -42,7 +42,7 @@ fn proxy(folder: &Path, fmu: &Path, arguments: &[&str]) -> (i32, String) {
 }
 
 impl Made {
-    /// Of a model, which waits for workers at a free port.
+    /// For a model, which waits for workers at a free port.
     fn of(model: Model, arguments: &[&str]) -> Self {
         let endpoint = format!("tcp/127.0.0.1:{}", free_port());
         Self::at(TempDir::new().unwrap(), endpoint, model, arguments)
@@ -57,7 +57,7 @@ impl Made {
         Self { folder, fmu, endpoint, mailbox: Arc::default() }
     }
 
-    /// A worker that computes what this stands for.
+    /// A worker that computes the original FMU.
     fn worker(&self, name: &str) -> Running {
         let own = ["worker", "--name", name, "--connect", &self.endpoint, "--allow-upload"];
         start(self.folder.path(), &own)
@@ -69,7 +69,7 @@ impl Made {
         Instance::new(fmu, "it", &Logging { mailbox, ..Logging::default() })
     }
 
-    /// An instance that has left its initialization, which some variables begin with.
+    /// An instance that has left initialization, in which some variables were set.
     #[track_caller]
     fn started(&self, values: &[(&str, f64)]) -> Instance {
         let mut instance = self.make().unwrap_or_else(|error| panic!("{error}"));
@@ -89,7 +89,7 @@ fn initialize(instance: &mut Instance, values: &[(&str, f64)]) {
     instance.exit_initialization().unwrap();
 }
 
-/// The instance that a remote one stands for.
+/// The instance that a remote one represents.
 fn here(model: Model, values: &[(&str, f64)]) -> Instance {
     let mut instance =
         Instance::new(Fmu::open(&model.fmu()).unwrap(), "it", &Logging::default()).unwrap();
@@ -118,7 +118,7 @@ fn get(instance: &mut Instance, name: &str) -> f64 {
     value[0]
 }
 
-/// The step number `k` of 0.1 s, with an input that is no round number.
+/// The step number `k` of 0.1 s, with an input that is not a round number.
 fn step(instance: &mut Instance, k: u32) -> Result<f64, Error> {
     set(instance, "u", 1.0 / f64::from(k + 3));
     instance.do_step(seconds(f64::from(k) * 0.1), seconds(0.1))?;
@@ -135,7 +135,7 @@ fn groups(worker: &Running) -> Vec<u32> {
     children(worker.0.id())
 }
 
-/// Waits until something is so.
+/// Waits until a condition holds.
 #[track_caller]
 fn until(what: &str, is_so: impl Fn() -> bool) {
     let begun = Instant::now();

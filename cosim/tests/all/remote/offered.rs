@@ -1,4 +1,4 @@
-//! Remote FMUs of what a worker holds, made where the FMU itself is not.
+//! Remote FMUs of FMUs that a worker holds, made without the FMU itself.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use super::{Made, here, proxy, steps};
 use crate::locked::{Running, free_port, start};
 use crate::models::Model::{Gain, Integrator};
 
-/// A worker that holds two FMUs, dialling an endpoint where nobody listens yet.
+/// A worker that holds two FMUs, connecting to an endpoint where nothing listens yet.
 fn holder(folder: &Path, endpoint: &str) -> Running {
     let (one, other) = (Integrator.fmu(), Gain.fmu());
     let [one, other] = [&one, &other].map(|file| file.to_str().unwrap());
@@ -18,7 +18,7 @@ fn holder(folder: &Path, endpoint: &str) -> Running {
 }
 
 #[test]
-fn a_worker_tells_enough_of_an_fmu_to_stand_for_it() {
+fn a_worker_provides_enough_of_an_fmu_for_a_remote_one() {
     let (folder, empty) = (TempDir::new().unwrap(), TempDir::new().unwrap());
     let endpoint = format!("tcp/127.0.0.1:{}", free_port());
     let _worker = holder(empty.path(), &endpoint);
@@ -31,7 +31,7 @@ fn a_worker_tells_enough_of_an_fmu_to_stand_for_it() {
     let unpacked = cosim::fmi::archive::unpack(&fmu).unwrap();
     assert!(!unpacked.path().join("resources").join(name).exists());
 
-    // The same description as with the file at hand, and the same bits.
+    // The same description as when made from the file, and the same bits.
     let at_hand = Made::at(TempDir::new().unwrap(), endpoint.clone(), Integrator, &["--held"]);
     assert_eq!(std::fs::read(&fmu).unwrap(), std::fs::read(&at_hand.fmu).unwrap());
     let made = Made { folder, fmu, endpoint, mailbox: Arc::default() };

@@ -1,4 +1,4 @@
-//! What is refused, and that nothing is written then.
+//! What is refused, and that nothing is written in that case.
 
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
@@ -39,7 +39,7 @@ fn what_cannot_be_computed_elsewhere_is_not_written() {
 }
 
 #[test]
-fn a_door_that_is_open_or_without_keys_is_not_written() {
+fn an_endpoint_that_is_open_or_without_keys_is_not_written() {
     let fmu = Gain.fmu();
     refused(&fmu, &["--listen", "tcp/0.0.0.0:7447"], 1, &["[E504]", "is refused", "--insecure"]);
     refused(&fmu, &["--listen", "udp/127.0.0.1:7447"], 1, &["[E504]", "the protocols are"]);
@@ -62,7 +62,7 @@ fn where_nothing_can_be_written_it_is_said() {
     std::fs::copy(Gain.fmu(), &own).unwrap();
     let arguments = ["proxy", "own.fmu", "-o", "own.fmu", "--library", library];
     let (code, stderr) = crate::distributed::outcome(folder.path(), &arguments);
-    assert!(code == 2 && stderr.contains("take the place of"), "{stderr}");
+    assert!(code == 2 && stderr.contains("replace the FMU itself"), "{stderr}");
     assert_eq!(std::fs::read(own).unwrap(), std::fs::read(Gain.fmu()).unwrap());
 }
 

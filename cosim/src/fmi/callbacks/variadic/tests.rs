@@ -1,4 +1,4 @@
-//! The logger, called as C calls it.
+//! Tests that call the logger as C does.
 
 use super::*;
 use crate::fmi::callbacks::Known;
@@ -6,7 +6,7 @@ use crate::fmi::callbacks::Known;
 type Variadic =
     unsafe extern "C" fn(*const Log, *const c_char, RawStatus, *const c_char, *const c_char, ...);
 
-/// Calls the logger with a format and arguments; the line that was logged.
+/// Calls the logger with a format and arguments; returns the logged line.
 macro_rules! logged {
     ($format:literal $(, $argument:expr)*) => {{
         let log = Known::new(Log::default(), "it");
@@ -27,7 +27,7 @@ fn registers_and_stack() {
     // Three words on the stack after the registers of either machine.
     let line = logged!(c"%d %d %d %d %d %ld", -1_i32, 2_i32, -3_i32, 4_i32, 5_i32, i64::MIN);
     assert_eq!(line, "-1 2 -3 4 5 -9223372036854775808");
-    // Ten doubles: eight in registers, two on the stack, in between a word and a pointer.
+    // Ten doubles: eight in registers, two on the stack, with a word and a pointer between them.
     let line = logged!(
         c"%g %g %g %g %s %g %g %g %g %d %g %.3f",
         0.5,

@@ -1,4 +1,4 @@
-// One cell: how its figures are spread, what they hang on, how it compares, what failed.
+// One cell: the distribution of its figures, their dependencies, comparisons, failures.
 import { choice, el, facts, table } from "./dom.js";
 import { address, answerMore, estimate, num, verdictMark, withUnit, worst } from "./format.js";
 import { boxes, labelled, scatter, shares } from "./distribution.js";
@@ -6,7 +6,7 @@ import { Clock } from "./clock.js";
 import { timePlot } from "./timeplot.js";
 import { chosen, comparisons, thresholds } from "./overview.js";
 
-/** The command that makes a run again. */
+/** The command that repeats a run. */
 function replayCommand(campaign, run) {
   return el("pre", { class: "command", tabindex: "0" }, el("code", {}, `cosim replay ${campaign.folder_quoted} ${run} --output-file run${run}.csv`));
 }
@@ -15,7 +15,7 @@ function go(cell, run) {
   window.location.hash = address(cell.name, run);
 }
 
-/** Cells of the same row: what is compared. */
+/** Cells of the same row: the alternatives that are compared. */
 function siblings(campaign, cell) {
   return campaign.cells.filter((other) => other.row === cell.row);
 }
@@ -74,7 +74,7 @@ function sensitivity(campaign, cell, figure) {
       varied.length > 1 && choice("Parameter ", varied.map(({ input }) => input.name), 0, show)), place);
 }
 
-/** A figure over the levels of a factor, for cells that differ in nothing else. */
+/** A figure over the levels of a factor, for cells that otherwise have the same factors. */
 function alongFactors(campaign, cell, figure) {
   const { name, unit } = campaign.figures[figure];
   const plots = campaign.levels.map((factor, place) => {
@@ -109,7 +109,7 @@ function overTime(cell) {
   }, new Clock(t[0], t.at(-1)), [])));
 }
 
-/** A line for each run that matters: those that are shown whole, then the greatest. */
+/** A line for each run that matters: those that are shown in full, then the greatest. */
 function runs(campaign, cell, figure) {
   const { sample } = cell;
   const why = new Map(cell.shown.map((shown) => [shown.run, shown]));
@@ -118,8 +118,8 @@ function runs(campaign, cell, figure) {
   const row = (i) => {
     const run = sample.run[i];
     const shown = why.get(run);
-    const told = shown ? (shown.problem ? `${shown.why}; not shown: ${shown.problem}` : `${shown.why}, shown whole`) : "";
-    return [el("a", { href: address(cell.name, run) }, `run ${run}`), ...sample.figures.map((values) => num(values[i])), told];
+    const shownText = shown ? (shown.problem ? `${shown.why}; not shown: ${shown.problem}` : `${shown.why}, shown whole`) : "";
+    return [el("a", { href: address(cell.name, run) }, `run ${run}`), ...sample.figures.map((values) => num(values[i])), shownText];
   };
   const head = ["run", ...campaign.figures.map(({ name, unit }) => withUnit(name, unit && unit !== "1" ? `(${unit})` : "")), "on this page"];
   return table("Runs: those shown whole, and the greatest", head, [...new Set(places)].map(row), [0, head.length - 1]);
@@ -169,7 +169,7 @@ export function cellView(report, cell) {
   ].flat(3).filter(Boolean);
 }
 
-/** What is known of a run of a campaign. */
+/** The data of a run of a campaign. */
 export function runFacts(campaign, cell, run) {
   const i = cell.sample.run.indexOf(run);
   const shown = cell.shown.find((other) => other.run === run);

@@ -1,4 +1,4 @@
-// The instant that all plots of a run show, and the part of its time that they show.
+// The instant that all plots of a run show, and the time range that they show.
 
 /** Times are in seconds; listeners get the instant, or the range. */
 export class Clock {
@@ -18,7 +18,7 @@ export class Clock {
     this.#range.add(listener);
   }
 
-  /** A plot that has gone hears nothing more. */
+  /** Removes a listener. */
   forget(...listeners) {
     for (const listener of listeners) {
       this.#cursor.delete(listener);
@@ -41,7 +41,7 @@ export class Clock {
     this.show(this.start, this.stop);
   }
 
-  /** A part of the shown range as long as `factor` times it, moved by `shift` of it. */
+  /** Scales the shown range by `factor`, and shifts it by `shift` of its length. */
   zoom(factor, shift = 0) {
     const length = this.until - this.from;
     const middle = (this.from + this.until) / 2 + shift * length;
@@ -51,7 +51,7 @@ export class Clock {
   }
 }
 
-/** The last place whose time is not after this one. */
+/** The last position whose time is not after this one. */
 export function placeAt(times, time) {
   let low = 0;
   let high = times.length - 1;

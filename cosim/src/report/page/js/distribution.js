@@ -1,4 +1,4 @@
-// Distributions: box plots, shares, points against points.
+// Distributions: box plots, cumulative shares, scatter plots.
 import { el } from "./dom.js";
 import { num } from "./format.js";
 import { extent, Plane } from "./plane.js";
@@ -10,7 +10,7 @@ export function groupColour(place) {
   return colour(COLOURS[place % COLOURS.length]);
 }
 
-/** A quantile of 41 that are 1/40 apart. */
+/** One of 41 quantiles that are 1/40 apart. */
 export function quantile(quantiles, p) {
   return quantiles.length === 0 ? null : quantiles[Math.round(p * 40)];
 }
@@ -19,7 +19,7 @@ function caption(text, plane, more) {
   return el("figure", { class: "plot" }, el("figcaption", {}, text), plane.canvas, more);
 }
 
-/** Boxes of groups { name, quantiles, points }; `point(group, place)` hears of clicks. */
+/** Boxes of groups { name, quantiles, points }; `point(group, place)` is called on clicks. */
 export function boxes(title, label, groups, clicked) {
   const known = groups.filter((group) => group.quantiles.length > 0);
   if (known.length === 0) return el("p", { class: "soft" }, `${title}: no run has this figure.`);
@@ -72,7 +72,7 @@ export function boxes(title, label, groups, clicked) {
   return caption(title, plane);
 }
 
-/** Calls the nearest of points [x, y, act] if it is near. */
+/** Calls `act` of the nearest of points [x, y, act] if it is close. */
 function nearest(distance, points) {
   let [least, act] = [12, null];
   for (const [x, y, found] of points) {
@@ -165,7 +165,7 @@ export function scatter({ title, x, y, xs = [], ys = [], equalLine = false, line
   return caption(title, plane, [lines.length > 0 && groupLegend(lines.map((line) => line.name)), note && el("p", { class: "small soft" }, note)].filter(Boolean));
 }
 
-/** A label with its unit, as axes have it. */
+/** An axis label with its unit. */
 export function labelled(name, unit) {
   if (unit === "1") return `${name} (no unit)`;
   return `${name} (${unit || "unit not known"})`;

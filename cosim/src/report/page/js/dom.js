@@ -1,6 +1,6 @@
-// Elements; what is text stays text.
+// DOM elements; text is never parsed as markup.
 
-/** An element with attributes; children are nodes or texts. `on...` are listeners, false leaves out. */
+/** An element with attributes; children are nodes or texts. `on...` are listeners, false is skipped. */
 export function el(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
@@ -22,7 +22,7 @@ export function table(caption, head, rows, texts = []) {
     el("table", {}, el("caption", {}, caption), el("thead", {}, el("tr", {}, heads)), el("tbody", {}, rows.map(line))));
 }
 
-/** A list of choices under a label. */
+/** A labelled list of choices. */
 export function choice(label, options, chosen, changed) {
   const select = el("select", { onchange: () => changed(Number(select.value)) },
     options.map((name, place) => el("option", { value: place, selected: place === chosen }, name)));

@@ -1,7 +1,7 @@
-// Numbers and verdicts in words.
+// Numbers and verdicts as text.
 import { el } from "./dom.js";
 
-/** Four significant digits; a dash for what is no number. */
+/** Four significant digits; a dash if it is not a number. */
 export function num(value, digits = 4) {
   if (value == null || Number.isNaN(value)) return "–";
   if (value === 0) return "0";
@@ -16,7 +16,7 @@ export function withUnit(text, unit) {
   return unit && unit !== "1" ? `${text} ${unit}` : text;
 }
 
-/** An estimate with its interval; ends that are not known are infinite. */
+/** An estimate with its interval; unknown ends are infinite. */
 export function estimate({ value, interval }) {
   const end = (bound, otherwise) => (bound == null ? otherwise : num(bound));
   return `${value == null ? "∞" : num(value)} [${end(interval[0], "−∞")}, ${end(interval[1], "∞")}]`;
@@ -24,7 +24,7 @@ export function estimate({ value, interval }) {
 
 const WORDS = { pass: ["✔", "pass"], fail: ["✘", "fail"], undecided: ["?", "undecided"], none: ["–", "no threshold"] };
 
-/** The key of an answer, which is a word or says how many more runs would tell. */
+/** The key of an answer, which is a word or the number of further runs that would decide. */
 function answerKey(answer) {
   return typeof answer === "string" ? answer : "undecided";
 }
@@ -36,11 +36,11 @@ export function verdictMark(answer, words = true) {
     el("span", { class: words ? null : "hidden" }, word));
 }
 
-/** What would settle an answer that is open. */
+/** What would decide an open answer. */
 export function answerMore(answer) {
   if (typeof answer === "string") return "";
   const more = answer.undecided;
-  return more == null ? "it lies too near to the threshold" : `${more} more runs of the cell would tell`;
+  return more == null ? "it is too close to the threshold" : `${more} more runs of the cell would decide`;
 }
 
 /** The worst of several answers. */

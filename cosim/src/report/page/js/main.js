@@ -1,4 +1,4 @@
-// What is seen follows from the address: nothing, a cell, or a cell and a run.
+// The address determines the view: overview, a cell, or a run of a cell.
 import { details, el, terms } from "./dom.js";
 import { cellView, runFacts } from "./cell.js";
 import { address } from "./format.js";

@@ -1,4 +1,4 @@
-// The campaign at a glance: the question, the verdict, the matrix.
+// Overview of the campaign: the question, the verdict, the matrix.
 import { choice, details, el, facts, table } from "./dom.js";
 import { address, answerMore, estimate, num, verdictMark, withUnit, worst } from "./format.js";
 import { quantile } from "./distribution.js";
@@ -11,7 +11,7 @@ const STATISTICS = [
   ["failed runs (%)", (cell) => (cell.runs ? (100 * cell.failed) / cell.runs : null)],
 ];
 
-/** What the reader looks at, kept from view to view. */
+/** The state of the view, kept between views. */
 export const chosen = { figure: null, statistic: 0 };
 
 function sentence({ answer, answers: [pass, fail, open], expected, runs }) {
@@ -41,7 +41,7 @@ function matrix(campaign) {
   const unit = chosen.statistic === 3 ? "%" : figure?.unit ?? "";
   const known = cells.map(value).filter((v) => v != null);
   const [low, high] = [Math.min(...known), Math.max(...known)];
-  // Values over some powers of ten are told apart by their logarithms.
+  // Values over several orders of magnitude are coloured by their logarithms.
   const logarithmic = low > 0 && high / low > 30;
   const part = (v) => (high > low ? (logarithmic ? Math.log(v / low) / Math.log(high / low) : (v - low) / (high - low)) : 0);
   const columns = [...new Set(cells.map((cell) => cell.column))];
@@ -85,18 +85,18 @@ export function thresholds(verdicts, withCell) {
     const cells = [verdictMark(verdict.answer), verdict.figure, verdict.threshold, `${verdict.kept} of ${verdict.runs}`, estimate(verdict.quantile), answerMore(verdict.answer)];
     return withCell ? [el("a", { href: address(verdict.cell) }, verdict.cell), ...cells] : cells;
   };
-  const head = ["verdict", "figure", "threshold", "runs that keep it", "quantile [interval]", "what would tell"];
+  const head = ["verdict", "figure", "threshold", "runs that meet it", "quantile [interval]", "what would decide"];
   const order = { fail: 0, undecided: 1, pass: 2 };
   const sorted = [...verdicts].sort((a, b) => order[worst([a.answer])] - order[worst([b.answer])]);
   return table("Thresholds", withCell ? ["cell", ...head] : head, sorted.slice(0, 500).map(row), withCell ? [0, 1, 2, 3, 6] : [0, 1, 2, 5]);
 }
 
-/** Differences between what is compared, run by run. */
+/** Differences between the alternatives, run by run. */
 export function comparisons(compared, figures, title) {
   const unit = (name) => figures.find((figure) => figure.name === name)?.unit ?? "";
   const row = ({ cell, with: other, figure, pairs, difference }) => {
     const [low, high] = difference.interval;
-    const word = low > 0 ? "greater" : high != null && high < 0 ? "smaller" : "not told apart";
+    const word = low > 0 ? "greater" : high != null && high < 0 ? "smaller" : "not distinguishable";
     return [el("a", { href: address(other) }, other), el("a", { href: address(cell) }, cell), figure, String(pairs), withUnit(estimate(difference), unit(figure)), low == null || high == null ? "too few runs" : word];
   };
   return table(title, ["cell", "minus", "figure", "pairs", "median difference [95 %]", "it is"], compared.slice(0, 500).map(row), [0, 1, 2, 5]);

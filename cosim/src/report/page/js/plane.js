@@ -1,4 +1,4 @@
-// Two quantities against each other: the library draws axes and zooms, `paint` draws what is between.
+// A plot of two quantities: the library draws axes and zooms, `paint` draws the contents.
 import { el } from "./dom.js";
 import { axis, whenSeen } from "./timeplot.js";
 
@@ -8,7 +8,7 @@ function short(text) {
   return text.length > 16 ? `${text.slice(0, 15)}…` : text;
 }
 
-/** Least and greatest of lists of numbers, with a margin; null if there are none. */
+/** Minimum and maximum of lists of numbers, with a margin; null if there are none. */
 export function extent(lists, margin = 0.05) {
   let [low, high] = [Infinity, -Infinity];
   for (const list of lists) {
@@ -19,14 +19,14 @@ export function extent(lists, margin = 0.05) {
     }
   }
   if (low > high) return null;
-  const room = high > low ? (high - low) * margin : Math.abs(high) * 0.1 || 0.5;
-  return [low - room, high + room];
+  const padding = high > low ? (high - low) * margin : Math.abs(high) * 0.1 || 0.5;
+  return [low - padding, high + padding];
 }
 
 /**
  * A plane as a figure. `x` and `y` are { label, range }, `paint(ctx, at)` draws, where `at(x, y)` are
- * canvas pixels; `equal`: a unit is as long on both axes; `pointed(x, y, near)` hears of the mouse,
- * and `near` is how far a distance on screen is in units of x.
+ * canvas pixels; `equal`: both axes have the same scale; `pointed(x, y, near)` is called on mouse moves,
+ * and `near` is a distance on screen in units of x.
  */
 export class Plane {
   constructor({ x, y, paint, equal = false, height = 260, pointed, clicked, spoken }) {
@@ -45,7 +45,7 @@ export class Plane {
     return [width, Math.min(Math.max((width * dy) / dx, 220), 480)];
   }
 
-  /** The whole, at equal scale if that is wanted. */
+  /** The full range, at equal scale if requested. */
   #fitted([width, height]) {
     const [x, y] = [[...this.x.range], [...this.y.range]];
     if (this.equal) {
@@ -140,7 +140,7 @@ export class Plane {
     this.#show({ x: around(this.view.x, x), y: around(this.view.y, y) });
   }
 
-  /** Moves what is seen by parts of its size. */
+  /** Moves the view by parts of its size. */
   pan(right, up) {
     if (!this.u) return;
     const by = ([low, high], part) => [low + part * (high - low), high + part * (high - low)];
@@ -151,7 +151,7 @@ export class Plane {
     this.u?.redraw(false);
   }
 
-  /** Buttons for those who do not drag. */
+  /** Buttons as an alternative to dragging. */
   buttons(name) {
     const button = (sign, what, act) =>
       el("button", { type: "button", "aria-label": `${what}: ${name}`, title: what, onclick: act }, sign);

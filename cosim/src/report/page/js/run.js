@@ -1,4 +1,4 @@
-// One run: where it went, how good the estimates were, what was wrong, and all that was recorded.
+// One run: its path, the quality of the estimates, faults, and everything that was recorded.
 import { choice, details, el, facts, table } from "./dom.js";
 import { Clock, placeAt, valueAt } from "./clock.js";
 import { groupColour } from "./distribution.js";
@@ -8,10 +8,10 @@ import { spaceOf } from "./space.js";
 import { colour, onTheme } from "./theme.js";
 import { timePlot } from "./timeplot.js";
 
-/** The radius in sigmas of an ellipse that holds 95 % of two normal numbers. */
+/** The radius in sigmas of an ellipse that contains 95 % of a bivariate normal distribution. */
 const HOLDS_95 = Math.sqrt(5.991464547107979);
 
-/** Estimates have the colours of their number among the estimates. */
+/** The colour of an estimate depends on its index. */
 function pathColour(paths, path) {
   if (path.role === "truth") return colour("truth");
   return path.role === "fix" ? colour("c3") : groupColour(number(paths, path));
@@ -36,7 +36,7 @@ function drawEllipse(ctx, at, path, entry) {
   const { a, b, angle } = ellipse(xx[entry], xy[entry] ?? 0, yy[entry]);
   const [x, y] = at(east, north);
   const scale = Math.abs(at(east + 1, north)[0] - x);
-  // An estimator that knows nothing any more would cover the map.
+  // The ellipse of an estimator that has lost track would cover the map.
   if (a * scale > 2 * ctx.canvas.width) return;
   ctx.beginPath();
   ctx.ellipse(x, y, a * scale, b * scale, -angle, 0, 2 * Math.PI);
@@ -79,7 +79,7 @@ function drawPath(ctx, at, ratio, paths, path, now, t) {
   drawEllipse(ctx, at, path, placeAt(path.ellipses.at.map((i) => t[i]), now));
 }
 
-/** Where the vehicle and its estimates are, as arrows above the map. */
+/** The positions of the vehicle and its estimates, as arrows on the map. */
 function markers(plane, map, clock) {
   const moving = map.paths.filter((path) => path.role !== "fix");
   const arrows = moving.map((path) => el("div", { class: path.yaw ? "vehicle" : "vehicle round" }));
@@ -128,7 +128,7 @@ function mapOf(map, clock) {
     spoken: `Map with ${map.paths.map((path) => path.name).join(", ")}: ${num(north[1] - north[0])} m from south to north, ${num(east[1] - east[0])} m from west to east`,
   });
   markers(plane, map, clock);
-  // Of many estimates the ellipses hide the paths.
+  // With many estimates, ellipses would hide the paths.
   const estimates = map.paths.filter((path) => path.role === "estimate");
   const samples = map.paths.map((path) => {
     const box = el("input", { type: "checkbox", checked: true, onchange: () => {
@@ -151,7 +151,7 @@ function mapOf(map, clock) {
     el("ul", { class: "legend" }, samples), plane.buttons("map"));
 }
 
-/** The instant as a slider, and where everything is then. */
+/** A slider for the instant, and the values at that instant. */
 function instant(trace, clock) {
   const output = el("output", { for: "time" });
   const slider = el("input", { type: "range", id: "time", min: 0, max: 1000, step: 1, value: 0, "aria-label": "time",
@@ -199,13 +199,13 @@ function zoomButtons(clock) {
     el("span", { class: "small soft" }, "Drag in a plot to zoom, double-click for all; the cursor is common to all plots and the map."));
 }
 
-/** The value of a plot with one curve that never changes. */
+/** The value of a plot whose only curve is constant. */
 function constant({ lines, band, limits }) {
   const [first, ...rest] = lines[0].v;
   return lines.length === 1 && !band && !limits && rest.every((value) => value === first) ? first : null;
 }
 
-/** So many plots stand under one heading; of more, those of the first component are seen at once. */
+/** Maximum number of plots under one heading; if there are more, only those of the first component are open. */
 const AT_ONCE = 10;
 
 function sections({ plots, map, faults }, clock) {
@@ -253,7 +253,7 @@ function planeOf({ title, x, y, lines }) {
   return el("figure", { class: "plot" }, el("figcaption", {}, title), plane.canvas, el("ul", { class: "legend" }, legend), plane.buttons(title));
 }
 
-/** All variables: plots by component, chosen by a word of their names, and a table. */
+/** All variables: plots by component, filtered by name, and a table. */
 function everything(trace, clock) {
   const components = [...new Set(trace.signals.map((plot) => plot.section))];
   const list = el("div", { class: "plots" });
@@ -298,7 +298,7 @@ export function runView(trace) {
   return parts.flat().filter(Boolean);
 }
 
-/** What a trace is, in numbers. */
+/** Summary of a trace in numbers. */
 export function traceFacts(trace) {
   return facts([["Instants", String(trace.instants)], ["From", withUnit(num(trace.start, 6), "s")], ["Until", withUnit(num(trace.stop, 6), "s")]]);
 }

@@ -1,13 +1,13 @@
-// The paths of a run in space, seen from a side that the reader chooses.
+// The paths of a run in space, seen from a direction chosen by the user.
 import { el } from "./dom.js";
 import { valueAt } from "./clock.js";
 import { num } from "./format.js";
 import { extent, Plane } from "./plane.js";
 import { colour } from "./theme.js";
 
-/** Paths are seen from so far above the horizon (rad). */
+/** Elevation of the view above the horizon (rad). */
 const ABOVE = 0.45;
-/** A dive of less than this (m) is left to the plot of depths. */
+/** A smaller change of depth (m) is shown only in the plot of depths. */
 const DIVE = 1;
 
 /** A figure with the paths { name, x, y, z, ... }, or null where depth hardly changes; `tint(path)` is a colour. */
@@ -18,7 +18,7 @@ export function spaceOf(map, clock, tint) {
   const [north, east] = [extent(paths.map((path) => path.x), 0), extent(paths.map((path) => path.y), 0)];
   if (!deep || !north || !east || deep[1] - deep[0] < DIVE) return null;
   const wide = Math.max(north[1] - north[0], east[1] - east[0]);
-  // Depth is drawn as large as a third of the way if it is smaller.
+  // Depth is scaled up to a third of the path if it is smaller.
   const factor = Math.max(1, wide / 3 / (deep[1] - deep[0]));
   const middle = [north, east].map(([low, high]) => (low + high) / 2);
   let side = 0.6;
@@ -53,7 +53,7 @@ export function spaceOf(map, clock, tint) {
       go(path.x.map((x, i) => [x, path.y[i], path.z[i]]));
       const [x, y, z] = [path.x, path.y, path.z].map((values) => valueAt(map.t, values, clock.now));
       if (x == null || y == null || z == null) continue;
-      // A plumb line to the bottom shows where it is.
+      // A vertical line to the bottom shows the position.
       ctx.lineWidth = ratio;
       go([[x, y, z], [x, y, deep[1]]]);
       ctx.beginPath();

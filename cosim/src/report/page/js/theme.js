@@ -1,4 +1,4 @@
-// Light and dark: as the system has it until the reader chooses.
+// Light and dark: the system setting until the user chooses.
 import { el } from "./dom.js";
 
 const ROOT = document.documentElement;

@@ -1,4 +1,4 @@
-// Plots over time; all of a run share their cursor and the part of time that they show.
+// Plots over time; all plots of a run share the cursor and the shown time range.
 import { el } from "./dom.js";
 import { num, withUnit } from "./format.js";
 import { colour, onTheme } from "./theme.js";
@@ -7,7 +7,7 @@ const SIGNALS = ["c1", "c2", "c3", "c4", "c5", "c6", "c7", "c8"];
 const DASHES = [null, [8, 3], [3, 3], [10, 3, 2, 3]];
 const FONT = "12px system-ui, sans-serif";
 
-/** Axes as the style has them. */
+/** Axes in the common style. */
 export function axis(label, more = {}) {
   return {
     label, font: FONT, labelFont: FONT, labelSize: 20, labelGap: 2, stroke: colour("soft"),
@@ -16,7 +16,7 @@ export function axis(label, more = {}) {
   };
 }
 
-/** What is wrong in a run, shaded over the height of a plot. */
+/** Faults of a run, shaded over the height of a plot. */
 function shadeFaults(u, faults, stop) {
   const { ctx, bbox } = u;
   ctx.save();
@@ -43,7 +43,7 @@ function lineStyle(line, place, count) {
   return { stroke: colour(own), width: 1.5, dash: DASHES[Math.floor(place / 2) % DASHES.length] };
 }
 
-/** Data and series of a plot: lines, then the band's ends, then its limits. */
+/** Data and series of a plot: lines, then the edges of the band, then its limits. */
 function contents(plot) {
   const value = (_, v) => (v == null ? "–" : withUnit(num(v), plot.unit));
   const paths = plot.steps ? { paths: uPlot.paths.stepped({ align: 1 }) } : {};
@@ -72,7 +72,7 @@ function contents(plot) {
   return { data, series, bands };
 }
 
-/** The range of values: of the lines, and of the band as far as that leaves something to see. */
+/** The range of values: of the lines, and of the band unless that would make the lines unreadable. */
 function valueRange(plot, low, high) {
   if (!plot.band) return uPlot.rangeNum(low ?? 0, high ?? 1, 0.1, true);
   const most = (lists) => Math.max(0, ...lists.map((list) => list.reduce((a, v) => (v == null ? a : Math.max(a, Math.abs(v))), 0)));
@@ -103,7 +103,7 @@ function drawMarks(u, marks) {
   ctx.restore();
 }
 
-/** What a reader who sees no picture gets to know. */
+/** The text alternative for screen readers. */
 function spoken(plot) {
   if (plot.grows) return `${plot.title} over time, while the run goes on`;
   const parts = plot.lines.map((line) => {
@@ -164,7 +164,7 @@ export function timePlot(plot, clock, faults) {
   };
   clock.onRange(range);
   clock.onCursor(cursor);
-  // For data that grow: the plot's lists have changed, and with them what the clock shows.
+  // For growing data: the lists of the plot have changed, and with them the range of the clock.
   figure.refresh = () => u?.batch(() => {
     u.setData(contents(plot).data, false);
     range(clock.from, clock.until);
@@ -192,12 +192,12 @@ function buildNow(element) {
   build();
 }
 
-// Paper has everything that is open.
+// Everything that is open is printed.
 window.addEventListener("beforeprint", () => [...UNSEEN.keys()].forEach((element) => {
   if (element.checkVisibility()) buildNow(element);
 }));
 
-/** Builds when an element comes into view; again after a change of colours; resizes with it. */
+/** Draws when an element comes into view, and again after a change of colours; resizes with it. */
 export function whenSeen(element, build, resize) {
   let width = 0;
   UNSEEN.set(element, () => {

@@ -28,7 +28,7 @@ impl Reader {
                 "SignalConnection" => self.of_signal(element),
                 "VariableGroupConnection" => self.of_groups(element),
                 "SignalGroupConnection" => self.of_signal_group(element),
-                // Told as unknown already.
+                // Already reported as unknown.
                 _ => Ok(()),
             };
             self.gathered.take(done);
@@ -50,17 +50,15 @@ impl Reader {
             return Ok(());
         };
         if of_a.len() != of_b.len() {
-            return Err(self.wrong(element, "the two groups are not of the same size").why(
-                format!(
-                    "'{}' of '{}' has {} variables, '{}' of '{}' has {}",
-                    a.1,
-                    a.0,
-                    of_a.len(),
-                    b.1,
-                    b.0,
-                    of_b.len()
-                ),
-            ));
+            return Err(self.wrong(element, "the two groups differ in size").why(format!(
+                "'{}' of '{}' has {} variables, '{}' of '{}' has {}",
+                a.1,
+                a.0,
+                of_a.len(),
+                b.1,
+                b.0,
+                of_b.len()
+            )));
         }
         for (from, to) in of_a.into_iter().zip(of_b) {
             self.connect((a.0.clone(), from), (b.0.clone(), to), element);
@@ -127,7 +125,7 @@ impl Reader {
         }
     }
 
-    /// The check finds out which of the two is the output.
+    /// The check determines which of the two is the output.
     fn connect(&mut self, from: Name, to: Name, element: &Element) {
         let place = self.place(element);
         self.connections.push(RawConnection { from, to, stages: vec![Stage::default()], place });

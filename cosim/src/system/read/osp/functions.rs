@@ -16,7 +16,7 @@ pub(super) struct Linear {
     pub place: Place,
     /// The variable at `in`.
     pub source: Option<(String, String)>,
-    /// Connections at `out`, by their position.
+    /// Connections at `out`, by position.
     pub sinks: Vec<usize>,
 }
 
@@ -31,7 +31,7 @@ impl Reader {
                 "LinearTransformation" => self.linear(element),
                 "Sum" => self.sum(element, &["name", "inputCount"]),
                 "VectorSum" => self.sum(element, &["name", "inputCount", "dimension"]),
-                // Told as unknown already.
+                // Already reported as unknown.
                 _ => Ok(()),
             };
             self.gathered.take(done);
@@ -87,14 +87,14 @@ impl Reader {
         Ok(())
     }
 
-    /// A connection from `out` stands for the whole way, in its place among the others.
+    /// A connection from `out` represents the whole path, in its place among the others.
     pub(super) fn through(&mut self, linear: usize, to: (String, String), place: Place) {
         let linear = &mut self.linear[linear];
         linear.sinks.push(self.connections.len());
         let (factor, offset) = (linear.factor, linear.offset);
         let stage = Stage {
             transformation: Some(Transformation::Linear { factor, offset }),
-            // Who writes such a function means the numbers as they are.
+            // Such a function is meant to use the numbers unconverted.
             suppress_unit_conversion: true,
             unit: None,
         };
@@ -102,7 +102,7 @@ impl Reader {
         self.connections.push(RawConnection { from, to, stages: vec![stage], place });
     }
 
-    /// Gives the connections through linear transformations their sources.
+    /// Sets the sources of the connections through linear transformations.
     pub(super) fn join_linear(&mut self) {
         let mut without_source = Vec::new();
         for linear in std::mem::take(&mut self.linear) {

@@ -1,6 +1,6 @@
 //! Variable groups: `<modelName>_OspModelDescription.xml` beside the FMU or the structure.
 //!
-//! A group is a list of variables; a group of groups is the list of all of theirs, in order.
+//! A group is a list of variables; a group of groups is the concatenation of their lists.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -20,7 +20,7 @@ fn is_group(element: &Element) -> bool {
 }
 
 impl Reader {
-    /// Reads the groups of a simulator; an FMU that cannot be opened is told by the check.
+    /// Reads the groups of a simulator; the check reports an FMU that cannot be opened.
     pub(super) fn read_groups(&mut self, simulator: &str, fmu: &Path) {
         let Ok(opened) = self.gathered.fmus.open(fmu) else {
             return;
@@ -35,7 +35,7 @@ impl Reader {
         self.groups.0.insert(simulator.to_owned(), groups);
     }
 
-    /// The variables of a group; `None` when its simulator's FMU could not be opened.
+    /// The variables of a group; `None` if its simulator's FMU could not be opened.
     pub(super) fn group(
         &self,
         (simulator, name): &(String, String),
@@ -65,7 +65,7 @@ impl Reader {
     }
 }
 
-/// All groups of an OspModelDescription, those inside of others too.
+/// All groups of an OspModelDescription, including nested ones.
 pub(super) fn groups(root: &Element, file: &Path) -> Result<BTreeMap<String, Vec<String>>> {
     if root.name != "OspModelDescription" {
         return Err(Error::new(Code::Ssd, format!("the root element is <{}>", root.name))

@@ -1,7 +1,7 @@
 //! `LogConfig.xml`: which variables of which simulators are recorded, and how often.
 //!
-//! `decimationFactor` n records every n-th step of its simulator. There is one interval for all
-//! results here, so it is the finest that is asked for.
+//! `decimationFactor` n records every n-th step of its simulator. Here, all results have the same
+//! interval, so the finest one is used.
 
 use super::Reader;
 use crate::error::Code;
@@ -13,7 +13,7 @@ use crate::xml::{self, Element};
 pub(in crate::system) const LOG_FILE: &str = "LogConfig.xml";
 
 impl Reader {
-    /// Patterns of what is recorded; none when there is no such file.
+    /// Patterns of the recorded variables; empty if there is no such file.
     pub(super) fn log_config(&mut self, master: &mut RawMaster) -> Vec<String> {
         let file = self.base.folder.as_ref().map(|folder| folder.join(LOG_FILE));
         let Some(file) = file.filter(|file| file.is_file()) else {

@@ -1,9 +1,9 @@
 //! OSP: `OspSystemStructure.xml` of the Open Simulation Platform, schema 0.1.
 //!
-//! Simulators, initial values, functions and connections of variables, signals and groups of
-//! them. A linear transformation becomes what its connections do to the value; a sum stays a
-//! component. The only algorithm that has a counterpart is `fixedStep`, which is Jacobi. What is
-//! recorded stands in `LogConfig.xml` beside the file.
+//! Simulators, initial values, functions and connections of variables, signals and groups of them.
+//! A linear transformation becomes the conversion of its connections; a sum remains a component.
+//! The only algorithm with a counterpart is `fixedStep`, which is Jacobi. `LogConfig.xml` beside
+//! the file defines what is recorded.
 
 mod connections;
 mod functions;
@@ -121,7 +121,7 @@ impl Reader {
     }
 
     fn algorithm(&mut self, root: &Element, master: &mut RawMaster) {
-        // Without the element it is fixedStep, says the schema.
+        // According to the schema, fixedStep is the default.
         master.algorithm = Some(Algorithm::Jacobi);
         let Some(element) = root.child("Algorithm") else {
             return;
@@ -129,8 +129,8 @@ impl Reader {
         match element.text.trim() {
             text if text.eq_ignore_ascii_case("fixedStep") => (),
             text if text.eq_ignore_ascii_case("ecco") => self.gathered.warnings.push(format!(
-                "{}: the algorithm 'ecco' is not there: the system is run by jacobi with fixed \
-                 steps (choose another by --algorithm)",
+                "{}: the algorithm 'ecco' is not supported: the system is run by jacobi with fixed \
+                 steps (choose another with --algorithm)",
                 self.place(element)
             )),
             other => {
@@ -142,7 +142,7 @@ impl Reader {
         }
     }
 
-    /// The number that is the text of a child.
+    /// The number in the text of a child.
     fn number(&mut self, root: &Element, name: &str) -> Option<f64> {
         let element = root.child(name)?;
         match element.text.trim().parse::<f64>() {

@@ -28,9 +28,9 @@ impl Reader {
         let path = self.base.follow(source, &self.place(element));
         let path = self.gathered.take(path);
         let step = element.parse::<f64>("stepSize", &self.file, Code::Ssd);
-        // 0 stands for the default, as in libcosim.
+        // 0 means the default, as in libcosim.
         let step = self.gathered.take(step).flatten().filter(|step| *step != 0.0);
-        self.tell_of_rounding(element, &name, step, base_step);
+        self.report_rounding(element, &name, step, base_step);
         if let (Some(path), true) = (&path, self.base.folder.is_some()) {
             self.read_groups(&name, path);
         }
@@ -52,8 +52,8 @@ impl Reader {
         Ok(())
     }
 
-    /// libcosim steps by whole numbers of base steps.
-    fn tell_of_rounding(
+    /// libcosim steps by integer multiples of the base step.
+    fn report_rounding(
         &mut self,
         element: &Element,
         name: &str,
@@ -66,7 +66,7 @@ impl Reader {
         let ratio = step / base;
         if ratio.is_finite() && (ratio - ratio.round()).abs() > 1e-9 * ratio {
             self.gathered.warnings.push(format!(
-                "{}: the stepSize {step} of '{name}' is no multiple of the BaseStepSize {base}; \
+                "{}: the stepSize {step} of '{name}' is not a multiple of the BaseStepSize {base}; \
                  it is kept, libcosim would round it to {} base steps",
                 self.place(element),
                 ratio.round().max(1.0)

@@ -1,6 +1,6 @@
-//! What SSP has no place for: step sizes, the algorithm, what is recorded.
+//! Settings that SSP does not define: step sizes, the algorithm, what is recorded.
 //!
-//! This master's own annotations, all of them optional, which other tools leave alone:
+//! The annotations of this master, all of them optional, which other tools ignore:
 //!
 //! ```xml
 //! <ssd:Annotations xmlns:cosim="urn:cosim:1">
@@ -11,13 +11,13 @@
 //!   </ssc:Annotation>
 //! </ssd:Annotations>
 //! ```
-//! in the SystemStructureDescription, its System or its DefaultExperiment, and
-//! `<cosim:Component stepSize="0.1" worker="left"/>` in a Component, where `worker` is where it is
-//! computed in a distributed run. Without them a component steps by the stepSize of its FMU's
-//! DefaultExperiment. Those of the Open Simulation Platform are read where
-//! ours are missing: `<osp:FixedStepAlgorithm baseStepSize="0.01"/>` in
-//! `<osp:Algorithm>` of the DefaultExperiment and `<osp:StepSizeHint value="0.1"/>` of a Component. So is
-//! OMSimulator's `<oms:FixedStepMaster stepSize="0.1"/>` of the system.
+//! in the SystemStructureDescription, its System or its DefaultExperiment, and `<cosim:Component
+//! stepSize="0.1" worker="left"/>` in a Component, where `worker` is the worker that computes it in
+//! a distributed run. Without them a component steps by the stepSize of its FMU's
+//! DefaultExperiment. The annotations of the Open Simulation Platform are read if ours are missing:
+//! `<osp:FixedStepAlgorithm baseStepSize="0.01"/>` in `<osp:Algorithm>` of the DefaultExperiment
+//! and `<osp:StepSizeHint value="0.1"/>` of a Component. So is `<oms:FixedStepMaster
+//! stepSize="0.1"/>` of the system from OMSimulator.
 
 use super::Reader;
 use crate::error::{Code, Result};
@@ -28,10 +28,10 @@ use crate::xml::Element;
 /// Namespace of our annotations.
 const COSIM: &str = "urn:cosim:1";
 
-/// Namespace of those of the Open Simulation Platform.
+/// Namespace of annotations of the Open Simulation Platform.
 const OSP: &str = "http://opensimulationplatform.com/SSP/OSPAnnotations";
 
-/// Namespace of OMSimulator's.
+/// Namespace of annotations of OMSimulator.
 const OMS: &str =
     "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd";
 
@@ -58,8 +58,8 @@ impl Reader<'_> {
         }
     }
 
-    /// The base step that the Open Simulation Platform's annotation gives all components; what
-    /// has it is meant for Jacobi.
+    /// The base step for all components from the annotation of the Open Simulation Platform; a file
+    /// with it is meant for Jacobi.
     pub(super) fn base_step(&mut self, root: &Element, master: &mut RawMaster) -> Option<f64> {
         let algorithms = inside(root.child("DefaultExperiment")?, OSP, "Algorithm");
         let mut children = algorithms.flat_map(|algorithm| &algorithm.children);
@@ -68,7 +68,7 @@ impl Reader<'_> {
         self.number(fixed, "baseStepSize")
     }
 
-    /// The step that OMSimulator's annotation gives all components.
+    /// The step for all components from the annotation of OMSimulator.
     pub(super) fn step_of_omsimulator(&mut self, system: &Element) -> Option<f64> {
         let mut settings = inside(system, OMS, "Annotations")
             .flat_map(|annotations| annotations.grandchildren("SimulationInformation"));
@@ -100,7 +100,8 @@ impl Reader<'_> {
         self.gathered.take(number).flatten()
     }
 
-    /// The elements of our namespace in the annotations of `owner`; others than `name` are told.
+    /// The elements of our namespace in the annotations of `owner`; others than `name` are
+    /// reported.
     fn ours<'e>(&mut self, owner: &'e Element, name: &str) -> Vec<&'e Element> {
         let mut found = Vec::new();
         let annotations = owner.grandchildren("Annotations").iter();

@@ -1,4 +1,4 @@
-//! `<ssd:Connection>` and what it does to the value.
+//! `<ssd:Connection>` and its conversion of the value.
 
 use super::flatten::{End, Wire};
 use super::{Reader, join};
@@ -42,7 +42,7 @@ impl Reader<'_> {
         }
         let end = |which: [&str; 2]| -> Result<End> {
             Ok(End {
-                // Empty as missing: some tools write it for the system itself.
+                // Empty is the same as missing: some tools write it for the system itself.
                 element: (element.get(which[0]).filter(|name| !name.is_empty()))
                     .map(|name| join(path, name)),
                 connector: element.require(which[1], &self.file, Code::Ssd)?.to_owned(),
@@ -57,7 +57,7 @@ impl Reader<'_> {
         })
     }
 
-    /// What a connection or a mapping entry does to the value.
+    /// The conversion of a value by a connection or a mapping entry.
     pub(super) fn stage(&mut self, element: &Element) -> Result<Stage> {
         let all = element.children.iter();
         let mut all = all.filter(|c| TRANSFORMATIONS.contains(&c.name.as_str()));

@@ -1,7 +1,8 @@
-//! Signal dictionaries: buses whose signals are reached from any depth below their system.
+//! Signal dictionaries: buses whose signals can be used at any depth below their system.
 //!
-//! A signal is a connector that belongs to no element: whoever writes it, all who read it get the
-//! value. A reference makes a dictionary of its own system, or of one around it, an element.
+//! A signal is a connector that belongs to no element: when one connection writes it, all that read
+//! it get the value. A reference makes a dictionary of its own system, or of an enclosing one, an
+//! element.
 
 use std::path::Path;
 
@@ -29,7 +30,7 @@ impl Reader<'_> {
         if let Some(other) = element.get("type").filter(|&kind| kind != TYPE) {
             return Err(self.wrong(element, format!("the type of '{name}' is \"{other}\"")));
         }
-        // No element has this name, so its signals are nobody's connectors.
+        // No element has this name, so its signals do not belong to any element.
         let key = format!("dictionary {}", join(path, name));
         self.nested.dictionaries.insert((path.to_owned(), name.to_owned()), key.clone());
         match (element.get("source"), element.child("SignalDictionary")) {
@@ -77,7 +78,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// An element that stands for a dictionary of its system or of one around it.
+    /// An element that represents a dictionary of its system or of an enclosing one.
     pub(super) fn reference(&mut self, element: &Element, path: &str) -> Result<()> {
         let children = ["Connectors", "ElementGeometry", "ParameterBindings", "Annotations"];
         self.known(element, &children, &["name", "dictionary"]);

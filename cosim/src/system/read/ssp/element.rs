@@ -16,11 +16,11 @@ const FMU: &str = "application/x-fmu-sharedlibrary";
 const DEFINITION: &str = "application/x-ssp-definition";
 const PACKAGE: &str = "application/x-ssp-package";
 
-/// Descriptions in descriptions no deeper than this, and no more of them: one may name itself.
+/// Maximum depth and number of nested descriptions: a description may refer to itself.
 const MAX_DEPTH: usize = 16;
 const MAX_DESCRIPTIONS: usize = 200;
 
-/// Types of connectors; SSP 2.0 names those of FMI 3.0.
+/// Types of connectors; SSP 2.0 uses those of FMI 3.0.
 const TYPES: &[&str] = &[
     "Real",
     "Integer",
@@ -42,7 +42,7 @@ const TYPES: &[&str] = &[
 ];
 
 impl Reader<'_> {
-    /// A system with all that is in it; `path` is its full name, empty for the outermost.
+    /// A system with everything in it; `path` is its full name, empty for the outermost.
     pub(super) fn system(&mut self, element: &Element, path: &str) {
         self.known(
             element,
@@ -79,7 +79,7 @@ impl Reader<'_> {
             let wire = self.gathered.take(wire);
             self.nested.wires.extend(wire);
         }
-        // After those of the elements: a binding of a system wins over one further in.
+        // After those of the elements: a binding of a system takes precedence over an inner one.
         self.bindings(element, path, None);
     }
 
@@ -125,9 +125,8 @@ impl Reader<'_> {
             Some(other) => {
                 let problem = self.wrong(element, format!("the type of '{name}' is \"{other}\""));
                 self.gathered.problems.push(
-                    problem.why(format!(
-                        "what can be run is \"{FMU}\", \"{DEFINITION}\", \"{PACKAGE}\""
-                    )),
+                    problem
+                        .why(format!("supported are \"{FMU}\", \"{DEFINITION}\", \"{PACKAGE}\"")),
                 );
             }
         }
@@ -162,19 +161,21 @@ impl Reader<'_> {
         }
     }
 
-    /// The file that a `source` means.
+    /// The file of a `source`.
     pub(super) fn source(&self, element: &Element) -> Result<PathBuf> {
         let source = element.require("source", &self.file, Code::Ssd)?;
         self.base.follow(source, &self.place(element))
     }
 
-    /// Another description that stands for a component: its system becomes a nested one.
+    /// Another description used as a component: its system becomes a nested one.
     fn description_in(&mut self, element: &Element, file: &Path, path: &str) -> Result<()> {
         self.gathered.descriptions += 1;
         if self.gathered.depth == MAX_DEPTH || self.gathered.descriptions > MAX_DESCRIPTIONS {
-            return Err(self.wrong(element, "too many descriptions lie one in the other").why(
-                format!("the limits are {MAX_DEPTH} levels and {MAX_DESCRIPTIONS} descriptions"),
-            ));
+            return Err(self
+                .wrong(element, "descriptions are nested too deeply, or there are too many")
+                .why(format!(
+                    "the limits are {MAX_DEPTH} levels and {MAX_DESCRIPTIONS} descriptions"
+                )));
         }
         let (root, shown, base) = if element.get("type") == Some(PACKAGE) {
             unpack(file, self.gathered)?
@@ -216,7 +217,7 @@ impl Reader<'_> {
         })
     }
 
-    /// Where the sources in a component's own archive lead (`sourceBase="component"`).
+    /// The base of sources in a component's own archive (`sourceBase="component"`).
     pub(super) fn base_in(&self, fmu: &Path) -> Result<Base> {
         Ok(Base::of_archive(self.gathered.fmus.open(fmu)?.folder()))
     }

@@ -1,9 +1,8 @@
-//! Nested systems made flat.
+//! Flattens nested systems.
 //!
-//! A connector of a system is seen from two sides: inside, an input of the system is a source;
-//! outside it is a destination. Every connection to a component is followed back through such
-//! connectors to the component that drives it, and what the connections on the way do to the
-//! value is kept in order.
+//! A connector of a system has two sides: inside, an input of the system is a source; outside it is
+//! a destination. Every connection to a component is traced back through such connectors to the
+//! component that drives it, and the conversions of the connections on the way are kept in order.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,7 +15,7 @@ use crate::system::raw::{
 use super::super::gathered::Gathered;
 use super::join;
 
-/// What a description holds, with full names of elements.
+/// The contents of a description, with full names of elements.
 #[derive(Default)]
 pub(super) struct Nested {
     pub components: Vec<RawComponent>,
@@ -28,17 +27,17 @@ pub(super) struct Nested {
     pub parameters: Vec<RawParameter>,
     /// Signal dictionaries by their system and name; their signals are among the ports.
     pub dictionaries: BTreeMap<(String, String), String>,
-    /// Elements that stand for dictionaries, by their full names.
+    /// Elements that represent dictionaries, by full name.
     pub references: BTreeMap<String, String>,
-    /// The systems around the element that is being read, outermost first.
+    /// The systems enclosing the element that is being read, outermost first.
     pub around: Vec<String>,
 }
 
 type Port = (String, String);
 
-/// A connection as it stands in the file.
+/// A connection as in the file.
 pub(super) struct Wire {
-    /// The system that it lies in.
+    /// The system that contains it.
     pub system: String,
     pub start: End,
     pub end: End,
@@ -48,12 +47,12 @@ pub(super) struct Wire {
 
 /// An end of a connection.
 pub(super) struct End {
-    /// Full name of the element; `None`: the system that the connection lies in.
+    /// Full name of the element; `None`: the system that contains the connection.
     pub element: Option<String>,
     pub connector: String,
 }
 
-/// The outcome.
+/// The result.
 pub(super) struct Flat {
     pub components: Vec<RawComponent>,
     pub connections: Vec<RawConnection>,
@@ -74,7 +73,7 @@ enum Node {
     Component(Port),
 }
 
-/// A connection by where its value comes from.
+/// A connection by the source of its value.
 struct Directed {
     from: Node,
     to: Node,
@@ -123,9 +122,9 @@ impl<'a> Roles<'a> {
                 format!("both ends are {what}: {} and {}", name(&start), name(&end)),
             )
             .at_line(&wire.place.file, wire.place.line)
-            .help("the inputs of a system are sources inside of it and destinations outside"));
+            .help("the inputs of a system are sources inside it and destinations outside"));
         }
-        // Start and end of the file say nothing of the direction (SSP 1.0, 5.3.3).
+        // Start and end in the file do not define the direction (SSP 1.0, 5.3.3).
         let turned = start_role != Role::Source && end_role != Role::Sink && !same;
         let turned = turned && (start_role, end_role) != (Role::Unknown, Role::Unknown);
         let (from, to) = if turned { (end, start) } else { (start, end) };
@@ -169,7 +168,7 @@ impl<'a> Roles<'a> {
         Ok((Node::Port(port), role))
     }
 
-    /// A component that is not there is found by the check, with all other names.
+    /// A missing component is found by the check, like all other names.
     fn component(&self, component: &str, connector: &str) -> (Node, Role) {
         let connectors = self.components.get(component).and_then(|c| c.connectors.as_ref());
         let listed = connectors.and_then(|list| list.iter().find(|c| c.name == connector));
@@ -197,7 +196,7 @@ fn drivers<'d>(
                         Code::Connection,
                         format!("the connector '{}' has two drivers", join(&port.0, &port.1)),
                     ))
-                    .why(format!("the connection on line {} drives it already", first.place.line))
+                    .why(format!("the connection on line {} already drives it", first.place.line))
                     .help("remove one of the two"),
             );
             continue;
@@ -207,7 +206,7 @@ fn drivers<'d>(
     drivers
 }
 
-/// Follows a connection to a component back to its source; `None`: nothing drives it.
+/// Traces a connection to a component back to its source; `None`: nothing drives it.
 fn trace(
     last: &Directed,
     to: &Port,
@@ -236,13 +235,13 @@ fn trace(
             }
         }
         if stages.len() > directed.len() {
-            let what = format!("the connections to '{}' go round in a circle", join(&to.0, &to.1));
+            let what = format!("the connections to '{}' form a cycle", join(&to.0, &to.1));
             return Err(last.place.mark(Error::new(Code::Connection, what)));
         }
     }
 }
 
-/// Values given to connectors of systems reach the components behind them.
+/// Values set for connectors of systems reach the components behind them.
 fn parameters(
     nested: &Nested,
     directed: &[Directed],
@@ -263,7 +262,7 @@ fn parameters(
         });
         if found.len() == before {
             gathered.warnings.push(format!(
-                "{}: the value of '{}' reaches no component",
+                "{}: the value of '{}' does not reach any component",
                 parameter.place, parameter.name
             ));
         }
@@ -312,7 +311,7 @@ fn follow(
     way: &mut Vec<Stage>,
     reached: &mut impl FnMut(&Port, &[Stage]),
 ) {
-    // A circle is longer than all connections together; it is told where it is traced.
+    // A cycle is longer than all connections together; it is reported where it is traced.
     if way.len() > directed.len() {
         return;
     }

@@ -15,7 +15,7 @@ pub(super) struct Entry {
 }
 
 impl Reader<'_> {
-    /// The entries of a binding's mapping; `None` when it has none: names stay as they are.
+    /// The entries of a binding's mapping; `None` if it has none: names stay unchanged.
     pub(super) fn mapping(
         &mut self,
         binding: &Element,
@@ -37,7 +37,7 @@ impl Reader<'_> {
             }
             _ => Err(self
                 .wrong(element, "a mapping is either inline or in a file")
-                .help("give it a source, or one <ssm:ParameterMapping> inside")),
+                .help("add a source, or one <ssm:ParameterMapping> inside")),
         }
     }
 

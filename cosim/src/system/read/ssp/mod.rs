@@ -1,8 +1,8 @@
 //! SSP 1.0 and 2.0: .ssd files with the .ssv, .ssm and .ssb files and descriptions they refer to.
 //!
-//! Of SSP 2.0, what FMI 2.0 has no counterpart for (arrays, clocks, the sized integers) is refused
-//! by name. Geometry, metadata, signatures and the annotations of others change nothing in a run
-//! and are left out.
+//! Features of SSP 2.0 without a counterpart in FMI 2.0 (arrays, clocks, the sized integers) are
+//! refused by name. Geometry, metadata, signatures and annotations of other tools do not affect a
+//! run and are ignored.
 
 mod annotation;
 mod connection;
@@ -101,7 +101,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// Checks the root element and gives the system in it.
+    /// Checks the root element and returns the system in it.
     fn document<'e>(&mut self, root: &'e Element) -> Result<&'e Element> {
         if root.name != "SystemStructureDescription" || root.namespace != SSD {
             return Err(self
@@ -156,7 +156,7 @@ impl Reader<'_> {
         Some(RawUnit { name: name.to_owned(), unit: self.units.get(name).copied() })
     }
 
-    /// The elements of a list, which has no others.
+    /// The elements of a list, which allows no others.
     fn list<'e>(
         &mut self,
         owner: &'e Element,
@@ -184,7 +184,7 @@ impl Reader<'_> {
 
     fn unsupported(&self, element: &Element, what: &str) -> Error {
         self.wrong(element, format!("{what} are not supported (<{}>)", element.name))
-            .why("leaving them out would change what the system means")
+            .why("ignoring them would change the meaning of the system")
     }
 }
 

@@ -17,7 +17,7 @@ use super::super::source::Base;
 const KINDS: [&str; 5] = ["Real", "Integer", "Boolean", "String", "Enumeration"];
 
 impl Reader<'_> {
-    /// All values bound to `owner`, in the order of the file; later ones win.
+    /// All values bound to `owner`, in the order of the file; later ones take precedence.
     pub(super) fn bindings(&mut self, element: &Element, owner: &str, component: Option<&Path>) {
         for binding in self.list(element, "ParameterBindings", "ParameterBinding") {
             let done = self.binding(binding, owner, component);
@@ -88,14 +88,14 @@ impl Reader<'_> {
         Ok((root, reader))
     }
 
-    /// What a source is relative to.
+    /// The base of a relative source.
     fn base_of(&self, element: &Element, component: Option<&Path>) -> Result<Base> {
         match (element.get("sourceBase"), component) {
             (None | Some("SSD"), _) => Ok(self.base.clone()),
             (Some("component"), Some(fmu)) if self.base.folder.is_some() => self.base_in(fmu),
             (Some("component"), _) => Err(self
-                .wrong(element, "sourceBase=\"component\" of what is no FMU")
-                .help("give the source relative to the file: sourceBase=\"SSD\"")),
+                .wrong(element, "sourceBase=\"component\" without an FMU")
+                .help("use a source relative to the file: sourceBase=\"SSD\"")),
             (Some(other), _) => Err(self
                 .wrong(element, format!("sourceBase=\"{other}\""))
                 .help("write SSD or component")),
@@ -125,7 +125,7 @@ impl Reader<'_> {
         let typed = typed.ok_or_else(|| self.wrong(parameter, format!("'{name}' has no value")))?;
         let kind = of_fmi_2(&typed.name);
         if !KINDS.contains(&kind) {
-            return Err(Error::new(Code::Parameter, format!("'{name}' is of the type <{kind}>"))
+            return Err(Error::new(Code::Parameter, format!("'{name}' has the type <{kind}>"))
                 .at_line(&self.file, typed.line)
                 .why(format!("supported are {}", KINDS.join(", "))));
         }
@@ -145,7 +145,7 @@ impl Reader<'_> {
     }
 }
 
-/// Only what is mapped, under its new names.
+/// Only mapped parameters, under their new names.
 fn mapped(values: &[RawParameter], entries: &[super::mapping::Entry]) -> Vec<RawParameter> {
     let pairs = values.iter().flat_map(|value| {
         entries.iter().filter(|e| e.source == value.name).map(move |entry| (value, entry))

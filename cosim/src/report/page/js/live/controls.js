@@ -1,10 +1,10 @@
-// What acts on the run: pause, step, speed, faults.
+// Controls of the run: pause, step, speed, faults.
 import { choice, el } from "../dom.js";
 import { num } from "../format.js";
 
 const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
 
-/** Buttons for the way of the run; `send` says it to the run, `update` shows what the run says. */
+/** Playback buttons; `send` sends requests to the run, `update` shows its state. */
 export function playControls(send) {
   const play = el("button", { type: "button", id: "play", onclick: () => send({ op: play.dataset.op }) }, "Pause");
   play.dataset.op = "pause";
@@ -24,7 +24,7 @@ export function playControls(send) {
   return { element: el("div", { class: "controls", role: "group", "aria-label": "The run" }, play, step, speed), update };
 }
 
-/** A form for a fault that begins at once. */
+/** A form for a fault that begins immediately. */
 export function faultForm(hello, send) {
   const fields = el("div", { class: "controls" });
   const meaning = el("p", { class: "small soft" });
@@ -63,7 +63,7 @@ export function faultForm(hello, send) {
     el("p", { class: "small soft" }, "It begins at the next output instant, and stays if nothing is said of its length. The run keeps it in a file, so that it can be repeated."));
 }
 
-/** A number if it is one, a list of numbers in brackets, or else the text: the run says what is wrong. */
+/** A number if it is one, a list of numbers in brackets, otherwise the text: the run reports errors. */
 function valueOf(text) {
   const plain = text.trim();
   if (/^\[.*\]$/.test(plain)) return plain.slice(1, -1).split(",").map(valueOf);
@@ -71,7 +71,7 @@ function valueOf(text) {
   return Number.isFinite(number) ? number : plain;
 }
 
-/** What has happened, the newest first. */
+/** Events, newest first. */
 export function eventLog() {
   const list = el("ul", {}, el("li", { class: "soft" }, "none yet"));
   const add = ({ time, kind, text }) => {

@@ -1,4 +1,4 @@
-// A run while it goes on: what the server says is shown, at most once a frame of the screen.
+// A live run: shows the messages of the server, at most once per screen frame.
 import { Clock } from "../clock.js";
 import { choice, el, facts } from "../dom.js";
 import { num } from "../format.js";
@@ -12,7 +12,7 @@ import { bodyColumns, errorPlots, judged, Store } from "./store.js";
 const WINDOWS = [["all", Infinity], ["the last 10 s", 10], ["the last minute", 60], ["the last 10 minutes", 600]];
 const AGAIN = 1000;
 
-/** Whether a figure is on the screen, or nearly. */
+/** Whether a figure is on the screen or close to it. */
 function inView(figure) {
   const { top, bottom } = figure.getBoundingClientRect();
   return bottom > -100 && top < window.innerHeight + 100;
@@ -129,7 +129,7 @@ class LivePage {
     ]).children);
     const last = this.store.t.at(-1);
     if (last == null) return;
-    // A cursor that nobody moved goes along.
+    // A cursor that the user has not moved follows the run.
     const along = clock.now >= clock.stop || clock.now === clock.start;
     clock.stop = Math.max(last, clock.start + 1e-9);
     clock.show(Math.max(clock.start, last - this.window), clock.stop);

@@ -1,10 +1,10 @@
-// Where the truth and the estimates are, north up.
+// The positions of the truth and the estimates, north up.
 import { el } from "../dom.js";
 import { num } from "../format.js";
 import { extent, Plane } from "../plane.js";
 import { colour } from "../theme.js";
 
-/** The radius in sigmas of an ellipse that holds 95 % of two normal numbers. */
+/** The radius in sigmas of an ellipse that contains 95 % of a bivariate normal distribution. */
 const SIGMAS_95 = Math.sqrt(5.991464547107979);
 const ESTIMATE_COLOURS = ["c1", "c2", "c3", "c4", "c5", "c6"];
 
@@ -54,7 +54,7 @@ function drawTrack(ctx, at, ratio, tracks, own) {
       ctx.stroke();
     }
   }
-  // An arrow to where it heads, or a dot.
+  // An arrow in the direction of its heading, or a dot.
   const yaw = own.yaw.list[last];
   ctx.save();
   ctx.translate(x, y);
@@ -90,7 +90,7 @@ export function liveMap(hello) {
     if (!plane.u) return;
     const [east, north] = [range(tracks.map((own) => own.east.list)), range(tracks.map((own) => own.north.list))];
     const within = ([low, high], [least, most]) => least <= low && most >= high;
-    // One who has zoomed in keeps what is seen.
+    // If the user has zoomed in, the view stays.
     if ((fitted === null || plane.view === fitted) && !(fitted && within(east, plane.x.range) && within(north, plane.y.range))) {
       plane.x.range = fitted ? range([east, plane.x.range]) : east;
       plane.y.range = fitted ? range([north, plane.y.range]) : north;

@@ -1,4 +1,4 @@
-// Signals of choice: each unit has a plot.
+// Selected signals: one plot for each unit.
 import { el } from "../dom.js";
 import { timePlot } from "../timeplot.js";
 
@@ -7,7 +7,7 @@ export function nameList(id, names) {
   return el("datalist", { id }, names.map((name) => el("option", { value: name })));
 }
 
-/** The part of the page with signals; `changed` hears of another choice, `plots` gives the plots. */
+/** The part of the page with signals; `changed` is called when the selection changes, `plots` returns the plots. */
 export class Signals {
   constructor(hello, clock, faults, changed) {
     Object.assign(this, { hello, clock, faults, changed });
@@ -41,13 +41,13 @@ export class Signals {
     this.changed();
   }
 
-  /** Makes the plots anew, of lists that the store has now. */
+  /** Rebuilds the plots from the current lists of the store. */
   rebuild(store) {
     const units = new Map();
     for (const column of this.chosen) {
       const { name, unit } = this.hello.columns[column];
       const line = { name, role: "signal", v: store.list(column) };
-      // A unit that is not known is nobody else's.
+      // A signal with an unknown unit gets its own plot.
       const key = unit || name;
       if (!units.has(key)) units.set(key, { title: unit ? `Signals in ${unit}` : name, unit, t: store.t, grows: true, lines: [] });
       units.get(key).lines.push(line);

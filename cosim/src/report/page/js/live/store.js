@@ -1,6 +1,6 @@
-// What has come of the run, as much as plots can show.
+// The received data of the run, as much as plots can show.
 
-/** Instants that are kept; when there are more, every second one of the older half goes. */
+/** Maximum number of instants; beyond that, every second one of the older half is dropped. */
 const MOST_KEPT = 2400;
 
 /** An angle between minus and plus half a turn. */
@@ -10,7 +10,7 @@ function halfTurn(angle) {
 
 const finite = (value) => (Number.isFinite(value) ? value : null);
 
-/** Times, columns by their numbers, and lists that are computed from a row. */
+/** Times, columns by number, and lists that are computed from rows. */
 export class Store {
   constructor() {
     this.t = [];
@@ -20,7 +20,7 @@ export class Store {
     this.number = 0;
   }
 
-  /** From now on these columns are kept; gives what to ask the run for. */
+  /** Keeps these columns from now on; returns the request to the run. */
   want(columns, derived) {
     this.wanted = [...new Set(columns)];
     this.derived = derived;
@@ -36,12 +36,12 @@ export class Store {
     for (const list of this.columns.values()) list.length = 0;
   }
 
-  /** The list of a column, which is the same as long as the column is wanted. */
+  /** The list of a column, which stays the same object while the column is wanted. */
   list(column) {
     return this.columns.get(column);
   }
 
-  /** Takes a message of the run; how many instants of it were new. */
+  /** Adds a message of the run; returns how many instants were new. */
   take(buffer) {
     const [rows, number, history, width] = new Uint32Array(buffer, 0, 4);
     if (number !== this.number) return 0;
@@ -74,7 +74,7 @@ export class Store {
 
 const AXES = ["x", "y", "z", "roll", "pitch", "yaw"];
 
-/** The estimates that have a truth to be compared with. */
+/** The estimates for which there is a truth. */
 export function judged(hello) {
   return hello.bodies.some((body) => body.truth) ? hello.bodies.filter((body) => !body.truth) : [];
 }
@@ -102,7 +102,7 @@ export function errorPlots(hello, body, store) {
   });
 }
 
-/** All columns that bodies are made of. */
+/** All columns used by bodies. */
 export function bodyColumns(hello) {
   const places = hello.bodies.flatMap((body) => [...body.pose, ...body.sigma, body.xy]);
   return places.filter(Boolean).map(([column]) => column);

@@ -1,5 +1,5 @@
-//! An exported system that is loaded, run and unloaded again and again leaves nothing, and comes back
-//! from steps that no simulation has.
+//! An exported system that is loaded, run and unloaded repeatedly leaves nothing behind, and
+//! returns from steps that no simulation makes.
 #![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 
 use std::path::PathBuf;
@@ -12,11 +12,12 @@ use crate::command::text;
 use crate::models::Model::{Gain, Integrator};
 use crate::ssd::Ssd;
 
-/// Lives, and what each may leave (bytes): some of the dynamic linker's lists grow for a while.
-const LIVES: usize = 60;
+/// Number of lifecycles, and what each may leave (bytes): some lists of the dynamic linker grow for
+/// a while.
+const CYCLES: usize = 60;
 const LEFT: usize = 1024;
-/// Names the FMU to the process of the lives.
-const VARIABLE: &str = "COSIM_TEST_LIVES_OF";
+/// Names the FMU to the child process.
+const VARIABLE: &str = "COSIM_TEST_LIFECYCLES_OF";
 
 /// `struct mallinfo2` of glibc: ten numbers, of which the eighth is what is allocated.
 #[repr(C)]
@@ -36,23 +37,23 @@ fn system() -> Ssd {
 }
 
 #[test]
-fn lives_of_an_exported_system_leave_nothing() {
+fn lifecycles_of_an_exported_system_leave_nothing() {
     let exported = export(&system().write(), &[]);
     let this = std::env::current_exe().unwrap();
     let output = Command::new(this)
-        .args(["--exact", "export::lives::lives", "--ignored", "--nocapture"])
+        .args(["--exact", "export::lifecycles::lifecycles", "--ignored", "--nocapture"])
         .env(VARIABLE, &exported.fmu)
         .output()
         .unwrap();
-    let (told, why) = (text(&output.stdout), text(&output.stderr));
-    assert!(output.status.success() && told.contains("1 passed"), "{told}{why}");
+    let (reported, why) = (text(&output.stdout), text(&output.stderr));
+    assert!(output.status.success() && reported.contains("1 passed"), "{reported}{why}");
 }
 
 #[test]
 #[ignore = "counts the memory of its process: the test above starts it in one of its own"]
-fn lives() {
+fn lifecycles() {
     let Some(fmu) = std::env::var_os(VARIABLE).map(PathBuf::from) else { return };
-    let life = || {
+    let lifecycle = || {
         let fmu = Fmu::open(&fmu).unwrap();
         let mut instance = Instance::new(fmu, "loop", &Logging::default()).unwrap();
         instance.enter_initialization(seconds(0.0), seconds(10.0)).unwrap();
@@ -64,11 +65,11 @@ fn lives() {
         unsafe { mallinfo2() }.bytes
     };
     // The first ones also fill the lists of the dynamic linker.
-    (0..LIVES).for_each(|_| life());
+    (0..CYCLES).for_each(|_| lifecycle());
     let before = allocated();
-    (0..LIVES).for_each(|_| life());
+    (0..CYCLES).for_each(|_| lifecycle());
     let left = allocated().saturating_sub(before);
-    assert!(left <= LEFT * LIVES, "{left} bytes are left of {LIVES} lives");
+    assert!(left <= LEFT * CYCLES, "{left} bytes are left of {CYCLES} lifecycles");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! A group as the coordinator sees it: what it was told, and what it takes to begin a new life.
+//! A group as the coordinator sees it: the commands it was sent, and what a new incarnation needs.
 
 use std::hash::{DefaultHasher, Hasher};
 use std::time::{Duration, Instant};
@@ -11,8 +11,8 @@ use crate::proxy::calls::Ask;
 use crate::time::Time;
 
 /// A group of the run.
-pub(super) struct Member {
-    /// What sets it up.
+pub(super) struct GroupHandle {
+    /// The kind of message that sets it up.
     kind: Kind,
     pub generation: u32,
     /// Number of the last command.
@@ -21,49 +21,49 @@ pub(super) struct Member {
     pub tables: u64,
     /// The set-up without a state.
     pub setup: Vec<u8>,
-    /// The set-up with the last state that was saved, and the number of the command before it.
+    /// The set-up with the last saved state, and the number of the command before it.
     pub base: Option<(Vec<u8>, u64)>,
     /// The commands since then.
-    pub log: Vec<Told>,
-    /// What the group is waited for.
+    pub log: Vec<SentCommand>,
+    /// What the coordinator is waiting for.
     pub awaited: Option<Awaited>,
     since: Instant,
-    /// Values that are held from the end of the last instant, if it did not get them yet.
+    /// Values that are held from the end of the last instant, until they are sent.
     pub opening: Option<Vec<f64>>,
-    /// Its recorded values are those of the present instant.
+    /// Its recorded values are those of the current instant.
     pub recorded: bool,
-    /// How often a new life began, and since when and why one is beginning.
+    /// How many new incarnations were started; if one is being started, since when and why.
     pub recoveries: u32,
     pub lost: Option<(Instant, String)>,
     /// The longest time that an answer took.
     longest: Duration,
-    /// The command at which the group failed by its own fault, and how often in a row.
+    /// The command at which the group last failed by its own fault, and how often in a row.
     faults: (u64, u32),
-    /// The same of all its losses.
+    /// The same for all losses.
     losses: (u64, u32),
 }
 
-/// What a group is waited for.
+/// What the coordinator is waiting for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Awaited {
-    /// It can be spoken to.
+    /// The incarnation accepts messages.
     Launch,
     /// The answer to its set-up.
     SetUp,
-    /// The answer to a command that it gave before, by its place in the log.
+    /// The answer to a command that was already answered before the loss, by position in the log.
     Again(usize),
     /// The answer to the last command.
     Last,
 }
 
 /// A command, and a digest of its answer.
-pub(super) struct Told {
+pub(super) struct SentCommand {
     pub message: Vec<u8>,
     pub answer: Option<u64>,
 }
 
-impl Member {
-    /// One that is set up by a message of this kind.
+impl GroupHandle {
+    /// A group that is set up by a message of this kind.
     pub(super) fn new(kind: Kind, setup: Vec<u8>, tables: u64) -> Self {
         Self {
             kind,
@@ -92,7 +92,7 @@ impl Member {
         Header { kind, flags, generation, sequence, tables, time }.message()
     }
 
-    /// The set-up from which a life begins.
+    /// The set-up that starts an incarnation.
     pub(super) fn first(&self, time: Time) -> Vec<u8> {
         let (generation, tables, kind) = (self.generation, self.tables, self.kind);
         let sequence = self.before_log();
@@ -105,7 +105,7 @@ impl Member {
         self.base.as_ref().map_or(0, |(_, sequence)| *sequence)
     }
 
-    /// The number of the command whose answer is waited for.
+    /// The number of the command whose answer is awaited.
     pub(super) fn awaited_sequence(&self) -> Option<u64> {
         match self.awaited? {
             Awaited::Launch => None,
@@ -115,15 +115,15 @@ impl Member {
         }
     }
 
-    /// What it is waited for, for people.
+    /// What is awaited, as text.
     pub(super) fn awaits(&self) -> String {
-        let told = match self.awaited {
+        let sent = match self.awaited {
             Some(Awaited::Launch) | None => return "its start".to_owned(),
             Some(Awaited::SetUp) => return "its set-up".to_owned(),
             Some(Awaited::Again(number)) => self.log.get(number),
             Some(Awaited::Last) => self.log.last(),
         };
-        match told.and_then(|told| Header::read(&told.message).ok()) {
+        match sent.and_then(|sent| Header::read(&sent.message).ok()) {
             Some((Header { kind: Kind::Step, time, .. }, _)) => format!("the step to t = {time}"),
             Some((Header { kind: Kind::Calls, time, .. }, body)) => {
                 let asks: Vec<Ask> = body.structure().unwrap_or_default();
@@ -135,7 +135,7 @@ impl Member {
         }
     }
 
-    /// It is lost; how often in a row it was by its own fault at this command.
+    /// Counts a loss; how often in a row it was lost by its own fault at this command.
     pub(super) fn faults(&mut self, own: bool) -> u32 {
         let at = self.awaited_sequence().unwrap_or_default();
         self.faults = match self.faults {
@@ -146,7 +146,7 @@ impl Member {
         self.faults.1
     }
 
-    /// How often in a row it was lost at this command, this time included, by whosesoever fault.
+    /// How often in a row it was lost at this command, this time included, whatever the cause.
     pub(super) fn losses(&mut self) -> u32 {
         let at = self.awaited_sequence().unwrap_or_default();
         let (before, count) = self.losses;
@@ -163,25 +163,25 @@ impl Member {
         self.since = Instant::now();
     }
 
-    /// It did its last command, and its process may end.
+    /// It has done its last command, and its process may end.
     pub(super) fn is_finished(&self) -> bool {
-        let header = self.log.last().filter(|told| told.answer.is_some());
-        let header = header.and_then(|told| Header::read(&told.message).ok());
+        let header = self.log.last().filter(|sent| sent.answer.is_some());
+        let header = header.and_then(|sent| Header::read(&sent.message).ok());
         self.awaited.is_none() && header.is_some_and(|(header, _)| header.kind == Kind::Finish)
     }
 
-    /// It begins anew: what it was told is forgotten, its former lives stay former ones.
+    /// Starts over: drops the log, but keeps counting generations.
     pub(super) fn forget(&mut self) {
         self.log.clear();
         (self.awaited, self.opening, self.lost, self.recoveries) = (None, None, None, 0);
     }
 
-    /// How long it has been waited for.
+    /// How long the coordinator has been waiting.
     pub(super) fn silent(&self) -> Duration {
         self.since.elapsed()
     }
 
-    /// How much longer it is waited for.
+    /// How much longer to wait.
     pub(super) fn patience(&self, options: &Options) -> Duration {
         let allowed = match self.awaited {
             Some(Awaited::Launch | Awaited::SetUp) => options.launch_deadline,
@@ -190,7 +190,7 @@ impl Member {
         allowed.saturating_sub(self.silent())
     }
 
-    /// The answer came.
+    /// An answer arrived.
     pub(super) fn answered(&mut self) {
         if matches!(self.awaited, Some(Awaited::Again(_) | Awaited::Last)) {
             self.longest = self.longest.max(self.silent());
@@ -198,17 +198,17 @@ impl Member {
     }
 }
 
-impl Told {
-    /// The same command for another life.
+impl SentCommand {
+    /// The same command for another incarnation.
     pub(super) fn again(&self, generation: u32) -> Vec<u8> {
         let mut message = self.message.clone();
-        // Where `Header` has the generation.
+        // The position of the generation in `Header`.
         message[4..8].copy_from_slice(&generation.to_le_bytes());
         message
     }
 }
 
-/// A digest of what is the same in an answer whenever its command is repeated.
+/// A digest of the part of an answer that is the same whenever its command is repeated.
 pub(super) fn digest(answer: &[u8]) -> u64 {
     let mut hasher = DefaultHasher::new();
     hasher.write(match Header::read(answer) {

@@ -1,5 +1,5 @@
-//! Why the other side cannot be reached: a handshake of TLS by hand. Zenoh tells of every refusal
-//! only that its time was over.
+//! Finds out why the other side cannot be reached with a TLS handshake of its own. Zenoh reports
+//! every refusal only as a timeout.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
@@ -13,14 +13,14 @@ use super::credentials::{Checked, provider};
 use super::endpoint::Endpoint;
 use crate::error::{Code, Error, Result};
 
-/// Longer than any handshake on a line that can carry a run.
+/// Longer than any handshake on a connection that can carry a run.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// The other side judges our certificate after we have judged its own (TLS 1.3): so long its
-/// refusal is waited for.
+/// The other side checks our certificate after we have checked its own (TLS 1.3): how long to wait
+/// for its refusal.
 const VERDICT: Duration = Duration::from_millis(300);
 
-/// What stands in the way to `endpoint`. Nothing is known of one that answers as it should, and
-/// of one where nobody listens `None` is said, too: somebody may do so later.
+/// Why `endpoint` refuses a connection. `None` if it answers as it should, and also if nothing
+/// listens there, because something may do so later.
 pub(crate) fn refusal(endpoint: &str, with: Option<&Checked>) -> Option<Error> {
     let Ok(Endpoint::Tls(host, port)) = Endpoint::parse(endpoint) else {
         return None;
@@ -29,7 +29,7 @@ pub(crate) fn refusal(endpoint: &str, with: Option<&Checked>) -> Option<Error> {
     handshake(endpoint, host, stream, with?).err()
 }
 
-/// Why nobody answers, for people.
+/// Why nothing answers, as text.
 pub(crate) fn silence(endpoint: &str) -> Option<String> {
     let (host, port) = match Endpoint::parse(endpoint) {
         Ok(Endpoint::Tcp(host, port) | Endpoint::Tls(host, port)) => (host, port),
@@ -38,14 +38,14 @@ pub(crate) fn silence(endpoint: &str) -> Option<String> {
     match connect(host, port) {
         Ok(_) => Some(format!("{endpoint} answers, but not as cosim run does")),
         Err(why) if why.kind() == ErrorKind::ConnectionRefused => {
-            Some(format!("nobody listens at {endpoint}"))
+            Some(format!("nothing listens at {endpoint}"))
         }
         Err(why) => Some(format!("{endpoint}: {why}")),
     }
 }
 
-/// Whether nobody listens there; of a Unix socket that is not known.
-pub(crate) fn is_deserted(endpoint: &str) -> bool {
+/// Whether nothing listens there; false for a Unix socket, for which this is unknown.
+pub(crate) fn has_no_listener(endpoint: &str) -> bool {
     match Endpoint::parse(endpoint) {
         Ok(Endpoint::Tcp(host, port) | Endpoint::Tls(host, port)) => {
             connect(host, port).is_err_and(|why| why.kind() == ErrorKind::ConnectionRefused)
@@ -55,7 +55,7 @@ pub(crate) fn is_deserted(endpoint: &str) -> bool {
 }
 
 fn connect(host: &str, port: u16) -> std::io::Result<TcpStream> {
-    let mut last = std::io::Error::new(ErrorKind::NotFound, "the name means no address");
+    let mut last = std::io::Error::new(ErrorKind::NotFound, "the name has no address");
     for address in (host, port).to_socket_addrs()? {
         match TcpStream::connect_timeout(&address, PATIENCE) {
             Ok(stream) => {
@@ -83,7 +83,7 @@ fn handshake(endpoint: &str, host: &str, mut stream: TcpStream, with: &Checked) 
     while tls.is_handshaking() {
         tls.complete_io(&mut stream).map_err(|why| explain(endpoint, host, &why))?;
     }
-    // As long as nothing comes, nothing was refused.
+    // As long as nothing arrives, nothing has been refused.
     stream.set_read_timeout(Some(VERDICT)).map_err(|why| other(why.to_string()))?;
     let mut nothing = [0; 1];
     match rustls::Stream::new(&mut tls, &mut stream).read(&mut nothing) {
@@ -92,7 +92,7 @@ fn handshake(endpoint: &str, host: &str, mut stream: TcpStream, with: &Checked) 
         }
         _ => {
             tls.send_close_notify();
-            // It is over either way.
+            // The connection ends either way.
             let _ = tls.write_tls(&mut stream).and_then(|_| stream.flush());
             Ok(())
         }
@@ -112,7 +112,7 @@ fn explain(endpoint: &str, host: &str, why: &std::io::Error) -> Error {
                 .why("it does not know the authority of our certificate")
                 .help("both sides need certificates of the same authority (ca.pem)"),
             Alert::CertificateRequired => error
-                .why("it wants a certificate of us and got none")
+                .why("it requires a certificate and got none")
                 .help("--credentials FOLDER with cert.pem and key.pem"),
             Alert::CertificateExpired => error
                 .why("our certificate has expired by its clock")
@@ -132,7 +132,7 @@ fn theirs(error: Error, host: &str, why: &CertificateError) -> Error {
     use CertificateError as Wrong;
     match why {
         Wrong::UnknownIssuer | Wrong::BadSignature => error
-            .why("its certificate is of another authority than ours")
+            .why("its certificate was issued by another authority than ours")
             .help("both sides need certificates of the same authority (ca.pem)"),
         Wrong::NotValidForName => name_is_wrong(error, host, &[]),
         Wrong::NotValidForNameContext { presented, .. } => name_is_wrong(error, host, presented),
@@ -153,7 +153,7 @@ fn name_is_wrong(error: Error, host: &str, presented: &[String]) -> Error {
     };
     error
         .why(format!("its certificate is not for the name {host}{names}"))
-        .help(format!("dial it by a name of its certificate, or: cosim keys FOLDER --host {host}"))
+        .help(format!("connect by a name in its certificate, or: cosim keys FOLDER --host {host}"))
 }
 
 fn refused(endpoint: &str) -> Error {

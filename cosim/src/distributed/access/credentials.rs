@@ -1,5 +1,5 @@
-//! Certificates and keys as files in PEM form, looked at before Zenoh sees them: it says of all
-//! that is wrong with them only that it could not connect.
+//! Certificates and keys as PEM files, checked before Zenoh sees them: Zenoh reports every problem
+//! with them only as a failed connection.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use x509_parser::prelude::{ASN1Time, FromDer, X509Certificate};
 
 use crate::error::{Code, Error, Result};
 
-/// Files in PEM form.
+/// Files in PEM format.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Credentials {
     /// The authority that both sides trust.
@@ -24,21 +24,21 @@ pub struct Credentials {
     pub certificate: PathBuf,
     /// Its private key.
     pub key: PathBuf,
-    /// Who may do what, for the side that others dial; absent, every certificate of the authority
-    /// may do everything.
+    /// Who may do what, for the listening side; if absent, every certificate of the authority may
+    /// do everything.
     pub members: PathBuf,
 }
 
-/// What is in the files, found to fit together.
+/// The contents of the files, checked for consistency.
 pub(crate) struct Checked {
     pub(crate) roots: Arc<RootCertStore>,
     pub(crate) chain: Vec<CertificateDer<'static>>,
     pub(crate) key: PrivateKeyDer<'static>,
-    /// The certificate's common name: under this name the other side knows us.
+    /// The common name of the certificate, by which the other side knows us.
     pub(crate) name: String,
 }
 
-/// The provider of cryptography that Zenoh takes as well.
+/// The cryptography provider that Zenoh uses as well.
 pub(crate) fn provider() -> Arc<CryptoProvider> {
     Arc::new(ring::default_provider())
 }
@@ -58,7 +58,8 @@ impl Credentials {
     /// The settings of Zenoh for mutual TLS with these files.
     pub(crate) fn entries(&self) -> Result<Vec<(&'static str, String)>> {
         let path = |file: &PathBuf| {
-            serde_json::to_string(file).map_err(|why| wrong("its name is no text", file).why(why))
+            serde_json::to_string(file)
+                .map_err(|why| wrong("its name is not valid UTF-8", file).why(why))
         };
         let (authority, certificate, key) =
             (path(&self.authority)?, path(&self.certificate)?, path(&self.key)?);
@@ -73,8 +74,8 @@ impl Credentials {
         ])
     }
 
-    /// Reads the files and finds out whether another side that trusts the same authority would
-    /// believe them now.
+    /// Reads the files and checks whether a peer that trusts the same authority would accept them
+    /// now.
     pub(crate) fn check(&self) -> Result<Checked> {
         let mut roots = RootCertStore::empty();
         for root in certificates(&self.authority)? {
@@ -86,11 +87,11 @@ impl Credentials {
         let chain = certificates(&self.certificate)?;
         let name = dates(&chain[0], &self.certificate, "the certificate")?;
         let key = PrivateKeyDer::from_pem_slice(&read(&self.key)?)
-            .map_err(|why| wrong("there is no private key in it", &self.key).why(text(&why)))?;
+            .map_err(|why| wrong("it contains no private key", &self.key).why(text(&why)))?;
         CertifiedKey::from_der(chain.clone(), key.clone_key(), &provider()).map_err(|why| {
             let what =
-                format!("the key does not fit the certificate {}", self.certificate.display());
-            wrong(what, &self.key).why(why).help("take both from the same folder of cosim keys")
+                format!("the key does not match the certificate {}", self.certificate.display());
+            wrong(what, &self.key).why(why).help("use both from the same folder of cosim keys")
         })?;
         let roots = Arc::new(roots);
         let judge = WebPkiClientVerifier::builder_with_provider(roots.clone(), provider());
@@ -99,9 +100,12 @@ impl Credentials {
         })?;
         judge.verify_client_cert(&chain[0], &chain[1..], now()).map_err(|why| {
             let authority = self.authority.display();
-            wrong(format!("the certificate is not of the authority {authority}"), &self.certificate)
-                .why(why)
-                .help("take all files from the same folder of cosim keys")
+            wrong(
+                format!("the certificate was not issued by the authority {authority}"),
+                &self.certificate,
+            )
+            .why(why)
+            .help("use all files from the same folder of cosim keys")
         })?;
         Ok(Checked { roots, chain, key, name })
     }
@@ -127,9 +131,9 @@ fn read(file: &Path) -> Result<Vec<u8>> {
 fn certificates(file: &Path) -> Result<Vec<CertificateDer<'static>>> {
     let bytes = read(file)?;
     let all = CertificateDer::pem_slice_iter(&bytes).collect::<std::result::Result<Vec<_>, _>>();
-    let all = all.map_err(|why| wrong("it is not in PEM form", file).why(text(&why)))?;
+    let all = all.map_err(|why| wrong("it is not in PEM format", file).why(text(&why)))?;
     if all.is_empty() {
-        return Err(wrong("there is no certificate in it", file)
+        return Err(wrong("it contains no certificate", file)
             .why("it has no part that begins with -----BEGIN CERTIFICATE-----"));
     }
     Ok(all)
@@ -137,12 +141,12 @@ fn certificates(file: &Path) -> Result<Vec<CertificateDer<'static>>> {
 
 fn text(why: &pem::Error) -> String {
     match why {
-        pem::Error::NoItemsFound => "it has no such part in PEM form".to_owned(),
+        pem::Error::NoItemsFound => "it has no such part in PEM format".to_owned(),
         other => other.to_string(),
     }
 }
 
-/// Refuses a certificate that is not valid now; gives its common name.
+/// Refuses a certificate that is not valid now; returns its common name.
 fn dates(certificate: &CertificateDer<'_>, file: &Path, what: &str) -> Result<String> {
     let (_, parsed) = X509Certificate::from_der(certificate)
         .map_err(|why| wrong(format!("{what} cannot be understood"), file).why(why))?;

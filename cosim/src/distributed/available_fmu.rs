@@ -1,5 +1,5 @@
-//! An FMU that a worker holds, as told to somebody who does not have it: description and documents,
-//! nothing that computes. A remote FMU can be made of that.
+//! An FMU that a worker holds, as it is advertised to a caller that does not have the file: the
+//! description and the documents, without binaries. A remote FMU can be made from it.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use zenoh::{Session, Wait};
 
-use super::door::allowed::Allowed;
-use super::door::session::Access;
+use super::access::allowed::Allowed;
+use super::access::session::Access;
 use super::keys;
 use super::net::refused;
 use super::remote::listen;
@@ -17,14 +17,14 @@ use crate::error::{Code, Error, Result};
 use crate::names;
 use crate::proxy::shell;
 
-/// An FMU without what computes.
+/// An FMU without its binaries.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Offer {
+pub(crate) struct AvailableFmu {
     /// The file's name.
     pub name: String,
-    /// Of the whole file.
+    /// SHA-256 of the whole file.
     pub sha256: String,
-    /// For which platforms it has a library, by their folders.
+    /// The platforms for which it has a library, by folder name.
     pub platforms: Vec<String>,
     /// The archive with its description and documents.
     pub shell: Vec<u8>,
@@ -34,8 +34,8 @@ pub(crate) struct Offer {
 const READING: Duration = Duration::from_secs(5);
 const PAUSE: Duration = Duration::from_millis(50);
 
-impl Offer {
-    /// What a worker says of an FMU, by the name of its file or by its hash; or why it does not.
+impl AvailableFmu {
+    /// Looks up an FMU by file name or hash; the error says why it is not available.
     pub(super) fn of(allowed: &Allowed, wanted: &str) -> Result<Self, String> {
         let files = || allowed.files().filter_map(|(hash, file)| Some((hash, file, name(file)?)));
         let is_wanted = |(hash, _, name): &(&str, &Path, &str)| {
@@ -52,13 +52,13 @@ impl Offer {
         };
         let one = FmuFile { sha256: hash.to_owned(), name: name.to_owned() };
         if allowed.held(&one).is_none() {
-            return Err(format!("{name} is not the file any more that was allowed"));
+            return Err(format!("{name} is no longer the file that was allowed"));
         }
         let (platforms, shell) = shell::of(file).map_err(|error| error.line())?;
         Ok(Self { name: one.name, sha256: one.sha256, platforms, shell })
     }
 
-    /// Asks a worker, which dials one of `accesses` within `wait`.
+    /// Requests the FMU from a worker, which must connect to one of `accesses` within `wait`.
     pub(crate) fn ask(
         accesses: &[Access],
         worker: &str,
@@ -82,15 +82,15 @@ fn asked(
     fmu: &str,
     wait: Duration,
     endpoint: &str,
-) -> Result<Offer> {
+) -> Result<AvailableFmu> {
     let key = format!("{}/offer", keys::worker(worker));
     let begun = Instant::now();
     loop {
         let replies = session.get(&key).payload(fmu).timeout(READING).wait().map_err(refused)?;
         for reply in replies {
             let Ok(sample) = reply.into_result() else { continue };
-            let answer: Result<Offer, String> = postcard::from_bytes(&sample.payload().to_bytes())
-                .map_err(|why| {
+            let answer: Result<AvailableFmu, String> =
+                postcard::from_bytes(&sample.payload().to_bytes()).map_err(|why| {
                     let what = format!("what worker {worker} offers cannot be read");
                     Error::new(Code::Protocol, what).why(why)
                 })?;
@@ -100,12 +100,12 @@ fn asked(
         }
         if begun.elapsed() > wait {
             let waited = wait.as_secs_f64();
-            let what = format!("worker {worker} did not come within {waited} s to {endpoint}");
+            let what = format!("worker {worker} did not connect to {endpoint} within {waited} s");
             let there = present(session)?;
             return Err(Error::new(Code::Lost, what)
                 .why(match there.is_empty() {
-                    true => "nobody is there".to_owned(),
-                    false => format!("there are: {}", there.join(", ")),
+                    true => "no worker is connected".to_owned(),
+                    false => format!("connected: {}", there.join(", ")),
                 })
                 .help(format!("cosim worker --name {worker} --connect {endpoint} --allow {fmu}")));
         }
@@ -113,7 +113,7 @@ fn asked(
     }
 }
 
-/// The workers that are there.
+/// The workers that are connected.
 fn present(session: &Session) -> Result<Vec<String>> {
     let replies = session.liveliness().get(keys::workers()).timeout(READING).wait();
     let tokens = replies.map_err(refused)?.into_iter();

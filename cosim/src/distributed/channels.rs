@@ -1,12 +1,13 @@
-//! The two lanes on which messages travel between the coordinator and a host.
+//! The two channels on which messages travel between the coordinator and a host.
 //!
-//! Zenoh usually gives a message to a thread that sends it, in pieces if it is large. Its transport
-//! for low latency sends in the thread that has the message, which makes a step shorter by a
-//! quarter; but what is too large for one read ends the connection, and whoever sends to somebody
-//! who does not read waits without end. So a host has two sessions. By the quick one go small
-//! messages only: as a host gets a command when it has answered the one before, all that can be on
-//! the way fits into the buffers of a socket, whether it is read or not. The others go by the bulk
-//! lane. With TLS, or a side that does not offer it, there is no such transport, and both are alike.
+//! Zenoh usually hands a message to a sender thread, which splits it if it is large. Its
+//! low-latency transport sends in the calling thread, which makes a step shorter by a quarter; but
+//! a message that is too large for one read ends the connection, and sending to a peer that does
+//! not read blocks forever. A host therefore has two sessions. The quick channel carries small
+//! messages only: a host gets a command only after it has answered the one before, so everything in
+//! flight fits into the socket buffers, whether it is read or not. All other messages use the bulk
+//! channel. With TLS, or if one side does not offer it, there is no low-latency transport, and both
+//! channels behave alike.
 
 use std::any::Any;
 
@@ -18,11 +19,11 @@ use zenoh::{Session, Wait};
 
 use crate::error::{Code, Error, Result};
 
-/// Octets of the largest message on the quick lane: those of a thousand signals.
+/// Largest message on the quick channel, in octets: the size of a thousand signals.
 const SMALL: usize = 8 * 1024;
 
-/// The sessions that the lanes belong to; on the coordinator's side it is one for both.
-pub(super) struct Lanes<'a> {
+/// The sessions of the channels; the coordinator uses one session for both.
+pub(super) struct Channels<'a> {
     /// For small messages.
     pub quick: &'a Session,
     /// For large ones.
@@ -35,7 +36,7 @@ pub(super) struct Sender {
     bulk: Publisher<'static>,
 }
 
-/// Whether a token is the last of the two that [`Lanes::live`] declares.
+/// Whether a token is the last of the two that [`Channels::live`] declares.
 pub(super) fn is_last(token: &str) -> bool {
     token.ends_with(QUICK)
 }
@@ -43,14 +44,14 @@ pub(super) fn is_last(token: &str) -> bool {
 const QUICK: &str = "/quick";
 const BULK: &str = "/bulk";
 
-impl Lanes<'_> {
-    /// Each lane with its session and its key below `key`.
+impl Channels<'_> {
+    /// Each channel with its session and its key below `key`.
     fn each(&self, key: &str) -> [(&Session, String); 2] {
         [(self.quick, format!("{key}{QUICK}")), (self.bulk, format!("{key}{BULK}"))]
     }
 
-    /// A token on each lane, the quick one last: whoever sees that one can speak to us by both, as
-    /// the other side has heard of what was declared before.
+    /// Declares a token on each channel, the quick one last: a peer that sees that one can reach us
+    /// on both, because it has seen everything that was declared before.
     pub(super) fn live(&self, key: &str) -> Result<[LivelinessToken; 2]> {
         let [quick, bulk] = self.each(key);
         let token = |(session, key): (&Session, String)| {
@@ -72,7 +73,7 @@ impl Lanes<'_> {
         Ok(Sender { quick: quick?, bulk: bulk? })
     }
 
-    /// Hears what comes under `key`, as long as what this gives is kept.
+    /// Calls `hear` for every message under `key` until the returned value is dropped.
     pub(super) fn hear(
         &self,
         key: &str,
@@ -94,14 +95,14 @@ impl Sender {
     /// Sends a message.
     pub(super) fn put(&self, message: impl Into<ZBytes>) -> Result<()> {
         let message = message.into();
-        let lane = if message.len() <= SMALL { &self.quick } else { &self.bulk };
-        lane.put(message).wait().map_err(refused)
+        let publisher = if message.len() <= SMALL { &self.quick } else { &self.bulk };
+        publisher.put(message).wait().map_err(refused)
     }
 
-    /// Whether somebody hears both lanes.
+    /// Whether a peer subscribes to both channels.
     pub(super) fn is_heard(&self) -> Result<bool> {
-        let heard = |lane: &Publisher<'_>| {
-            lane.matching_status().wait().map(|status| status.matching()).map_err(refused)
+        let heard = |publisher: &Publisher<'_>| {
+            publisher.matching_status().wait().map(|status| status.matching()).map_err(refused)
         };
         Ok(heard(&self.quick)? && heard(&self.bulk)?)
     }
@@ -121,7 +122,7 @@ mod tests {
 
     const LONG: Duration = Duration::from_secs(30);
 
-    /// Here to there and back, whatever somebody's configuration says of how much is sent at once.
+    /// A message in each direction, whatever batch size the user's configuration sets.
     #[test]
     fn messages_of_every_size_arrive_on_both_sides() {
         let folder = tempfile::TempDir::new().unwrap();
@@ -130,11 +131,11 @@ mod tests {
         let endpoints = vec![format!("unixsock-stream/{}/socket", folder.path().display())];
         let access = Access { endpoints, configuration: Some(file), ..Access::default() };
         let listening = access.listen().unwrap();
-        let [quick, bulk] = access.dial_lanes().unwrap();
-        let here = Lanes { quick: &listening, bulk: &listening };
-        let there = Lanes { quick: &quick, bulk: &bulk };
+        let [quick, bulk] = access.dial_channels().unwrap();
+        let here = Channels { quick: &listening, bulk: &listening };
+        let there = Channels { quick: &quick, bulk: &bulk };
         for (number, (from, to)) in [(&here, &there), (&there, &here)].into_iter().enumerate() {
-            let key = format!("lanes/{number}");
+            let key = format!("channels/{number}");
             let (heard, inbox) = channel();
             let _hearing = to.hear(&key, move |bytes| drop(heard.send(bytes))).unwrap();
             let sender = from.sender(&key).unwrap();

@@ -1,4 +1,4 @@
-//! Endpoints such as `tcp/127.0.0.1:7447`, and whom they are open to.
+//! Endpoints such as `tcp/127.0.0.1:7447`, and who can reach them.
 
 use std::net::{IpAddr, ToSocketAddrs};
 
@@ -7,16 +7,16 @@ use crate::error::{Code, Error, Result};
 /// A protocol and an address.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Endpoint<'a> {
-    /// A socket in the file system: who may reach it is a matter of the folder's rights.
+    /// A socket in the file system: the permissions of its folder decide who can reach it.
     Unix,
-    /// Host and port in the clear.
+    /// Host and port, unencrypted.
     Tcp(&'a str, u16),
-    /// Host and port under TLS.
+    /// Host and port with TLS.
     Tls(&'a str, u16),
 }
 
 impl<'a> Endpoint<'a> {
-    /// What a text means.
+    /// Parses an endpoint.
     pub(crate) fn parse(text: &'a str) -> Result<Self> {
         let refused = |why: &str| {
             Error::new(Code::Session, format!("the endpoint {text} is refused")).why(why)
@@ -24,17 +24,17 @@ impl<'a> Endpoint<'a> {
         let Some((protocol, address)) = text.split_once('/') else {
             return Err(refused("an endpoint is a protocol and an address: tcp/127.0.0.1:7447"));
         };
-        // They would have the last word about certificates.
+        // They would override the settings for certificates.
         if address.contains(['#', '?']) {
-            return Err(refused("settings behind the address are not taken")
+            return Err(refused("settings after the address are not accepted")
                 .help("put them into the file of --config"));
         }
         let host_and_port = || {
             let (host, port) = address.rsplit_once(':').ok_or("the port is missing")?;
-            let port = port.parse().map_err(|_| "the port is no number from 0 to 65535")?;
+            let port = port.parse().map_err(|_| "the port is not a number from 0 to 65535")?;
             match host.strip_prefix('[') {
                 Some(inner) => inner.strip_suffix(']').ok_or("a bracket is missing"),
-                None if host.contains(':') => Err("an IPv6 address stands in brackets: [::1]:7447"),
+                None if host.contains(':') => Err("an IPv6 address needs brackets: [::1]:7447"),
                 None => Ok(host),
             }
             .and_then(|host| if host.is_empty() { Err("the host is missing") } else { Ok(host) })
@@ -48,13 +48,13 @@ impl<'a> Endpoint<'a> {
         }
     }
 
-    /// Refuses what would be open to others without TLS.
+    /// Refuses endpoints that other machines could reach without TLS.
     pub(crate) fn permit(text: &'a str, insecure: bool) -> Result<Self> {
         let endpoint = Self::parse(text)?;
         match endpoint {
             Self::Tcp(host, _) if !insecure && !is_loopback(host) => {
                 Err(Error::new(Code::Session, format!("the endpoint {text} is refused"))
-                    .why("anybody who reaches it could load code into a worker")
+                    .why("anyone who can reach it could load code into a worker")
                     .help("tls/HOST:PORT with --credentials FOLDER (cosim keys), or --insecure"))
             }
             _ => Ok(endpoint),
@@ -62,8 +62,8 @@ impl<'a> Endpoint<'a> {
     }
 }
 
-/// Whether only this machine can be meant. A name may mean something else a moment later, so of
-/// names only `localhost` is believed, and only while it means loopback addresses alone.
+/// Whether only this machine can be meant. A name may resolve to something else a moment later, so
+/// the only name accepted is `localhost`, and only while all its addresses are loopback.
 fn is_loopback(host: &str) -> bool {
     match host.parse::<IpAddr>() {
         Ok(IpAddr::V4(ip)) => ip.is_loopback(),

@@ -1,8 +1,8 @@
-//! Who may do what: the rights that the listening side gives to certificates by their common
-//! name.
+//! The rights that the listening side grants to certificates by their common name.
 //!
-//! A worker takes commands and gives answers, its token and its own words; an observer reads what
-//! is meant for observers; a name that is not listed may ask which rights it has, and no more.
+//! A worker receives commands and sends answers, its token and information about itself; an
+//! observer reads what is published for observers; a name that is not listed may only query its own
+//! rights.
 
 use std::path::Path;
 
@@ -12,31 +12,31 @@ use serde_json::{Value, json};
 use crate::distributed::keys;
 use crate::error::{Code, Error, Result};
 
-/// The common names that are known, by what they may do.
+/// The known common names, by role.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Members {
-    /// May drive runs, and everything else.
+    /// May drive runs and do everything else.
     pub orchestrators: Vec<String>,
-    /// May lend machines.
+    /// May provide machines.
     pub workers: Vec<String>,
     /// May read what is published for observers.
     pub observers: Vec<String>,
 }
 
-/// What somebody may do.
+/// The rights of a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Role {
     /// Everything.
     Orchestrator,
-    /// Lend a machine.
+    /// Provide a machine.
     Worker,
     /// Read telemetry.
     Observer,
 }
 
 impl Role {
-    /// The role in words.
+    /// The role as text.
     pub(crate) fn text(self) -> &'static str {
         match self {
             Self::Orchestrator => "an orchestrator",
@@ -47,7 +47,7 @@ impl Role {
 }
 
 impl Members {
-    /// What a file says; nothing when there is none.
+    /// Reads a file; `None` if it does not exist.
     pub(crate) fn read(file: &Path) -> Result<Option<Self>> {
         let text = match std::fs::read_to_string(file) {
             Ok(text) => text,
@@ -57,7 +57,7 @@ impl Members {
         serde_json::from_str(&text).map(Some).map_err(|why| unusable(file).why(why))
     }
 
-    /// What a name may do.
+    /// The role of a name.
     pub(crate) fn role(&self, name: &str) -> Option<Role> {
         let has = |names: &[String]| names.iter().any(|known| known == name);
         let roles = [
@@ -68,8 +68,8 @@ impl Members {
         roles.into_iter().find(|(names, _)| has(names)).map(|(_, role)| role)
     }
 
-    /// Zenoh's access control: what is not said here is denied. Local users of the session are
-    /// not concerned.
+    /// Zenoh's access control: everything not listed here is denied. Local users of the session are
+    /// not affected.
     pub(crate) fn access_control(&self) -> Value {
         let mut list = Lists::default();
         list.member("anybody", None, &rights(None, ""));
@@ -97,20 +97,20 @@ impl Members {
     }
 }
 
-/// What is done with a key.
+/// An operation on a key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verb {
-    /// Tell those who hear it.
+    /// Publish messages.
     Publish,
-    /// Hear what is published.
+    /// Subscribe to messages.
     Hear,
-    /// Be there, as long as a token is.
+    /// Declare a liveliness token.
     Announce,
-    /// Know who is there.
+    /// Watch liveliness tokens.
     Follow,
-    /// Answer those who ask.
+    /// Answer queries.
     Serve,
-    /// Ask, and get answers.
+    /// Send queries and receive answers.
     Ask,
 }
 
@@ -119,7 +119,7 @@ impl Verb {
     pub const ALL: [Self; 6] =
         [Self::Publish, Self::Hear, Self::Announce, Self::Follow, Self::Serve, Self::Ask];
 
-    /// The verb in words.
+    /// The verb as text.
     pub fn text(self) -> &'static str {
         match self {
             Self::Publish => "publish",
@@ -131,7 +131,7 @@ impl Verb {
         }
     }
 
-    /// Zenoh's messages of it: those that come from a member, and those that go to it.
+    /// The Zenoh messages of this verb: those sent by a member, and those sent to it.
     fn messages(self) -> [&'static [&'static str]; 2] {
         const LISTEN: &[&str] = &["declare_liveliness_subscriber", "liveliness_query"];
         match self {
@@ -145,34 +145,34 @@ impl Verb {
     }
 }
 
-/// Who may do what, on the keys of a worker of that name: the one source of Zenoh's access control, of
-/// the table in the documentation, and of the test that tries all of it.
+/// The rights of a role, for a worker of that name: the single source of Zenoh's access control, of
+/// the table in the documentation, and of the test that tries all of them.
 pub(crate) fn rights(role: Option<Role>, name: &str) -> Vec<(Verb, String)> {
     let own = keys::worker(name);
     match role {
-        // Only the listening side answers there: whoever could serve it could tell others that they
-        // have no rights.
+        // Only the listening side answers there: any other client that served it could claim that
+        // others have no rights.
         None => vec![(Verb::Ask, keys::rights())],
         Some(Role::Orchestrator) => {
             let all = keys::everything();
             Verb::ALL.into_iter().flat_map(|verb| all.clone().map(|key| (verb, key))).collect()
         }
         Some(Role::Observer) => vec![(Verb::Hear, keys::open("**"))],
-        // It announces and serves itself, and speaks for the lives of groups that it has.
+        // It announces and serves itself, and speaks for the incarnations that it runs.
         Some(Role::Worker) => vec![
             (Verb::Announce, own.clone()),
             (Verb::Follow, own.clone()),
             (Verb::Serve, format!("{own}/*")),
             (Verb::Follow, keys::running("*")),
-            (Verb::Announce, keys::lives(name, "alive/*")),
-            (Verb::Hear, keys::lives(name, "cmd/*")),
-            (Verb::Publish, keys::lives(name, "rep/*")),
+            (Verb::Announce, keys::incarnations(name, "alive/*")),
+            (Verb::Hear, keys::incarnations(name, "cmd/*")),
+            (Verb::Publish, keys::incarnations(name, "rep/*")),
             (Verb::Ask, keys::fmu("*", name, "*")),
         ],
     }
 }
 
-/// Rights as text: role, verb and keys; of workers those of one called `name`.
+/// All rights: role, verb and key; the worker is called `name`.
 #[doc(hidden)]
 pub fn all_rights(name: &str) -> Vec<(&'static str, Verb, String)> {
     let roles = [
@@ -217,7 +217,7 @@ impl Lists {
 fn unusable(file: &Path) -> Error {
     Error::new(Code::Certificate, "the list of members cannot be used")
         .at(file)
-        .help(r#"it is as {"orchestrators": ["a"], "workers": ["b"], "observers": ["c"]}"#)
+        .help(r#"the format is {"orchestrators": ["a"], "workers": ["b"], "observers": ["c"]}"#)
 }
 
 #[cfg(test)]
@@ -256,10 +256,10 @@ mod tests {
     }
 
     #[test]
-    fn everybody_has_the_rights_of_his_role_and_no_more() {
+    fn every_name_has_the_rights_of_its_role_and_no_more() {
         let list = members().access_control();
-        let life = keys::life("r", "left", 1, 2);
-        let (command, answer) = (format!("{life}/cmd/bulk"), format!("{life}/rep/quick"));
+        let key = keys::incarnation("r", "left", 1, 2);
+        let (command, answer) = (format!("{key}/cmd/bulk"), format!("{key}/rep/quick"));
         let (left, signals) = (keys::worker("left"), keys::open("r/signals"));
         for (subject, message, key, wanted) in [
             ("orchestrators", "put", &command, true),
@@ -268,7 +268,7 @@ mod tests {
             ("left", "put", &command, false),
             ("left", "declare_queryable", &keys::rights(), false),
             ("right", "put", &answer, false),
-            ("right", "liveliness_token", &format!("{life}/alive/quick"), false),
+            ("right", "liveliness_token", &format!("{key}/alive/quick"), false),
             ("right", "declare_subscriber", &command, false),
             ("left", "declare_subscriber", &command, true),
             ("left", "declare_subscriber", &answer, false),

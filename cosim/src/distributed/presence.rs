@@ -1,4 +1,4 @@
-//! The workers that are there.
+//! The workers that are connected.
 
 use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
@@ -10,25 +10,29 @@ use zenoh::{Session, Wait};
 
 use super::inbox::Slot;
 use super::keys;
-use super::net::{News, refused};
+use super::net::{Notification, refused};
 use super::wire::VERSION;
 use crate::error::{Code, Error, Result};
 use crate::names::did_you_mean;
 
-/// The workers that are there, known by their liveliness tokens.
+/// The workers that are connected, known by their liveliness tokens.
 #[derive(Clone, Default)]
-pub(super) struct Present(Arc<Mutex<Workers>>);
+pub(super) struct Presence(Arc<Mutex<Workers>>);
 
 #[derive(Default)]
 struct Workers {
     names: BTreeSet<String>,
-    /// Those that speak another version of the protocol.
-    strangers: BTreeMap<String, String>,
+    /// Workers that speak another version of the protocol.
+    incompatible: BTreeMap<String, String>,
 }
 
-impl Present {
-    /// Follows who comes and leaves, as long as the second value lives; `news` is told too.
-    pub(super) fn follow(session: &Session, news: Slot<News>) -> Result<(Self, Box<dyn Any>)> {
+impl Presence {
+    /// Tracks which workers connect and disconnect until the second value is dropped; also reports
+    /// it to `notifications`.
+    pub(super) fn follow(
+        session: &Session,
+        notifications: Slot<Notification>,
+    ) -> Result<(Self, Box<dyn Any>)> {
         let present = Self::default();
         let followed = present.clone();
         let subscriber = session
@@ -42,22 +46,26 @@ impl Present {
                 let here = sample.kind() == SampleKind::Put;
                 if followed.note(version, name, here) {
                     let name = name.to_owned();
-                    news.urge(if here { News::Came(name) } else { News::Left(name) });
+                    notifications.put_urgent(if here {
+                        Notification::Joined(name)
+                    } else {
+                        Notification::Left(name)
+                    });
                 }
             })
             .wait();
         Ok((present, Box::new(subscriber.map_err(refused)?)))
     }
 
-    /// A worker comes or leaves; whether it speaks our version.
+    /// A worker connects or disconnects; whether it speaks our version.
     fn note(&self, version: &str, name: &str, here: bool) -> bool {
         let mut workers = self.lock();
         let ours = version == VERSION.to_string();
         match (ours, here) {
             (true, true) => drop(workers.names.insert(name.to_owned())),
             (true, false) => drop(workers.names.remove(name)),
-            (false, true) => drop(workers.strangers.insert(name.to_owned(), version.to_owned())),
-            (false, false) => drop(workers.strangers.remove(name)),
+            (false, true) => drop(workers.incompatible.insert(name.to_owned(), version.to_owned())),
+            (false, false) => drop(workers.incompatible.remove(name)),
         }
         ours
     }
@@ -71,7 +79,7 @@ impl Present {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Waits until `count` workers, or those named, are there.
+    /// Waits until `count` workers, and those named, are connected.
     pub(super) fn gather(
         &self,
         count: usize,
@@ -80,13 +88,13 @@ impl Present {
     ) -> Result<Vec<String>> {
         let begun = Instant::now();
         loop {
-            if let Some((name, version)) = self.lock().strangers.first_key_value() {
+            if let Some((name, version)) = self.lock().incompatible.first_key_value() {
                 return Err(Error::new(
                     Code::Protocol,
                     format!("the worker '{name}' speaks version {version} of the protocol"),
                 )
                 .why(format!("this cosim speaks version {VERSION}"))
-                .help("the same version of cosim everywhere"));
+                .help("use the same version of cosim everywhere"));
             }
             let present = self.names();
             let missing: Vec<&String> = named.iter().filter(|n| !present.contains(*n)).collect();
@@ -108,14 +116,14 @@ fn absent(
     patience: Duration,
 ) -> Error {
     let what = match missing.first() {
-        Some(name) => format!("the worker '{name}' is not there"),
-        None => format!("{} of {count} workers are there", present.len()),
+        Some(name) => format!("the worker '{name}' is not connected"),
+        None => format!("{} of {count} workers are connected", present.len()),
     };
     let there: Vec<&str> = present.iter().map(String::as_str).collect();
     let list = if there.is_empty() { "none".to_owned() } else { there.join(", ") };
     let near = missing.first().and_then(|name| did_you_mean(name, there.iter().copied()));
     Error::new(Code::Placement, what)
-        .why(format!("after {:.0} s there are: {list}", patience.as_secs_f64()))
+        .why(format!("connected after {:.0} s: {list}", patience.as_secs_f64()))
         .maybe_help(near)
 }
 
@@ -127,7 +135,7 @@ mod tests {
 
     #[test]
     fn workers_of_another_version_are_named() {
-        let present = Present::default();
+        let present = Presence::default();
         assert!(present.note(&VERSION.to_string(), "left", true));
         assert_eq!(present.gather(1, &[], SHORT).unwrap(), ["left"]);
         assert!(!present.note("9", "right", true));
@@ -141,12 +149,12 @@ mod tests {
     }
 
     #[test]
-    fn who_is_missing_is_told_with_the_nearest_name() {
-        let present = Present::default();
+    fn a_missing_worker_is_reported_with_the_nearest_name() {
+        let present = Presence::default();
         present.note(&VERSION.to_string(), "left", true);
         let error = present.gather(1, &["lefd".to_owned()], SHORT).unwrap_err();
         assert_eq!(error.remedy(), Some("did you mean 'left'?"));
         let error = present.gather(2, &[], SHORT).unwrap_err();
-        assert_eq!(error.what(), "1 of 2 workers are there");
+        assert_eq!(error.what(), "1 of 2 workers are connected");
     }
 }

@@ -1,7 +1,7 @@
-//! Opening Zenoh sessions, closed to everybody who is not meant.
+//! Opens Zenoh sessions that only the intended peers can reach.
 //!
-//! Nothing is found by scouting and nothing listens but on the endpoints named here. An endpoint
-//! that is not of this machine needs TLS, unless that is waived in so many words.
+//! There is no scouting, and nothing listens except on the endpoints named here. An endpoint on
+//! another machine requires TLS, unless that is explicitly waived.
 
 use std::path::PathBuf;
 
@@ -20,7 +20,7 @@ use crate::error::{Code, Error, Result};
 pub struct Access {
     /// Endpoints such as `tcp/127.0.0.1:7447`, `tls/host:7447`, `unixsock-stream//run/x.sock`.
     pub endpoints: Vec<String>,
-    /// A file with Zenoh's configuration (json5), under what is set here.
+    /// A file with Zenoh's configuration (json5), which the settings here override.
     pub configuration: Option<PathBuf>,
     /// Certificates for TLS.
     pub credentials: Option<Credentials>,
@@ -28,16 +28,16 @@ pub struct Access {
     pub insecure: bool,
 }
 
-/// Where the coordinator listens when nothing else is said.
+/// Where the coordinator listens by default.
 pub const DEFAULT_ENDPOINT: &str = "tcp/127.0.0.1:7447";
 
 impl Access {
-    /// A session that others dial.
+    /// A session that others connect to.
     pub fn listen(&self) -> Result<Session> {
         self.open(&LISTENING)
     }
 
-    /// A session that dials a listening one, and does so again when it is cut off.
+    /// A session that connects to a listening one, and reconnects when the connection is lost.
     pub fn dial(&self) -> Result<Session> {
         let checked = self.checked()?;
         let refusals = self.endpoints.iter().map(|e| diagnose::refusal(e, checked.as_ref()));
@@ -47,30 +47,30 @@ impl Access {
         }
     }
 
-    /// The same, to one that has taken us in before: it is not asked by hand first.
+    /// The same, to a peer that has accepted us before: no diagnosis first.
     pub(crate) fn dial_known(&self) -> Result<Session> {
         self.open(&DIALLING)
     }
 
-    /// The same twice, for small messages and for large ones: see `lanes`.
-    pub(crate) fn dial_lanes(&self) -> Result<[Session; 2]> {
+    /// The same twice, for small messages and for large ones: see `channels`.
+    pub(crate) fn dial_channels(&self) -> Result<[Session; 2]> {
         let bulk = self.dial_known()?;
         let quick = if self.is_tls()? { bulk.clone() } else { self.open(&QUICK)? };
         Ok([quick, bulk])
     }
 
-    /// Nobody listens at any of the endpoints.
-    pub(crate) fn is_deserted(&self) -> bool {
-        self.endpoints.iter().all(|endpoint| diagnose::is_deserted(endpoint))
+    /// Nothing listens at any of the endpoints.
+    pub(crate) fn has_no_listener(&self) -> bool {
+        self.endpoints.iter().all(|endpoint| diagnose::has_no_listener(endpoint))
     }
 
-    /// Refuses what is refused when a session is opened, as far as it is known before.
+    /// Refuses what opening a session would refuse, as far as it is known in advance.
     pub fn check(&self) -> Result<()> {
         self.checked()?;
         self.config(&DIALLING, None).map(drop)
     }
 
-    /// Whether an endpoint has TLS. Refuses those that are open to others.
+    /// Whether an endpoint uses TLS. Refuses endpoints that are open to others.
     fn is_tls(&self) -> Result<bool> {
         let mut tls = false;
         for endpoint in &self.endpoints {
@@ -79,7 +79,7 @@ impl Access {
         Ok(tls)
     }
 
-    /// Refuses endpoints that are open to others, and credentials that nobody will believe.
+    /// Refuses endpoints that are open to others, and credentials that no peer would accept.
     fn checked(&self) -> Result<Option<Checked>> {
         let tls = self.is_tls()?;
         match &self.credentials {
@@ -118,13 +118,13 @@ impl Access {
             true => ("\"router\"", "listen/endpoints"),
             false => ("\"client\"", "connect/endpoints"),
         };
-        // It sends in any thread, and TLS can do so in one only: see `runtime`.
+        // It sends in any thread, and TLS can only do so in one: see `runtime`.
         let quick = side.quick && !self.is_tls()?;
         let mut entries = vec![
             ("mode", mode.to_owned()),
             ("scouting/multicast/enabled", "false".to_owned()),
             ("scouting/gossip/enabled", "false".to_owned()),
-            // There is nobody to be found: a session that listens would wait half a second.
+            // Nothing can be found: a session that listens would wait half a second.
             ("scouting/delay", "0".to_owned()),
             ("adminspace/enabled", "false".to_owned()),
             ("listen/endpoints", "[]".to_owned()),
@@ -134,13 +134,13 @@ impl Access {
             ("connect/exit_on_failure", "true".to_owned()),
             ("connect/retry", RETRY.to_owned()),
             ("transport/link/tx/lease", "1000".to_owned()),
-            // Both sides must offer it; one that does has no priorities of messages.
+            // Both sides must offer it; a session that does has no message priorities.
             ("transport/unicast/lowlatency", quick.to_string()),
             ("transport/unicast/qos/enabled", (!quick).to_string()),
-            // So large the buffers for what comes by it are: see `lanes`.
+            // The buffers are large enough for everything on this channel: see `channels`.
             ("transport/link/tx/batch_size", u16::MAX.to_string()),
             ("transport/shared_memory/enabled", "false".to_owned()),
-            // Nothing here goes by the time of the clock, and every message would be stamped twice.
+            // Nothing here uses wall-clock timestamps, and every message would be stamped twice.
             ("timestamping/enabled", "false".to_owned()),
         ];
         if let Some(credentials) = &self.credentials {
@@ -157,7 +157,7 @@ impl Access {
         Ok(config)
     }
 
-    /// The name under which the other side knows us, if it does.
+    /// The name by which the other side knows us, if it does.
     pub(crate) fn common_name(&self) -> Option<String> {
         self.checked().ok().flatten().map(|checked| checked.name)
     }
@@ -169,7 +169,7 @@ impl Access {
             Some(seen) => error.why(seen).help("cosim run --distributed listens there"),
             None => error
                 .why(format!("{}: {why}", self.endpoints.join(", ")))
-                .help("is the address one of this machine, and free?"),
+                .help("is it an address of this machine, and is it free?"),
         }
     }
 }
@@ -177,7 +177,7 @@ impl Access {
 /// What a session is for.
 struct Side {
     listens: bool,
-    /// It offers the transport for low latency.
+    /// It offers the low-latency transport.
     quick: bool,
 }
 
@@ -185,7 +185,7 @@ const LISTENING: Side = Side { listens: true, quick: true };
 const DIALLING: Side = Side { listens: false, quick: false };
 const QUICK: Side = Side { listens: false, quick: true };
 
-/// First soon, then less often: a worker may wait long for its coordinator.
+/// Frequently at first, then less often: a worker may wait long for its coordinator.
 const RETRY: &str = "{period_init_ms:50,period_max_ms:1000,period_increase_factor:1.5}";
 
 fn unopened() -> Error {

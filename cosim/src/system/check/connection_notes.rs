@@ -1,11 +1,11 @@
-//! Notes on units, gathered over all connections.
+//! Notes on connections, collected over all of them.
 
-/// Connections without a unit at one end are told together; so many of them by name.
+/// How many connections without a unit at one end are listed in their common note.
 const SHOWN: usize = 3;
 
-/// What is good to know of units, gathered over all connections.
+/// Notes on connections, collected over all of them.
 #[derive(Default)]
-pub(super) struct Told {
+pub(super) struct ConnectionNotes {
     /// Connections with a unit at one end only.
     pub missing: Vec<String>,
     /// Connections whose values are converted, and how.
@@ -14,7 +14,7 @@ pub(super) struct Told {
     pub dropped: Vec<Dropped>,
 }
 
-/// A connection that is left out.
+/// A connection that is dropped.
 pub(super) struct Dropped {
     pub place: String,
     pub from: String,
@@ -22,10 +22,10 @@ pub(super) struct Dropped {
     pub to: (String, String),
 }
 
-impl Told {
-    pub(super) fn tell(self, warnings: &mut Vec<String>, notes: &mut Vec<String>) {
+impl ConnectionNotes {
+    pub(super) fn report(self, warnings: &mut Vec<String>, notes: &mut Vec<String>) {
         for all in self.dropped.chunk_by(|one, next| one.to.0 == next.to.0) {
-            warnings.extend(all.first().map(|first| first.told(all)));
+            warnings.extend(all.first().map(|first| first.text(all)));
         }
         notes.extend(self.converted.into_iter().map(|text| format!("converted: {text}")));
         if self.missing.is_empty() {
@@ -35,14 +35,14 @@ impl Told {
         let rest = self.missing.len().saturating_sub(SHOWN);
         let rest = if rest > 0 { format!(" and {rest} more") } else { String::new() };
         notes.push(format!(
-            "a unit is known at one end only, and the value is passed on as it is: {shown}{rest}"
+            "a unit is known at one end only, and the value is passed on unconverted: {shown}{rest}"
         ));
     }
 }
 
 impl Dropped {
-    /// This one, with the others of the same component.
-    fn told(&self, all: &[Dropped]) -> String {
+    /// The text for this one and the others of the same component.
+    fn text(&self, all: &[Dropped]) -> String {
         let Dropped { place, from, to: (component, input) } = self;
         let why = format!("the FMU put in place of '{component}' has no such input");
         let others = match all.len() {

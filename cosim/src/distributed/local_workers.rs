@@ -1,5 +1,5 @@
-//! Workers that are started for one run, on this machine. They end with it, however it ends; one
-//! that is killed is started again.
+//! Workers that are started for one run on this machine. They end with the run, however it ends; a
+//! worker that is killed is restarted.
 
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -12,20 +12,20 @@ use std::os::unix::process::{CommandExt, ExitStatusExt};
 
 use crate::error::{Code, Error, Result};
 
-/// They are looked at so often.
+/// Interval at which they are checked.
 const LOOK: Duration = Duration::from_millis(10);
-/// They may take so long to end in order.
+/// Time they have for an orderly shutdown.
 const GRACE: Duration = Duration::from_secs(2);
 
-/// The workers, kept by a thread.
-pub(super) struct OwnWorkers {
+/// The workers, supervised by a thread.
+pub(super) struct LocalWorkers {
     ended: Arc<AtomicBool>,
     keeper: Option<JoinHandle<()>>,
 }
 
-impl OwnWorkers {
-    /// Starts those of these names by `program`, which dial `endpoint`. What is temporary goes into
-    /// `folder`.
+impl LocalWorkers {
+    /// Starts workers with these names by `program`, which connect to `endpoint`. Their temporary
+    /// files go into `folder`.
     pub(super) fn start(
         program: &[String],
         names: &[String],
@@ -45,7 +45,7 @@ impl OwnWorkers {
                 .args(["--connect", endpoint])
                 .env("TMPDIR", folder)
                 .stdin(Stdio::null())
-                // Ctrl-C at a terminal is for the process that the user started.
+                // Ctrl-C at a terminal is meant for the process that the user started.
                 .process_group(0);
             command
         });
@@ -60,17 +60,17 @@ impl OwnWorkers {
                 }
             }
         }
-        // Children are tied to the thread that started them: this one lives as long as they do.
+        // Children are tied to the thread that started them; this thread lives as long as they do.
         own.keeper = Some(std::thread::spawn(move || keep(kept, &ended)));
         Ok(own)
     }
 }
 
-impl Drop for OwnWorkers {
+impl Drop for LocalWorkers {
     fn drop(&mut self) {
         self.ended.store(true, Ordering::Relaxed);
         if let Some(keeper) = self.keeper.take() {
-            // One that panicked has no child any more.
+            // A supervisor that panicked has no child any more.
             drop(keeper.join());
         }
     }
@@ -80,7 +80,7 @@ fn keep(mut workers: Vec<(Command, Child)>, ended: &AtomicBool) {
     while !ended.load(Ordering::Relaxed) {
         for (command, child) in &mut workers {
             let killed = child.try_wait().ok().flatten().is_some_and(|s| s.signal().is_some());
-            // One that ended itself said why, and would do so again.
+            // A worker that exited by itself reported why, and would do so again.
             if killed && let Ok(next) = command.spawn() {
                 *child = next;
             }
@@ -101,18 +101,19 @@ fn keep(mut workers: Vec<(Command, Child)>, ended: &AtomicBool) {
     workers.iter_mut().for_each(|(_, child)| kill(child));
 }
 
-/// Asks for an end in order: the children of a worker go before it.
+/// Requests an orderly shutdown: a worker ends its children first.
 fn terminate(child: &Child) {
     if let Some(process) = i32::try_from(child.id()).ok().and_then(rustix::process::Pid::from_raw) {
-        // It may have ended already; it is not waited for yet, so the number is still its own.
+        // It may have exited already; it has not been waited for, so the process id is still its
+        // own.
         let _ = rustix::process::kill_process(process, rustix::process::Signal::TERM);
-        // One that is stopped would not hear it.
+        // A stopped process would not receive the signal.
         let _ = rustix::process::kill_process(process, rustix::process::Signal::CONT);
     }
 }
 
 fn kill(child: &mut Child) {
-    // It may have ended already.
+    // It may have exited already.
     let _ = child.kill();
     let _ = child.wait();
 }

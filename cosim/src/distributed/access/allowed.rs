@@ -1,5 +1,5 @@
-//! The FMUs that a worker loads. An FMU is native code: one that is sent by somebody else is run
-//! only when it was allowed here.
+//! The FMUs that a worker loads. An FMU is native code: one that another party sends runs only if
+//! it was allowed here.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,27 +9,27 @@ use crate::distributed::setup::FmuFile;
 use crate::error::{Code, Error, Result};
 use crate::signature;
 
-/// What a worker loads.
+/// The FMUs that a worker loads.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Allowed {
     /// Every FMU that a run sends.
     pub all: bool,
-    /// Those with this SHA-256, and the file that has it if that lies here.
+    /// FMUs with this SHA-256, with the path of the file if it is stored here.
     pub hashes: BTreeMap<String, Option<PathBuf>>,
 }
 
-/// Whether a text is a SHA-256 and no path.
+/// Whether a text is a SHA-256 rather than a path.
 pub(crate) fn is_hash(text: &str) -> bool {
     text.len() == 64 && text.bytes().all(|byte| byte.is_ascii_hexdigit())
 }
 
 impl Allowed {
-    /// From hashes, FMU files, and folders with FMU files; a hash may have its file behind `=`. With
-    /// a public key files must be signed by it.
+    /// Takes hashes, FMU files, and folders with FMU files; a hash may be followed by `=` and its
+    /// file. If a public key is given, files must be signed with it.
     pub fn new(all: bool, list: &[String], key: Option<&Path>) -> Result<Self> {
         if all && key.is_some() {
-            return Err(Error::new(Code::Usage, "what a run sends has no signature")
-                .help("leave out --allow-upload, or --verify-signature"));
+            return Err(Error::new(Code::Usage, "FMUs that a run sends have no signature")
+                .help("remove --allow-upload, or --verify-signature"));
         }
         let mut hashes = BTreeMap::new();
         for item in list {
@@ -52,7 +52,7 @@ impl Allowed {
         Ok(Self { all, hashes })
     }
 
-    /// The same as a list for [`Allowed::new`] that reads no file.
+    /// The same as a list for [`Allowed::new`] from which no file is read.
     pub fn list(&self) -> impl Iterator<Item = String> {
         self.hashes.iter().map(|(hash, file)| match file.as_deref().and_then(Path::to_str) {
             Some(file) => format!("{hash}={file}"),
@@ -60,25 +60,25 @@ impl Allowed {
         })
     }
 
-    /// The bytes of an FMU that lies here, if they are still the same.
+    /// The bytes of an FMU that is stored here, if the file has not changed.
     pub(crate) fn held(&self, file: &FmuFile) -> Option<Vec<u8>> {
         let bytes = std::fs::read(self.hashes.get(&file.sha256)?.as_deref()?).ok()?;
         (sha256(&bytes) == file.sha256).then_some(bytes)
     }
 
-    /// The files that lie here, by their hashes.
+    /// The files that are stored here, by hash.
     pub(crate) fn files(&self) -> impl Iterator<Item = (&str, &Path)> {
         self.hashes.iter().filter_map(|(hash, file)| Some((hash.as_str(), file.as_deref()?)))
     }
 
-    /// Refuses an FMU that is not allowed, for a component.
+    /// Refuses an FMU of a component if it is not allowed.
     pub(crate) fn check(&self, component: &str, file: &FmuFile) -> Result<()> {
         if self.all || self.hashes.contains_key(&file.sha256) {
             return Ok(());
         }
         let FmuFile { name, sha256 } = file;
         Err(Error::new(Code::NotAllowed, format!("{component}: this worker does not load {name}"))
-            .why(format!("nobody allowed the FMU with the SHA-256 {sha256}"))
+            .why(format!("the FMU with the SHA-256 {sha256} is not allowed"))
             .help(format!(
                 "start the worker with --allow {sha256}, with --allow and the file or its folder, \
                  or with --allow-upload for every FMU that a run sends"
@@ -104,7 +104,7 @@ fn files(path: &Path) -> Result<Vec<PathBuf>> {
 }
 
 fn unreadable(path: &Path) -> Error {
-    Error::new(Code::File, "what is to be allowed cannot be read")
+    Error::new(Code::File, "the FMUs to allow cannot be read")
         .at(path)
         .help("--allow takes a SHA-256, an .fmu file, or a folder with .fmu files")
 }

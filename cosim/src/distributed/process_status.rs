@@ -1,4 +1,4 @@
-//! How a life of a group ended, or what it is doing: told by its worker.
+//! How an incarnation of a group ended, or what it is doing, as its worker reports it.
 
 use std::fmt;
 use std::os::unix::process::ExitStatusExt;
@@ -9,25 +9,25 @@ use serde::{Deserialize, Serialize};
 use crate::fmi::Noted;
 use crate::time::Time;
 
-/// What a worker knows of a life.
+/// What a worker knows of an incarnation.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Fate {
+pub(crate) struct ProcessStatus {
     /// Its process.
-    pub process: Process,
+    pub process: ProcessState,
     /// The last FMI call, if there was one.
     pub call: Option<Call>,
 }
 
 /// A process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum Process {
+pub(crate) enum ProcessState {
     /// It computes, or waits.
     Runs,
     /// A signal has stopped it.
     Stopped,
-    /// A signal has ended it.
+    /// A signal has killed it.
     Killed(i32),
-    /// It ended itself with this code.
+    /// It exited with this code.
     Exited(i32),
 }
 
@@ -40,8 +40,8 @@ pub(crate) struct Call {
     inside: bool,
 }
 
-impl Process {
-    /// Of a child that ended.
+impl ProcessState {
+    /// From the exit status of a child.
     pub(crate) fn ended(status: ExitStatus) -> Self {
         match (status.signal(), status.code()) {
             (Some(signal), _) => Self::Killed(signal),
@@ -49,9 +49,9 @@ impl Process {
         }
     }
 
-    /// Of one that lives.
-    pub(crate) fn living(id: u32) -> Self {
-        // The state is the first word after the name, which may have brackets itself.
+    /// Of a process that still exists.
+    pub(crate) fn running(id: u32) -> Self {
+        // The state is the first word after the name, which may contain brackets itself.
         let stat = std::fs::read_to_string(format!("/proc/{id}/stat")).unwrap_or_default();
         match stat.rsplit_once(") ").map(|(_, rest)| rest.as_bytes().first()) {
             Some(Some(b'T' | b't')) => Self::Stopped,
@@ -67,32 +67,35 @@ impl From<Noted> for Call {
     }
 }
 
-impl Fate {
-    /// Its process is no more.
+impl ProcessStatus {
+    /// Its process no longer exists.
     pub(crate) fn has_ended(&self) -> bool {
-        matches!(self.process, Process::Killed(_) | Process::Exited(_))
+        matches!(self.process, ProcessState::Killed(_) | ProcessState::Exited(_))
     }
 
-    /// The FMU is to blame, not somebody who killed or stopped its process: it would do it again.
+    /// The FMU is at fault, rather than a user who killed or stopped its process: it would fail
+    /// again.
     pub(crate) fn is_own_fault(&self) -> bool {
         let inside = self.call.as_ref().is_some_and(|call| call.inside);
         match self.process {
-            Process::Killed(libc::SIGKILL | libc::SIGTERM | libc::SIGINT | libc::SIGHUP) => false,
-            Process::Stopped => false,
-            Process::Killed(_) | Process::Exited(_) => true,
-            Process::Runs => inside,
+            ProcessState::Killed(libc::SIGKILL | libc::SIGTERM | libc::SIGINT | libc::SIGHUP) => {
+                false
+            }
+            ProcessState::Stopped => false,
+            ProcessState::Killed(_) | ProcessState::Exited(_) => true,
+            ProcessState::Runs => inside,
         }
     }
 }
 
-impl fmt::Display for Fate {
+impl fmt::Display for ProcessStatus {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "its process {}", self.process)?;
         self.call.as_ref().map_or(Ok(()), |call| write!(f, ", {call}"))
     }
 }
 
-impl fmt::Display for Process {
+impl fmt::Display for ProcessState {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::Runs => f.write_str("runs"),
@@ -136,27 +139,27 @@ const SIGNALS: [(i32, &str); 15] = [
 mod tests {
     use super::*;
 
-    fn fate(process: Process, inside: bool) -> Fate {
+    fn status(process: ProcessState, inside: bool) -> ProcessStatus {
         let (function, component) = ("fmi2DoStep".to_owned(), "x".to_owned());
         let call = Call { function, component, time: Time::from_nanoseconds(300_000_000), inside };
-        Fate { process, call: Some(call) }
+        ProcessStatus { process, call: Some(call) }
     }
 
     #[test]
     fn the_message_names_signal_call_component_and_time() {
-        let told = fate(Process::Killed(libc::SIGABRT), true).to_string();
-        assert_eq!(told, "its process was killed by SIGABRT, in fmi2DoStep of 'x' at t = 0.3 s");
-        let told = fate(Process::Runs, false).to_string();
-        assert_eq!(told, "its process runs, after fmi2DoStep of 'x' at t = 0.3 s");
+        let text = status(ProcessState::Killed(libc::SIGABRT), true).to_string();
+        assert_eq!(text, "its process was killed by SIGABRT, in fmi2DoStep of 'x' at t = 0.3 s");
+        let text = status(ProcessState::Runs, false).to_string();
+        assert_eq!(text, "its process runs, after fmi2DoStep of 'x' at t = 0.3 s");
     }
 
     #[test]
-    fn who_is_killed_from_outside_has_no_fault() {
-        assert!(!fate(Process::Killed(libc::SIGKILL), true).is_own_fault());
-        assert!(!fate(Process::Stopped, true).is_own_fault());
-        assert!(!fate(Process::Runs, false).is_own_fault());
-        assert!(fate(Process::Runs, true).is_own_fault());
-        assert!(fate(Process::Killed(libc::SIGSEGV), false).is_own_fault());
-        assert!(fate(Process::Exited(1), false).is_own_fault());
+    fn a_process_killed_from_outside_is_not_at_fault() {
+        assert!(!status(ProcessState::Killed(libc::SIGKILL), true).is_own_fault());
+        assert!(!status(ProcessState::Stopped, true).is_own_fault());
+        assert!(!status(ProcessState::Runs, false).is_own_fault());
+        assert!(status(ProcessState::Runs, true).is_own_fault());
+        assert!(status(ProcessState::Killed(libc::SIGSEGV), false).is_own_fault());
+        assert!(status(ProcessState::Exited(1), false).is_own_fault());
     }
 }

@@ -1,13 +1,13 @@
-//! Configuration files: Zenoh's own json5, with what is ours under `cosim`.
+//! Configuration files: Zenoh's own json5, with our settings under `cosim`.
 //!
 //! ```json5
 //! {
-//!   transport: { link: { tx: { keep_alive: 4 } } },   // whatever Zenoh knows
+//!   transport: { link: { tx: { keep_alive: 4 } } },   // any setting of Zenoh
 //!   cosim: { connect: "tls/10.0.0.1:7447", credentials: "keys/left", allow: ["fmus/"] },
 //! }
 //! ```
 //!
-//! The command line has the last word, and what is refused there is refused here.
+//! The command line takes precedence, and what is refused there is refused here.
 
 use std::path::{Path, PathBuf};
 
@@ -18,20 +18,20 @@ use zenoh::Config;
 use crate::error::{Code, Error, Result};
 use crate::names::did_you_mean;
 
-/// What a file says.
+/// The contents of a file.
 pub struct Configuration {
     zenoh: Value,
-    /// What is ours.
+    /// Our settings.
     pub ours: Ours,
 }
 
-/// What a file says under `cosim`; paths are relative to its folder.
+/// Settings under `cosim`; paths are relative to the folder of the file.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default)]
 pub struct Ours {
-    /// Where a run listens; a remote FMU at the first of several, with commas between, that is free.
+    /// Where a run listens; a remote FMU takes the first free one of several, separated by commas.
     pub listen: Option<String>,
-    /// Where a worker or an observer dials.
+    /// Where a worker or an observer connects.
     pub connect: Option<String>,
     /// The folder with certificates.
     pub credentials: Option<PathBuf>,
@@ -45,17 +45,17 @@ pub struct Ours {
     pub allow_upload: bool,
     /// A worker's FMUs are not confined.
     pub no_confine: bool,
-    /// The worker that a remote FMU is computed by, if it is there.
+    /// The worker that computes a remote FMU, if it is connected.
     pub worker: Option<String>,
     /// How long a remote FMU waits for a worker, in seconds.
     pub wait: Option<f64>,
     /// How long its answer may take, in seconds.
     pub deadline: Option<f64>,
-    /// After so many steps its state comes along, 0: never.
+    /// The state is saved after this many steps; 0: never.
     pub save_every: Option<u64>,
 }
 
-/// What is understood under `cosim`.
+/// The settings known under `cosim`.
 const KEYS: [&str; 12] = [
     "listen",
     "connect",
@@ -79,7 +79,9 @@ impl Configuration {
         let mut zenoh: Value = json5::from_str(&text)
             .map_err(|why| wrong(file, "the configuration is not json5").why(why))?;
         let Some(settings) = zenoh.as_object_mut() else {
-            return Err(wrong(file, "the configuration is not json5").why("it is no object {...}"));
+            return Err(
+                wrong(file, "the configuration is not json5").why("it is not an object {...}")
+            );
         };
         let ours = match settings.remove("cosim") {
             Some(ours) => ours_of(file, ours)?,
@@ -88,36 +90,36 @@ impl Configuration {
         for place in ["multicast", "gossip"] {
             if zenoh.pointer(&format!("/scouting/{place}/enabled")) == Some(&Value::Bool(true)) {
                 return Err(wrong(file, format!("scouting by {place} is refused"))
-                    .why("it would tell everybody in the network where this is, and join them")
+                    .why("it would announce this process to the whole network and join others")
                     .help("name the endpoints"));
             }
         }
         for what in ["listen", "connect"] {
             if zenoh.get(what).is_some_and(|said| said.get("endpoints").is_some()) {
-                return Err(wrong(file, format!("{what}/endpoints is not taken from here"))
-                    .help(format!("say it as cosim: {{ {what}: \"tls/HOST:PORT\" }}")));
+                return Err(wrong(file, format!("{what}/endpoints cannot be set here"))
+                    .help(format!("set it as cosim: {{ {what}: \"tls/HOST:PORT\" }}")));
             }
         }
         if zenoh.pointer("/transport/link/tls").is_some() {
-            return Err(wrong(file, "transport/link/tls is not taken from here")
+            return Err(wrong(file, "transport/link/tls cannot be set here")
                 .why("certificates are checked before they are used")
-                .help("say it as cosim: { credentials: \"FOLDER\" }"));
+                .help("set it as cosim: { credentials: \"FOLDER\" }"));
         }
         let configuration = Self { zenoh, ours };
         configuration.zenoh(file)?;
         Ok(configuration)
     }
 
-    /// What Zenoh gets.
+    /// The settings passed to Zenoh.
     pub(crate) fn zenoh(&self, file: &Path) -> Result<Config> {
         Config::from_json5(&self.zenoh.to_string())
-            .map_err(|why| wrong(file, "Zenoh does not take this configuration").why(why))
+            .map_err(|why| wrong(file, "Zenoh does not accept this configuration").why(why))
     }
 }
 
 fn ours_of(file: &Path, value: Value) -> Result<Ours> {
     let Some(said) = value.as_object() else {
-        return Err(wrong(file, "what is under cosim is no object {...}"));
+        return Err(wrong(file, "the value of cosim is not an object {...}"));
     };
     if let Some(key) = said.keys().find(|key| !KEYS.contains(&key.as_str())) {
         return Err(wrong(file, format!("there is no setting 'cosim/{key}'"))
@@ -175,10 +177,10 @@ mod tests {
         for (text, part) in [
             ("{ cosim: { alow: ['x'] } }", "did you mean 'allow'?"),
             ("{ cosim: { insecure: 'yes' } }", "wrong type"),
-            ("{ cosim: 1 }", "no object"),
-            ("[1]", "no object"),
+            ("{ cosim: 1 }", "not an object"),
+            ("[1]", "not an object"),
             ("{ cosim: { ", "not json5"),
-            ("{ transprot: {} }", "Zenoh does not take"),
+            ("{ transprot: {} }", "Zenoh does not accept"),
             ("{ scouting: { multicast: { enabled: true } } }", "scouting by multicast"),
             ("{ scouting: { gossip: { enabled: true } } }", "scouting by gossip"),
             ("{ listen: { endpoints: ['tcp/0.0.0.0:1'] } }", "cosim: { listen:"),

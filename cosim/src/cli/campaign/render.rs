@@ -1,4 +1,4 @@
-//! What a campaign says: for people, for programs, for continuous integration.
+//! Results of a campaign as text, as JSON, and for continuous integration.
 
 use std::fmt::Write;
 
@@ -6,7 +6,7 @@ use cosim::campaign::{Answer, Change, Estimate, Judgement, Meaning};
 use cosim::{Code, Error, Result};
 use serde::Serialize;
 
-/// As JSON; what is infinite is null there.
+/// As JSON; infinite values become null.
 pub(super) fn json(what: &impl Serialize) -> Result<String> {
     serde_json::to_string_pretty(what)
         .map_err(|e| Error::new(Code::Output, "the summary cannot be written").why(e))
@@ -25,7 +25,7 @@ pub(super) fn counted(judgement: &Judgement) -> String {
     )
 }
 
-/// A duration for people.
+/// A duration as text.
 pub(super) fn span(seconds: f64) -> String {
     if seconds < 90.0 {
         format!("{seconds:.0} s")
@@ -41,7 +41,7 @@ fn word(answer: &Answer) -> String {
         Answer::Pass => "pass".to_owned(),
         Answer::Fail => "FAIL".to_owned(),
         Answer::Undecided(Some(more)) => format!("undecided: {more} more seeds"),
-        Answer::Undecided(None) => "undecided: it lies too near to the threshold".to_owned(),
+        Answer::Undecided(None) => "undecided: it is too close to the threshold".to_owned(),
     }
 }
 
@@ -59,7 +59,7 @@ fn estimate(estimate: &Estimate) -> String {
     format!("{} [{low}, {high}]", number(estimate.value))
 }
 
-/// As tables for people.
+/// As text tables.
 pub(super) fn text(judgement: &Judgement) -> String {
     let mut text = format!("{} runs, {} without figures\n", judgement.runs, judgement.failed);
     let figures = judgement.figures.iter().map(|f| {
@@ -94,13 +94,13 @@ pub(super) fn text(judgement: &Judgement) -> String {
                 word(&v.answer),
             ]
         });
-        text += &table(["cell", "figure", "threshold", "runs that keep it", "verdict"], verdicts);
+        text += &table(["cell", "figure", "threshold", "runs that meet it", "verdict"], verdicts);
         text += &format!("\n{}", counted(judgement));
     }
     text.trim_end().to_owned()
 }
 
-/// What has changed, as a table for people: only what is significant.
+/// The significant changes as a text table.
 pub(super) fn changes(changes: &[Change]) -> String {
     let clear = changes.iter().filter(|change| change.meaning != Meaning::Unclear);
     let rows: Vec<[String; 5]> = clear
@@ -115,12 +115,12 @@ pub(super) fn changes(changes: &[Change]) -> String {
             ]
         })
         .collect();
-    let told = format!("{} of {} figures have changed significantly", rows.len(), changes.len());
+    let summary = format!("{} of {} figures have changed significantly", rows.len(), changes.len());
     if rows.is_empty() {
-        return told;
+        return summary;
     }
     let head = ["cell", "figure", "pairs", "median difference [95 %]", ""];
-    format!("{}\n{told}", table(head, rows.into_iter()))
+    format!("{}\n{summary}", table(head, rows.into_iter()))
 }
 
 /// How many instants lie within their band, per cell and figure.
@@ -156,7 +156,7 @@ fn table(head: [&str; 5], rows: impl Iterator<Item = [String; 5]>) -> String {
     text
 }
 
-/// As JUnit's XML: a test for each threshold of each cell; one that is undecided is an error.
+/// As JUnit XML: a test for each threshold of each cell; an undecided one is an error.
 pub(super) fn junit(judgement: &Judgement) -> String {
     let count = |wanted: fn(&Answer) -> bool| {
         judgement.verdicts.iter().filter(|verdict| wanted(&verdict.answer)).count()
@@ -174,8 +174,8 @@ pub(super) fn junit(judgement: &Judgement) -> String {
         let (cell, name) =
             (escaped(&verdict.cell), format!("{} {}", verdict.figure, verdict.threshold));
         _ = write!(text, "  <testcase classname=\"{cell}\" name=\"{}\"", escaped(&name));
-        let told = format!(
-            "{} of {} runs keep it; it is {}",
+        let message = format!(
+            "{} of {} runs meet it; it is {}",
             verdict.kept,
             verdict.runs,
             estimate(&verdict.quantile)
@@ -192,7 +192,7 @@ pub(super) fn junit(judgement: &Judgement) -> String {
             text,
             "><{element} message=\"{}\">{}</{element}></testcase>",
             escaped(&word(&verdict.answer)),
-            escaped(&told)
+            escaped(&message)
         );
     }
     text + "</testsuite>\n"

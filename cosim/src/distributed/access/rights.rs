@@ -1,5 +1,5 @@
-//! Asking the listening side which rights a name has. What is denied by Zenoh's access control is
-//! dropped in silence; one who asks is told. It is told for people only: nothing depends on it.
+//! Queries the listening side for the rights of a name. Zenoh's access control drops what it denies
+//! silently; this query explains it. The answer is for users only: nothing depends on it.
 
 use std::sync::mpsc::channel;
 use std::time::Duration;
@@ -11,10 +11,10 @@ use super::session::Access;
 use crate::distributed::keys;
 use crate::error::{Code, Error, Result};
 
-/// How long the other side may take; one without a list of members does not answer.
+/// How long to wait for the other side; one without a list of members does not answer.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// Tells whoever asks.
+/// Answers rights queries.
 pub(crate) fn answer(session: &Session, members: Members) -> Result<()> {
     session
         .declare_queryable(keys::rights())
@@ -22,7 +22,7 @@ pub(crate) fn answer(session: &Session, members: Members) -> Result<()> {
             let name = query.payload().map(|name| name.to_bytes().into_owned()).unwrap_or_default();
             let role = members.role(&String::from_utf8_lossy(&name));
             let text = postcard::to_stdvec(&role).unwrap_or_default();
-            // One that has gone needs no answer.
+            // A client that has disconnected needs no answer.
             let _ = query.reply(query.key_expr().clone(), text).wait();
         })
         .background()
@@ -30,8 +30,8 @@ pub(crate) fn answer(session: &Session, members: Members) -> Result<()> {
         .map_err(|why| Error::new(Code::Session, "the session failed").why(why))
 }
 
-/// Refuses to go on when the other side is known to forbid what `wanted` does. Gives the name
-/// in our certificate and what it may do, if the other side keeps rights.
+/// Fails if the other side is known to forbid what a `wanted` role does. Returns the name in our
+/// certificate and its role, if the other side keeps rights.
 pub(crate) fn ask(
     session: &Session,
     access: &Access,
@@ -60,10 +60,10 @@ pub(crate) fn ask(
         Some(role) if role == wanted || role == Role::Orchestrator => {
             return Ok(Some((name, role)));
         }
-        Some(role) => format!("for it that name is {}", role.text()),
+        Some(role) => format!("it knows that name as {}", role.text()),
         None => "it does not know that name".to_owned(),
     };
-    let what = format!("the other side does not take '{name}' for {}", wanted.text());
+    let what = format!("the other side does not accept '{name}' as {}", wanted.text());
     Err(Error::new(Code::Forbidden, what)
         .why(format!("'{name}' is the name in our certificate, and {is}"))
         .help("members.json in the folder of the other side's certificate says who may do what"))

@@ -1,8 +1,8 @@
-//! A certificate authority of one's own for a test bench or a laboratory: a folder with the
-//! authority, and a folder for each member with what that member needs.
+//! A private certificate authority for a test bench or a laboratory: a folder with the authority,
+//! and a folder for each member with the files that it needs.
 //!
 //! ```text
-//! keys/authority/     ca.pem, ca.key.pem     stays with whoever makes certificates
+//! keys/authority/     ca.pem, ca.key.pem     stays with the person who makes certificates
 //! keys/orchestrator/  ca.pem, cert.pem, key.pem, members.json
 //! keys/left/          ca.pem, cert.pem, key.pem
 //! ```
@@ -22,40 +22,41 @@ use super::members::Members;
 use crate::digest::sha256;
 use crate::error::{Code, Error, Result};
 
-/// The folder of the side that others dial, and its name.
+/// The folder and name of the side that others connect to.
 const ORCHESTRATOR: &str = "orchestrator";
 const AUTHORITY: &str = "authority";
-/// Clocks of machines may differ by so much.
+/// How much the clocks of the machines may differ.
 const TOLERANCE: Duration = Duration::hours(1);
 
-/// What is to be made.
+/// The certificates to make.
 #[derive(Debug, Clone)]
 pub struct Authority {
-    /// Where.
+    /// The folder for all of them.
     pub folder: PathBuf,
     /// Names of workers.
     pub workers: Vec<String>,
     /// Names of observers.
     pub observers: Vec<String>,
-    /// Names and addresses of the orchestrator's machine, besides those of every machine itself.
+    /// Host names and addresses of the orchestrator's machine, besides the local ones.
     pub hosts: Vec<String>,
-    /// How many days from now the certificates are valid.
+    /// Days from now for which the certificates are valid.
     pub days: u32,
 }
 
 impl Authority {
-    /// Makes all; gives the folders of the members.
+    /// Makes all certificates; returns the folders of the members.
     pub fn make(&self) -> Result<Vec<PathBuf>> {
         self.check_names()?;
         let taken = std::fs::read_dir(&self.folder).is_ok_and(|mut there| there.next().is_some());
         if taken {
             return Err(Error::new(Code::Output, "the folder for the keys is not empty")
                 .at(&self.folder)
-                .why("keys are never overwritten: what trusts them would stop to work")
+                .why("keys are never overwritten: everything that trusts them would stop working")
                 .help("name another folder, or remove this one"));
         }
         let key = KeyPair::generate().map_err(unmade)?;
-        // Two authorities of one name would be taken for each other until a signature fails.
+        // Two authorities of the same name would be mistaken for each other until a signature
+        // fails.
         let number = sha256(key.public_key_raw());
         let mut params = self.params(&format!("cosim authority {}", &number[..8]))?;
         params.is_ca = IsCa::Ca(BasicConstraints::Constrained(0));
@@ -80,14 +81,17 @@ impl Authority {
         Ok(folders)
     }
 
-    /// Names become folders, parts of keys, and names in certificates.
+    /// Names become folder names, parts of keys, and names in certificates.
     fn check_names(&self) -> Result<()> {
         let mut seen = vec![AUTHORITY, ORCHESTRATOR];
         for name in self.workers.iter().chain(&self.observers) {
             let good = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
             if name.is_empty() || name.starts_with('.') || !name.chars().all(good) {
-                return Err(Error::new(Code::Usage, format!("'{name}' is no name for a member"))
-                    .why("a name has letters, digits, '-', '_' and '.'"));
+                return Err(Error::new(
+                    Code::Usage,
+                    format!("'{name}' is not a valid name for a member"),
+                )
+                .why("a name consists of letters, digits, '-', '_' and '.'"));
             }
             if seen.contains(&name.as_str()) {
                 return Err(Error::new(Code::Usage, format!("the name '{name}' is taken")));
@@ -138,7 +142,7 @@ fn alternative(host: &str) -> Result<SanType> {
     Ok(match host.parse::<IpAddr>() {
         Ok(address) => SanType::IpAddress(address),
         Err(_) => SanType::DnsName(host.try_into().map_err(|why| {
-            Error::new(Code::Usage, format!("'{host}' is no name of a machine")).why(why)
+            Error::new(Code::Usage, format!("'{host}' is not a host name")).why(why)
         })?),
     })
 }
