@@ -15,8 +15,8 @@ use std::sync::mpsc::channel;
 use std::time::{Duration, Instant};
 
 use cosim::Time;
+use cosim::distributed::proxy::Proxy;
 use cosim::fmi::{Fmu, Instance, Logging};
-use cosim::proxy::Proxy;
 use zenoh::qos::CongestionControl;
 use zenoh::{Config, Session, Wait};
 

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use crate::error::{Code, Error, Result};
-use crate::export::interface::Basic;
+use crate::fmi::Basic;
 
 /// The manifest in the resources.
 const FILE: &str = "component.json";

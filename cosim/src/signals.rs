@@ -7,6 +7,14 @@ use crate::error::{Code, Error, Result};
 use crate::fmi::Kind;
 use crate::time::Time;
 
+/// Values over a common time by name, as a file has them.
+pub struct Table<'a> {
+    /// Instants (s).
+    pub time: &'a [f64],
+    /// Names and one value per instant.
+    pub columns: Vec<(&'a str, &'a [f64])>,
+}
+
 /// Signals over a common time.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct Signals {

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use cosim::fmi::calls::Values;
 use cosim::fmi::{Message, Value};
 use cosim::hosted::{Basic, Hosted, Kept};
-use cosim::proxy::calls::Values;
 use cosim::{Code, Error, Result, Time};
 use cosim_served::{Experiment, Inside};
 

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use cosim::fmi::Basic;
 use cosim::fmi::Message;
-use cosim::proxy::calls::{Ask, Basic, Given, Outcome, Trouble, Values};
+use cosim::fmi::calls::{Ask, Given, Outcome, Trouble, Values};
 use cosim::proxy::frames::{Reply, Request};
 use cosim::proxy::link::Link;
 use cosim::proxy::manifest::Manifest;

@@ -2,7 +2,8 @@
 
 use std::collections::HashMap;
 
-use cosim::proxy::calls::{Ask, Basic, Given, Values};
+use cosim::fmi::Basic;
+use cosim::fmi::calls::{Ask, Given, Values};
 
 /// The variables that are read after steps, and their values if they are current.
 pub(crate) struct Known {

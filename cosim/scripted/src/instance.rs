@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use cosim::fmi::Basic;
 use cosim::fmi::Message;
-use cosim::proxy::calls::{Basic, Values};
+use cosim::fmi::calls::Values;
 use cosim::scripted::Manifest;
 use cosim::{Code, Error, Result};
 use cosim_served::{Experiment, Inside};

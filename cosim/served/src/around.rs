@@ -3,7 +3,8 @@
 use std::ffi::{CStr, CString};
 use std::path::Path;
 
-use cosim::proxy::calls::{Basic, Values};
+use cosim::fmi::Basic;
+use cosim::fmi::calls::Values;
 use cosim::{Code, Error};
 use fmu_kit::kernel::{
     Call, Category, Interface, Log, Phase, Request, SPREAD, Served, Status, Trouble,

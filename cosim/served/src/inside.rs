@@ -1,8 +1,9 @@
 //! The inner implementation of an FMU that `cosim` writes: a complete system, or a remote one.
 
 use cosim::Result;
+use cosim::fmi::Basic;
 use cosim::fmi::Message;
-use cosim::proxy::calls::{Basic, Values};
+use cosim::fmi::calls::Values;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 

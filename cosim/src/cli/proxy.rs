@@ -5,8 +5,8 @@ use std::os::unix::net::UnixStream;
 use std::path::PathBuf;
 
 use clap::Args;
-use cosim::proxy::Proxy as Writer;
-use cosim::{Code, Error, Result, distributed, proxy};
+use cosim::distributed::proxy::{self, Proxy as Writer};
+use cosim::{Code, Error, Result, distributed};
 
 use super::{messages, values};
 
@@ -101,6 +101,6 @@ impl Remote {
                 .why(why)
                 .help("only the library of a remote FMU calls this")
         })?;
-        proxy::serve::serve(stream)
+        proxy::serve(stream)
     }
 }

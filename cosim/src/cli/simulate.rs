@@ -66,7 +66,7 @@ impl Simulate {
             false => self.logging.add_to(self.overrides())?,
         };
         let inputs = self.input_file.as_ref().map(Recording::read_csv).transpose()?;
-        let system = System::single(&self.file, &overrides, inputs.as_ref())?;
+        let system = System::single(&self.file, &overrides, inputs.as_ref().map(Recording::table))?;
         let inputs: Vec<&Path> =
             [&self.file].into_iter().chain(&self.input_file).map(PathBuf::as_path).collect();
         if self.isolation.wanted() {

@@ -11,11 +11,11 @@ use super::access::allowed::Allowed;
 use super::access::session::Access;
 use super::keys;
 use super::net::refused;
+use super::proxy::shell;
 use super::remote::listen;
 use super::setup::FmuFile;
 use crate::error::{Code, Error, Result};
 use crate::names;
-use crate::proxy::shell;
 
 /// An FMU without its binaries.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

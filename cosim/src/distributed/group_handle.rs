@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 
 use super::options::Options;
 use super::wire::{APART, Header, Kind};
-use crate::proxy::calls::Ask;
+use crate::fmi::calls::Ask;
 use crate::time::Time;
 
 /// A group of the run.

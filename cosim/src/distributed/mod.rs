@@ -18,6 +18,7 @@
 //! * `access` opens sessions, and decides who may connect and with which rights;
 //! * `status` collects the state of a run, `telemetry` publishes it and the recorded values,
 //!   `watch` receives it;
+//! * `proxy` writes and serves FMUs whose instances run on a worker;
 //! * `remote` drives one instance for the simulation of another tool, `single` is that instance on
 //!   its worker;
 //! * `available_fmu` is what a worker advertises of an FMU that it holds;
@@ -51,6 +52,7 @@ mod placement;
 mod pool;
 mod presence;
 mod process_status;
+pub mod proxy;
 mod remote;
 mod run;
 mod setup;

@@ -21,7 +21,7 @@ use super::single::{self, SingleSetup, bytes};
 use super::wire::Kind;
 use crate::error::{Code, Error, Result};
 use crate::fmi::Message;
-use crate::proxy::calls::{Ask, Given, Outcome};
+use crate::fmi::calls::{Ask, Given, Outcome};
 use crate::proxy::manifest::Manifest;
 use crate::time::Time;
 

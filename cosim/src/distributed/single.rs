@@ -9,8 +9,8 @@ use super::check::check_file;
 use super::setup::{FmuFile, FmuSource};
 use super::wire::{Body, put_blob};
 use crate::error::{Code, Error, Result};
+use crate::fmi::calls::{Ask, Outcome, Trouble};
 use crate::fmi::{Instance, Logging, Mailbox, guard};
-use crate::proxy::calls::{Ask, Outcome, Trouble};
 
 /// An instance to be made, from its start or from a state.
 #[derive(Debug, Clone, Serialize, Deserialize)]

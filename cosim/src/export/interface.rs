@@ -6,7 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Code, Error, Result};
-use crate::fmi::{Kind, Value};
+use crate::fmi::{Basic, Value};
 use crate::solver::Settings;
 use crate::system::Conversion;
 
@@ -64,16 +64,6 @@ pub(crate) struct End {
     pub conversion: Option<Conversion>,
 }
 
-/// FMI's types as far as value references are concerned: an Enumeration is an Integer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[allow(missing_docs, reason = "the names are FMI's")]
-pub enum Basic {
-    Real,
-    Integer,
-    Boolean,
-    String,
-}
-
 /// Where the value of a variable comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Role {
@@ -87,20 +77,6 @@ pub(crate) enum Role {
     Start,
     /// The system.
     Calculated,
-}
-
-impl Basic {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Real, Self::Integer, Self::Boolean, Self::String];
-
-    pub(crate) fn of(kind: &Kind) -> Self {
-        match kind {
-            Kind::Real => Self::Real,
-            Kind::Integer | Kind::Enumeration(_) => Self::Integer,
-            Kind::Boolean => Self::Boolean,
-            Kind::String => Self::String,
-        }
-    }
 }
 
 impl Role {

@@ -7,8 +7,10 @@
 //! `temporary`; the rest is system calls in `files` and `confine`.
 
 pub mod archive;
+mod basic;
 #[allow(unsafe_code, reason = "what FMUs call back")]
 mod callbacks;
+pub mod calls;
 pub mod description;
 pub(crate) mod elf;
 mod fmu;
@@ -29,6 +31,7 @@ pub(crate) mod status;
 pub(crate) mod temporary;
 mod trace;
 
+pub use basic::Basic;
 pub use description::{
     Causality, Description, InterfaceType, Kind, Output, Value, Variability, Variable,
 };

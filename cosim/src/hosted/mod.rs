@@ -19,8 +19,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::error::{Code, Error, Result};
-pub use crate::export::interface::Basic;
 use crate::export::interface::{FILE, Interface};
+pub use crate::fmi::Basic;
 use crate::fmi::{Logging, Mailbox, Message, Value};
 use crate::master::Engine;
 use crate::scenario::Scenario;

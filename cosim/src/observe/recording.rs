@@ -9,6 +9,7 @@ use super::{CsvRecorder, Format, Observer, RunInfo};
 use super::{csv_read, mcap_read};
 use crate::error::{Code, Error, Result};
 use crate::names;
+use crate::signals::Table;
 use crate::system::Column;
 use crate::texts;
 use crate::time::Time;
@@ -145,6 +146,11 @@ impl Recording {
     /// All columns with their names.
     pub fn columns(&self) -> impl Iterator<Item = (&str, &[f64])> {
         self.names.iter().map(String::as_str).zip(self.columns.iter().map(Vec::as_slice))
+    }
+
+    /// All columns, as signals for the inputs of an FMU ([`crate::System::single`]).
+    pub fn table(&self) -> Table<'_> {
+        Table { time: self.time(), columns: self.columns().collect() }
     }
 
     /// Writes CSV in the format of FMPy.

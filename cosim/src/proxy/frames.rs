@@ -12,8 +12,8 @@ use std::time::Duration;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::calls::{Ask, Outcome};
 use crate::fmi::Message;
+use crate::fmi::calls::{Ask, Outcome};
 
 /// Interval at which the program signals that it works.
 pub const SIGN: Duration = Duration::from_millis(500);

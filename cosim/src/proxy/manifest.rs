@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::calls::Basic;
 use crate::error::{Code, Error, Result};
 use crate::fmi::description::Interface;
-use crate::fmi::{Causality, Description, elf};
+use crate::fmi::{Basic, Causality, Description, elf};
 
 /// The file in the resources that identifies the FMU.
 pub const FILE: &str = "remote.json";
@@ -41,7 +40,7 @@ pub struct Manifest {
 }
 
 /// The path of the program for a platform in the resources.
-pub(super) fn place(platform: &str) -> String {
+pub(crate) fn place(platform: &str) -> String {
     format!("{platform}/{PROGRAM}")
 }
 

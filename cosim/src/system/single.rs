@@ -9,8 +9,7 @@ use super::{Algorithm, Component, Connection, Model, Overrides, Port, System, ab
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Causality, Description, Fmu, InterfaceType, Kind, Value, Variability};
 use crate::names;
-use crate::observe::Recording;
-use crate::signals::{Signal, Signals};
+use crate::signals::{Signal, Signals, Table};
 use crate::time::{Step, Time};
 
 /// Steps per run if neither the FMU nor the user sets a step size.
@@ -19,7 +18,7 @@ const DEFAULT_STEPS: f64 = 500.0;
 impl System {
     /// A system of one FMU, whose variables are named without a prefix. The columns of `inputs`
     /// drive the inputs with the same names.
-    pub fn single(fmu: &Path, overrides: &Overrides, inputs: Option<&Recording>) -> Result<Self> {
+    pub fn single(fmu: &Path, overrides: &Overrides, inputs: Option<Table<'_>>) -> Result<Self> {
         let fmu = Fmu::open(fmu)?;
         let interface = fmu.choose(overrides.interface_of(""))?;
         check::needs_no_tool(&fmu, interface, &fmu.description().model_name, overrides)?;
@@ -44,8 +43,8 @@ impl System {
             worker: None,
         }];
         let mut connections = Vec::new();
-        if let Some(recording) = inputs {
-            let signals = signals(description, recording)?;
+        if let Some(table) = inputs {
+            let signals = signals(description, &table)?;
             connections = connect(description, &signals);
             let model = Model::Signals(Arc::new(signals));
             let name = "input file".to_owned();
@@ -128,10 +127,10 @@ fn start_values(
     values
 }
 
-fn signals(description: &Description, recording: &Recording) -> Result<Signals> {
+fn signals(description: &Description, table: &Table<'_>) -> Result<Signals> {
     let mut signals = Vec::new();
     let mut problems = Vec::new();
-    for (name, values) in recording.columns() {
+    for &(name, values) in &table.columns {
         let inputs = || description.variables.iter().filter(|v| v.causality == Causality::Input);
         match inputs().find(|v| v.name == name) {
             Some(input) if input.kind != Kind::String => signals.push(Signal {
@@ -148,7 +147,7 @@ fn signals(description: &Description, recording: &Recording) -> Result<Signals> 
         }
     }
     Error::all(problems)?;
-    Signals::new(recording.time(), signals)
+    Signals::new(table.time, signals)
 }
 
 fn connect(description: &Description, signals: &Signals) -> Vec<Connection> {

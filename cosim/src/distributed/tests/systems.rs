@@ -94,7 +94,7 @@ pub(super) fn driven() -> Sample {
     let u = time.iter().map(|t| t * t - 0.3).collect();
     let inputs = Recording::from_columns(vec!["u".to_owned()], time, vec![u]);
     let overrides = Overrides::new().step("", 0.05).stop_time(2.0).output_variable("?");
-    let system = System::single(&fmu, &overrides, Some(&inputs)).unwrap();
+    let system = System::single(&fmu, &overrides, Some(inputs.table())).unwrap();
     Sample { system }
 }
 

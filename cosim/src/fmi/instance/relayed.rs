@@ -6,11 +6,12 @@ use std::ptr;
 
 use super::{Followed, Instance, State, followed, nothing};
 use crate::error::{Code, Error, Result};
+use crate::fmi::Basic;
 use crate::fmi::callbacks::text;
+use crate::fmi::calls::{Ask, Given, Values};
 use crate::fmi::library::{Component, FmuState, Functions};
 use crate::fmi::status::{self, RawStatus};
 use crate::fmi::{Kind, library::Bool};
-use crate::proxy::calls::{Ask, Basic, Given, Values};
 use crate::time::Time;
 
 impl Instance {

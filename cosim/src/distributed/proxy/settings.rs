@@ -4,7 +4,6 @@ use std::env;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::manifest::CONNECTION;
 use crate::distributed::{
     Access, Configuration, Credentials, DEFAULT_ENDPOINT, Ours, Reached, several,
 };

@@ -4,9 +4,7 @@ use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::MARK;
 use super::description::{self, can_save};
-use super::manifest::{self, CONNECTION, FILE, Manifest};
 use super::settings::Settings;
 use super::shell;
 use crate::distributed::AvailableFmu;
@@ -15,6 +13,8 @@ use crate::export::archive::{self, Content, Entry};
 use crate::export::library::{self, Kind, Library};
 use crate::export::{guid, identifier};
 use crate::fmi::{Fmu, InterfaceType, archive as packed, elf};
+use crate::proxy::MARK;
+use crate::proxy::manifest::{self, CONNECTION, FILE, Manifest};
 use crate::xml;
 
 /// The library of remote FMUs.

@@ -10,9 +10,9 @@ use std::time::Duration;
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
-use super::frames::{Reply, Request, SIGN, read, write};
 use crate::distributed::{Reached, Remote};
 use crate::error::{Code, Error, Result};
+use crate::proxy::frames::{Reply, Request, SIGN, read, write};
 
 /// How long work in progress may continue when nothing waits for it any more.
 const GRACE: Duration = Duration::from_secs(1);

@@ -5,6 +5,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Basic;
+
 /// A call of one function.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Ask {
@@ -31,8 +33,6 @@ pub enum Ask {
     /// `fmi2GetDirectionalDerivative`: unknowns, knowns, and the direction.
     Derivative(Vec<u32>, Vec<u32>, Vec<f64>),
 }
-
-pub use crate::export::interface::Basic;
 
 /// Values of one type.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
