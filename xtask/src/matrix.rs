@@ -59,10 +59,9 @@ fn page(summary: &Value) -> Result<String> {
     let mut page = format!(
         "# What does each fault do to each filter?\n\n\
          Written by `cargo xtask matrix` from the campaign [`matrix.toml`](../../{CAMPAIGN}), {} runs:\n\
-         {seeds} missions of 120 s in each cell, the filter in the loop, all with the same random numbers. A cell has the \
-         median of the absolute\ntrajectory error (m, not aligned). The threshold is: {}. ✗ is one that is missed with 95 % \
-         confidence, ? one that these\nruns leave open. What the scenarios are is said in \
-         [their files](campaigns.md#faults).\n",
+         {seeds} missions of 120 s in each cell, with the filter in the loop and the same random numbers for all. Each cell shows the \
+         median absolute\ntrajectory error (m, not aligned). The threshold is: {}. ✗ means missed with 95 % \
+         confidence, ? undecided by these runs.\n[The scenario files](campaigns.md#faults) define the faults.\n",
         summary["runs"],
         bound.context("no thresholds")?
     );
