@@ -22,7 +22,7 @@ const LOST: [f64; 4] = [1e4, 1e4, 1e3, core::f64::consts::PI];
 /// Index of x, y, z and psi among x, y, z, roll, pitch, yaw.
 const POSE: [usize; 4] = [0, 1, 2, 5];
 
-/// A filter, its parameters checked.
+/// A filter, with its parameters checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ekf {
     /// How often it runs.

@@ -12,7 +12,7 @@ use crate::estimation::kinematics::{Kinematics, skew};
 /// Velocity at the instrument (m/s).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dvl {
-    /// Place, body (m).
+    /// Position, body (m).
     pub lever: Vector3<f64>,
     /// Standard deviation of each axis (m/s).
     pub sigma: f64,

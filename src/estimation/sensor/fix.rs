@@ -12,7 +12,7 @@ const LEAST: f64 = 1e-3;
 /// 0: not reported.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fix {
-    /// Place, body (m).
+    /// Position, body (m).
     pub lever: Vector3<f64>,
     /// Standard deviation of each axis where none is reported (m).
     pub sigma: f64,
