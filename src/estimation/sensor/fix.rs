@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::{Observation, Sensor};
 use crate::estimation::kinematics::Kinematics;
 
-/// Least standard deviation that a fix may report of itself (m).
+/// Smallest standard deviation that a fix may report (m).
 const LEAST: f64 = 1e-3;
 
 /// North and east of the antenna or transponder, and the standard deviation reported with them (m);
@@ -14,7 +14,7 @@ const LEAST: f64 = 1e-3;
 pub struct Fix {
     /// Position, body (m).
     pub lever: Vector3<f64>,
-    /// Standard deviation of each axis where none is reported (m).
+    /// Standard deviation of each axis if none is reported (m).
     pub sigma: f64,
 }
 
