@@ -16,7 +16,7 @@ const PAGE: &str = "docs/how-to/fault-matrix.md";
 /// The figure of the table.
 const FIGURE: &str = "ate";
 
-/// Makes the campaign, or what is left of it, and writes the page.
+/// Makes the campaign, or the rest of it, and writes the page.
 pub(crate) fn run() -> Result<()> {
     package::for_this_machine()?;
     process::run(&mut process::build_workspace())?;
@@ -24,7 +24,7 @@ pub(crate) fn run() -> Result<()> {
     let mut command = Command::new(paths::target().join("release/cosim"));
     command.args(["campaign", CAMPAIGN, "--quiet", "--output-dir"]).arg(&results);
     let status = command.current_dir(paths::root()).status()?;
-    // Thresholds that are missed, or open, are what the page is about.
+    // Missed or undecided thresholds are the subject of the page.
     ensure!(matches!(status.code(), Some(0 | 1 | 4)), "the campaign ended with {status}");
     let file = results.join("summary.json");
     let text = fs::read_to_string(&file).with_context(|| file.display().to_string())?;
@@ -33,7 +33,7 @@ pub(crate) fn run() -> Result<()> {
     Ok(())
 }
 
-/// By system, scenario and filter: what stands in the table.
+/// The table's contents, by system, scenario and filter.
 type Cells = BTreeMap<String, BTreeMap<String, BTreeMap<String, String>>>;
 
 fn page(summary: &Value) -> Result<String> {
