@@ -1,12 +1,12 @@
-//! All filters under equal conditions: which one is right when, and what decides it.
+//! All filters under equal conditions: which one is right when, and why.
 
 use anyhow::Context;
 use cosim::report::{Block, Section, Table, mean, quantile, root_mean_square};
 
 use crate::navigate::{Cell, Cells, Filter, GRADES, Score, fly_all};
 
-/// Of so many seeds of the paper's experiment one is flown here, of what is compared in pairs half of
-/// these: all filters get the same missions.
+/// The number of seeds of the paper's experiment per mission flown here; paired comparisons use
+/// half of these: all filters get the same missions.
 const SHARE: u32 = 10;
 
 const PAPER: &[Filter] = &[Filter::PaperDynamic, Filter::PaperKinematic];
@@ -15,7 +15,7 @@ const MODELLED: &[Filter] = &[Filter::ModelAided, Filter::Dynamic];
 /// Words, standard deviation of the fix (m), and parameters of the filter.
 type Variant = (&'static str, f64, &'static [(&'static str, &'static str)]);
 
-/// The paper's filters as printed, and what one change after the other makes of them.
+/// The paper's filters as printed, with one change after another.
 const VARIANTS: [Variant; 6] = [
     ("as printed, fix 1.5 m", 1.5, &[]),
     ("without rotation to NED", 1.5, &[("rotate_to_ned", "false")]),
@@ -29,7 +29,7 @@ const VARIANTS: [Variant; 6] = [
     ),
 ];
 
-/// The section, from missions of its own.
+/// The section, from separate missions.
 pub(crate) fn section(seeds: u32, threads: usize) -> anyhow::Result<Section> {
     let seeds = seeds.div_ceil(SHARE);
     let pairs = seeds.div_ceil(2);
@@ -226,7 +226,7 @@ fn dimensions(spatial: &[Cells<'_>]) -> Table {
 /// Names of the groups of coefficients.
 const GROUPS: [&str; 4] = ["quadratic damping", "linear damping", "added mass", "thrust gain"];
 
-/// The outage with nothing changed, and with each group 30 % less and 30 % more.
+/// The outage without changes, and with each group 30 % less and 30 % more.
 fn coefficients() -> anyhow::Result<Vec<Cell>> {
     let base = Cell::named("outage-speed")?;
     let changed = GROUPS.into_iter().flat_map(|group| [0.7, 1.3].map(|factor| (group, factor)));

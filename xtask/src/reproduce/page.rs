@@ -1,4 +1,4 @@
-//! The report's text: what was run, what came out, where it differs from the paper and why.
+//! The report's text: the experiment, the results, and where and why they differ from the paper.
 
 use cosim::report::{Block, Page, Section};
 
@@ -9,7 +9,7 @@ use super::settings::{self, CAMPAIGN, SPEED_M_S, SYSTEM};
 use super::{metrics, tables};
 use crate::experiment::Verdict;
 
-/// Where these results differ from the paper's, and why.
+/// Differences between these results and the paper's, with reasons.
 pub(crate) const DIFFERENCES: [&str; 8] = [
     "Y-Kalman of the kinematic filter on BE2 and BE3. The paper prints 4.3 m and 4.0 m beside a \
      Total of 0.25 m and 0.20 m. In a loop that is closed on the estimate the two cannot coexist: \
@@ -108,7 +108,7 @@ fn count(number: u32, noun: &str) -> String {
     if number == 1 { format!("1 {noun}") } else { format!("{number} {noun}s") }
 }
 
-/// Y-Kalman of the kinematic filter by that of the dynamic one, medians, in the paper's settings.
+/// Ratio of the kinematic to the dynamic filter's Y-Kalman, medians, in the paper's settings.
 fn y_ratio(campaign: &Campaign, course: Course) -> f64 {
     let [dynamic, kinematic] = Filter::ALL.map(|filter| {
         let runs = campaign
@@ -204,7 +204,8 @@ fn signals(figures: &Figures) -> anyhow::Result<Section> {
     Ok(section)
 }
 
-/// Where `cargo xtask reproduce` puts `cosim`, for a shell in the root of the workspace.
+/// The folder in which `cargo xtask reproduce` puts `cosim`, for a shell in the root of the
+/// workspace.
 const PROGRAM: &str = "export PATH=$PWD/target/release:$PATH\n";
 
 fn repeat() -> anyhow::Result<Section> {
