@@ -51,47 +51,47 @@ pub(crate) fn section(seeds: u32, threads: usize) -> anyhow::Result<Section> {
 
     let mut section = Section::new("Which filter, when");
     section.text(format!(
-        "The filters of examples/baseline.ssd on the same missions of course BE3: the true pose \
-         steers, all filters get the same measurements (fix 0.5 m at 1 Hz, velocity log 0.01 m/s, \
+        "The filters of examples/baseline.ssd on the same missions of course BE3: the vehicle steers \
+         by its true pose, all filters get the same measurements (fix 0.5 m at 1 Hz, velocity log 0.01 m/s, \
          attitude, depth, inertial unit, rotor speeds) and start with the same error of 0.5 m. \
          {seeds} seeds; median and 95 % over them."
     ));
     section.blocks.push(Block::Table(equal(nominal)));
     section.text(
         "With fixes and velocity log NavModelAided, NavDynamic and NavInertial are equally good, and \
-         as good as any filter can be: what they add to the measurements decides nothing. What the \
-         paper compares is its matrix F.",
+         as good as any filter can be: their models make no difference. The paper's comparison \
+         reflects its matrix F.",
     );
     section.blocks.push(Block::Table(by_variant(&variants)));
     section.text(format!(
         "The experiment that explains the paper's Y error, {pairs} seeds: y is worse than x with F as \
-         printed, whatever the fix. With the Jacobian of the prediction it is not, with dynamics or \
-         without. A process noise that is the velocity log's alone leaves y the better axis, but the \
-         filter is too sure of its prediction, and listens too little to the fix."
+         printed, whatever the fix. With the Jacobian of the prediction it is not, with or without \
+         dynamics. With the process noise of the velocity log alone y is the better axis, but the \
+         filter trusts its prediction too much and the fix too little."
     ));
     section.blocks.push(Block::Table(dead_reckoning(without_fix)));
     section.text(
-        "Without fixes, for 305 s from the start, velocity log and heading decide: again the filters \
-         are equally good.",
+        "Without fixes, for 305 s from the start, velocity log and heading determine the error: \
+         again the filters are equally good.",
     );
     section.blocks.push(Block::Table(by_grade(outages)));
     section.text(
-        "Dynamics help where neither fix nor velocity log is left, here for 60 s: against an \
-         inertial unit of low grade by an order of magnitude, against one of tactical grade hardly \
-         at all. The model-aided filter weighs both and is never clearly worse than the better one.",
+        "Dynamics help without fix and velocity log, here for 60 s: compared with a low-grade \
+         inertial unit by an order of magnitude, compared with a tactical-grade one hardly at all. \
+         The model-aided filter weights both and is never clearly worse than the better one.",
     );
     section.blocks.push(Block::Table(dimensions(spatial)));
     section.text(
-        "Four degrees of freedom are enough for the horizontal position as long as rates of position \
-         use the measured roll and pitch; where the vehicle pitches all the time, as on the helix, \
-         depth and consistency are a little worse.",
+        "Four degrees of freedom are enough for the horizontal position as long as the position \
+         rates use the measured roll and pitch; where the vehicle pitches permanently, as on the \
+         helix, depth and consistency are slightly worse.",
     );
     section.blocks.push(Block::Table(sensitivity(&coefficients)?));
     section.text(format!(
         "Sensitivity of the same outage, speed changing between 0.3 and 0.1 m/s, to the coefficients \
          of the filter's model, {pairs} seeds: root mean square of the error at the end. With \
-         velocity log and fix no coefficient matters. What sets the speed decides: thrust gain and \
-         quadratic damping."
+         velocity log and fix no coefficient matters. The coefficients that set the speed dominate: \
+         thrust gain and quadratic damping."
     ));
     Ok(section)
 }
