@@ -1,4 +1,4 @@
-"""What does a fault of the velocity log do to either filter? One scenario, two runs, a table and a page.
+"""What does a fault of the velocity log do to each filter? One scenario, two runs, a table and a page.
 
     pip install rexrov
     python dvl_fault.py          # writes dvl_fault.html

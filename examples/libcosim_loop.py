@@ -15,7 +15,7 @@ from libcosimpy.CosimExecution import CosimExecution
 from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
 from libcosimpy.CosimObserver import CosimObserver
 
-# Its FMI Library tells an error for each FMU: it misses a start value of `time`, which FMI 2.0 forbids.
+# Its FMI Library reports an error for each FMU: it expects a start value of `time`, which FMI 2.0 forbids.
 log_output_level(CosimLogLevel.FATAL)
 execution = CosimExecution.from_osp_config_file(sys.argv[1])
 observer = CosimObserver.create_last_value()

@@ -4,7 +4,7 @@
     cosim export paper.ssd -o Loop.fmu      # paper.ssd: rexrov.system_path("paper")
     python loop_fmu.py Loop.fmu
 
-The FMU has the components' parameters and outputs as `component.variable`, and the master inside.
+The FMU has the components' parameters and outputs as `component.variable`, and contains the master.
 """
 
 import sys

@@ -1,4 +1,4 @@
-"""Prints what a distributed run records: observe.py tcp/127.0.0.1:7447"""
+"""Prints the recorded values of a distributed run: observe.py tcp/127.0.0.1:7447"""
 import json, sys, zenoh
 
 config = zenoh.Config()

@@ -1,4 +1,4 @@
-"""How do I judge my own filter? FilterPy's EKF in a campaign, beside ours: pip install rexrov filterpy"""
+"""How do I evaluate my own filter? FilterPy's EKF in a campaign, beside ours: pip install rexrov filterpy"""
 
 from pathlib import Path
 

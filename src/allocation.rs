@@ -1,13 +1,14 @@
-//! Thrust allocation: wrench of eight thrusters and its inverse of least squares.
+//! Thrust allocation: the wrench of eight thrusters and its least-squares inverse.
 //!
 //! `tau = T f`, `f = T^T (T T^T)^-1 tau`: Fossen (2011) ch. 12.3; the columns of T are eqs
 //! (31)-(34) of the paper extended to six degrees of freedom.
 //!
-//! Thrusters that have lost thrust, and vehicles whose T has a rank below 6, use the pseudo-inverse of
-//! the effective matrix by iterated Tikhonov regularization (Engl, Hanke & Neubauer 1996, ch. 5):
-//! exact in directions that the thrusters act in, without huge thrusts in those they hardly act in.
-//! What cannot be met is shared by all axes alike. To favour those that are controlled looks better
-//! but is not: roll and pitch then lack damping, and without two thrusters the vehicle may tumble.
+//! Thrusters that have lost thrust, and vehicles whose T has a rank below 6, use the pseudo-inverse
+//! of the effective matrix by iterated Tikhonov regularization (Engl, Hanke & Neubauer 1996, ch.
+//! 5): it is exact in directions in which the thrusters act, without huge thrusts in directions in
+//! which they hardly act. A shortfall is shared by all axes alike. Favouring the controlled axes
+//! looks better but is not: roll and pitch then lack damping, and without two thrusters the vehicle
+//! may tumble.
 
 use crate::ParameterError;
 use crate::vehicle::Thruster;
@@ -16,7 +17,7 @@ use serde::{Deserialize, Serialize};
 
 /// Smallest pivot of T Tᵀ, relative to its largest diagonal element, that counts as rank 6.
 const RANK_TOLERANCE: f64 = 1e-9;
-/// Loss of thrust from which on a thruster is not used.
+/// Loss of thrust above which a thruster is not used.
 const GONE: f64 = 0.99;
 /// Regularization, relative to the largest diagonal element of T Tᵀ.
 const DAMPING: f64 = 6e-3;
@@ -31,7 +32,7 @@ type Inverse = [[f64; 6]; 8];
 pub struct Allocation {
     /// Columns of T: wrench of one newton of each thruster.
     columns: [[f64; 6]; 8],
-    /// All thrusters healthy.
+    /// The inverse with all thrusters healthy.
     inverse: Inverse,
     /// Regularization of T Tᵀ.
     damping: f64,
@@ -95,7 +96,8 @@ impl Allocation {
     /// The smallest thrusts to command for a wrench when each thruster gives only `1 - loss` of its
     /// command; not limited. From a loss of 0.99 on, a thruster's command is zero.
     ///
-    /// A loss outside 0 to 1 counts as the nearer of the two, one that is no number as 0. `degraded`
+    /// A loss outside 0 to 1 counts as the nearer of the two, a NaN as 0. `degraded` is a cache,
+    /// initially `None`.
     /// is a cache, initially `None`.
     pub fn forces_with_loss(
         &self,

@@ -1,12 +1,12 @@
 //! Attitude: unit quaternions `[w, x, y, z]` and Euler angles `[roll, pitch, yaw]` (rad).
 //!
 //! All of them describe the rotation from body (FRD) to NED, Euler angles in the z-y-x order of
-//! Fossen (2011) ch. 2.2; eqs (3) and (4) of the paper hold after the mending of their misprints.
+//! Fossen (2011) ch. 2.2; eqs (3) and (4) of the paper hold once their misprints are corrected.
 
 use crate::vector::Vec3;
 use core::f64::consts::{PI, TAU};
 
-/// Wraps an angle to (-pi, pi]. Not finite in, NaN out.
+/// Wraps an angle to (-pi, pi]. A value that is not finite gives NaN.
 #[must_use]
 pub fn wrap(angle: f64) -> f64 {
     let turned = angle - TAU * libm::ceil((angle - PI) / TAU);
@@ -28,8 +28,8 @@ pub fn from_euler([roll, pitch, yaw]: [f64; 3]) -> [f64; 4] {
     ]
 }
 
-/// Change of [`from_euler`] as the angles change: they turn the body about its own axes by dtheta,
-/// and `dq = 1/2 q (0, dtheta)`; Fossen (2011) ch. 2.2, inverse of eq (4) of the paper.
+/// The change of [`from_euler`] as the angles change: they rotate the body about its own axes by
+/// dtheta, and `dq = 1/2 q (0, dtheta)`; Fossen (2011) ch. 2.2, inverse of eq (4) of the paper.
 #[must_use]
 pub fn d_from_euler(euler: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> [f64; 4] {
     let (sr, cr) = libm::sincos(euler[0]);
@@ -38,7 +38,7 @@ pub fn d_from_euler(euler: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> [f64; 4] {
     half_product(from_euler(euler), turn)
 }
 
-/// `1/2 q (0, omega)`: how a quaternion changes as the body turns about its own axes.
+/// `1/2 q (0, omega)`: how a quaternion changes as the body rotates about its own axes.
 #[inline(always)]
 pub(crate) fn half_product([w, x, y, z]: [f64; 4], [p, q, r]: Vec3) -> [f64; 4] {
     [
@@ -49,7 +49,7 @@ pub(crate) fn half_product([w, x, y, z]: [f64; 4], [p, q, r]: Vec3) -> [f64; 4] 
     ]
 }
 
-/// Roll and yaw in (-pi, pi], pitch in [-pi/2, pi/2] of a quaternion of any non-zero length.
+/// Roll and yaw in (-pi, pi], pitch in [-pi/2, pi/2], of a quaternion of any non-zero length.
 #[must_use]
 pub fn to_euler(q: [f64; 4]) -> [f64; 3] {
     euler_of_rotation(&rotation(q))
@@ -75,7 +75,7 @@ pub fn rotation(q: [f64; 4]) -> [Vec3; 3] {
     rotation_by(2.0 / (w * w + x * x + y * y + z * z), q)
 }
 
-/// The same of a quaternion of unit length, without a division to wait for.
+/// The same for a quaternion of unit length, without the latency of a division.
 #[inline(always)]
 pub(crate) fn rotation_of_unit(q: [f64; 4]) -> [Vec3; 3] {
     rotation_by(2.0, q)

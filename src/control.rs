@@ -1,8 +1,9 @@
 //! Velocity control, as in UUV Simulator: velocity error to thrust.
 //!
-//! PID on the linear and the angular velocity error gives an acceleration, limited axis by axis;
-//! times rigid mass and inertia a wrench; allocated to the thrusters by what each is able to give,
-//! and clipped thruster by thruster. Roll and pitch rate are commanded to zero. Fossen (2011) ch. 12.
+//! A PID on the linear and the angular velocity error gives an acceleration, limited axis by axis.
+//! Multiplied by rigid mass and inertia it is a wrench, which is allocated to the thrusters by what
+//! each can give, and clipped thruster by thruster. Roll and pitch rate are commanded to zero.
+//! Fossen (2011) ch. 12.
 
 use crate::ParameterError;
 use crate::allocation::{Allocation, Degraded};
@@ -12,14 +13,15 @@ use crate::vector::{Vec3, mul};
 use crate::vehicle::{Inertia, Parameters, Thruster};
 use serde::{Deserialize, Serialize};
 
-/// Gains of three like axes.
+/// Gains of three axes of the same kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pid {
     /// Proportional gain (1/s).
     pub p: f64,
     /// Integral gain (1/s2).
     pub i: f64,
-    /// Derivative gain (1), on the measured velocity so that a stepped command gives no kick.
+    /// Derivative gain (1), on the measured velocity, so a step in the command causes no derivative
+    /// kick.
     pub d: f64,
     /// Limit of the demanded acceleration (m/s2 or rad/s2).
     pub saturation: f64,
@@ -68,7 +70,7 @@ impl Pid {
     }
 }
 
-/// Integrals of the velocity error, the velocity at the cycle before, and the allocation in use.
+/// Integrals of the velocity error, the velocity at the previous cycle, and the allocation in use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ControllerMemory {
     integral: [f64; 6],
@@ -76,16 +78,16 @@ pub struct ControllerMemory {
     degraded: Option<Degraded>,
 }
 
-/// What the controller demands.
+/// Outputs of the controller.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Demand {
     /// Thruster forces to command, limited (N).
     pub force: [f64; 8],
-    /// The wrench `[X, Y, Z, K, M, N]` asked for, before the limits of the thrusters (N, N.m).
+    /// The demanded wrench `[X, Y, Z, K, M, N]`, before the limits of the thrusters (N, N.m).
     pub wrench: [f64; 6],
 }
 
-/// The controller, its constants derived and checked.
+/// The controller, with its constants derived and checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VelocityController {
     /// How often it runs.
@@ -146,7 +148,7 @@ impl VelocityController {
         let wrench = self.wrench(&acceleration);
         let wanted = self.allocation.forces_with_loss(loss, &mut memory.degraded, &wrench);
         let force = wanted.map(|f| f.clamp(-self.thrust_limit, self.thrust_limit));
-        // Anti-windup: an error that the thrusters cannot work off any faster is not summed up.
+        // Anti-windup: an error that the thrusters cannot reduce any faster is not integrated.
         if force == wanted {
             memory.integral = integral;
         }

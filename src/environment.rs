@@ -1,8 +1,8 @@
-//! What acts on a vehicle from outside and is not known: gusts of force, the current, propellers
+//! Unknown disturbances that act on a vehicle from outside: gusts of force, the current, propellers
 //! that push a little more or less than they should.
 //!
-//! Forces and moments are Ornstein-Uhlenbeck processes (stationary, first-order Gauss-Markov), the
-//! horizontal current adds a random walk to its mean; both are exact at the sample instants.
+//! Forces and moments are Ornstein-Uhlenbeck processes (stationary, first-order Gauss-Markov), and
+//! the horizontal current adds a random walk to its mean; both are exact at the sample instants.
 
 use crate::ParameterError;
 use crate::error::{each, finite, non_negative, positive};
@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 pub struct DisturbanceParameters {
     /// Samples a second (Hz).
     pub rate_hz: f64,
-    /// Seed of everything.
+    /// Seed of all its random numbers.
     pub seed: u64,
     /// Standard deviation of surge, sway and heave force (N).
     pub force_sigma: f64,
@@ -49,18 +49,18 @@ impl Default for DisturbanceParameters {
     }
 }
 
-/// What acts on the vehicle at a sample instant.
+/// The disturbances at a sample instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DisturbanceSample {
     /// Forces and moments `[X, Y, Z, K, M, N]` about the centre of gravity, body (N, N.m).
     pub wrench: [f64; 6],
     /// Current, NED (m/s).
     pub current: [f64; 3],
-    /// Fraction of the thrust lost, thruster by thruster; negative where there is more of it.
+    /// Fraction of the thrust lost, for each thruster; negative for additional thrust.
     pub thruster_loss: [f64; 8],
 }
 
-/// Noise generators and what they have made so far.
+/// Noise generators and their present values.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DisturbanceMemory {
     gusts: Gaussian,
@@ -70,7 +70,7 @@ pub struct DisturbanceMemory {
     thruster_loss: [f64; 8],
 }
 
-/// The disturbances, their parameters checked.
+/// The disturbances, with their parameters checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Disturbance {
     /// How often they change.

@@ -1,14 +1,14 @@
-//! What is wrong with a parameter, and the checks all modules share.
+//! Errors in parameters, and the checks that all modules share.
 
-/// A parameter that cannot be used: its name, the value given and the reason.
+/// A parameter that cannot be used: its name, its value and the reason.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("parameter `{name}` = {value}: {reason}")]
 pub struct ParameterError {
-    /// Name of the parameter, with index where it has one (`thrusters[3].lx`).
+    /// Name of the parameter, with its index if it has one (`thrusters[3].lx`).
     pub name: String,
-    /// The value as given.
+    /// The given value.
     pub value: String,
-    /// Why it cannot be used and what would be accepted.
+    /// Why it cannot be used and which values would be accepted.
     pub reason: String,
 }
 

@@ -1,6 +1,6 @@
 //! The RexROV underwater vehicle, its sensors, state estimators, guidance and control as plain
 //! mathematics: no FMI, files, threads or clock. Everything is a pure function of its arguments;
-//! what has to be remembered between calls lives in small serialisable `...Memory` structures.
+//! values kept between calls are in small serialisable `...Memory` structures.
 //!
 //! Frames: world NED (x north, y east, z down), body FRD (x forward, y starboard, z down) with
 //! the centre of gravity at its origin. Units are SI unless a name says otherwise (`_deg`, `_hz`).

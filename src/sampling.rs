@@ -1,11 +1,10 @@
-//! How often something samples: a checked rate. The instants it makes are counted by whoever runs
-//! the mathematics and says when a sample is due.
+//! Sampling rates, checked. The caller counts the sample instants and decides when a sample is due.
 
 use crate::ParameterError;
 
 /// Rates above this have periods too short for instants in nanoseconds.
 const MAX_HZ: f64 = 1e6;
-/// Rates below this (a sample in three years) have instants that overflow soon.
+/// Rates below this (a sample in three years) have instants that soon overflow.
 const MIN_HZ: f64 = 1e-8;
 
 /// Samples a second, between 1e-8 and 1e6.

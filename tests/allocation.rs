@@ -20,7 +20,7 @@ std::thread_local! {
 
 struct Counting;
 
-// SAFETY: all is handed to the system's allocator.
+// SAFETY: everything is forwarded to the system's allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         COUNT.with(|count| count.set(count.get() + 1));
@@ -53,7 +53,7 @@ fn allocations(filter: &impl Navigation) -> usize {
         set(&mut measured, event);
         filter.update(&mut memory, event.arrival, &measured);
     }
-    // More at one instant than there is room for, and a long silence.
+    // More at one instant than the capacity, and a long silence.
     for k in 0..3000 {
         measured.imu =
             Reading::at(20.0 + 1e-4 * f64::from(k), [0.0, 0.0, -9.81, 0.0, 0.0, f64::from(k)]);

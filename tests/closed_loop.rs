@@ -1,7 +1,7 @@
 //! The paper's experiment without FMI: the vehicle follows the three courses on the filter's
-//! estimate, the velocity controller on the true velocity as in UUV Simulator. Medians over seeds
-//! reproduce the levels of Tables 7 to 9, except a Y error of 4 m beside a Total of 0.2 m, which
-//! cannot be in a loop closed on the estimate.
+//! estimate, while the velocity controller uses the true velocity as in UUV Simulator. Medians over
+//! seeds reproduce the levels of Tables 7 to 9, except a Y error of 4 m together with a Total of
+//! 0.2 m, which is impossible in a loop closed on the estimate.
 
 use rexrov::control::{ControllerMemory, ControllerParameters, VelocityController};
 use rexrov::estimation::paper::{Acceleration, Ekf, EkfMemory, EkfParameters};
@@ -11,7 +11,7 @@ use rexrov::sampling::Rate;
 use rexrov::sensors::*;
 use rexrov::vehicle::{Inputs, Outputs, Parameters, ReducedModel, State, Vehicle};
 
-/// A run's turn-on biases are constant, so runs differ widely: enough of them for steady medians.
+/// A run's turn-on biases are constant, so runs differ widely: enough runs for stable medians.
 const SEEDS: u64 = 201;
 const TICK_NS: i64 = 10_000_000;
 
@@ -26,7 +26,7 @@ impl Clock {
         Self { rate, next: 0 }
     }
 
-    /// The stamp (s) of the instant that falls in this tick, if one does.
+    /// The stamp (s) of the instant within this tick, if there is one.
     fn fires(&mut self, now: i64) -> Option<f64> {
         let instant = (self.next as f64 * 1e9 / self.rate.hz()).round() as i64;
         (instant <= now).then(|| {
@@ -46,8 +46,8 @@ struct Sensors {
 impl Sensors {
     fn new(seed: u64, fix_sigma: f64) -> Self {
         // A turn-on bias of the accelerometers below the nominal 0.196, and a DVL noisier than the
-        // simulator's 0.001. The paper gives neither; these were chosen, as was the filter's
-        // guard_speed, for the levels of its tables.
+        // simulator's 0.001. The paper gives neither; these were chosen, like the filter's
+        // guard_speed, to match the levels of its tables.
         let mut imu = ImuParameters { seed: 4 * seed, ..Default::default() };
         imu.accelerometer.turn_on_sigma = 0.1;
         let imu = Imu::new(&imu).unwrap();

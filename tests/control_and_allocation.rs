@@ -72,7 +72,7 @@ fn without_a_geometry_there_is_no_allocation() {
 
 const ABSENT: Thruster = Thruster { lx: 0.0, ly: 0.0, lz: 0.0, theta_deg: 0.0, psi_deg: 0.0 };
 
-/// What thrusters give of what is commanded.
+/// What thrusters deliver for given commands.
 fn given(command: &[f64; 8], loss: &[f64; 8]) -> [f64; 8] {
     core::array::from_fn(|i| command[i] * (1.0 - loss[i]))
 }
@@ -142,8 +142,8 @@ proptest! {
         let (demand, other) = (SVector::from(wrench), SVector::from(other));
         let found = forces(demand);
         prop_assert!(found.norm() <= 16.0 * demand.norm(), "{found}");
-        // But for directions that the thrusters hardly act in: the normal equations, and orthogonal
-        // to everything that makes no wrench.
+        // Except in directions in which the thrusters hardly act: the normal equations, and
+        // orthogonal to everything that makes no wrench.
         let squares = (a * a.transpose()).symmetric_eigenvalues();
         prop_assume!(squares.iter().all(|s| !(1e-9..0.03).contains(s)));
         let residual = a.transpose() * (a * found - demand);
@@ -167,11 +167,11 @@ fn the_cache_follows_the_losses() {
 fn a_thruster_that_hardly_pushes_is_not_asked_for_the_impossible() {
     let mut loss = lost(&[0, 1]);
     loss[1] = 0.985;
-    // The direction that only this thruster acts in.
+    // The direction in which only this thruster acts.
     let a = effective(&loss);
     let squares = (a * a.transpose()).symmetric_eigen();
     let least = squares.eigenvalues.imin();
-    // The pseudo-inverse alone would ask for more than 5000 N.
+    // The pseudo-inverse alone would require more than 5000 N.
     assert!(squares.eigenvalues[least].sqrt() < 0.02);
     let wrench = SVector::from(squares.eigenvectors.column(least)) * 100.0;
     let forces = allocation().forces_with_loss(&loss, &mut None, &wrench.into());
@@ -199,7 +199,7 @@ struct Loop {
     memory: ControllerMemory,
     state: State,
     demand: Demand,
-    /// Of each thruster, given to the controller and had by the vehicle.
+    /// For each thruster, as known to the controller and as in the vehicle.
     loss: [f64; 8],
 }
 
@@ -255,7 +255,7 @@ fn a_step_beyond_the_limits_of_the_thrusters_does_not_wind_up() {
         control.run([1.0, 0.0, 0.0, 0.0], 1);
         fastest = fastest.max(control.state.nu[0]);
     }
-    // An integral summed up while the thrusters were at their limit would overshoot by more.
+    // An integral accumulated while the thrusters were at their limit would overshoot by more.
     assert!(fastest < 1.1, "{fastest}");
     assert_relative_eq!(control.state.nu[0], 1.0, epsilon = 0.01);
 }

@@ -23,7 +23,7 @@ const HEADING_BIAS: f64 = 0.1;
 const SCALE: f64 = 0.02;
 const MISALIGNMENT: f64 = 0.02;
 
-/// Speed and heading change; the velocity log gives a sample a second.
+/// Speed and heading change; the velocity log gives one sample per second.
 fn options() -> Options {
     Options {
         speed: Speed::Switching { high: 0.5, low: 0.15, period_s: 12.0 },
@@ -37,7 +37,7 @@ fn keep(mission: &mut Mission, kinds: &[Kind]) {
     mission.events.retain(|e| kinds.contains(&e.data.kind()));
 }
 
-/// What is wrong with the sensors.
+/// Sensor errors.
 #[derive(Clone, Copy)]
 struct Wrong {
     heading_bias: f64,
@@ -123,7 +123,7 @@ fn apart(a: &Run, b: &Run) -> f64 {
     distances.fold(0.0, f64::max)
 }
 
-/// With a depth the filters take what moves the vehicle up and down for a word on the scale, a faint one.
+/// With a depth the filters treat the cause of vertical motion as weak information about the scale.
 #[test]
 fn what_a_velocity_log_cannot_observe_does_not_bend_the_path() {
     let wrong = Wrong { heading_bias: HEADING_BIAS, scale: -SCALE, misalignment: MISALIGNMENT };
@@ -174,7 +174,7 @@ fn the_claimed_uncertainty_covers_what_cannot_be_observed() {
     }
 }
 
-/// Follows a mission; the belief at its end, and the error of the position there (m).
+/// Follows a mission; returns the belief at its end, and the error of the position there (m).
 fn end<P: Process<N>, const N: usize>(
     filter: &Filter<P, N>,
     mission: &Mission,
@@ -191,7 +191,7 @@ fn end<P: Process<N>, const N: usize>(
     (*memory.belief().unwrap(), x.hypot(y))
 }
 
-/// While nothing but the velocity log says how the velocity changes, its delay is not observable; with
+/// While only the velocity log shows how the velocity changes, its delay is not observable; with
 /// thrusts or accelerometers it is.
 #[test]
 fn the_delay_of_a_velocity_log_is_learned_from_fixes() {
@@ -232,8 +232,8 @@ fn the_delay_of_a_velocity_log_is_learned_from_fixes() {
     assert!(error < 1e-2 * distance(&flown), "{error} m");
 }
 
-/// A vehicle that slips outwards in turns, `v' = (-r - v) / slip`, surveys an area at 1.5 m/s; attitude
-/// and velocity log give a sample a second, at the same instants.
+/// A vehicle that slips outwards in turns, `v' = (-r - v) / slip`, surveys an area at 1.5 m/s;
+/// attitude and velocity log give one sample per second, at the same instants.
 fn survey(slip: f64, seed: u64) -> Mission {
     const DT: f64 = 0.1;
     const SPEED: f64 = 1.5;
@@ -281,7 +281,7 @@ fn surveying() -> NavigationParameters {
     p
 }
 
-/// Stamps of the velocity log that are early: its sway fits turns that come later.
+/// Early stamps of the velocity log: its sway matches turns that come later.
 #[test]
 fn a_velocity_log_that_is_stamped_early_is_put_right() {
     const LEAD: f64 = 1.3;
@@ -301,7 +301,7 @@ fn a_velocity_log_that_is_stamped_early_is_put_right() {
     }
 }
 
-/// Slip comes after the turn, and so does a log that is late: neither is a lead.
+/// Slip comes after the turn, and so does a late log: neither is a lead.
 #[test]
 fn a_velocity_log_with_right_or_late_stamps_is_left_alone() {
     for slip in [0.2, 1.0, 3.0] {
@@ -322,8 +322,8 @@ fn a_velocity_log_with_right_or_late_stamps_is_left_alone() {
     }
 }
 
-/// The rate that the lever arm needs is tracked: neither noise of a quick attitude nor the second between
-/// slow ones makes the velocity uncertain.
+/// The rate for the lever arm is tracked: neither the noise of a fast attitude nor the second
+/// between slow ones makes the velocity uncertain.
 #[test]
 fn attitudes_tell_the_rate_at_any_rate_of_theirs() {
     for (hz, attitude_sigma) in [(1.0, 0.002), (10.0, 0.01), (50.0, 0.01)] {

@@ -1,4 +1,4 @@
-//! Random forces, current and thrusts that a vehicle does not know of.
+//! Random forces, current and thrust errors unknown to the vehicle.
 
 mod statistics;
 

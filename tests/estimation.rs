@@ -1,4 +1,4 @@
-//! The paper's two filters: what they predict, when they fuse, and that they never give NaN.
+//! The paper's two filters: their predictions, when they fuse, and that they never give NaN.
 
 use approx::assert_relative_eq;
 use proptest::prelude::*;
@@ -29,7 +29,8 @@ fn turning(u: f64, r: f64) -> Measurements {
 #[test]
 fn dead_reckoning_closes_a_circle() {
     let (u, r) = (0.3, core::f64::consts::TAU / 60.0);
-    // The compass would be new in each cycle; far less certain than the gyro it hardly counts.
+    // The compass would be new in each cycle; being far less certain than the gyro it hardly
+    // counts.
     let p = EkfParameters { heading_sigma: 1e9, ..EkfParameters::default() };
     let (ekf, mut memory) = filter(p, Acceleration::Kinematic);
     let start = ekf.update(&mut memory, 0.0, &turning(u, r));
@@ -82,7 +83,7 @@ fn the_dynamic_filter_predicts_with_the_thrust() {
     let estimate = ekf.update(&mut memory, 0.0, &m);
     let expected = 400.0 * core::f64::consts::FRAC_1_SQRT_2 / (1862.87 + 779.79);
     assert_relative_eq!(estimate.acceleration[0], expected, epsilon = 1e-12);
-    // Nothing holds the buoyancy down.
+    // Nothing counteracts the buoyancy.
     assert_relative_eq!(estimate.acceleration[2], -263.51 / (1862.87 + 3659.9), epsilon = 1e-5);
 }
 
@@ -120,7 +121,7 @@ fn depth_is_that_of_the_centre_of_gravity() {
     let p = EkfParameters { initial_sigma: [1.0; 4], ..EkfParameters::default() };
     let (ekf, mut memory) = filter(p, Acceleration::Kinematic);
     let mut m = turning(0.0, 0.0);
-    // Level, the sensor sits 0.85 m higher.
+    // When level, the sensor is 0.85 m higher.
     m.depth = Reading::at(-1.0, [24.15]);
     for _ in 0..2000 {
         ekf.update(&mut memory, 0.0, &m);
@@ -143,7 +144,7 @@ fn heading_is_wrapped_across_south() {
 
 #[test]
 fn steady_variance_solves_the_riccati_equation() {
-    // F = 1: P = sqrt(Q^2 / 4 + Q R) + Q / 2 before the update, less its share after.
+    // F = 1: P = sqrt(Q^2 / 4 + Q R) + Q / 2 before the update, minus its share after.
     let p = EkfParameters { transition: Transition::Jacobian, ..EkfParameters::default() };
     let (ekf, mut memory) = filter(p, Acceleration::Kinematic);
     let mut m = turning(0.0, 0.0);

@@ -1,11 +1,12 @@
-//! Measurement faults: each filter keeps its accuracy, or comes back to it.
+//! Measurement faults: each filter keeps its accuracy, or recovers it.
 //!
-//! `SEEDS=24 cargo test --release --test faults -- --nocapture` prints the table for 24 seeds: medians
-//! and 95 % quantiles of what was reached, and the goal. Without `SEEDS` few seeds run, and the
-//! margin is as much wider as their median scatters more.
+//! `SEEDS=24 cargo test --release --test faults -- --nocapture` prints the table for 24 seeds:
+//! medians and 95 % quantiles of the results, and the goal. Without `SEEDS` few seeds run, and the
+//! margin is wider because their median scatters more.
 //!
-//! The inertial filter, which has no model of the vehicle, does not reach the goal while the velocity
-//! log is off, stuck, zero or not a number: only the fix then speaks for its velocity. It reaches 0.45 m.
+//! The inertial filter, which has no vehicle model, does not reach the goal while the velocity log
+//! is off, stuck, zero or not a number: only the fix then determines its velocity. It reaches 0.45
+//! m.
 
 #[path = "mission/mod.rs"]
 mod mission;
@@ -19,17 +20,17 @@ use scoring::*;
 
 const FILTERS: [Which; 3] = [Which::Dynamic, Which::Inertial, Which::ModelAided];
 const SEEDS: u64 = 3;
-/// What the medians may exceed the goals by.
+/// How much the medians may exceed the goals.
 const MARGIN: f64 = 0.2;
-/// Standard deviation of what a mission reaches, relative to the median over missions.
+/// Standard deviation of a mission's result, relative to the median over missions.
 const SCATTER: f64 = 0.24;
 
-/// The margin, and two standard deviations of the median of so many seeds.
+/// The margin, and two standard deviations of the median of this many seeds.
 fn margin(seeds: u64) -> f64 {
     (1.0 + MARGIN) * (1.0 + 2.0 * 1.25 * SCATTER / (seeds as f64).sqrt())
 }
 
-/// When faults begin (s), and when those that pass do so.
+/// When faults begin (s), and when temporary ones do so.
 const FAULT: f64 = 200.0;
 const PASSED: f64 = 260.0;
 /// Goals without the velocity log (m); see above for the second.
@@ -38,7 +39,7 @@ const WITHOUT_DVL: [f64; FILTERS.len()] = [0.27, 0.45, 0.27];
 const SETTLED: f64 = 30.0;
 const KINDS: [Kind; 6] = [Kind::Imu, Kind::Thrust, Kind::Ahrs, Kind::Dvl, Kind::Fix, Kind::Depth];
 
-/// What is done to a mission, and what a filter should make of it.
+/// A modification of a mission, and the expected result of a filter.
 struct Cell {
     name: &'static str,
     options: fn(&mut Options),
@@ -46,7 +47,7 @@ struct Cell {
     /// Standard deviation of the bias of the compass that the filter expects (rad).
     heading_bias: f64,
     measure: fn(&Run) -> f64,
-    /// Medians to be reached by each filter (m, s or degrees).
+    /// Medians that each filter must reach (m, s or degrees).
     goals: [f64; FILTERS.len()],
 }
 
@@ -71,7 +72,7 @@ fn widest_heading(run: &Run) -> f64 {
     late.fold(0.0_f64, |m, s| m.max(s.heading.abs())).to_degrees()
 }
 
-/// Seconds from the fault until the error is below 0.3 m once.
+/// Seconds from the fault until the error first is below 0.3 m.
 fn time_to_return(run: &Run) -> f64 {
     let near = |s: &&Sample| s.time > FAULT + 0.5 && s.error[0].hypot(s.error[1]) < 0.3;
     run.samples.iter().find(near).map_or(1e3, |s| s.time - FAULT)
@@ -154,7 +155,7 @@ fn cells() -> Vec<Cell> {
     ]
 }
 
-/// What each filter reaches in a cell with a seed.
+/// The result of each filter in a cell with a seed.
 fn run_cell(
     cell: &Cell,
     mut mission: Mission,

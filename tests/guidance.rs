@@ -65,7 +65,7 @@ fn cross_track_is_positive_to_starboard() {
     let course = &courses()[0];
     assert_relative_eq!(course.cross_track([5.0, 0.7], 5.0), 0.7);
     assert_relative_eq!(course.cross_track([5.0, -0.7], 5.0), -0.7);
-    // Outside of the first turn, which goes to starboard round (20, 5).
+    // Outside of the first turn, which goes to starboard around (20, 5).
     let p = [20.0 + 6.0 * FRAC_PI_4.cos(), 5.0 - 6.0 * FRAC_PI_4.sin()];
     let s = course.nearest(p, 0.0, 30.0);
     assert_relative_eq!(s, 20.0 + 5.0 * FRAC_PI_4, epsilon = 1e-9);
@@ -133,7 +133,7 @@ proptest! {
         let course = Course::new(&points).unwrap();
         let mut before = (0.0, 20.0);
         for (last, point) in points.iter().zip(&points[1..]) {
-            // No more than the length of the leg ahead; of an arc its middle is nearest.
+            // No more than the length of the leg ahead; on an arc its middle is nearest.
             let leg = (point.x - last.x).hypot(point.y - last.y);
             let near = course.nearest([point.x, point.y], before.0, before.0 + leg);
             let z = point.z.unwrap();
@@ -194,7 +194,7 @@ fn pursuit(p: &PursuitParameters, course: &str) -> PurePursuit {
     PurePursuit::new(p, Course::parse(course).unwrap()).unwrap()
 }
 
-/// A vehicle that does what is commanded, for `seconds`; the largest distance from the course.
+/// A vehicle that follows commands exactly, for `seconds`; the largest distance from the course.
 fn follow(pursuit: &PurePursuit, mut pose: [f64; 4], seconds: usize) -> (Guidance, f64) {
     let mut memory = PursuitMemory::default();
     let (mut last, mut worst) = (Guidance::default(), 0.0);
@@ -241,7 +241,7 @@ fn turn_rate_follows_equations_54_and_55_and_stays_bounded() {
         |yaw: f64| pursuit.update(&mut PursuitMemory::default(), [0.0, 0.0, 20.0, yaw]).command[3];
     assert_relative_eq!(rate(-0.2), 0.3 * (2.0 * 0.2_f64.sin()).atan(), epsilon = 1e-12);
     assert_relative_eq!(rate(-FRAC_PI_2), 0.332, epsilon = 2e-4);
-    // Facing away the hardest turn remains; the sine alone would fade.
+    // Facing away the tightest turn remains; the sine alone would go to zero.
     assert_relative_eq!(rate(3.1), -0.332, epsilon = 2e-4);
 }
 

@@ -1,4 +1,4 @@
-//! The simulated missions are what they claim to be.
+//! The simulated missions have the properties they claim.
 
 mod mission;
 
@@ -16,7 +16,7 @@ fn ideal(course: &'static str, seed: u64) -> Options {
     Options { ideal: true, ..Options::nominal(course, seed) }
 }
 
-/// Without anything that the nominal model does not know.
+/// Without effects that the nominal model omits.
 fn calm(seed: u64) -> Options {
     Options { thrust_gain_sigma: 0.0, disturbance: [0.0; 2], ..ideal(Course::BE1, seed) }
 }
@@ -25,7 +25,7 @@ fn of(events: &[Event], kind: Kind) -> Vec<Event> {
     events.iter().filter(|e| e.data.kind() == kind).copied().collect()
 }
 
-/// Errors of a sensor, channel by channel: its samples less those of the mission without noise.
+/// Errors of a sensor, channel by channel: its samples minus those of the mission without noise.
 fn errors(noisy: &Mission, ideal: &Mission, kind: Kind) -> Vec<Vec<f64>> {
     let pairs = of(&noisy.events, kind).into_iter().zip(of(&ideal.events, kind));
     let mut channels = vec![Vec::new(); channel_count(kind)];
@@ -80,7 +80,7 @@ fn imu_has_the_noise_of_its_grade() {
         let noisy = fly(&Options::nominal(Course::BE1, 3).with_imu(grade));
         let channels = errors(&noisy, &fly(&ideal(Course::BE1, 3)), Kind::Imu);
         for (error, density) in channels.iter().zip([force, force, force, rate, rate, rate]) {
-            // Differences see the white noise only, twice its variance.
+            // Differences contain only the white noise, with twice its variance.
             let steps: Vec<f64> = error.windows(2).map(|w| w[1] - w[0]).collect();
             let sigma = density * 50.0_f64.sqrt();
             assert_relative_eq!(rms(&steps) / 2.0_f64.sqrt(), sigma, max_relative = 0.03);
@@ -190,7 +190,7 @@ fn integrating_a_perfect_imu_gives_the_path() {
     assert!(rms(&error) < 0.1, "{error:?}");
 }
 
-/// Specific force that the model expects from truth and reported thrust, less the measured one.
+/// Specific force expected by the model from truth and reported thrust, minus the measured one.
 fn residuals(options: &Options, parameters: &Parameters) -> Vec<[f64; 3]> {
     let mut parameters = *parameters;
     parameters.propulsion.mode = ThrusterMode::Force;
@@ -330,7 +330,7 @@ fn missions_repeat_and_their_path_depends_on_no_sensor() {
     assert_ne!(of(&mission.events, Kind::Dvl), of(&other.events, Kind::Dvl));
     assert_eq!(of(&mission.events, Kind::Depth).len(), of(&other.events, Kind::Depth).len());
     for (a, b) in mission.truth.iter().zip(&other.truth) {
-        // Steps are cut at other instants.
+        // Steps are split at other instants.
         assert!(rms(&[a.position[0] - b.position[0], a.position[1] - b.position[1]]) < 1e-4);
     }
     assert_ne!(mission.truth, fly(&Options::nominal(Course::BE1, 12)).truth);
@@ -436,7 +436,7 @@ fn faults_act_on_their_sensor_in_their_time() {
     assert_eq!(step(99), 0.0);
     assert_abs_diff_eq!(step(100), 0.2, epsilon = 1e-12);
 
-    // NaN differs from itself.
+    // NaN is not equal to itself.
     let mut events = mission.events.clone();
     nan(&mut events, Kind::Fix, 10.0, 20.0);
     let bad: Vec<bool> = values(&of(&events, Kind::Fix)).iter().map(|v| v.is_nan()).collect();

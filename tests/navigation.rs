@@ -1,5 +1,6 @@
-//! Accuracy and consistency of the navigation filters in nominal missions: the goals of the campaign
-//! over hundreds of seeds, with margins for the few flown here, and the Cramér-Rao bound.
+//! Accuracy and consistency of the navigation filters in nominal missions: the goals of the
+//! campaign over hundreds of seeds, with margins for the few seeds flown here, and the Cramér-Rao
+//! bound.
 
 mod mission;
 mod scoring;
@@ -29,14 +30,14 @@ fn spread(n: f64) -> f64 {
     (2.0 / n).sqrt()
 }
 
-/// How many independent samples there are of an error that is correlated over `tau` seconds, squared,
-/// in missions of some 290 s after settling.
+/// The number of independent samples of an error that is correlated over `tau` seconds, squared, in
+/// missions of some 290 s after settling.
 fn independent(missions: usize, tau: f64) -> f64 {
     missions as f64 * 290.0 / tau
 }
 
 /// Correlation time of a position that fixes of 0.5 m, once a second, hold to 0.0526 m (s): that of
-/// the error of a random walk, `sigma_fix^2 T / sigma^2`; of a depth of 0.306 m, 10 Hz, 0.02 m.
+/// the error of a random walk, `sigma_fix^2 T / sigma^2`; for a depth of 0.306 m, 10 Hz, 0.02 m.
 const POSITION_TIME: f64 = 0.25 / (0.0526 * 0.0526);
 const DEPTH_TIME: f64 = 0.306 * 0.306 * 0.1 / 4e-4;
 
@@ -53,7 +54,7 @@ fn errors_reach_the_goals() {
         assert!(z <= 0.023, "{which:?} z {z}");
         let heading = NOMINAL.average(which, |s| s.heading.powi(2)).sqrt().to_degrees();
         assert!(heading <= 0.085, "{which:?} heading {heading}");
-        // Goal 0.95 over 200 seeds, less one standard deviation of the root mean square of 16.
+        // Goal 0.95 over 200 seeds, minus one standard deviation of the root mean square of 16.
         let claimed = NOMINAL.average(which, |s| s.sigma2).sqrt();
         let ratio = claimed / NOMINAL.rmse(which);
         let margin = 0.5 * spread(2.0 * independent(16, POSITION_TIME));
@@ -66,7 +67,7 @@ fn normalised_errors_are_those_of_chance() {
     for which in FILTERS {
         let nees2 = NOMINAL.average(which, |s| s.nees2);
         let nees4 = NOMINAL.average(which, |s| s.nees4);
-        // 95 % of the means of so many chi-square numbers.
+        // 95 % of the means of this many chi-square numbers.
         let position = 2.0 * spread(2.0 * independent(16, POSITION_TIME));
         assert!((nees2 - 2.0).abs() <= 2.0 * position, "{which:?} {nees2}");
         let depth = spread(independent(16, DEPTH_TIME));
@@ -78,7 +79,7 @@ fn normalised_errors_are_those_of_chance() {
             let velocity = ratio(which, |e, _, t| {
                 ((e.velocity[axis] - t.nu[axis]) / e.velocity_sigma[axis]).powi(2)
             });
-            // With a model the white force is more than the disturbances have: conservative.
+            // With a model the white force exceeds the disturbances: conservative.
             let least = if which == Which::Inertial { 0.95 } else { 0.8 };
             assert!((least..=1.05).contains(&velocity), "{which:?} axis {axis}: {velocity}");
         }
@@ -116,7 +117,7 @@ fn innovations_are_as_large_as_predicted() {
     }
 }
 
-/// The leg from 220 to 300 s lies on the heading where +pi becomes -pi.
+/// The heading of the leg from 220 to 300 s is where +pi becomes -pi.
 #[test]
 fn a_heading_along_south_is_as_good_as_any() {
     let mut crossings = 0;
@@ -136,7 +137,7 @@ fn a_heading_along_south_is_as_good_as_any() {
     }
 }
 
-/// What a filter claims, as shares of the bound: position, roll-pitch-heading, velocity.
+/// A filter's claimed accuracy, as shares of the bound: position, roll-pitch-heading, velocity.
 fn shares(path: &[Estimate], bound: &[Limits]) -> [[f64; 3]; 3] {
     let share = |claimed: &dyn Fn(&Estimate) -> f64, limit: &dyn Fn(&Limits) -> f64| {
         late_rms(path, claimed) / late_rms(bound, limit)
@@ -155,12 +156,12 @@ fn covariances_are_those_of_the_bound() {
         let limits = bound(&options);
         let trial = Trial::new(options, [1], &FILTERS, sound);
         let claims = |which| shares(&trial.runs(which)[0].path, &limits);
-        // Two derivations of the same Riccati equation: what remains is the step of 0.1 s, and the
-        // mean that is not quite the truth.
+        // Two derivations of the same Riccati equation: the difference comes from the step of 0.1
+        // s, and from the mean, which is not exactly the truth.
         let inertial = claims(Which::Inertial);
         let off = inertial.as_flattened().iter().fold(0.0, |m, s| f64::max(m, (s - 1.0).abs()));
         assert!(off < 0.005, "{grade:?} {inertial:?}");
-        // The model adds information, of velocity more than of position.
+        // The model adds information, about velocity more than about position.
         let aided = claims(Which::ModelAided);
         assert!(aided.as_flattened().iter().all(|s| (0.6..1.003).contains(s)), "{aided:?}");
         let [position, euler, _] = aided;
@@ -171,8 +172,8 @@ fn covariances_are_those_of_the_bound() {
     }
 }
 
-/// Heave hardly depends on other states: velocity and disturbance, driven by the white force, seen by
-/// the velocity log.
+/// Heave hardly depends on other states: velocity and disturbance, driven by the white force,
+/// measured by the velocity log.
 #[test]
 fn the_heave_of_the_dynamic_filter_solves_its_riccati_equation() {
     let (vehicle, d) = (Parameters::default(), Disturbances::default());
@@ -207,7 +208,7 @@ fn errors_are_those_of_the_bound() {
     let bound = mean(&bounds).sqrt();
     for which in FILTERS {
         // Two standard deviations of the root mean square of 16 missions; an error below the bound
-        // is as wrong as one above: the filter would know what no sensor shows.
+        // is as wrong as one above: the filter would know more than the sensors measure.
         let margin = spread(2.0 * independent(16, POSITION_TIME));
         let efficiency = bound / NOMINAL.rmse(which);
         assert!((efficiency - 1.0).abs() <= margin.max(0.07), "{which:?} {efficiency}");
@@ -238,15 +239,15 @@ fn climbing_and_turning_at_once_changes_nothing() {
     }
 }
 
-/// Sensors without noise, filters that expect it: what remains is the error of the arithmetic.
+/// Sensors without noise, filters that expect noise: the remaining error is that of the arithmetic.
 #[test]
 fn without_noise_there_is_no_error() {
     let options = Options { ideal: true, ..Options::nominal(Course::BE3, 1) };
     let trial = Trial::new(options.with_imu(Grade::Tactical), [1], &FILTERS, |mission, _| {
         mission.initial_error = [0.0; 2];
     });
-    // Limits (m, rad, m/s): twice what steps of 0.1 s leave; forces that no model knows remain an
-    // error of the filters that have one.
+    // Limits (m, rad, m/s): twice the error of steps of 0.1 s; unknown forces remain an error of
+    // the filters that have a model.
     for (which, position, heading, velocity) in [
         (Which::Inertial, 4e-5, 8e-7, 1e-4),
         (Which::ModelAided, 1.2e-3, 1e-6, 4e-4),

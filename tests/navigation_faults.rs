@@ -1,5 +1,6 @@
-//! Navigation filters when sensors fail: outages, outliers, late data, biases, lost propellers. Goals
-//! are those of the campaign over hundreds of seeds, with margins for the few flown here.
+//! Navigation filters when sensors fail: outages, outliers, late data, biases, lost propellers.
+//! Goals are those of the campaign over hundreds of seeds, with margins for the few seeds flown
+//! here.
 
 mod mission;
 mod scoring;
@@ -24,7 +25,7 @@ fn nominal() -> Options {
 
 static SOUND: LazyLock<Trial> = LazyLock::new(|| Trial::new(nominal(), SEEDS, &FILTERS, sound));
 
-/// Error with a fault as a multiple of the error without, of the same seeds.
+/// Error with a fault as a multiple of the error without it, for the same seeds.
 fn degradation(fault: impl Fn(&mut Mission, u64) + Sync) -> [f64; 3] {
     let trial = Trial::new(nominal(), SEEDS, &FILTERS, fault);
     FILTERS.map(|which| trial.rmse(which) / SOUND.rmse(which))
@@ -71,7 +72,7 @@ fn outliers_have_a_bounded_influence() {
 
 #[test]
 fn late_fixes_are_as_good_as_fixes_in_time() {
-    // Published 0.064 m late, 0.063 m out of order, where 0.069 m are nominal.
+    // Published 0.064 m late, 0.063 m out of order, compared with 0.069 m nominal.
     let ratios = degradation(|mission, _| delay(&mut mission.events, Kind::Fix, 2.0));
     assert!(ratios.iter().all(|r| *r <= 1.05), "{ratios:?}");
     let ratios = degradation(|mission, seed| jitter(&mut mission.events, Kind::Fix, 1.0, seed));

@@ -1,4 +1,4 @@
-//! Parameters that are not physical are refused, by name and with the reason.
+//! Unphysical parameters are rejected, by name and with the reason.
 
 use rexrov::vehicle::{ParameterSet, Parameters, Vehicle};
 
@@ -41,7 +41,7 @@ fn matrices_must_be_symmetric_and_positive_definite() {
     let message = refused(|p| p.added_mass[4][1] = 100.0);
     assert!(message.contains("`added_mass[4][1]` = 100"), "{message}");
     assert!(message.contains("added_mass[1][4] = -5.8488"), "{message}");
-    // Entered with the sign of the derivatives, as equations 12 to 14 have them.
+    // Entered with the sign of the derivatives, as in equations 12 to 14.
     let message = refused(|p| p.added_mass = p.added_mass.map(|row| row.map(|a| -a)));
     assert!(message.contains("must be positive definite"), "{message}");
     let message = refused(|p| p.inertia.xy = 1e4);

@@ -1,4 +1,4 @@
-//! What the sensors show: places, statistics of their noise, and independence of its draws.
+//! The outputs of the sensors: positions, statistics of their noise, and independence of its draws.
 
 use approx::assert_relative_eq;
 use rexrov::sampling::Rate;

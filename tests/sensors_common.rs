@@ -1,4 +1,4 @@
-//! What all sensors have in common: noise of their own, and parameters that are checked.
+//! Common properties of all sensors: their own noise, and checked parameters.
 
 mod statistics;
 
@@ -59,7 +59,7 @@ fn channels_of_all_instruments_are_independent_at_equal_seeds() {
     }
 }
 
-/// Not even at other instants: a stream that two of them use would give each of its numbers twice.
+/// Not even at other instants: a stream shared by two of them would give each of its numbers twice.
 #[test]
 fn no_number_is_drawn_twice_at_equal_seeds() {
     let channels = channels(7);
@@ -69,7 +69,7 @@ fn no_number_is_drawn_twice_at_equal_seeds() {
     assert!(twice < 3, "{twice} of {}", 2000 * channels.len());
 }
 
-/// The name of the parameter that is refused.
+/// The name of the rejected parameter.
 fn refused<T: core::fmt::Debug>(made: Result<T, ParameterError>) -> String {
     made.unwrap_err().name
 }

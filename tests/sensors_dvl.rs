@@ -1,4 +1,4 @@
-//! The four beams of the Doppler velocity log: geometry, noise, bottom lock and what goes wrong.
+//! The four beams of the Doppler velocity log: geometry, noise, bottom lock and faults.
 
 mod statistics;
 
@@ -16,7 +16,7 @@ fn moving(u: f64, v: f64, w: f64) -> DvlTruth {
     DvlTruth { nu: [u, v, w, 0.0, 0.0, 0.0], ..Default::default() }
 }
 
-/// Samples of a log at the same truth.
+/// Samples of a log for the same truth.
 fn pings(p: &DvlParameters, truth: &DvlTruth, n: usize) -> Vec<Option<DvlPing>> {
     let dvl = Dvl::new(p).unwrap();
     let mut memory = dvl.memory();
@@ -162,7 +162,7 @@ fn bottom_lock_ends_at_the_altitudes_of_the_instrument() {
         }
     }
     assert!(over_ground(-1.0, 0.0, quiet()).is_none(), "within the ground");
-    // The log hangs 0.312 m below the centre of gravity.
+    // The log is 0.312 m below the centre of gravity.
     let nominal = DvlParameters { position: [-1.4, 0.0, 0.312], ..quiet() };
     let ping = over_ground(30.0, 0.0, nominal).unwrap();
     assert_relative_eq!(ping.altitude, 29.688, epsilon = 1e-10);
@@ -192,7 +192,7 @@ fn bottom_lock_ends_at_the_greatest_tilt_with_or_without_a_seabed() {
         let somewhere = DvlTruth { euler, ..Default::default() };
         assert_eq!(ping(&p, &somewhere).is_some(), locked, "{roll} deg, no seabed");
     }
-    // A beam that looks above the horizon sees no ground, whatever tilt is allowed.
+    // A beam that points above the horizon sees no ground, whatever tilt is allowed.
     let p = DvlParameters { max_tilt_deg: 180.0, ..quiet() };
     assert!(over_ground(20.0, 75.0, p).is_none());
 }
@@ -209,7 +209,7 @@ fn faults_of_one_kind_leave_the_noise_of_the_others() {
     let truth = moving(0.3, 0.0, 0.0);
     let (sound, faulty) = (pings(&noisy, &truth, 1000), pings(&faulty, &truth, 1000));
     let same = sound.iter().zip(&faulty).filter(|(a, b)| a == b).count();
-    // 0.8 of the pings are there, 0.9 no outliers, 0.9^4 with all beams.
+    // 0.8 of the pings are present, 0.9 no outliers, 0.9^4 with all beams.
     assert_relative_eq!(same as f64 / 1000.0, 0.472, epsilon = 0.05);
 }
 

@@ -1,4 +1,4 @@
-//! What goes wrong with the sensors other than the velocity log.
+//! Faults of the sensors other than the velocity log.
 
 mod statistics;
 

@@ -1,4 +1,4 @@
-//! The smoother against the batch solution, and what it gains over the filters.
+//! The smoother compared with the batch solution, and its improvement over the filters.
 
 #[path = "mission/mod.rs"]
 mod mission;
@@ -83,7 +83,7 @@ impl Process<6> for Linear {
     }
 }
 
-/// A component of a measurement: when, of which state, what, and its variance.
+/// A component of a measurement: time, state, value, and variance.
 struct Point {
     time: f64,
     state: usize,
@@ -187,7 +187,7 @@ fn near(s: &Smoothed, time: f64) -> bool {
 
 const SEEDS: core::ops::Range<u64> = 100..120;
 
-/// Filter and smoother over the same missions; nothing but what they expect is wrong.
+/// Filter and smoother over the same missions; only their assumptions are wrong.
 fn compare(which: Which, change: impl Fn(&mut Mission) + Sync) -> Vec<(Run, Run)> {
     parallel(SEEDS, |seed| {
         let options = Options::nominal(Course::BE3, seed);
@@ -205,7 +205,7 @@ fn gain(runs: &[(Run, Run)], error: impl Fn(&Run) -> f64) -> f64 {
     1.0 - median(runs.iter().map(|(_, smoothed)| error(smoothed)).collect()) / filtered
 }
 
-/// Mean over the runs of what the smoother scores from 30 s on.
+/// Mean over the runs of the smoother's score from 30 s on.
 fn consistency(runs: &[(Run, Run)], score: fn(&Sample) -> f64) -> f64 {
     runs.iter().map(|(_, smoothed)| smoothed.mean(30.0, f64::MAX, score)).sum::<f64>()
         / runs.len() as f64
@@ -218,7 +218,7 @@ fn with_all_sensors_the_error_is_halved_and_its_covariance_true() {
     let late = gain(&runs, |r| r.rmse(30.0, f64::MAX));
     let heading = gain(&runs, |r| r.rms(30.0, |s| s.heading));
     assert!(whole > 0.45 && late > 0.30 && heading > 0.35, "{whole} {late} {heading}");
-    // The errors of a smoothed path are the same for minutes: 20 runs are some 60 samples of two.
+    // The errors of a smoothed path are correlated for minutes: 20 runs are some 60 samples of two.
     let (nees2, nees4) = (consistency(&runs, |s| s.nees2), consistency(&runs, |s| s.nees4));
     assert!((1.4..2.7).contains(&nees2) && (3.2..4.8).contains(&nees4), "{nees2} {nees4}");
 }

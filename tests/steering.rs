@@ -1,5 +1,5 @@
-//! Guidance and velocity control steer the vehicle along the courses: true pose, velocity as a
-//! navigation filter gives it, with noise and without roll and pitch rate.
+//! Guidance and velocity control steer the vehicle along the courses: true pose, and velocity like
+//! that of a navigation filter, with noise and without roll and pitch rate.
 
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -68,7 +68,7 @@ fn run(text: &str, measured: usize, loss: [f64; 8]) -> Errors {
 #[test]
 fn every_course_is_followed_on_a_noisy_velocity_at_10_to_100_hz() {
     for (name, text) in Course::BUILT_IN {
-        // Behind the sharp turn of BE1, the one wide place; at the kinks of HELIX, the deep ones.
+        // After the sharp turn of BE1, the one wide place; at the kinks of HELIX, the deep ones.
         let horizontal = if name == "BE1" { 0.025 } else { 0.01 };
         let vertical = if name == "HELIX" { 0.04 } else { 0.012 };
         for measured in [1, 2, 5, 10] {

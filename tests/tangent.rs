@@ -1,7 +1,7 @@
 //! Directional derivatives of the vehicle against dual numbers, differences and known structure.
 //!
-//! The dual numbers run through `oracle`, the equations of motion stated a second time: in the form
-//! of the paper, term by term, over any number type.
+//! The dual numbers run through `oracle`, an independent implementation of the equations of motion
+//! in the form of the paper, term by term, for any number type.
 
 mod oracle;
 
@@ -80,8 +80,8 @@ impl Case {
         (flat_state(&rate), flat_outputs(&outputs))
     }
 
-    /// Least speed through the water: at zero the second derivative of the damping jumps, and
-    /// differences across it are no measure.
+    /// Minimum speed through the water: at zero the second derivative of the damping jumps, so
+    /// differences across it are not valid.
     fn slowest(&self) -> f64 {
         let x = state_of(&self.x);
         let r = rexrov::attitude::rotation(x.quaternion);
@@ -126,8 +126,8 @@ fn close_at(
     Ok(())
 }
 
-/// Central difference of two vectors 2 h apart, and the size that its errors go by: differences of
-/// large values have large rounding errors.
+/// Central difference of two vectors 2 h apart, and the scale of its errors: differences of large
+/// values have large rounding errors.
 fn difference(a: &[f64], b: &[f64], h: f64) -> (Vec<f64>, Vec<f64>) {
     let slope = |(a, b): (&f64, &f64)| (a - b) / (2.0 * h);
     let slopes: Vec<f64> = a.iter().zip(b).map(slope).collect();
@@ -135,8 +135,8 @@ fn difference(a: &[f64], b: &[f64], h: f64) -> (Vec<f64>, Vec<f64>) {
     (slopes, sizes)
 }
 
-/// The size that the error of one coefficient's effect goes by: below a thousandth of its unit
-/// large terms have cancelled each other, and what is left is their rounding.
+/// The scale of the error of one coefficient's effect: below a thousandth of its unit large terms
+/// have cancelled each other, and only their rounding is left.
 fn at_least(effect: f64) -> f64 {
     effect.abs().max(1e-3)
 }
@@ -274,8 +274,8 @@ proptest! {
         }
     }
 
-    /// Which output depends on which input or state: measured on differences of the model, exact in
-    /// the tangent.
+    /// Which output depends on which input or state: measured from differences of the model, exact
+    /// in the tangent.
     #[test]
     fn it_is_zero_where_nothing_depends(numbers in numbers()) {
         for mode in MODES {
@@ -295,7 +295,7 @@ proptest! {
     }
 }
 
-/// Names of what moves when one entry of state or inputs does.
+/// Names of what changes when one entry of state or inputs changes.
 fn moved_by(mode: ThrusterMode, direction: impl Fn(&mut State, &mut Inputs)) -> Vec<&'static str> {
     let mut p = Parameters::default();
     p.propulsion.mode = mode;

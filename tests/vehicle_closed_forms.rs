@@ -1,4 +1,4 @@
-//! Motions of the vehicle whose size is known beforehand: balances of forces and small oscillations.
+//! Motions of the vehicle with known results: force balances and small oscillations.
 
 use approx::assert_relative_eq;
 use rexrov::vehicle::{
@@ -11,7 +11,7 @@ fn diagonal_sets() -> [Parameters; 2] {
     [ParameterSet::Paper, ParameterSet::UuvDiagonal].map(Parameters::preset)
 }
 
-/// The set with its weight made equal to its buoyancy, for motions without heave.
+/// The set with its weight set equal to its buoyancy, for motions without heave.
 fn neutral(mut p: Parameters) -> Parameters {
     p.buoyancy = Some(p.buoyancy_force());
     p.gravity = p.buoyancy_force() / p.mass;
@@ -52,7 +52,7 @@ fn surge_reaches_the_speed_where_drag_balances_thrust() {
 fn the_four_horizontal_thrusters_at_their_limit_give_full_speed() {
     let mut p = neutral(Parameters::preset(ParameterSet::UuvDiagonal));
     p.propulsion.mode = ThrusterMode::Force;
-    // Above the limit on purpose. They sit 0.129 m above the centre of gravity, so the bow drops:
+    // Above the limit on purpose. They are 0.129 m above the centre of gravity, so the bow drops:
     // no moment from it here.
     p.propulsion.thrusters.iter_mut().skip(4).for_each(|t| t.lz = 0.0);
     let thruster_force = [0.0, 0.0, 0.0, 0.0, 3000.0, 3000.0, -3000.0, -3000.0];
@@ -141,8 +141,8 @@ fn straight_surge_is_directionally_unstable_by_the_munk_moment() {
 
 #[test]
 fn uncontrolled_sway_in_a_turn_reaches_half_a_metre_a_second() {
-    // Surge and turn rate held at 0.3 m/s and 0.33 rad/s: sway settles where its drag balances
-    // the centripetal force of vehicle and added mass.
+    // Surge and turn rate held at 0.3 m/s and 0.33 rad/s: sway settles where its drag balances the
+    // centripetal force of vehicle and added mass.
     let p = neutral(Parameters::preset(ParameterSet::UuvDiagonal));
     let model = ReducedModel::new(&p).unwrap();
     let mut v = 0.0;

@@ -1,4 +1,4 @@
-//! Laws that the equations of motion keep for any state and any coefficients.
+//! Laws that the equations of motion obey for any state and any coefficients.
 
 #![allow(clippy::needless_range_loop, reason = "indices as the equations have them")]
 
@@ -207,7 +207,7 @@ fn a_minute_of_mixed_thrust_agrees_between_step_sizes() {
     let run = |h: f64, steps_per_second: usize| {
         let mut state = state([0.0; 6], [0.1, -0.05, 0.7]);
         for i in 0..60 * steps_per_second {
-            // Commands change at 50 Hz, as the controller's do, and alike in both runs.
+            // Commands change at 50 Hz, like the controller's, and equally in both runs.
             let t = (i * 50 / steps_per_second) as f64 / 50.0;
             let thruster_force =
                 core::array::from_fn(|k| 100.0 * libm::sin((0.2 + 0.05 * k as f64) * t));

@@ -1,4 +1,4 @@
-"""Tells hatchling for which machine the wheel is: its program and libraries are compiled."""
+"""Sets the platform of the wheel for hatchling: its program and libraries are compiled."""
 
 import os
 

@@ -3,7 +3,7 @@
 /// Exports components as FMUs.
 ///
 /// Expands to the 44 functions of FMI 2.0 with C linkage and to `REGISTRY`, which lists the
-/// components. Call it once per library; `fmi2Instantiate` tells the components apart by GUID.
+/// components. Call it once per library; `fmi2Instantiate` distinguishes the components by GUID.
 #[macro_export]
 macro_rules! export {
     ($($component:ty),+ $(,)?) => {
@@ -24,7 +24,7 @@ macro_rules! export {
                 )
             }
 
-            /// The registry once more, for who may unload the library.
+            /// The registry again, for unloading the library.
             fn shared() -> &'static $crate::kernel::Shared {
                 static SHARED: $crate::kernel::Shared =
                     $crate::kernel::Shared::new(Components::registry);
@@ -58,7 +58,7 @@ macro_rules! export {
 }
 
 /// Exports the 44 functions of FMI 2.0 for a [`Library`](crate::abi::Library), which [`export!`]
-/// makes of components.
+/// makes from components.
 #[macro_export]
 macro_rules! export_library {
     ($library:ident) => {
@@ -157,7 +157,7 @@ macro_rules! export_library {
     };
 }
 
-/// Gives functions of the kit the C linkage and the unmangled names the standard wants.
+/// Gives functions of the kit the C linkage and the unmangled names that the standard requires.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! fmi2_functions {

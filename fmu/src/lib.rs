@@ -66,28 +66,28 @@
 //! ```
 //!
 //! In a `cdylib` this is a complete library for an FMU, for co-simulation and model exchange;
-//! `REGISTRY` knows the text of its modelDescription.xml ([`kernel::Entry::describe`]), and with
-//! the feature `package` a `main` of one line (`fmu_kit::package::main(&REGISTRY)`) writes the FMU.
-//! The page "Write your own component" of this project's documents goes through all of it. What a
-//! variable is called, its unit, bounds, description and start value are said once, at its field.
+//! `REGISTRY` provides the text of its modelDescription.xml ([`kernel::Entry::describe`]), and with
+//! the feature `package` a one-line `main` (`fmu_kit::package::main(&REGISTRY)`) writes the FMU.
+//! The page "Write your own component" of this project's documents explains all of it. The name of
+//! a variable, its unit, bounds, description and start value are declared once, at its field.
 //!
-//! | part | what it does | knows |
+//! | part | purpose | knows |
 //! |---|---|---|
-//! | the items of this page | what an author writes against | nothing of FMI's C or XML |
+//! | the items of this page | the interface for authors | nothing of FMI's C or XML |
 //! | [`kernel`] | variables, state machine, stepper, description | nothing of C |
 //! | [`abi`] | the 44 C functions | nothing of components |
 //!
 //! A component with continuous states gets the parameters `integrator.method`, `integrator.step`
 //! and `integrator.tolerance` from the kernel. Where its equations change their form (a stop, a
 //! limit) it names [`Component::INDICATORS`] and handles [`Component::state_event`]; if these are
-//! only kinks that follow from the inputs, [`Component::KINKS_OF_INPUTS`] says so and nothing has to
-//! be handled. With a [`Component::tangent`] it provides directional and output derivatives, with
-//! [`Component::initial_tangent`] those with respect to parameters.
+//! only kinks that depend on the inputs, [`Component::KINKS_OF_INPUTS`] says so and there is
+//! nothing to handle. With a [`Component::tangent`] it provides directional and output derivatives,
+//! with [`Component::initial_tangent`] those with respect to parameters.
 //!
-//! A component that does all at its sample instants implements [`Sample`] instead, and
-//! [`Sampled`] makes it a component. One that mixes both keeps a [`Sampler`] in its `Memory` and
-//! handles its instants in [`Component::event`]. Instances can be driven without C, for tests, through
-//! [`kernel::Entry::instantiate`].
+//! A component that works only at its sample instants implements [`Sample`] instead, and
+//! [`Sampled`] makes it a component. A component that combines both keeps a [`Sampler`] in its
+//! `Memory` and handles its instants in [`Component::event`]. For tests, instances can be driven
+//! without C, through [`kernel::Entry::instantiate`].
 
 #![cfg_attr(
     not(test),
@@ -102,7 +102,7 @@
     )
 )]
 
-// The derives name this crate from outside; inside it needs the same name.
+// The derives refer to this crate by its name from outside; inside it needs the same name.
 extern crate self as fmu_kit;
 
 pub mod abi;

@@ -28,8 +28,8 @@
 //! always gives the same bytes.
 
 //!
-//! A packager that does more (several platforms, an icon, a reference run) puts the files together
-//! itself: [`fmu`] and what it adds, then [`write()`].
+//! A packager that does more (several platforms, an icon, a reference run) combines the files
+//! itself: [`fmu`] and its additions, then [`write()`].
 
 use std::env::consts::{ARCH, DLL_PREFIX, DLL_SUFFIX, OS};
 use std::fs;
@@ -44,7 +44,7 @@ use crate::kernel::{Entry, Registry};
 /// A file of an archive: its path there, with `/` between the parts, and its content.
 pub type File = (String, Vec<u8>);
 
-/// Writes the FMUs of a library beside the program that runs, and tells of each.
+/// Writes the FMUs of a library beside the running program, and prints each.
 ///
 /// They go to the folder `fmus` of Cargo's target folder, or to the one that the command line
 /// names. Files in the folder `resources` beside the author's Cargo.toml go into every FMU.
@@ -82,7 +82,7 @@ fn write_all(registry: &Registry, folder: Option<PathBuf>) -> Result<Vec<PathBuf
     registry.entries().map(packaged).collect()
 }
 
-/// Where Cargo leaves the `cdylib` when it builds a program that depends on the library.
+/// Where Cargo puts the `cdylib` when it builds a program that depends on the library.
 fn built_library(registry: &Registry, profile: &Path) -> Result<PathBuf, String> {
     let name = format!("{DLL_PREFIX}{}{DLL_SUFFIX}", registry.library());
     let path = profile.join("deps").join(&name);
@@ -101,7 +101,7 @@ fn built_library(registry: &Registry, profile: &Path) -> Result<PathBuf, String>
 /// the documentation before the variables.
 ///
 /// # Errors
-/// The component cannot be described: its variable table cannot stand, say.
+/// The component cannot be described, for example because its variable table is invalid.
 pub fn fmu(
     entry: &Entry,
     libraries: &[(String, Vec<u8>)],
@@ -119,7 +119,7 @@ pub fn fmu(
 }
 
 /// The folder of binaries for a platform, by its names in [`std::env::consts`]: FMI 2.0's own, or
-/// the tuple that 2.0.4 took over from FMI 3.0 (section 2.3.1).
+/// the tuple that 2.0.4 adopted from FMI 3.0 (section 2.3.1).
 #[must_use]
 pub fn platform(os: &str, arch: &str) -> String {
     let bits = match arch {
@@ -142,7 +142,7 @@ pub fn tuple(os: &str, arch: &str) -> String {
     format!("{arch}-{os}")
 }
 
-/// How the names of libraries end in a folder of binaries.
+/// The file name endings of libraries in a folder of binaries.
 #[must_use]
 pub fn suffix(platform: &str) -> &'static str {
     match platform {
@@ -153,7 +153,8 @@ pub fn suffix(platform: &str) -> &'static str {
 }
 
 /// Writes a zip file with fixed times and permissions, so that equal files give equal bytes. It
-/// appears under its name when it is whole: somebody may be reading the old one.
+/// appears under its name only when it is complete, because another process may be reading the old
+/// one.
 ///
 /// # Errors
 /// Two files have the same path, one is too large for the format, or it cannot be written.
@@ -176,7 +177,8 @@ pub fn write(path: &Path, files: &[File]) -> Result<(), String> {
     written.map_err(|cause| format!("{}: {cause}", path.display()))
 }
 
-/// The files of a folder and those below, in the order of their names; none if it does not exist.
+/// The files of a folder and its subfolders, in the order of their names; none if it does not
+/// exist.
 fn files(folder: &Path, name: &str) -> Result<Vec<File>, String> {
     let Ok(entries) = fs::read_dir(folder) else {
         return Ok(Vec::new());

@@ -23,11 +23,11 @@ use fmu_kit::kernel::Status;
 struct Counting;
 
 thread_local! {
-    /// Of this thread, since the test harness has its own.
+    /// For this thread, because the test harness has its own.
     static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
 }
 
-// SAFETY: passes everything on to the system's allocator.
+// SAFETY: forwards everything to the system's allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.set(ALLOCATIONS.get() + 1);

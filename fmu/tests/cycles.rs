@@ -53,7 +53,7 @@ fn ten_thousand_lives_and_resets_leave_nothing() {
         assert_eq!(unsafe { fmi2::fmi2Reset(fmu.c) }, Status::Ok);
     }
     let after = footprint();
-    // A few pages may come and go with the allocator's mood.
+    // A few pages may come and go with the allocator.
     assert!(after[0] <= before[0] + 16, "{before:?} {after:?}");
     assert_eq!(after[1..], before[1..]);
 }

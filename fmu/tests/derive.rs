@@ -1,5 +1,5 @@
 //! What the derives make of a struct: names, descriptions, inherited units, start values, and the
-//! way to flat arrays and back.
+//! conversion to flat arrays and back.
 
 use fmu_kit::kernel::{Table, TableError};
 use fmu_kit::{Count, Declarations, Enumeration, Field, Reader, Start, Variables, Writer};

@@ -1,4 +1,4 @@
-//! What the kernel adds to the mathematics, measured. Run with
+//! The kernel's overhead over the mathematics. Run with
 //! `cargo test --release -p fmu-kit --test speed -- --ignored --nocapture`.
 #![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(
@@ -19,7 +19,7 @@ use driver::{CS, Fmu};
 use fmu_kit::kernel::Status;
 use fmu_kit::{Component, Fault, Info, ParameterError, Resources, Time, Variables};
 
-/// Twelve masses in a chain: 24 states, 10 inputs, 30 outputs, about as much as a vehicle.
+/// Twelve masses in a chain: 24 states, 10 inputs, 30 outputs, about the size of a vehicle.
 #[derive(Clone, Copy, Debug, Default, Variables)]
 pub struct Mass {
     /// Position

@@ -1,8 +1,8 @@
-//! Model-aided inertial navigation with a watch on the thrusters.
+//! Model-aided inertial navigation with a monitor for the thrusters.
 //!
-//! The watch runs on a dynamic filter of its own: its innovations carry a lost thrust for seconds,
-//! where the inertial filter's would have taken it for a disturbance at once. What it finds becomes
-//! an event of the aided filter: thruster i gives this share of its thrust from now on.
+//! The monitor runs on its own dynamic filter, whose innovations show a lost thrust for seconds,
+//! whereas the inertial filter would at once attribute it to a disturbance. A detection becomes an
+//! event of the aided filter: thruster i gives this share of its thrust from now on.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,13 +18,13 @@ use super::smoother::{Recording, Smoothed, Smoothing};
 use crate::ParameterError;
 use crate::vehicle::Parameters;
 
-/// Room for the states of the inertial, dynamic and constant-acceleration filters: 15 and those of
-/// the sensors.
+/// Capacity for the states of the inertial, dynamic and constant-acceleration filters: 15 and the
+/// sensor states.
 pub const BASIC_STATES: usize = 20;
-/// Room for those of the model-aided one.
+/// Capacity for the states of the model-aided filter.
 pub const AIDED_STATES: usize = 34;
 
-/// The dynamic filter with a watch on the thrusters.
+/// The dynamic filter with a thruster monitor.
 pub type DynamicFilter = Filter<PlanarDynamic, BASIC_STATES, ThrusterMonitor<BASIC_STATES>>;
 
 /// Model-aided inertial navigation.
@@ -34,7 +34,7 @@ pub struct AidedFilter {
     watch: DynamicFilter,
 }
 
-/// What it remembers.
+/// Its memory.
 #[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct AidedMemory {
     filter: Memory<AIDED_STATES>,
@@ -54,8 +54,8 @@ impl Clone for AidedMemory {
     }
 }
 
-/// The white yaw moment that the dynamic filter of the watch needs (N.m/sqrt(Hz)): it has no noise of
-/// an inertial unit to hide a loss in.
+/// The white yaw moment that the monitor's dynamic filter needs (N.m/sqrt(Hz)): it has no inertial
+/// noise that could hide a loss.
 const WATCH_MOMENT_DENSITY: f64 = 2.0;
 
 impl AidedFilter {

@@ -1,10 +1,11 @@
 //! A belief: the mean of a state and the covariance of its error.
 //!
-//! States are numbered; a process says what each number means. Its attitude, if it estimates all of
-//! it, is a quaternion beside the numbers, and three of the numbers are the error of that attitude
-//! (multiplicative: `q = q^ Exp(dtheta)`, dtheta along body axes; Solà 2017, ch. 5), zero in the mean.
+//! States are numbered, and a process defines what each number means. If the process estimates the
+//! full attitude, the attitude is a quaternion beside the numbers, and three of the numbers are its
+//! error (multiplicative: `q = q^ Exp(dtheta)`, dtheta along body axes; Solà 2017, ch. 5), which is
+//! zero in the mean.
 //!
-//! `N` is what a belief has room for; only the first `order` states exist, because some are optional.
+//! `N` is the capacity of a belief; only the first `order` states exist, because some are optional.
 
 use core::ops::{Index, IndexMut};
 
@@ -18,22 +19,22 @@ use super::transition::Transition;
 /// A column of numbers, one for each state: a mean, a gain.
 pub type Column<const N: usize> = SVector<f64, N>;
 
-/// A row of a Jacobian: derivatives by the states, most of which are zero.
+/// A row of a Jacobian: derivatives by the states, most of them zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row<const N: usize> {
     values: Column<N>,
-    /// Bit i: the derivative by state i may be other than zero.
+    /// Bit i: the derivative by state i may be non-zero.
     support: u64,
 }
 
 impl<const N: usize> Row<N> {
-    /// Nothing depends on any state.
+    /// A row that depends on no state.
     #[must_use]
     pub fn zeros() -> Self {
         Self { values: Column::zeros(), support: 0 }
     }
 
-    /// The states that matter, each with the derivative by it.
+    /// The states with non-zero derivatives, each with the derivative by it.
     #[inline(always)]
     pub fn iter(&self) -> impl Iterator<Item = (usize, f64)> {
         states_in(self.support).map(|state| (state, self.values[state]))
@@ -46,7 +47,7 @@ impl<const N: usize> Row<N> {
         self.iter().map(|(state, h)| h * b[state]).sum()
     }
 
-    /// The row with all its zeros, as a column.
+    /// The full row, including zeros, as a column.
     #[must_use]
     pub fn dense(&self) -> &Column<N> {
         &self.values
@@ -80,8 +81,8 @@ pub(super) fn states_in(mut set: u64) -> impl Iterator<Item = usize> {
 
 /// Variances stop growing here: the state is unknown anyway, and all arithmetic stays finite.
 const VARIANCE_LIMIT: f64 = 1e12;
-/// Below this ratio of measurement noise to predicted variance, cancellation would eat the digits of
-/// the short update, and Joseph's form is used.
+/// Below this ratio of measurement noise to predicted variance, cancellation would lose the digits
+/// of the short update, so Joseph's form is used.
 const ILL_CONDITIONED: f64 = 1e-6;
 
 /// A scalar measurement that was fused: its row h of derivatives, the variance R of its noise, the gain
@@ -98,7 +99,8 @@ pub(super) struct Update<'a, const N: usize> {
 pub struct Belief<const N: usize> {
     /// Mean of each state, in the units of the process.
     pub mean: Column<N>,
-    /// Attitude from body to NED, `[w, x, y, z]`; used by processes that estimate all of it.
+    /// Attitude from body to NED, `[w, x, y, z]`; used by processes that estimate the full
+    /// attitude.
     pub attitude: [f64; 4],
     /// Covariance of the error, symmetric.
     pub covariance: SMatrix<f64, N, N>,
@@ -137,13 +139,13 @@ impl<const N: usize> Belief<N> {
         sum
     }
 
-    /// `P h` of several rows; what is written to is zero before.
+    /// `P h` of several rows; the output must be zero before.
     pub(super) fn correlate_all(&self, rows: &[Row<N>], into: &mut [Column<N>]) {
         with_length!(self.order, N, correlate(&self.covariance.data.0, rows, into));
     }
 
-    /// The gains of a measurement's components from their correlations, which are replaced, and their
-    /// correction of the states, which is zero before.
+    /// The gains of a measurement's components from their correlations, which they replace, and the
+    /// resulting correction of the states, which must be zero before.
     pub(super) fn weigh(
         &self,
         correlations: &mut [Column<N>; 3],
@@ -157,7 +159,8 @@ impl<const N: usize> Belief<N> {
 
     /// The covariance after updates with `K` scalar measurements, one after the other.
     ///
-    /// `P - K S K^T`, or where that would cancel, Joseph's `(I - K h^T) P (I - K h^T)^T + K R K^T`.
+    /// `P - K S K^T`, or, where that would cancel, Joseph's
+    /// `(I - K h^T) P (I - K h^T)^T + K R K^T`.
     pub(super) fn condense<const K: usize>(&mut self, updates: &[Update<'_, N>; K]) {
         if updates.iter().any(|u| u.noise < ILL_CONDITIONED * u.s) {
             return updates.iter().for_each(|u| self.condense_by_joseph(u));
@@ -179,7 +182,7 @@ impl<const N: usize> Belief<N> {
         self.covariance += direction * direction.transpose();
     }
 
-    /// Forgets what a state has to do with the others and gives it a variance.
+    /// Removes a state's correlations with the others and sets its variance.
     pub fn decouple(&mut self, state: usize, variance: f64) {
         for j in 0..self.order {
             self.covariance[(state, j)] = 0.0;
@@ -188,10 +191,11 @@ impl<const N: usize> Belief<N> {
         self.covariance[(state, state)] = variance;
     }
 
-    /// Keeps the covariance within what arithmetic can bear: variances neither negative nor beyond
-    /// all use, and a matrix that rounding made indefinite is brought back by widening it.
+    /// Keeps the covariance within what the arithmetic can handle: variances neither negative nor
+    /// too large, and a matrix that rounding made indefinite is restored by increasing its
+    /// diagonal.
     ///
-    /// Where a variance was either, gives the factors on the errors.
+    /// If a variance was out of range, returns the factors on the errors.
     pub fn confine(&mut self) -> Option<Transition<N>> {
         let sound = 0.0..=VARIANCE_LIMIT;
         if (0..self.order).all(|i| sound.contains(&self.covariance[(i, i)])) {
@@ -221,7 +225,8 @@ impl<const N: usize> Belief<N> {
         factors
     }
 
-    /// Widens a covariance that rounding made indefinite until it is not.
+    /// Increases the diagonal of a covariance that rounding made indefinite until it is positive
+    /// definite.
     pub fn restore_positive(&mut self) {
         let mut share = 1e-9;
         while share < 1.0 && !self.is_positive() {
@@ -233,7 +238,7 @@ impl<const N: usize> Belief<N> {
         }
     }
 
-    /// Whether the covariance is positive definite, up to states that are known exactly.
+    /// Whether the covariance is positive definite, except for exactly known states.
     ///
     /// Cholesky's pivots of the correlation matrix may not be negative by more than rounding.
     #[must_use]
@@ -243,7 +248,8 @@ impl<const N: usize> Belief<N> {
         positive
     }
 
-    /// Whether means and variances are numbers; what is not spreads to these with any measurement.
+    /// Whether means and variances are numbers; a NaN anywhere spreads to these with any
+    /// measurement.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         (0..self.order).all(|i| self.mean[i].is_finite() && self.covariance[(i, i)].is_finite())

@@ -1,10 +1,10 @@
-//! The posterior Cramér-Rao bound of inertial navigation: no estimator that is driven by these
-//! sensors has a smaller mean square error.
+//! The posterior Cramér-Rao bound of inertial navigation: no estimator that uses these sensors has
+//! a smaller mean square error.
 //!
-//! With Gaussian noise the bound is the recursion of the covariance whose Jacobians are taken at the
-//! true motion, averaged over missions (Tichavský, Muravchik & Nehorai 1998; Bar-Shalom, Li &
-//! Kirubarajan 2001 ch. 2.7). It shares nothing with the filters that it judges: the attitude error
-//! is on the left (`R = Exp(phi) R^`, phi along NED axes), matrices are dense.
+//! With Gaussian noise the bound is the covariance recursion with its Jacobians taken at the true
+//! motion, averaged over missions (Tichavský, Muravchik & Nehorai 1998; Bar-Shalom, Li &
+//! Kirubarajan 2001 ch. 2.7). It shares no code with the filters that it judges: the attitude error
+//! is on the left (`R = Exp(phi) R^`, phi along NED axes), and matrices are dense.
 //!
 //! ```text
 //! p' = v,  v' = R (f - b_a) + g e_z,  R' = R [omega - b_g]x
@@ -25,7 +25,7 @@ const B_A: usize = 9;
 const B_G: usize = 12;
 const STATES: usize = 15;
 
-/// Motion as it truly is at an instant.
+/// The true motion at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrueMotion {
     /// Rotation from body to NED.
@@ -36,7 +36,7 @@ pub struct TrueMotion {
     pub specific_force: Vector3<f64>,
 }
 
-/// Standard deviations that no estimator can be below.
+/// Lower bounds of the standard deviations of any estimator.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limits {
     /// Position, NED (m).
@@ -57,8 +57,7 @@ pub struct InertialBound {
 }
 
 impl InertialBound {
-    /// Before the first measurement. Parameters are those of a filter; of the sensors' own states
-    /// there is none.
+    /// Before the first measurement. The parameters are those of a filter, without sensor states.
     ///
     /// # Errors
     /// Names the parameter that is out of range.
@@ -77,7 +76,7 @@ impl InertialBound {
         Ok(Self { covariance, parameters: *p, rate_hz })
     }
 
-    /// `dt` seconds of this motion.
+    /// Propagates by `dt` seconds of this motion.
     pub fn predict(&mut self, motion: &TrueMotion, dt: f64) {
         let r = &motion.rotation;
         let mut f = SMatrix::<f64, STATES, STATES>::zeros();
@@ -121,7 +120,7 @@ impl InertialBound {
     }
 
     /// The velocity over ground was measured at the velocity log. The rate at that instant is known
-    /// from one sample of the gyros.
+    /// from one gyro sample.
     pub fn dvl(&mut self, motion: &TrueMotion) {
         let lever = skew(&Vector3::from(self.parameters.mounting.dvl));
         let mut h = self.velocity_rows(motion);
@@ -134,7 +133,7 @@ impl InertialBound {
         self.update(&h, &variance);
     }
 
-    /// The limits now.
+    /// The present bounds.
     #[must_use]
     pub fn limits(&self, motion: &TrueMotion) -> Limits {
         let p = &self.covariance;
@@ -180,7 +179,7 @@ fn place(lever: &Vector3<f64>) -> SMatrix<f64, 3, STATES> {
     h
 }
 
-/// Derivatives of roll, pitch and heading by a small turn about NED axes.
+/// Derivatives of roll, pitch and heading by a small rotation about NED axes.
 fn euler_by_turn(rotation: &Matrix3<f64>) -> Matrix3<f64> {
     let [_, pitch, heading] = euler(rotation);
     let (sin, cos) = libm::sincos(heading);

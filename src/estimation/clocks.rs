@@ -1,48 +1,49 @@
-//! Whether velocity log and attitude tell the same time.
+//! Whether the clocks of velocity log and attitude agree.
 //!
-//! In a log without inertial unit nothing but the attitude says how the vehicle turns, and the velocity
-//! log shows each turn once more: the lever arm and the slip of the vehicle outwards make a sway
-//! against the yaw rate, `v = -g r` with g > 0. Slip follows a turn, and never comes before it. So a
-//! sway that fits the turn of a later time shows that the stamps of the attitude are late, or those of the
-//! velocity log early. Every turn then bends the track, by seconds of sway that are laid along a wrong
-//! heading.
+//! In a log without inertial unit only the attitude shows how the vehicle turns, and the velocity
+//! log shows each turn as well: the lever arm and the slip of the vehicle outwards make a sway
+//! opposed to the yaw rate, `v = -g r` with g > 0. Slip follows a turn, and never precedes it. So a
+//! sway that matches the turn at a later time shows that the stamps of the attitude are late, or
+//! those of the velocity log early. Every turn then bends the track, because seconds of sway are
+//! applied along a wrong heading.
 //!
-//! For leads o from 0 to 2 s the changes of the sway are correlated with those of the yaw rate o later;
-//! with C, B, A the sums of their products and squares, the lead explains the share `C^2 / (A B)` of
-//! the sway. When one explains most of it, and is far likelier than the lead in force, it is taken out
-//! of the stamps. What the wrong one has done to the position is known, too: beside the sums a path is
-//! integrated for each lead.
+//! For leads o from 0 to 2 s the changes of the sway are correlated with those of the yaw rate o
+//! later. With C, B, A the sums of their products and squares, the lead explains the share
+//! `C^2 / (A B)` of the sway. If one lead explains most of the sway, and is far likelier than the
+//! present correction, it is removed from the stamps. Its effect on the position is known, too:
+//! beside the sums a path is integrated for each lead.
 
 use serde::{Deserialize, Serialize};
 
 use super::measurement::{Event, Kind};
 use crate::attitude;
 
-/// Step of the leads (s), and how many there are.
+/// Step of the leads (s), and their number.
 const STEP: f64 = 0.1;
 const LEADS: usize = 21;
-/// Least lead that is worth a change of stamps, and least change of it after that, in steps.
+/// Smallest lead that justifies a change of stamps, and smallest change of it after that, in steps.
 const LEAST: usize = 5;
 const FURTHER: usize = 2;
-/// Half of the window over which a yaw rate is taken (s).
+/// Half of the window for the yaw rate (s).
 const HALF: f64 = 0.5;
-/// Least time between samples of the velocity log, and between attitudes (s).
+/// Minimum time between samples of the velocity log, and between attitudes (s).
 const LOG_SPACING: f64 = 0.9;
 const ATTITUDE_SPACING: f64 = 0.2;
-/// Samples farther apart than this belong to two stretches (s).
+/// Samples farther apart than this belong to different stretches (s).
 const GAP: f64 = 1.6;
-/// Pairs of samples before there is any verdict, and for how many it has to stay the same.
+/// Pairs of samples before any verdict, and the number of pairs for which it has to stay the same.
 const PAIRS: u32 = 30;
 const SAME: u32 = 10;
-/// Share of the sway that a lead has to explain.
+/// Share of the sway that a lead must explain.
 const SHARE: f64 = 0.7;
-/// Least ratio of yaw rates and their changes, squared: turns last, waves swing within seconds.
+/// Minimum ratio of yaw rates and their changes, squared: turns last, while waves oscillate within
+/// seconds.
 const LASTING: f64 = 4.0;
-/// Logarithm of the likelihood ratio against the lead in force.
+/// Logarithm of the likelihood ratio relative to the present correction.
 const EVIDENCE: f64 = 60.0;
-/// Standard deviation of a change of sway that is always there (m/s).
+/// Standard deviation of changes of sway that are always present (m/s).
 const ROUGHNESS: f64 = 3e-3;
-/// Room for attitudes and for samples of the velocity log.
+/// Capacity for attitudes and for samples of the velocity log.
 const ATTITUDES: usize = 32;
 const LOGS: usize = 8;
 
@@ -67,7 +68,7 @@ impl<const K: usize> Samples<K> {
         &self.held[..self.count]
     }
 
-    /// Adds a sample; the oldest makes room.
+    /// Adds a sample, dropping the oldest if full.
     fn push(&mut self, sample: Sample) {
         if self.count == K {
             self.drop_first();
@@ -86,29 +87,30 @@ impl<const K: usize> Samples<K> {
     }
 }
 
-/// What is known of the clocks.
+/// What is known about the clocks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Clocks {
-    /// Attitudes with a heading that does not wrap, and velocities that still wait for attitudes.
+    /// Attitudes with unwrapped headings, and velocities that still wait for attitudes.
     attitudes: Samples<ATTITUDES>,
     logs: Samples<LOGS>,
-    /// Sums for each lead: changes of sway by those of the rate, and those of the rate squared; of the
-    /// changes of sway, and of the rate itself, squared; and how many pairs.
+    /// Sums for each lead: changes of sway times those of the rate, and those of the rate squared;
+    /// the changes of sway, and the rate itself, squared; and the number of pairs.
     products: [f64; LEADS],
     rates: [f64; LEADS],
     sways: f64,
     turns: f64,
     pairs: u32,
-    /// The lead in force, the likeliest one, and for how many pairs it has been that.
+    /// The present correction, the likeliest lead, and for how many pairs it has been the
+    /// likeliest.
     lead: usize,
     likeliest: usize,
     since: u32,
-    /// North and east from the beginning of the path, by each lead (m), and the velocity there.
+    /// North and east from the beginning of the path, for each lead (m), and the velocity there.
     paths: [[f64; 2]; LEADS],
     begun: Option<[f64; 2]>,
 }
 
-/// A lead was found: the position is off by this, to within the other (m, NED).
+/// A lead was found: the position error it caused, and its standard deviation (m, NED).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Displaced {
     pub(super) by: [f64; 2],
@@ -140,19 +142,19 @@ impl Clocks {
         STEP * self.lead as f64
     }
 
-    /// There is something else that says how the vehicle turns: only what was found stays.
+    /// Another sensor measures how the vehicle turns: only the lead found so far is kept.
     pub(super) fn rest(&mut self) {
         if self.attitudes.count > 0 || self.logs.count > 0 {
             *self = Self { lead: self.lead, ..Self::default() };
         }
     }
 
-    /// The next sample, by its own stamp. Tells if a lead was found.
+    /// The next sample, by its own stamp. Returns whether a lead was found.
     pub(super) fn hear(&mut self, event: &Event) -> Option<Displaced> {
         match event.kind {
             Kind::Ahrs => return self.attitude(event.time, event.cut()),
             Kind::Dvl => self.log(event.time, event.cut()),
-            // The position is known: what the path was before does not matter any more.
+            // The position is known, so the earlier path no longer matters.
             Kind::Fix => self.begun = None,
             _ => {}
         }
@@ -166,7 +168,7 @@ impl Clocks {
         }
     }
 
-    /// The next attitude. Tells if a lead was found.
+    /// The next attitude. Returns whether a lead was found.
     fn attitude(&mut self, time: f64, euler: [f64; 3]) -> Option<Displaced> {
         let mut euler = euler;
         if let Some(&(last, before)) = self.attitudes.newest() {
@@ -182,7 +184,7 @@ impl Clocks {
         let mut found = None;
         while let &[before, next, ..] = self.logs.slice() {
             let Some(&(oldest, _)) = self.attitudes.slice().get(1) else { break };
-            // A spline needs a sample more on each side.
+            // A spline needs one more sample on each side.
             let needed = next.0 + STEP * (LEADS - 1) as f64 + HALF;
             if self.attitudes.slice().iter().filter(|(t, _)| *t >= needed).count() < 2 {
                 break;
@@ -226,7 +228,7 @@ impl Clocks {
         [0, 1].map(|i| (0..3).map(|j| r[i][j] * velocity[j]).sum())
     }
 
-    /// Two velocities, one after the other, against the attitudes by every lead.
+    /// Two successive velocities against the attitudes, for every lead.
     fn compare(&mut self, (before, from): Sample, (time, to): Sample) -> Option<Displaced> {
         let (dt, sway) = (time - before, to[1] - from[1]);
         let middle = core::array::from_fn(|i| 0.5 * (from[i] + to[i]));
@@ -252,7 +254,7 @@ impl Clocks {
     }
 
     fn judge(&mut self, (time, velocity): Sample) -> Option<Displaced> {
-        // Only a sway against the turn counts.
+        // Only a sway opposed to the turn counts.
         let explained = |k: usize| {
             let c = self.products[k].min(0.0);
             c * c / self.rates[k].max(f64::MIN_POSITIVE)
@@ -274,7 +276,7 @@ impl Clocks {
         if !decided {
             return None;
         }
-        // The paths begin and end one after the other, by the difference of the leads.
+        // The paths begin and end at times that differ by the difference of the leads.
         let later = STEP * (best as f64 - self.lead as f64);
         let (begun, end) = (self.begun?, self.over_ground(time + self.lead(), velocity));
         let by = [0, 1]

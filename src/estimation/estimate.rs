@@ -1,4 +1,4 @@
-//! The estimate: what a filter tells of the motion, and how far that can be trusted.
+//! The estimate: the motion according to a filter, and how far it can be trusted.
 
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -10,21 +10,21 @@ use super::process::Process;
 use super::sensor::{euler, euler_by_turn};
 use super::track::{CHANNELS, Setup};
 
-/// How well a filter is.
+/// Health of a filter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Health {
-    /// All is as the filter expects.
+    /// Everything is as the filter expects.
     #[default]
     Good,
-    /// The position is not bounded: no velocity, or no fix, for longer than a few samples.
+    /// The position error grows: no velocity, or no fix, for longer than a few samples.
     Starved,
     /// Measurements contradict the estimate more often than chance allows.
     Inconsistent,
-    /// The estimate was lost and begun again from the start values with wide uncertainty.
+    /// The estimate was lost and restarted from the start values with wide uncertainty.
     Diverged,
 }
 
-/// What is known of a channel.
+/// Statistics of a channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ChannelReport {
     /// Innovation of the newest measurement.
@@ -35,9 +35,9 @@ pub struct ChannelReport {
     pub nis: f64,
     /// Measurements fused.
     pub used: u32,
-    /// Measurements limited as outliers, or refused as not fit.
+    /// Measurements limited as outliers, or rejected as invalid.
     pub rejected: u32,
-    /// Measurements that came late: put in their place, or lost where that is forgotten already.
+    /// Measurements that came late: inserted at their instant, or lost if that is too far back.
     pub late: u32,
 }
 
@@ -64,11 +64,12 @@ pub struct Estimate {
     pub channels: [ChannelReport; CHANNELS],
     /// State of health.
     pub health: Health,
-    /// Share of the thrust that each thruster is taken to have lost.
+    /// Estimated share of its thrust that each thruster has lost.
     pub loss: [f64; 8],
 }
 
-/// What of an estimate changes with the belief alone: how far it can be trusted, and the current.
+/// The parts of an estimate that depend only on the belief: how far it can be trusted, and the
+/// current.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Spread {
     covariance: [[f64; 6]; 6],
@@ -77,7 +78,7 @@ pub(super) struct Spread {
 }
 
 impl Spread {
-    /// Of the pose `lag` seconds later.
+    /// For the pose `lag` seconds later.
     pub(super) fn of<P: Process<N>, const N: usize>(
         setup: &Setup<P>,
         belief: &Belief<N>,
@@ -87,7 +88,7 @@ impl Spread {
         let mut position = Linearized::<3>::constant(motion.position.value);
         position.add(&Matrix3::identity(), &motion.position);
         if lag > setup.parameters.interval {
-            // It moves on with the velocity, as a point of the body ahead.
+            // It moves with the velocity, like a point of the body ahead.
             let ahead = motion.velocity.value * lag;
             position.add_block(&motion.turn.through(&-(motion.rotation * skew(&ahead))));
             position.add(&(motion.rotation * lag), &motion.velocity);
@@ -116,7 +117,7 @@ impl Spread {
             let sigma = setup.parameters.sensors.tilt_sigma;
             (3..5).for_each(|i| covariance[i][i] = sigma * sigma);
         }
-        // A velocity log has taken the error of the rate for one of the velocity.
+        // A velocity log has treated the error of the rate as an error of the velocity.
         let arms = skew(&Vector3::from(setup.parameters.mounting.dvl));
         let velocity = motion.velocity.covariance(&motion.velocity, p);
         let mut velocity_sigma = [0.0; 3];
@@ -130,7 +131,7 @@ impl Spread {
     }
 }
 
-/// What a belief says of the motion.
+/// The motion according to a belief.
 pub(super) fn describe<P: Process<N>, const N: usize>(
     setup: &Setup<P>,
     belief: &Belief<N>,
@@ -141,7 +142,7 @@ pub(super) fn describe<P: Process<N>, const N: usize>(
     estimate(&process.motion(belief, interval), &spread)
 }
 
-/// An estimate without what is known of the channels and of the thrusters.
+/// An estimate without channels and thrusters.
 pub(super) fn estimate(motion: &Motion, spread: &Spread) -> Estimate {
     let Spread { covariance, velocity_sigma, current } = *spread;
     Estimate {

@@ -1,4 +1,4 @@
-//! A navigation filter: a process, the sensors, and the order of time.
+//! A navigation filter: a process, the sensors, and time ordering.
 
 use core::marker::PhantomData;
 
@@ -17,9 +17,9 @@ use super::track::{CHANNELS, Record, Setup, Track};
 use super::turning::ATTITUDE_GAP;
 use crate::ParameterError;
 
-/// A silence longer than this (s) is not predicted through: the filter begins anew.
+/// The filter does not predict through a silence longer than this (s); it restarts.
 const LOST: f64 = 3600.0;
-/// Driving signals that are silent for longer than this (s) are not waited for.
+/// The filter does not wait for driving signals that are silent for longer than this (s).
 const SILENT: f64 = 0.25;
 
 /// A filter of at most `N` states.
@@ -29,14 +29,14 @@ pub struct Filter<P, const N: usize, M = ()> {
     monitor: PhantomData<M>,
 }
 
-/// What a filter remembers between cycles.
+/// The memory of a filter between cycles.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct Memory<const N: usize, M = ()> {
     history: Option<History<N, M>>,
     sources: Sources,
     clocks: Clocks,
     late: [u32; KINDS],
-    /// When the belief was last begun anew (s).
+    /// When the belief was last restarted (s).
     reset: f64,
     /// The first cycle (s).
     begun: f64,
@@ -64,7 +64,7 @@ impl<const N: usize, M: Copy> Clone for Memory<N, M> {
         Self { history: self.history.clone(), ..*self }
     }
 
-    /// Keeps the room that the history has.
+    /// Keeps the capacity of the history.
     fn clone_from(&mut self, from: &Self) {
         self.history.clone_from(&from.history);
         (self.sources, self.clocks, self.late) = (from.sources, from.clocks, from.late);
@@ -81,23 +81,23 @@ impl<const N: usize, M> Memory<N, M> {
     }
 }
 
-/// What every filter of the family offers, whatever is inside.
+/// The interface of every filter of the family, whatever is inside.
 pub trait Navigation {
-    /// What it remembers between cycles.
+    /// Its memory between cycles.
     type Memory;
 
     /// The memory at the start.
     fn memory(&self) -> Self::Memory;
 
-    /// Takes what is new at time `now` (s).
+    /// Takes in new measurements at time `now` (s).
     ///
-    /// Time that does not advance, or goes back, changes nothing but what is new.
+    /// If time does not advance, or goes back, only new measurements change anything.
     fn take(&self, memory: &mut Self::Memory, now: f64, measured: &Measurements);
 
-    /// What is known since something was last taken.
+    /// The estimate after the last measurements taken in.
     fn estimate(&self, memory: &mut Self::Memory) -> Estimate;
 
-    /// A cycle: takes what is new, and estimates.
+    /// A cycle: takes in new measurements, and estimates.
     fn update(&self, memory: &mut Self::Memory, now: f64, measured: &Measurements) -> Estimate {
         self.take(memory, now, measured);
         self.estimate(memory)
@@ -203,12 +203,12 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
         Navigation::update(self, memory, now, measured)
     }
 
-    /// The share of its thrust that each thruster is taken to give.
+    /// The share of its thrust that each thruster is assumed to give.
     pub(super) fn effectiveness(memory: &Memory<N, M>) -> [f64; 8] {
         memory.history.as_ref().map_or([1.0; 8], |history| history.track.effectiveness)
     }
 
-    /// From now on the thrusters are taken to give these shares of their thrust.
+    /// From now on the thrusters are assumed to give these shares of their thrust.
     pub(super) fn assume(&self, memory: &mut Memory<N, M>, effectiveness: [f64; 8]) {
         if let Some(history) = &mut memory.history {
             let time = history.track.time;
@@ -216,8 +216,8 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
         }
     }
 
-    /// Up to where the driving signals are known: inertial unit and thrusts, or while there is no
-    /// inertial unit the attitude, whose change says how the vehicle turns.
+    /// The time up to which the driving signals are known: inertial unit and thrusts, or, without
+    /// an inertial unit, the attitude, whose change shows how the vehicle turns.
     fn horizon(&self, sources: &Sources, now: f64) -> f64 {
         let known = |kind: Kind, silence: f64| {
             let source = &sources[kind as usize];

@@ -1,8 +1,8 @@
 //! The past of a filter, as far back as measurements may come late: events and copies of the track.
 //!
-//! A late event is put in its place, the newest copy from before it is taken up again, and the
-//! events after it are repeated. The result is what it would be had the event come in time.
-//! Everything has a fixed capacity: a cycle does not allocate.
+//! A late event is inserted at its instant, the newest copy before it is restored, and the later
+//! events are repeated. The result is the same as if the event had arrived in time. Everything has
+//! a fixed capacity: a cycle does not allocate.
 
 use std::collections::VecDeque;
 
@@ -14,7 +14,7 @@ use super::monitor::Monitor;
 use super::process::Process;
 use super::track::{Ahead, Setup, Track};
 
-/// Events that are kept; at the usual rates some seconds.
+/// Number of events kept; at the usual rates some seconds.
 const EVENTS: usize = 1024;
 /// Copies of the track.
 const COPIES: usize = 8;
@@ -27,16 +27,16 @@ pub(super) struct History<const N: usize, M> {
     /// In the order of their keys; the first `taken` are in the track.
     events: VecDeque<Event>,
     taken: usize,
-    /// Whether the belief is another than when it was last asked.
+    /// Whether the belief has changed since the last query.
     changed: bool,
 }
 
-/// What became of an event on arrival.
+/// What happened to an event on arrival.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Arrival {
     InTime,
     Late,
-    /// Older than all that is remembered, or there already.
+    /// Older than the history, or a duplicate.
     Lost,
 }
 
@@ -68,7 +68,7 @@ impl<const N: usize, M: Monitor<N>> History<N, M> {
         Self { track, copies, events, taken: 0, changed: true }
     }
 
-    /// Begins anew; what is pending stays.
+    /// Restarts; pending events are kept.
     pub(super) fn reset(&mut self, track: Track<N, M>) {
         self.track = track;
         self.changed = true;
@@ -78,7 +78,7 @@ impl<const N: usize, M: Monitor<N>> History<N, M> {
         self.taken = 0;
     }
 
-    /// Puts an event in its place; a late one takes the track back to before it.
+    /// Inserts an event; a late one rolls the track back to before it.
     pub(super) fn insert(&mut self, event: Event) -> Arrival {
         // Nearly every event is the newest, and not before the track.
         let is_newest = self.events.back().is_some_and(|newest| earlier(newest.key(), event.key()));
@@ -98,7 +98,8 @@ impl<const N: usize, M: Monitor<N>> History<N, M> {
         if place >= self.taken && event.time >= self.track.time - 1e-9 {
             return Arrival::InTime;
         }
-        // A copy between the samples around a late one of a driving signal holds the line across it.
+        // A copy between the samples around a late sample of a driving signal contains the line
+        // across it.
         let before = self.events.range(..place).rev().find(|e| e.kind == event.kind);
         let time = match event.kind {
             Kind::Imu | Kind::Thrust | Kind::Ahrs => before.map_or(f64::NEG_INFINITY, |e| e.time),
@@ -131,7 +132,7 @@ impl<const N: usize, M: Monitor<N>> History<N, M> {
         self.taken = self.events.partition_point(|e| !earlier(key, e.key()));
     }
 
-    /// Takes all events up to an instant, and predicts to the grid before it. Tells whether that
+    /// Takes all events up to an instant, and predicts to the grid before it. Returns whether that
     /// changed the belief.
     pub(super) fn run<P: Process<N>>(
         &mut self,
@@ -164,7 +165,7 @@ impl<const N: usize, M: Monitor<N>> History<N, M> {
         changed
     }
 
-    /// Whether the belief has changed since this was last asked.
+    /// Whether the belief has changed since the last query.
     pub(super) fn take_changed(&mut self) -> bool {
         core::mem::take(&mut self.changed)
     }
@@ -194,7 +195,7 @@ impl<const N: usize, M: Monitor<N>> History<N, M> {
             self.drop_oldest();
         }
         if self.events.len() >= EVENTS {
-            // More events than there is room for between two copies: the past ends here.
+            // More events than fit between two copies: the past ends here.
             self.copies.clear();
             self.copies.push_back(self.track);
             self.events.drain(..self.taken);

@@ -1,4 +1,4 @@
-//! Intake of readings: which are new, which are fit, and what time they speak of.
+//! Intake of readings: which are new, which are valid, and the time they refer to.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,22 +7,22 @@ use super::measurement::{Event, KINDS, Kind, LONGEST, Measurements, Reading, is_
 /// A stamp may be this far ahead of the filter's clock (s): an importer's step, a rounding.
 const AHEAD: f64 = 0.05;
 
-/// What is remembered of one instrument.
+/// What is remembered about one instrument.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Source {
     stamp: f64,
     value: [f64; LONGEST],
     seen: bool,
-    /// What is added to its stamps since its clock stepped (s).
+    /// Offset added to its stamps since its clock stepped (s).
     offset: f64,
     /// Newest time of its samples, and the filter's time when the newest came (s).
     pub(super) newest: f64,
     pub(super) arrived: f64,
-    /// Readings that were new but not fit: not numbers, out of reason, stuck.
+    /// Readings that were new but invalid: not numbers, out of range, stuck.
     pub(super) invalid: u32,
     /// Steps of its clock.
     pub(super) steps: u32,
-    /// Repetitions of the same value in a row.
+    /// Consecutive repetitions of the same value.
     repeated: u32,
 }
 
@@ -67,7 +67,7 @@ impl Source {
         }
         (self.stamp, self.seen) = (stamp, true);
         if !repeats {
-            // The first of those that are the same stays: a slow change adds up to another value.
+            // The first of equal values is kept: a slow change adds up to a different value.
             self.value = value;
         }
         // The same value at another instant: the instrument is stuck.
@@ -81,9 +81,9 @@ impl Source {
         Some(Event { time, kind, value })
     }
 
-    /// The time of a stamp. One that cannot be, in the future or older than any latency, shows that
-    /// the clock stepped; its samples count as taken when they came, and so do later ones by the same
-    /// step, until the stamps make sense by themselves again.
+    /// The time of a stamp. An impossible stamp, in the future or older than any latency, shows
+    /// that the clock stepped; its samples count as taken when they arrived, and so do later ones
+    /// with the same offset, until the stamps are plausible by themselves again.
     fn anchor(&mut self, now: f64, stamp: f64, latency: f64) -> f64 {
         let fits = |time: f64| (-AHEAD..=latency.max(AHEAD)).contains(&(now - time));
         if fits(stamp) {
@@ -99,7 +99,7 @@ impl Source {
 /// All instruments.
 pub(super) type Sources = [Source; KINDS];
 
-/// Hands every reading that is new and fit to `take`, in the order of the kinds.
+/// Passes every reading that is new and valid to `take`, in the order of the kinds.
 pub(super) fn take_new(
     sources: &mut Sources,
     now: f64,
@@ -122,7 +122,7 @@ mod tests {
 
     const VALUE: [f64; 3] = [0.31, -0.02, 1.7];
 
-    /// How many events these readings make, one a cycle of 0.1 s, and how many are refused.
+    /// How many events these readings make, one per cycle of 0.1 s, and how many are rejected.
     fn events(readings: impl IntoIterator<Item = Reading<3>>) -> (usize, u32) {
         let mut source = Source::default();
         let readings = readings.into_iter().enumerate();
@@ -139,7 +139,7 @@ mod tests {
     fn a_stamp_that_differs_by_rounding_is_the_same_measurement() {
         let stamp = |i: usize| (0..i).fold(0.3, |stamp: f64, _| stamp.next_up());
         assert_eq!(events((3..9).map(|i| Reading::at(stamp(i), up(VALUE, i)))), (1, 0));
-        // However small the differences, a stamp that moves on is another measurement.
+        // However small the differences, a stamp that changes is another measurement.
         let creeping = |i: usize| 0.3 + 0.4e-9 * i as f64;
         assert_eq!(events((0..9).map(|i| Reading::at(creeping(i), up(VALUE, 9999 * i)))), (3, 0));
     }

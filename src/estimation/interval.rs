@@ -1,9 +1,10 @@
-//! What drove the vehicle between two instants of a filter: means of inertial and thrust samples.
+//! The inputs that drove the vehicle between two instants of a filter: means of inertial and thrust
+//! samples.
 //!
 //! Samples are points of a signal, joined by straight lines; their mean over an interval is the
-//! integral of that line (for samples on both ends, the trapezoidal rule). A mean that begins or
-//! ends between two samples is as right as one that does not, and no half sample is lost: a gyro
-//! that lags by half a sample turns the heading too late in every turn.
+//! integral of that line (with samples at both ends, the trapezoidal rule). A mean that begins or
+//! ends between two samples is as accurate as one that does not, and no half sample is lost: a gyro
+//! that lags by half a sample would turn the heading too late in every turn.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,10 +14,10 @@ use crate::vector::Vec3;
 
 /// Instants closer than this (s) are the same.
 pub(super) const SAME: f64 = 1e-9;
-/// Samples farther apart than this (s) do not describe what is between them.
+/// Samples farther apart than this (s) do not describe the signal between them.
 pub(super) const GAP: f64 = 0.25;
 
-/// A signal of `K` channels as far as it is known, and its integrals since the interval began.
+/// A signal of `K` channels up to the newest sample, and its integrals since the interval began.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound(serialize = "[f64; K]: Serialize", deserialize = "[f64; K]: Deserialize<'de>"))]
 pub(super) struct Stream<const K: usize> {
@@ -42,7 +43,7 @@ pub(super) struct Mean<const K: usize> {
 }
 
 impl<const K: usize> Stream<K> {
-    /// Nothing known yet, from an instant on.
+    /// Nothing known yet, starting at an instant.
     pub(super) fn new(begun: f64) -> Self {
         Self { newest: None, begun, covered: 0.0, integral: [0.0; K], moment: [0.0; K] }
     }
@@ -68,11 +69,11 @@ impl<const K: usize> Stream<K> {
         self.newest = Some((time, value));
     }
 
-    /// Ends the interval; `next` is the first sample later than its end, if there is one yet.
+    /// Ends the interval; `next` is the first sample after its end, if there is one yet.
     pub(super) fn close(&mut self, end: f64, next: Option<(f64, [f64; K])>) -> Option<Mean<K>> {
         if let Some((last, from)) = self.newest {
             let value = match next {
-                // A sample at the end itself needs no other.
+                // A sample exactly at the end needs no other.
                 _ if (end - last).abs() < SAME => Some(from),
                 Some((time, to)) if time - last <= GAP => {
                     let share = if time > last { (end - last) / (time - last) } else { 0.0 };
@@ -127,7 +128,8 @@ pub struct Inertial {
 pub struct Thrusts {
     /// Mean of each thruster (N).
     pub mean: [f64; 8],
-    /// Mean with a weight rising from 0 at the beginning to 1 at the end: the late half counts more.
+    /// Mean with a weight rising from 0 at the beginning to 1 at the end: the later half counts
+    /// more.
     pub rising: [f64; 8],
 }
 
@@ -138,11 +140,11 @@ pub struct Interval {
     pub end: f64,
     /// Its length (s).
     pub dt: f64,
-    /// Inertial means; absent while the inertial unit is.
+    /// Inertial means; absent without an inertial unit.
     pub inertial: Option<Inertial>,
     /// Thrusts; absent while they are not reported.
     pub thrust: Option<Thrusts>,
-    /// Angular rates that attitudes speak for; absent without attitudes, and where there are gyros.
+    /// Angular rates from attitudes; absent without attitudes, and where there are gyros.
     pub turning: Option<Turning>,
     /// Rotation from body to level axes by the roll and pitch last measured.
     pub tilt: [Vec3; 3],

@@ -1,8 +1,8 @@
 //! The Kalman update: components of a measurement one after the other, with bounded influence.
 //!
-//! A measurement whose normalised innovation squared (NIS) passes the gate is not thrown away; its
-//! noise is taken for so large that the NIS is at the gate. Its pull then falls with its distance,
-//! a filter that has gone astray still comes back, and no good measurement is lost near the gate.
+//! A measurement whose normalised innovation squared (NIS) exceeds the gate is not discarded; its
+//! noise is increased until the NIS is at the gate. Its pull then decreases with its distance, a
+//! filter that has gone astray still recovers, and no good measurement is lost near the gate.
 //! Bar-Shalom, Li & Kirubarajan (2001) ch. 5.4 for the NIS, Huber (1981) for bounded influence.
 
 use nalgebra::Matrix3;
@@ -12,19 +12,19 @@ use super::interval::Interval;
 use super::sensor::Observation;
 use super::transition::Transition;
 
-/// Looks on while a belief changes: detection banks, smoothers.
+/// Observes changes of a belief: detection banks, smoothers.
 pub trait Witness<const N: usize> {
-    /// The errors of the states were propagated by F, and got noise of covariance Q.
+    /// The errors of the states were propagated by F, with added noise of covariance Q.
     fn predicted(&mut self, f: &Transition<N>) {
         let _ = f;
     }
 
-    /// The prediction was driven by what an interval says.
+    /// The prediction was driven by the signals of an interval.
     fn driven(&mut self, interval: &Interval) {
         let _ = interval;
     }
 
-    /// The next measurement fused changes by this, directly, with the thrust that each thruster loses.
+    /// The direct effect on the next fused measurement of the thrust that each thruster loses.
     fn direct(&mut self, effect: [f64; 8]) {
         let _ = effect;
     }
@@ -34,8 +34,8 @@ pub trait Witness<const N: usize> {
         let _ = (row, gain, innovation, s);
     }
 
-    /// At one instant the errors of the states became F times what they were, plus noise: some
-    /// states were given up.
+    /// At one instant the errors of the states became F times their value, plus noise: some states
+    /// were discarded.
     fn given_up(&mut self, f: &Transition<N>) {
         let _ = f;
     }
@@ -43,7 +43,7 @@ pub trait Witness<const N: usize> {
 
 impl<const N: usize> Witness<N> for () {}
 
-/// Two look on.
+/// Two observers.
 pub struct Both<'a, A, B>(pub &'a mut A, pub &'a mut B);
 
 impl<const N: usize, A: Witness<N>, B: Witness<N>> Witness<N> for Both<'_, A, B> {
@@ -73,7 +73,8 @@ impl<const N: usize, A: Witness<N>, B: Witness<N>> Witness<N> for Both<'_, A, B>
     }
 }
 
-/// A measurement's components one after the other: what each says beyond those before it.
+/// A measurement's components in sequence: the additional information of each beyond those before
+/// it.
 ///
 /// With `S = L D L^T`, the covariance of the innovation y, the innovations `L^-1 y` are independent and
 /// their variances are D.
@@ -88,8 +89,8 @@ pub(super) struct Sequence {
 }
 
 impl Sequence {
-    /// Of the first `size` components, where `predicted` is what the states make of S; nothing if S is not
-    /// positive definite.
+    /// For the first `size` components, where `predicted` is the contribution of the states to S;
+    /// nothing if S is not positive definite.
     fn new<const N: usize>(
         predicted: &Matrix3<f64>,
         observation: &Observation<N>,
@@ -120,12 +121,12 @@ impl Sequence {
     }
 }
 
-/// How a measurement fits what was predicted.
+/// How a measurement fits its prediction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict<const N: usize> {
     /// `P h` of each component.
     correlations: [Column<N>; 3],
-    /// The components as they are fused, with limited influence; nothing if they cannot be.
+    /// The components as they are fused, with limited influence; nothing if they cannot be fused.
     sequence: Option<Sequence>,
     /// Standard deviations of the innovation as predicted, before any limit.
     pub sigma: [f64; 3],
@@ -146,8 +147,8 @@ impl<const N: usize> Verdict<N> {
 /// Quantiles of the chi-square distribution at 99.9 % for one, two and three degrees of freedom.
 pub const GATE: [f64; 3] = [10.83, 13.82, 16.27];
 
-/// Judges and fuses an observation; gives the correction of the states, which the process applies to
-/// its mean.
+/// Evaluates and fuses an observation; returns the correction of the states, which the process
+/// applies to its mean.
 pub fn fuse<const N: usize>(
     belief: &mut Belief<N>,
     observation: &Observation<N>,
@@ -158,8 +159,8 @@ pub fn fuse<const N: usize>(
     absorb(belief, observation, &mut verdict, witness)
 }
 
-/// Fuses an observation that has been judged; its correlations become gains. One whose innovation would
-/// have no variance changes nothing.
+/// Fuses an observation that has been evaluated; its correlations become gains. If its innovation
+/// would have no variance, nothing changes.
 pub fn absorb<const N: usize>(
     belief: &mut Belief<N>,
     observation: &Observation<N>,
@@ -188,7 +189,7 @@ pub fn absorb<const N: usize>(
     correction
 }
 
-/// Compares an observation with its prediction; `gate` bounds its NIS, infinity lets everything in.
+/// Compares an observation with its prediction; `gate` bounds its NIS, infinity accepts everything.
 pub fn judge<const N: usize>(
     belief: &Belief<N>,
     observation: &Observation<N>,
@@ -217,9 +218,9 @@ pub fn judge<const N: usize>(
     Verdict { sequence: sequence(high), inflation: high, ..verdict }
 }
 
-/// The factor on the noise at which a NIS that is `plain` without it comes down to the gate.
+/// The factor on the noise that brings a NIS of `plain` down to the gate.
 fn limit(plain: f64, gate: f64, nis: impl Fn(f64) -> f64) -> f64 {
-    // The NIS falls with the factor; without predicted variance it would be plain / factor.
+    // The NIS decreases with the factor; without predicted variance it would be plain / factor.
     let (mut low, mut high) = (1.0, plain / gate);
     while nis(high) > gate && high < 1e30 {
         high *= 4.0;

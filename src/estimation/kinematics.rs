@@ -1,6 +1,6 @@
-//! What all processes know of the vehicle's motion, with its derivatives by their states.
+//! The motion of the vehicle as every process provides it, with its derivatives by the states.
 //!
-//! Sensors are written for this view once, whatever the states of the process: a row of a
+//! Sensors are written once for this interface, whatever the states of the process: a row of a
 //! measurement's Jacobian is the chain rule through position, attitude, velocity and rate.
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, SMatrix, Vector3};
 use super::belief::{Column, Row};
 use super::process::rotation::exp;
 
-/// Derivatives of a vector by three states in a row, the first of which is `state`.
+/// Derivatives of a vector by three consecutive states, starting with `state`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Block {
     state: usize,
@@ -37,7 +37,7 @@ impl Block {
     }
 }
 
-/// A vector and its derivatives by the states, those of up to `B` blocks.
+/// A vector and its derivatives by the states of up to `B` blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Linearized<const B: usize = 1> {
     /// The vector.
@@ -53,7 +53,7 @@ impl<const B: usize> Linearized<B> {
         Self { value, blocks: [Block::default(); B], count: 0 }
     }
 
-    /// Sets the derivatives by three states in a row, beginning at `state`, which has none yet.
+    /// Sets the derivatives by three consecutive states, starting at `state`, which has none yet.
     ///
     /// # Panics
     /// If there are `B` blocks already.
@@ -73,12 +73,12 @@ impl<const B: usize> Linearized<B> {
     /// Adds the derivatives of `M v` of another vector v.
     ///
     /// # Panics
-    /// If these are too many blocks.
+    /// If there would be too many blocks.
     pub fn add<const C: usize>(&mut self, m: &Matrix3<f64>, v: &Linearized<C>) {
         v.blocks[..v.count].iter().for_each(|block| self.add_block(&block.through(m)));
     }
 
-    /// Covariance with another vector where `p` is that of the states.
+    /// Covariance with another vector, where `p` is the covariance of the states.
     #[must_use]
     #[inline]
     pub fn covariance<const C: usize, const N: usize>(
@@ -102,22 +102,22 @@ impl<const B: usize> Linearized<B> {
     }
 }
 
-/// States that belong to the sensors, where a process has them.
+/// Sensor states, if a process has them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SensorStates {
-    /// Bias of the compass (rad): it shows the heading plus this.
+    /// Bias of the compass (rad): it reports the heading plus this.
     pub heading_bias: Option<usize>,
-    /// Scale error of the velocity log: it shows 1 + this times the velocity.
+    /// Scale error of the velocity log: it reports 1 + this times the velocity.
     pub dvl_scale: Option<usize>,
     /// Yaw of the velocity log's housing (rad).
     pub dvl_misalignment: Option<usize>,
-    /// Delay of the velocity log (s): a sample stamped t shows the velocity at t less this, by the
-    /// clock of the attitude.
+    /// Delay of the velocity log (s): a sample stamped t contains the velocity at t minus this, by
+    /// the clock of the attitude.
     pub dvl_delay: Option<usize>,
 }
 
 impl SensorStates {
-    /// States that a velocity log cannot tell from a change of the velocity.
+    /// States that a velocity log cannot distinguish from a change of the velocity.
     #[must_use]
     pub fn of_dvl(&self) -> [Option<usize>; 3] {
         [self.dvl_scale, self.dvl_misalignment, self.dvl_delay]
@@ -167,13 +167,13 @@ pub struct Kinematics<const N: usize> {
     pub velocity: Linearized,
     /// Angular rate, body (rad/s).
     pub rate: Linearized,
-    /// Variance of the rate's noise beyond what the states say ((rad/s)^2).
+    /// Variance of the rate's noise in addition to that of the states ((rad/s)^2).
     pub rate_variance: f64,
-    /// Variance of the error of a rate that was tracked from attitudes ((rad/s)^2). What it adds up to is
-    /// no more than the noise of an attitude, so that no measurement counts less for it.
+    /// Variance of the error of a rate that was tracked from attitudes ((rad/s)^2). It accumulates
+    /// to no more than the noise of an attitude, so no measurement gets less weight because of it.
     pub tracking_variance: f64,
-    /// Time derivative of the velocity along body axes (m/s2). It is for the delay of the velocity log, and
-    /// may be left out where that is no state.
+    /// Time derivative of the velocity along body axes (m/s2). It is for the delay of the velocity
+    /// log, and may be omitted if that is not a state.
     pub acceleration: Linearized<4>,
     /// States of the sensors, and their mean.
     pub sensors: SensorStates,
@@ -188,7 +188,7 @@ impl<const N: usize> Kinematics<N> {
         state.map_or(0.0, |i| self.mean[i])
     }
 
-    /// Derivatives of `a^T dtheta`, for what depends on the attitude.
+    /// Derivatives of `a^T dtheta`, for quantities that depend on the attitude.
     #[must_use]
     pub fn through_rotation(&self, a: &Vector3<f64>) -> Row<N> {
         let mut row = Row::zeros();
@@ -216,7 +216,7 @@ pub fn skew(a: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::new(0.0, -a.z, a.y, a.z, 0.0, -a.x, -a.y, a.x, 0.0)
 }
 
-/// The matrix of a column beside zeros: a block in which only its first state matters.
+/// The matrix with one column and zeros: a block in which only its first state matters.
 #[must_use]
 pub fn first_column(column: Vector3<f64>) -> Matrix3<f64> {
     Matrix3::from_columns(&[column, Vector3::zeros(), Vector3::zeros()])

@@ -1,8 +1,8 @@
-//! The loops in which a filter spends its time: over the covariance, and over the hypotheses of a monitor.
+//! The innermost loops of a filter: over the covariance, and over the hypotheses of a monitor.
 //!
-//! Their lengths are constants, and where the processor has vectors of 256 bits they are compiled for
-//! these as well. Each element of a result comes from the same operations in the same order at any
-//! width, and none is fused, so that all processors give the same bits.
+//! Their lengths are constants, and they are also compiled for 256-bit vectors, for processors that
+//! support them. Each element of a result comes from the same operations in the same order at any
+//! width, and none is fused, so all processors give the same bits.
 #![allow(unsafe_code, reason = "code for wide vectors is called where the processor has them")]
 
 use core::ops::{AddAssign, Mul};
@@ -13,12 +13,12 @@ use super::belief::{Column, Row};
 use super::kalman::Sequence;
 use super::transition::{ROWS, Transition};
 
-/// Matrices of up to this many rows fit no wide vector that would pay for the question.
+/// Matrices of up to this many rows are too small for a wide vector to pay for the check.
 #[cfg(target_arch = "x86_64")]
 const SMALL: usize = 4;
 
-/// Defines a function that is compiled twice, for any processor and for wide vectors; the first constant is
-/// the size of the matrix.
+/// Defines a function that is compiled twice, for any processor and for wide vectors; the first
+/// constant is the size of the matrix.
 macro_rules! for_any_width {
     (
         $(#[$doc:meta])*
@@ -37,7 +37,7 @@ macro_rules! for_any_width {
                 }
 
                 if $size > SMALL && std::arch::is_x86_feature_detected!("avx2") {
-                    // SAFETY: the processor has what `wide` is compiled for.
+                    // SAFETY: the processor supports the features that `wide` is compiled for.
                     unsafe { wide::<$size $(, $n)*>($($arg),*) };
                     return;
                 }
@@ -47,7 +47,8 @@ macro_rules! for_any_width {
     };
 }
 
-/// Calls a function with the least of a few constants that is not below `$order`, as its second argument.
+/// Calls a function with the smallest of a few constants that is not below `$order`, as its second
+/// argument.
 ///
 /// The orders of the filters without optional states of the velocity log are 16 and 30.
 macro_rules! with_length {
@@ -62,7 +63,7 @@ macro_rules! with_length {
 pub(super) use with_length;
 
 for_any_width! {
-/// `P <- P - sum_k s_k K_k K_k^T` of gains K and variances s, of the first `L` rows and columns.
+/// `P <- P - sum_k s_k K_k K_k^T` with gains K and variances s, for the first `L` rows and columns.
 fn reduce<const N: usize, const L: usize, const K: usize>(
     p: &mut [[f64; N]; N],
     updates: &[(&Column<N>, f64); K],
@@ -89,7 +90,7 @@ fn reduce<const N: usize, const L: usize, const K: usize>(
 }
 }
 
-/// The sum of multiples of columns, of their first `L` rows.
+/// The sum of multiples of columns, over their first `L` rows.
 #[inline(always)]
 fn combine<T: Scalar, const N: usize, const L: usize>(
     columns: &[[T; N]],
@@ -125,7 +126,8 @@ impl Scalar for f32 {
 }
 
 for_any_width! {
-/// Gains from correlations `P h_k`, in their place, and `correction += sum_k K_k y_k`, of the first `L` rows.
+/// Gains from correlations `P h_k`, in place, and `correction += sum_k K_k y_k`, over the first `L`
+/// rows.
 fn weigh<const N: usize, const L: usize>(
     columns: &mut [Column<N>],
     sequence: &Sequence,
@@ -169,7 +171,7 @@ fn correlate<const N: usize, const L: usize>(
 }
 
 for_any_width! {
-/// `P <- F P F^T`, of the first `L` rows and columns; at most `A` states have a row in F.
+/// `P <- F P F^T`, for the first `L` rows and columns; at most `A` states have a row in F.
 fn propagate<const N: usize, const L: usize, const A: usize>(
     p: &mut [[f64; N]; N],
     f: &Transition<N>,
@@ -189,7 +191,7 @@ fn propagate<const N: usize, const L: usize, const A: usize>(
             p[j][i] *= factor;
         }
     }
-    // What F from the left makes of them: for states without a row it is a factor, ...
+    // The product with F from the left: for states without a row it is a factor, ...
     let states = &states[..f.rows().count().min(A)];
     for (&i, column) in states.iter().zip(&changed) {
         for j in 0..L {
@@ -198,7 +200,7 @@ fn propagate<const N: usize, const L: usize, const A: usize>(
             p[j][i] = value;
         }
     }
-    // ... and for those with one a sum.
+    // ... and for states with a row a sum.
     let mut turned = [[0.0; A]; L];
     for k in 0..L {
         for a in 0..A {
@@ -216,8 +218,8 @@ fn propagate<const N: usize, const L: usize, const A: usize>(
 }
 
 for_any_width! {
-/// Whether the first `L` rows and columns of P are positive definite, up to states that are known exactly:
-/// Cholesky's pivots of the correlation matrix may not be negative by more than rounding.
+/// Whether the first `L` rows and columns of P are positive definite, except for exactly known
+/// states: Cholesky's pivots of the correlation matrix may not be negative by more than rounding.
 fn factorize<const N: usize, const L: usize>(p: &[[f64; N]; N], positive: &mut bool) {
     let mut scale = [0.0; L];
     for i in 0..L {
@@ -225,7 +227,7 @@ fn factorize<const N: usize, const L: usize>(p: &[[f64; N]; N], positive: &mut b
         *positive &= variance >= 0.0;
         scale[i] = if variance > 0.0 { 1.0 / variance.sqrt() } else { 0.0 };
     }
-    // Above the diagonal the columns of the factor hold what is never used.
+    // Above the diagonal the columns of the factor contain unused values.
     let mut l = [[0.0; L]; L];
     for j in 0..L {
         let mut column = [0.0; L];
@@ -250,11 +252,11 @@ fn factorize<const N: usize, const L: usize>(p: &[[f64; N]; N], positive: &mut b
 }
 }
 
-/// How many hypotheses are worked on at a time.
+/// How many hypotheses are processed at a time.
 pub(super) const CHUNK: usize = 32;
 
-/// A vector for each of `CHUNK` hypotheses: column i holds their components i. Single precision is enough to
-/// tell them apart.
+/// A vector for each of `CHUNK` hypotheses: column i contains their components i. Single precision
+/// is enough to distinguish them.
 pub(super) type Chunk<const N: usize> = SMatrix<f32, CHUNK, N>;
 
 for_any_width! {

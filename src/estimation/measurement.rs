@@ -1,4 +1,4 @@
-//! What a filter is given each cycle, and what is fit to be looked at.
+//! The inputs of a filter in each cycle, and which of them are valid.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,8 +6,8 @@ use super::interval::SAME;
 
 /// Numbers in the longest value.
 pub(super) const LONGEST: usize = 8;
-/// Values that differ by no more than this share of themselves are the same but for rounding: an importer
-/// that draws straight lines between two equal values gives others in the last digits.
+/// Values with a relative difference of no more than this are the same except for rounding: an
+/// importer that interpolates between two equal values changes the last digits.
 const ROUNDING: f64 = 1e-12;
 
 /// The latest value of an instrument, with the time it was measured.
@@ -15,11 +15,12 @@ const ROUNDING: f64 = 1e-12;
 pub struct Reading<const K: usize> {
     /// The value.
     pub value: [f64; K],
-    /// Time of measurement (s); one within 1e-9 s of the one before is the same measurement.
-    /// Negative, or 0 while the value changes: unknown, so the value counts as new in every cycle; where noise never lets a value
-    /// repeat, only if it differs from the one before by more than rounding (1e-12 of itself).
+    /// Time of measurement (s); a time within 1e-9 s of the previous one is the same measurement.
+    /// Negative, or 0 while the value changes: unknown, so the value counts as new in every cycle;
+    /// if noise prevents a value from repeating, only if it differs from the previous one by more
+    /// than rounding (a relative 1e-12).
     pub stamp: f64,
-    /// False while the instrument has not measured yet, or is not there at all.
+    /// False while the instrument has not measured yet, or is absent.
     pub valid: bool,
 }
 
@@ -37,7 +38,7 @@ impl<const K: usize> Reading<K> {
         Self { value, stamp, valid: true }
     }
 
-    /// The value, filled up with zeros to the length of the longest.
+    /// The value, padded with zeros to the length of the longest.
     pub(super) fn padded(&self) -> [f64; LONGEST] {
         core::array::from_fn(|i| if i < K { self.value[i] } else { 0.0 })
     }
@@ -49,19 +50,19 @@ impl<const K: usize> Reading<K> {
         self.stamp > 0.0 || self.stamp == 0.0 && (newest != 0.0 || held())
     }
 
-    /// Whether this is the measurement with a stamp (s), but for rounding.
+    /// Whether this is the measurement with a stamp (s), except for rounding.
     pub(super) fn is_of(&self, stamp: f64) -> bool {
         (self.stamp - stamp).abs() < SAME
     }
 }
 
-/// Whether values are the same but for rounding.
+/// Whether values are the same except for rounding.
 pub(super) fn is_same(a: &[f64; LONGEST], b: &[f64; LONGEST]) -> bool {
     let close = |a: f64, b: f64| a == b || (a - b).abs() <= ROUNDING * a.abs().max(b.abs());
     a.iter().zip(b).all(|(&a, &b)| close(a, b))
 }
 
-/// Everything that a filter can use in a cycle; what is absent is never fused.
+/// Everything that a filter can use in a cycle; absent measurements are never fused.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measurements {
     /// Specific force (m/s2) and angular rate (rad/s) at the inertial unit, body axes.
@@ -78,7 +79,7 @@ pub struct Measurements {
     pub thrust: Reading<8>,
 }
 
-/// Kinds of samples, in the order in which those of one instant are taken.
+/// Kinds of samples, in the order in which those of one instant are processed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Kind {
     /// Inertial unit.
@@ -93,16 +94,16 @@ pub enum Kind {
     Dvl,
     /// Position fix.
     Fix,
-    /// Shares of the thrust that the thrusters give, as a monitor found.
+    /// Shares of the thrust that the thrusters give, as found by a monitor.
     Effectiveness,
-    /// What the position turned out to be off by, and to within what: north and east of each.
+    /// The position error that was found, and its standard deviation: north and east of each.
     Displacement,
 }
 
 /// How many kinds of samples come from instruments.
 pub const KINDS: usize = 6;
 
-/// A sample at an instant; of `value` only the kind's own components count.
+/// A sample at an instant; only the kind's own components of `value` count.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Event {
     pub(super) time: f64,
@@ -111,7 +112,7 @@ pub(super) struct Event {
 }
 
 impl Event {
-    /// Where the event stands in the order of all events.
+    /// Position of the event in the order of all events.
     pub(super) fn key(&self) -> Key {
         (self.time, self.kind)
     }
@@ -122,7 +123,7 @@ impl Event {
     }
 }
 
-/// Time and kind; total, so that the order of arrival does not matter.
+/// Time and kind; a total order, so the order of arrival does not matter.
 pub(super) type Key = (f64, Kind);
 
 impl Kind {
@@ -137,7 +138,7 @@ impl Kind {
         }
     }
 
-    /// Largest magnitude that a component may have to be believed at all.
+    /// Largest magnitude of a component that is accepted.
     fn bound(self) -> f64 {
         match self {
             // Over a hundred g; rates are far below.
@@ -150,7 +151,7 @@ impl Kind {
         }
     }
 
-    /// Whether values can have come from a working instrument: numbers within reason, and not all
+    /// Whether values can have come from a working instrument: numbers within range, and not all
     /// zero where noise makes that impossible.
     pub(super) fn is_plausible(self, value: &[f64; 8]) -> bool {
         let own = &value[..self.size()];
@@ -164,8 +165,8 @@ impl Kind {
         !all_zero && own.iter().fold(true, |all, x| all & (x.abs() <= bound))
     }
 
-    /// Whether a value that repeats the one before, but for rounding, shows an instrument that is stuck.
-    /// A rotor can stand still, and a depth has a coarse resolution.
+    /// Whether repeating the previous value, except for rounding, shows that an instrument is
+    /// stuck. A rotor can stand still, and a depth has a coarse resolution.
     pub(super) fn never_repeats(self) -> bool {
         !matches!(self, Self::Thrust | Self::Depth | Self::Effectiveness | Self::Displacement)
     }

@@ -1,11 +1,11 @@
 //! State estimation.
 //!
-//! A [`Filter`] is a [`process`] (how a state moves) and the [`sensor`]s (what measurements say of
-//! it), and the order of time: it predicts to each measurement's own instant, and puts late ones in
-//! their place (`history`). Its [`Belief`] is a mean and a covariance; a measurement changes it
-//! through [`kalman`], with bounded influence. Sensors are written once, for the [`kinematics`] that
-//! every process offers with its derivatives. The paper's two filters are in [`paper`]. What no
-//! filter can be better than is in [`bound`].
+//! A [`Filter`] consists of a [`process`] (how the state evolves), the [`sensor`]s (how
+//! measurements depend on the state), and time ordering: it predicts to each measurement's own
+//! instant, and inserts late ones at theirs (`history`). Its [`Belief`] is a mean and a covariance;
+//! a measurement changes it through [`kalman`], with bounded influence. Sensors are written once,
+//! for the [`kinematics`] that every process provides with its derivatives. The paper's two filters
+//! are in [`paper`]. [`bound`] has the lower bound for any filter.
 
 mod aided;
 pub mod belief;

@@ -1,8 +1,8 @@
 //! Detection of lost thrust: a bank of generalised likelihood ratios beside the filter.
 //!
 //! Hypothesis (i, k): thruster i has lost a share of its thrust since restart k, while its rotor
-//! turns as before. Each carries V, the mean error of the filter per unit of the share lost, and
-//! compares the innovations y with what they would be then:
+//! turns as before. Each hypothesis carries V, the mean error of the filter per unit of the lost
+//! share, and compares the innovations y with those expected in that case:
 //!
 //! ```text
 //! predict   V <- F V - B_i T_i dt
@@ -21,7 +21,7 @@ use super::kalman::Witness;
 use super::lanes::{CHUNK, Chunk, Heard, advance, hear};
 use super::transition::Transition;
 
-/// Restarts kept; one a second, so that losses up to this many seconds old are distinguished.
+/// Restarts kept; one a second, so losses up to this many seconds old are distinguished.
 const RESTARTS: usize = 12;
 /// Seconds between restarts.
 const SPACING: f64 = 1.0;
@@ -38,21 +38,21 @@ pub struct Alarm<const N: usize> {
     pub thruster: usize,
     /// Share of its thrust lost.
     pub share: f64,
-    /// Correction of the states, and the standard deviation it has along itself.
+    /// Correction of the states, and the standard deviation along it.
     pub correction: Column<N>,
-    /// The direction in which the covariance widens: P grows by the product of this with itself.
+    /// The direction in which the covariance grows: P increases by the product of this with itself.
     pub widening: Column<N>,
 }
 
-/// Watches a filter's innovations for a fault.
+/// Monitors a filter's innovations for a fault.
 pub trait Monitor<const N: usize>: Witness<N> + Copy + Default {
-    /// Looks whether there is a fault at an instant (s); after an alarm it begins anew.
+    /// Checks for a fault at an instant (s); after an alarm it restarts.
     fn judge(&mut self, now: f64) -> Option<Alarm<N>> {
         let _ = now;
         None
     }
 
-    /// Makes known what a newton of each thruster does to the states in a second.
+    /// Sets the effect of one newton of each thruster on the states per second.
     fn prepare(&mut self, effect: &[Column<N>; THRUSTERS]) {
         let _ = effect;
     }
@@ -87,10 +87,11 @@ impl<const N: usize> Default for ThrusterMonitor<N> {
     }
 }
 
-/// Twice the log-likelihood ratio of an alarm. With half of it, a vehicle whose mass is wrong by 20 % has an
-/// alarm an hour, and the wrong thruster is named now and then; losses are found within a second all the same.
+/// Twice the log-likelihood ratio of an alarm. With half of it, a vehicle whose mass is wrong by 20
+/// % raises an alarm every hour, and the wrong thruster is named now and then; losses are still
+/// found within a second.
 const THRESHOLD: f32 = 50.0;
-/// Shares that a loss of a propeller can be told from a disturbance by.
+/// Range of shares in which a lost propeller can be distinguished from a disturbance.
 const SHARES: core::ops::Range<f64> = 0.35..1.4;
 
 impl<const N: usize> Monitor<N> for ThrusterMonitor<N> {
@@ -100,7 +101,7 @@ impl<const N: usize> Monitor<N> for ThrusterMonitor<N> {
 
     fn judge(&mut self, now: f64) -> Option<Alarm<N>> {
         let best = (0..HYPOTHESES)
-            // C^2/J without a division, for nearly all are below.
+            // C^2/J without a division, because nearly all are below.
             .filter(|&k| self.c[k] * self.c[k] > THRESHOLD * self.j[k])
             .filter(|&k| SHARES.contains(&self.share(k)))
             .max_by(|&a, &b| self.ratio(a).total_cmp(&self.ratio(b)));
@@ -130,7 +131,7 @@ impl<const N: usize> Monitor<N> for ThrusterMonitor<N> {
 }
 
 impl<const N: usize> ThrusterMonitor<N> {
-    /// The share lost that is the most likely.
+    /// The most likely lost share.
     fn share(&self, k: usize) -> f64 {
         f64::from(self.c[k]) / f64::from(self.j[k])
     }

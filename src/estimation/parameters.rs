@@ -6,7 +6,7 @@ use crate::sensors::{BiasNoise, ImuParameters};
 
 use super::kinematics::SensorStates;
 
-/// What the filter takes for known of the sensors, in the sensors' terms.
+/// The filter's assumptions about the sensors, in the sensors' terms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorErrors {
     /// Accelerometers (m/s2).
@@ -25,7 +25,7 @@ pub struct SensorErrors {
     pub dvl_scale_sigma: f64,
     /// Standard deviation of the yaw of its housing (rad); 0: none, no state for it.
     pub dvl_misalignment_sigma: f64,
-    /// Standard deviation of its delay against the attitude (s); 0: none, no state for it.
+    /// Standard deviation of its delay relative to the attitude (s); 0: none, no state for it.
     pub dvl_delay_sigma: f64,
     /// Standard deviation of a fix that does not report its own (m).
     pub fix_sigma: f64,
@@ -52,7 +52,7 @@ impl Default for SensorErrors {
     }
 }
 
-/// Places of the sensors, body (m).
+/// Positions of the sensors, body (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mounting {
     /// Inertial unit.
@@ -76,7 +76,7 @@ impl Default for Mounting {
     }
 }
 
-/// What is assumed at the start.
+/// Assumptions at the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
     /// `[x, y, z]` NED (m).
@@ -90,7 +90,7 @@ pub struct Start {
     /// Standard deviation of roll and pitch (rad).
     pub tilt_sigma: f64,
     /// Standard deviation of the heading (rad); from half a radian on it counts as unknown, and the
-    /// first attitude measured becomes the mean.
+    /// first measured attitude becomes the mean.
     pub heading_sigma: f64,
     /// Standard deviation of the velocity, each axis (m/s).
     pub velocity_sigma: f64,
@@ -110,12 +110,12 @@ impl Default for Start {
     }
 }
 
-/// What acts on the vehicle besides its model, for filters that have one.
+/// Disturbances besides the vehicle model, for filters that have one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disturbances {
-    /// Standard deviation of the force that varies quickly, each axis (N).
+    /// Standard deviation of the fast force, each axis (N).
     pub force_sigma: f64,
-    /// Standard deviation of the yaw moment that varies quickly (N.m).
+    /// Standard deviation of the fast yaw moment (N.m).
     pub moment_sigma: f64,
     /// Their correlation time (s).
     pub correlation_time: f64,
@@ -123,7 +123,7 @@ pub struct Disturbances {
     pub force_density: f64,
     /// White yaw moment (N.m/sqrt(Hz)).
     pub moment_density: f64,
-    /// Standard deviation of the force that varies slowly: errors of damping and thrust (N).
+    /// Standard deviation of the slow force: errors of damping and thrust (N).
     pub slow_force_sigma: f64,
     /// Its correlation time (s).
     pub slow_force_time: f64,
@@ -157,21 +157,21 @@ impl Default for Disturbances {
 pub struct NavigationParameters {
     /// Longest interval of prediction (s).
     pub interval: f64,
-    /// How late a measurement may come to be still put in its place (s).
+    /// How late a measurement may arrive and still be fused at its own time (s).
     pub latency: f64,
     /// Whether the influence of outliers is limited.
     pub gated: bool,
     /// Errors of the sensors.
     pub sensors: SensorErrors,
-    /// Places of the sensors.
+    /// Positions of the sensors.
     pub mounting: Mounting,
     /// The start.
     pub start: Start,
     /// Acceleration of gravity (m/s2).
     pub gravity: f64,
-    /// White acceleration of a vehicle whose inertial unit is silent (m/s2/sqrt(Hz)).
+    /// White acceleration of a vehicle without inertial unit (m/s2/sqrt(Hz)).
     pub maneuver_acceleration: f64,
-    /// White angular rate of a vehicle whose gyros are silent (rad/s/sqrt(Hz)).
+    /// White angular rate of a vehicle without gyros (rad/s/sqrt(Hz)).
     pub maneuver_rate: f64,
 }
 
@@ -228,8 +228,8 @@ impl SensorErrors {
         positive("depth_sigma", self.depth_sigma)
     }
 
-    /// Numbers the states of the sensors from `base` on: the states, their standard deviations, and
-    /// how many states there are then.
+    /// Numbers the sensor states, starting at `base`: the states, their standard deviations, and
+    /// the total number of states.
     pub(super) fn states(&self, base: usize) -> (SensorStates, [(usize, f64); 4], usize) {
         let mut next = base;
         let mut sigmas = [(0, 0.0); 4];

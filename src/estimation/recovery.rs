@@ -1,5 +1,5 @@
-//! What a filter does beyond Kalman's update: it comes back when measurements contradict it but agree
-//! with each other, and learns nothing of what cannot be observed.
+//! Additions to the Kalman update: the filter recovers when measurements contradict it but agree
+//! with each other, and learns nothing about unobservable states.
 
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -10,15 +10,15 @@ use super::sensor::Observation;
 use super::track::Channel;
 use super::transition::Transition;
 
-/// Limited measurements in a row whose innovations agree.
+/// Consecutive limited measurements whose innovations agree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Agreement {
     count: u32,
     first: [f64; 3],
 }
 
-/// How many have to agree: position and depth are slow and outliers of them frequent, a compass in a
-/// disturbed field stays so for long.
+/// How many have to agree: position and depth are slow and have frequent outliers, and a compass in
+/// a disturbed field stays wrong for long.
 fn needed(channel: Channel) -> u32 {
     match channel {
         Channel::Fix => 5,
@@ -27,11 +27,11 @@ fn needed(channel: Channel) -> u32 {
     }
 }
 
-/// Widest difference of two innovations that agree, in standard deviations of the noise.
+/// Largest difference between two agreeing innovations, in standard deviations of the noise.
 const WIDTH: f64 = 3.0 * core::f64::consts::SQRT_2;
 
 impl Agreement {
-    /// Hears of the next measurement; tells whether enough have agreed.
+    /// Takes the next measurement; returns whether enough have agreed.
     pub(super) fn hear<const N: usize>(
         &mut self,
         channel: Channel,
@@ -55,7 +55,7 @@ impl Agreement {
     }
 }
 
-/// Forgets what the filter believed of the measured states; gives what became of the errors.
+/// Discards the belief about the measured states; returns what happened to the errors.
 pub(super) fn reacquire<const N: usize>(
     belief: &mut Belief<N>,
     channel: Channel,
@@ -79,7 +79,7 @@ pub(super) fn reacquire<const N: usize>(
         Channel::Fix => (0..2).for_each(|i| forget(i, far(20.0))),
         Channel::Depth => forget(2, far(5.0)),
         Channel::Dvl => (0..3).for_each(|i| forget(velocity + i, far(1.0))),
-        // The attitude: widened along what the measurement sees.
+        // The attitude: increased along the directions that the measurement observes.
         Channel::Heading | Channel::Tilt => {
             for row in observation.rows.iter().take(observation.size) {
                 for (state, h) in row.iter() {
@@ -93,8 +93,8 @@ pub(super) fn reacquire<const N: usize>(
     f
 }
 
-/// A magnetic step: the heading is as it was, the bias of the compass is new, and known as well as
-/// heading and compass are. Gives what became of the errors.
+/// A magnetic step: the heading is unchanged, the bias of the compass is new, and known as well as
+/// heading and compass are. Returns what happened to the errors.
 pub(super) fn hand_to_bias<const N: usize>(
     belief: &mut Belief<N>,
     motion: &Kinematics<N>,
@@ -117,8 +117,8 @@ pub(super) fn hand_to_bias<const N: usize>(
     f
 }
 
-/// Velocity errors that hide a unit of each state which a velocity log cannot tell from a change of the
-/// velocity (its scale, yaw, delay); `rows` is its Jacobian.
+/// Velocity errors that hide one unit of each state that a velocity log cannot distinguish from a
+/// change of the velocity (its scale, yaw, delay); `rows` is its Jacobian.
 pub(super) type Hidden = [Vector3<f64>; 3];
 
 pub(super) fn hidden<const N: usize>(
@@ -131,13 +131,13 @@ pub(super) fn hidden<const N: usize>(
     Some(states.map(|state| state.map_or(Vector3::zeros(), by)))
 }
 
-/// Keeps a covariance in line with what a velocity log cannot observe by itself.
+/// Keeps a covariance consistent with what a velocity log cannot observe by itself.
 ///
-/// An error of its scale (or yaw) and the velocity error that hides it always come in the same ratio,
-/// which is that of the velocity itself. A correction of the velocity changes the ratio, and so does
-/// a new angular rate through the lever arm; left as it was, the next measurement would take the
-/// difference for information on the scale, and the noise of the rate for a scale error. Huang,
-/// Mourikis & Roumeliotis (2010), who constrain a filter's observability so.
+/// An error of its scale (or yaw) and the velocity error that hides it always occur in the same
+/// ratio, which is that of the velocity itself. A correction of the velocity changes the ratio, and
+/// so does a new angular rate through the lever arm. Without this step, the next measurement would
+/// mistake the difference for information about the scale, and the noise of the rate for a scale
+/// error. Huang, Mourikis & Roumeliotis (2010) constrain a filter's observability in this way.
 pub(super) fn follow_unobservable<const N: usize>(
     velocity: usize,
     [before, after]: [&Hidden; 2],

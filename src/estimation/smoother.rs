@@ -1,19 +1,19 @@
-//! The smoother: what the whole of a recorded mission says of each of its instants.
+//! The smoother: estimates every instant of a recorded mission from the whole recording.
 //!
-//! A filter goes through the samples in the order of their stamps, and a [`Tape`] keeps the
-//! transition of every prediction and the gain and innovation of every scalar measurement. Going
-//! back over the tape, the modified Bryson-Frazier recursion (Bierman 1977, ch. X) gathers what the
-//! later measurements say in an adjoint lambda and its covariance Lambda:
+//! A filter goes through the samples in the order of their stamps, and a [`Tape`] stores the
+//! transition of every prediction and the gain and innovation of every scalar measurement. Running
+//! backwards over the tape, the modified Bryson-Frazier recursion (Bierman 1977, ch. X) accumulates
+//! the information of later measurements in an adjoint lambda and its covariance Lambda:
 //!
 //! | step | lambda | Lambda |
 //! |---|---|---|
 //! | measurement | `l - h (K^T l + y/S)` | `L - h (L K)^T - (L K) h^T + (K^T L K + 1/S) h h^T` |
 //! | prediction | `F^T l` | `F^T L F` |
 //!
-//! The smoothed error state is `-P l` with covariance `P - P L P`. No matrix is inverted, so that
-//! states which are known exactly do no harm. Where a filter gives up states, to re-acquire or
-//! because they are beyond all use, F has rows that are zero or small, and later measurements say
-//! as much less of what these states were before.
+//! The smoothed error state is `-P l` with covariance `P - P L P`. No matrix is inverted, so
+//! exactly known states do no harm. Where a filter discards states, to re-acquire or because they
+//! are useless, F has rows that are zero or small, and later measurements contribute
+//! correspondingly less about the earlier states.
 
 use nalgebra::SMatrix;
 
@@ -31,9 +31,9 @@ use super::track::{Ahead, Setup, Track};
 use super::transition::Transition;
 use super::turning::ATTITUDE_GAP;
 
-/// Steps of which a tape is kept at a time; the filter goes twice over each.
+/// Steps covered by one tape; the filter runs through each twice.
 const SEGMENT: usize = 2048;
-/// How far samples are looked for ahead of an instant (s).
+/// How far ahead of an instant samples are searched (s).
 const AHEAD: f64 = ATTITUDE_GAP;
 
 /// The smoothed estimate at an instant.
@@ -41,23 +41,23 @@ const AHEAD: f64 = ATTITUDE_GAP;
 pub struct Smoothed {
     /// The instant (s): a multiple of the filter's interval.
     pub time: f64,
-    /// The estimate; of channels, health and thrusters it says nothing.
+    /// The estimate, without channels, health and thrusters.
     pub estimate: Estimate,
 }
 
-/// What a smoother offers, whatever filter is inside.
+/// The interface of a smoother, whatever filter is inside.
 pub trait Smoothing {
     /// An empty recording for the filter's latency.
     fn recording(&self) -> Recording;
 
-    /// Smooths a mission; gives the estimate at every multiple of the interval within it.
+    /// Smooths a mission; returns the estimate at every multiple of the interval within it.
     ///
-    /// Late measurements do not exist here: all are taken in the order of their stamps. If the start
-    /// says nothing of the heading, the first attitude is taken for that of the start.
+    /// There are no late measurements here: all are processed in the order of their stamps. If the
+    /// start does not define the heading, the first attitude is used for the start.
     fn smooth(&self, recording: &Recording) -> Vec<Smoothed>;
 }
 
-/// The samples of a mission, recognised as new and fit as a filter does.
+/// The samples of a mission, checked for being new and valid as in a filter.
 #[derive(Clone, Debug)]
 pub struct Recording {
     events: Vec<Event>,
@@ -66,13 +66,13 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Adds what the instruments show at time `now` (s), which does not go back.
+    /// Adds the readings of the instruments at time `now` (s), which does not go back.
     pub fn add(&mut self, now: f64, measured: &Measurements) {
         let Self { events, sources, latency } = self;
         take_new(sources, now, measured, *latency, |event| events.push(event));
     }
 
-    /// How many samples of a kind there are, and how many more were not fit.
+    /// How many samples of a kind there are, and how many more were invalid.
     #[must_use]
     pub fn count(&self, kind: Kind) -> (usize, u32) {
         let fit = self.events.iter().filter(|event| event.kind == kind).count();
@@ -132,7 +132,7 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Smoothing for Filter<P, N, M>
 }
 
 impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
-    /// Adds to a recording what the monitor finds the thrusters to give, and when.
+    /// Adds the monitor's findings about the thrusters, with their times, to a recording.
     pub(super) fn watch(&self, recording: &mut Recording) {
         let events = recording.in_order(&self.setup);
         let Some(first) = events.first() else { return };
@@ -149,7 +149,7 @@ impl<P: Process<N>, const N: usize, M: Monitor<N>> Filter<P, N, M> {
     }
 }
 
-/// Looks on, and keeps the filter's belief at the instants that are asked for.
+/// Observes, and keeps the filter's belief at the requested instants.
 trait Keeper<const N: usize>: Witness<N> {
     fn keep(&mut self, time: f64, interval: &Interval, belief: &Belief<N>) {
         let _ = (time, interval, belief);
@@ -176,7 +176,7 @@ impl<const N: usize, M: Monitor<N>> Player<N, M> {
         Self { track, next: 0, tick: libm::ceil(start / setup.parameters.interval - 1e-6) }
     }
 
-    /// Goes through a segment; false at the end of the events.
+    /// Processes a segment; false at the end of the events.
     fn play<P: Process<N>>(
         &mut self,
         setup: &Setup<P>,
@@ -232,7 +232,7 @@ enum Step<const N: usize> {
     Propagated(Box<Transition<N>>),
     /// A scalar measurement was fused.
     Measured(Box<Measured<N>>),
-    /// The belief at an instant that is asked for.
+    /// The belief at a requested instant.
     Instant(Box<(f64, Interval, Belief<N>)>),
 }
 
@@ -270,7 +270,7 @@ impl<const N: usize> Keeper<N> for Tape<N> {
     }
 }
 
-/// What the later measurements say of an instant.
+/// The information of later measurements about an instant.
 struct Adjoint<const N: usize> {
     lambda: Column<N>,
     covariance: SMatrix<f64, N, N>,
@@ -281,8 +281,8 @@ impl<const N: usize> Adjoint<N> {
         Self { lambda: Column::zeros(), covariance: SMatrix::zeros() }
     }
 
-    /// Goes back over a tape. `take` is given each instant: its belief with the smoothed covariance,
-    /// and the correction of the mean.
+    /// Runs backwards over a tape. `take` receives each instant: its belief with the smoothed
+    /// covariance, and the correction of the mean.
     fn unwind(
         &mut self,
         tape: Tape<N>,
@@ -303,7 +303,7 @@ impl<const N: usize> Adjoint<N> {
                     belief.covariance -= (reduction + reduction.transpose()) * 0.5;
                     belief.restore_positive();
                     if !belief.is_positive() {
-                        // Beyond rounding: what the filter itself knew is claimed, and no more.
+                        // Beyond rounding: claim what the filter itself knew, and no more.
                         belief.covariance = p;
                         correction.fill(0.0);
                     }
@@ -323,14 +323,14 @@ impl<const N: usize> Adjoint<N> {
             }
             transposed = transposed.transpose();
         }
-        // What rounding makes antisymmetric no measurement would ever make smaller again.
+        // No measurement would ever reduce an antisymmetric part caused by rounding.
         self.covariance = (transposed + transposed.transpose()) * 0.5;
     }
 
     fn before_measurement(&mut self, m: &Measured<N>) {
         let seen = self.covariance * m.gain;
         let information = m.gain.dot(&seen) + 1.0 / m.s;
-        // h c^T + c h^T with c = information h / 2 - L K: nothing but the rows of h changes.
+        // h c^T + c h^T with c = information h / 2 - L K: only the rows of h change.
         let change = m.row.dense() * (0.5 * information) - seen;
         for (i, h) in m.row.iter() {
             for j in 0..N {

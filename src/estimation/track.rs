@@ -1,7 +1,7 @@
 //! A filter at an instant: its belief, the signals that drive it, and the record of each sensor.
 //!
-//! All of it changes only by events in the order of their times, so that going back to an earlier
-//! copy and repeating the events gives what would have been, had all of them come in time.
+//! All of it changes only by events in the order of their times, so going back to an earlier copy
+//! and repeating the events gives the same result as if all of them had come in time.
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -19,7 +19,7 @@ use super::sensor::{Depth, Dvl, Fix, Heading, Observation, Sensor, Tilt};
 use super::turning::Tracker;
 use crate::attitude;
 
-/// Sensors whose innovations are watched.
+/// Sensors whose innovations are monitored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channel {
     /// Roll and pitch.
@@ -46,18 +46,18 @@ pub(super) struct Record {
     pub(super) sigma: [f64; 3],
     /// Its normalised innovation squared.
     pub(super) nis: f64,
-    /// Measurements fused, those limited among them.
+    /// Measurements fused, including limited ones.
     pub(super) used: u32,
     /// Measurements whose influence was limited.
     pub(super) rejected: u32,
-    /// Share of late that was limited, over some twenty measurements.
+    /// Recent share that was limited, over some twenty measurements.
     pub(super) limited_share: f64,
     /// Time of the newest measurement (s).
     pub(super) newest: f64,
     pub(super) agreement: Agreement,
 }
 
-/// Standard deviation of the position of a vehicle that is lost (m).
+/// Standard deviation of the position of a lost vehicle (m).
 const LOST_SIGMA: f64 = 1e4;
 
 /// A filter at an instant.
@@ -65,7 +65,7 @@ const LOST_SIGMA: f64 = 1e4;
 pub(super) struct Track<const N: usize, M> {
     /// The instant (s).
     pub(super) time: f64,
-    /// The last event that is in it.
+    /// The last event included in it.
     pub(super) key: Key,
     pub(super) belief: Belief<N>,
     imu: Stream<6>,
@@ -77,12 +77,13 @@ pub(super) struct Track<const N: usize, M> {
     /// Share of its thrust that each thruster gives.
     pub(super) effectiveness: [f64; 8],
     aligned: bool,
-    /// What the velocity log could not observe at its newest sample, if the velocity coasted since.
+    /// What the velocity log could not observe at its newest sample, if the velocity coasted since
+    /// then.
     hidden: Option<Hidden>,
     monitor: M,
 }
 
-/// Samples that come next, which a boundary between two samples needs.
+/// The next samples, which a boundary between two samples needs.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Ahead {
     pub(super) imu: Option<(f64, [f64; 6])>,
@@ -90,7 +91,7 @@ pub(super) struct Ahead {
     pub(super) attitude: Option<(f64, [f64; 3])>,
 }
 
-/// What does not change: the process and how the sensors are seen.
+/// The constant part: the process and the sensor models.
 #[derive(Clone, Debug)]
 pub(super) struct Setup<P> {
     pub(super) process: P,
@@ -116,8 +117,8 @@ impl<P> Setup<P> {
         }
     }
 
-    /// Whether the clocks of velocity log and attitude are compared: forward of the centre of gravity a
-    /// log's lever arm hides the slip.
+    /// Whether the clocks of velocity log and attitude are compared: forward of the centre of
+    /// gravity a log's lever arm hides the slip.
     pub(super) fn watches_clocks(&self) -> bool {
         self.parameters.gated && self.parameters.mounting.dvl[0] <= 0.0
     }
@@ -147,14 +148,14 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         }
     }
 
-    /// As at the start, but anywhere and heading anywhere.
+    /// As at the start, but with unknown position and heading.
     pub(super) fn lost<P: Process<N>>(setup: &Setup<P>, start: f64) -> Self {
         let mut track = Self { aligned: false, ..Self::new(setup, start) };
         (0..2).for_each(|i| track.belief.decouple(i, LOST_SIGMA * LOST_SIGMA));
         track
     }
 
-    /// Takes an event that is not earlier than any before.
+    /// Takes an event that is not earlier than any previous one.
     pub(super) fn take<P: Process<N>>(
         &mut self,
         setup: &Setup<P>,
@@ -233,7 +234,8 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         ahead: impl Fn() -> Ahead + Copy,
         witness: &mut impl Witness<N>,
     ) {
-        // An event at an instant of the grid is taken there, to the last bit, whichever comes first.
+        // An event at an instant of the grid is processed there, to the last bit, whichever comes
+        // first.
         let grid = setup.parameters.interval;
         let nearest = libm::round(time / grid) * grid;
         let time = if (time - nearest).abs() < SAME { nearest } else { time };
@@ -284,7 +286,8 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         }
     }
 
-    /// The specific force at the centre of gravity, less what the rotation adds at the inertial unit.
+    /// The specific force at the centre of gravity, without the effect of rotation at the inertial
+    /// unit.
     fn at_centre<P>(&self, setup: &Setup<P>, force: [f64; 3], rate: [f64; 3], dt: f64) -> [f64; 3] {
         let lever = Vector3::from(setup.parameters.mounting.imu);
         if lever == Vector3::zeros() {
@@ -299,7 +302,7 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         (Vector3::from(force) - angular.cross(&lever) - spin * spin * lever).into()
     }
 
-    /// Takes the first attitude for the start, if the start says nothing of the heading.
+    /// Uses the first attitude for the start, if the start does not define the heading.
     pub(super) fn align<P: Process<N>>(&mut self, setup: &Setup<P>, euler: [f64; 3]) {
         if !self.aligned {
             setup.process.align(&mut self.belief, euler);
@@ -349,7 +352,7 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         if record.agreement.hear(channel, &observation, verdict.is_limited()) {
             record.agreement = Agreement::default();
             if channel == Channel::Heading && motion.sensors.heading_bias.is_some() {
-                // The measurement has made the bias; it says nothing more.
+                // The measurement has defined the bias; it contains no further information.
                 witness.given_up(&hand_to_bias(&mut self.belief, &motion, &observation));
                 return;
             }
@@ -364,7 +367,8 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
             && channel == Channel::Heading
             && motion.sensors.heading_bias.is_some()
         {
-            // More likely a disturbed compass than a heading that is wrong: it will be handed to the bias.
+            // More likely a disturbed compass than a wrong heading: it will be attributed to the
+            // bias.
             return;
         }
         let correction = absorb(&mut self.belief, &observation, &mut verdict, &mut witness);
@@ -380,14 +384,14 @@ impl<const N: usize, M: Monitor<N>> Track<N, M> {
         }
     }
 
-    /// The motion at an instant after the track's, by the newest samples.
+    /// The motion at an instant after the track's, from the newest samples.
     pub(super) fn motion_at<P: Process<N>>(&self, setup: &Setup<P>, now: f64) -> Motion {
         let motion = setup.process.motion(&self.belief, &self.newest_interval(setup));
         let lag = now - self.time;
         if lag > SAME { motion.after(lag) } else { motion }
     }
 
-    /// The interval since the last prediction, as far as samples have come.
+    /// The interval since the last prediction, up to the newest samples.
     fn newest_interval<P>(&self, setup: &Setup<P>) -> Interval {
         let mut interval = self.interval;
         if let Some(mean) = self.imu.so_far() {

@@ -1,22 +1,22 @@
 //! The transition matrix F of a prediction, kept as its non-zero elements.
 //!
-//! Most states only depend on themselves; F P F^T costs in proportion to the elements that say
-//! otherwise. Elements are given row by row.
+//! Most states depend only on themselves; the cost of F P F^T is proportional to the other
+//! elements. Elements are given row by row.
 
 use nalgebra::{Matrix3, SMatrix};
 
 use super::belief::{Column, states_in};
 use super::lanes::{propagate, with_length};
 
-/// Elements in rows that there is room for.
+/// Capacity for elements in rows.
 const ELEMENTS: usize = 160;
-/// Rows that are more than an element on the diagonal.
+/// Rows with more than a diagonal element.
 pub(super) const ROWS: usize = 16;
-/// Numbers of such rows that code is made for: a change of one state, a prediction.
+/// Numbers of such rows for which code is generated: a change of one state, a prediction.
 const FEW: usize = 4;
 const MORE: usize = 12;
 
-/// F: a diagonal, and rows that are more than that.
+/// F: a diagonal, and rows with more than that.
 #[derive(Clone, Copy, Debug)]
 pub struct Transition<const N: usize> {
     /// Zero for the states that have a row.
@@ -26,7 +26,7 @@ pub struct Transition<const N: usize> {
     columns: [u8; ELEMENTS],
     values: [f64; ELEMENTS],
     element_count: usize,
-    /// Bit i: state i has no row, and its diagonal is not one.
+    /// Bit i: state i has no row, and its diagonal element is not one.
     scaled: u64,
 }
 
@@ -52,14 +52,14 @@ impl<const N: usize> Transition<N> {
         }
     }
 
-    /// A state that depends on its own past alone, and has no row: `x <- factor x`.
+    /// A state that depends only on its own past, and has no row: `x <- factor x`.
     pub fn scale(&mut self, state: usize, factor: f64) {
         self.diagonal[state] = factor;
         self.scaled |= 1 << state;
     }
 
-    /// Sets the rows of three states in a row: blocks of derivatives by three states in a row, each
-    /// given with the first of them.
+    /// Sets the rows of three consecutive states: blocks of derivatives by three consecutive
+    /// states, each given with the first of them.
     pub fn set_rows<'a>(
         &mut self,
         state: usize,
@@ -124,7 +124,7 @@ impl<const N: usize> Transition<N> {
         states_in(self.scaled).map(|state| (state, self.diagonal[state]))
     }
 
-    /// The matrix with all its zeros.
+    /// The full matrix, including zeros.
     #[must_use]
     pub fn dense(&self) -> SMatrix<f64, N, N> {
         let mut f = SMatrix::from_diagonal(&self.diagonal);
@@ -158,8 +158,8 @@ impl<const N: usize> Transition<N> {
         result
     }
 
-    /// `P <- F P F^T` of a symmetric P, of which the first `order` rows and columns count; all others
-    /// are zero.
+    /// `P <- F P F^T` of a symmetric P, in which only the first `order` rows and columns count; all
+    /// others are zero.
     pub(super) fn propagate(&self, p: &mut SMatrix<f64, N, N>, order: usize) {
         let p = &mut p.data.0;
         if self.row_count <= FEW {

@@ -1,10 +1,10 @@
-//! How fast a vehicle without gyros turns, from its attitudes.
+//! The angular rate of a vehicle without gyros, from its attitudes.
 //!
-//! A difference of two attitudes is a mean rate of the past: divided by a short time it is mostly
-//! noise, by a long one it lags. So the rate is tracked: `theta' = omega`, with `omega` a random walk,
-//! measured by each attitude (Bar-Shalom, Li & Kirubarajan 2001, ch. 6.2.2). The axes share one
-//! covariance. Between two attitudes the change of one to the other is exact, and the rate is a
-//! straight line with this mean.
+//! The difference of two attitudes is a mean rate of the past: over a short time it is mostly
+//! noise, over a long time it lags. So the rate is tracked: `theta' = omega`, with `omega` a random
+//! walk, measured by each attitude (Bar-Shalom, Li & Kirubarajan 2001, ch. 6.2.2). The axes share
+//! one covariance. Between two attitudes the change from one to the other is exact, and the rate is
+//! a straight line with this mean.
 
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -13,16 +13,16 @@ use super::interval::SAME;
 use super::process::rotation::{exp, log};
 use crate::attitude;
 
-/// Seconds between attitudes beyond which they say nothing of the rate.
+/// Seconds between attitudes beyond which they contain no information about the rate.
 pub(super) const ATTITUDE_GAP: f64 = 1.5;
 /// White angular acceleration of a vehicle that manoeuvres (rad/s2/sqrt(Hz)).
 const ANGULAR_ACCELERATION: f64 = 0.1;
-/// Standard deviation of a rate of which nothing is known (rad/s).
+/// Standard deviation of a completely unknown rate (rad/s).
 const UNKNOWN: f64 = 0.5;
 /// NIS of an attitude at which its influence is limited: 99.9 % of three degrees of freedom.
 const GATE: f64 = 16.27;
 
-/// Angular rates of an interval, as attitudes tell them.
+/// Angular rates of an interval, from attitudes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Turning {
     /// Mean, body (rad/s).
@@ -33,14 +33,14 @@ pub struct Turning {
     pub variance: f64,
 }
 
-/// What the attitudes so far say of the rate.
+/// Information about the rate from the attitudes so far.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Tracker {
     /// Time and value of the newest attitude.
     newest: Option<(f64, [f64; 3])>,
     /// Whether more is known than the newest attitude.
     tracking: bool,
-    /// The newest attitude less noise, and the rate.
+    /// The newest attitude without noise, and the rate.
     rotation: [[f64; 3]; 3],
     rate: [f64; 3],
     /// Variances of angle and rate, and their covariance.
@@ -105,8 +105,8 @@ impl Tracker {
         self.angle_variance *= noise / s;
     }
 
-    /// The rates of an interval that ends at `end`; `next` is the first attitude not before it, if it
-    /// has come already. None where attitudes say nothing.
+    /// The rates of an interval that ends at `end`; `next` is the first attitude not before it, if
+    /// it has already come. None if attitudes contain no information.
     pub(super) fn until(&self, end: f64, next: Option<(f64, [f64; 3])>) -> Option<Turning> {
         let (before, from) = self.newest?;
         if end - before > ATTITUDE_GAP {
@@ -119,7 +119,7 @@ impl Tracker {
                 let dt = time - before;
                 let [a, b] = [from, to].map(|euler| matrix(attitude::rotation_euler(euler)));
                 let mean = log(&(a.transpose() * b)) / dt;
-                // How much of the difference of mean and end is manoeuvre, and not noise.
+                // How much of the difference of mean and end is manoeuvring rather than noise.
                 let drift = ANGULAR_ACCELERATION * ANGULAR_ACCELERATION * dt / 3.0;
                 let share = drift / (drift + 2.0 * self.sigma * self.sigma / (dt * dt));
                 let left = 2.0 * (time - end) / dt * share;

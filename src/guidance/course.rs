@@ -1,9 +1,9 @@
 //! A course: corner points joined by straights, the corners rounded by arcs.
 //!
-//! A corner of turning angle phi and radius R takes `R tan(|phi|/2)` of both legs; radius 0 leaves
+//! A corner of turning angle phi and radius R takes `R tan(|phi|/2)` of both legs; radius 0 keeps
 //! it sharp. Arc length s runs from 0 at the first point to the length of the course at the last.
 //!
-//! All of that is horizontal. Depth, if the points have one, is linear in s from waypoint to
+//! All of this is horizontal. Depth, if the points have one, is linear in s from waypoint to
 //! waypoint; a rounded corner has the depth of its waypoint in the middle of its arc.
 
 use super::segment::{Segment, Vec2};
@@ -14,7 +14,7 @@ use core::f64::consts::FRAC_PI_2;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Course {
     segments: Vec<Segment>,
-    /// Arc length at the start of each segment, and the whole length at last.
+    /// Arc length at the start of each segment, and the total length as the last element.
     starts: Vec<f64>,
     /// Arc length and depth `[s, z]` at each waypoint; empty if the course has no depths.
     depths: Vec<[f64; 2]>,
@@ -24,8 +24,8 @@ impl Course {
     /// Joins corner points.
     ///
     /// # Errors
-    /// Fewer than two points, coincident neighbours, values that are not finite, a negative radius,
-    /// or one too large for the legs beside it, depths at some points only.
+    /// Fewer than two points, coincident neighbours, values that are not finite, a negative radius
+    /// or one too large for the adjacent legs, or depths at only some of the points.
     pub fn new(points: &[Waypoint]) -> Result<Self, CourseError> {
         check(points)?;
         let legs: Vec<Leg> = points.windows(2).map(|w| Leg::new(w[0], w[1])).collect();
@@ -59,7 +59,7 @@ impl Course {
         self.starts[self.segments.len()]
     }
 
-    /// The point `[x, y]` at arc length `s`; beyond the ends the course goes on straight.
+    /// The point `[x, y]` at arc length `s`; beyond the ends the course continues straight.
     #[must_use]
     pub fn point(&self, s: f64) -> [f64; 2] {
         let inside = s.clamp(0.0, self.length());
@@ -74,7 +74,8 @@ impl Course {
         self.at(s.clamp(0.0, self.length())).1
     }
 
-    /// The depth (m) at arc length `s`, if the course has depths; beyond the ends that of the end.
+    /// The depth (m) at arc length `s`, if the course has depths; beyond an end, the depth at that
+    /// end.
     #[must_use]
     pub fn depth(&self, s: f64) -> Option<f64> {
         let next = self.depths.partition_point(|&[start, _]| start <= s);
@@ -146,13 +147,13 @@ impl Leg {
         [self.start[0] + s * self.direction[0], self.start[1] + s * self.direction[1]]
     }
 
-    /// Sine and cosine of the turn from the leg before to this one, positive to starboard.
+    /// Sine and cosine of the turn from the previous leg to this one, positive to starboard.
     fn turn_from(&self, before: &Leg) -> (f64, f64) {
         let (a, b) = (before.direction, self.direction);
         (a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1])
     }
 
-    /// The arc that joins the leg before, `cut` ahead of the corner, to this one.
+    /// The arc that joins the previous leg, `cut` ahead of the corner, to this one.
     fn arc_from(&self, before: &Leg, cut: f64, radius: f64) -> Segment {
         let (sin, cos) = self.turn_from(before);
         let turn = libm::atan2(sin, cos);
@@ -169,7 +170,7 @@ impl Leg {
     }
 }
 
-/// What each corner takes of the legs beside it; zero at the ends and where legs are in line.
+/// The length each corner takes of the adjacent legs; zero at the ends and where legs are in line.
 fn corner_cuts(points: &[Waypoint], legs: &[Leg]) -> Result<Vec<f64>, CourseError> {
     let mut cuts = vec![0.0; points.len()];
     for i in 1..legs.len() {
@@ -183,7 +184,7 @@ fn corner_cuts(points: &[Waypoint], legs: &[Leg]) -> Result<Vec<f64>, CourseErro
     }
     for (i, leg) in legs.iter().enumerate() {
         if cuts[i] + cuts[i + 1] > leg.length * (1.0 + TOLERANCE) {
-            // The corner that takes more is to blame, of equal ones the first.
+            // Report the corner that takes more; of equal ones, the first.
             let later = cuts[i + 1] > cuts[i] * (1.0 + TOLERANCE);
             let corner = if later { i + 1 } else { i };
             let (from, to) = (points[i], points[i + 1]);

@@ -69,7 +69,7 @@ impl Course {
     }
 }
 
-/// As much of a text as goes into a message, in printable characters.
+/// As much of a text as fits into a message, in printable characters.
 fn excerpt(text: &str) -> String {
     let start: String = text.chars().take(40).collect();
     let more = if start.len() < text.len() { "…" } else { "" };

@@ -1,12 +1,13 @@
 //! Pure pursuit: steer towards a point of the course a little ahead.
 //!
 //! `kappa = 2 sin(alpha) / L_d`, `r = gain atan(kappa L)`: eqs (54) and (55). alpha is the bearing
-//! of the target less the heading. As printed, alpha is the course of the segment less the heading,
-//! which does not see a distance from the course; that is kept as an option. Speed is constant.
+//! of the target minus the heading. As printed, alpha is the course of the segment minus the
+//! heading, which ignores the cross-track error; that is kept as an option. Speed is constant.
 //!
-//! Depth: `w = speed dz/ds + depth_gain (z_course - z)`, z_course the depth at the nearest point and
-//! dz/ds the mean slope over one look-ahead distance around it, so that a kink in the depth changes
-//! the heave velocity gradually. A course without depths is level, and w is the second term alone.
+//! Depth: `w = speed dz/ds + depth_gain (z_course - z)`, with z_course the depth at the nearest
+//! point and dz/ds the mean slope over one look-ahead distance around it, so that a kink in the
+//! depth changes the heave velocity gradually. A course without depths is level, and w is the
+//! second term alone.
 
 use super::course::Course;
 use crate::ParameterError;
@@ -45,7 +46,7 @@ pub struct PursuitParameters {
     pub depth_gain: f64,
     /// Limit of the heave velocity that corrects a depth error (m/s).
     pub heave_limit: f64,
-    /// Limit of the whole heave velocity on a course with depths (m/s).
+    /// Limit of the total heave velocity on a course with depths (m/s).
     pub total_heave_limit: f64,
     /// The course is finished this close to its end, measured along it (m).
     pub finish_tolerance: f64,
@@ -84,12 +85,12 @@ pub struct PursuitMemory {
     finished: bool,
 }
 
-/// What the path follower demands and sees.
+/// Outputs of the path follower.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Guidance {
     /// Velocity command `[u, v, w, r]`, body (m/s, rad/s); at the end only the depth is held.
     pub command: [f64; 4],
-    /// The point steered to, `[x, y, z]` (m).
+    /// The target point, `[x, y, z]` (m).
     pub target: [f64; 3],
     /// Horizontal distance from the course, positive to starboard (m).
     pub cross_track: f64,
@@ -139,7 +140,7 @@ impl PurePursuit {
 
     /// One cycle, from an estimated pose `[x, y, z, yaw]`.
     ///
-    /// The nearest point is sought around the last one only, so that a course may come close to
+    /// The nearest point is searched only around the last one, so that a course may come close to
     /// itself or cross itself.
     pub fn update(&self, memory: &mut PursuitMemory, [x, y, z, yaw]: [f64; 4]) -> Guidance {
         let p = &self.parameters;
@@ -182,7 +183,7 @@ impl PurePursuit {
 
     fn turn_rate(&self, alpha: f64) -> f64 {
         let p = &self.parameters;
-        // With the target astern the sine would fade towards zero; the hardest turn is meant.
+        // With the target astern the sine would go to zero; use the tightest turn instead.
         let sin = libm::sin(alpha.clamp(-FRAC_PI_2, FRAC_PI_2));
         p.gain * libm::atan(2.0 * sin / p.lookahead * p.vehicle_length)
     }

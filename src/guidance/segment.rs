@@ -1,4 +1,4 @@
-//! A piece of a course: a straight or an arc, walked by arc length from its start.
+//! A piece of a course, a straight or an arc, parameterized by arc length from its start.
 
 use crate::attitude::wrap;
 
@@ -56,7 +56,8 @@ impl Segment {
             Self::Arc { centre, radius, from, turn } => {
                 let bearing = libm::atan2(p[1] - centre[1], p[0] - centre[0]);
                 let walked = if turn < 0.0 { from - bearing } else { bearing - from };
-                // Counted from the middle of the range, so that each side falls to its own end.
+                // Counted from the middle of the range, so that each side is clamped to its own
+                // end.
                 let middle = 0.5 * (low + high) / radius;
                 radius * (middle + wrap(walked - middle))
             }

@@ -1,4 +1,4 @@
-//! The points a course is made of, and what can be wrong with them.
+//! The points of a course, and errors in them.
 
 use super::segment::Vec2;
 use core::fmt;
@@ -10,20 +10,20 @@ pub struct Waypoint {
     pub x: f64,
     /// East (m).
     pub y: f64,
-    /// Radius of the corner (m); 0: sharp. Without meaning at the first and the last point.
+    /// Radius of the corner (m); 0: sharp. Ignored at the first and the last point.
     pub radius: f64,
     /// Depth (m), given for every point of a course or for none.
     pub z: Option<f64>,
 }
 
-/// Where a course is wrong.
+/// Location of an error in a course.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     /// The course as a whole.
     Course,
-    /// Point of this index, from zero.
+    /// The point with this index, from zero.
     Point(usize),
-    /// Line of this number, from one.
+    /// The line with this number, from one.
     Line(usize),
 }
 
@@ -37,13 +37,13 @@ impl fmt::Display for Place {
     }
 }
 
-/// A course that cannot be.
+/// An invalid course.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{place}: {reason}")]
 pub struct CourseError {
-    /// Where.
+    /// The location.
     pub place: Place,
-    /// Why, and what to do.
+    /// The reason, and what to do.
     pub reason: String,
 }
 
@@ -53,9 +53,9 @@ impl CourseError {
     }
 }
 
-/// Farthest coordinate and largest radius (m): beyond, metres have no decimals worth having.
+/// Largest coordinate and radius (m): beyond this, metres lose their decimals.
 const FARTHEST: f64 = 1e9;
-/// Rounding that legs completely used up by their corners are allowed, relative.
+/// Relative rounding error allowed for legs completely used up by their corners.
 pub(super) const TOLERANCE: f64 = 1e-9;
 
 pub(super) fn distance(a: Vec2, b: Vec2) -> f64 {

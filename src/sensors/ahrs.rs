@@ -1,9 +1,10 @@
 //! Attitude and heading reference: roll, pitch and a heading from gyros or from a magnetic compass.
 //!
-//! `roll, pitch + m + n`, `heading = yaw + b + m + deviation(yaw) + disturbance + n` with white noise
-//! n, correlated noise m, a constant bias b. The deviation of a compass by the magnetism of its
-//! vehicle is `B sin psi + C cos psi + D sin 2psi + E cos 2psi` (Bowditch, American Practical
-//! Navigator, chapter on compasses; there as a correction, so of opposite sign; A is in the bias).
+//! `roll, pitch + m + n`, `heading = yaw + b + m + deviation(yaw) + disturbance + n` with white
+//! noise n, correlated noise m, a constant bias b. The deviation of a compass caused by the
+//! magnetism of its vehicle is `B sin psi + C cos psi + D sin 2psi + E cos 2psi` (Bowditch,
+//! American Practical Navigator, chapter on compasses; there it is a correction, so of opposite
+//! sign; A is in the bias).
 
 use super::errors::{Correlated, GaussMarkov};
 use super::noise::{Gaussian, Stream};
@@ -30,7 +31,7 @@ pub struct AhrsParameters {
     pub heading_error: GaussMarkov,
     /// Constant error of the heading.
     pub heading_bias: f64,
-    /// Standard deviation of another constant error of the heading, drawn once.
+    /// Standard deviation of an additional constant error of the heading, drawn once.
     pub heading_bias_sigma: f64,
     /// Coefficients B, C, D, E of the deviation.
     pub deviation: [f64; 4],
@@ -57,7 +58,7 @@ impl Default for AhrsParameters {
 pub struct AhrsTruth {
     /// Roll, pitch, yaw (rad).
     pub euler: [f64; 3],
-    /// What the surroundings add to the heading (rad).
+    /// Disturbance of the heading by the surroundings (rad).
     pub disturbance: f64,
 }
 
@@ -66,18 +67,18 @@ pub struct AhrsTruth {
 pub struct AhrsMemory {
     white: Gaussian,
     correlated: Gaussian,
-    /// Of roll, pitch, heading (rad).
+    /// For roll, pitch, heading (rad).
     error: [f64; 3],
     bias: f64,
 }
 
-/// An attitude and heading reference, its parameters checked.
+/// An attitude and heading reference, with its parameters checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ahrs {
     /// How often it samples.
     pub rate: Rate,
     p: AhrsParameters,
-    /// Of roll, pitch, heading.
+    /// For roll, pitch, heading.
     correlated: [Correlated; 3],
 }
 

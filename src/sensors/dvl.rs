@@ -1,18 +1,19 @@
-//! Doppler velocity log: velocity over ground at its own place, from four beams.
+//! Doppler velocity log: velocity over ground at its own position, from four beams.
 //!
-//! The beams of a Janus array lean by the beam angle theta from straight down, towards 45, 135, 225
-//! and 315 degrees from forward: `e_i = (sin theta cos a_i, sin theta sin a_i, cos theta)`. Each
-//! measures `b_i = e_i . v_h + n_i`, where v_h is the velocity `v + omega x r` along the axes of the
-//! housing with its scale and correlated errors. Least squares over the beams are
+//! The beams of a Janus array are inclined by the beam angle theta from straight down, towards 45,
+//! 135, 225 and 315 degrees from forward:
+//! `e_i = (sin theta cos a_i, sin theta sin a_i, cos theta)`. Each measures
+//! `b_i = e_i . v_h + n_i`, where v_h is the velocity `v + omega x r` along the axes of the housing
+//! with its scale and correlated errors. The least-squares solution over the beams is
 //!
 //! ```text
 //! u = sum cos(a_i) b_i / (2 sin theta),  v = sum sin(a_i) b_i / (2 sin theta),
 //! w = sum b_i / (4 cos theta),           e = (b_0 - b_1 + b_2 - b_3) / (2 sqrt(2) sin theta)
 //! ```
-//! with the error velocity e, zero but for noise and scaled to have the noise of u and v (Teledyne RD
-//! Instruments, ADCP Coordinate Transformation, 2010). Three beams give the one solution for which e
-//! is zero. Noise of `sigma` in u, v and e is `sqrt(2) sin(theta) sigma` along each beam, and so
-//! `tan(theta) / sqrt(2) sigma` in w.
+//! with the error velocity e, which is zero except for noise and scaled to have the noise of u and
+//! v (Teledyne RD Instruments, ADCP Coordinate Transformation, 2010). Three beams give the one
+//! solution for which e is zero. Noise of `sigma` in u, v and e is `sqrt(2) sin(theta) sigma` along
+//! each beam, and so `tan(theta) / sqrt(2) sigma` in w.
 
 use super::dvl_model::DvlParameters;
 use super::errors::Correlated;
@@ -38,23 +39,23 @@ pub struct DvlTruth {
     pub euler: [f64; 3],
 }
 
-/// The velocity that a DVL shows.
+/// The velocity that a DVL reports.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DvlSample {
     /// Velocity over ground at the DVL, body axes (m/s).
     pub velocity: [f64; 3],
 }
 
-/// All that a DVL shows with bottom lock.
+/// Everything that a DVL reports with bottom lock.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DvlPing {
     /// The velocity.
     pub sample: DvlSample,
     /// Disagreement of the beams (m/s); zero with three of them.
     pub error_velocity: f64,
-    /// Height of the DVL over the seabed (m); zero if none is modelled.
+    /// Height of the DVL above the seabed (m); zero if no seabed is modelled.
     pub altitude: f64,
-    /// Velocity along each beam, positive towards the seabed (m/s); `None` where it lost the bottom.
+    /// Velocity along each beam, positive towards the seabed (m/s); `None` if it lost the bottom.
     pub beams: [Option<f64>; 4],
 }
 
@@ -68,7 +69,7 @@ pub struct DvlMemory {
     error: [f64; 3],
 }
 
-/// A DVL, its parameters checked.
+/// A DVL, with its parameters checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dvl {
     /// How often it samples.

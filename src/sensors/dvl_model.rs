@@ -11,7 +11,7 @@ pub struct DvlParameters {
     pub rate_hz: f64,
     /// Seed of all its noise.
     pub seed: u64,
-    /// Place, body (m).
+    /// Position, body (m).
     pub position: [f64; 3],
     /// Standard deviation of surge and sway with four beams (m/s).
     pub sigma: f64,
@@ -19,24 +19,25 @@ pub struct DvlParameters {
     pub beam_angle_deg: f64,
     /// Relative error of the speed, as from a wrong speed of sound.
     pub scale_error: f64,
-    /// Yaw of the housing in the body frame that its user does not know of (deg).
+    /// Unknown yaw of the housing in the body frame (deg).
     pub misalignment_deg: f64,
     /// Correlated error of each axis (m/s).
     pub correlated_error: GaussMarkov,
-    /// Samples whose beams are all far off, each on its own; sigma is that of surge and sway (m/s).
+    /// Outlier samples, in which all beams are far off independently; sigma is for surge and sway
+    /// (m/s).
     pub outlier: Outliers,
     /// Probability that a sample is lost.
     pub dropout_probability: f64,
-    /// Probability that a beam is lost, each on its own.
+    /// Probability that a beam is lost, independently for each.
     pub beam_dropout_probability: f64,
     /// Depth of the flat seabed (m); 0: none is modelled, every beam reaches it.
     pub seabed_depth: f64,
-    /// Least altitude for bottom lock (m). What counts for each beam is its range times the cosine
-    /// of the beam angle, which is the altitude where there is no tilt.
+    /// Minimum altitude for bottom lock (m). Each beam is tested by its range times the cosine of
+    /// the beam angle, which is the altitude without tilt.
     pub min_altitude: f64,
-    /// Greatest altitude for bottom lock (m), likewise.
+    /// Maximum altitude for bottom lock (m), likewise.
     pub max_altitude: f64,
-    /// Greatest tilt from the vertical for bottom lock (deg).
+    /// Maximum tilt from the vertical for bottom lock (deg).
     pub max_tilt_deg: f64,
 }
 

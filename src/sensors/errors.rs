@@ -1,4 +1,4 @@
-//! Random errors made of Gaussian numbers: white noise with a slow bias, correlated noise, outliers.
+//! Random errors from Gaussian numbers: white noise with a slow bias, correlated noise, outliers.
 //!
 //! White noise of density N gives samples of standard deviation `N sqrt(rate)`. A first-order
 //! Gauss-Markov process is exact at the sample instants:
@@ -10,7 +10,7 @@ use crate::ParameterError;
 use crate::error::{non_negative, positive, probability};
 use serde::{Deserialize, Serialize};
 
-/// Noise of an inertial instrument, alike for its three axes. U: the unit measured.
+/// Noise of an inertial instrument, the same for its three axes. U: the unit measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BiasNoise {
     /// Density of the white noise (U/sqrt(Hz)).
@@ -77,8 +77,8 @@ impl BiasProcess {
     }
 }
 
-/// An error that is correlated in time: a stationary first-order Gauss-Markov process. For short
-/// times it is a bias, over long ones its mean is zero.
+/// An error that is correlated in time: a stationary first-order Gauss-Markov process. Over short
+/// times it is a bias, over long times its mean is zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GaussMarkov {
     /// Standard deviation (unit of the quantity measured).
@@ -97,7 +97,7 @@ impl GaussMarkov {
     }
 }
 
-/// A [`GaussMarkov`] discretised for a sample period; its user keeps the values.
+/// A [`GaussMarkov`] discretised for a sample period; the caller stores the values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Correlated {
     sigma: f64,
@@ -120,13 +120,13 @@ impl Correlated {
         self.sigma * noise.draw()
     }
 
-    /// The value a period after `value`.
+    /// The value one period after `value`.
     pub(crate) fn next(&self, value: f64, noise: &mut Gaussian) -> f64 {
         self.decay * value + self.drive_sigma * noise.draw()
     }
 }
 
-/// Errors far beyond the usual noise that come now and then, each on its own.
+/// Occasional errors far beyond the usual noise, independent of each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outliers {
     /// Probability that a sample is one.

@@ -1,7 +1,7 @@
-//! Horizontal position fix: the paper's "GPS", under water an acoustic one (USBL, LBL).
+//! Horizontal position fix: the paper's "GPS", under water an acoustic fix (USBL, LBL).
 //!
-//! `(x, y)` of `p + R r + noise`. The simulator's receiver is free of noise and 30 Hz; the paper's
-//! errors speak for about 1.5 m at 10 Hz, which is the default here. The error of an acoustic fix
+//! `(x, y)` of `p + R r + noise`. The simulator's receiver has no noise and 30 Hz; the paper's
+//! errors suggest about 1.5 m at 10 Hz, which is the default here. The error of an acoustic fix
 //! grows with the slant range rho to its transceiver: `sigma^2 + (range_sigma rho)^2`.
 
 use super::errors::Outliers;
@@ -20,15 +20,15 @@ pub struct GpsParameters {
     pub rate_hz: f64,
     /// Seed of its noise.
     pub seed: u64,
-    /// Place of the antenna or transponder, body (m).
+    /// Position of the antenna or transponder, body (m).
     pub position: [f64; 3],
     /// Standard deviation north and east at range zero (m).
     pub sigma: f64,
-    /// What adds to it, as a fraction of the slant range.
+    /// Additional standard deviation, as a fraction of the slant range.
     pub range_sigma: f64,
-    /// Place of the transceiver, NED (m).
+    /// Position of the transceiver, NED (m).
     pub beacon: [f64; 3],
-    /// Fixes that are far off, as by a reflected path; sigma is that north and east (m).
+    /// Outlier fixes, as by a reflected path; sigma is for north and east (m).
     pub outlier: Outliers,
     /// Probability that a fix is lost.
     pub dropout_probability: f64,
@@ -70,7 +70,8 @@ pub struct GpsSample {
 pub struct GpsFix {
     /// The position.
     pub sample: GpsSample,
-    /// Standard deviation north and east that the instrument reports (m); outliers do not show.
+    /// Standard deviation north and east that the instrument reports (m); it does not include
+    /// outliers.
     pub sigma: f64,
 }
 
@@ -82,7 +83,7 @@ pub struct GpsMemory {
     dropouts: Gaussian,
 }
 
-/// A position fix, its parameters checked.
+/// A position fix, with its parameters checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gps {
     /// How often it samples.

@@ -1,4 +1,4 @@
-//! Grades of inertial measurement units, as sensors and filters know them.
+//! Grades of inertial measurement units, shared by sensors and filters.
 
 use super::BiasNoise;
 
@@ -26,7 +26,7 @@ pub struct ImuNoise {
 }
 
 impl ImuGrade {
-    /// Random errors that are typical of the grade.
+    /// Random errors typical of the grade.
     #[must_use]
     pub fn noise(self) -> ImuNoise {
         // Density, random walk, turn-on bias.

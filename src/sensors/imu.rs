@@ -1,8 +1,8 @@
 //! Inertial measurement unit: specific force and turn rate with biases, and orientation.
 //!
-//! At its place r the specific force is `f + omega' x r + omega x (omega x r)`, f the one at the
-//! centre of gravity (Fossen 2011 ch. 11); at rest -9.81 m/s2 on body z. With it the instruments
-//! measure (Groves 2013 ch. 4.4)
+//! At its position r the specific force is `f + omega' x r + omega x (omega x r)`, with f the
+//! specific force at the centre of gravity (Fossen 2011 ch. 11); at rest -9.81 m/s2 on body z. The
+//! instruments then measure (Groves 2013 ch. 4.4)
 //!
 //! ```text
 //! accelerometers  (I + M_a) f_b + b + n        gyros  (I + M_g) omega + g f_b + b + n
@@ -26,7 +26,7 @@ pub struct ImuParameters {
     pub rate_hz: f64,
     /// Seed of all its noise.
     pub seed: u64,
-    /// Place, body (m).
+    /// Position, body (m).
     pub position: [f64; 3],
     /// Roll, pitch and yaw of the housing in the body frame (deg); specific force and rate are
     /// measured along its axes, the orientation output is corrected to the body's.
@@ -39,7 +39,7 @@ pub struct ImuParameters {
     pub accelerometer_axes: AxisErrors,
     /// Errors of the axes of the gyros, range in rad/s.
     pub gyro_axes: AxisErrors,
-    /// Turn rate that a gyro shows for specific force along its axis (rad/s per m/s2).
+    /// Turn rate that a gyro reports for specific force along its axis (rad/s per m/s2).
     pub g_sensitivity: f64,
     /// Standard deviation of roll, pitch and compass (rad).
     pub attitude_sigma: f64,
@@ -50,10 +50,10 @@ pub struct ImuParameters {
 pub struct AxisErrors {
     /// Relative error of each axis.
     pub scale_error: [f64; 3],
-    /// Angles by which one axis leans towards another, small (rad): x towards y, x towards z,
+    /// Small angles by which one axis is inclined towards another (rad): x towards y, x towards z,
     /// y towards x, y towards z, z towards x, z towards y.
     pub misalignment: [f64; 6],
-    /// Largest value shown, of either sign; 0: no limit.
+    /// Largest value reported, of either sign; 0: no limit.
     pub range: f64,
 }
 
@@ -65,7 +65,7 @@ impl AxisErrors {
         non_negative(&format!("{name}.range"), self.range)
     }
 
-    /// What the true values along the axes of the housing become.
+    /// The reported values for true values along the axes of the housing.
     fn matrix(&self) -> [Vec3; 3] {
         let ([x, y, z], [xy, xz, yx, yz, zx, zy]) = (self.scale_error, self.misalignment);
         [[1.0 + x, xy, xz], [yx, 1.0 + y, yz], [zx, zy, 1.0 + z]]
@@ -108,7 +108,7 @@ pub struct ImuTruth {
     pub euler: [f64; 3],
 }
 
-/// What the IMU shows.
+/// Outputs of the IMU.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ImuSample {
     /// Specific force at the IMU, its axes (m/s2).
@@ -127,7 +127,7 @@ pub struct ImuMemory {
     attitude: Gaussian,
 }
 
-/// An IMU, its constants derived and checked.
+/// An IMU, with its constants derived and checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Imu {
     /// How often it samples.

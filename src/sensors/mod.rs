@@ -1,9 +1,9 @@
-//! Sensors: what the instruments show of a true state.
+//! Sensors: what the instruments measure of a true state.
 //!
-//! Each has a rate, a place in the body frame and a seed. `sample` takes the truth at a sample
-//! instant and the sensor's memory (noise generators, slow biases). Every channel draws from a
-//! stream of its own, and a sensor is sampled at every instant even while it is switched off (the
-//! result is dropped), so that neither an outage nor another channel shifts later noise.
+//! Each has a rate, a position in the body frame and a seed. `sample` takes the truth at a sample
+//! instant and the sensor's memory (noise generators, slow biases). Every channel draws from its
+//! own stream, and a sensor is sampled at every instant even while it is switched off (the result
+//! is discarded), so that neither an outage nor another channel shifts later noise.
 
 mod ahrs;
 mod dvl;

@@ -5,11 +5,11 @@ use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
 use serde::{Deserialize, Serialize};
 
-/// ChaCha makes four blocks at a time: this many numbers of 64 bits.
+/// ChaCha generates four blocks at a time: this many numbers of 64 bits.
 const AHEAD: usize = 32;
 
-/// Every channel of every instrument draws from a stream of its own: equal seeds give independent
-/// noise. The compiler refuses a number that is there twice.
+/// Every channel of every instrument draws from its own stream: equal seeds give independent noise.
+/// The compiler rejects duplicate numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs, reason = "each is named by instrument and channel")]
 pub enum Stream {
@@ -43,8 +43,8 @@ impl From<Stream> for u64 {
 
 /// Independent standard normal numbers; the same for the same seed and stream on any machine.
 ///
-/// ChaCha counts, so where it is says everything, and that is what is serialized. The numbers made
-/// ahead are plain data too: saving the state of a sensor is a copy of memory.
+/// ChaCha is a counter, so its position defines its state, and only that is serialized. Numbers
+/// generated ahead are plain data too: saving the state of a sensor is a copy of memory.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Position", into = "Position")]
 pub struct Gaussian {
@@ -59,7 +59,7 @@ struct Position {
     stream: u64,
     /// Uniform numbers drawn so far.
     drawn: u64,
-    /// Box and Muller make two at a time; this is the one not yet used.
+    /// Box and Muller generate two at a time; this is the one not yet used.
     spare: Option<f64>,
 }
 
@@ -77,7 +77,7 @@ impl From<Position> for Gaussian {
 }
 
 impl Position {
-    /// The numbers from the `begun`th on.
+    /// The numbers starting with the `begun`th.
     fn numbers(&self, begun: u64) -> [u64; AHEAD] {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(self.stream);
@@ -88,7 +88,7 @@ impl Position {
 }
 
 impl Gaussian {
-    /// Streams of one seed are independent of each other; those of the instruments are [`Stream`]s,
+    /// Streams of one seed are independent of each other. Those of the instruments are [`Stream`]s;
     /// numbers from 1000 on are free for other uses.
     #[must_use]
     pub fn new(seed: u64, stream: impl Into<u64>) -> Self {
@@ -106,7 +106,7 @@ impl Gaussian {
         radius * cos
     }
 
-    /// Whether an event of this probability happens.
+    /// Whether an event of this probability occurs.
     pub(crate) fn happens(&mut self, probability: f64) -> bool {
         self.uniform() < probability
     }
@@ -116,7 +116,7 @@ impl Gaussian {
         core::array::from_fn(|_| sigma * self.draw())
     }
 
-    /// In the open interval (0, 1): the logarithm stays finite.
+    /// In the open interval (0, 1), so that the logarithm is finite.
     fn uniform(&mut self) -> f64 {
         let position = &mut self.position;
         let place = (position.drawn % AHEAD as u64) as usize;

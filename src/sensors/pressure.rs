@@ -1,7 +1,7 @@
-//! Pressure sensor: absolute pressure at its own place, and the depth it stands for.
+//! Pressure sensor: absolute pressure at its own position, and the corresponding depth.
 //!
-//! `p = p_0 + gradient (z + (R r)_z) + bias + noise`, `depth = (p - p_0) / gradient`; depth is that of
-//! the sensor, not of the centre of gravity.
+//! `p = p_0 + gradient (z + (R r)_z) + bias + noise`, `depth = (p - p_0) / gradient`; depth is that
+//! of the sensor, not of the centre of gravity.
 
 use super::errors::Outliers;
 use super::noise::{Gaussian, Stream};
@@ -19,13 +19,13 @@ pub struct PressureParameters {
     pub rate_hz: f64,
     /// Seed of its noise.
     pub seed: u64,
-    /// Place, body (m).
+    /// Position, body (m).
     pub position: [f64; 3],
     /// Standard deviation (Pa).
     pub sigma_pa: f64,
     /// Standard deviation of a constant error, drawn once (Pa).
     pub bias_sigma_pa: f64,
-    /// Samples that are far off (Pa).
+    /// Outlier samples (Pa).
     pub outlier: Outliers,
     /// Pressure at the surface (Pa).
     pub surface_pressure_pa: f64,
@@ -57,7 +57,7 @@ pub struct PressureTruth {
     pub euler: [f64; 3],
 }
 
-/// What the sensor shows.
+/// Outputs of the sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PressureSample {
     /// Absolute pressure (Pa).
@@ -71,11 +71,11 @@ pub struct PressureSample {
 pub struct PressureMemory {
     white: Gaussian,
     outliers: Gaussian,
-    /// Of the pressure (Pa).
+    /// For the pressure (Pa).
     bias: f64,
 }
 
-/// A pressure sensor, its parameters checked.
+/// A pressure sensor, with its parameters checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PressureSensor {
     /// How often it samples.

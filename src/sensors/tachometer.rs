@@ -1,4 +1,4 @@
-//! Rotor speeds of the thrusters, and the thrust they stand for: `T = gain w |w|`.
+//! Rotor speeds of the thrusters, and the corresponding thrusts: `T = gain w |w|`.
 
 use super::noise::{Gaussian, Stream};
 use crate::ParameterError;
@@ -25,12 +25,12 @@ impl Default for TachometerParameters {
     }
 }
 
-/// What the tachometers show.
+/// Outputs of the tachometers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TachometerSample {
     /// Rotor speeds (rad/s).
     pub speed: [f64; 8],
-    /// Thrusts of sound propellers at these speeds (N).
+    /// Thrusts of intact propellers at these speeds (N).
     pub thrust: [f64; 8],
 }
 
@@ -40,7 +40,7 @@ pub struct TachometerMemory {
     noise: Gaussian,
 }
 
-/// Tachometers of eight thrusters, their parameters checked.
+/// Tachometers of eight thrusters, with their parameters checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tachometer {
     /// How often they sample.

@@ -12,8 +12,8 @@
 //! M_RB nu' + C_RB(nu) nu = M_RB nu_r' + C_RB(nu_r) nu_r in a current that is steady in NED (Fossen
 //! 2011 ch. 8, irrotational constant currents), and v_r x (m v_r) = 0.
 //!
-//! [`super::tangent`] and [`super::sensitivity`] are the derivatives of what stands here: change them
-//! together.
+//! [`super::tangent`] and [`super::sensitivity`] are the derivatives of these equations: change
+//! them together.
 
 use super::{Inputs, Outputs, Parameters, Propulsion, State, ThrusterMode};
 use crate::ParameterError;
@@ -24,15 +24,15 @@ use nalgebra::Matrix6;
 /// Rate at which the quaternion's length returns to one (1/s).
 ///
 /// R does not depend on the length (see [`attitude::rotation`]), so this only keeps it from
-/// wandering off over long runs. A term of the derivative serves any integrator alike, where
-/// normalising after a step would be a discrete event to an importer's variable-step solver.
+/// drifting over long runs. A term of the derivative works with any integrator, whereas normalising
+/// after a step would be a discrete event to an importer's variable-step solver.
 pub(super) const NORM_RATE: f64 = 1.0;
 
-/// The vehicle, its constants derived and checked.
+/// The vehicle, with its constants derived and checked.
 #[derive(Clone, Debug)]
 pub struct Vehicle {
     pub(super) gravity: f64,
-    /// Weight less buoyancy (N).
+    /// Weight minus buoyancy (N).
     pub(super) excess_weight: f64,
     /// Buoyancy times its lever arm (N.m).
     pub(super) buoyant_moment: Vec3,
@@ -46,16 +46,16 @@ pub struct Vehicle {
     pub(super) propulsion: Propulsion,
 }
 
-/// What the inputs amount to for as long as they are held, so that the stages of a step share it and
-/// have no branches on the thruster mode.
+/// Values derived from the inputs for as long as they are held, so that the stages of a step share
+/// them and have no branches on the thruster mode.
 #[derive(Clone, Copy, Debug)]
 pub struct Drive {
-    /// Speeds that the rotors tend to, and the rate (1/s) at which they do.
+    /// Speeds that the rotors approach, and the rate (1/s) at which they do so.
     pub(super) rotor_target: [f64; 8],
     pub(super) rotor_rate: f64,
-    /// Thrusts over rotor speed squared; 0 where rotor speeds make no thrust.
+    /// Thrusts over rotor speed squared; 0 if rotor speeds make no thrust.
     thrust_gain: [f64; 8],
-    /// Thrust that does not come from the rotors (N).
+    /// Thrust that does not depend on the rotors (N).
     direct_thrust: [f64; 8],
     wrench: [f64; 6],
     current_ned: Vec3,
@@ -68,7 +68,7 @@ impl Drive {
         core::array::from_fn(|i| (self.rotor_target[i] - speed[i]) * self.rotor_rate)
     }
 
-    /// The rotor speeds once this part of their distance from the target is left.
+    /// The rotor speeds when this fraction of their distance from the target is left.
     #[inline(always)]
     pub(super) fn rotor_speed(&self, speed: &[f64; 8], kept: f64) -> [f64; 8] {
         core::array::from_fn(|i| self.rotor_target[i] + (speed[i] - self.rotor_target[i]) * kept)
@@ -143,7 +143,7 @@ impl Vehicle {
         }
     }
 
-    /// Rate (1/s) of the rotors' lag; the mode without lag leaves them as they are.
+    /// Rate (1/s) of the rotors' lag; the mode without lag leaves the speeds as they are.
     pub(super) fn rotor_rate(&self) -> f64 {
         match self.propulsion.mode {
             ThrusterMode::Force => 0.0,
@@ -158,7 +158,7 @@ impl Vehicle {
         self.propulsion.kinks(inputs)
     }
 
-    /// What the inputs amount to, for as long as they are held.
+    /// Values derived from the inputs, for as long as they are held.
     #[must_use]
     pub fn drive(&self, inputs: &Inputs) -> Drive {
         let p = &self.propulsion;
@@ -185,8 +185,8 @@ impl Vehicle {
         drive
     }
 
-    /// Time derivative of the state under a [`drive`](Self::drive): the bits of
-    /// [`derivative`](Self::derivative), without working the inputs out again.
+    /// Time derivative of the state under a [`drive`](Self::drive): the same bits as
+    /// [`derivative`](Self::derivative), without evaluating the inputs again.
     // Not inlined: four copies in a Runge-Kutta step overflow the processor's decoded-instruction
     // cache, which was measured to cost a third of its speed.
     #[inline(never)]
@@ -205,8 +205,8 @@ impl Vehicle {
         }
     }
 
-    /// The bits of [`rate`](Self::rate) where the outputs of the same state and inputs are known:
-    /// velocity in NED and acceleration, the costly parts, stand there already.
+    /// The same bits as [`rate`](Self::rate), if the outputs for the same state and inputs are
+    /// known: they already contain velocity in NED and acceleration, the costly parts.
     #[inline(always)]
     #[must_use]
     pub fn rate_beside(&self, state: &State, outputs: &Outputs, drive: &Drive) -> State {
@@ -240,7 +240,7 @@ impl Vehicle {
         let turning = add(cross(omega, h), cross(v_r, p));
         let moment = sub(cross(down, self.buoyant_moment), turning);
 
-        // Never -0, so that it makes no difference whether a thrust of zero is 0 or -0.
+        // Never -0, so that a thrust of 0 and of -0 give the same result.
         let mut tau = wrench.map(|component| component + 0.0);
         add_wrench(&mut tau, &self.thruster_wrench, thrust);
         for i in 0..6 {
@@ -270,7 +270,7 @@ pub(super) fn add_wrench(wrench: &mut [f64; 6], columns: &[[f64; 6]; 8], thrust:
     }
 }
 
-/// `q' = 1/2 q (0, omega)`, and towards unit length.
+/// `q' = 1/2 q (0, omega)`, plus a term towards unit length.
 #[inline(always)]
 fn quaternion_rate(q: [f64; 4], omega: Vec3) -> [f64; 4] {
     let (spin, stretch) = (half_product(q, omega), stretch_rate(q));

@@ -1,6 +1,6 @@
-//! One step of the classical Runge-Kutta method of fourth order, inputs held constant. The rotors follow
-//! held commands with a lag of first order, which has a closed form: their speeds are exact at each stage, and
-//! do not limit the step.
+//! One step of the classical fourth-order Runge-Kutta method, with inputs held constant. The rotors
+//! follow held commands with a first-order lag, which has a closed form: their speeds are exact at
+//! each stage, and do not limit the step size.
 
 use super::dynamics::Drive;
 use super::{Inputs, Outputs, State, Vehicle};
@@ -8,14 +8,15 @@ use super::{Inputs, Outputs, State, Vehicle};
 impl Vehicle {
     /// Advances the state by `h` seconds.
     ///
-    /// At 10 ms a minute of manoeuvring is good to 3e-7 m, and velocities to a millionth of their peak after
-    /// commands that jump; at 20 ms to 2e-6 m, and a few parts in 1e5. What limits both is the kink of the
-    /// thrust where a rotor reverses within a step.
+    /// At 10 ms the error over a minute of manoeuvring is 3e-7 m, and velocities are accurate to a
+    /// millionth of their peak after commands that jump; at 20 ms 2e-6 m, and a few parts in 1e5.
+    /// Both are limited by the kink of the thrust where a rotor reverses within a step.
     pub fn step(&self, state: &mut State, inputs: &Inputs, h: f64) {
         self.advance(state, &self.drive(inputs), h, None);
     }
 
-    /// The same under a [`drive`](Self::drive); the outputs at the beginning come along if they are known.
+    /// The same under a [`drive`](Self::drive), with the outputs at the beginning if they are
+    /// known.
     #[inline]
     pub fn advance(&self, state: &mut State, drive: &Drive, h: f64, outputs: Option<&Outputs>) {
         let k1 = match outputs {
@@ -37,7 +38,7 @@ impl Vehicle {
     }
 }
 
-/// `state + h rate`, with these speeds of the rotors.
+/// `state + h rate`, with these rotor speeds.
 #[inline(always)]
 fn advanced(state: &State, h: f64, rate: &State, rotor_speed: [f64; 8]) -> State {
     State {

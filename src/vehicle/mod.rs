@@ -5,8 +5,8 @@
 //! nu_r = nu - [R^T v_c; 0],    nu_r' = nu' + [omega x R^T v_c; 0]
 //! p' = R v,    q' = 1/2 q (0, omega)
 //! ```
-//! Fossen (2011) ch. 6-8; eqs (5)-(26) of the paper, whose misprints are mended here: added mass
-//! and damping are positive matrices, so they act against acceleration and motion.
+//! Fossen (2011) ch. 6-8; eqs (5)-(26) of the paper, with its misprints corrected: added mass and
+//! damping are positive matrices, so they act against acceleration and motion.
 
 mod dynamics;
 mod integrate;

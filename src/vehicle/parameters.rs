@@ -13,7 +13,7 @@ pub enum ParameterSet {
     Uuv,
     /// The values of UUV Simulator with diagonal added mass and inertia.
     UuvDiagonal,
-    /// Tables 5 and 6 of the paper, their misprints mended; diagonal.
+    /// Tables 5 and 6 of the paper, with their misprints corrected; diagonal.
     Paper,
 }
 
@@ -79,8 +79,8 @@ pub struct Parameters {
     pub propulsion: Propulsion,
 }
 
-/// Largest difference of mirrored elements that counts as rounding of a printed table, relative
-/// to the larger one (the simulator prints 10.774 against 10.775).
+/// Largest difference between mirrored elements that counts as rounding in a printed table,
+/// relative to the larger one (the simulator prints 10.774 and 10.775).
 const ASYMMETRY: f64 = 1e-3;
 
 impl Parameters {
@@ -100,7 +100,7 @@ impl Parameters {
         self.mass * self.gravity
     }
 
-    /// Buoyancy as given or by eq (17) (N).
+    /// Buoyancy as given or from eq (17) (N).
     #[must_use]
     pub fn buoyancy_force(&self) -> f64 {
         self.buoyancy.unwrap_or(self.density * self.gravity * self.volume)

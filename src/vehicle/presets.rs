@@ -1,8 +1,8 @@
 //! The RexROV in numbers: UUV Simulator's description and Tables 3 to 6 of the paper.
 //!
-//! Mended misprints: the mass of 1.863 kg is 1863 kg, thruster 5 points to psi = -45 deg, added
-//! masses and dampings are magnitudes. Z_w stays 782.4 as Table 6 prints it (728.4 in the
-//! simulator), and the printed buoyancy belongs to a density of 1020 kg/m3, not to 1000.
+//! Corrected misprints: the mass of 1.863 kg is 1863 kg, thruster 5 points to psi = -45 deg, added
+//! masses and dampings are magnitudes. Z_w stays 782.4 as in Table 6 (728.4 in the simulator), and
+//! the printed buoyancy corresponds to a density of 1020 kg/m3, not 1000.
 
 use super::{Inertia, Parameters, Propulsion, Thruster, ThrusterMode};
 

@@ -1,15 +1,16 @@
 //! Thrusters: geometry, rotor lag and the thrust curve.
 //!
 //! `w' = (w_cmd - w) / tau`, `T = gain w |w|` (the paper's look-up table from rpm to thrust, here
-//! in rad/s), of which a damaged propeller loses a fraction. Axis of a thruster `e = (cos th cos ps, cos th sin ps, -sin th)`, moment `r x e T`:
-//! eqs (31)-(34) of the paper, (33) and (34) mended.
+//! in rad/s); a damaged propeller loses a fraction of T. Axis of a thruster
+//! `e = (cos th cos ps, cos th sin ps, -sin th)`, moment `r x e T`: eqs (31)-(34) of the paper,
+//! with (33) and (34) corrected.
 
 use super::Inputs;
 use crate::ParameterError;
 use crate::error::{finite, positive};
 use crate::vector::cross;
 
-/// Where a thruster sits and where it pushes, body frame.
+/// Position and direction of a thruster, body frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thruster {
     /// Position forward of the centre of gravity (m).
@@ -18,7 +19,7 @@ pub struct Thruster {
     pub ly: f64,
     /// Position downwards (m).
     pub lz: f64,
-    /// Elevation of the thrust axis over the horizontal plane, positive upwards (deg).
+    /// Elevation of the thrust axis above the horizontal plane, positive upwards (deg).
     pub theta_deg: f64,
     /// Azimuth of the thrust axis from forward, positive to starboard (deg).
     pub psi_deg: f64,
@@ -45,13 +46,13 @@ impl Thruster {
     }
 }
 
-/// What the thruster inputs mean.
+/// Meaning of the thruster inputs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ThrusterMode {
     /// A force (N): to rotor speed by the inverse curve, through the lag, to thrust.
     #[default]
     ForceWithLag,
-    /// A force (N) that acts at once; the rotor speeds keep their values.
+    /// A force (N) that acts immediately; the rotor speeds keep their values.
     Force,
     /// A rotor speed (rad/s): through the lag, to thrust.
     RotorSpeed,
@@ -68,7 +69,7 @@ pub struct Propulsion {
     pub rotor_time_constant: f64,
     /// Thrust over speed squared (N.s2/rad2).
     pub thrust_gain: f64,
-    /// Limit of the commanded thrust, either sign (N); limits the speed command alike.
+    /// Limit of the commanded thrust, either sign (N); it limits the speed command as well.
     pub thrust_limit: f64,
 }
 
@@ -90,11 +91,13 @@ impl Propulsion {
     }
 
     /// Where the right-hand side has kinks: the first eight cross zero where a command crosses its
-    /// limit, of either sign, the others where it changes its sign, at which the square root in
-    /// [`Propulsion::speed`] is steep (and which a swing from one limit to the other cannot miss).
+    /// limit, of either sign. The others cross zero where it changes its sign, where the square
+    /// root in [`Propulsion::speed`] is steep (and which a swing from one limit to the other cannot
+    /// miss).
     ///
-    /// A command at its limit counts as within it and one of zero as positive, by one part in 10^12
-    /// of the limit: a thruster at rest or fully driven is not all the time at a kink.
+    /// A command at its limit counts as within it and a command of zero as positive, by one part in
+    /// 10^12 of the limit, so that a thruster at rest or at full power is not permanently at a
+    /// kink.
     #[must_use]
     #[inline]
     pub fn kinks(&self, inputs: &Inputs) -> ([f64; 8], [f64; 8]) {
@@ -107,20 +110,20 @@ impl Propulsion {
         (command.map(|c| (limit - c.abs()) + margin), command.map(|c| c + margin))
     }
 
-    /// Thrusts (N) over the square of the rotor speeds, with what the propellers lose.
+    /// Thrusts (N) over the square of the rotor speeds, including the losses of the propellers.
     #[inline(always)]
     pub(super) fn thrust_gains(&self, inputs: &Inputs) -> [f64; 8] {
         inputs.thruster_loss.map(|loss| self.thrust_gain * (1.0 - loss))
     }
 
-    /// Thrusts (N) commanded in the mode `Force`, less what the propellers lose.
+    /// Thrusts (N) commanded in the mode `Force`, minus the losses of the propellers.
     #[inline(always)]
     pub(super) fn direct_thrust(&self, inputs: &Inputs) -> [f64; 8] {
         let clipped = self.clipped(&inputs.thruster_force);
         core::array::from_fn(|i| clipped[i] * (1.0 - inputs.thruster_loss[i]))
     }
 
-    /// Commanded thrusts (N) within the limit.
+    /// Commanded thrusts (N), clipped to the limit.
     #[inline(always)]
     pub(super) fn clipped(&self, thrust: &[f64; 8]) -> [f64; 8] {
         thrust.map(|f| f.clamp(-self.thrust_limit, self.thrust_limit))
@@ -132,7 +135,7 @@ impl Propulsion {
         self.clipped(thrust).map(|f| self.speed(f))
     }
 
-    /// Thrust at a rotor speed (rad/s), in N, of a sound propeller.
+    /// Thrust (N) of an intact propeller at a rotor speed (rad/s).
     #[must_use]
     #[inline(always)]
     pub fn thrust(&self, speed: f64) -> f64 {

@@ -1,6 +1,6 @@
 //! The reduced model of four degrees of freedom (surge, sway, heave, yaw), level trim, no current.
 //!
-//! Eqs (27)-(30) of the paper with their signs mended (a: added mass, d: damping, both positive):
+//! Eqs (27)-(30) of the paper with corrected signs (a: added mass, d: damping, both positive):
 //! ```text
 //! (m + a11) u' = -(dl1 + dq1|u|) u + (m + a22) v r + X
 //! (m + a22) v' = -(dl2 + dq2|v|) v - (m + a11) u r + Y
@@ -11,10 +11,10 @@
 use super::Parameters;
 use crate::ParameterError;
 
-/// The reduced model, its constants derived and checked.
+/// The reduced model, with its constants derived and checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReducedModel {
-    /// Mass or inertia with added mass, for surge, sway, heave, yaw.
+    /// Mass or inertia including added mass, for surge, sway, heave, yaw.
     inertia: [f64; 4],
     linear_damping: [f64; 4],
     quadratic_damping: [f64; 4],
@@ -25,7 +25,7 @@ pub struct ReducedModel {
 }
 
 impl ReducedModel {
-    /// Takes what it needs of the full set: the diagonal of M_A.
+    /// Takes the values it needs from the full set: the diagonal of M_A.
     ///
     /// # Errors
     /// As [`super::Vehicle::new`].

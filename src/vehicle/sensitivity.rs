@@ -1,7 +1,7 @@
 //! Derivatives with respect to the coefficients: how derivative and outputs of a state change, to
-//! first order, as the coefficients of the vehicle move in a given direction.
+//! first order, as the coefficients of the vehicle change in a given direction.
 //!
-//! With d the change along the direction, at a fixed state and fixed inputs (the rest as in
+//! With d the change along the direction, at a fixed state and fixed inputs (otherwise as in
 //! [`super::tangent`]):
 //!
 //! ```text
@@ -10,15 +10,15 @@
 //! [dp; dh] = dM nu_r
 //! dT       = (1 - loss) dgain w |w|,    dw' = d(1/tau) (w_cmd - w) + dw_cmd / tau
 //! ```
-//! The conventions at limits are those of [`super::tangent`]. A buoyancy that is computed (`None`)
-//! moves with density, gravity and volume, one that is given with itself.
+//! The conventions at limits are those of [`super::tangent`]. A computed buoyancy (`None`) changes
+//! with density, gravity and volume; a given one changes only by itself.
 
 use super::dynamics::{add_wrench, mul6};
 use super::tangent::Tangent;
 use super::{Inputs, Outputs, Parameters, Propulsion, State, Thruster, ThrusterMode};
 use crate::vector::{add, angular, cross, linear, scale, sub};
 
-/// Change of a vehicle's constants as its coefficients move along a direction.
+/// Change of a vehicle's constants as its coefficients change along a direction.
 #[derive(Clone, Debug)]
 pub struct Sensitivity {
     gravity: f64,
@@ -34,8 +34,8 @@ pub struct Sensitivity {
 }
 
 impl Sensitivity {
-    /// Along the direction `d`, which is a set of coefficients that holds changes: its buoyancy
-    /// counts where that of `at` is given, its thruster mode never.
+    /// Along the direction `d`, which is a set of coefficients that contains changes: its buoyancy
+    /// counts if that of `at` is given, its thruster mode never.
     #[must_use]
     pub fn new(at: &Parameters, d: &Parameters) -> Self {
         let d_weight = d.mass * at.gravity + at.mass * d.gravity;
@@ -85,14 +85,14 @@ impl Sensitivity {
         if force.abs() <= p.thrust_limit { 0.0 } else { self.thrust_limit * force.signum() }
     }
 
-    /// Change of the speed that a rotor tends to, `target` at this command.
+    /// Change of the speed that a rotor approaches, `target` at this command.
     fn rotor_target(&self, p: &Propulsion, command: f64, target: f64) -> f64 {
         let gain = self.thrust_gain / p.thrust_gain;
         let limit = self.thrust_limit / p.thrust_limit;
         let relative = match p.mode {
             ThrusterMode::RotorSpeed if command.abs() <= p.speed(p.thrust_limit) => 0.0,
             ThrusterMode::RotorSpeed => limit - gain,
-            // The square root of force over gain, the force at its limit or as commanded.
+            // The square root of force over gain, with the force at its limit or as commanded.
             _ if command.abs() <= p.thrust_limit => -gain,
             _ => limit - gain,
         };
@@ -101,8 +101,8 @@ impl Sensitivity {
 }
 
 impl Tangent<'_> {
-    /// Change of the derivative and the outputs of the vehicle as the coefficients change; state
-    /// and inputs stay.
+    /// Change of the derivative and the outputs of the vehicle as the coefficients change, at fixed
+    /// state and inputs.
     #[must_use]
     pub fn with_coefficients(&self, d: &Sensitivity) -> (State, Outputs) {
         let (vehicle, state, inputs) = (self.vehicle, self.state, self.inputs);
@@ -135,7 +135,7 @@ impl Tangent<'_> {
         (d_rate, d_outputs)
     }
 
-    /// Change of nu', which is `nu_dot`; `d_thrust` is that of the thrusts.
+    /// Change of nu', which is `nu_dot`; `d_thrust` is the change of the thrusts.
     fn d_acceleration(&self, d: &Sensitivity, nu_dot: &[f64; 6], d_thrust: &[f64; 8]) -> [f64; 6] {
         let (vehicle, v_r, down) = (self.vehicle, self.v_r, self.r_nb[2]);
         let omega = angular(&self.state.nu);

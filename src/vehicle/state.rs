@@ -7,7 +7,7 @@ use crate::attitude;
 pub struct State {
     /// Position of the centre of gravity, NED (m).
     pub p_ned: [f64; 3],
-    /// Attitude `[w, x, y, z]`, body to NED; its length stays near one but is nowhere relied on.
+    /// Attitude `[w, x, y, z]`, body to NED; its length stays near one, but no code relies on it.
     pub quaternion: [f64; 4],
     /// Velocity over ground `[u, v, w, p, q, r]`, body (m/s, rad/s).
     pub nu: [f64; 6],
@@ -16,7 +16,7 @@ pub struct State {
 }
 
 impl State {
-    /// No change of anything.
+    /// No change.
     pub const ZERO: Self =
         Self { p_ned: [0.0; 3], quaternion: [0.0; 4], nu: [0.0; 6], rotor_speed: [0.0; 8] };
 
@@ -39,14 +39,14 @@ impl Default for State {
     }
 }
 
-/// What acts on the vehicle; held constant over an integration step.
+/// Inputs of the vehicle; held constant over an integration step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Inputs {
     /// Commanded thrusts (N), used by `ForceWithLag` and `Force`.
     pub thruster_force: [f64; 8],
     /// Commanded rotor speeds (rad/s), used by `RotorSpeed`.
     pub thruster_speed: [f64; 8],
-    /// Fraction of the thrust that each propeller loses: 0 sound, 1 lost, 2 turning the wrong way.
+    /// Fraction of the thrust that each propeller loses: 0 intact, 1 lost, 2 turning the wrong way.
     pub thruster_loss: [f64; 8],
     /// External wrench `[X, Y, Z, K, M, N]` about the centre of gravity, body (N, N.m).
     pub wrench: [f64; 6],
@@ -54,7 +54,7 @@ pub struct Inputs {
     pub current_ned: [f64; 3],
 }
 
-/// What can be observed of the vehicle, without sensor errors.
+/// Observable quantities of the vehicle, without sensor errors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outputs {
     /// Position of the centre of gravity, NED (m).
@@ -73,7 +73,7 @@ pub struct Outputs {
     pub specific_force: [f64; 3],
     /// Thrust of each thruster (N).
     pub thrust: [f64; 8],
-    /// Speed of each rotor (rad/s); where a force acts at once, the one that goes with the force
-    /// of a sound propeller.
+    /// Speed of each rotor (rad/s); in the mode without lag, the speed at which an intact propeller
+    /// makes the commanded force.
     pub rotor_speed: [f64; 8],
 }

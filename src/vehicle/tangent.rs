@@ -1,8 +1,9 @@
-//! Directional derivatives: how derivative and outputs change as state and inputs move in a given
-//! direction, to first order. By hand, so exact to rounding and as cheap as the model itself.
+//! Directional derivatives: how derivative and outputs change as state and inputs change in a given
+//! direction, to first order. They are derived by hand, so they are exact to rounding and as cheap
+//! as the model itself.
 //!
-//! With d the change along the direction and all else the values at the point (see
-//! [`super::dynamics`] for them):
+//! With d the change along the direction and everything else the values at the point (see
+//! [`super::dynamics`]):
 //!
 //! ```text
 //! dtheta    = 2 Im(q* dq) / |q|^2              body turned about its own axes: dR = R [dtheta x]
@@ -14,21 +15,24 @@
 //! dq'       = 1/2 dq (0, omega) + 1/2 q (0, domega) + s dq + ds q,    s = NORM_RATE (1 - |q|^2) / 2
 //! dT        = (1 - loss) 2 gain |w| dw - dloss gain w |w|,    dw' = (dw_cmd - dw) / tau
 //! ```
-//! The Euler angles follow dtheta as they follow omega: Fossen (2011) eq (2.41), eq (4) of the paper.
+//! The Euler angles follow dtheta as they follow omega: Fossen (2011) eq (2.41), eq (4) of the
+//! paper.
 //!
-//! Where there is no derivative, the convention is:
+//! Where no derivative exists, the convention is:
 //! * a command at its limit counts as not clipped, beyond it as clipped (slope zero);
-//! * a force command of exactly zero in `ForceWithLag` has slope zero, not the infinite one of the
-//!   square root: one infinity would spoil every sum it enters, and the thrust, which is the square
-//!   of the rotor speed, does start with slope zero. Any other command, however small, has its slope;
-//! * at a pitch of exactly 90 degrees roll and yaw turn about one axis: d(yaw) and d(pitch) are zero.
+//! * a force command of exactly zero in `ForceWithLag` has slope zero, not the infinite slope of
+//!   the square root: one infinity would spoil every sum it enters, and the thrust, which is the
+//!   square of the rotor speed, does start with slope zero. Any other command, however small, has
+//!   its slope;
+//! * at a pitch of exactly 90 degrees roll and yaw rotate about one axis: d(yaw) and d(pitch) are
+//!   zero.
 
 use super::dynamics::{NORM_RATE, add_wrench, mul6, stretch_rate};
 use super::{Inputs, Outputs, State, ThrusterMode, Vehicle};
 use crate::attitude::{self, half_product};
 use crate::vector::{Vec3, add, angular, cross, linear, mul, mul_transposed, scale, sub};
 
-/// The vehicle linearised at a point: made once, it serves any number of directions.
+/// The vehicle linearised at a point: computed once for any number of directions.
 #[derive(Clone, Debug)]
 pub struct Tangent<'a> {
     pub(super) vehicle: &'a Vehicle,
@@ -42,7 +46,7 @@ pub struct Tangent<'a> {
     pub(super) v_r: Vec3,
 }
 
-/// What derivative and outputs have in common.
+/// The common part of derivative and outputs.
 #[derive(Clone, Copy, Debug, Default)]
 struct Motion {
     /// dtheta.
@@ -84,7 +88,7 @@ impl Tangent<'_> {
         self.d_outputs(d_state, d_inputs, self.motion(d_state, d_inputs))
     }
 
-    /// Both at once, their common part worked out once: a column of the Jacobian where the
+    /// Both at once, with their common part computed once: a column of the Jacobian if the
     /// direction is an axis.
     #[inline(always)]
     #[must_use]
@@ -93,7 +97,7 @@ impl Tangent<'_> {
         (self.d_derivative(d_state, d_inputs, &motion), self.d_outputs(d_state, d_inputs, motion))
     }
 
-    /// An axis moves few of these: what does not move is not worked out.
+    /// An axis changes few of these; unchanged terms are not computed.
     #[inline(always)]
     fn motion(&self, d_state: &State, d_inputs: &Inputs) -> Motion {
         let (v, omega) = (linear(&self.state.nu), angular(&self.state.nu));
@@ -131,8 +135,8 @@ impl Tangent<'_> {
         motion
     }
 
-    /// dtheta: the rotation about body axes that a change of the quaternion means; a change of its
-    /// length means none.
+    /// dtheta: the rotation about body axes that corresponds to a change of the quaternion; a
+    /// change of its length corresponds to none.
     #[inline(always)]
     fn turn(&self, d_q: [f64; 4]) -> Vec3 {
         let q = self.state.quaternion;
@@ -186,7 +190,7 @@ impl Tangent<'_> {
         }
     }
 
-    /// What the thrusts follow: commands or rotor speeds.
+    /// The variables that determine the thrusts: commands or rotor speeds.
     #[inline(always)]
     fn pushing<'b>(&self, state: &'b State, inputs: &'b Inputs) -> &'b [f64; 8] {
         match self.vehicle.propulsion.mode {
@@ -213,7 +217,7 @@ impl Tangent<'_> {
         })
     }
 
-    /// Change of the speeds that the rotors tend to.
+    /// Change of the speeds that the rotors approach.
     #[inline(always)]
     fn rotor_target(&self, d_inputs: &Inputs) -> [f64; 8] {
         let p = &self.vehicle.propulsion;
@@ -228,7 +232,7 @@ impl Tangent<'_> {
         self.speeds(command, d_command)
     }
 
-    /// Change of the rotor speeds that commanded forces stand for.
+    /// Change of the rotor speeds that correspond to commanded forces.
     #[inline(always)]
     fn speeds(&self, force: &[f64; 8], d_force: &[f64; 8]) -> [f64; 8] {
         let p = &self.vehicle.propulsion;
@@ -309,7 +313,7 @@ impl Tangent<'_> {
     }
 }
 
-/// Change of roll, pitch and yaw as the body turns about its own axes; `down` is the third row of
+/// Change of roll, pitch and yaw as the body rotates about its own axes; `down` is the third row of
 /// R, `[-sin(pitch), cos(pitch) sin(roll), cos(pitch) cos(roll)]`.
 #[inline(always)]
 fn euler_rate(down: Vec3, turn: Vec3) -> Vec3 {
@@ -324,7 +328,7 @@ fn dot(a: [f64; 4], b: [f64; 4]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
 }
 
-/// Whether any is not zero, looked at without a branch for each.
+/// Whether any element is not zero, checked without a branch for each.
 #[inline(always)]
 fn moves(direction: &[f64]) -> bool {
     direction.iter().fold(false, |any, d| any | (*d != 0.0))
@@ -336,7 +340,7 @@ fn within(command: f64, limit: f64) -> f64 {
     if command.abs() <= limit { 1.0 } else { 0.0 }
 }
 
-/// 1/x, and zero where that is infinite.
+/// 1/x, and zero if that is infinite.
 #[inline(always)]
 fn inverse(x: f64) -> f64 {
     let inverse = 1.0 / x;

@@ -1,4 +1,4 @@
-//! What a filter has, compared with what dual numbers say.
+//! The results of a filter, compared with those of dual numbers.
 
 use core::ops::Index;
 
@@ -14,7 +14,7 @@ use rexrov::estimation::kinematics::{Kinematics, Linearized};
 use rexrov::estimation::sensor::{Depth, Dvl, Fix, Heading, Observation, Sensor, Tilt};
 use rexrov::estimation::transition::Transition;
 
-/// Keeps the transitions of a prediction.
+/// Records the transitions of a prediction.
 #[derive(Default)]
 pub(super) struct Tape<const N: usize> {
     pub(super) transitions: Vec<SMatrix<f64, N, N>>,
@@ -31,7 +31,7 @@ impl<const N: usize> Witness<N> for Tape<N> {
     }
 }
 
-/// Relative to the element, and to a thousandth of the largest of its row, whose rounding it has.
+/// Relative to the element, and to a thousandth of the largest in its row, whose rounding it has.
 pub(super) fn close_rows<const N: usize>(
     what: &str,
     got: &[impl Index<usize, Output = f64>],
@@ -74,7 +74,7 @@ pub(super) fn close_points<const N: usize>(
     close("attitude", &a.concat(), &b.concat())
 }
 
-/// Innovations (measured less predicted, of the value zero) and rows of a sensor.
+/// Innovations (measured minus predicted, for the value zero) and rows of a sensor.
 pub(super) fn close_observation<const N: usize, const M: usize>(
     what: &str,
     got: &Observation<N>,
@@ -122,7 +122,7 @@ pub(super) fn sensors<const N: usize>(
     close_observation("velocity log", &seen, order, mean, |x| motion(x).dvl(m.dvl))
 }
 
-/// What the kinematics of a process say, and their rows.
+/// The kinematics of a process, and their rows.
 pub(super) fn kinematics<const N: usize>(
     got: &Kinematics<N>,
     order: usize,

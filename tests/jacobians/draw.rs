@@ -8,7 +8,7 @@ use rexrov::estimation::interval::{Inertial, Interval, Thrusts};
 use rexrov::estimation::{NavigationParameters, Turning};
 use rexrov::vehicle::Parameters;
 
-/// Takes one number in (-1, 1) after the other.
+/// Takes one number in (-1, 1) after another.
 pub(super) struct Draw<'a>(pub(super) core::slice::Iter<'a, f64>);
 
 impl Draw<'_> {
@@ -69,7 +69,7 @@ impl Draw<'_> {
         p
     }
 
-    /// Standard deviations of all states of the sensors, so that they exist.
+    /// Standard deviations of all sensor states, so that they exist.
     pub(super) fn parameters(&mut self) -> NavigationParameters {
         let mut p = NavigationParameters::default();
         p.sensors.heading_bias_sigma = 0.02;
@@ -100,7 +100,7 @@ impl Draw<'_> {
     }
 }
 
-/// Sizes of the means of the states of the sensors.
+/// Sizes of the means of the sensor states.
 pub(super) const OF_SENSORS: (usize, f64) = (4, 0.1);
 
 pub(super) fn point<const N: usize>(belief: &Belief<N>, theta: Option<usize>) -> Point<f64, N> {

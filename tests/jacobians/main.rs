@@ -1,7 +1,8 @@
 //! Every F and every H of the navigation filters against dual numbers.
 //!
-//! The dual numbers run through `oracle`, the processes and sensors stated a second time. Errors are
-//! those of the filters: an attitude is `q Exp(dtheta)`, differentiated at zero.
+//! The dual numbers run through `oracle`, an independent implementation of the processes and
+//! sensors. Errors are defined as in the filters: an attitude is `q Exp(dtheta)`, differentiated at
+//! zero.
 
 #[path = "../oracle/estimation/mod.rs"]
 mod oracle;

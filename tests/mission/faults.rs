@@ -98,7 +98,7 @@ pub fn zero(events: &mut [Event], kind: Kind, from: f64, to: f64) {
     fill(events, kind, from, to, 0.0);
 }
 
-/// No number is one.
+/// No value is a number.
 pub fn nan(events: &mut [Event], kind: Kind, from: f64, to: f64) {
     fill(events, kind, from, to, f64::NAN);
 }

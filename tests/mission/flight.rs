@@ -1,4 +1,4 @@
-//! The vehicle, its control and its sensors from instant to instant.
+//! The vehicle, its control and its sensors, instant by instant.
 
 use super::instruments::Instruments;
 use super::plant::Plant;
@@ -14,7 +14,7 @@ pub(super) const TICK: i64 = 20_000_000;
 const CYCLE: i64 = 100_000_000;
 const INITIAL_SIGMA: f64 = 0.5;
 
-/// Streams of the seed. Below 1000 are those of the instruments.
+/// Streams of the seed. Streams below 1000 are those of the instruments.
 #[derive(Clone, Copy)]
 pub(super) enum Stream {
     Gain = 1000,
@@ -89,7 +89,7 @@ fn record(now: i64, truth: &Outputs, options: &Options) -> Truth {
     }
 }
 
-/// Guidance and control on the truth.
+/// Guidance and control with the truth.
 struct Pilot<'a> {
     options: &'a Options,
     pursuit: PurePursuit,

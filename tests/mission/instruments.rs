@@ -6,7 +6,7 @@ use rexrov::attitude::{rotation, wrap};
 use rexrov::sensors::{BiasNoise, Gaussian, Imu, ImuMemory, ImuParameters, ImuTruth};
 use rexrov::vehicle::Outputs;
 
-/// Instants of a sensor: multiples of its period, from zero on.
+/// Instants of a sensor: multiples of its period, starting at zero.
 struct Clock {
     hz: f64,
     count: u64,

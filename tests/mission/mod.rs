@@ -1,7 +1,7 @@
 //! Simulated missions for tests of estimators: the full vehicle follows a course on its true pose
 //! and velocity, so that its path does not depend on a filter, and every sensor is recorded.
 //!
-//! Each random quantity draws from a stream of its own: changing one option leaves the noise of
+//! Each random quantity draws from its own stream: changing one option leaves the noise of
 //! everything else as it was. All instants are exact to the nanosecond.
 #![allow(
     dead_code,
@@ -23,9 +23,9 @@ pub use options::*;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Place of the DVL, body (m).
+/// Position of the DVL, body (m).
 pub const DVL_POSITION: [f64; 3] = [-1.4, 0.0, 0.312];
-/// Place of the pressure sensor, body (m).
+/// Position of the pressure sensor, body (m).
 pub const DEPTH_POSITION: [f64; 3] = [-1.32, -0.5, -0.85];
 
 /// True motion of the centre of gravity.
@@ -45,7 +45,7 @@ pub struct Truth {
     pub current: [f64; 2],
 }
 
-/// What a sensor shows.
+/// The output of a sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Data {
     /// At the centre of gravity, body (m/s2, rad/s), 50 Hz.
@@ -89,21 +89,21 @@ impl Data {
 /// A sample on its way to the filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
-    /// When the sensor says that it measured (s).
+    /// The time of measurement according to the sensor (s).
     pub stamp: f64,
     /// When the filter sees it (s): the stamp, unless a fault changes either.
     pub arrival: f64,
     pub data: Data,
 }
 
-/// A mission flown.
+/// A completed mission.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mission {
     /// At t = 0, 0.1 s, ...
     pub truth: Vec<Truth>,
     /// By arrival, then stamp; of the same instant in the order of [`Data`].
     pub events: Vec<Event>,
-    /// Error of the position (m) that a filter starts with, north and east: 0.5 m each.
+    /// Initial error of a filter's position (m), north and east: 0.5 m each.
     pub initial_error: [f64; 2],
     /// The end of the course was reached.
     pub finished: bool,

@@ -1,4 +1,4 @@
-//! What can be chosen of a mission.
+//! The options of a mission.
 
 use rexrov::sensors::{BiasNoise, ImuParameters};
 
@@ -25,7 +25,8 @@ impl Speed {
         match *self {
             Self::Constant(speed) => speed,
             Self::Switching { high, low, period_s } => {
-                // A nanosecond: the switch falls on the instant, whatever the quotient rounds to.
+                // A nanosecond: the switch is at the instant, whatever the rounding of the
+                // quotient.
                 let periods = ((time + 1e-9) / period_s).floor();
                 if periods % 2.0 == 0.0 { high } else { low }
             }
@@ -84,7 +85,7 @@ impl Grade {
     }
 }
 
-/// A mission to fly. Rates of zero switch a sensor off.
+/// A mission to fly. A rate of zero switches a sensor off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// Corner points as [`rexrov::guidance::Course::parse`] reads them.
@@ -94,11 +95,11 @@ pub struct Options {
     /// North and east (m/s).
     pub current: [f64; 2],
     pub dive: Option<Dive>,
-    /// Factor on the plant's mass and inertia; weight less buoyancy stays as it is.
+    /// Factor on the plant's mass and inertia; weight minus buoyancy stays as it is.
     pub mass_scale: f64,
     /// Factor on all the plant's damping.
     pub damping_scale: f64,
-    /// Height of the plant's centre of buoyancy over its centre of gravity (m).
+    /// Height of the plant's centre of buoyancy above its centre of gravity (m).
     pub metacentre: f64,
     /// Time constant of the plant's rotors (s).
     pub rotor_lag: f64,
@@ -180,7 +181,7 @@ impl Options {
         }
     }
 
-    /// With another inertial measurement unit and the tilt that belongs to it.
+    /// With another inertial measurement unit and the corresponding tilt.
     pub fn with_imu(self, imu: Grade) -> Self {
         Self { imu, tilt_sigma: imu.tilt_sigma(), ..self }
     }

@@ -8,7 +8,7 @@ use rexrov::vehicle::{Inputs, Outputs, Parameters, Propulsion, State, Vehicle};
 const DISTURBANCE_TIME: f64 = 5.0;
 const KIDNAP_DISTANCE: f64 = 10.0;
 
-/// The vehicle and what acts on it.
+/// The vehicle and its disturbances.
 pub(super) struct Plant<'a> {
     options: &'a Options,
     vehicle: Vehicle,
@@ -81,7 +81,7 @@ impl<'a> Plant<'a> {
         self.inputs.thruster_force = force;
     }
 
-    /// Wrench of what the thrusters give more than their rotor speeds say, and the disturbance.
+    /// Wrench of the thrust in excess of the rotor speeds', and the disturbance.
     fn extra(&self, thrust: &[f64; 8]) -> [f64; 6] {
         let mut wrench = self.disturbance;
         for ((column, gain), thrust) in self.columns.iter().zip(self.gain_error).zip(thrust) {

@@ -4,7 +4,7 @@ use rexrov::vehicle::{Inertia, Inputs, Parameters, Propulsion, State, Thruster, 
 
 use super::flat::{IN, STATE, flat_inputs, flat_state};
 
-/// Takes one number in (-1, 1) after the other.
+/// Takes one number in (-1, 1) after another.
 pub(crate) struct Draw<'a>(core::slice::Iter<'a, f64>);
 
 impl<'a> Draw<'a> {
@@ -76,8 +76,8 @@ impl<'a> Draw<'a> {
         }
     }
 
-    /// Any attitude but steep pitch, where the Euler angles are ill conditioned; a quaternion that
-    /// is not of unit length.
+    /// Any attitude except steep pitch, where the Euler angles are ill conditioned; a quaternion
+    /// that is not of unit length.
     pub(crate) fn state(&mut self) -> [f64; STATE] {
         let [roll, yaw] = self.array(3.1);
         let attitude = [roll, self.between(-1.2, 1.2), yaw];
@@ -91,7 +91,7 @@ impl<'a> Draw<'a> {
         })
     }
 
-    /// Commands within and beyond their limits, but near neither them nor zero.
+    /// Commands within and beyond their limits, but near neither limits nor zero.
     pub(crate) fn inputs(&mut self, p: &Propulsion) -> [f64; IN] {
         let mut command = |limit: f64| {
             self.array(2.0).map(|c: f64| {

@@ -1,4 +1,4 @@
-//! Coefficients, state, inputs and outputs as flat arrays, and the names of what is flat.
+//! Coefficients, state, inputs and outputs as flat arrays, and the names of their elements.
 
 use rexrov::vehicle::{Inertia, Inputs, Outputs, Parameters, Propulsion, State, Thruster};
 
@@ -126,7 +126,7 @@ pub(crate) fn flat_parameters(p: &Parameters) -> [f64; COEFFICIENTS] {
     all.concat().into_iter().chain(places).chain(rotor).collect::<Vec<_>>().try_into().unwrap()
 }
 
-/// Coefficients of these numbers, the rest as in `like`.
+/// Coefficients with these numbers, the rest as in `like`.
 pub(crate) fn parameters_of(c: &[f64; COEFFICIENTS], like: &Parameters) -> Parameters {
     let [xx, yy, zz, xy, xz, yz] = cut(c, 1);
     Parameters {

@@ -1,6 +1,7 @@
-//! The vehicle stated a second time, for any number type: Fossen's equation as the module
-//! `rexrov::vehicle` prints it, rigid body and added mass apart, nothing shared with the product.
-//! Coefficients are numbers like all others, so that dual numbers run through them too.
+//! An independent implementation of the vehicle, for any number type: Fossen's equation as the
+//! module `rexrov::vehicle` gives it, with rigid body and added mass separate, sharing no code with
+//! the product. Coefficients are numbers like all others, so that dual numbers run through them
+//! too.
 
 mod draw;
 mod flat;
@@ -67,7 +68,7 @@ impl<D: DualNum<Primitive = f64> + Copy> Coefficients<D> {
     }
 }
 
-/// Solves m x = b by elimination; m is positive definite, so without pivots.
+/// Solves m x = b by elimination; m is positive definite, so no pivoting.
 fn solve<D: DualNum<Primitive = f64> + Copy>(mut m: [[D; 6]; 6], mut b: [D; 6]) -> [D; 6] {
     for k in 0..6 {
         for i in k + 1..6 {
@@ -157,7 +158,7 @@ fn acceleration<D: DualNum<Primitive = f64> + Copy>(
     solve(p.mass_matrix(), tau)
 }
 
-/// Derivative of the state and outputs, of a vehicle with these coefficients and otherwise `like`.
+/// Derivative of the state and outputs, for a vehicle with these coefficients and otherwise `like`.
 pub(crate) fn model<D: DualNum<Primitive = f64> + Copy>(
     like: &Parameters,
     c: &[D; COEFFICIENTS],

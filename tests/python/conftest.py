@@ -1,4 +1,4 @@
-"""What all tests share: the packaged FMUs, the `cosim` binary, and the table of the judges' verdicts.
+"""Shared by all tests: the packaged FMUs, the `cosim` binary, and the table of the judges' results.
 
 `cargo xtask package` writes the FMUs, `cargo build --release -p cosim` the binary; `cargo xtask judge` does both.
 """
@@ -10,8 +10,8 @@ from pathlib import Path
 import fmpy.simulation
 import pytest
 
-# FMPy hands all messages to the logger of the last simulation that had one, also when that is gone
-# (fmpy 0.3.32, `addLoggerProxy`): keep them.
+# FMPy passes all messages to the logger of the last simulation that had one, even if it no longer exists
+# (fmpy 0.3.32, `addLoggerProxy`): keep them alive.
 LOGGERS = []
 
 
@@ -25,7 +25,7 @@ fmpy.simulation.fmi2CallbackLoggerTYPE = kept
 ROOT = Path(__file__).resolve().parents[2]
 FMUS = ROOT / "target" / "fmus"
 COSIM = ROOT / "target" / "release" / "cosim"
-# What judges that are not written in Python have said: rows of tool, check, FMU, verdict.
+# Results of judges that are not written in Python: rows of tool, check, FMU, verdict.
 VERDICTS = ROOT / "target" / "judges"
 NAMES = [
     "RexROV",
@@ -78,7 +78,7 @@ def pytest_terminal_summary(terminalreporter, config):
     rows = dict(config.verdicts)
     for file in sorted(VERDICTS.glob("*.csv")) if rows else []:
         for tool, check, fmu, verdict in csv.reader(file.open()):
-            # A verdict older than the FMU was on another one.
+            # A verdict older than the FMU belongs to another FMU.
             places = [folder / f"{fmu}.fmu" for folder in (FMUS, VERDICTS)]
             if any(f.exists() and file.stat().st_mtime > f.stat().st_mtime for f in places):
                 rows.setdefault((tool, check), {})[fmu] = verdict

@@ -1,4 +1,4 @@
-"""The table of a campaign's runs and the results of a single run, as the tools of data people read them."""
+"""The table of a campaign's runs and the results of a single run, as data tools read them."""
 
 import os
 import subprocess
@@ -34,7 +34,7 @@ during = {{ kind = "ate", truth = "vehicle.pose", estimate = "ekf.pose", window 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A campaign that has run, and a run of it made again as CSV and Parquet."""
+    """A finished campaign, and one of its runs repeated as CSV and Parquet."""
     folder = tmp_path_factory.mktemp("campaign")
     (folder / "c.toml").write_text(CAMPAIGN.format(root=ROOT).replace("stop-time = 2", "stop-time = 62"))
     target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
@@ -54,7 +54,7 @@ def test_three_readers_see_the_same_rows(folder):
     assert list(rows["run"]) == list(range(9)) and set(rows["status"]) == {"ok"}
     assert list(rows["scenario"][:3]) == ["nominal", "outage", "wrong"]
     assert rows["vehicle.current.east"].dtype == float and set(rows["pursuit.course"]) <= {"BE1", "BE3"}
-    # Only runs with a fault have a time during it.
+    # Only runs with a fault have values during it.
     assert list(rows["during"].isna()) == [True, False, True] * 3
     text = pandas.read_csv(folder / "c_campaign" / "runs.csv")
     assert (text["ate"] == rows["ate"]).all() and (text["digest"] == rows["digest"]).all()

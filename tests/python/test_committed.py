@@ -38,7 +38,7 @@ def test_every_unit_is_made_of_base_units(description, name):
     for unit in description(name).find("UnitDefinitions"):
         base = unit.find("BaseUnit")
         if base is None:
-            # The standard's exponents are whole numbers: a noise density has none.
+            # The standard's exponents are whole numbers, so a noise density has none.
             assert "Hz0.5" in unit.get("name")
         elif unit.get("name") not in ("1", "%"):
             assert BASE & set(base.keys()), unit.get("name")

@@ -1,4 +1,4 @@
-"""Classes as components: what they get, what they may do wrong, and what becomes of their processes."""
+"""Classes as components: their inputs, their possible errors, and the lifetime of their processes."""
 
 import importlib.util
 import os
@@ -24,7 +24,7 @@ PORTS = """
 
 
 def made(folder, body, head="", ports=PORTS, name="Mine", **more):
-    """The class with such a body, and its FMU."""
+    """The class with this body, and its FMU."""
     file = folder / f"made_{next(NAMES)}.py"
     file.write_text(f"import os\nimport numpy as np\n{head}\n\nclass {name}:\n    '''A filter.'''\n{ports}{body}\n")
     spec = importlib.util.spec_from_file_location(file.stem, file)
@@ -199,7 +199,7 @@ def test_runs_do_not_see_one_another(tmp_path):
         identifier = description.coSimulation.modelIdentifier
         return FMU2Slave(guid=description.guid, unzipDirectory=folder, modelIdentifier=identifier)
 
-    _kept = instance()  # The library stays loaded while there is one.
+    _kept = instance()  # _kept = instance()  # The library stays loaded as long as there is one.
     outputs = [v.valueReference for v in description.modelVariables if v.causality == "output"]
     found = set()
     for _ in range(30):

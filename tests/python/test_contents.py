@@ -1,4 +1,4 @@
-"""What an FMU carries beside description and library, and that its reference result is true."""
+"""The contents of an FMU besides description and library, and whether its reference result is correct."""
 
 import io
 import re
@@ -89,7 +89,7 @@ def test_the_page_has_equations_a_plot_and_every_variable(fmu, name):
     path = fmu(name)
     page = read(path, "documentation/index.html").decode()
     assert "<math" in page and "<svg" in page and 'src="../model.png"' in page
-    # Nothing is left that should have become an equation, nothing comes from elsewhere.
+    # Nothing is left that should have become an equation, and nothing comes from elsewhere.
     assert "$$" not in page and "\\mathbf" not in page
     for foreign in ('src="http', 'href="http', "@import", "url(http"):
         assert foreign not in page

@@ -1,14 +1,14 @@
-"""Co-simulation against model exchange solved by CVODE, a minute of driven motion: both interfaces of
-every component within a millionth of each signal's peak.
+"""Co-simulation compared with model exchange solved by CVODE, over a minute of driven motion: both interfaces of
+every component agree within a millionth of each signal's peak.
 
-What is compared is one description of a component under two integrators, so both have to see the same
+This compares one description of a component with two integrators, so both must see the same
 inputs. FMPy interpolates inputs linearly between the rows of an array, but
 
 * in co-simulation it sets the derivatives of exactly nine inputs (fmpy.simulation.Input allocates nine),
   and at the corner of a polygon those of the segment that ends there,
 * in model exchange the right-hand side sees the inputs of the last call of the event indicators.
 
-`follow` mends that, so that the inputs are polygons to both interfaces; without it the inputs are stairs
+`follow` fixes that, so that the inputs are polygons for both interfaces; without it the inputs are stairs
 whose jumps FMPy takes for events.
 """
 
@@ -26,17 +26,17 @@ LIMIT = 1e-6
 
 FORCE_WITH_LAG, FORCE, ROTOR_SPEED = 1, 2, 3
 DORMAND_PRINCE = 2
-# Far below what is asked for, since CVODE's tolerance is for a step, not for the run.
+# Far below the required accuracy, because CVODE's tolerance is per step, not for the run.
 CVODE_TOLERANCE = 1e-10
 
-# As the FMU comes: steps short enough for the lag of the rotors after commands that jump.
+# Default settings: steps short enough for the lag of the rotors after commands that jump.
 DEFAULT = {}
-# An adaptive one finds its steps at limits and reversals as well; the tolerance is for a step.
+# An adaptive integrator adapts its steps at limits and reversals as well; the tolerance is per step.
 ADAPTIVE = {"integrator.method": DORMAND_PRINCE, "integrator.tolerance": 1e-10}
 
 
 class PolygonInput(fmpy.simulation.Input):
-    """FMPy's inputs with as many derivatives as there are inputs, those of the segment to come."""
+    """FMPy's inputs with as many derivatives as there are inputs, those of the next segment."""
 
     def __init__(self, *arguments, **options):
         super().__init__(*arguments, **options)
@@ -54,7 +54,7 @@ class PolygonInput(fmpy.simulation.Input):
 
 
 class FollowingCVode(fmpy.sundials.CVodeSolver):
-    """FMPy's CVODE with the inputs of the time at which the right-hand side is wanted."""
+    """FMPy's CVODE with the inputs at the time at which the right-hand side is evaluated."""
 
     def f(self, t, y, ydot, user_data):
         self.input.apply(t)
@@ -82,7 +82,7 @@ def polygon(signals):
 
 
 def stairs(signals):
-    """The same with a jump each half second, between the sample instants of all components: a sample at
+    """The same with a jump every half second, between the sample instants of all components: a sample at
     the end of a co-simulation step has the inputs of the step, in model exchange those after the jump."""
     jumps = np.arange(0.45, STOP, 0.5)
     times = np.concatenate([[0.0], np.repeat(jumps, 2), [STOP]])
@@ -112,7 +112,7 @@ def compare(fmu, name, inputs, start=None, derivatives=True):
         worst[signal] = np.max(np.abs(cs[signal] - me[signal])) / (peak or 1.0)
     print(name, "worst:", max(worst.items(), key=lambda item: item[1]))
     assert {signal: error for signal, error in worst.items() if not error <= LIMIT} == {}
-    # A signal that stands still would agree whatever the interfaces do.
+    # A constant signal would agree whatever the interfaces do.
     assert any(np.ptp(cs[signal]) > 0.0 for signal in worst)
 
 
@@ -120,7 +120,7 @@ def wave(mean, amplitude, period, phase=0.0):
     return lambda t: mean + amplitude * np.sin(2.0 * np.pi * t / period + phase)
 
 
-# No thruster is reversed and none saturates; vertical and horizontal ones, a wrench and a current.
+# No thruster reverses and none saturates; vertical and horizontal ones, a wrench and a current.
 SMOOTH = {
     "thruster[0].force": wave(300.0, 120.0, 17.0),
     "thruster[3].force": wave(260.0, 150.0, 23.0, 1.0),
@@ -141,7 +141,7 @@ def test_vehicle_along_smooth_inputs(fmu, follow, integrator):
 
 @pytest.mark.parametrize("mode", [FORCE_WITH_LAG, FORCE], ids=["with lag", "at once"])
 def test_vehicle_with_thrusts_beyond_their_limits_and_through_zero(fmu, follow, mode):
-    """Each crossing is a state event to both."""
+    """Each crossing is a state event for both."""
     saturating = SMOOTH | {
         "thruster[4].force": wave(0.0, 3000.0, 21.0),
         "thruster[5].force": wave(0.0, -2600.0, 17.0),
@@ -157,13 +157,13 @@ def test_vehicle_with_rotor_speeds_beyond_their_limit(fmu, follow):
 
 @pytest.mark.parametrize("integrator", [DEFAULT, ADAPTIVE], ids=["default", "adaptive"])
 def test_vehicle_with_inputs_that_jump(fmu, integrator):
-    """As an importer does that knows nothing of derivatives, FMPy untouched."""
+    """Like an importer without derivatives, with FMPy unmodified."""
     compare(fmu, "RexROV", stairs(SMOOTH), integrator, derivatives=False)
 
 
 def driven(fmu, name):
-    """A wave on each input that is a measured quantity; samples' times and flags keep their start values,
-    which is what an importer leaves that connects nothing to them."""
+    """A wave on each input that is a measured quantity; sample times and flags keep their start values,
+    as in an importer that connects nothing to them."""
     signals = {}
     for variable in read_model_description(fmu(name)).modelVariables:
         flag = variable.name.endswith(("stamp", "valid", "off"))

@@ -1,4 +1,4 @@
-"""Campaigns in parts: whoever makes them, and in whatever order, the rows are the same."""
+"""Campaigns in parts: on any executor, and in any order, the rows are the same."""
 
 import multiprocessing
 import shutil
@@ -34,7 +34,7 @@ def wanted(file):
 
 
 def table(folder):
-    """The rows, byte for byte, but for the time that each took."""
+    """The rows, byte for byte, except for their durations."""
     lines = (folder / "runs.csv").read_bytes().splitlines()
     assert lines[0].endswith(b",cpu_ms")
     return [line.rpartition(b",")[0] for line in lines]
@@ -74,7 +74,7 @@ def test_an_executor_makes_the_rows_of_one_process(tmp_path, file, wanted, execu
 
 
 class nothing:
-    """Something that need not be closed, or closes itself."""
+    """An object that need not be closed, or closes itself."""
 
     def __init__(self, what):
         self.what = what
@@ -107,7 +107,7 @@ def test_what_is_missing_or_does_not_agree_is_told(tmp_path, file):
     parts = sorted(tmp_path.glob("shard-*"))
     done = cosim("--merge", *parts, f"--output-dir={tmp_path / 'all'}")
     assert "2 of 6 runs are missing" in done.stderr and "run the shards again" in done.stderr
-    # The same rows twice are no harm, other ones are.
+    # Duplicate rows do no harm, different ones do.
     copy = shutil.copytree(parts[0], tmp_path / "copy")
     done = cosim("--merge", *parts, copy, f"--output-dir={tmp_path / 'all'}")
     assert "runs are missing" in done.stderr

@@ -1,4 +1,4 @@
-"""What `cosim convert` writes: other tools start it, and libcosim gets the same trajectories."""
+"""Output of `cosim convert`: other tools can start it, and libcosim gets the same trajectories."""
 
 import csv
 import os
@@ -45,7 +45,7 @@ def cosim():
 
 @pytest.fixture(scope="session")
 def written(cosim, tmp_path_factory):
-    """The paper's loop for Jacobi, in every format; the OSP folder is made of the package."""
+    """The paper's loop for Jacobi, in every format; the OSP folder is made from the package."""
     folder = tmp_path_factory.mktemp("formats")
     package = folder / "paper.ssp"
     cosim("convert", "examples/paper.ssd", package, "--algorithm", "jacobi", "--stop-time", STOP)

@@ -1,4 +1,4 @@
-"""`--live`: a run is watched and steered from Chromium, and spoken to in Foxglove's protocol.
+"""`--live`: a run is watched and controlled from Chromium, and through Foxglove's protocol.
 
 A browser is needed (Debian: `apt-get install chromium`); without one these tests are skipped.
 """
@@ -25,14 +25,14 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 pytestmark = needs_chromium
 
-# A machine that is busy with other things is slow, and not wrong.
+# A busy machine is slow, not wrong.
 expect.set_options(timeout=60_000)
 
 SYSTEM = ["run", ROOT / "examples" / "baseline.ssd", "--output-interval", "0.1"]
 
 
 class Live:
-    """A run that is served, from its pause at the beginning on."""
+    """A served run, starting with its initial pause."""
 
     def __init__(self, folder, *arguments):
         command = [COSIM, *SYSTEM, *arguments, "--live", "--paused", "-o", "run.csv"]
@@ -56,14 +56,14 @@ class Live:
             self.process.communicate()
 
     def end(self):
-        """Waits for the end, and gives everything that was told."""
+        """Waits for the end, and returns all output."""
         _, rest = self.process.communicate()
         assert self.process.returncode == 0, rest
         return self.told + rest
 
 
 def plain(folder, *arguments):
-    """The same run without anybody who watches; its results as bytes."""
+    """The same run without clients; its results as bytes."""
     subprocess.run([*map(str, [COSIM, *SYSTEM, *arguments, "-q", "-o", "plain.csv"])], cwd=folder, check=True)
     return (folder / "plain.csv").read_bytes()
 
@@ -93,7 +93,7 @@ def test_a_run_is_watched_steered_and_repeated(browser, tmp_path):
         page.get_by_role("button", name="Show", exact=True).click()
         expect(page.get_by_role("figure").filter(has_text="Signals in m/s (m/s)")).to_be_visible()
 
-        # What is wrong with a fault is said; the run is as it was.
+        # An invalid fault is reported; the run is unchanged.
         page.get_by_label("Fault").select_option(label="bias")
         page.get_by_label("on variables").fill("fix.position.xx")
         page.get_by_label("value", exact=True).fill("5")
@@ -127,7 +127,7 @@ def test_a_run_is_watched_steered_and_repeated(browser, tmp_path):
 
 
 def listening(pid):
-    """The addresses at which a process listens, as /proc/net/tcp has them."""
+    """The addresses at which a process listens, from /proc/net/tcp."""
     links = [os.readlink(file) for file in Path(f"/proc/{pid}/fd").iterdir()]
     sockets = {found[1] for link in links if (found := re.fullmatch(r"socket:\[(\d+)\]", link))}
     lines = [line.split() for table in ["tcp", "tcp6"] for line in Path(f"/proc/net/{table}").read_text().splitlines()[1:]]
@@ -157,7 +157,7 @@ def test_nothing_is_answered_without_the_token_and_only_this_machine_is(tmp_path
         assert get(f"/?token={token}", headers=upgrade | {"Sec-WebSocket-Protocol": "chat"})[0] == 400
         for junk in [b"\0" * 100, b"GET / HTTP/1.1\r\n" + b"a: b\r\n" * 5000]:
             with socket.create_connection((address.hostname, address.port)) as line:
-                # It may hang up before it has heard all.
+                # It may disconnect before it has received everything.
                 with contextlib.suppress(OSError):
                     line.sendall(junk)
                     line.shutdown(socket.SHUT_WR)
@@ -175,7 +175,7 @@ def test_nothing_is_answered_without_the_token_and_only_this_machine_is(tmp_path
 
 
 def stalled(url, protocol):
-    """A client that asks for everything and reads nothing."""
+    """A client that requests everything and reads nothing."""
     address = urlsplit(url)
     line = socket.socket()
     line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
@@ -226,7 +226,7 @@ def test_foxglove_plays_a_run_while_another_client_is_stalled(browser, tmp_path)
         expect(status(watching, "state")).to_have_text("paused")
         page = browser.new_page()
         page.goto(live.page)
-        # One of another program, which knows no control, before.
+        # Before it, one of another program, which does not know the control.
         page.evaluate(f"url => {{ window.old = ({CLIENT})([url, ['/tf'], ['foxglove.websocket.v1']]); }}", live.foxglove)
         offered = ["foxglove.websocket.v1", "foxglove.sdk.v1"]
         told, data, protocol = page.evaluate(CLIENT, [live.foxglove, ["/vehicle/odometry", "/dvl"], offered])

@@ -19,7 +19,7 @@ def free_port():
 
 
 def digest(done):
-    """What a run says of all that it recorded."""
+    """A run's report of all its recorded values."""
     assert done.returncode == 0, done.stderr
     lines = [line for line in done.stderr.splitlines() if line.startswith("digest ")]
     return lines[0].split()[1]
@@ -43,7 +43,7 @@ def test_a_locked_run_has_the_digest_of_an_open_one(name, keys, tmp_path):
     workers = []
     for worker in WORKERS:
         arguments = ["worker", "--name", worker, "--connect", endpoint, "--credentials", keys / worker]
-        # What a worker may load is said there.
+        # The FMUs that a worker may load are given there.
         workers.append(subprocess.Popen([COSIM, *arguments, "--allow", FMUS], cwd=ROOT))
     try:
         arguments = ["--distributed", "--min-workers", "2", "--wait", "30", "--listen", endpoint]

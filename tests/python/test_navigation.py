@@ -30,9 +30,9 @@ FILTERS = [
 
 
 def sail(seconds, heading, speed, fix):
-    """What the sensors see of a vehicle on a straight way at constant speed, 20 m deep. A fix each second, if at all.
+    """Sensor readings of a vehicle on a straight course at constant speed, 20 m deep. A fix each second, if at all.
 
-    A little noise everywhere: a value that repeats bit for bit is that of an instrument that is stuck.
+    A little noise everywhere: a value that repeats bit for bit would indicate a stuck instrument.
     """
     times = np.arange(0.0, seconds + 0.05, 0.1)
     noise = iter(np.random.default_rng(1).normal(0.0, 1e-3, (20, len(times))))
@@ -63,7 +63,7 @@ def sail(seconds, heading, speed, fix):
 
 @pytest.mark.parametrize("name", FILTERS)
 def test_filter_moves_with_the_measured_velocity(fmu, name):
-    """No fix: dead reckoning along the heading, with an uncertainty that grows."""
+    """No fix: dead reckoning along the heading, with growing uncertainty."""
     heading = np.pi / 2
     result = run(fmu, name, {"initial.pose.yaw": heading}, 60.0, input=sail(60.0, heading, 0.3, fix=False))
     assert result["pose.y"][-1] == pytest.approx(18.0, abs=0.3)

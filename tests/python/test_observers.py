@@ -27,7 +27,7 @@ def test_the_example_prints_what_the_run_records(tmp_path):
     run = subprocess.Popen([TARGET / "release" / "cosim", *arguments], cwd=ROOT, stderr=subprocess.PIPE)
     example = [sys.executable, ROOT / "examples" / "observe.py", endpoint]
     while run.poll() is None:
-        # Until the run listens there is nobody to connect to.
+        # Until the run listens there is nothing to connect to.
         observer = subprocess.run(example, capture_output=True, text=True, timeout=60)
         if observer.returncode == 0:
             break

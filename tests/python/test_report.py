@@ -1,4 +1,4 @@
-"""Reports as people use them: Chromium opens them from the disk, clicks, and reads.
+"""Reports as users use them: Chromium opens them from disk, clicks, and reads.
 
 A browser is needed (Debian: `apt-get install chromium`); without one these tests are skipped.
 """
@@ -75,7 +75,7 @@ def data(file):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A folder with a small campaign that was run, and its report."""
+    """A folder with a small finished campaign, and its report."""
     folder = tmp_path_factory.mktemp("report")
     (folder / "c.toml").write_text(CAMPAIGN.format(seeds=8, root=ROOT, fmus=FMUS))
     (folder / "lost.toml").write_text(LOST)
@@ -91,7 +91,7 @@ def report(folder):
 
 @pytest.fixture
 def page(browser):
-    """A page on which every error and every request but that of the report itself fails the test."""
+    """A page on which every error, and every request except that of the report itself, fails the test."""
     context = browser.new_context(viewport={"width": 1280, "height": 900})
     page = context.new_page()
     wrong = problems(page)
@@ -174,7 +174,7 @@ def test_one_cursor_for_all_plots_and_the_map(page, report):
     assert arrow.get_attribute("style") != before
     north = float(page.locator("#instant tbody tr").nth(0).locator("td").nth(0).inner_text().replace("−", "-"))
     assert north == pytest.approx(trace["map"]["paths"][0]["x"][-1], rel=1e-3)
-    # Zooming one plot zooms all; double-click shows all again.
+    # Zooming one plot zooms all; double-click resets the zoom.
     figure.scroll_into_view_if_needed()
     box = figure.locator(".u-over").bounding_box()
     page.mouse.move(box["x"] + 50, box["y"] + 40)
@@ -251,7 +251,7 @@ def test_a_run_of_its_own(page, folder):
 
 
 def test_as_many_runs_as_there_are(page, folder, tmp_path):
-    """Rows that no run made: a page stays small and opens fast."""
+    """Artificial rows: a page stays small and opens fast."""
     count = int(os.environ.get("REPORT_ROWS", "100000"))
     shutil.copytree(folder / "c_campaign", tmp_path / "c_campaign")
     manifest = tmp_path / "c_campaign" / "campaign.json"

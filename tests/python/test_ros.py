@@ -1,4 +1,4 @@
-"""Results as ROS messages and as trajectories, read by the tools that people have for them."""
+"""Results as ROS messages and as trajectories, read by the usual tools."""
 
 import csv
 import json
@@ -66,7 +66,7 @@ def test_odometry_has_pose_and_covariance_in_the_axes_of_ros(run):
             forward = [1 - 2 * (q.y**2 + q.z**2), 2 * (q.x * q.y + q.z * q.w), 2 * (q.x * q.z - q.y * q.w)]
             wanted = [math.cos(pitch) * math.sin(yaw), math.cos(pitch) * math.cos(yaw), math.sin(pitch)]
             assert forward == pytest.approx(wanted, abs=1e-12)
-            # And its port side, which tells the roll.
+            # And its port side, which shows the roll.
             port_up = 2 * (q.y * q.z + q.x * q.w)
             assert port_up == pytest.approx(math.cos(pitch) * math.sin(roll), abs=1e-12)
         speed = np.array([[getattr(m.twist.twist.linear, axis) for axis in "xyz"] for m in found])
@@ -77,7 +77,7 @@ def test_odometry_has_pose_and_covariance_in_the_axes_of_ros(run):
     assert covariance[:, 0, 0] == pytest.approx(recorded["filter.sigma.y"] ** 2)
     assert covariance[:, 5, 5] == pytest.approx(recorded["filter.sigma.yaw"] ** 2)
     assert covariance[:, 0, 1] == pytest.approx(recorded["filter.covariance.x_y"])
-    # North and yaw grow the other way round in ROS for yaw alone.
+    # In ROS only yaw changes its sign, and so does its covariance with north.
     assert covariance[:, 1, 5] == pytest.approx(-recorded["filter.covariance.x_yaw"])
     assert np.all(np.linalg.eigvalsh(covariance[-1]) > 0)
 
@@ -151,7 +151,7 @@ def test_units_are_in_the_metadata(run):
 
 
 def evo(folder, tool, *arguments):
-    """The statistics that a tool of evo prints."""
+    """The statistics that an evo tool prints."""
     program = Path(sys.executable).with_name(tool)
     done = subprocess.run([program, *map(str, arguments)], cwd=folder, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
@@ -169,7 +169,7 @@ def test_evo_finds_the_errors_that_the_results_have(run):
         found = evo(run, "evo_ape", kind, f"path_vehicle.{kind}", f"path_filter.{kind}")
         assert found["rmse"] == pytest.approx(math.sqrt(np.mean(apart**2)), abs=2e-6)
         assert found["max"] == pytest.approx(apart.max(), abs=2e-6)
-    # The turn between the headings, whatever the axes are.
+    # The rotation between the headings, whatever the axes are.
     found = evo(run, "evo_ape", "tum", "path_vehicle.tum", "path_filter.tum", "-r", "angle_deg")
     angles = {owner: [recorded[f"{owner}.pose.{axis}"] for axis in AXES[3:]] for owner in ["vehicle", "filter"]}
     turned = [np.degrees(turn(*pair)) for pair in zip(np.array(angles["vehicle"]).T, np.array(angles["filter"]).T)]

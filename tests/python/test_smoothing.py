@@ -8,7 +8,7 @@ from rexrov import SmoothingError, system_path
 
 @pytest.fixture(scope="module")
 def mission():
-    """What the filter of the paper's loop was given, often enough for its inertial unit, and the truth."""
+    """The inputs of the filter in the paper's loop, sampled often enough for its inertial unit, and the truth."""
     columns = ["vehicle.pose.?", "ekf.*"]
     return rexrov.run(system_path("paper"), stop_time=120, output=columns, output_interval=0.02)
 
@@ -39,7 +39,7 @@ def test_what_comes_later_halves_the_uncertainty(mission):
 
 
 def test_a_log_by_names_is_the_same_mission(mission):
-    """Without the columns of what has no use, and with samples left out by NaN."""
+    """Without the columns of unused inputs, and with samples omitted by NaN."""
     names = [n for n in mission.dtype.names if n.startswith(("ekf.imu.", "ekf.ahrs.", "ekf.dvl.", "ekf.fix."))]
     log = {"time": mission["time"]} | {name.removeprefix("ekf."): mission[name].copy() for name in names}
     held = np.flatnonzero(np.diff(log["dvl.stamp"], prepend=-1) == 0)

@@ -1,4 +1,4 @@
-"""Unsafe code is counted and justified in SECURITY.md, and nowhere else than it says."""
+"""Unsafe code is counted and justified in SECURITY.md, and occurs nowhere else."""
 
 import re
 import tomllib
@@ -6,16 +6,16 @@ from pathlib import Path
 
 from conftest import ROOT
 
-# Of tests, examples and developers.
+# Tests, examples and developer tools.
 ELSEWHERE = {"xtask", "fmu/tests/clumsy", "examples/depth_hold"}
 MEMBERS = tomllib.loads(Path(ROOT, "Cargo.toml").read_text())["workspace"]["members"]
 CRATES = [Path(member, "src") for member in MEMBERS if member not in ELSEWHERE]
-# Comments, and texts that do not go over a line.
+# Comments, and strings on a single line.
 IGNORED = re.compile(r'//[^\n]*|"(?:[^"\\\n]|\\.)*"')
 
 
 def uses(text):
-    """How often the keyword stands in the code."""
+    """How often the keyword occurs in the code."""
     return len(re.findall(r"\bunsafe\b", IGNORED.sub("", text)))
 
 
@@ -27,7 +27,7 @@ def found():
 
 
 def rows(text):
-    """What the table says: path, or folder with `/`, and count."""
+    """The contents of the table: path, or folder with `/`, and count."""
     return {path: int(count) for path, count in re.findall(r"^\| `([\w/.]+)` \| (\d+) \|", text, re.MULTILINE)}
 
 

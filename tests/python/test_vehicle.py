@@ -1,4 +1,4 @@
-"""RexROV alone in FMPy, against closed forms of its equations of motion."""
+"""RexROV alone in FMPy, compared with closed forms of its equations of motion."""
 
 import numpy as np
 import pytest
@@ -43,7 +43,7 @@ def test_surges_at_terminal_speed(fmu, mode, variable):
     force = 89.79 / (4 * np.cos(np.pi / 4))
     command = force if variable == "force" else np.sqrt(force / 0.00031)
     start = {f"thruster[{i}].{variable}": s * command for i, s in zip(range(4, 8), [1, 1, -1, -1])}
-    # Neutrally buoyant, centred thrusters: nothing but surge.
+    # Neutrally buoyant, centred thrusters: only surge.
     start |= {f"thruster[{i}].lz": 0.0 for i in range(4, 8)}
     start |= {"parameter_set": PAPER, "buoyancy": 18276.03, "thruster_mode": mode}
     result = run(fmu, start, output=["velocity.u", "thruster[4].thrust"])

@@ -1,4 +1,4 @@
-"""The Python package: the same numbers as the program's, the same errors, FMPy's form of results."""
+"""The Python package: the same numbers as the program's, the same errors, and results in FMPy's form."""
 
 import json
 import pickle
@@ -99,7 +99,7 @@ class Types(Fmi2Slave):
 
 
 def test_columns_have_the_types_of_the_variables(tmp_path):
-    """And a component in Python runs with the Python that it is called from."""
+    """And a component in Python runs with the Python that calls it."""
     (tmp_path / "kinds.py").write_text(TYPES)
     fmu = FmuBuilder.build_FMU(tmp_path / "kinds.py", dest=tmp_path)
     found = rexrov.simulate(fmu, stop_time=0.2, output_interval=0.1, options=["--execution-tool"])

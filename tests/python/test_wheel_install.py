@@ -1,4 +1,4 @@
-"""The wheel in a clean environment: nothing but Python, pip and what the wheel asks for."""
+"""The wheel in a clean environment: only Python, pip and the wheel's dependencies."""
 
 import hashlib
 import os
@@ -72,7 +72,7 @@ def test_the_first_picture_takes_less_than_ten_seconds(clean, tmp_path):
     begun, before = time.monotonic(), os.times()
     said = call(clean, "python", "-m", "rexrov", "demo", cwd=tmp_path)
     after = os.times()
-    # Of the processor, so that what else the machine does is not counted.
+    # Processor time, so that other processes on the machine are not counted.
     spent = after.children_user - before.children_user + after.children_system - before.children_system
     print(f"python -m rexrov demo: {time.monotonic() - begun:.1f} s, {spent:.1f} s of the processor")
     page = Path(said.strip().splitlines()[-1].removeprefix("the report is in "))

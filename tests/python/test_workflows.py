@@ -1,4 +1,4 @@
-"""What runs elsewhere, and what documents tell readers to run, exists here."""
+"""Everything that runs elsewhere, and that documents tell readers to run, exists here."""
 
 import re
 import subprocess
@@ -46,14 +46,14 @@ def help_of(*task):
 
 
 def commands(text):
-    """The words behind `cargo xtask`, until the code ends or a comment or another command begins."""
+    """The words after `cargo xtask`, until the code ends or a comment or another command begins."""
     text = re.sub(r"\\\n\s*|>-\n\s*", " ", text)
     for match in re.finditer(r"cargo\s+xtask\s+([^`#\n&|;()]*)", text):
         yield match[1].replace(",", " ").split()
 
 
 def problem(words):
-    """What of a command does not exist."""
+    """The part of a command that does not exist."""
     if not words or words[0].startswith("<"):
         return None
     shown = help_of(words[0])

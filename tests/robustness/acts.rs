@@ -3,13 +3,13 @@
 use proptest::prelude::*;
 use rexrov::estimation::{Measurements, Reading};
 
-/// What an instrument does in a cycle.
+/// The action of an instrument in a cycle.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Act {
     Silent,
     Repeat,
     Fresh,
-    /// Stamped so many seconds ago, or ahead.
+    /// Stamped this many seconds ago, or ahead.
     Aged(f64),
     Unstamped,
     Stamp(f64),
@@ -18,7 +18,7 @@ pub(super) enum Act {
     Filled(f64),
     /// One component replaced.
     Spoilt(usize, f64),
-    /// All components multiplied: still plausible, but contradicting.
+    /// All components multiplied: still plausible, but contradictory.
     Exaggerated(f64),
 }
 

@@ -1,4 +1,4 @@
-//! Facts of every filter, and what is true of an estimate at any time.
+//! Facts about every filter, and properties of an estimate at any time.
 
 use crate::scoring::{LARGE, SMALL};
 use proptest::prelude::*;
@@ -17,7 +17,7 @@ pub(super) trait Fact {
     ) -> Check;
 }
 
-/// Checks it with all of them; `extra`: with all states of the sensors.
+/// Checks it with all of them; `extra`: with all sensor states.
 pub(super) fn for_all(fact: &impl Fact, extra: bool) -> Check {
     let mut p = NavigationParameters::default();
     if extra {
@@ -38,7 +38,7 @@ pub(super) fn for_all(fact: &impl Fact, extra: bool) -> Check {
     fact.check(&Filter::<_, LARGE>::new(InertialProcess::new(&p, Some(aid)).unwrap(), &p).unwrap())
 }
 
-/// What is true at any time.
+/// Properties that hold at any time.
 pub(super) fn sound<const N: usize, M>(estimate: &Estimate, memory: &Memory<N, M>) -> Check {
     let e = estimate;
     let scalars = [e.position, e.euler, e.velocity, e.rate, e.acceleration, e.velocity_sigma];
@@ -67,7 +67,7 @@ pub(super) fn sound<const N: usize, M>(estimate: &Estimate, memory: &Memory<N, M
     Ok(())
 }
 
-/// The least pivot of the correlation matrix, and its state.
+/// The smallest pivot of the correlation matrix, and its state.
 fn least_pivot<const N: usize>(belief: &belief::Belief<N>) -> String {
     let n = belief.order();
     let sigma = |i: usize| belief.covariance[(i, i)].sqrt();

@@ -1,4 +1,4 @@
-//! Late measurements are as good as those in time: the same belief to the last bit.
+//! Late measurements are as good as timely ones: the same belief to the last bit.
 
 use super::facts::*;
 use crate::mission::{Kind, Mission, Options, fly, jitter};
@@ -9,7 +9,7 @@ use rexrov::estimation::process::Process;
 use rexrov::estimation::{Estimate, Filter, Measurements, Memory};
 use rexrov::guidance::Course;
 
-/// One update an event, as they arrive.
+/// One update per event, as they arrive.
 fn deliver<P: Process<N>, M: Monitor<N>, const N: usize>(
     filter: &Filter<P, N, M>,
     mission: &Mission,
@@ -26,14 +26,14 @@ fn deliver<P: Process<N>, M: Monitor<N>, const N: usize>(
     (memory, estimate)
 }
 
-/// The same events in order and out of it.
+/// The same events in order and out of order.
 struct Shuffled {
     in_order: Mission,
     shuffled: Mission,
 }
 
 impl Shuffled {
-    /// `known`: what there is; `late`: what comes up to 2.4 s late.
+    /// `known`: the available inputs; `late`: those that arrive up to 2.4 s late.
     fn new(seed: u64, known: &[Kind], late: &[Kind]) -> Self {
         let options = Options { duration_s: 20.0, ..Options::nominal(Course::BE3, seed) };
         let mut in_order = fly(&options);

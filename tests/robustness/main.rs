@@ -1,4 +1,4 @@
-//! Whatever a filter is given, in whatever order, its estimate stays one.
+//! Whatever inputs a filter gets, in whatever order, its estimate remains valid.
 
 mod acts;
 mod facts;
@@ -15,7 +15,7 @@ use rexrov::estimation::monitor::Monitor;
 use rexrov::estimation::process::Process;
 use rexrov::estimation::*;
 
-/// Cycles of a clock that may step, seen by instruments that may do anything.
+/// Cycles of a clock that may step, with instruments that may do anything.
 struct Anything(Vec<Cycle>);
 
 impl Fact for Anything {
@@ -36,7 +36,7 @@ impl Fact for Anything {
     }
 }
 
-/// Sensors out of a set, healthy: those absent are not fused.
+/// A subset of the sensors, healthy: absent ones are not fused.
 struct Absent([bool; 6]);
 
 impl Fact for Absent {
@@ -63,7 +63,7 @@ impl Fact for Absent {
     }
 }
 
-/// Only the drive, of a vehicle that stays where it is.
+/// Only the driving signals, for a vehicle that stays where it is.
 struct Unaided {
     imu: bool,
     thrust: bool,
@@ -87,7 +87,7 @@ impl Fact for Unaided {
             let estimate = filter.update(&mut memory, now, &m);
             sound(&estimate, &memory)?;
             let Some(belief) = memory.belief() else { continue };
-            // The balance of forces measures the velocity, and with it some of the way.
+            // The force balance measures the velocity, and with it some of the displacement.
             let balanced = self.imu && self.thrust;
             let slack = if balanced { 1e-4 } else { 1e-12 };
             for (i, last) in last.iter_mut().enumerate() {
@@ -108,8 +108,7 @@ impl Fact for Unaided {
     }
 }
 
-/// An inertial unit and thrusts so many times a second, fixes late by as much as may be, then a long
-/// silence.
+/// An inertial unit and thrusts at this rate, fixes as late as permitted, then a long silence.
 struct Burst {
     hz: u32,
     fixes: Option<u32>,

@@ -8,9 +8,9 @@ use rexrov::estimation::process::Process;
 use rexrov::estimation::*;
 use rexrov::vehicle::Parameters;
 
-/// Room for the states of the dynamic, inertial and constant-acceleration filters.
+/// Capacity for the states of the dynamic, inertial and constant-acceleration filters.
 pub const SMALL: usize = 19;
-/// Room for those of the model-aided filter.
+/// Capacity for those of the model-aided filter.
 pub const LARGE: usize = 33;
 
 /// The filters compared.
@@ -22,7 +22,7 @@ pub enum Which {
     ModelAided,
 }
 
-/// What a filter expects of a mission: its own true noise, the nominal vehicle.
+/// A filter's assumptions about a mission: the true noise, the nominal vehicle.
 pub fn parameters(options: &Options, initial_error: [f64; 2]) -> NavigationParameters {
     let mut p = NavigationParameters::default();
     let (accelerometer, gyro) = options.imu.noise();
@@ -123,7 +123,7 @@ pub fn smooth(
     with_process(which, options, mission, change, Smooth)
 }
 
-/// What is done with a filter.
+/// What to do with a filter.
 trait Use {
     fn with(self, filter: &(impl Navigation + Smoothing), mission: &Mission) -> Run;
 }

@@ -8,7 +8,7 @@ use crate::scoring::{Run, Sample, Which, run};
 use crate::statistics::mean;
 use rexrov::estimation::NavigationParameters;
 
-/// The filters that are at the bound.
+/// The filters that reach the bound.
 pub const FILTERS: [Which; 3] = [Which::Dynamic, Which::Inertial, Which::ModelAided];
 /// Filters have settled (s).
 pub const SETTLED: f64 = 30.0;

@@ -1,4 +1,4 @@
-"""The same work by FilterPy, whose Jacobians cost nothing here: a prediction, and updates of 2, 1, 1, 3 and 2 components.
+"""The same work in FilterPy, with Jacobians at no cost: a prediction, and updates of 2, 1, 1, 3 and 2 components.
 
 pip install numpy scipy filterpy; python xtask/bench/filterpy_ekf.py [STATES ...]
 """

@@ -1,4 +1,4 @@
-"""Wall-clock milliseconds (least and median), processor milliseconds (least) and peak memory in MB of a
+"""Wall-clock milliseconds (minimum and median), processor milliseconds (minimum) and peak memory in MB of a
 command as a whole process. usage: process.py REPETITIONS COMMAND..."""
 
 import os

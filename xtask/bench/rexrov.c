@@ -1,4 +1,4 @@
-/* The yardstick: one RK4 step of the 6-DoF vehicle in plain C, as one would write it by hand.
+/* The reference for speed: one RK4 step of the 6-DoF vehicle in plain C, as written by hand.
  *
  * Same mathematics as src/vehicle: full 6 x 6 matrices, eight thrusters with rotor lag and the
  * quadratic thrust curve, current, quaternion with the drift term. Coefficients are derived by the
@@ -131,7 +131,7 @@ void rexrov_rk4(const rexrov_parameters *p, double x[N], const double force[8],
 }
 
 #ifdef REXROV_MAIN
-/* Stand-alone yardstick: reads, as binary doubles, the parameters, state, force, wrench, current,
+/* Stand-alone reference: reads, as binary doubles, the parameters, state, force, wrench, current,
  * step size and number of steps; writes nanoseconds per step and the final state as text. */
 #include <stdio.h>
 #include <time.h>

@@ -1,5 +1,5 @@
-/* bcryptprimitives.dll for Wine 8 and 9, which lack it: Rust's standard library asks it for random bytes to
- * seed hash tables with. Later ones and Windows have their own. */
+/* bcryptprimitives.dll for Wine 8 and 9, which lack it: Rust's standard library uses it for random bytes to
+ * seed hash tables. Later versions and Windows have their own. */
 
 #include <stddef.h>
 

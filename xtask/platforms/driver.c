@@ -1,10 +1,10 @@
-/* Steps FMI 2.0 libraries and writes down, bit for bit, all that they answer: outputs, saved states, log
- * texts. `cargo xtask platforms` compiles it for each platform and compares what it wrote there.
+/* Steps FMI 2.0 libraries and writes down, bit for bit, all their results: outputs, saved states, log
+ * texts. `cargo xtask platforms` compiles it for each platform and compares its output.
  *
  *     driver jobs.txt
  *
  * A line of jobs.txt: kind, library, identifier (GUID), plan, file to write; separated by tabs. It computes
- * nothing: all numbers come from the plans, so that no compiler can round them otherwise. */
+ * nothing: all numbers come from the plans, so that no compiler can round them differently. */
 
 #include <stdarg.h>
 #include <stdint.h>
@@ -114,7 +114,7 @@ static void numbers(const double *values, size_t count) {
     }
 }
 
-/* What a component has, and what is done with it. */
+/* A component's variables, and its plan. */
 typedef struct {
     uint32_t inputs, outputs, reals, integers, booleans, states, indicators, steps, saved_at, repeated;
     uint32_t *references; /* of inputs, outputs, Reals, Integers, Booleans, in this order */
@@ -230,7 +230,7 @@ static void co_simulation(const char *name, const char *guid, const Plan *p) {
     }
     size_t size;
     free(saved(c, &size));
-    /* What must be refused, with a message. */
+    /* Calls that must be rejected, with a message. */
     uint32_t unknown = 0xffffffff;
     uint64_t bits = 0x7ff8000000000000;
     double nan;
@@ -276,7 +276,7 @@ static void model_exchange(const char *name, const char *guid, const Plan *p) {
     free(values);
 }
 
-/* A panic in one instance: it ends, the other one and this program go on. The plan's first input is the
+/* A panic in one instance: it ends, the other one and this program continue. The plan's first input is the
  * command, its first output the answer. */
 static void panic(const char *name, const char *guid, const Plan *p) {
     Component one = instantiate(name, 1, guid, ""), other = instantiate("other", 1, guid, "");

@@ -1,8 +1,8 @@
-//! Debian's packages, unpacked under target/debian: nothing is installed over the system, and
-//! nothing but `apt-get` and `dpkg-deb` is needed for it.
+//! Debian's packages, unpacked under target/debian: nothing is installed in the system, and only
+//! `apt-get` and `dpkg-deb` are needed.
 //!
-//! The archives are those that the system's own apt knows, for its own and for ARM's packages; what
-//! it keeps of them lies under target/debian/apt. `xtask/debian.txt` pins versions.
+//! The archives are those configured in the system's apt, for its own and for ARM's packages; apt's
+//! files are under target/debian/apt. `xtask/debian.txt` pins versions.
 
 use crate::{paths, process};
 use anyhow::{Context, Result, bail, ensure};
@@ -16,7 +16,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Where all of it lies.
+/// The folder for all of it.
 pub(crate) fn folder() -> PathBuf {
     paths::target().join("debian")
 }
@@ -31,7 +31,7 @@ pub(crate) fn rustc() -> PathBuf {
     sysroot().join("bin/rustc")
 }
 
-/// Where the compiler's own shared libraries lie, as `LD_LIBRARY_PATH`.
+/// The folder of the compiler's own shared libraries, as `LD_LIBRARY_PATH`.
 pub(crate) fn libraries() -> OsString {
     let mut folders = sysroot().join("lib/x86_64-linux-gnu").into_os_string();
     folders.push(":");
@@ -54,7 +54,8 @@ pub(crate) fn library_sources() -> Result<PathBuf> {
 
 /// Unpacks the compiler and a package beside it, of the same version.
 pub(crate) fn install_compiler(beside: &str) -> Result<()> {
-    // What nearly every system has, and what a compiler that calls no linker of its own does without.
+    // Packages that nearly every system has, or that a compiler without its own linker does not
+    // need.
     let present = ["libc6", "libgcc-s1", "libstdc++6", "gcc", "libc-dev", "binutils", "zlib1g"];
     let mut packages = with_dependencies("rustc-web", &present)?;
     packages.insert(beside.to_owned());
@@ -83,7 +84,7 @@ pub(crate) fn install_wine(offline: bool) -> Result<[PathBuf; 2]> {
     if !offline {
         let packages = ["wine64", "libwine", "libunwind8", "libz-mingw-w64"];
         unpack(&named(&packages), "wine", &[])?;
-        // Links and scripts of the packages name places in the system, where they are not.
+        // Links and scripts of the packages name paths in the system that do not exist there.
         let zlib = folder().join("wine/usr/x86_64-w64-mingw32/lib/zlib1.dll");
         replace(&zlib, &libraries.join("wine/x86_64-windows/zlib1.dll"))?;
         replace(&programs.join("wineserver64"), &programs.join("wineserver"))?;
@@ -104,10 +105,10 @@ fn present(paths: [PathBuf; 2]) -> Result<[PathBuf; 2]> {
     Ok(paths)
 }
 
-/// When downloads must have ended.
+/// Deadline for downloads.
 static END: Mutex<Option<Instant>> = Mutex::new(None);
 
-/// Does something whose downloads may take so long together.
+/// Does something whose downloads share a time limit.
 pub(crate) fn within<T>(time: Duration, work: impl FnOnce() -> Result<T>) -> Result<T> {
     let set = |end| END.lock().map(|mut place| *place = end).unwrap_or_default();
     set(Some(Instant::now() + time));
@@ -116,7 +117,7 @@ pub(crate) fn within<T>(time: Duration, work: impl FnOnce() -> Result<T>) -> Res
     done
 }
 
-/// A program that downloads, ended when the time for that is over.
+/// A program that downloads, terminated at the deadline.
 fn limited(program: &str) -> Command {
     let Some(end) = END.lock().ok().and_then(|end| *end) else { return Command::new(program) };
     let left = end.saturating_duration_since(Instant::now()).as_secs().max(1);
@@ -129,7 +130,8 @@ fn named(packages: &[&str]) -> BTreeSet<String> {
     packages.iter().map(|&name| name.to_owned()).collect()
 }
 
-/// Downloads packages and unpacks them in a folder, the parts named or all of it, unless that was done.
+/// Downloads packages and unpacks them in a folder, the named parts or everything, unless that was
+/// done.
 fn unpack(packages: &BTreeSet<String>, into: &str, parts: &[&str]) -> Result<()> {
     let into = folder().join(into);
     for package in packages {
@@ -156,8 +158,8 @@ fn unpack(packages: &BTreeSet<String>, into: &str, parts: &[&str]) -> Result<()>
     Ok(())
 }
 
-/// A package's file: of the version that is pinned or, when the archives have it no more or none is
-/// pinned, of the newest they have.
+/// A package's file: the pinned version, or the newest available one if the archives no longer have
+/// the pinned one or none is pinned.
 fn download(package: &str) -> Result<PathBuf> {
     let name = package.split(':').next().unwrap_or_default();
     let pin = PINS.lines().filter_map(|line| line.split_once(' ')).find(|(of, _)| *of == name);
@@ -195,7 +197,7 @@ fn fetch(package: &str) -> Result<()> {
         .with_context(|| format!("{package} is not to be had"))
 }
 
-/// A package with what it depends on, but without those that begin so and theirs.
+/// A package with its dependencies, except those with these prefixes and their dependencies.
 fn with_dependencies(package: &str, without: &[&str]) -> Result<BTreeSet<String>> {
     let mut open = vec![package.to_owned()];
     let mut found = BTreeSet::new();

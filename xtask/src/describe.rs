@@ -1,5 +1,6 @@
-//! What is committed and generated, never edited: of the components `modelDescription/*.xml` for tools
-//! and `variables.md` for people, and the icon of exported systems from its drawing.
+//! Files that are committed and generated, never edited: for the components
+//! `modelDescription/*.xml` for tools and `variables.md` for readers, and the icon of exported
+//! systems from its drawing.
 
 use crate::{package::icon, paths};
 use anyhow::{Context, Error, Result, bail};
@@ -14,7 +15,7 @@ pub(crate) fn write() -> Result<()> {
     Ok(())
 }
 
-/// Fails when a committed file is not what it comes from says.
+/// Fails if a committed file differs from its source.
 pub(crate) fn check() -> Result<()> {
     let mut stale = Vec::new();
     for (path, text) in files()? {

@@ -1,6 +1,7 @@
-//! `cargo xtask field FOLDER`: what `cosim` makes of systems of other tools, as a table.
+//! `cargo xtask field FOLDER`: results of systems of other tools in `cosim`, as a table.
 //!
-//! The files are not part of this project: the folder holds checkouts of public repositories, one in each of its folders.
+//! The files are not part of this project: the folder contains checkouts of public repositories,
+//! one in each of its folders.
 
 use crate::{paths, process};
 use anyhow::{Context, Result, ensure};
@@ -10,24 +11,24 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// For systems that say neither, as the command line would be asked to.
+/// For systems that have neither, as given on the command line.
 const STOP: [&str; 2] = ["--stop-time", "20"];
 const STEP: [&str; 2] = ["--step-size", "0.01"];
 
 #[derive(clap::Args)]
 pub(crate) struct Options {
-    /// Holds the files, at any depth.
+    /// Contains the files, at any depth.
     folder: PathBuf,
-    /// Where the table goes.
+    /// Output file of the table.
     #[arg(long, default_value = "docs/reference/systems-in-the-field.md")]
     output: PathBuf,
 }
 
-/// What came of one file.
+/// The result for one file.
 struct Outcome {
     valid: bool,
     runs: bool,
-    /// What had to be given, or why it is refused.
+    /// The options that had to be given, or why it is rejected.
     remark: String,
 }
 
@@ -108,7 +109,7 @@ fn cosim(verb: &str, file: &Path, options: &[&str]) -> Result<Option<String>> {
     let text = |name: &str| first[name].as_str().unwrap_or_default().to_owned();
     let why = match text("why") {
         why if why.is_empty() => String::new(),
-        // Where the archive was unpacked is another place each time.
+        // The folder of the unpacked archive differs each time.
         why => format!(": {}", why.split(" (required by ").next().unwrap_or_default()),
     };
     let words = format!("{}: {}{why}", text("code"), text("what"));

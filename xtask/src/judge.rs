@@ -1,5 +1,5 @@
-//! `cargo xtask judge`: what independent tools say of the packaged FMUs and of `cosim`, as one table of
-//! tool, check and FMU.
+//! `cargo xtask judge`: the results of independent tools for the packaged FMUs and for `cosim`, as
+//! one table of tool, check and FMU.
 
 use crate::package::{self, platform};
 use crate::{paths, process, python};
@@ -7,7 +7,7 @@ use anyhow::Result;
 use cosim::{Overrides, System, export::Export};
 use std::{fs, process::Command};
 
-/// Packages, asks every judge, prints the table; fails when one judge does.
+/// Packages, runs every judge, prints the table; fails if one judge fails.
 pub(crate) fn run() -> Result<()> {
     package::for_shipping()?;
     export_loop()?;
@@ -33,7 +33,8 @@ pub(crate) fn in_python() -> Result<()> {
     process::run(&mut command)
 }
 
-/// Exports the paper's loop as one FMU, target/judges/Loop.fmu, to be judged with the packaged ones.
+/// Exports the paper's loop as one FMU, target/judges/Loop.fmu, to be judged with the packaged
+/// ones.
 pub(crate) fn export_loop() -> Result<()> {
     let system = System::load(paths::root().join("examples/paper.ssd"), &Overrides::new())?;
     let library = paths::target().join("lib/cosim").join(platform::host()?.folder());

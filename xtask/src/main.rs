@@ -1,6 +1,7 @@
 //! The task runner: `cargo xtask <task>`.
 //!
-//! Everything that people and CI do with this project goes through here, so that both do the same.
+//! Everything that developers and CI do with this project goes through here, so that both do the
+//! same.
 
 mod bench;
 mod book;
@@ -39,7 +40,7 @@ enum Task {
     Package(package::Options),
     /// Regenerate modelDescription/ from the components.
     Describe {
-        /// Only compare: fail when a committed file differs from what the components say.
+        /// Only compare: fail if a committed file differs from the components.
         #[arg(long)]
         check: bool,
     },
@@ -50,8 +51,8 @@ enum Task {
     Navigate(navigate::Options),
     /// Run the documents' code and write target/book/index.html, the documents as a book.
     Book {
-        /// Only compare the pictures: fail when a committed one differs from what its page's
-        /// commands make.
+        /// Only compare the pictures: fail if a committed one differs from what its page's commands
+        /// make.
         #[arg(long)]
         check: bool,
     },
@@ -59,18 +60,19 @@ enum Task {
     Bench(bench::Options),
     /// Build the Python package into target/wheels.
     Wheel {
-        /// With FMUs for every platform that is shipped, as `package --all` builds them.
+        /// With FMUs for every shipped platform, as `package --all` builds them.
         #[arg(long)]
         all: bool,
     },
-    /// On Debian: unpack under target/debian what compiles for Windows and ARM.
+    /// On Debian: unpack the compilers for Windows and ARM under target/debian.
     Toolchain,
     /// Compare the components on Windows (under Wine) and ARM (under qemu) with this machine's, bit
     /// for bit.
     Platforms(platforms::Options),
-    /// Ask FMPy, fmi-rs, fmutool, libcosim, Ecos and CoFmuPy about the FMUs, and compare `cosim` with them.
+    /// Check the FMUs with FMPy, fmi-rs, fmutool, libcosim, Ecos and CoFmuPy, and compare `cosim`
+    /// with them.
     Judge,
-    /// Validate and run systems of other tools, and write what came of them as a table.
+    /// Validate and run systems of other tools, and write the results as a table.
     Field(field::Options),
     /// Fuzz the FMI functions, the reader of saved states and the readers of `cosim`, under
     /// AddressSanitizer; needs nightly Rust and cargo-fuzz.
@@ -86,16 +88,16 @@ enum Task {
     },
     /// Make the campaign of all faults and filters, which takes an hour, and write docs/how-to/fault-matrix.md.
     Matrix,
-    /// Kill the processes of distributed runs, or of a campaign, hundreds of times; every byte must stay
-    /// the same.
+    /// Kill the processes of distributed runs, or of a campaign, hundreds of times; every byte must
+    /// stay the same.
     Soak(soak::Options),
     /// Check licences and sources of the dependencies by deny.toml.
     Deny {
-        /// Known defects, too: downloads the database of RustSec.
+        /// Also known vulnerabilities: downloads the RustSec database.
         #[arg(long)]
         advisories: bool,
     },
-    /// Write target/sbom.cdx.json, the crates in what is shipped, as CycloneDX.
+    /// Write target/sbom.cdx.json, the crates in the shipped files, as CycloneDX.
     Sbom,
     /// Run every check and every test of the project.
     Test,

@@ -16,7 +16,7 @@ const PAGE: &str = "docs/how-to/fault-matrix.md";
 /// The figure of the table.
 const FIGURE: &str = "ate";
 
-/// Makes the campaign, or what is left of it, and writes the page.
+/// Makes the campaign, or the rest of it, and writes the page.
 pub(crate) fn run() -> Result<()> {
     package::for_this_machine()?;
     process::run(&mut process::build_workspace())?;
@@ -24,7 +24,7 @@ pub(crate) fn run() -> Result<()> {
     let mut command = Command::new(paths::target().join("release/cosim"));
     command.args(["campaign", CAMPAIGN, "--quiet", "--output-dir"]).arg(&results);
     let status = command.current_dir(paths::root()).status()?;
-    // Thresholds that are missed, or open, are what the page is about.
+    // Missed or undecided thresholds are the subject of the page.
     ensure!(matches!(status.code(), Some(0 | 1 | 4)), "the campaign ended with {status}");
     let file = results.join("summary.json");
     let text = fs::read_to_string(&file).with_context(|| file.display().to_string())?;
@@ -33,7 +33,7 @@ pub(crate) fn run() -> Result<()> {
     Ok(())
 }
 
-/// By system, scenario and filter: what stands in the table.
+/// The table's contents, by system, scenario and filter.
 type Cells = BTreeMap<String, BTreeMap<String, BTreeMap<String, String>>>;
 
 fn page(summary: &Value) -> Result<String> {
@@ -59,10 +59,9 @@ fn page(summary: &Value) -> Result<String> {
     let mut page = format!(
         "# What does each fault do to each filter?\n\n\
          Written by `cargo xtask matrix` from the campaign [`matrix.toml`](../../{CAMPAIGN}), {} runs:\n\
-         {seeds} missions of 120 s in each cell, the filter in the loop, all with the same random numbers. A cell has the \
-         median of the absolute\ntrajectory error (m, not aligned). The threshold is: {}. ✗ is one that is missed with 95 % \
-         confidence, ? one that these\nruns leave open. What the scenarios are is said in \
-         [their files](campaigns.md#faults).\n",
+         {seeds} missions of 120 s in each cell, with the filter in the loop and the same random numbers for all. Each cell shows the \
+         median absolute\ntrajectory error (m, not aligned). The threshold is: {}. ✗ means missed with 95 % \
+         confidence, ? undecided by these runs.\n[The scenario files](campaigns.md#faults) define the faults.\n",
         summary["runs"],
         bound.context("no thresholds")?
     );

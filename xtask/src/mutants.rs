@@ -1,8 +1,9 @@
-//! `cargo xtask mutants`: faults put into the navigation filters on purpose, one at a time, in a copy
-//! of the package. A test that CI runs has to catch each of them; one that survives is a gap in the
+//! `cargo xtask mutants`: deliberate faults in the navigation filters, one at a time, in a copy of
+//! the package. A test that CI runs has to catch each of them; one that survives is a gap in the
 //! tests.
 //!
-//! A mutant names its source text, which must be there exactly once, so the table cannot grow stale.
+//! A mutant names its source text, which must occur exactly once, so the table cannot go out of
+//! date.
 
 use crate::{paths, process};
 use anyhow::{Context, Result, bail, ensure};
@@ -192,13 +193,13 @@ fn try_mutant(room: &Path, mutant: &Mutant) -> Result<bool> {
 fn test(room: &Path, binary: &str, name: &str) -> Command {
     let mut command = process::cargo(&["test", "--release", "--quiet", "--test", binary, name]);
     command.current_dir(room).env("CARGO_TARGET_DIR", room.join("target"));
-    // Built many times, run once: only what a fault changes is built anew.
+    // Built many times, run once: only code affected by a fault is rebuilt.
     command.env("CARGO_INCREMENTAL", "1");
     command.args(["--config", "profile.release.package.rexrov.codegen-units=64"]);
     command
 }
 
-/// Copies the root package, as a workspace of its own, into target/mutants.
+/// Copies the root package, as a separate workspace, into target/mutants.
 fn copy() -> Result<PathBuf> {
     let (root, room) = (paths::root(), paths::target().join("mutants"));
     for folder in ["src", "tests"] {

@@ -1,10 +1,11 @@
-//! Where things are: everything is relative to the workspace root, all output goes under the target folder.
+//! Paths: everything is relative to the workspace root, and all output goes under the target
+//! folder.
 
 use std::path::{Path, PathBuf};
 
 /// Workspace root.
 pub(crate) fn root() -> &'static Path {
-    // xtask/ lies directly below the root.
+    // xtask/ is directly below the root.
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
 }
 

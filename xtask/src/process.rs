@@ -1,9 +1,9 @@
-//! Running other programs: shown as typed, their failure is ours.
+//! Running other programs: commands are shown as typed, and their failure is ours.
 
 use anyhow::{Context, Result, bail};
 use std::process::Command;
 
-/// Runs `command` and fails when it does.
+/// Runs `command` and fails if it fails.
 pub(crate) fn run(command: &mut Command) -> Result<()> {
     let shown = shown(command);
     eprintln!("$ {shown}");
@@ -14,7 +14,7 @@ pub(crate) fn run(command: &mut Command) -> Result<()> {
     Ok(())
 }
 
-/// Runs `command` and shows what it prints only when it fails.
+/// Runs `command` and shows its output only if it fails.
 pub(crate) fn quietly(command: &mut Command) -> Result<()> {
     let output = command.output().with_context(|| format!("cannot start `{}`", shown(command)))?;
     if !output.status.success() {
@@ -24,7 +24,7 @@ pub(crate) fn quietly(command: &mut Command) -> Result<()> {
     Ok(())
 }
 
-/// Runs `command` and returns what it prints.
+/// Runs `command` and returns its output.
 pub(crate) fn output(command: &mut Command) -> Result<String> {
     let shown = shown(command);
     let output = command.output().with_context(|| format!("cannot start `{shown}`"))?;
@@ -37,7 +37,9 @@ pub(crate) fn output(command: &mut Command) -> Result<String> {
 
 /// `cargo` as it runs us, in the workspace root, sharing its target folder.
 ///
-/// Without what `cargo run` says of our own package: build scripts that look at it (of `ring`) would run
+/// Without the variables that `cargo run` sets for our own package: otherwise build scripts that
+/// read them (of `ring`) would run again, and everything that needs them would be rebuilt, whenever
+/// `cargo` is called by hand in between.
 /// again, and all that needs them be built again, whenever `cargo` is called by hand in between.
 pub(crate) fn cargo(arguments: &[&str]) -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()));
@@ -54,8 +56,9 @@ pub(crate) fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
-/// Builds everything, the programs among it. All of the workspace is named because the features of its
-/// dependencies follow from that: what the tests have built is not built again with others.
+/// Builds everything, including the programs. The whole workspace is named because the features of
+/// its dependencies follow from that: nothing built for the tests is built again with other
+/// features.
 pub(crate) fn build_workspace() -> Command {
     cargo(&["build", "--release", "--quiet", "--workspace", "--all-targets"])
 }

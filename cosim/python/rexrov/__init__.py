@@ -5,7 +5,7 @@
     loop = rexrov.run(rexrov.system_path("paper"), start_values={"pursuit.course": "BE3"}, stop_time=330)
     print(loop["time"], loop["vehicle.pose.x"])
 
-`python -m rexrov demo` writes a first report. The program `cosim` comes along.
+`python -m rexrov demo` writes a first report. The package includes the program `cosim`.
 """
 
 from importlib.metadata import version as _version

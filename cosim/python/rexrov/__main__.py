@@ -1,4 +1,4 @@
-"""`python -m rexrov demo`: course BE3 on realistic sensors, every filter beside the others, as a page.
+"""`python -m rexrov demo`: course BE3 with realistic sensors and all filters, as a page.
 `python -m rexrov component FILE.py:CLASS`: the class as an FMU."""
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def fly() -> Results:
 
 
 def with_errors(loop: Table) -> Table:
-    """Path and estimates, and the horizontal error of each filter beside what it thinks it is."""
+    """Path and estimates, and the horizontal error of each filter beside its own estimate of it."""
     columns = {name: loop[name] for name in loop.dtype.names or ()}
     for name in FILTERS:
         errors = [loop[f"{name}.pose.{axis}"] - loop[f"vehicle.pose.{axis}"] for axis in "xy"]
@@ -56,7 +56,7 @@ def with_errors(loop: Table) -> Table:
 
 
 def demo(page: Path) -> None:
-    """Runs, writes the page and names it."""
+    """Runs, writes the page and prints its name."""
     table = with_errors(fly())
     # East to the right, north up.
     truth = ("vehicle.pose.y", "vehicle.pose.x")
@@ -75,7 +75,7 @@ def demo(page: Path) -> None:
 
 
 def written(named: str, fmu: Path | None, files: list[Path]) -> Path:
-    """The FMU of a class that is named as FILE.py:CLASS."""
+    """The FMU of a class given as FILE.py:CLASS."""
     file, _, name = named.rpartition(":")
     path = Path(file)
     if not path.is_file():

@@ -1,4 +1,4 @@
-"""Many runs and their verdicts, made here or by an executor."""
+"""Many runs and their verdicts, on this machine or with an executor."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from . import program
 from .errors import CosimError
 from .runs import PathLike
 
-#: Of a threshold that is not kept, and of one that the runs leave open: verdicts, no failures.
+#: Exit codes of a missed and of an undecided threshold: verdicts, not failures.
 _VERDICTS = ("E404", "E405")
 
 
@@ -34,7 +34,7 @@ class Campaign:
 
     @property
     def rows(self) -> list[dict[str, str]]:
-        """A row a run: what it was, how it ended, its figures."""
+        """One row per run: what it was, how it ended, its figures."""
         with (self.folder / "runs.csv").open(newline="") as file:
             return list(csv.DictReader(file))
 
@@ -45,7 +45,7 @@ class Campaign:
         return next((word for word in ("fail", "undecided", "pass") if word in answers), "none")
 
     def to_pandas(self) -> Any:
-        """The rows as a data frame, for which pandas must be installed."""
+        """The rows as a data frame; requires pandas."""
         import pandas  # type: ignore[import-untyped]
 
         return pandas.read_csv(self.folder / "runs.csv")
@@ -70,15 +70,15 @@ def campaign(
     shards: int | None = None,
     jobs: int | None = None,
 ) -> Campaign:
-    """Makes the runs of a campaign's file, and judges them; runs that `output_dir` has already are kept.
+    """Makes the runs of a campaign file and evaluates them; runs that already exist in `output_dir` are kept.
 
-    Without an executor this machine makes `jobs` runs at once, one per core by default. An executor of the kind of
-    `concurrent.futures` (a pool of processes or threads, `Client.get_executor()` of dask, submitit's) gets `shards` parts,
-    by default one per worker, each with `jobs` runs at once, 1 by default. Its workers need this package, and must see the
-    file, the FMUs and `output_dir` under the same paths. A part that was interrupted goes on where it was. The rows are
-    the same in all cases.
+    Without an executor this machine makes `jobs` runs at once, one per core by default. An executor with the interface
+    of `concurrent.futures` (a pool of processes or threads, `Client.get_executor()` of dask, submitit's) gets `shards`
+    parts, by default one per worker, each with `jobs` runs at once, 1 by default. Its workers need this package, and must
+    see the file, the FMUs and `output_dir` under the same paths. An interrupted part continues where it stopped. The rows
+    are the same in all cases.
 
-    A threshold that is not kept is no error, but a verdict. Raises CosimError.
+    A missed threshold is not an error but a verdict. Raises CosimError.
     """
     path = Path(file).absolute()
     folder = Path(output_dir if output_dir is not None else f"{path.stem}_campaign").absolute()
@@ -97,12 +97,12 @@ def campaign(
 
 
 def _shard(file: str, part: str, folder: str, jobs: int) -> None:
-    """Makes a part, where a worker of the executor is."""
+    """Makes a part, on a worker of the executor."""
     _call(file, f"--shard={part}", f"--output-dir={folder}", f"--jobs={jobs}")
 
 
 def _workers(executor: Executor) -> int:
-    """How many workers an executor has; as many as this machine has cores if it does not say."""
+    """The number of workers of an executor; if it does not report it, the number of cores of this machine."""
     count = getattr(executor, "_max_workers", None)
     return count if isinstance(count, int) and count > 0 else os.cpu_count() or 1
 
@@ -116,5 +116,5 @@ def _call(*arguments: str) -> None:
 
 
 def _word(answer: Any) -> str:
-    """An answer of `summary.json`: a word, or one with the number of seeds that are needed."""
+    """An answer of `summary.json`: a word, or a word with the number of seeds that are needed."""
     return (answer if isinstance(answer, str) else next(iter(answer))).lower()

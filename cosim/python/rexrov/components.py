@@ -1,4 +1,4 @@
-"""A Python class as a component: an FMU whose library steps an object of it."""
+"""A Python class as a component: an FMU whose library steps an object of the class."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from . import program, units
 from .errors import CosimWarning
 from .runs import PathLike
 
-#: FMI's type of a parameter by that of its default value; a bool is an int, too.
+#: FMI's type of a parameter by the type of its default value; a bool is an int, too.
 _TYPES: dict[type, str] = {bool: "Boolean", int: "Integer", float: "Real", str: "String"}
 _LIBRARY = "libcosim_scripted.so"
 _STRUCTURED = re.compile(r"[A-Za-z_]\w*(\[\d+(,\d+)*\])?(\.[A-Za-z_]\w*(\[\d+(,\d+)*\])?)*")
@@ -33,26 +33,26 @@ _VERSION = 1
 
 
 class ComponentError(ValueError):
-    """A class that cannot be a component; the text says what is missing or wrong."""
+    """A class that cannot be a component; the message says what is missing or wrong."""
 
 
 def component(cls: type, fmu: PathLike | None = None, *, files: Sequence[PathLike] = ()) -> Path:
-    """Writes the FMU of a class, `NAME.fmu` if no other file is named, and returns its path.
+    """Writes the FMU of a class, `NAME.fmu` by default, and returns its path.
 
     The class needs
 
     - `rate`, how often it is stepped (Hz);
     - `inputs` and `outputs`, units by name: `{"dvl.velocity.{u,v,w}": "m/s"}` declares three. All are Reals;
     - `step(self, t, y)`, which gets the time (s) and the measurements, and returns the estimate. `y[name]` is an
-      input, `y["dvl.velocity"]` an array of all below that name, and `y.new("dvl")` says whether a sensor's `stamp`
-      has moved on while its `valid` is 1. The estimate has each output by name, or arrays by the names of groups
+      input, `y["dvl.velocity"]` an array of all inputs below that name, and `y.new("dvl")` is true if a sensor's `stamp`
+      has changed while its `valid` is 1. The estimate has each output by name, or arrays by the names of groups
       (`{"pose": [x, y, z, yaw]}`); or it is one array of all outputs.
 
-    The keyword arguments of `__init__` are parameters: of the type of their default values, which are their start
-    values, with the unit that `parameters` has for their names. The object is made, and stepped first, at the start of
+    The keyword arguments of `__init__` are parameters. Their types and start values are those of the default values,
+    and their units are in `parameters`, by name. The object is created, and stepped first, at the start of
     the simulation. Its attributes are its state: if they can be pickled, the FMU's state can be saved.
 
-    The class's file is packed; other modules of yours that it imports must be named as `files`. Packages are those of
+    The class's file is packed; your other modules that it imports must be given as `files`. Packages are those of
     this Python, which runs the class. Raises ComponentError.
     """
     if "REXROV_HOST" in os.environ:
@@ -98,7 +98,7 @@ def component(cls: type, fmu: PathLike | None = None, *, files: Sequence[PathLik
 
 
 def _source(cls: type) -> Path:
-    """The file that a class is in."""
+    """The file that contains a class."""
     if not inspect.isclass(cls):
         raise ComponentError(f"{cls!r} is no class")
     if cls.__qualname__ != cls.__name__:
@@ -174,7 +174,7 @@ def _parameters(cls: type) -> Iterator[dict[str, Any]]:
 
 
 def _library() -> Path:
-    """The library that all of these FMUs have."""
+    """The library of all these FMUs."""
     beside = program.cosim_path().resolve().parent
     named = os.environ.get("COSIM_SCRIPTED_LIBRARY")
     folders = [beside, *sorted(beside.parent.glob("lib/cosim/*/"))]
@@ -186,7 +186,7 @@ def _library() -> Path:
 
 
 def _checked(manifest: dict[str, Any], entries: Mapping[str, bytes]) -> bool:
-    """Makes an object as the FMU will; whether its state can be saved."""
+    """Creates an object as the FMU will; returns whether its state can be saved."""
     with TemporaryDirectory(prefix="rexrov-") as folder:
         for name, octets in {**entries, "resources/component.json": json.dumps(manifest).encode()}.items():
             file = Path(folder, name)
@@ -263,7 +263,7 @@ def _description(cls: type, manifest: Mapping[str, Any], ports: Mapping[str, str
 
 
 def _write(path: Path, entries: Mapping[str, bytes]) -> None:
-    """The archive, under its name when it is whole: the same octets for the same class."""
+    """The archive, under its name only when it is complete: the same bytes for the same class."""
     unfinished = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         with zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED) as archive:

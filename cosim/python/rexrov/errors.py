@@ -1,4 +1,4 @@
-"""What goes wrong, in the words of the program."""
+"""Errors, with the messages of the program."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .tables import Results
 class Problem:
     """One problem: what is wrong, where, why, and what to do about it."""
 
-    #: Stable code; `cosim explain E202` tells more.
+    #: Stable code; `cosim explain E202` says more.
     code: str
     what: str
     #: File, or file:line.
@@ -23,13 +23,13 @@ class Problem:
     why: str | None = None
     #: How to fix it.
     help: str | None = None
-    #: What the FMU had logged.
+    #: Messages that the FMU logged.
     log: tuple[str, ...] = ()
 
 
 class CosimError(RuntimeError):
-    """A call that failed; its text is what the command line prints. A check finds all problems at once,
-    a run that failed on its way has `results` until then."""
+    """A call that failed; its message is what the command line prints. A check finds all problems at once,
+    and a run that failed before its end has `results` up to that point."""
 
     def __init__(self, text: str, problems: tuple[Problem, ...], results: Results | None = None) -> None:
         super().__init__(text, problems, results)
@@ -56,14 +56,14 @@ class CosimError(RuntimeError):
 
 
     def keeping(self, results: Results, file: str) -> CosimError:
-        """With results of which it says that they are in a file that will not be kept."""
+        """With results that, according to the message, are in a file that will not be kept."""
         kept = "`results` of this error"
         problems = tuple(replace(p, help=p.help and p.help.replace(file, kept)) for p in self.problems)
         return CosimError(str(self).replace(file, kept), problems, results)
 
 
 class CosimWarning(UserWarning):
-    """What is odd but not wrong."""
+    """Something unusual that is not an error."""
 
 
 def of(done: CompletedProcess[str]) -> CosimError:
@@ -83,7 +83,7 @@ def _problem(told: dict[str, Any]) -> Problem:
 
 
 def _untold(done: CompletedProcess[str]) -> CosimError:
-    """Of a verb without JSON, of an option that does not exist, or of a program that was killed."""
+    """For a command without JSON, an unknown option, or a program that was killed."""
     text = done.stderr.strip().removeprefix("error: ")
     if done.returncode < 0:
         text = f"cosim was killed by signal {-done.returncode}\n{text}".strip()

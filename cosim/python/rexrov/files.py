@@ -1,4 +1,4 @@
-"""Where the FMUs, systems and courses of this package are."""
+"""The locations of the FMUs, systems and courses in this package."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def system_path(name: str = "baseline") -> Path:
 
 
 def course_path(name: str) -> Path:
-    """A course as a file of waypoints, to start one's own from: BE1, BE2, BE3, square."""
+    """A course as a file of waypoints, as a template for your own: BE1, BE2, BE3, square."""
     return _find("course", "courses", name, ".csv")
 
 

@@ -1,12 +1,12 @@
-"""Serves a class to the library of an FMU that `rexrov.component` wrote; it lies in the FMU's resources.
+"""Serves a class to the library of an FMU that `rexrov.component` wrote; it is in the FMU's resources.
 
     python host.py RESOURCES            its stdin is a socket to the library
-    python host.py RESOURCES --check    makes an object and says whether its state can be saved
+    python host.py RESOURCES --check    creates an object and reports whether its state can be saved
 
-The process imports the class's module once. For each instance it forks, so that no run finds what another has
-left in modules; the child makes the object and answers until it is not needed any more, and the end of the
-child is answered here. A message is its length, a letter and that many octets, little-endian; the library's
-`process.rs` says which there are.
+The process imports the class's module once. It forks for each instance, so that no run sees what another has
+left in modules. The child creates the object and answers until it is no longer needed, and the parent reports the end
+of the child. A message is its length, a letter and that many bytes, little-endian; the library's
+`process.rs` lists the messages.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ import numpy.typing as npt
 
 MAKE, STEP, SAVE, RESTORE, END = b"MSGRE"
 DONE, FAILED, LOST = b".!x"
-#: The exit status of a child whose object is not needed any more: none that a class ends with.
+#: The exit status of a child whose object is no longer needed: one that no class ends with.
 ORDERLY = 77
 HEAD = struct.Struct("<IB")
 
 
 class Wrong(Exception):
-    """What a class has done wrong, told in whole."""
+    """An error of the class, reported in full."""
 
 
 class Channel:
@@ -51,7 +51,7 @@ class Channel:
         self.socket = socket.socket(fileno=os.dup(0))
 
     def receive(self) -> tuple[int, bytes] | None:
-        """The next message: its letter, and all of it; None when the library is gone."""
+        """The next message: its letter, and all of it; None if the library is gone."""
         message = self.socket.recv(1 << 16)
         while True:
             if len(message) >= HEAD.size:
@@ -67,13 +67,13 @@ class Channel:
         self.socket.sendall(HEAD.pack(len(octets), letter) + octets)
 
     def watch(self, on: bool) -> None:
-        """While on, the kernel ends this process by SIGIO when the library is gone, whatever it does."""
+        """While on, the kernel ends this process by SIGIO when the library is gone, whatever the process is doing."""
         flags = fcntl.fcntl(self.socket, fcntl.F_GETFL)
         fcntl.fcntl(self.socket, fcntl.F_SETOWN, os.getpid())
         fcntl.fcntl(self.socket, fcntl.F_SETFL, flags | os.O_ASYNC if on else flags & ~os.O_ASYNC)
 
     def guard(self, child: int) -> int:
-        """The exit status of a child, which is ended when the library is gone."""
+        """The exit status of a child, which is terminated if the library is gone."""
         ended, poll = os.pidfd_open(child), select.poll()
         poll.register(ended, select.POLLIN)
         poll.register(self.socket, select.POLLRDHUP)
@@ -86,7 +86,7 @@ class Channel:
 
 
 def _row(places: list[int]) -> Sequence[int]:
-    """Places side by side as a range: a slice costs less than a choice."""
+    """Adjacent places as a range: a slice is faster than a selection."""
     row = range(places[0], places[-1] + 1)
     return row if places == list(row) else places
 
@@ -138,8 +138,8 @@ class Measurements(Mapping[str, Any]):
         return len(self._values)
 
     def new(self, sensor: str) -> bool:
-        """Whether there is a measurement of a sensor that was not new before: its `valid` is 1 and its
-        `stamp` another one than when it was new last."""
+        """Whether there is a new measurement of a sensor: its `valid` is 1 and its
+        `stamp` differs from that of the last new one."""
         if sensor in self._new:
             return True
         stamp = self[f"{sensor}.stamp"]
@@ -151,14 +151,14 @@ class Measurements(Mapping[str, Any]):
 
 
 class Object:
-    """An object of the class and what is around it."""
+    """An object of the class and its environment."""
 
     def __init__(self, cls: type, manifest: Mapping[str, Any]) -> None:
         self.cls = cls
         self.inputs, self.outputs = Ports(manifest["inputs"]), Ports(manifest["outputs"])
         self.numbers = struct.Struct(f"<{1 + len(self.inputs.names)}d")
         self.given = struct.Struct(f"<{len(self.outputs.names)}d")
-        #: What is being done, or the time of a step.
+        #: The current activity, or the time of a step.
         self.doing: str | float = "__init__"
         self.own: Any = None
         self.seen: dict[str, float] = {}
@@ -166,7 +166,7 @@ class Object:
     def make(self, parameters: Mapping[str, Any]) -> None:
         self.doing = "__init__"
         self.seen = {}
-        # For classes that draw from these: the same numbers in each run with the same seed.
+        # For classes that use these: the same numbers in each run with the same seed.
         seed = parameters.get("seed", 0)
         random.seed(seed)
         np.random.seed(abs(seed) if isinstance(seed, int) else 0)
@@ -201,7 +201,7 @@ class Object:
         return values
 
     def sized(self, value: Any, places: Sequence[Any], what: str) -> list[float]:
-        """The numbers of a sequence that has as many as there are places."""
+        """The numbers of a sequence that has exactly as many as there are places."""
         wanted = len(places)
         if value is None:
             raise Wrong(f"gives nothing as {what}, which has {wanted} numbers")
@@ -239,7 +239,7 @@ class Object:
         self.own, self.seen = pickle.loads(octets)
 
     def answer(self, letter: int, message: bytes) -> bytes:
-        """What a request gives."""
+        """The answer to a request."""
         if letter == STEP:
             return self.step(message)
         if letter == SAVE:
@@ -251,7 +251,7 @@ class Object:
         return b""
 
     def told(self, error: BaseException) -> str:
-        """What went wrong, in a line."""
+        """The error, in one line."""
         doing = self.doing if isinstance(self.doing, str) else f"step at t = {self.doing!r} s"
         if isinstance(error, Wrong):
             return f"{self.cls.__name__}.{doing} {error}"
@@ -259,7 +259,7 @@ class Object:
 
 
 def described(error: BaseException) -> str:
-    """An exception with the lines of the class that it came by."""
+    """An exception with its traceback in the class."""
     text = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
     frames = [f for f in traceback.extract_tb(error.__traceback__) if not f.filename.startswith("<frozen ")]
     frames = [f for f in frames if f.filename != __file__]
@@ -284,7 +284,7 @@ def load(resources: str, manifest: Mapping[str, Any]) -> type:
 
 
 def serve(channel: Channel, made: Object, message: tuple[int, bytes] | None) -> None:
-    """Answers in a child, until the object is not needed any more."""
+    """Answers in a child, until the object is no longer needed."""
     while message is not None and message[0] != END:
         try:
             reply = DONE, made.answer(*message)
@@ -324,7 +324,7 @@ def main(resources: str) -> None:
 
 
 def check(resources: str) -> dict[str, str]:
-    """Whether an object can be made, and its state saved; as JSON."""
+    """Whether an object can be created, and its state saved; as JSON."""
     manifest = json.loads(Path(resources, "component.json").read_text())
     made: Object | None = None
     try:

@@ -22,8 +22,8 @@ def report(
 ) -> Path:
     """Writes a self-contained HTML page of results, an array or a file, and returns its path.
 
-    `plots` are variables over time by the title of the picture, `paths` pairs of variables against
-    each other; both come before what every report has.
+    `plots` are variables over time by the title of the picture, `paths` are pairs of variables plotted against
+    each other; both come before the standard contents of a report.
     """
     with TemporaryDirectory(prefix="rexrov-") as folder:
         if isinstance(results, (str, os.PathLike)):

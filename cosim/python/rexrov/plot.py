@@ -1,4 +1,4 @@
-"""The usual pictures, by matplotlib, which must be installed: `rexrov.plot.path(result)`."""
+"""The usual pictures, with matplotlib, which must be installed: `rexrov.plot.path(result)`."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from .tables import Table
 
 
 def path(results: Table, truth: str = "vehicle.pose", estimates: Sequence[str] | None = None, *, ax: Any = None) -> Any:
-    """Draws paths seen from above, north up and east right with one scale, and returns the axes.
+    """Draws paths seen from above, north up and east right on the same scale, and returns the axes.
 
-    `truth` and `estimates` are names of which `.x` (north) and `.y` (east) were recorded, in m; without `estimates`
-    these are all others that end with `.pose`.
+    `truth` and `estimates` are names whose `.x` (north) and `.y` (east) were recorded, in m; without `estimates`
+    all other names that end with `.pose` are used.
     """
     names = results.dtype.names or ()
     known = [name.removesuffix(".x") for name in names if name.endswith(".x") and f"{name[:-2]}.y" in names]

@@ -1,4 +1,4 @@
-"""The programs `cosim` and `rexrov-smooth` that came with this package."""
+"""The programs `cosim` and `rexrov-smooth` in this package."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from . import errors
 
 
 def cosim_path() -> Path:
-    """Where the program is; an activated environment has it as `cosim`."""
+    """The path of the program; an activated environment has it as `cosim`."""
     return path("cosim")
 
 
 def path(name: str) -> Path:
-    """Where a program of this package is."""
+    """The path of a program of this package."""
     for file in files("rexrov") or ():
         if file.name == name and file.parent.name == "bin":
             return Path(os.path.normpath(file.locate()))
@@ -30,7 +30,7 @@ def path(name: str) -> Path:
 
 
 def environment() -> dict[str, str]:
-    """What the program sees: FMUs that are written in Python get this one, with its packages."""
+    """The environment of the program: FMUs written in Python use this one, with its packages."""
     found = dict(os.environ)
     if sys.executable:
         found["PATH"] = os.pathsep.join([os.path.dirname(sys.executable), found.get("PATH", os.defpath)])
@@ -53,7 +53,7 @@ def call(*arguments: str) -> subprocess.CompletedProcess[str]:
 
 
 def call_json(verb: str, arguments: Sequence[str]) -> Any:
-    """Runs a verb that answers in JSON; warnings become Python's, messages of FMUs are passed on."""
+    """Runs a command that answers in JSON; warnings become Python's, messages of FMUs are passed on."""
     done = call(verb, "--format=json", "--quiet", *arguments)
     for line in done.stderr.splitlines():
         if line.startswith("warning: "):

@@ -16,7 +16,7 @@ from .errors import CosimError
 from .tables import Results, Table
 
 PathLike = str | os.PathLike[str]
-#: A start value, of the variable's type; an enumeration's by name or number.
+#: A start value, of the variable's type; for an enumeration by name or number.
 Value = float | int | bool | str
 #: A scenario's file, or its content: {"events": [{"time": 1, "model": "dvl", ...}]}.
 Scenario = PathLike | Mapping[str, Any]
@@ -38,9 +38,9 @@ def simulate(
 ) -> Results:
     """Simulates one FMU.
 
-    What is None is as the FMU says. `start_values` are parameters and inputs by name, `input` is a
-    structured array with `time` first, or a CSV file, `output` names or patterns of what is recorded
-    (all outputs otherwise). `options` are further options of `cosim simulate`, as typed there.
+    Arguments that are None keep the FMU's values. `start_values` are parameters and inputs by name, `input` is a
+    structured array with `time` first, or a CSV file, `output` are names or patterns of the recorded variables
+    (by default all outputs). `options` are further options of `cosim simulate`, as on the command line.
     Raises CosimError.
     """
     with TemporaryDirectory(prefix="rexrov-") as folder:
@@ -75,9 +75,9 @@ def run(
 ) -> Results:
     """Runs a system: SSP (.ssd, .ssp) or OSP (a folder or its OspSystemStructure.xml).
 
-    What is None is as the system says. Names are `component.variable`; `replace` puts other FMUs in
-    the place of components', `step` gives components other steps in seconds, `workers` computes in so
-    many processes. `options` are further options of `cosim run`, as typed there. Raises CosimError.
+    Arguments that are None keep the system's values. Names are `component.variable`; `replace` replaces the FMUs of
+    components, `step` gives components other step sizes in seconds, `workers` computes in that
+    many processes. `options` are further options of `cosim run`, as on the command line. Raises CosimError.
     """
     with TemporaryDirectory(prefix="rexrov-") as folder:
         arguments = _common(folder, start_time, stop_time, output_interval, output, scenario)

@@ -1,4 +1,4 @@
-"""What a whole recorded mission says of each of its instants."""
+"""Estimates of every instant of a recorded mission from the whole recording."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from . import program, tables
 from .runs import PathLike, Value
 from .tables import Results, Table
 
-#: The navigation filters that can smooth, as their FMUs are called.
+#: The navigation filters that can smooth, by the names of their FMUs.
 Navigation = Literal["NavConstantAcceleration", "NavDynamic", "NavInertial", "NavModelAided"]
 
 
 class SmoothingError(RuntimeError):
-    """A log or a parameter that is wrong; the text says where, and which name was meant."""
+    """An invalid log or parameter; the message says where, and suggests the intended name."""
 
 
 def smooth(
@@ -32,9 +32,9 @@ def smooth(
     fmu: Navigation = "NavModelAided",
     parameters: Mapping[str, Value] | None = None,
 ) -> Results:
-    """Estimates each instant of a recorded mission from all measurements, earlier and later.
+    """Estimates every instant of a recorded mission from all measurements, earlier and later.
 
-    `result` is that of a system, and `filter` the component in it whose inputs are taken: record them
+    `result` is that of a system, and `filter` is the component in it whose inputs are used: record them
     with `run(system, output=["filter.*"], output_interval=0.02)`, as often as its fastest sensor
     measures. Or it is a real log: a structured array, arrays by name, or a CSV file, with `time` and
     the inputs of a navigation FMU as names (`dvl.velocity.u`, `dvl.stamp`); a sensor without columns is
@@ -42,8 +42,8 @@ def smooth(
     `parameters` are its start values as in its FMU.
 
     The table has `time`, at multiples of the filter's interval, and `pose`, `velocity`, `current`,
-    `sigma`, `velocity_sigma` and `covariance` under the names of the FMU's outputs. It only knows of
-    errors that the filter expects: what is inconsistent there is no better here. Raises SmoothingError.
+    `sigma`, `velocity_sigma` and `covariance` under the names of the FMU's outputs. It considers only
+    errors that the filter expects: if the filter is inconsistent, so is the result. Raises SmoothingError.
     """
     with TemporaryDirectory(prefix="rexrov-") as folder:
         log, chosen, smoothed = (Path(folder, name) for name in ("log.csv", "parameters.json", "smoothed.csv"))

@@ -1,4 +1,4 @@
-"""Systems with a component more."""
+"""Systems with an additional component."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ _SSC = "{http://ssp-standard.org/SSP1/SystemStructureCommon}"
 def beside(
     system: PathLike, component: str, fmu: PathLike, *, name: str = "mine", output_file: PathLike | None = None
 ) -> Path:
-    """Writes a copy of a system (.ssd) in which an FMU listens, and returns its path, `NAME.ssd` if no other is named.
+    """Writes a copy of a system (.ssd) in which an FMU listens, and returns its path, `NAME.ssd` by default.
 
-    The FMU gets, as the component `name`, all inputs that `component` gets and it has; nothing reads its outputs, so the
-    run is the same. Its step is that of the component.
+    The FMU becomes the component `name`. It gets all inputs of `component` that it has; nothing reads its outputs, so the
+    run is the same. Its step size is that of `component`.
     """
     source = Path(system).absolute()
     if source.suffix != ".ssd":

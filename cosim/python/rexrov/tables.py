@@ -18,7 +18,7 @@ Table = npt.NDArray[np.void]
 _TYPES = {"Real": "f8", "Integer": "i4", "Enumeration": "i4", "Boolean": "?"}
 #: Bytes of a file that are read at once.
 _PIECE = 1 << 24
-#: So many variables are shown in a notebook.
+#: Number of variables shown in a notebook.
 _SHOWN = 30
 
 
@@ -32,14 +32,14 @@ class Results(np.ndarray[tuple[int, ...], np.dtype[np.void]]):
         return found.view(np.ndarray) if plain else found
 
     def to_pandas(self) -> Any:
-        """A data frame with the time (s) as its index, for which pandas must be installed."""
+        """A data frame with the time (s) as its index; requires pandas."""
         import pandas  # type: ignore[import-untyped]
 
         columns = {name: np.asarray(self[name]) for name in self._variables()}
         return pandas.DataFrame(columns, index=pandas.Index(np.asarray(self["time"]), name="time"))
 
     def to_xarray(self) -> Any:
-        """A dataset over the coordinate `time` (s), for which xarray must be installed."""
+        """A dataset over the coordinate `time` (s); requires xarray."""
         import xarray  # type: ignore[import-not-found,unused-ignore]
 
         columns = {name: ("time", np.asarray(self[name])) for name in self._variables()}
@@ -49,7 +49,7 @@ class Results(np.ndarray[tuple[int, ...], np.dtype[np.void]]):
         return [name for name in self.dtype.names or () if name != "time"]
 
     def _repr_html_(self) -> str | None:
-        """What was recorded, with the first and the last value, for notebooks."""
+        """The recorded variables, with the first and the last value, for notebooks."""
         names = self._variables()
         if not names or self.ndim != 1 or len(self) == 0:
             return None
@@ -66,7 +66,7 @@ class Results(np.ndarray[tuple[int, ...], np.dtype[np.void]]):
 
 
 def read(file: Path, columns: Iterable[Mapping[str, str]] | None = None) -> Results:
-    """Results as they were recorded, every bit of them; as Reals if nobody tells the columns' types."""
+    """Results as they were recorded, to the last bit; as Reals if the columns' types are not given."""
     if columns is None:
         with file.open(newline="") as source:
             columns = [{"name": name, "type": "Real"} for name in next(csv.reader(source))[1:]]
@@ -80,13 +80,13 @@ def read(file: Path, columns: Iterable[Mapping[str, str]] | None = None) -> Resu
 
 
 def _columns(file: Path, width: int) -> Sequence[npt.NDArray[np.float64]]:
-    """The numbers of a file below its first line: by pandas, the fastest reader, if it is there."""
+    """The numbers of a file below its first line: by pandas, the fastest reader, if it is installed."""
     try:
         import pandas
     except ImportError:
         return _plain_columns(file, width)
     with warnings.catch_warnings():
-        # Versions before 3 round otherwise, later ones say that they need not be asked.
+        # Versions before 3 round differently; later ones do not need the option.
         warnings.simplefilter("ignore")
         try:
             frame = pandas.read_csv(file, header=None, skiprows=1, dtype="f8", float_precision="round_trip")

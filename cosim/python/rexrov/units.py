@@ -6,7 +6,7 @@ import math
 import re
 
 _BASES = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
-#: Symbols that are no base units: what they are made of, and how much of that.
+#: Symbols that are not base units: their definition and factor.
 _DERIVED: dict[str, tuple[dict[str, int], float]] = {
     "1": ({}, 1.0),
     "%": ({}, 0.01),
@@ -34,7 +34,7 @@ _SYMBOL = re.compile(r"([A-Za-z%]+|1)(-?\d+)?")
 
 
 def base(unit: str) -> dict[str, str]:
-    """The attributes of FMI's BaseUnit. Raises ValueError for what is no unit; no text is no unit's name."""
+    """The attributes of FMI's BaseUnit. Raises ValueError if the text is not a unit; an empty text is not one."""
     exponents, factor = dict.fromkeys(_BASES, 0), 1.0
     for sign, part in _parts(unit) if unit else ():
         found = _SYMBOL.fullmatch(part)

@@ -1,4 +1,4 @@
-//! The page that explains this example shows its code, all of it and nothing else.
+//! The page about this example shows its complete code and nothing else.
 
 const PAGE: &str = include_str!("../../../docs/write-your-own-component.md");
 const COMPONENT: &str = include_str!("../src/lib.rs");

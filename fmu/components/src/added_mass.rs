@@ -68,7 +68,7 @@ impl From<AddedMass> for [[f64; 6]; 6] {
 }
 
 impl From<[[f64; 6]; 6]> for AddedMass {
-    /// Of a symmetric matrix.
+    /// From a symmetric matrix.
     #[rustfmt::skip]
     fn from(matrix: [[f64; 6]; 6]) -> Self {
         let [

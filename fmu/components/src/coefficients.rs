@@ -1,4 +1,5 @@
-//! The coefficients of the vehicle as FMI parameters: named sets, each value open to change.
+//! The coefficients of the vehicle as FMI parameters: named sets, in which each value can be
+//! changed.
 //!
 //! Shared by the vehicle and by the models inside filters.
 
@@ -111,8 +112,8 @@ impl Coefficients {
         vehicle::Parameters::preset(set.into()).into()
     }
 
-    /// The model inside a filter. It is given the thrusts themselves: what the thruster inputs mean
-    /// does not matter.
+    /// The model inside a filter. Its input is the thrusts themselves, so the meaning of the
+    /// thruster inputs does not matter.
     ///
     /// # Errors
     /// Names the parameter that is out of range.
@@ -122,7 +123,7 @@ impl Coefficients {
         Ok(parameters)
     }
 
-    /// As the mathematics wants them, with the meaning of the thruster inputs.
+    /// The parameters of the mathematics, with the meaning of the thruster inputs.
     pub fn with_mode(&self, mode: vehicle::ThrusterMode) -> vehicle::Parameters {
         vehicle::Parameters {
             mass: self.mass,

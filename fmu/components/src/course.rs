@@ -4,13 +4,13 @@ use fmu_kit::{ParameterError, Resources, read_text};
 use rexrov::guidance::Course;
 use std::path::PathBuf;
 
-/// The course that the parameter `course` names.
+/// The course named by the parameter `course`.
 ///
-/// A file is looked for in the FMU's resources and then, like an absolute path, in the file system
-/// (relative to the working directory of the importer).
+/// A file is searched for in the FMU's resources and then, like an absolute path, in the file
+/// system (relative to the working directory of the importer).
 ///
 /// # Errors
-/// There is no such file, or it is no course: with its line and the reason.
+/// There is no such file, or it is not a course: with its line and the reason.
 pub fn load(name: &str, resources: &Resources) -> Result<Course, ParameterError> {
     let error = |reason: String| ParameterError::new("course", reason);
     if let Some((_, text)) = Course::BUILT_IN.iter().find(|(known, _)| *known == name) {
@@ -21,7 +21,7 @@ pub fn load(name: &str, resources: &Resources) -> Result<Course, ParameterError>
     Course::parse(&text).map_err(|e| error(format!("{path:?}, {e}")))
 }
 
-/// The file `name`; whether it can be read is seen when it is read.
+/// The file `name`; errors of reading it appear when it is read.
 fn find(name: &str, resources: &Resources) -> Result<PathBuf, String> {
     let mut places = vec![PathBuf::from(name)];
     places.splice(0..0, resources.folder().map(|folder| folder.join(name)));

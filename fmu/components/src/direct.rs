@@ -1,15 +1,16 @@
-//! Structs of the mathematics as groups of ports, without a second struct to convert to and from.
+//! Structs of the mathematics as groups of inputs and outputs, without a second struct to convert
+//! to and from.
 //!
-//! Names, units and descriptions come from a struct of variables; the numbers go straight between
-//! an instance's flat array and the arrays that the mathematics works on. The vehicle needs it: a
+//! Names, units and descriptions come from a struct of variables; the numbers go directly between
+//! an instance's flat array and the arrays of the mathematics. The vehicle needs this: a
 //! Runge-Kutta step converts back and forth four times, which costs as much as an evaluation.
 
 use fmu_kit::{Declarations, Field, Reader, Variables, Writer};
 
-/// A struct of numbers that bears the names of a group.
+/// A struct of numbers with the names of a group.
 pub trait Numbers: Copy + Default + Send {
     /// Declares the numbers, in the order in which [`load`](Numbers::load) and
-    /// [`zip`](Numbers::zip) come to them.
+    /// [`zip`](Numbers::zip) visit them.
     type Names: Variables + From<Self>;
 
     /// Takes the numbers from the flat array.
@@ -19,7 +20,7 @@ pub trait Numbers: Copy + Default + Send {
     fn zip(&mut self, other: &Self, f: &mut impl FnMut(&mut f64, f64));
 }
 
-/// A struct of the mathematics as a group of ports.
+/// A struct of the mathematics as a group of inputs or outputs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Direct<M>(pub M);
 
@@ -47,7 +48,7 @@ impl<M: Numbers> Variables for Direct<M> {
     }
 }
 
-/// Implements [`Numbers`] for a struct of arrays that lie in the order of the names.
+/// Implements [`Numbers`] for a struct of arrays that are in the order of the names.
 macro_rules! numbers {
     ($math:ty, named by $names:ty: $($array:ident),+) => {
         impl $crate::direct::Numbers for $math {

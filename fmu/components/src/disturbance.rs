@@ -53,7 +53,7 @@ impl Default for Parameters {
     }
 }
 
-/// What one thruster loses.
+/// The loss of one thruster.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, Variables)]
 pub struct Loss {
     /// fraction of the thrust that is lost

@@ -45,7 +45,7 @@ pub struct Variance {
     pub yaw: f64,
 }
 
-/// What is assumed at the start.
+/// Assumptions at the start.
 #[derive(Clone, Copy, Debug, Variables)]
 pub struct Start {
     /// pose
@@ -55,7 +55,7 @@ pub struct Start {
     pub sigma: Pose4,
 }
 
-/// Parameters both filters have.
+/// Parameters of both filters.
 #[derive(Clone, Debug, Variables)]
 pub struct FilterParameters {
     /// Cycles a second

@@ -1,9 +1,9 @@
-//! Kinds of error that several sensors have, and filters allow for, as groups of parameters.
+//! Error models that several sensors have, and that filters allow for, as groups of parameters.
 
 use fmu_kit::Variables;
 use rexrov::sensors::{self, BiasNoise};
 
-/// Errors far beyond the usual noise that come now and then.
+/// Occasional errors far beyond the usual noise.
 #[derive(Clone, Copy, Debug, Variables)]
 pub struct Outliers {
     /// probability that a sample is one
@@ -83,7 +83,7 @@ pub struct GyroNoise {
     pub turn_on_sigma: f64,
 }
 
-/// Both instruments have the same kinds of error, in other units.
+/// Both instruments have the same kinds of error, in different units.
 macro_rules! noise {
     ($($instrument:ident),+) => {$(
         impl From<BiasNoise> for $instrument {

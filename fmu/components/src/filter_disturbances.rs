@@ -1,10 +1,10 @@
-//! What acts on the vehicle besides its model, for filters that have one:
+//! Disturbances besides the vehicle model, for filters that have one:
 //! `rexrov::estimation::Disturbances` as FMI variables.
 
 use fmu_kit::Variables;
 use rexrov::estimation;
 
-/// Forces and current that vary.
+/// Varying forces and current.
 #[derive(Clone, Copy, Debug, Variables)]
 pub struct Disturbances {
     /// standard deviation of the force that varies quickly, each axis

@@ -292,7 +292,7 @@ impl From<Inertia> for ::rexrov::vehicle::Inertia {
     }
 }
 
-/// Place and direction of one thruster, Tables 3 and 4 of the paper.
+/// Position and direction of one thruster, Tables 3 and 4 of the paper.
 #[derive(Clone, Copy, Debug, Default, Variables)]
 pub struct Mounting {
     /// place forward of the centre of gravity
@@ -324,7 +324,7 @@ impl From<Mounting> for ::rexrov::vehicle::Thruster {
     }
 }
 
-/// A complaint of the mathematics as one about a variable.
+/// An error of the mathematics as an error of a variable.
 pub fn parameter_error(error: ::rexrov::ParameterError) -> ParameterError {
     ParameterError::new(error.name, format!("{}: {}", error.value, error.reason))
 }

@@ -81,7 +81,7 @@ pub struct Gyro {
     pub g_sensitivity: f64,
 }
 
-/// Both instruments have the same kinds of error, in other units.
+/// Both instruments have the same kinds of error, in different units.
 macro_rules! errors {
     ($($instrument:ident { $($own:ident)? }),+) => {$(
         impl From<BiasNoise> for $instrument {

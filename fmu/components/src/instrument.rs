@@ -1,9 +1,10 @@
-//! What all sensors have: a rate, a seed, a latency, a switch, and a stamp on what they measured.
+//! The common part of all sensors: a rate, a seed, a latency, a switch, and a stamp on the
+//! measurements.
 
 use fmu_kit::{ParameterError, Variables};
 use serde::{Deserialize, Serialize};
 
-/// Most samples that may be on their way.
+/// Maximum number of samples in transit.
 const MOST_LATE: f64 = 64.0;
 
 /// Parameters of every sensor.
@@ -21,17 +22,18 @@ pub struct Instrument {
 }
 
 impl Instrument {
-    /// Start values as the mathematics has them.
+    /// Start values in the types of the mathematics.
     pub fn new(rate_hz: f64, seed: u64) -> Self {
         Self { rate_hz, seed: i32::try_from(seed).unwrap_or(i32::MAX), latency: 0.0 }
     }
 
-    /// The seed as the mathematics has it: an Integer of FMI is 32 bits wide, and here not negative.
+    /// The seed in the type of the mathematics: an Integer of FMI has 32 bits, and is not negative
+    /// here.
     pub fn seed(&self) -> u64 {
         u64::from(self.seed.unsigned_abs())
     }
 
-    /// Places for the samples that are on their way.
+    /// Places for the samples in transit.
     pub(crate) fn places(&self) -> Result<usize, ParameterError> {
         let samples = self.latency * self.rate_hz;
         if !(0.0..=MOST_LATE).contains(&samples) {
@@ -52,7 +54,7 @@ pub struct Switch {
 }
 
 impl Switch {
-    /// On.
+    /// Whether it is on.
     pub fn is_on(self) -> bool {
         self.off < 0.5
     }

@@ -1,10 +1,10 @@
 //! The RexROV vehicle, its sensors, its state estimators and its guidance as FMI 2.0 components.
 //!
-//! One small file per component: it declares the variables as fields and maps them to the
-//! mathematics of the crate `rexrov`. One library serves all FMUs; the GUID chooses the component.
+//! There is one small file per component: it declares the variables as fields and maps them to the
+//! mathematics of the crate `rexrov`. One library serves all FMUs; the GUID selects the component.
 //!
-//! World frame NED, body frame FRD (forward, starboard, down), SI units; array indices count from
-//! zero as the paper's thrusters do.
+//! World frame NED, body frame FRD (forward, starboard, down), SI units. Array indices start at
+//! zero, like the paper's thruster numbers.
 
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
@@ -45,7 +45,7 @@ use fmu_kit::{Info, Sampled};
 use navigator::Navigating;
 use sensing::Sensing;
 
-/// What all components say alike.
+/// Declarations common to all components.
 const fn info(name: &'static str, description: &'static str) -> Info {
     Info {
         author: "The RexROV FMI project contributors",

@@ -1,5 +1,5 @@
-//! Constant acceleration in the manner of robot_localization: `rexrov::estimation::ConstantAcceleration`
-//! with FMI variables.
+//! Constant acceleration, as in robot_localization: `rexrov::estimation::ConstantAcceleration` with
+//! FMI variables.
 
 use crate::navigation_parameters::Parameters;
 use crate::navigator::Navigator;
@@ -7,7 +7,7 @@ use fmu_kit::Info;
 use rexrov::ParameterError;
 use rexrov::estimation::{BASIC_STATES, ConstantAcceleration, Filter};
 
-/// The constant-acceleration filter: no model of the vehicle, no biases of the inertial unit.
+/// The constant-acceleration filter: no vehicle model, no biases of the inertial unit.
 pub struct NavConstantAcceleration;
 
 impl Navigator for NavConstantAcceleration {

@@ -25,7 +25,7 @@ pub struct Parameters {
 
 impl Parameters {
     fn of(imu_grade: ImuGrade, parameter_set: ParameterSet) -> Self {
-        // A better gyro shows more of what the model leaves out.
+        // A better gyro reveals more of what the model omits.
         let moment_density = if imu_grade == ImuGrade::Adis16448 { 2.0 } else { 5.0 };
         let usual = estimation::Disturbances::default().into();
         Self {

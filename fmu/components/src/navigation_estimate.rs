@@ -62,7 +62,7 @@ pub struct Tilt {
     pub pitch: f64,
 }
 
-/// What a measurement is compared by, for each sensor.
+/// The comparison of a measurement with its prediction, for each sensor.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, Variables)]
 pub struct Innovation {
     /// roll and pitch of the attitude reference
@@ -113,7 +113,7 @@ crate::groups::group! {
         #[var(unit = "1", min = 0.0)] late; 3]
 }
 
-/// What became of the measurements of each sensor.
+/// What happened to the measurements of each sensor.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, Variables)]
 pub struct Counts {
     /// roll and pitch of the attitude reference
@@ -128,7 +128,7 @@ pub struct Counts {
     pub fix: Count,
 }
 
-/// What a thruster is taken to have lost.
+/// The estimated loss of a thruster.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, Variables)]
 pub struct Loss {
     /// fraction of its thrust that is taken to be lost; 0 where the filter does not look for it
@@ -172,7 +172,7 @@ pub struct Outputs {
     pub health: f64,
 }
 
-/// The number that an FMU shows for a state of health.
+/// The number of a state of health in an FMU.
 pub fn number(health: Health) -> u8 {
     match health {
         Health::Good => 0,

@@ -8,7 +8,7 @@ use fmu_kit::Variables;
 use rexrov::estimation::{self, NavigationParameters, SensorErrors};
 use rexrov::sensors::{self, ImuNoise};
 
-/// Where the sensors are, body frame.
+/// Positions of the sensors, body frame.
 #[derive(Clone, Copy, Debug, Variables)]
 pub struct Mounting {
     /// inertial unit
@@ -48,7 +48,7 @@ pub struct StartSigma {
     pub velocity: f64,
 }
 
-/// What is assumed at the start.
+/// Assumptions at the start.
 #[derive(Clone, Copy, Debug, Variables)]
 pub struct Start {
     /// pose
@@ -59,7 +59,7 @@ pub struct Start {
     pub sigma: StartSigma,
 }
 
-/// How a vehicle manoeuvres whose inertial unit is silent.
+/// How a vehicle without inertial unit manoeuvres.
 #[derive(Clone, Copy, Debug, Variables)]
 pub struct Maneuver {
     /// density of its white acceleration

@@ -1,11 +1,12 @@
-//! Inputs of the navigation filters: what the sensors say. All filters have the same inputs and
-//! outputs, so that one can stand in for another; what a filter has no use for it ignores.
+//! Inputs of the navigation filters: the measurements of the sensors. All filters have the same
+//! inputs and outputs, so that one can replace another; a filter ignores inputs that it does not
+//! use.
 
 use crate::groups::{AngularVelocity, Attitude, Horizontal, LinearVelocity, Thrust, Vector};
 use fmu_kit::Variables;
 use rexrov::estimation::{Measurements, Reading};
 
-/// Whether and when a measurement was taken. What is not connected is absent.
+/// Whether and when a measurement was taken. An unconnected measurement is absent.
 #[derive(Clone, Copy, Debug, Variables)]
 pub struct Stamp {
     /// time of the measurement; -1 if unknown, then it counts as new in every cycle
@@ -28,7 +29,7 @@ impl Stamp {
     }
 }
 
-/// What the inertial unit measured.
+/// Measurements of the inertial unit.
 #[derive(Clone, Copy, Debug, Default, Variables)]
 pub struct Imu {
     /// specific force
@@ -41,7 +42,7 @@ pub struct Imu {
     pub stamp: Stamp,
 }
 
-/// What the attitude and heading reference measured.
+/// Measurements of the attitude and heading reference.
 #[derive(Clone, Copy, Debug, Default, Variables)]
 pub struct Ahrs {
     /// attitude
@@ -51,7 +52,7 @@ pub struct Ahrs {
     pub stamp: Stamp,
 }
 
-/// What the velocity log measured.
+/// Measurements of the velocity log.
 #[derive(Clone, Copy, Debug, Default, Variables)]
 pub struct Dvl {
     /// velocity over ground at the instrument
@@ -61,7 +62,7 @@ pub struct Dvl {
     pub stamp: Stamp,
 }
 
-/// What the position fix measured.
+/// Measurements of the position fix.
 #[derive(Clone, Copy, Debug, Default, Variables)]
 pub struct Fix {
     /// place
@@ -74,7 +75,7 @@ pub struct Fix {
     pub stamp: Stamp,
 }
 
-/// What the pressure sensor measured.
+/// Measurements of the pressure sensor.
 #[derive(Clone, Copy, Debug, Default, Variables)]
 pub struct Pressure {
     /// depth of the sensor

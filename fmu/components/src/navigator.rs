@@ -37,13 +37,13 @@ pub trait Navigator: Sized + Send + 'static {
     fn rate_hz(parameters: &Self::Parameters) -> f64;
 }
 
-/// A component made of a [`Navigator`].
+/// A component made from a [`Navigator`].
 pub struct Navigating<N: Navigator> {
     filter: N::Filter,
     period_s: f64,
 }
 
-/// The memory of the filter, its state of health, and what the log knows of it.
+/// The memory of the filter, its state of health, and what has been logged about it.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub struct Held<M> {
     filter: M,
@@ -66,7 +66,7 @@ impl<M: Clone> Clone for Held<M> {
         Self { filter: self.filter.clone(), ..*self }
     }
 
-    /// Into its place, since states are saved by this.
+    /// In place, because this is used to save states.
     fn clone_from(&mut self, from: &Self) {
         self.filter.clone_from(&from.filter);
         (self.now, self.logged) = (from.now, from.logged);
@@ -74,7 +74,7 @@ impl<M: Clone> Clone for Held<M> {
     }
 }
 
-/// Fraction of its thrust from which on a thruster counts as lost.
+/// Fraction of lost thrust above which a thruster counts as lost.
 const LOST: f64 = 0.1;
 /// Degrees of freedom of each channel.
 const SIZES: [usize; 5] = [2, 1, 1, 3, 2];
@@ -133,7 +133,7 @@ impl<M> Held<M> {
 impl<N: Navigator> Sample for Navigating<N> {
     const INFO: Info = N::INFO;
     const ANY_INPUT: bool = true;
-    // Its past, for measurements that come late.
+    // Its past, for late measurements.
     const ROOM: usize = 1 << 20;
     type Parameters = N::Parameters;
     type Inputs = Inputs;

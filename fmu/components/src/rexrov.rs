@@ -40,7 +40,7 @@ pub struct Start {
 }
 
 impl Default for Start {
-    /// Where the courses start, 20 m deep, at rest.
+    /// The start of the courses, 20 m deep, at rest.
     fn default() -> Self {
         Self {
             position: Position { z: 20.0, ..Position::default() },
@@ -105,7 +105,7 @@ pub struct RexRov {
 impl Component for RexRov {
     const INFO: Info = Info {
         stop_time_s: 60.0,
-        // Good to a millionth of each signal's peak over a minute in which commands jump.
+        // Accurate to a millionth of each signal's peak over a minute in which commands jump.
         integrator_step_s: 0.004,
         ..crate::info(
             "RexROV",

@@ -1,4 +1,4 @@
-//! Sensors as components: samples at their instants, shown after their latency.
+//! Sensors as components: samples at their instants, output after their latency.
 
 use crate::groups::parameter_error;
 use crate::instrument::{Instrument, Stamp};
@@ -9,7 +9,7 @@ use rexrov::sampling::Rate;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-/// What a sensor does; [`Sensing`] makes it a component.
+/// A sensor; [`Sensing`] makes it a component.
 pub trait Sensor: Sized + Send + 'static {
     /// Name and description.
     const INFO: Info;
@@ -34,7 +34,7 @@ pub trait Sensor: Sized + Send + 'static {
     /// Names the parameter that is out of range.
     fn new(parameters: &Self::Parameters) -> Result<Self, ::rexrov::ParameterError>;
 
-    /// The part of the parameters that all sensors have.
+    /// The common part of the parameters of all sensors.
     fn instrument(parameters: &Self::Parameters) -> &Instrument;
 
     /// How often it samples.
@@ -43,8 +43,8 @@ pub trait Sensor: Sized + Send + 'static {
     /// The memory at switch-on.
     fn memory(&self) -> Self::Memory;
 
-    /// Takes a sample, even while switched off, so that later noise stays the same; nothing if
-    /// there is none to show.
+    /// Takes a sample, even while switched off, so that later noise stays the same; none if there
+    /// is no output.
     fn sample(
         &self,
         stamp: Stamp,
@@ -53,14 +53,15 @@ pub trait Sensor: Sized + Send + 'static {
     ) -> Option<Self::Outputs>;
 }
 
-/// A component made of a [`Sensor`]: a sample taken at t shows at t + latency, an event of its own.
+/// A component made from a [`Sensor`]: a sample taken at t appears at t + latency, by a separate
+/// event.
 pub struct Sensing<S> {
     sensor: S,
     latency_ns: i64,
     places: usize,
 }
 
-/// The clock of a sensor, its memory, the sample it shows and those that are on their way.
+/// The clock of a sensor, its memory, the sample it outputs and those in transit.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub struct Held<M, Y> {
     sampler: Sampler,
@@ -74,7 +75,7 @@ impl<M: Clone, Y: Copy> Clone for Held<M, Y> {
         Self { memory: self.memory.clone(), late: self.late.clone(), ..*self }
     }
 
-    /// Into its place at once, without a copy in between, since states are saved by this.
+    /// Directly into its place, without an intermediate copy, because this is used to save states.
     #[inline]
     fn clone_from(&mut self, from: &Self) {
         self.memory.clone_from(&from.memory);
@@ -154,7 +155,7 @@ impl<S: Sensor> Component for Sensing<S> {
     }
 }
 
-/// Samples on their way, in places made once: a ring.
+/// Samples in transit, in places allocated once: a ring buffer.
 #[derive(Debug, Default, Serialize, Deserialize)]
 struct Queue<Y> {
     places: Box<[(Time, Y)]>,
@@ -184,7 +185,7 @@ impl<Y: Copy + Default> Queue<Y> {
         (self.count > 0).then(|| self.places.get(self.first).map(|(due, _)| *due)).flatten()
     }
 
-    /// Adds one; there are places enough for a latency of whole sample periods and the rest of one.
+    /// Adds one; there are enough places for a latency of whole sample periods and a remainder.
     fn push(&mut self, due: Time, sample: Y) {
         let n = self.places.len().max(1);
         if let Some(place) = self.places.get_mut(self.first.wrapping_add(self.count) % n) {

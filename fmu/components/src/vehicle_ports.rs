@@ -1,6 +1,8 @@
-//! Ports of the vehicle: names, units and order of what `rexrov::vehicle` takes and gives.
+//! Inputs and outputs of the vehicle: names, units and order of the inputs and outputs of
+//! `rexrov::vehicle`.
 //!
-//! The structs of variables here only declare; the component works on those of the mathematics.
+//! The structs of variables here only declare; the component works on the structs of the
+//! mathematics.
 
 use crate::direct::{Numbers, numbers};
 use crate::groups::{
@@ -128,7 +130,7 @@ pub struct Rotor {
     pub speed: f64,
 }
 
-/// Continuous states, kept apart from the outputs by a name of their own.
+/// Continuous states, separated from the outputs by their own name.
 #[derive(Clone, Copy, Debug, Default, Variables)]
 pub struct Motion {
     /// position

@@ -96,7 +96,7 @@ impl From<&Parameters> for ControllerParameters {
     }
 }
 
-/// What a thruster is known to have lost.
+/// The known loss of a thruster.
 #[derive(Clone, Copy, Debug, Default, Variables)]
 pub struct Loss {
     /// fraction of its thrust that is lost (0 healthy, 1 gone)

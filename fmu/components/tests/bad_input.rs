@@ -1,4 +1,4 @@
-//! Courses that are none, through the C interface: `fmi2Error` and one line that names function,
+//! Invalid courses, through the C interface: `fmi2Error` and one line that names function,
 //! variable, file, line of the file and reason.
 #![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(
@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 use driver::{CS, Fmu};
 use fmu_kit::kernel::Status;
 
-/// A folder of this process, gone at the end of the test.
+/// A folder of this process, removed at the end of the test.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -55,7 +55,7 @@ fn follower(course: &Path, resources: Option<&str>) -> Fmu {
     fmu
 }
 
-/// The one line in the log of an initialization that must fail.
+/// The one log line of an initialization that must fail.
 fn refusal(course: &Path, resources: Option<&str>) -> String {
     let mut fmu = follower(course, resources);
     assert_eq!((fmu.setup(0.0), fmu.enter()), (Status::Ok, Status::Ok));
@@ -64,7 +64,7 @@ fn refusal(course: &Path, resources: Option<&str>) -> String {
     assert_eq!(lines.len(), 1, "{lines:?}");
     assert_eq!(lines[0].status, Status::Error);
     assert!(!lines[0].text.contains(char::is_control), "{:?}", lines[0].text);
-    // The instance lives: another course will do.
+    // The instance survives: another course works.
     unsafe { components::fmi2::fmi2Reset(fmu.c) };
     assert_eq!((fmu.setup(0.0), fmu.initialize()), (Status::Ok, Status::Ok));
     lines[0].text.clone()
@@ -118,7 +118,7 @@ fn a_file_that_cannot_be_read_is_told_with_the_reason() {
     let mut permissions = fs::metadata(&locked).unwrap().permissions();
     std::os::unix::fs::PermissionsExt::set_mode(&mut permissions, 0);
     fs::set_permissions(&locked, permissions).unwrap();
-    // For the superuser nothing is locked, but this cannot be read by anybody.
+    // The superuser can read everything, but no one can read this.
     let locked = if fs::read(&locked).is_ok() { Path::new("/proc/self/mem") } else { &*locked };
     for (path, reason) in [
         (&*folder.0, "it is a folder, not a file"),
@@ -148,7 +148,7 @@ fn missing_files_and_resources_are_told_with_the_places_that_were_searched() {
         assert!(line.contains("no such.csv"), "{line}");
     }
     assert!(refusal(Path::new(""), None).contains("\"\" is neither"), "an empty name");
-    // What the FMU carries along may be bad, too.
+    // The FMU's own resources may be invalid, too.
     folder.file("own.csv", b"0,0\n1\n");
     let line = refusal(Path::new("own.csv"), Some(&folder.uri()));
     let start = format!("course: {:?}, line 2: expected", folder.0.join("own.csv"));

@@ -1,4 +1,4 @@
-//! Every parameter of every component takes the bounds it declares, and nothing beyond.
+//! Every parameter of every component accepts its declared bounds, and nothing beyond.
 
 use fmu_kit::kernel::{Category, Entry, Group, Instance, Interface, Sink, Status, Variable};
 use fmu_kit::{Resources, Start};

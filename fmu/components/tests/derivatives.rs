@@ -1,6 +1,6 @@
-//! The vehicle's directional derivatives against central differences, through the C interface, at
-//! random points: while running each state and input, during initialization each Real parameter and
-//! input, against every unknown there is.
+//! The vehicle's directional derivatives compared with central differences, through the C
+//! interface, at random points: while running for each state and input, during initialization for
+//! each Real parameter and input, for every unknown.
 #![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(
     clippy::undocumented_unsafe_blocks,
@@ -30,7 +30,7 @@ fn reals(group: Group) -> Vec<u32> {
     variables.filter(|v| matches!(v.start, Start::Real(_))).map(|v| v.reference).collect()
 }
 
-/// Numbers within -1 and 1, the same in every run.
+/// Numbers between -1 and 1, the same in every run.
 struct Random(u64);
 
 impl Random {
@@ -40,7 +40,7 @@ impl Random {
     }
 }
 
-/// An instance for model exchange, whose thrusters take `mode` (1 to 3), in initialization mode.
+/// An instance for model exchange, with the thruster mode `mode` (1 to 3), in initialization mode.
 fn starting(mode: i32) -> fmi2Component {
     let thruster_mode = table().named("thruster_mode").unwrap().reference;
     unsafe {
@@ -86,7 +86,7 @@ fn inputs(random: &mut Random) -> Vec<f64> {
     table().group(Group::Input).map(input).collect()
 }
 
-/// Compares the changes that a move of the known by its own size would make.
+/// Compares the changes for a change of the known by its own size.
 fn compare(analytic: &[f64], here: &[f64], ahead: &[f64], behind: &[f64], h: f64, size: f64) {
     for (k, slope) in analytic.iter().enumerate() {
         let difference = (ahead[k] - behind[k]) / (2.0 * h);
@@ -166,7 +166,7 @@ fn parameters_and_inputs_move_the_start_as_in_the_functions() {
             let name = parameters.get(index).map_or("", |variable| &variable.name);
             let analytic = column(c, &unknowns, *known);
             if name == "buoyancy" && at[index] == 0.0 {
-                // Zero says that it is computed; any other value jumps.
+                // Zero means that it is computed; any other value jumps.
                 assert!(analytic.iter().all(|slope| *slope == 0.0));
                 continue;
             }
@@ -183,8 +183,8 @@ fn parameters_and_inputs_move_the_start_as_in_the_functions() {
     }
 }
 
-/// States are unknowns at the start and knowns after it, parameters are knowns until they are fixed,
-/// and time is a known that moves nothing.
+/// States are unknowns at the start and knowns after it, parameters are knowns until they are
+/// fixed, and time is a known that changes nothing.
 #[test]
 fn knowns_and_unknowns_are_those_of_the_mode() {
     let c = starting(1);

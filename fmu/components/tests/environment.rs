@@ -1,5 +1,5 @@
 //! The importer's floating-point environment: traps, roundings, flush-to-zero and flags change no
-//! result, and are after each call as they were before it.
+//! result, and are restored after each call.
 #![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![cfg(target_arch = "x86_64")]
 #![allow(
@@ -40,7 +40,7 @@ fn under<R>(word: u32, call: impl FnOnce() -> R) -> R {
     result
 }
 
-/// All Reals after some steps whose inputs change, and a state saved, serialized and restored.
+/// All Reals after some steps with changing inputs, and a state saved, serialized and restored.
 fn run(name: &str, word: u32) -> Vec<u64> {
     let table = REGISTRY.named(name).unwrap().table();
     let layout = table.layout();

@@ -1,5 +1,5 @@
-//! Samples that show late: exactly after their latency, with the stamp of their instant, in order;
-//! and the switch.
+//! Delayed samples: exactly after their latency, with the stamp of their instant, in order; and the
+//! switch.
 
 use fmu_kit::Resources;
 use fmu_kit::kernel::{Category, Instance, Interface, Sink, Status};
@@ -55,7 +55,7 @@ impl Run {
     }
 }
 
-/// At 10 Hz: the milliseconds at which the stamp moves, and the stamps.
+/// At 10 Hz: the milliseconds at which the stamp changes, and the stamps.
 fn shown(latency: f64, until_ms: u32) -> Vec<(u32, f64)> {
     let mut run = Run::new("Gps", &[("rate_hz", 10.0), ("latency", latency)]);
     let mut shown = Vec::new();
@@ -147,7 +147,7 @@ fn a_sensor_that_is_off_keeps_its_last_sample_and_those_on_their_way_arrive() {
     assert!((run.get("stamp") - 1.3).abs() < 1e-9);
 }
 
-/// A run goes on from a saved state with what was on its way then.
+/// A run continues from a saved state with the samples that were in transit.
 #[test]
 fn samples_on_their_way_are_part_of_the_state() {
     let mut run = Run::new("Gps", &[("rate_hz", 10.0), ("latency", 0.55)]);
@@ -182,7 +182,7 @@ fn a_log_without_bottom_lock_shows_its_last_sample() {
     assert!((run.get("stamp") - 0.5).abs() < 1e-9);
 }
 
-/// A preset gives what is not set, whatever the order.
+/// A preset gives the values that are not set, in any order.
 #[test]
 fn grades_and_models_are_presets() {
     let choose = |name, choice, item, set: (&str, f64), ask: &str| {

@@ -16,7 +16,7 @@ use rexrov_fmu::{REGISTRY, fmi2};
 const TAU: f64 = 0.05;
 const LIMIT: f64 = 2000.0;
 const GAIN: f64 = 0.00031;
-/// When the ramp gets to the limit (s): within an integration step, not at its end.
+/// When the ramp reaches the limit (s): within an integration step, not at its end.
 const CROSSING: f64 = 0.053_71;
 /// thruster_mode RotorSpeed
 const ROTOR_SPEED: i32 = 3;
@@ -106,8 +106,8 @@ fn co_simulation_finds_the_limit_within_a_step() {
     }
 }
 
-/// An importer's root finder sees one indicator change its sign, at the limit and nowhere else, and
-/// nothing to do there.
+/// An importer's root finder sees one indicator change its sign, at the limit and nowhere else,
+/// with nothing to do there.
 #[test]
 fn model_exchange_shows_the_limit_by_one_indicator() {
     let rov = Rov::new(0, 1);
@@ -137,7 +137,7 @@ fn model_exchange_shows_the_limit_by_one_indicator() {
     assert_eq!(flags, [FMI2_FALSE; 2]);
 }
 
-/// A force held at its limit, and one of zero, are within; a step beyond is not.
+/// A force held at its limit, and a force of zero, are within; a step beyond is not.
 #[test]
 fn being_at_a_limit_is_no_event() {
     let rov = Rov::new(0, 1);

@@ -1,4 +1,4 @@
-//! Loaded, run and unloaded again and again, as tools do for every simulation: nothing is left.
+//! Loaded, run and unloaded repeatedly, as tools do for every simulation: nothing is left.
 #![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![cfg(all(target_os = "linux", target_env = "gnu"))]
 #![allow(
@@ -14,12 +14,12 @@ use fmu_kit::kernel::Status;
 use libloading::Library;
 use rexrov_fmu::REGISTRY;
 
-/// Lives, and what each may leave (bytes): nothing, but the test's own memory is counted with it, and so
-/// are some ten thousand bytes in all that are free and kept at hand by the allocator.
+/// Repetitions, and how many bytes each may leave: none, but the count includes the test's own
+/// memory and some ten thousand bytes in total that are free but cached by the allocator.
 const LIVES: usize = 1000;
 const LEFT: usize = 64;
 
-/// `struct mallinfo2` of glibc: ten numbers, of which the eighth is what is allocated.
+/// `struct mallinfo2` of glibc: ten numbers, of which the eighth is the allocated memory.
 #[repr(C)]
 struct Allocated {
     before: [usize; 7],
@@ -44,7 +44,7 @@ type Plain = unsafe extern "C" fn(fmi2Component) -> fmi2Status;
 type Step = unsafe extern "C" fn(fmi2Component, f64, f64, fmi2Boolean) -> fmi2Status;
 type Free = unsafe extern "C" fn(fmi2Component);
 
-/// Loads the library, lets a component live in it, and unloads the library.
+/// Loads the library, runs a component, and unloads the library.
 fn life(name: &str) {
     let library = std::env::current_exe().unwrap().with_file_name("librexrov_fmu.so");
     let guid = CString::new(REGISTRY.named(name).unwrap().guid()).unwrap();

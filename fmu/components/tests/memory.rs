@@ -1,4 +1,4 @@
-//! What an instance costs in memory: its value, its table of values, its model, all on the heap.
+//! The memory of an instance: its value, its table of values, its model, all on the heap.
 #![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(
     clippy::undocumented_unsafe_blocks,
@@ -14,19 +14,18 @@ use fmu_kit::abi::types::*;
 use fmu_kit::kernel::Status;
 use rexrov_fmu::{REGISTRY, fmi2};
 
-/// Most that an instance may hold, in bytes; and one that keeps its past for measurements that come
-/// late.
+/// Maximum size of an instance, in bytes; and of one that keeps its past for late measurements.
 const MOST: isize = 8192;
 const MOST_WITH_PAST: isize = 500_000;
 
 struct Counting;
 
 thread_local! {
-    /// Bytes held by this thread, since the test harness has its own.
+    /// Bytes held by this thread, because the test harness has its own.
     static HELD: Cell<isize> = const { Cell::new(0) };
 }
 
-// SAFETY: passes everything on to the system's allocator.
+// SAFETY: forwards everything to the system's allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         HELD.set(HELD.get() + layout.size() as isize);
@@ -44,7 +43,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// An instance past initialization.
+/// An instance after initialization.
 fn started(name: &str, interface: fmi2Type) -> fmi2Component {
     unsafe {
         let c = host::instantiate(name, interface);
@@ -60,13 +59,14 @@ fn an_initialized_instance_fits_and_leaves_nothing() {
     for entry in REGISTRY.entries() {
         let name = entry.info().name;
         for interface in [0, 1] {
-            // The first one makes the list of handles, which all share.
+            // The first one allocates the list of handles, which all share.
             unsafe { fmi2::fmi2FreeInstance(started(name, interface)) };
             let before = HELD.get();
             let instance = started(name, interface);
             let bytes = HELD.get() - before;
             unsafe { fmi2::fmi2FreeInstance(instance) };
-            // Before anything is printed, which the harness keeps in memory of this thread.
+            // Before anything is printed, because the harness keeps output in memory of this
+            // thread.
             let left = HELD.get() - before;
             println!("{name}: {bytes} bytes");
             let most = if name.starts_with("Nav") { MOST_WITH_PAST } else { MOST };

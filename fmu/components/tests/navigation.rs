@@ -1,4 +1,5 @@
-//! All navigation filters through the C interface: the same inputs, any of them absent, late or bad.
+//! All navigation filters through the C interface: the same inputs, any of them absent, late or
+//! invalid.
 #![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(
     clippy::undocumented_unsafe_blocks,
@@ -35,11 +36,11 @@ const CHANNELS: [&str; 5] = ["tilt", "heading", "depth", "dvl", "fix"];
 struct Counting;
 
 thread_local! {
-    /// Of this thread, since the test harness has its own.
+    /// For this thread, because the test harness has its own.
     static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
 }
 
-// SAFETY: passes everything on to the system's allocator.
+// SAFETY: forwards everything to the system's allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.set(ALLOCATIONS.get() + 1);
@@ -82,8 +83,9 @@ impl Run {
         }
     }
 
-    /// What the sensors of a vehicle see that drifts north at 0.3 m/s, 20 m deep, with a little noise
-    /// so that no value repeats: inertial unit and thrust at 50 Hz, attitude at 10 Hz, fix and log late.
+    /// Sensor readings of a vehicle that drifts north at 0.3 m/s, 20 m deep, with a little noise so
+    /// that no value repeats: inertial unit and thrust at 50 Hz, attitude at 10 Hz, fix and log
+    /// late.
     fn sense(&mut self) {
         let t = self.now();
         let noise = |k: f64| 1e-3 * (k * t).sin();
@@ -315,7 +317,8 @@ fn parameters_without_sense_are_refused_by_name() {
         assert!(fmu.line().contains(&format!("{parameter} = ")), "{name}");
     }
     let mut fmu = Fmu::new("NavDynamic", CS);
-    // What is wrong only beside other parameters is known once all are.
+    // Values that are wrong only in combination with other parameters are detected once all are
+    // known.
     assert_eq!(fmu.set("model.inertia.zz", 0.0), Status::Ok);
     assert_eq!(fmu.setup(0.0), Status::Ok);
     assert_eq!(fmu.initialize(), Status::Error);

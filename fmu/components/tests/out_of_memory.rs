@@ -1,4 +1,4 @@
-//! An importer that has little memory left: errors instead of its end.
+//! An importer with little memory left: errors instead of a crash.
 #![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(
     clippy::undocumented_unsafe_blocks,
@@ -14,7 +14,7 @@ use fmu_kit::abi::types::*;
 use fmu_kit::kernel::Status;
 use rexrov_fmu::{REGISTRY, fmi2};
 
-/// What is there for the texts of errors, whatever else is not, and what no text needs at once
+/// Memory reserved for error messages, and the largest amount that no message needs at once
 /// (bytes).
 const TEXTS: isize = 64 << 10;
 const LARGE: usize = 4 << 10;
@@ -26,7 +26,7 @@ thread_local! {
     static LEFT: Cell<isize> = const { Cell::new(isize::MAX / 2) };
 }
 
-// SAFETY: passes on to the system's allocator what it does not refuse.
+// SAFETY: forwards to the system's allocator what it does not reject.
 unsafe impl GlobalAlloc for Scarce {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         let rest = LEFT.get() - layout.size() as isize;
@@ -49,8 +49,8 @@ unsafe impl GlobalAlloc for Scarce {
 #[global_allocator]
 static ALLOCATOR: Scarce = Scarce;
 
-/// How often a call succeeds, of calls with ever more bytes left, from none to plenty. It must not
-/// always, and not never.
+/// How often a call succeeds, for calls with more and more bytes left, from none to plenty. It must
+/// be neither always nor never.
 fn tried(name: &str, mut call: impl FnMut() -> bool) {
     let succeeds = |power: &u32| {
         let before = LEFT.replace((1 << power) - 1);
@@ -115,7 +115,7 @@ fn instances_and_states_are_refused_where_memory_is_short() {
         });
         let others: Vec<fmi2Component> = (0..26).map(|_| started(&guid)).collect();
         let mut next = others.iter();
-        // Their parameters are of other editions: their components are made anew.
+        // Their parameters belong to other editions: their components are built again.
         tried(name, || unsafe {
             fmi2::fmi2SetFMUstate(*next.next().unwrap(), state) == Status::Ok
         });

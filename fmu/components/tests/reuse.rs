@@ -1,6 +1,6 @@
-//! The first slope of a step is taken from the outputs where they are up to date. Nobody may see
-//! that: of two vehicles driven alike, one is disturbed and put right again before each step, so
-//! that it knows nothing any more and works everything out.
+//! The first slope of a step is taken from the outputs if they are up to date. This must have no
+//! visible effect: of two identically driven vehicles, one is disturbed and restored before each
+//! step, so that it has nothing cached and computes everything again.
 #![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(
     clippy::undocumented_unsafe_blocks,
@@ -31,7 +31,7 @@ impl Random {
         (self.0 >> 33) as usize % n
     }
 
-    /// Within +-`most`, zeros of both signs among them.
+    /// Within +-`most`, including zeros of both signs.
     fn value(&mut self, most: f64) -> f64 {
         match self.below(4) {
             0 => 0.0,
@@ -41,7 +41,7 @@ impl Random {
     }
 }
 
-/// Two vehicles driven alike.
+/// Two identically driven vehicles.
 struct Pair([fmi2Component; 2]);
 
 impl Pair {
@@ -49,7 +49,7 @@ impl Pair {
         self.0.iter().for_each(|c| assert_eq!(call(*c), Status::Ok));
     }
 
-    /// In co-simulation, with `mode` of the thrusters and `method` of integration.
+    /// In co-simulation, with thruster mode `mode` and integration method `method`.
     fn new(mode: i32, method: i32) -> Self {
         let guid = CString::new(REGISTRY.named("RexROV").unwrap().guid()).unwrap();
         let functions = fmi2CallbackFunctions {
@@ -81,7 +81,7 @@ impl Pair {
         self.each(|c| unsafe { fmi2::fmi2SetReal(c, &raw const reference, 1, &raw const value) });
     }
 
-    /// The second one forgets what it knows before it steps.
+    /// The second one drops its cached values before it steps.
     fn step(&self, t: f64, h: f64) {
         let c = self.0[1];
         let input = references(Group::Input)[0];
@@ -141,7 +141,7 @@ fn what_is_known_at_the_beginning_of_a_step_changes_no_bit() {
                     saved_at = Some(t);
                 }
                 10 => {
-                    // Each goes on from the other's state.
+                    // Each continues from the other's state.
                     let Some(at) = saved_at else { continue };
                     for (c, state) in pair.0.iter().zip(saved.iter().rev()) {
                         assert_eq!(unsafe { fmi2::fmi2SetFMUstate(*c, *state) }, Status::Ok);

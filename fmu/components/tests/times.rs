@@ -1,4 +1,4 @@
-//! Steps and times that no simulation has: every component comes back from them.
+//! Implausible steps and times: every component returns from them.
 #![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(
     clippy::undocumented_unsafe_blocks,

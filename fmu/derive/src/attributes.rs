@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 use syn::{Attribute, Expr, ExprLit, Lit, LitStr, Result};
 
-/// What `#[var(...)]` on a field said.
+/// The contents of `#[var(...)]` on a field.
 #[derive(Default)]
 pub(crate) struct Var {
     pub(crate) unit: Option<LitStr>,
@@ -52,7 +52,7 @@ impl Var {
         Ok(var)
     }
 
-    /// The first attribute that only numbers can have, if one was given.
+    /// The first attribute that is only for numbers, if one was given.
     pub(crate) fn numeric(&self) -> Option<&'static str> {
         let given = [
             ("min", self.min.is_some()),

@@ -1,7 +1,7 @@
 //! `#[derive(Variables)]` and `#[derive(Enumeration)]` for `fmu-kit`.
 //!
-//! The generated code only walks the fields in order; what the walk means is written once, in the
-//! `Variables` trait of `fmu-kit`.
+//! The generated code only walks the fields in order; the meaning of the walk is defined once, in
+//! the `Variables` trait of `fmu-kit`.
 
 mod attributes;
 mod enumeration;
@@ -18,10 +18,10 @@ use syn::{DeriveInput, parse_macro_input};
 /// `Variables`, or an array of these. The first paragraph of a field's doc comment is its
 /// description. `#[var(...)]` on a field takes
 ///
-/// * `unit = "m/s"`, `min = 0.0`, `max = 1.0`, `nominal = 100.0`: hold for the leaves below, too
+/// * `unit = "m/s"`, `min = 0.0`, `max = 1.0`, `nominal = 100.0`: also apply to the leaves below
 /// * `start = 60.0`: the start value, a literal or a path; if any field has one, the derive writes
 ///   `Default` for the struct
-/// * `rename = "X"`: the FMI name, where it is no Rust field name
+/// * `rename = "X"`: the FMI name, if it is not a Rust field name
 /// * `flatten`: the members join the enclosing struct without a prefix
 #[proc_macro_derive(Variables, attributes(var))]
 pub fn derive_variables(input: TokenStream) -> TokenStream {

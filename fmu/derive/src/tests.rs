@@ -1,9 +1,8 @@
-//! What an author reads who declares what cannot be: each message stands at the offending place and
-//! says what to do.
+//! The messages for invalid declarations: each points at the offending place and says what to do.
 
 use crate::{enumeration, variables};
 
-/// Derives for the source and takes the error apart: the text it points at, and its message.
+/// Derives for the source and splits the error: the text it points at, and its message.
 fn refusal(source: &str) -> (String, String) {
     let input = syn::parse_str(source).unwrap();
     let derived = match source.contains("enum Items") {

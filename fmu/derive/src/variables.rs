@@ -7,7 +7,7 @@ use syn::{Data, DeriveInput, Error, Field, Fields, Ident, Result, Type};
 
 use crate::attributes::{Var, description, option};
 
-/// Number types an author may reach for that FMI 2.0 does not have.
+/// Number types that an author may try but that FMI 2.0 does not have.
 const NO_SUCH_TYPE: [&str; 13] = [
     "f32", "i8", "i16", "i64", "i128", "isize", "u8", "u16", "u32", "u64", "u128", "usize", "char",
 ];
@@ -123,7 +123,7 @@ fn declare(field: &Field, var: Var) -> Result<TokenStream> {
     })
 }
 
-/// Refuses what can be told from the type's name to be a mistake.
+/// Rejects types whose name shows a mistake.
 fn check(ty: &Type, var: &Var) -> Result<()> {
     let innermost = innermost(ty);
     if matches!(innermost, Type::Array(_)) {

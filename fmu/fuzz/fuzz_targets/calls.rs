@@ -1,4 +1,4 @@
-//! Random sequences of calls over all 44 functions, on the components of the tests. Tells of every
+//! Random sequences of calls over all 44 functions, on the components of the tests. Reports every
 //! million calls.
 #![no_main]
 #![allow(dead_code)]
@@ -19,7 +19,7 @@ const MILLION: usize = 1_000_000;
 static CALLS: AtomicUsize = AtomicUsize::new(0);
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    // A panicking component is part of the game; libFuzzer's hook would end the process at it.
+    // A panicking component is part of the test; libFuzzer's hook would end the process.
     std::panic::set_hook(Box::new(|_| {}));
     match std::panic::catch_unwind(|| random_calls::run(random_calls::Bytes(bytes))) {
         Ok(calls) => {

@@ -1,4 +1,4 @@
-//! The reader of serialized states, behind its checksum.
+//! The reader of serialized states, after its checksum.
 #![no_main]
 #![allow(dead_code)]
 

@@ -12,7 +12,7 @@ mod hybrid;
 mod random_threads;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    // A panicking component is part of the game; libFuzzer's hook would end the process at it.
+    // A panicking component is part of the test; libFuzzer's hook would end the process.
     std::panic::set_hook(Box::new(|_| {}));
     random_threads::run(bytes);
 });

@@ -8,10 +8,10 @@ use rexrov::estimation::Recording;
 use rexrov_fmu::navigation_ports::Inputs;
 use std::path::Path;
 
-/// An input that a sensor need not report.
+/// An input that a sensor may omit.
 const OPTIONAL: &str = "fix.sigma";
 
-/// Reads a log into a recording; `component` is the prefix of the columns that are meant.
+/// Reads a log into a recording; `component` is the prefix of the relevant columns.
 pub(crate) fn read(file: &Path, component: Option<&str>, recording: &mut Recording) -> Result<()> {
     let shown = file.display().to_string();
     let mut reader = csv::Reader::from_path(file).with_context(|| shown.clone())?;
@@ -33,14 +33,14 @@ pub(crate) fn read(file: &Path, component: Option<&str>, recording: &mut Recordi
     Ok(())
 }
 
-/// Which column is which input.
+/// The column of each input.
 struct Layout {
     time: usize,
     sensors: Vec<Sensor>,
     start: Vec<f64>,
 }
 
-/// A sensor that has columns: an input is its name, its place among the inputs, and its column.
+/// A sensor with columns: an input has its name, its position among the inputs, and its column.
 struct Sensor {
     values: Vec<(String, usize, usize)>,
     optional: Option<(String, usize, usize)>,
@@ -60,7 +60,7 @@ impl Layout {
         for column in columns.iter().flatten().filter(|c| **c != "time" && !known.contains(c)) {
             let own = known.iter().any(|name| sensor_of(name) == sensor_of(column));
             let meant = names::nearest(column, &known, 4);
-            // In a recorded system the component's outputs are there as well.
+            // A recorded system also contains the component's outputs.
             if component.is_none() && (own || meant.is_some()) {
                 bail!("column '{column}' is not an input; {}", names::hint(column, &known));
             }
@@ -94,7 +94,7 @@ impl Layout {
 }
 
 impl Sensor {
-    /// Nothing if there is no column of its values.
+    /// None if there is no column of its values.
     fn of(inputs: &[(usize, &&str)], columns: &[Option<&str>]) -> Result<Option<Self>> {
         let column = |name: &str| columns.iter().position(|column| *column == Some(name));
         let (mut values, mut missing) = (Vec::new(), Vec::new());

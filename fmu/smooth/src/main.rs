@@ -1,7 +1,7 @@
-//! `rexrov-smooth`: what a whole recorded mission says of each of its instants.
+//! `rexrov-smooth`: estimates every instant of a recorded mission from the whole recording.
 //!
-//! The log has the columns that a navigation FMU has as inputs, and `time`; parameters have the names
-//! that the FMU gives them. What comes out is the smoothed estimate at multiples of the filter's
+//! The log has the columns that a navigation FMU has as inputs, and `time`; parameters have the
+//! names that the FMU gives them. The output is the smoothed estimate at multiples of the filter's
 //! interval, under the names of the FMU's outputs.
 
 mod log;
@@ -93,7 +93,7 @@ fn smoothed<N: Navigator<Filter: Smoothing>>(options: &Options) -> Result<Vec<Sm
     Ok(filter.smooth(&recording))
 }
 
-/// Says how many samples of each sensor there are.
+/// Prints how many samples of each sensor there are.
 fn report(recording: &Recording) {
     for (kind, name) in [
         (Kind::Imu, "imu"),
@@ -111,7 +111,7 @@ fn report(recording: &Recording) {
     }
 }
 
-/// What is written of an instant, as the FMUs call it.
+/// The output for an instant, with the names of the FMUs.
 #[derive(Clone, Copy, Debug, Default, Variables)]
 struct Columns {
     /// Pose

@@ -9,7 +9,7 @@ use std::ffi::CString;
 use std::fs;
 use std::path::Path;
 
-/// The start values, with what a file says instead.
+/// The start values, with the overrides of a file.
 pub(crate) fn read<N: Navigator>(file: Option<&Path>) -> Result<N::Parameters> {
     let chosen = match file {
         None => Map::new(),
@@ -33,13 +33,13 @@ pub(crate) fn read<N: Navigator>(file: Option<&Path>) -> Result<N::Parameters> {
 fn choose<N: Navigator>(chosen: &Map<String, Value>) -> Result<N::Parameters> {
     let mut selected = Flat::of(&N::Parameters::default());
     selected.set(chosen, N::INFO.name)?;
-    // A named set gives every value that is not chosen itself.
+    // A named set gives every value that is not set explicitly.
     let mut complete = Flat::of(&N::preset(&selected.load()));
     complete.set(chosen, N::INFO.name)?;
     Ok(complete.load())
 }
 
-/// The values of a struct, one after the other, and where each is.
+/// The values of a struct, one after the other, and their positions.
 struct Flat {
     places: Declarations,
     reals: Vec<f64>,
@@ -126,7 +126,7 @@ fn integer(value: &Value) -> Option<i32> {
     value.as_i64().and_then(|i| i32::try_from(i).ok())
 }
 
-/// In which of the lists a value is.
+/// Which of the lists contains a value.
 fn list(start: &Start) -> u8 {
     match start {
         Start::Real(_) => 0,

@@ -14,7 +14,7 @@ fn log(held: bool) -> String {
     let mut text = HEADER.to_owned() + "\n";
     for i in 0..=600 {
         let t = f64::from(i) / 10.0;
-        // What repeats itself bit for bit comes from an instrument that is stuck.
+        // Values that repeat bit for bit come from a stuck instrument.
         let e = f64::from(i * 7 % 11 - 5) * 1e-4;
         text += &format!("{t},{e},{e},{e},{t},");
         text += &match i % 10 {
@@ -22,7 +22,7 @@ fn log(held: bool) -> String {
             _ if held => {
                 format!("{0},{1},{1},{2},", 1.0 + held_error(i), held_error(i), held_stamp(i))
             }
-            // Both ways to leave out a sample.
+            // Both ways to omit a sample.
             1 => "nan,NaN,,,".to_owned(),
             _ => ",,,,".to_owned(),
         };
@@ -83,7 +83,7 @@ fn a_fix_at_the_end_moves_the_whole_path() {
     );
     let [middle, end] = [300, 600].map(|i| &rows[i]);
     assert!((end[y] - 2.0).abs() < 0.02 && (end[x] - 60.0).abs() < 0.1, "{end:?}");
-    // The start is as uncertain as the heading is over a minute: both give way.
+    // The start is as uncertain as the heading over a minute: both are corrected.
     assert!((0.1..1.9).contains(&middle[y]) && end[sigma] < 0.1 * middle[sigma], "{middle:?}");
 }
 

@@ -1,4 +1,4 @@
-//! Arrays and texts that come from C.
+//! Arrays and strings from C.
 
 use std::ffi::{CStr, CString};
 use std::slice;
@@ -7,17 +7,17 @@ use crate::kernel::spare;
 
 use super::types::fmi2String;
 
-/// What is wrong with an argument, in words for the log.
+/// A problem with an argument, in words for the log.
 pub(super) type Wrong = String;
 
-/// Most elements of an array. Nothing here has as many variables, and an importer that passes a
-/// wild number is better told than followed into memory that is not its own.
+/// Maximum number of elements of an array. No component has as many variables, and it is better to
+/// reject a wrong number from an importer than to read memory that is not its own.
 const MOST: usize = 1 << 20;
 
-/// Longest text taken, in bytes.
+/// Longest string accepted, in bytes.
 const LONGEST: usize = 1 << 20;
 
-/// Whether an array may be made of this.
+/// Whether an array can be made from this.
 #[inline(always)]
 fn is_sound<T>(pointer: *const T, n: usize) -> bool {
     !pointer.is_null() && pointer.is_aligned() && n <= MOST
@@ -36,30 +36,30 @@ fn check<T>(name: &str, pointer: *const T, n: usize) -> Result<(), Wrong> {
     Err(format!("{name} cannot have {n} elements; at most {MOST} are taken"))
 }
 
-/// [`array`] without words for what is wrong.
+/// [`array`] without an error message.
 ///
 /// # Safety
 /// As for [`array`].
 #[inline(always)]
 pub(super) unsafe fn plain_array<'a, T>(pointer: *const T, n: usize) -> Option<&'a [T]> {
-    // SAFETY: not null, aligned, of possible size; readable by the caller's word.
+    // SAFETY: not null, aligned, of possible size; readable as the caller guarantees.
     is_sound(pointer, n).then(|| unsafe { slice::from_raw_parts(pointer, n) })
 }
 
-/// [`array_mut`] without words for what is wrong.
+/// [`array_mut`] without an error message.
 ///
 /// # Safety
 /// As for [`array_mut`].
 #[inline(always)]
 pub(super) unsafe fn plain_array_mut<'a, T>(pointer: *mut T, n: usize) -> Option<&'a mut [T]> {
-    // SAFETY: not null, aligned, of possible size; writable and exclusive by the caller's word.
+    // SAFETY: not null, aligned, of possible size; writable and exclusive as the caller guarantees.
     is_sound(pointer, n).then(|| unsafe { slice::from_raw_parts_mut(pointer, n) })
 }
 
 /// An array to read; NULL is fine if it is empty.
 ///
 /// # Safety
-/// `pointer` is NULL or leads to `n` readable elements that stay as they are for `'a`.
+/// `pointer` is NULL or points to `n` readable elements that do not change for `'a`.
 #[inline]
 pub(super) unsafe fn array<'a, T>(
     name: &str,
@@ -70,14 +70,14 @@ pub(super) unsafe fn array<'a, T>(
         return Ok(&[]);
     }
     check(name, pointer, n)?;
-    // SAFETY: not null, aligned, of possible size; readable by the caller's word.
+    // SAFETY: not null, aligned, of possible size; readable as the caller guarantees.
     Ok(unsafe { slice::from_raw_parts(pointer, n) })
 }
 
 /// An array to write; NULL is fine if it is empty.
 ///
 /// # Safety
-/// `pointer` is NULL or leads to `n` initialized elements that nobody else uses for `'a`.
+/// `pointer` is NULL or points to `n` initialized elements that nothing else uses for `'a`.
 #[inline]
 pub(super) unsafe fn array_mut<'a, T>(
     name: &str,
@@ -88,7 +88,7 @@ pub(super) unsafe fn array_mut<'a, T>(
         return Ok(&mut []);
     }
     check(name, pointer, n)?;
-    // SAFETY: not null, aligned, of possible size; writable and exclusive by the caller's word.
+    // SAFETY: not null, aligned, of possible size; writable and exclusive as the caller guarantees.
     Ok(unsafe { slice::from_raw_parts_mut(pointer, n) })
 }
 
@@ -98,16 +98,16 @@ pub(super) unsafe fn array_mut<'a, T>(
 /// As for [`array_mut`] with one element.
 pub(super) unsafe fn place<'a, T>(name: &str, pointer: *mut T) -> Result<&'a mut T, Wrong> {
     check(name, pointer, 1).map_err(|_| format!("{name} is NULL"))?;
-    // SAFETY: not null and aligned; writable and exclusive by the caller's word.
+    // SAFETY: not null and aligned; writable and exclusive as the caller guarantees.
     Ok(unsafe { &mut *pointer })
 }
 
-/// A text of at most [`LONGEST`] bytes; `None` for NULL.
+/// A string of at most [`LONGEST`] bytes; `None` for NULL.
 ///
 /// # Safety
-/// `pointer` is NULL or leads to a text that ends with a NUL and stays as it is for `'a`.
+/// `pointer` is NULL or points to a NUL-terminated string that does not change for `'a`.
 pub(super) unsafe fn text<'a>(name: &str, pointer: fmi2String) -> Result<Option<&'a CStr>, Wrong> {
-    // SAFETY: not null; terminated by the caller's word.
+    // SAFETY: not null; terminated as the caller guarantees.
     let text = (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) });
     match text.map_or(0, CStr::count_bytes) {
         ..=LONGEST => Ok(text),
@@ -115,7 +115,7 @@ pub(super) unsafe fn text<'a>(name: &str, pointer: fmi2String) -> Result<Option<
     }
 }
 
-/// Copies of texts, each as [`text`] takes it.
+/// Copies of strings, each read as by [`text`].
 ///
 /// # Safety
 /// As for [`text`], for each of them.
@@ -126,10 +126,10 @@ pub(super) unsafe fn copies(
     // They are copied once more when they are set.
     let mut bytes = 4 * size_of_val(pointers);
     for pointer in pointers {
-        // SAFETY: by the caller's word.
+        // SAFETY: as the caller guarantees.
         bytes += 4 * unsafe { text(name, *pointer) }?.map_or(0, CStr::count_bytes);
     }
     spare(bytes).map_err(|trouble| trouble.text)?;
-    // SAFETY: by the caller's word.
+    // SAFETY: as the caller guarantees.
     pointers.iter().map(|p| Ok(unsafe { text(name, *p) }?.map(CString::from))).collect()
 }

@@ -22,7 +22,7 @@ pub unsafe fn fmi2SetRealInputDerivatives<L: Library>(
     value: *const fmi2Real,
 ) -> fmi2Status {
     call::<L>(c, Call::SetRealInputDerivatives, |instance| {
-        // SAFETY: the importer passes arrays of `nvr` elements, as the standard demands.
+        // SAFETY: the importer passes arrays of `nvr` elements, as the standard requires.
         let arrays = unsafe {
             (array("vr", vr, nvr), array("order", order, nvr), array("value", value, nvr))
         };
@@ -44,7 +44,7 @@ pub unsafe fn fmi2GetRealOutputDerivatives<L: Library>(
     value: *mut fmi2Real,
 ) -> fmi2Status {
     call::<L>(c, Call::GetRealOutputDerivatives, |instance| {
-        // SAFETY: the importer passes arrays of `nvr` elements, as the standard demands.
+        // SAFETY: the importer passes arrays of `nvr` elements, as the standard requires.
         let arrays = unsafe {
             (array("vr", vr, nvr), array("order", order, nvr), array_mut("value", value, nvr))
         };
@@ -78,7 +78,7 @@ pub unsafe fn fmi2CancelStep<L: Library>(c: fmi2Component) -> fmi2Status {
     })
 }
 
-/// `fmi2GetStatus`: there is no pending step to tell of.
+/// `fmi2GetStatus`: there is no pending step to report.
 pub unsafe fn fmi2GetStatus<L: Library>(
     c: fmi2Component,
     s: fmi2StatusKind,
@@ -94,7 +94,7 @@ pub unsafe fn fmi2GetRealStatus<L: Library>(
     value: *mut fmi2Real,
 ) -> fmi2Status {
     call::<L>(c, Call::GetRealStatus, |instance| {
-        // SAFETY: the importer passes one Real to fill, as the standard demands.
+        // SAFETY: the importer passes one Real to fill, as the standard requires.
         match unsafe { place("value", value) } {
             Ok(value) if s == LAST_SUCCESSFUL_TIME => instance.last_successful_time(value),
             Ok(_) => instance.no_status(Call::GetRealStatus, s),
@@ -103,7 +103,7 @@ pub unsafe fn fmi2GetRealStatus<L: Library>(
     })
 }
 
-/// `fmi2GetIntegerStatus`: there is none of this type.
+/// `fmi2GetIntegerStatus`: there is no status of this type.
 pub unsafe fn fmi2GetIntegerStatus<L: Library>(
     c: fmi2Component,
     s: fmi2StatusKind,
@@ -119,7 +119,7 @@ pub unsafe fn fmi2GetBooleanStatus<L: Library>(
     value: *mut fmi2Boolean,
 ) -> fmi2Status {
     call::<L>(c, Call::GetBooleanStatus, |instance| {
-        // SAFETY: the importer passes one Boolean to fill, as the standard demands.
+        // SAFETY: the importer passes one Boolean to fill, as the standard requires.
         match unsafe { place("value", value) } {
             Ok(value) if s == TERMINATED => {
                 let mut end = false;
@@ -133,7 +133,7 @@ pub unsafe fn fmi2GetBooleanStatus<L: Library>(
     })
 }
 
-/// `fmi2GetStringStatus`: there is no pending step to tell of.
+/// `fmi2GetStringStatus`: there is no pending step to report.
 pub unsafe fn fmi2GetStringStatus<L: Library>(
     c: fmi2Component,
     s: fmi2StatusKind,

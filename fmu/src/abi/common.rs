@@ -34,7 +34,7 @@ pub unsafe fn fmi2SetDebugLogging<L: Library>(
     categories: *const fmi2String,
 ) -> fmi2Status {
     call::<L>(c, Call::SetDebugLogging, |instance| {
-        // SAFETY: the importer passes `nCategories` texts, as the standard demands.
+        // SAFETY: the importer passes `nCategories` strings, as the standard requires.
         let names = unsafe { array("categories", categories, nCategories) };
         let names = match names {
             Ok(names) => names,
@@ -64,11 +64,11 @@ pub unsafe fn fmi2Instantiate<L: Library>(
     loggingOn: fmi2Boolean,
 ) -> fmi2Component {
     let _environment = Environment::enter();
-    // SAFETY: the importer passes NULL or one struct of callbacks, as the standard demands.
+    // SAFETY: the importer passes NULL or one struct of callbacks, as the standard requires.
     let Some(functions) = (unsafe { functions.as_ref() }) else {
         return std::ptr::null_mut();
     };
-    // SAFETY: the importer passes NULL or texts that end with a NUL, likewise.
+    // SAFETY: the importer passes NULL or NUL-terminated strings, likewise.
     let (name, guid, location) = unsafe {
         (
             text("instanceName", instanceName),
@@ -119,10 +119,10 @@ fn utf8(text: &CStr) -> &str {
     text.to_str().unwrap_or_default()
 }
 
-/// `fmi2FreeInstance`, and with it the states that were made from it and not freed.
+/// `fmi2FreeInstance`, which also frees the states that were made from the instance and not freed.
 pub unsafe fn fmi2FreeInstance<L: Library>(c: fmi2Component) {
     let _environment = Environment::enter();
-    // A handle that leads nowhere leaves nothing to free and nobody to tell.
+    // An invalid handle leaves nothing to free and no logger to report to.
     if let Ok(live) = L::shelf().instances.remove(c) {
         // A panic in an author's `drop` ends here.
         let _ = catch_unwind(AssertUnwindSafe(|| {
@@ -134,8 +134,8 @@ pub unsafe fn fmi2FreeInstance<L: Library>(c: fmi2Component) {
     }
 }
 
-/// What is done when the library is unloaded or the process ends: drops what was made for all
-/// instances, so that a host that loads and unloads it keeps its memory.
+/// Runs when the library is unloaded or the process ends: drops everything made for all instances,
+/// so that a host that loads and unloads the library gets its memory back.
 pub extern "C" fn unload<L: Library>() {
     let _ = catch_unwind(AssertUnwindSafe(|| {
         L::shelf().unload();

@@ -1,20 +1,20 @@
 //! The floating-point environment during a call: rounding to nearest, gradual underflow, no traps,
-//! whatever the importer computes with, and afterwards the importer's again, flags included.
+//! whatever the importer uses; afterwards the importer's environment is restored, flags included.
 //!
-//! Rust is compiled for this environment and no other. Only the unit that Rust uses is looked at:
+//! Rust is compiled for this environment and no other. Only the unit that Rust uses is handled:
 //! MXCSR of x86-64 (nothing here computes on the x87), FPCR and FPSR of AArch64. On other machines
 //! the importer has to call with the default environment.
 
 use machine::{DEFAULT, is_default, read, write};
 
-/// The importer's floating-point environment, which comes back when this is dropped.
+/// The importer's floating-point environment, restored when this is dropped.
 #[must_use]
 pub(super) struct Environment {
     before: machine::Word,
 }
 
 impl Environment {
-    /// Takes care that the environment is the default one.
+    /// Ensures that the environment is the default one.
     #[inline(always)]
     pub(super) fn enter() -> Self {
         let before = read();
@@ -40,11 +40,11 @@ fn change(word: machine::Word) {
     write(word);
 }
 
-/// Two numbers, known to the compiler only from here on: what is computed from an argument is not
+/// Two numbers, known to the compiler only from here on: values computed from an argument are not
 /// computed before the environment is the default one.
 #[inline(always)]
 pub(super) fn from_here(mut a: f64, mut b: f64) -> (f64, f64) {
-    // SAFETY: no instruction at all; blocks of assembly keep their order.
+    // SAFETY: no instruction at all; assembly blocks keep their order.
     #[cfg(target_arch = "x86_64")]
     unsafe {
         std::arch::asm!("/* {0} {1} */", inout(xmm_reg) a, inout(xmm_reg) b,
@@ -77,7 +77,7 @@ mod machine {
     #[inline(always)]
     pub(super) fn read() -> Word {
         let mut word = 0_u32;
-        // SAFETY: stores four bytes to a place of four.
+        // SAFETY: stores four bytes to a location of four bytes.
         unsafe { asm!("stmxcsr [{}]", in(reg) &raw mut word, options(nostack, preserves_flags)) };
         word
     }

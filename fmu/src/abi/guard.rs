@@ -12,7 +12,7 @@ use super::types::{fmi2Component, fmi2Status};
 
 /// Runs `work` on the instance behind a handle.
 ///
-/// A handle that leads nowhere gives `fmi2Error`: without an instance there is no logger to tell.
+/// An invalid handle gives `fmi2Error`: without an instance there is no logger to report to.
 #[inline]
 pub(super) fn call<L: Library>(
     component: fmi2Component,
@@ -22,7 +22,7 @@ pub(super) fn call<L: Library>(
     call_live::<L>(component, call, |live| work(&mut live.instance))
 }
 
-/// The same for functions that also deal with saved states.
+/// The same for functions that also use saved states.
 #[inline]
 pub(super) fn call_live<L: Library>(
     component: fmi2Component,
@@ -33,9 +33,8 @@ pub(super) fn call_live<L: Library>(
     L::shelf().instances.with(component, |live| guarded(live, call, work)).unwrap_or(Status::Error)
 }
 
-/// Whether `simple` did all there is to do, which must neither be able to panic nor compute in
-/// floating point; if not, [`call`] is the
-/// way. The usual case is kept apart from all others because it is so short.
+/// Whether `simple` did all the work; it must neither be able to panic nor compute in floating
+/// point. If it did not, [`call`] is used. The usual case is kept separate because it is so short.
 #[inline(always)]
 pub(super) fn done_simply<L: Library>(
     component: fmi2Component,
@@ -59,11 +58,11 @@ fn guarded<I: Served>(
 #[cold]
 fn panicked<I: Served>(instance: &mut I, call: Call, payload: &(dyn Any + Send)) -> Status {
     let text = panic_text(payload);
-    // The importer's logger runs in there; should that unwind, nothing is left but the status.
+    // The importer's logger runs here; if it unwinds, only the status remains.
     catch_unwind(AssertUnwindSafe(|| instance.poison(call, text))).unwrap_or(Status::Fatal)
 }
 
-/// What a panic said.
+/// The message of a panic.
 pub(super) fn panic_text(payload: &(dyn Any + Send)) -> &str {
     payload
         .downcast_ref::<&str>()

@@ -1,14 +1,14 @@
 //! Live instances and saved states by number.
 //!
 //! A handle is `generation << 32 | tag | slot + 1`, passed through C as if it were a pointer and
-//! never followed; the tag tells the handles of instances and of states apart. Looking up any number
-//! whatsoever is sound, and a freed slot gets a new generation, so an old handle does not fit it any
-//! more. A call enters its slot by one compare-and-exchange of the slot's generation together with
-//! the mark that a call is in it: of threads that come at once, with whatever functions, one gets in
-//! and the others are turned away.
+//! never dereferenced; the tag distinguishes handles of instances from those of states. Looking up
+//! any number is sound, and a freed slot gets a new generation, so an old handle no longer matches
+//! it. A call enters its slot by one compare-and-exchange of the slot's generation together with
+//! the mark that a call is in progress: of threads that come at once, with any functions, one gets
+//! in and the others are rejected.
 //!
-//! The first slots are part of the library's own memory. What is beyond is made when it is needed
-//! and dropped when the library is unloaded, or by the last call that is still in it.
+//! The first slots are part of the library's own memory. Further slots are allocated when needed
+//! and dropped when the library is unloaded, or by the last call that is still in progress.
 
 use std::cell::UnsafeCell;
 use std::ffi::c_void;
@@ -17,31 +17,31 @@ use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 use crate::kernel::{Request, Served, spare};
 
-/// Slots that need no allocation, and slots of each allocation beyond.
+/// Slots that need no allocation, and slots of each further allocation.
 const BLOCK: usize = 1024;
-/// Most slots.
+/// Maximum number of slots.
 const MOST: u32 = 1 << 20;
-/// In a slot's word: a call is in it.
+/// In a slot's word: a call is in progress.
 const BUSY: u64 = 1;
 
-/// What the C interface of a library needs of it.
+/// What the C interface requires of a library.
 pub trait Library: 'static {
     /// What it serves.
     type Instance: Served;
-    /// Memory that making an instance takes at most (bytes). It is asked for in one piece first:
-    /// where there is none, there is no instance, but still a host.
+    /// Maximum memory for making an instance (bytes). It is requested in one piece first: if it is
+    /// not available, there is no instance, but the host survives.
     const MEMORY: usize = 4 << 20;
 
     /// A new instance.
     ///
     /// # Errors
-    /// Why there is none, for the log.
+    /// The reason for the failure, for the log.
     fn instantiate(request: Request<'_>) -> Result<Self::Instance, String>;
 
-    /// Where its instances live: a static of the library.
+    /// Storage for its instances: a static of the library.
     fn shelf() -> &'static Shelf<Self::Instance>;
 
-    /// Drops what was made for all instances; called when the library is unloaded or the process
+    /// Drops everything made for all instances; called when the library is unloaded or the process
     /// ends, when threads may still be in calls.
     fn unload() {}
 }
@@ -67,40 +67,39 @@ impl<I: Served> Shelf<I> {
     }
 }
 
-/// An instance and the handles of its states, which go when it goes.
+/// An instance and the handles of its states, which are freed with it.
 pub(super) struct Live<I> {
     pub(super) instance: I,
     pub(super) states: Vec<usize>,
 }
 
-/// Things by number.
+/// Objects by number.
 pub(super) struct Handles<T, const TAG: u32> {
     first: [Slot<T>; BLOCK],
     beyond: RwLock<Vec<Arc<[Slot<T>]>>>,
     free: Mutex<Free>,
 }
 
-/// Which slots can be used next.
+/// The slots that can be used next.
 struct Free {
-    /// One more than the index of the slot freed last, whose word holds the same for the one before
-    /// it; 0: there is none.
+    /// One more than the index of the slot freed last, whose word contains the same for the one
+    /// before it; 0: there is none.
     last: u32,
     /// How many slots were ever used.
     used: u32,
 }
 
-/// On a cache line of its own, so that threads with instances of their own do not wait for each
-/// other.
+/// On its own cache line, so that threads with their own instances do not wait for each other.
 #[repr(align(64))]
 struct Slot<T> {
-    /// `generation << 32` and, while something lives here (odd generations), [`BUSY`] during a call;
-    /// while nothing does, the next free slot.
+    /// `generation << 32` and, while the slot is in use (odd generations), [`BUSY`] during a call;
+    /// otherwise the next free slot.
     word: AtomicU64,
     thing: UnsafeCell<Option<Box<T>>>,
 }
 
-// SAFETY: `thing` is reached only by who set `BUSY` (a caller of `with` or `remove`) or by who took
-// the slot from the free list (`insert`), and may go from thread to thread.
+// SAFETY: `thing` is accessed only by the thread that set `BUSY` (a caller of `with` or `remove`)
+// or took the slot from the free list (`insert`), and may move between threads.
 unsafe impl<T: Send> Sync for Slot<T> {}
 // SAFETY: as above.
 unsafe impl<T: Send> Send for Slot<T> {}
@@ -110,7 +109,7 @@ impl<T> Slot<T> {
         Self { word: AtomicU64::new(0), thing: UnsafeCell::new(None) }
     }
 
-    /// Enters if the thing of that generation lives here and no call is in it.
+    /// Enters if the object of that generation is in this slot and no call is in progress.
     #[inline]
     fn enter(&self, generation: u32) -> Result<Inside<'_, T>, Nothing> {
         let idle = u64::from(generation) << 32;
@@ -125,19 +124,19 @@ impl<T> Slot<T> {
     }
 }
 
-/// Why a handle does not lead anywhere.
+/// Why a handle is not usable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Nothing {
-    /// It was freed, or never given out.
+    /// It was freed, or never issued.
     Dead,
     /// A call on it has not returned yet.
     Busy,
 }
 
-/// A call in a slot; it leaves even when the work panics.
+/// A call in a slot; it leaves even if the work panics.
 struct Inside<'a, T> {
     slot: &'a Slot<T>,
-    /// The word it leaves behind.
+    /// The word to store on leaving.
     after: u64,
 }
 
@@ -157,7 +156,7 @@ impl<T, const TAG: u32> Handles<T, TAG> {
         }
     }
 
-    /// Drops the slots beyond the first if nothing lives there, and nobody is at them.
+    /// Drops the slots beyond the first if they are empty and not in use.
     fn unload(&self) {
         let Ok(mut blocks) = self.beyond.try_write() else {
             return;
@@ -168,7 +167,7 @@ impl<T, const TAG: u32> Handles<T, TAG> {
         }
     }
 
-    /// Works with a slot, if there is one of that index.
+    /// Works with the slot of that index, if there is one.
     #[inline(always)]
     fn at<R>(&self, index: usize, work: impl FnOnce(&Slot<T>) -> R) -> Option<R> {
         let beyond;
@@ -189,7 +188,7 @@ impl<T, const TAG: u32> Handles<T, TAG> {
         blocks.get(index / BLOCK - 1).cloned()
     }
 
-    /// The index of a slot that nobody uses; `None` if there are too many, or no memory for more.
+    /// The index of a free slot; `None` if there are too many, or no memory for more.
     fn take(&self) -> Option<usize> {
         let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(index) = free.last.checked_sub(1) {
@@ -211,12 +210,12 @@ impl<T, const TAG: u32> Handles<T, TAG> {
         Some(index)
     }
 
-    /// Gives a thing a handle; `None` if there are a million already, or no memory for more.
+    /// Gives an object a handle; `None` if there are a million already, or no memory for more.
     pub(super) fn insert(&self, thing: Box<T>) -> Option<*mut c_void> {
         let index = self.take()?;
         let generation = self.at(index, |slot| {
-            // SAFETY: the slot came from the free list and its generation is even, so nobody else
-            // reaches the cell.
+            // SAFETY: the slot came from the free list and its generation is even, so nothing else
+            // accesses the cell.
             unsafe { *slot.thing.get() = Some(thing) };
             let generation = ((slot.word.load(Ordering::Relaxed) >> 32) as u32).wrapping_add(1);
             slot.word.store(u64::from(generation) << 32, Ordering::Release);
@@ -226,7 +225,7 @@ impl<T, const TAG: u32> Handles<T, TAG> {
         Some(std::ptr::without_provenance_mut(handle))
     }
 
-    /// Works in the slot that a handle leads to, if its thing lives and is in no other call.
+    /// Works in the slot of a handle, if its object exists and is in no other call.
     #[inline]
     fn enter<R>(
         &self,
@@ -245,14 +244,14 @@ impl<T, const TAG: u32> Handles<T, TAG> {
         ((handle as u32 ^ TAG).wrapping_sub(1) as usize, (handle >> 32) as u32)
     }
 
-    /// Whether a handle leads to something.
+    /// Whether a handle is valid.
     pub(super) fn lives(&self, handle: *mut c_void) -> bool {
         let (index, generation) = Self::parts(handle);
         let alive = |slot: &Slot<T>| (slot.word.load(Ordering::Relaxed) >> 32) as u32 == generation;
         generation & 1 == 1 && self.at(index, alive) == Some(true)
     }
 
-    /// Calls `work` with the thing of a handle.
+    /// Calls `work` with the object of a handle.
     #[inline]
     pub(super) fn with<R>(
         &self,
@@ -268,7 +267,7 @@ impl<T, const TAG: u32> Handles<T, TAG> {
         })?
     }
 
-    /// Takes a thing out; its handle is dead from here on.
+    /// Takes an object out; its handle is invalid from here on.
     pub(super) fn remove(&self, handle: *mut c_void) -> Result<Box<T>, Nothing> {
         self.enter(handle, |index, mut inside| {
             // SAFETY: as in `with`.

@@ -6,14 +6,14 @@ use crate::kernel::{Category, Sink, Status};
 
 use super::types::{fmi2CallbackFunctions, fmi2CallbackLogger, fmi2ComponentEnvironment};
 
-/// The importer's logger with what it wants to be called with.
+/// The importer's logger with its arguments.
 pub(super) struct Logger {
     callback: Option<fmi2CallbackLogger>,
     environment: fmi2ComponentEnvironment,
     instance_name: CString,
 }
 
-// SAFETY: the environment is only handed back to the importer, from the thread on which the
+// SAFETY: the environment is only passed back to the importer, from the thread on which the
 // importer called; FMI lets it call from any one thread at a time.
 unsafe impl Send for Logger {}
 
@@ -32,11 +32,12 @@ impl Sink for Logger {
         let Some(callback) = self.callback else {
             return;
         };
-        // One line, whatever a panic or a file name brings along.
+        // One line, whatever a panic or a file name contains.
         let text = CString::new(text.replace(char::is_control, " ")).unwrap_or_default();
         let category = CString::new(category.name()).unwrap_or_default();
-        // SAFETY: the importer gave this function to be called so; all texts end with a NUL and
-        // outlive the call. The message is an argument of "%s", never a format itself.
+        // SAFETY: the importer gave this function to be called in this way; all strings are
+        // NUL-terminated and outlive the call. The message is an argument of "%s", never a format
+        // itself.
         unsafe {
             callback(
                 self.environment,

@@ -1,14 +1,14 @@
 //! The C interface of FMI 2.0 (`fmi2Functions.h`): the only place with `unsafe`.
 //!
 //! Each function here has the name and arguments of the standard's; [`export!`](crate::export)
-//! gives them their unmangled symbols in the author's library. What they have in common:
+//! gives them their unmangled symbols in the author's library. Common to all of them:
 //!
-//! * a component handle is a number, looked up among the live instances, so that a handle that
-//!   was freed or never given out is told from a good one without touching memory;
-//! * a null pointer is refused unless the array it stands for is empty;
+//! * a component handle is a number, looked up among the live instances, so a handle that was freed
+//!   or never issued is detected without touching memory;
+//! * a null pointer is rejected unless the array it stands for is empty;
 //! * a panic is caught, logged and ends the instance, never the importer;
-//! * the floating-point environment is the default one during the call, and the importer's again
-//!   after it.
+//! * the floating-point environment is the default one during the call, and the importer's is
+//!   restored after it.
 
 #![allow(unsafe_code, non_snake_case, clippy::missing_safety_doc)]
 

@@ -19,7 +19,7 @@ pub unsafe fn fmi2NewDiscreteStates<L: Library>(
     fmi2eventInfo: *mut fmi2EventInfo,
 ) -> fmi2Status {
     call::<L>(c, Call::NewDiscreteStates, |instance| {
-        // SAFETY: the importer passes one struct to fill, as the standard demands.
+        // SAFETY: the importer passes one struct to fill, as the standard requires.
         let info = match unsafe { place("fmi2eventInfo", fmi2eventInfo) } {
             Ok(info) => info,
             Err(wrong) => return instance.refuse(Call::NewDiscreteStates, &wrong),
@@ -52,7 +52,7 @@ pub unsafe fn fmi2CompletedIntegratorStep<L: Library>(
     terminateSimulation: *mut fmi2Boolean,
 ) -> fmi2Status {
     call::<L>(c, Call::CompletedIntegratorStep, |instance| {
-        // SAFETY: the importer passes two flags to fill, as the standard demands.
+        // SAFETY: the importer passes two flags to fill, as the standard requires.
         let flags = unsafe {
             (
                 place("enterEventMode", enterEventMode),
@@ -85,7 +85,7 @@ pub unsafe fn fmi2SetContinuousStates<L: Library>(
     nx: usize,
 ) -> fmi2Status {
     call::<L>(c, Call::SetContinuousStates, |instance| {
-        // SAFETY: the importer passes an array of `nx` elements, as the standard demands.
+        // SAFETY: the importer passes an array of `nx` elements, as the standard requires.
         match unsafe { array("x", x, nx) } {
             Ok(x) => instance.set_continuous_states(x),
             Err(wrong) => instance.refuse(Call::SetContinuousStates, &wrong),
@@ -112,7 +112,7 @@ pub unsafe fn fmi2GetDerivatives<L: Library>(
     derivatives: *mut fmi2Real,
     nx: usize,
 ) -> fmi2Status {
-    // SAFETY: the importer passes an array of `nx` elements, as the standard demands.
+    // SAFETY: the importer passes an array of `nx` elements, as the standard requires.
     let into = unsafe { array_mut("derivatives", derivatives, nx) };
     fill::<L>(c, Call::GetDerivatives, into, L::Instance::get_derivatives)
 }
@@ -123,7 +123,7 @@ pub unsafe fn fmi2GetEventIndicators<L: Library>(
     eventIndicators: *mut fmi2Real,
     ni: usize,
 ) -> fmi2Status {
-    // SAFETY: the importer passes an array of `ni` elements, as the standard demands.
+    // SAFETY: the importer passes an array of `ni` elements, as the standard requires.
     let into = unsafe { array_mut("eventIndicators", eventIndicators, ni) };
     fill::<L>(c, Call::GetEventIndicators, into, L::Instance::get_event_indicators)
 }
@@ -134,7 +134,7 @@ pub unsafe fn fmi2GetContinuousStates<L: Library>(
     x: *mut fmi2Real,
     nx: usize,
 ) -> fmi2Status {
-    // SAFETY: the importer passes an array of `nx` elements, as the standard demands.
+    // SAFETY: the importer passes an array of `nx` elements, as the standard requires.
     let into = unsafe { array_mut("x", x, nx) };
     fill::<L>(c, Call::GetContinuousStates, into, L::Instance::get_continuous_states)
 }
@@ -145,7 +145,7 @@ pub unsafe fn fmi2GetNominalsOfContinuousStates<L: Library>(
     x_nominal: *mut fmi2Real,
     nx: usize,
 ) -> fmi2Status {
-    // SAFETY: the importer passes an array of `nx` elements, as the standard demands.
+    // SAFETY: the importer passes an array of `nx` elements, as the standard requires.
     let into = unsafe { array_mut("x_nominal", x_nominal, nx) };
     fill::<L>(c, Call::GetNominals, into, L::Instance::get_nominals)
 }

@@ -1,15 +1,15 @@
 //! `fmuResourceLocation`, a URI (RFC 3986), as a folder.
 //!
-//! Importers write `file:///x/resources`, `file:/x/resources`, `file:////x/resources`, with a
-//! slash at the end or without, with spaces and umlauts percent-encoded or plain; a few pass a
-//! plain path. On Windows the path has a drive (`file:///C:/x`, `file:/C:/x`, `file:///C%3A/x`,
-//! `C:\x`, `C:/x`) or a server (`file://server/share/x`, `\\server\share\x`).
+//! Importers write `file:///x/resources`, `file:/x/resources`, `file:////x/resources`, with or
+//! without a trailing slash, with spaces and umlauts percent-encoded or plain; a few pass a plain
+//! path. On Windows the path has a drive (`file:///C:/x`, `file:/C:/x`, `file:///C%3A/x`, `C:\x`,
+//! `C:/x`) or a server (`file://server/share/x`, `\\server\share\x`).
 
 use std::path::PathBuf;
 
 use crate::author::Resources;
 
-/// The folder a URI names; none if it names none on this machine's file system.
+/// The folder that a URI names; none if it is not on this machine's file system.
 pub(super) fn resources(uri: &str) -> Resources {
     let path = if cfg!(windows) { on_windows(uri) } else { on_unix(uri) };
     path.map_or_else(Resources::none, |path| Resources::in_folder(PathBuf::from(path)))
@@ -35,20 +35,20 @@ fn on_windows(uri: &str) -> Option<String> {
     let path = rest.trim_start_matches('/');
     match rest.len() - path.len() {
         _ if has_drive(path) => Some(path.to_owned()),
-        // A server, or as some write it, a path that begins with two slashes.
+        // A server, or, as some write it, a path that begins with two slashes.
         2 | 4.. => Some(format!(r"\\{}", path.replace('/', r"\"))),
         // On the drive of the importer's working directory.
         _ => Some(format!("/{path}")),
     }
 }
 
-/// What follows `file:`; none if there is another scheme or none.
+/// The part after `file:`; none if there is another scheme or none.
 fn after_scheme(uri: &str) -> Option<&str> {
     let (scheme, rest) = uri.split_at_checked(5)?;
     scheme.eq_ignore_ascii_case("file:").then_some(rest)
 }
 
-/// Whether a path begins `C:` and is not relative to that drive's working directory.
+/// Whether a path begins with `C:` and is not relative to that drive's working directory.
 fn has_drive(path: &str) -> bool {
     match path.as_bytes() {
         [letter, b':'] => letter.is_ascii_alphabetic(),

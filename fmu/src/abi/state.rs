@@ -1,7 +1,7 @@
 //! Saved states (FMI 2.0.4, section 2.1.8).
 //!
-//! `fmi2FMUstate` is a number like a component handle. A state may be restored into any instance
-//! of its component; it goes when it is freed, or with the instance it was made from.
+//! `fmi2FMUstate` is a number like a component handle. A state may be restored into any instance of
+//! its component; it is removed when it is freed, or with the instance it was made from.
 
 use std::ffi::c_void;
 
@@ -12,7 +12,7 @@ use super::guard::call_live;
 use super::handles::{Library, Live, Nothing};
 use super::types::*;
 
-/// What to say of a handle that leads to no state.
+/// The message for an invalid state handle.
 const fn why(nothing: Nothing) -> &'static str {
     match nothing {
         Nothing::Dead => "FMUstate is not a saved state; it was freed, or never given out",
@@ -29,7 +29,7 @@ fn keep<L: Library>(
     call: Call,
     into: &mut fmi2FMUstate,
 ) -> Status {
-    // Handles freed through another instance are forgotten when the list would have to grow.
+    // Handles freed through another instance are removed when the list would have to grow.
     if live.states.len() == live.states.capacity() {
         live.states.retain(|old| L::shelf().states.lives(std::ptr::without_provenance_mut(*old)));
     }
@@ -55,14 +55,14 @@ fn with_state<L: Library>(
         .unwrap_or_else(|nothing| instance.refuse(call, why(nothing)))
 }
 
-/// `fmi2GetFMUstate`: a new state if `*FMUstate` is NULL, else that one is overwritten.
+/// `fmi2GetFMUstate`: a new state if `*FMUstate` is NULL, else that state is overwritten.
 pub unsafe fn fmi2GetFMUstate<L: Library>(
     c: fmi2Component,
     FMUstate: *mut fmi2FMUstate,
 ) -> fmi2Status {
     let this = Call::GetFmuState;
     call_live::<L>(c, this, |live| {
-        // SAFETY: the importer passes one handle to fill, as the standard demands.
+        // SAFETY: the importer passes one handle to fill, as the standard requires.
         let handle = match unsafe { place("FMUstate", FMUstate) } {
             Ok(handle) => handle,
             Err(wrong) => return live.instance.refuse(this, &wrong),
@@ -87,7 +87,7 @@ pub unsafe fn fmi2SetFMUstate<L: Library>(c: fmi2Component, FMUstate: fmi2FMUsta
     })
 }
 
-/// `fmi2FreeFMUstate`: NULL is ignored, and what was freed becomes NULL.
+/// `fmi2FreeFMUstate`: NULL is ignored, and a freed handle becomes NULL.
 pub unsafe fn fmi2FreeFMUstate<L: Library>(
     c: fmi2Component,
     FMUstate: *mut fmi2FMUstate,
@@ -98,7 +98,7 @@ pub unsafe fn fmi2FreeFMUstate<L: Library>(
         if status != Status::Ok || FMUstate.is_null() {
             return status;
         }
-        // SAFETY: the importer passes one handle, as the standard demands.
+        // SAFETY: the importer passes one handle, as the standard requires.
         let handle = match unsafe { place("FMUstate", FMUstate) } {
             Ok(handle) if handle.is_null() => return Status::Ok,
             Ok(handle) => handle,
@@ -122,7 +122,7 @@ pub unsafe fn fmi2SerializedFMUstateSize<L: Library>(
 ) -> fmi2Status {
     let this = Call::SerializedFmuStateSize;
     call_live::<L>(c, this, |live| {
-        // SAFETY: the importer passes one size to fill, as the standard demands.
+        // SAFETY: the importer passes one size to fill, as the standard requires.
         match unsafe { place("size", size) } {
             Ok(size) => with_state::<L>(&mut live.instance, this, FMUstate, |me, state| {
                 me.serialized_size(state, size)
@@ -141,7 +141,7 @@ pub unsafe fn fmi2SerializeFMUstate<L: Library>(
 ) -> fmi2Status {
     let this = Call::SerializeFmuState;
     call_live::<L>(c, this, |live| {
-        // SAFETY: the importer passes `size` bytes to fill, as the standard demands.
+        // SAFETY: the importer passes `size` bytes to fill, as the standard requires.
         match unsafe { array_mut("serializedState", serializedState.cast::<u8>(), size) } {
             Ok(bytes) => with_state::<L>(&mut live.instance, this, FMUstate, |me, state| {
                 me.serialize_state(state, bytes)
@@ -160,7 +160,7 @@ pub unsafe fn fmi2DeSerializeFMUstate<L: Library>(
 ) -> fmi2Status {
     let this = Call::DeSerializeFmuState;
     call_live::<L>(c, this, |live| {
-        // SAFETY: the importer passes `size` bytes and one handle to fill, as the standard demands.
+        // SAFETY: the importer passes `size` bytes and one handle to fill, as the standard requires.
         let arguments: Result<_, Wrong> = unsafe {
             array("serializedState", serializedState.cast::<u8>(), size)
                 .and_then(|bytes| Ok((bytes, place("FMUstate", FMUstate)?)))

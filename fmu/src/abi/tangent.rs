@@ -18,7 +18,7 @@ pub unsafe fn fmi2GetDirectionalDerivative<L: Library>(
     dvUnknown: *mut fmi2Real,
 ) -> fmi2Status {
     call::<L>(c, Call::GetDirectionalDerivative, |instance| {
-        // SAFETY: the importer passes arrays of these lengths, as the standard demands.
+        // SAFETY: the importer passes arrays of these lengths, as the standard requires.
         let plain = unsafe {
             (
                 plain_array(vUnknown_ref, nUnknown),

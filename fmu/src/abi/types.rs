@@ -21,7 +21,7 @@ pub type fmi2Integer = c_int;
 pub type fmi2Boolean = c_int;
 /// A character.
 pub type fmi2Char = c_char;
-/// A string in UTF-8 that ends with a NUL.
+/// A NUL-terminated string in UTF-8.
 pub type fmi2String = *const fmi2Char;
 /// A byte.
 pub type fmi2Byte = c_char;
@@ -53,7 +53,7 @@ pub type fmi2CallbackLogger = unsafe extern "C" fn(
 pub struct fmi2CallbackFunctions {
     /// Takes messages; may be missing.
     pub logger: Option<fmi2CallbackLogger>,
-    /// Not used: memory is Rust's own, as `canNotUseMemoryManagementFunctions` says.
+    /// Not used: memory is Rust's own, as `canNotUseMemoryManagementFunctions` declares.
     pub allocateMemory: Option<unsafe extern "C" fn(nobj: usize, size: usize) -> *mut c_void>,
     /// Not used.
     pub freeMemory: Option<unsafe extern "C" fn(obj: *mut c_void)>,

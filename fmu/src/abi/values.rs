@@ -7,10 +7,10 @@ use super::guard::{call, done_simply};
 use super::handles::Library;
 use super::types::*;
 
-/// Both arrays of a get or set function, or the refusal.
+/// Both arrays of a get or set function, or the rejection.
 macro_rules! arrays {
     ($instance:ident, $call:expr, $vr:ident, $value:ident, $n:ident, $array:ident) => {{
-        // SAFETY: the importer passes arrays of `nvr` elements, as the standard demands, and
+        // SAFETY: the importer passes arrays of `nvr` elements, as the standard requires, and
         // leaves them alone during the call.
         let arrays = unsafe { (array("vr", $vr, $n), $array("value", $value, $n)) };
         match arrays {
@@ -29,7 +29,7 @@ pub unsafe fn fmi2GetReal<L: Library>(
     value: *mut fmi2Real,
 ) -> fmi2Status {
     let simply = done_simply::<L>(c, |instance| {
-        // SAFETY: the importer passes arrays of `nvr` elements, as the standard demands, and
+        // SAFETY: the importer passes arrays of `nvr` elements, as the standard requires, and
         // leaves them alone during the call.
         let (references, values) = unsafe { (plain_array(vr, nvr)?, plain_array_mut(value, nvr)?) };
         instance.get_fresh(references, values)
@@ -80,7 +80,7 @@ pub unsafe fn fmi2GetBoolean<L: Library>(
     })
 }
 
-/// `fmi2GetString`; the texts stay valid until the next call on this instance.
+/// `fmi2GetString`; the strings stay valid until the next call on this instance.
 pub unsafe fn fmi2GetString<L: Library>(
     c: fmi2Component,
     vr: *const fmi2ValueReference,
@@ -165,7 +165,7 @@ pub unsafe fn fmi2SetString<L: Library>(
 ) -> fmi2Status {
     call::<L>(c, Call::SetString, |instance| {
         let (references, values) = arrays!(instance, Call::SetString, vr, value, nvr, array);
-        // SAFETY: the importer passes texts that end with a NUL, as the standard demands.
+        // SAFETY: the importer passes NUL-terminated strings, as the standard requires.
         match unsafe { copies("value", values) } {
             Ok(texts) => instance.set_string(references, &texts),
             Err(wrong) => instance.refuse(Call::SetString, &wrong),

@@ -1,6 +1,6 @@
 //! The trait an author implements.
 //!
-//! A component is described once, in its model-exchange nature
+//! A component is described once, for model exchange,
 //!
 //! ```text
 //! dx/dt = derivatives(t, m, x, u)      continuous states x, held discrete memory m
@@ -17,20 +17,21 @@ use serde::de::DeserializeOwned;
 
 use super::{Fault, Info, ParameterError, Resources, Time, Variables, runge_kutta};
 
-/// Variables of a port group: plain values, so no `String`. Inputs and outputs are `f64`, `i32`,
-/// `bool` and enumerations; states are Real only (checked when the component is compiled).
+/// Variables of a group of inputs, outputs or states: plain values, so no `String`. Inputs and
+/// outputs are `f64`, `i32`, `bool` and enumerations; states are Real only (checked when the
+/// component is compiled).
 pub trait Ports: Variables + Copy + Default + Send {}
 
 impl<T: Variables + Copy + Default + Send> Ports for T {}
 
-/// The continuous states of a component that has none.
+/// The continuous states of a component without any.
 pub type NoStates = ();
 
 /// An FMI component: implement this and name the type in [`export!`](crate::export).
 ///
-/// The value itself holds what [`new`](Component::new) derived from the parameters (an inverted
-/// mass matrix, a parsed course); everything that changes during a simulation lives in `States`
-/// and `Memory`, so that the kernel can save, restore and probe it.
+/// The value itself contains what [`new`](Component::new) derived from the parameters (an inverted
+/// mass matrix, a parsed course); everything that changes during a simulation is in `States` and
+/// `Memory`, so that the kernel can save, restore and probe it.
 ///
 /// All functions must be deterministic: the same arguments give the same bits. They must neither
 /// allocate nor lock in `derivatives`, `outputs` and `event`.
@@ -39,35 +40,37 @@ pub trait Component: Sized + Send + 'static {
     const INFO: Info;
     /// Names of the event indicators, at most 64; none if the component has no state events.
     const INDICATORS: &'static [&'static str] = &[];
-    /// Whether the indicators follow from the inputs alone and only mark kinks of the right-hand
-    /// side, so that there is nothing to do at a crossing but to start the integration anew there.
-    /// Co-simulation then looks at them in those steps only in which inputs move.
+    /// Whether the indicators depend on the inputs alone and only mark kinks of the right-hand
+    /// side, so that a crossing only requires restarting the integration. Co-simulation then
+    /// evaluates them only in steps in which inputs change.
     const KINKS_OF_INPUTS: bool = false;
-    /// Whether inputs may be anything, infinities and what is not a number among them: for components
-    /// that judge what they are given. Otherwise the kernel refuses such values.
+    /// Whether inputs may be anything, including infinities and NaN: for components that check
+    /// their inputs. Otherwise the kernel rejects such values.
     const ANY_INPUT: bool = false;
-    /// What a `Memory` may allocate at most besides what it holds, in bytes: room that it keeps for
-    /// later. Memory is asked for before states are copied, so that a host without it gets an error.
+    /// The maximum that a `Memory` may allocate besides its contents, in bytes: capacity kept for
+    /// later. Memory is requested before states are copied, so that a host without it gets an
+    /// error.
     const ROOM: usize = 32 << 10;
-    /// Whether [`tangent`](Component::tangent) is there.
+    /// Whether [`tangent`](Component::tangent) is implemented.
     const TANGENT: bool = false;
-    /// Parameters: of any variable type, fixed once initialization is over. Those that say
-    /// `#[var(tunable)]` may change later, too: [`new`](Component::new) then derives the constants
-    /// anew, states and memory stay.
+    /// Parameters: of any variable type, fixed once initialization is over. Those with
+    /// `#[var(tunable)]` may also change later: [`new`](Component::new) then derives the constants
+    /// again, and states and memory are kept.
     type Parameters: Variables + Default;
-    /// Inputs. Their `Default` is the start value. Those that are no Reals are discrete.
+    /// Inputs. Their `Default` is the start value. Types other than Real are discrete.
     type Inputs: Ports;
-    /// Outputs. Their `Default` is what is read before anything could be computed.
+    /// Outputs. Their `Default` is the value before anything could be computed.
     type Outputs: Ports;
     /// Continuous states (Real only), [`NoStates`] if there are none.
     type States: Ports;
     /// Discrete state: next sample instant, filter state, random number generator.
     type Memory: Clone + Default + Send + Serialize + DeserializeOwned + 'static;
 
-    /// The values of the parameters the user left alone, given those that were set.
+    /// The values of the parameters that the user did not set, given those that were set.
     ///
-    /// Override it to offer named parameter sets: `selected.parameter_set` names one, the result
-    /// is that set. What the user set explicitly wins over it, in whatever order it was set.
+    /// Override it to offer named parameter sets: `selected.parameter_set` names one, and the
+    /// result is that set. Values that the user set explicitly take precedence, in whatever order
+    /// they were set.
     fn preset(selected: &Self::Parameters) -> Self::Parameters {
         let _ = selected;
         Self::Parameters::default()
@@ -76,8 +79,8 @@ pub trait Component: Sized + Send + 'static {
     /// Checks the parameters and derives constants from them.
     ///
     /// # Errors
-    /// Names the offending variable, what is wrong with it and what would be right. Declared
-    /// `min` and `max` are checked by the kernel already.
+    /// Names the offending variable, what is wrong with it and what would be right. The kernel has
+    /// already checked declared `min` and `max`.
     fn new(parameters: &Self::Parameters, resources: &Resources) -> Result<Self, ParameterError>;
 
     /// States and memory at the start time, given the inputs; the `Default` of both unless you
@@ -96,8 +99,8 @@ pub trait Component: Sized + Send + 'static {
         Ok((Self::States::default(), Self::Memory::default()))
     }
 
-    /// Time derivatives of the states (in a `States` of their own, unit per second). Whoever has
-    /// continuous states overrides this; the default serves [`NoStates`].
+    /// Time derivatives of the states (in a separate `States`, unit per second). Components with
+    /// continuous states override this; the default is for [`NoStates`].
     fn derivatives(
         &self,
         t: f64,
@@ -112,11 +115,11 @@ pub trait Component: Sized + Send + 'static {
     /// [`derivatives`](Component::derivatives) as a function of time and states while memory and
     /// inputs are held, for the stages of an integration step.
     ///
-    /// Where the outputs of that very point are known, as at the beginning of most steps, they come
-    /// along. Only their time may be another by rounding.
+    /// If the outputs of that point are known, as at the beginning of most steps, they are passed
+    /// as well. Only their time may differ by rounding.
     ///
-    /// Override it where part of the work depends on the inputs alone and need not be done again
-    /// for each stage, or stands among the outputs already; it must give the same bits.
+    /// Override it if part of the work depends on the inputs alone and need not be repeated for
+    /// each stage, or is already contained in the outputs; it must give the same bits.
     fn held_derivatives(
         &self,
         memory: &Self::Memory,
@@ -125,11 +128,11 @@ pub trait Component: Sized + Send + 'static {
         move |t, states, _| self.derivatives(t, memory, states, inputs)
     }
 
-    /// A step of the fixed-step method while memory and inputs are held: it advances the states by `h`
-    /// seconds from `t`. The outputs there come along where they are known.
+    /// A step of the fixed-step method while memory and inputs are held: it advances the states by
+    /// `h` seconds from `t`. The outputs there are passed if they are known.
     ///
-    /// Override the classical Runge-Kutta method where a part of the states has a closed form, such as the
-    /// lag of a held command, which then need not limit the step.
+    /// Override the classical Runge-Kutta method if part of the states has a closed form, such as
+    /// the lag of a held command, which then need not limit the step.
     fn held_step(
         &self,
         memory: &Self::Memory,
@@ -151,7 +154,7 @@ pub trait Component: Sized + Send + 'static {
         inputs: &Self::Inputs,
     ) -> Self::Outputs;
 
-    /// The next instant at which [`event`](Component::event) wants to run, if there is one.
+    /// The next instant at which [`event`](Component::event) must run, if there is one.
     fn next_event(&self, memory: &Self::Memory) -> Option<Time> {
         let _ = memory;
         None
@@ -160,7 +163,7 @@ pub trait Component: Sized + Send + 'static {
     /// Handles the time event of the instant `now`; must move `next_event` past `now`.
     ///
     /// # Errors
-    /// A [`Fault`] says why the simulation cannot go on; the kernel reports it and stops.
+    /// A [`Fault`] says why the simulation cannot continue; the kernel reports it and stops.
     fn event(
         &self,
         now: Time,
@@ -176,8 +179,8 @@ pub trait Component: Sized + Send + 'static {
     ///
     /// Where one of them crosses zero, the right-hand side changes its form: a height at which
     /// something bounces, the distance to a limit. Let them depend on the mode in `memory` so that
-    /// they are well off zero after the event (a limit that has been reached is left by another
-    /// condition than it was reached); that is what keeps a component from chattering.
+    /// they are well off zero after the event (the condition for leaving a limit differs from the
+    /// condition for reaching it); this keeps a component from chattering.
     fn indicators(
         &self,
         t: f64,
@@ -189,14 +192,14 @@ pub trait Component: Sized + Send + 'static {
         let _ = (t, memory, states, inputs, indicators);
     }
 
-    /// Brings mode and states into line where an indicator may have changed its sign; tells
-    /// whether it changed anything. It is called again until it has not.
+    /// Updates mode and states where an indicator may have changed its sign; returns whether it
+    /// changed anything. It is called again until it changes nothing.
     ///
-    /// Solvers stop a little before or a little behind the crossing and also come for other
-    /// reasons, so look at the values and do nothing if there is nothing to do.
+    /// Solvers stop slightly before or after the crossing and also call it for other reasons, so
+    /// check the values and do nothing if there is nothing to do.
     ///
     /// # Errors
-    /// A [`Fault`] says why the simulation cannot go on.
+    /// A [`Fault`] says why the simulation cannot continue.
     fn state_event(
         &self,
         t: f64,
@@ -210,8 +213,8 @@ pub trait Component: Sized + Send + 'static {
 
     /// A line for the log, taken out of the memory so that it is written once.
     ///
-    /// The kernel asks after initialization and after events;
-    /// while there is nothing new to say this must not allocate.
+    /// The kernel asks after initialization and after events; while there is nothing new to report
+    /// this must not allocate.
     fn notice(memory: &mut Self::Memory) -> Option<String> {
         let _ = memory;
         None
@@ -219,8 +222,8 @@ pub trait Component: Sized + Send + 'static {
 
     /// The tangent-linear model: how derivatives and outputs change, to first order, when the
     /// states change by `dx` and the inputs by `du`. Set [`TANGENT`](Component::TANGENT) if you
-    /// write it, and let neither derivatives nor outputs depend on time other than through states
-    /// and inputs: the time derivatives of the outputs are made from it, too.
+    /// implement it, and let derivatives and outputs depend on time only through states and inputs:
+    /// the time derivatives of the outputs are also computed from it.
     fn tangent(
         &self,
         t: f64,
@@ -236,13 +239,13 @@ pub trait Component: Sized + Send + 'static {
 
     /// The rest of the tangent-linear model at the start, where parameters may still change by `dp`
     /// and inputs by `du`: the change of the states that [`initial`](Component::initial) gives, and
-    /// the changes of derivatives and outputs that the parameters make by themselves, at these
-    /// states and inputs. The kernel adds what [`tangent`](Component::tangent) says of the change
-    /// of states and inputs.
+    /// the changes of derivatives and outputs caused directly by the parameters, at these states
+    /// and inputs. The kernel adds the contribution of [`tangent`](Component::tangent) for the
+    /// change of states and inputs.
     ///
-    /// `parameters` are the ones in force, `dp` holds changes in its Reals and the same values as
-    /// they in all else. Whoever writes `tangent` and has Real parameters, or an initial state that
-    /// follows from the inputs, writes this too.
+    /// `parameters` are the present ones; `dp` contains changes in its Reals and the same values as
+    /// `parameters` elsewhere. If you implement `tangent` and have Real parameters, or an initial
+    /// state that depends on the inputs, implement this too.
     fn initial_tangent(
         &self,
         states: &Self::States,

@@ -3,7 +3,7 @@
 /// A fieldless enum as an FMI Enumeration; derive it.
 ///
 /// Items are numbered from 1 in the order written. Names are the Rust names of the variants,
-/// descriptions their doc comments, the start value is whatever the field holds.
+/// descriptions their doc comments, and the start value is the value of the field.
 pub trait Enumeration: Copy + Default {
     /// Name of the type, as in `TypeDefinitions`.
     const NAME: &'static str;

@@ -1,4 +1,4 @@
-//! What a component may complain of. The kernel adds instance, function and time.
+//! Errors that a component may report. The kernel adds instance, function and time.
 
 use std::fmt::Display;
 
@@ -11,8 +11,8 @@ pub struct ParameterError {
 }
 
 impl ParameterError {
-    /// `variable` is the FMI name (`thruster.time_constant`), `reason` says what is wrong with
-    /// which value and what would be right.
+    /// `variable` is the FMI name (`thruster.time_constant`); `reason` says which value is wrong,
+    /// why, and what would be right.
     pub fn new(variable: impl Into<String>, reason: impl Display) -> Self {
         Self { variable: variable.into(), reason: reason.to_string() }
     }
@@ -24,7 +24,7 @@ impl ParameterError {
     }
 }
 
-/// Why a component cannot go on during a simulation.
+/// Why a component cannot continue during a simulation.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{reason}")]
 pub struct Fault {

@@ -1,8 +1,9 @@
-//! What a variable declares about itself, collected by walking the fields of a struct.
+//! The declaration of a variable, collected by walking the fields of a struct.
 //!
 //! The derive calls [`Field::member`] for each field of a struct, arrays call [`Field::element`],
-//! and each leaf pushes one [`Declaration`]. Names join with a dot, descriptions with a colon;
-//! unit, bounds and nominal value of a field hold for the leaves below it until one says otherwise.
+//! and each leaf pushes one [`Declaration`]. Names are joined with a dot, descriptions with a
+//! colon; unit, bounds and nominal value of a field apply to the leaves below it until one
+//! overrides them.
 
 /// The declarations of a struct, in the order of its fields.
 pub type Declarations = Vec<Declaration>;
@@ -40,7 +41,7 @@ pub enum Start {
     },
 }
 
-/// Where the walk is: a structured name and what has been said about it so far.
+/// The position of the walk: a structured name and the attributes so far.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Field {
     /// Structured name, `thruster[0].force`; empty at the root.

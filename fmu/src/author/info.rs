@@ -1,4 +1,4 @@
-//! What a component says about itself as a whole.
+//! What a component declares about itself as a whole.
 
 /// Name, description and default experiment of a component.
 ///
@@ -24,10 +24,10 @@ pub struct Info {
     pub stop_time_s: f64,
     /// Communication step of the default experiment in seconds.
     pub step_s: f64,
-    /// Longest step of the co-simulation integrator in seconds; a communication step is cut into
-    /// equal steps no longer than this.
+    /// Longest step of the co-simulation integrator in seconds; a communication step is divided
+    /// into equal steps no longer than this.
     pub integrator_step_s: f64,
-    /// Whether outputs change at events only (a sampled component); they are then declared
+    /// Whether outputs change only at events (a sampled component); they are then declared
     /// `discrete`.
     pub sampled: bool,
     /// Whether the model-exchange interface is offered besides co-simulation.

@@ -1,5 +1,5 @@
-//! What the author of a component writes against: one trait, two derives, a handful of plain types.
-//! Nothing here knows FMI's C interface or its XML.
+//! The interface for component authors: one trait, two derives, a few plain types. Nothing here
+//! depends on FMI's C interface or its XML.
 
 mod component;
 mod enumeration;

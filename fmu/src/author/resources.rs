@@ -1,4 +1,4 @@
-//! The folder of files an FMU carries along, and how a text file is read.
+//! The folder of files in an FMU, and how a text file is read.
 
 use std::fs::File;
 use std::io::Read;
@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use super::ParameterError;
 
-/// Larger files are no parameters of a component, and reading them would take the memory of the
-/// importer.
+/// Larger files are not parameters of a component, and reading them would use up the importer's
+/// memory.
 const LARGEST_BYTES: u64 = 16 << 20;
 
 /// The FMU's `resources` folder, if the importer named one that is a file path.
@@ -34,7 +34,7 @@ impl Resources {
         self.folder.as_deref()
     }
 
-    /// The text of the file `name` in the folder; `variable` is the parameter that asked for it.
+    /// The text of the file `name` in the folder; `variable` is the parameter that names it.
     ///
     /// # Errors
     /// There is no folder, `name` leads out of it, or [`read_text`] finds the file unreadable.
@@ -53,10 +53,10 @@ impl Resources {
     }
 }
 
-/// The text of a file: a regular one, of 16 MiB at most, in UTF-8.
+/// The text of a file: a regular file of at most 16 MiB, in UTF-8.
 ///
 /// # Errors
-/// The reason in words, with the file and, where the text is at fault, the line.
+/// The reason in words, with the file and, if the text is wrong, the line.
 pub fn read_text(path: &Path) -> Result<String, String> {
     let cannot = |reason: String| format!("cannot read {path:?}: {reason}");
     // Before it is opened: opening a pipe would wait for its other end.

@@ -1,4 +1,4 @@
-//! The step of the fixed-step integrator that components have unless they bring their own.
+//! The default step of the fixed-step integrator, for components that do not provide their own.
 
 use super::Ports;
 

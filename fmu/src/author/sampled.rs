@@ -1,4 +1,4 @@
-//! Components that do one thing at each sample instant and hold the result until the next: sensors,
+//! Components that compute at each sample instant and hold the result until the next: sensors,
 //! filters, controllers.
 
 use serde::de::DeserializeOwned;
@@ -91,7 +91,7 @@ pub trait Sample: Sized + Send + 'static {
     /// The memory before the first sample.
     fn memory(&self) -> Self::Memory;
 
-    /// Takes one sample: `outputs` come with the values held so far, and what is left in them is
+    /// Takes one sample: `outputs` contains the values held so far, and the values left in it are
     /// held until the next instant.
     ///
     /// # Errors
@@ -115,8 +115,8 @@ pub trait Sample: Sized + Send + 'static {
 #[derive(Debug)]
 pub struct Sampled<S>(S);
 
-/// The memory of a [`Sampled`] component: its clock, the outputs held, and what the [`Sample`]
-/// itself remembers.
+/// The memory of a [`Sampled`] component: its clock, the held outputs, and the memory of the
+/// [`Sample`] itself.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub struct Held<M, Y> {
     sampler: Sampler,
@@ -129,7 +129,7 @@ impl<M: Clone, Y: Copy> Clone for Held<M, Y> {
         Self { memory: self.memory.clone(), ..*self }
     }
 
-    /// Into its place at once, without a copy in between, since states are saved by this.
+    /// Directly into its place, without an intermediate copy, because states are saved by this.
     #[inline]
     fn clone_from(&mut self, from: &Self) {
         self.memory.clone_from(&from.memory);

@@ -4,11 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use super::Time;
 
-/// Sample instants `t_k = t_start + k T`. [`Sampled`](super::Sampled) keeps one; a component that
-/// has continuous states as well keeps its own in `Memory`, takes sample 0 in `initial`, answers
+/// Sample instants `t_k = t_start + k T`. [`Sampled`](super::Sampled) has one; a component that
+/// also has continuous states keeps its own in `Memory`, takes sample 0 in `initial`, answers
 /// `next_event` with [`next`](Sampler::next) and calls [`advance`](Sampler::advance) in `event`.
 ///
-/// Each instant is computed from k, not summed up, so that a period that is no whole number of
+/// Each instant is computed from k, not summed up, so a period that is not a whole number of
 /// nanoseconds (7 Hz) does not drift.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sampler {
@@ -18,8 +18,8 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// Samples every `period_s` seconds (at least a nanosecond) from `start` on; sample 0 counts as
-    /// taken.
+    /// Samples every `period_s` seconds (at least a nanosecond) starting at `start`; sample 0
+    /// counts as taken.
     #[must_use]
     pub const fn new(start: Time, period_s: f64) -> Self {
         Self { start, period_s: period_s.max(1e-9), index: 0 }

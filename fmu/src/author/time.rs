@@ -1,5 +1,5 @@
-//! Instants in integer nanoseconds, so that a sample instant is one number whatever rounding the
-//! importer's sums of seconds went through.
+//! Instants in integer nanoseconds, so that a sample instant is one number, independent of rounding
+//! in the importer's sums of seconds.
 
 use std::fmt;
 
@@ -17,7 +17,7 @@ pub struct Time {
 }
 
 impl Time {
-    /// The instant of so many nanoseconds.
+    /// The instant of this many nanoseconds.
     #[must_use]
     pub const fn from_ns(ns: i64) -> Self {
         Self { ns }
@@ -41,7 +41,7 @@ impl Time {
         self.ns as f64 / NS_PER_S
     }
 
-    /// This instant and `ns` nanoseconds later, held at the ends of the range.
+    /// This instant and `ns` nanoseconds later, clamped to the range.
     #[must_use]
     pub const fn after_ns(self, ns: i64) -> Self {
         Self { ns: self.ns.saturating_add(ns) }

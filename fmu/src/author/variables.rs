@@ -1,9 +1,9 @@
 //! Structs as groups of FMI variables: declaring them, and moving values between the typed struct
-//! and the flat arrays an FMI instance holds.
+//! and the flat arrays of an FMI instance.
 //!
-//! Everything here is walked in the order of the fields, so position in the flat array is the one
-//! identity a variable needs. The functions are small and inlined: over a slice of known length
-//! the compiler sees nothing but loads and stores.
+//! Everything here is walked in the order of the fields, so the position in the flat array is the
+//! only identity a variable needs. The functions are small and inlined: for a slice of known length
+//! the compiler sees only loads and stores.
 
 use std::array::from_fn;
 use std::ffi::{CStr, CString};
@@ -56,7 +56,7 @@ impl Count {
     }
 }
 
-/// What is left to load, per type.
+/// The remaining values to load, per type.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reader<'a> {
     /// Reals not yet loaded.
@@ -69,7 +69,7 @@ pub struct Reader<'a> {
     pub strings: &'a [CString],
 }
 
-/// What is left to store into, per type.
+/// The remaining places to store into, per type.
 #[derive(Debug, Default)]
 pub struct Writer<'a> {
     /// Reals not yet stored.
@@ -96,8 +96,8 @@ pub trait Variables: Sized {
     /// Declares each variable, with its value as start value.
     fn declare(&self, at: &Field, into: &mut Declarations);
 
-    /// Takes the values from flat arrays. Where those end early or an enumeration has no such
-    /// item, the variable gets the `Default` of its type.
+    /// Takes the values from flat arrays. If those end early or an enumeration has no such item,
+    /// the variable gets the `Default` of its type.
     fn load(from: &mut Reader<'_>) -> Self;
 
     /// Puts the values into flat arrays, as far as those reach.
@@ -107,7 +107,7 @@ pub trait Variables: Sized {
     fn zip_reals(&mut self, other: &Self, f: &mut impl FnMut(&mut f64, f64));
 }
 
-/// The next element of what is left, or the default.
+/// The next remaining element, or the default.
 #[inline(always)]
 fn take<'a, T>(rest: &mut &'a [T]) -> Option<&'a T> {
     let (first, tail) = rest.split_first()?;
@@ -160,7 +160,7 @@ leaf!(
     |value: &String| terminated(value)
 );
 
-/// The text up to its first NUL, as C wants it.
+/// The text up to its first NUL, as C expects it.
 fn terminated(text: &str) -> CString {
     let up_to_nul = text.split('\0').next().unwrap_or_default();
     CString::new(up_to_nul).unwrap_or_else(|_| CStr::to_owned(c""))

@@ -1,7 +1,7 @@
-//! Getting and setting values: who may be read and written when (FMI 2.0.4, section 2.2.7).
+//! Getting and setting values: what may be read and written when (FMI 2.0.4, section 2.2.7).
 //!
-//! Everything can be read at any time. Parameters and inputs can be set until initialization
-//! ends, then inputs and tunable parameters only. A set either takes all its values or none.
+//! Everything can be read at any time. Parameters and inputs can be set until initialization ends,
+//! then only inputs and tunable parameters. A set either takes all its values or none.
 
 use std::ffi::{CStr, CString};
 use std::ops::Range;
@@ -12,7 +12,7 @@ use super::status::{Status, Trouble};
 use super::table::{Group, Kind, Variable};
 use super::values::{all_finite, gather};
 
-/// The exponent of a Real; all ones where it is not finite.
+/// The exponent of a Real; all ones if it is not finite.
 const EXPONENT: u64 = 0x7FF << 52;
 
 impl Instance {
@@ -67,7 +67,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2GetBoolean`: hands each value to `give` with its index.
+    /// `fmi2GetBoolean`: passes each value to `give` with its index.
     pub fn get_boolean(&mut self, references: &[u32], mut give: impl FnMut(usize, bool)) -> Status {
         self.call(Call::GetBoolean, |me| {
             me.up_to_date(&[])?;
@@ -79,7 +79,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2GetString`: hands each text to `give` with its index.
+    /// `fmi2GetString`: passes each string to `give` with its index.
     pub fn get_string(&mut self, references: &[u32], mut give: impl FnMut(usize, &CStr)) -> Status {
         self.call(Call::GetString, |me| {
             me.up_to_date(&[])?;
@@ -91,7 +91,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2SetReal` of inputs while the simulation runs; `None` if it is not so simple.
+    /// `fmi2SetReal` of inputs during the simulation; `None` if it is not so simple.
     ///
     /// No code of a component runs here, and nothing is computed in floating point.
     #[inline]
@@ -103,7 +103,7 @@ impl Instance {
         let first = place.start;
         let inputs = self.values.reals.get_mut(place)?;
         let index = |reference: u32| (reference as usize).wrapping_sub(first);
-        // All or none, so this takes two ways through.
+        // All or none, so this takes two passes.
         let (mut largest, mut changed) = (0, 0);
         for (reference, value) in references.iter().zip(values) {
             let before = inputs.get(index(*reference))?;
@@ -113,7 +113,7 @@ impl Instance {
         if largest == EXPONENT {
             return None;
         }
-        // What was set to the value it has already leaves outputs and derivatives as they are.
+        // Setting a value to what it already is leaves outputs and derivatives unchanged.
         if changed != 0 {
             for (reference, value) in references.iter().zip(values) {
                 if let Some(place) = inputs.get_mut(index(*reference)) {
@@ -201,7 +201,7 @@ impl Instance {
         matches!(self.run.phase, Phase::Instantiated | Phase::Initialization)
     }
 
-    /// Computes what is stale before it is read.
+    /// Computes stale values before they are read.
     #[inline]
     fn up_to_date(&mut self, reals: &[u32]) -> Result<(), Trouble> {
         if self.run.stale.any() { self.bring_up_to_date(reals) } else { Ok(()) }
@@ -210,7 +210,7 @@ impl Instance {
     fn bring_up_to_date(&mut self, reals: &[u32]) -> Result<(), Trouble> {
         if self.run.stale.component | self.run.stale.initial | self.run.stale.outputs {
             match self.refresh() {
-                // Half of the parameters may be set by now: the older values stand.
+                // Only half of the parameters may be set by now: keep the older values.
                 Err(_) if self.run.phase == Phase::Instantiated => return Ok(()),
                 done => done?,
             }
@@ -223,7 +223,7 @@ impl Instance {
         }
     }
 
-    /// Remembers what was set and what depends on it.
+    /// Records what was set and what depends on it.
     #[inline]
     fn changed(
         &mut self,
@@ -248,8 +248,8 @@ impl Instance {
         }
     }
 
-    /// Whether inputs are set in continuous-time mode to what they are. FMI allows discrete ones to be
-    /// set at events only, where FMPy changes them; but it sets them in between, too.
+    /// Whether inputs are set to their present values in continuous-time mode. FMI allows setting
+    /// discrete ones only at events, where FMPy changes them; but FMPy also sets them in between.
     fn changes_nothing<T: PartialEq>(
         &self,
         kind: Kind,
@@ -267,7 +267,7 @@ impl Instance {
             })
     }
 
-    /// Whether variables that are no Reals can be set now.
+    /// Whether variables other than Reals can be set now.
     fn check_settable(&self, kind: Kind, references: &[u32]) -> Result<(), Trouble> {
         for reference in references {
             match self.table.find(kind, *reference) {
@@ -280,7 +280,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Parameters keep within their declared bounds, enumerations to their items.
+    /// Parameters must be within their declared bounds, enumerations among their items.
     fn check_bounds<T: Copy + Into<f64>>(
         &self,
         kind: Kind,
@@ -311,7 +311,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Why the first of the values that cannot be set cannot.
+    /// Why the first of the rejected values cannot be set.
     #[cold]
     fn cannot_set_reals(
         &self,

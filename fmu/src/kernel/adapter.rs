@@ -97,7 +97,7 @@ impl<C: Component> ComponentModel<C> {
         Ok(events)
     }
 
-    /// The step from `t` led to such states and outputs; the values are still those before it.
+    /// The step from `t` led to these states and outputs; the values are still those before it.
     #[cold]
     #[inline(never)]
     fn not_finite(
@@ -116,7 +116,7 @@ impl<C: Component> ComponentModel<C> {
         self.halted(halt, &self.states(values), signal, values)
     }
 
-    /// Leaves the values as they are where the step ended.
+    /// Leaves the values at the end of the step.
     #[cold]
     #[inline(never)]
     fn halted(
@@ -156,7 +156,7 @@ impl<C: Component> ComponentModel<C> {
         done
     }
 
-    /// Works with the stepper at the present values, inputs held.
+    /// Works with the stepper at the present values, with inputs held.
     fn stepping<R>(
         &mut self,
         values: &Values,
@@ -198,7 +198,7 @@ impl<C: Component> Model for ComponentModel<C> {
         let selected: Parameters<C> = selected.load();
         let mut preset = Parameters::<C>::with(C::preset(&selected.author));
         if let Some(tolerance) = tolerance {
-            // Within the bounds of the parameter: some importers say 0.
+            // Within the bounds of the parameter: some importers pass 0.
             preset.integrator.tolerance = tolerance.max(1e-14);
         }
         let mut complete = Values::of(&preset);
@@ -256,7 +256,7 @@ impl<C: Component> Model for ComponentModel<C> {
         let dx = read(changes, &self.layout.states);
         let du = read(changes, &self.layout.inputs);
         let tangent = || component.tangent(t, &self.progress.memory, &x, &u, &dx, &du);
-        // Two calls, so that the compiler leaves out what only the outputs need from the first.
+        // Two calls, so that the compiler omits from the first what only the outputs need.
         match wanted {
             Outputs::Unread => write(&tangent().0, changes, &self.layout.derivatives),
             Outputs::Wanted => {

@@ -1,18 +1,18 @@
 //! Which FMI function may be called in which state: the state machines of model exchange and
 //! co-simulation as one table (FMI 2.0.4, sections 3.2.3 and 4.2.4).
 //!
-//! Two rows are wider than the standard's: values may be read right after instantiation, and
-//! event mode may be entered twice, since importers do both.
+//! Two rows are wider than the standard's: values may be read right after instantiation, and event
+//! mode may be entered twice, because importers do both.
 
 use serde::{Deserialize, Serialize};
 
 use super::instance::Interface;
 
-/// The state of an instance, each a bit.
+/// The states of an instance, one bit each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u16)]
 pub enum Phase {
-    /// Made or reset.
+    /// Instantiated or reset.
     Instantiated = 1,
     /// Between entering and leaving initialization mode.
     Initialization = 2,
@@ -47,7 +47,7 @@ const RUNNING: u16 = EVENT | CONTINUOUS | STEP;
 const ME: u16 = 1 << 14;
 const CS: u16 = 1 << 15;
 
-/// Declares the functions and their legal states, so that a function cannot be left out.
+/// Declares the functions and their legal states, so that no function can be omitted.
 macro_rules! calls {
     ($($variant:ident, $name:literal, $legal:expr;)+) => {
         /// The functions of FMI 2.0 that take an instance.

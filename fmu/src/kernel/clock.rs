@@ -1,8 +1,8 @@
-//! Times as importers give them: what an experiment and a step may be, and which two are the same.
+//! Times from importers: valid experiments and steps, and when two times are the same.
 
 use super::status::Trouble;
 
-/// Latest time, and with a minus the earliest: nanoseconds in 64 bits reach 292 years.
+/// Latest time, and with a minus sign the earliest: nanoseconds in 64 bits cover 292 years.
 const LATEST_S: f64 = 9e9;
 
 /// Two times are the same if no more than this many ulp apart …
@@ -10,23 +10,23 @@ const SAME_ULP: f64 = 16.0;
 /// … or this many seconds, the resolution of time events.
 const SAME_S: f64 = 1e-9;
 
-/// Whether two times are the same but for rounding.
+/// Whether two times are the same except for rounding.
 #[inline]
 fn same_time(a: f64, b: f64) -> bool {
     (a - b).abs() <= SAME_S.max(SAME_ULP * f64::EPSILON * a.abs().max(b.abs()))
 }
 
-/// Whether a time is one that an instance can be at.
+/// Whether a time is valid for an instance.
 #[inline]
 #[must_use]
 pub fn is_instant(time_s: f64) -> bool {
     time_s.abs() <= LATEST_S
 }
 
-/// Checks a time that an importer names `name`.
+/// Checks a time that an importer calls `name`.
 ///
 /// # Errors
-/// It is none that an instance can be at.
+/// The time is not valid for an instance.
 pub(crate) fn check_instant(name: &str, time_s: f64) -> Result<(), Trouble> {
     if is_instant(time_s) {
         return Ok(());
@@ -39,7 +39,7 @@ pub(crate) fn check_instant(name: &str, time_s: f64) -> Result<(), Trouble> {
 /// Checks the arguments of `fmi2SetupExperiment`.
 ///
 /// # Errors
-/// Which of them cannot be.
+/// Which of them is invalid.
 pub fn check_experiment(
     tolerance: Option<f64>,
     start_s: f64,
@@ -57,10 +57,10 @@ pub fn check_experiment(
     Ok(())
 }
 
-/// Checks the arguments of `fmi2DoStep` of an instance that is at `now_s` and ends at `stop_s`.
+/// Checks the arguments of `fmi2DoStep` for an instance at `now_s` that ends at `stop_s`.
 ///
 /// # Errors
-/// Which of them cannot be.
+/// Which of them is invalid.
 pub fn check_step(t: f64, h: f64, now_s: f64, stop_s: Option<f64>) -> Result<(), Trouble> {
     if !(h >= 0.0 && h.is_finite()) {
         return Err(Trouble::error(format_args!(

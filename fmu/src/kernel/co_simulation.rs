@@ -12,8 +12,9 @@ use super::table::Kind;
 impl Instance {
     /// `fmi2DoStep`: advances from `t` by `h` seconds.
     ///
-    /// `h` may be as small as the importer's rounding leaves it, and `t` may miss the instance's
-    /// own time by such rounding; time events are counted in integer nanoseconds and happen once.
+    /// `h` may be as small as the importer's rounding leaves it, and `t` may differ from the
+    /// instance's own time by such rounding; time events are counted in integer nanoseconds and
+    /// happen once.
     #[inline]
     pub fn do_step(&mut self, t: f64, h: f64) -> Status {
         self.call(Call::DoStep, |me| me.step(t, h))
@@ -38,7 +39,7 @@ impl Instance {
         Ok(())
     }
 
-    /// A step that got only so far: an error, or discarded if a shorter step may do.
+    /// A step that ended early: an error, or discarded if a shorter step may succeed.
     #[cold]
     fn halted(&mut self, t: f64, h: f64, halt: &Halt) -> Trouble {
         let reached = halt.reached_s;
@@ -76,7 +77,8 @@ impl Instance {
         }
     }
 
-    /// `fmi2SetRealInputDerivatives`: for the next step; after it inputs are held where they got to.
+    /// `fmi2SetRealInputDerivatives`: for the next step; after it inputs are held at the values
+    /// they reached.
     pub fn set_input_derivatives(
         &mut self,
         references: &[u32],

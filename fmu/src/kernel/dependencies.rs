@@ -1,22 +1,22 @@
-//! Which output and which derivative depends on what, found by trying.
+//! The dependencies of outputs and derivatives, found by trial.
 //!
 //! A component is probed at many reproducible random points: parameters, inputs and states around
-//! their start and nominal values and at their bounds. At each point one quantity after the other
-//! is moved, and whatever differs in any bit depends on it. For outputs and derivatives the
+//! their start and nominal values and at their bounds. At each point one quantity after another is
+//! changed, and any output that differs in any bit depends on it. For outputs and derivatives the
 //! quantities are inputs, states and time; a sampled component first handles some events with
-//! inputs that wander, and the moved input is there at the last one. For initial values the
-//! quantities are parameters, inputs and the start time. What cannot be tried is listed as a
-//! dependency: texts, and parameters whose every move is refused.
+//! inputs that vary, and the changed input is present at the last one. For initial values the
+//! quantities are parameters, inputs and the start time. Quantities that cannot be tried are listed
+//! as dependencies: strings, and parameters for which every change is rejected.
 //!
-//! Where the component has a tangent-linear model, its slopes at the same points tell how a known
+//! If the component has a tangent-linear model, its slopes at the same points show how a known
 //! enters (see [`super::factors`]).
 //!
 //! A sampled component computes all outputs together at the sample, and some of its branches are
-//! rare: the last point of a course is reached once in a long run. Random trials see that an
-//! input matters, but not that it matters to each output. So what moves any output counts as a
-//! known of every output; what never moves anything (an input there for the sake of a common
-//! interface) is none. If nothing moved any output, all inputs are knowns: something may after
-//! more events than were tried.
+//! rare: the last point of a course is reached once in a long run. Random trials show that an input
+//! matters, but not that it matters to each output. So an input that changes any output counts as a
+//! known of every output; an input that never changes anything (one that exists for the sake of a
+//! common interface) counts as none. If nothing changed any output, all inputs are knowns: some may
+//! matter after more events than were tried.
 //!
 //! Only the generator of modelDescription.xml runs this; instances never do.
 
@@ -33,11 +33,11 @@ use super::values::{Explicit, Values};
 
 /// Random points tried.
 const POINTS: u64 = 256;
-/// Most events before the one under test.
+/// Maximum number of events before the one under test.
 const EVENTS: u64 = 12;
 /// Points of inputs and states at which slopes are taken with the same parameters.
 const SLOPES: u64 = 3;
-/// By how much time is moved (s).
+/// By how much time is changed (s).
 const LATER_S: f64 = 0.37;
 
 /// Knowns of each unknown, as indices into the table's variables, both in ascending order.
@@ -59,7 +59,7 @@ impl Dependencies {
         self.factors.of(unknown, known)
     }
 
-    /// How a known enters an initial value, where FMI knows no fixed factors.
+    /// How a known enters an initial value, where FMI has no fixed factors.
     pub(crate) fn initial_factor(&self, unknown: usize, known: usize) -> Factor {
         match self.initial_factors.of(unknown, known) {
             Factor::Fixed => Factor::Dependent,
@@ -88,13 +88,13 @@ struct Probe<'a, F: Fn() -> Box<dyn Model>> {
     table: &'a Table,
     model: F,
     found: Dependencies,
-    /// Parameters of which some move was accepted.
+    /// Parameters for which some change was accepted.
     moved: BTreeSet<usize>,
     refusal: Option<String>,
     accepted: usize,
 }
 
-/// One experiment: its events and what is moved when.
+/// One experiment: its events, and what is changed when.
 #[derive(Clone, Copy)]
 struct Experiment {
     events: u64,
@@ -140,7 +140,7 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
         }
     }
 
-    /// Moves parameters and inputs before the start.
+    /// Changes parameters and inputs before the start.
     fn initial(&mut self, values: &Values, seed: u64) {
         let Some(base) = self.start(values, 0.0) else {
             return;
@@ -171,7 +171,7 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
         self.table.variables().len().saturating_sub(1)
     }
 
-    /// Moves inputs, states and time while running.
+    /// Changes inputs, states and time while running.
     fn running(&mut self, values: &Values, experiment: Experiment) {
         let Some(base) = self.run(values, experiment, None) else {
             return;
@@ -193,7 +193,7 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
         }
     }
 
-    /// Takes the slopes along inputs and states at some points.
+    /// Evaluates the slopes along inputs and states at some points.
     fn slopes(&mut self, values: &Values, parameters: u64) {
         let mut values = values.clone();
         let Some(model) = self.configured(&mut values, 0.0) else {
@@ -221,7 +221,7 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
         }
     }
 
-    /// Takes the slopes along Real parameters and inputs at the start.
+    /// Evaluates the slopes along Real parameters and inputs at the start.
     fn initial_slopes(&mut self, values: &Values, parameters: u64) {
         let mut values = values.clone();
         let Some(model) = self.configured(&mut values, 0.0) else {
@@ -265,7 +265,7 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
         Some(model)
     }
 
-    /// What differs from its start value counts as set by the user.
+    /// Values that differ from the start value count as set by the user.
     fn explicit(&self, values: &Values) -> Explicit {
         fn differing<T: PartialEq>(a: &[T], b: &[T], n: usize) -> Box<[bool]> {
             a.iter().zip(b).take(n).map(|(a, b)| a != b).collect()
@@ -279,7 +279,7 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
         }
     }
 
-    /// The values after some events, with `moved` moved for the last one and from there on.
+    /// The values after some events, with `moved` changed for the last one and from there on.
     fn run(
         &mut self,
         values: &Values,
@@ -321,7 +321,7 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
         Some(values)
     }
 
-    /// What one output of a sampled component depends on, all may depend on.
+    /// All outputs of a sampled component may depend on whatever one of them depends on.
     fn share_among_outputs(&mut self) {
         let inputs = || self.table.group(Group::Input).map(|(index, _)| index);
         let outputs: Vec<usize> = self.found.outputs.keys().copied().collect();
@@ -337,8 +337,8 @@ impl<'a, F: Fn() -> Box<dyn Model>> Probe<'a, F> {
         }
     }
 
-    /// What a component does with inputs that need not be fit may need many of them at once, which no
-    /// random point hits: all outputs count as depending on all inputs.
+    /// What a component does with invalid inputs may need many of them at once, which no random
+    /// point has: all outputs count as depending on all inputs.
     fn depend_on_every_input(&mut self) {
         let inputs = || self.table.group(Group::Input).map(|(index, _)| index);
         self.found.outputs.values_mut().for_each(|knowns| knowns.extend(inputs()));
@@ -366,14 +366,14 @@ fn evaluate(model: &dyn Model, t: f64, values: &mut Values) {
     model.derivatives(t, values);
 }
 
-/// A change of one variable alone.
+/// A change of a single variable.
 fn unit(values: &Values, variable: &Variable) -> Box<[f64]> {
     let mut changes: Box<[f64]> = vec![0.0; values.reals.len()].into();
     set(&mut changes, variable.reference as usize, 1.0);
     changes
 }
 
-/// Notes the unknowns that differ in any bit as dependent on `known`.
+/// Marks the unknowns that differ in any bit as dependent on `known`.
 fn note(
     table: &Table,
     unknowns: &mut BTreeMap<usize, BTreeSet<usize>>,

@@ -58,7 +58,7 @@ pub(crate) fn write(
     xml.finish()
 }
 
-/// What each interface can do; exactly what the functions honour.
+/// The capabilities of each interface; exactly what the functions support.
 fn interfaces(xml: &mut Xml, info: &Info, table: &Table) {
     if info.model_exchange {
         xml.element("ModelExchange")
@@ -188,7 +188,7 @@ fn role(variable: &Variable, sampled: bool) -> (&'static str, &'static str, Opti
     }
 }
 
-/// The element of the type: attributes, and a start value where one may be set.
+/// The element of the type: attributes, and a start value if one may be set.
 fn typed(xml: &mut Xml, variable: &Variable, derivative_of: Option<usize>) {
     let settable = matches!(variable.group, Group::Parameter | Group::Input);
     let changing = !matches!(variable.group, Group::Parameter | Group::Time);

@@ -1,6 +1,6 @@
-//! What a component says of itself to people: `documentation/index.html` of its FMU and a chapter
-//! of Markdown for a list of components. Both come from the table that modelDescription.xml comes
-//! from, so they cannot differ from it.
+//! The documentation of a component: `documentation/index.html` of its FMU and a chapter of
+//! Markdown for a list of components. Both come from the same table as modelDescription.xml, so
+//! they cannot differ from it.
 
 use std::fmt::Write;
 
@@ -29,7 +29,7 @@ math[display=block]{margin:.9em 0;font-size:1.12em}mtd{padding:.2em .1em}\
 figure{margin:1em 0;background:#fff;border:1px solid var(--line)}\
 figure svg{display:block;width:100%;height:auto}";
 
-/// The groups of variables a user meets, with their titles.
+/// The groups of variables that users see, with their titles.
 const GROUPS: [(Group, &str); 4] = [
     (Group::Input, "Inputs"),
     (Group::Output, "Outputs"),
@@ -37,7 +37,7 @@ const GROUPS: [(Group, &str); 4] = [
     (Group::State, "Continuous states"),
 ];
 
-/// Writes the page. `chapters` is HTML of the author's (equations, figures), shown between the
+/// Writes the page. `chapters` is the author's HTML (equations, figures), shown between the
 /// description and the tables of variables.
 pub(crate) fn html(info: &Info, table: &Table, chapters: &str) -> String {
     let (name, description) = (escape(info.name), escape(info.description));
@@ -153,7 +153,7 @@ impl<'a> Row<'a> {
             (Some(min), Some(max)) => format!("{min} … {max}"),
         };
         let unit = variable.unit.as_deref().unwrap_or_default();
-        // What the component computes has no start value of its own.
+        // Values that the component computes have no start value of their own.
         let settable = matches!(variable.group, Group::Parameter | Group::Input);
         Self { variable, unit, start: if settable { start } else { String::new() }, range, items }
     }

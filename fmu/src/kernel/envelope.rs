@@ -1,4 +1,4 @@
-//! Saved states as bytes: magic and version, length, the state, SHA-256 of all before.
+//! Saved states as bytes: magic and version, length, the state, SHA-256 of everything before it.
 
 use sha2::{Digest, Sha256};
 
@@ -23,7 +23,7 @@ pub fn seal(mut body: Vec<u8>) -> Vec<u8> {
 /// Copies a serialized state into a caller's memory.
 ///
 /// # Errors
-/// It is not of the size that was told.
+/// It does not have the reported size.
 pub fn hand_out(bytes: &[u8], into: &mut [u8]) -> Result<(), Trouble> {
     if bytes.len() != into.len() {
         return Err(Trouble::error(format_args!(
@@ -36,7 +36,7 @@ pub fn hand_out(bytes: &[u8], into: &mut [u8]) -> Result<(), Trouble> {
     Ok(())
 }
 
-/// What [`seal`] was given, if nothing was altered.
+/// The input of [`seal`], if nothing was altered.
 ///
 /// # Errors
 /// What is wrong with the bytes, as the end of a sentence that begins with them.

@@ -1,9 +1,9 @@
 //! How a known enters an unknown: `dependenciesKind` of FMI 2.0.4, section 2.2.8.
 //!
-//! Slopes are partial derivatives by the tangent-linear model, at random points. One that has the
-//! same bits at all of them is a constant factor, one that changes with the parameters alone is a
-//! fixed factor; neither is claimed of a slope that is zero everywhere, since then what moves the
-//! unknown was not seen, nor of components without a tangent-linear model.
+//! Slopes are partial derivatives by the tangent-linear model, at random points. A slope that has
+//! the same bits at all of them is a constant factor, and one that changes only with the parameters
+//! is a fixed factor. Neither is declared for a slope that is zero everywhere, because then the
+//! effect on the unknown was not seen, nor for components without a tangent-linear model.
 
 use std::collections::BTreeMap;
 
@@ -29,21 +29,21 @@ impl Factor {
     }
 }
 
-/// What the slopes seen so far say of a pair of unknown and known.
+/// Evidence from the slopes so far for a pair of unknown and known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Seen {
     factor: Factor,
     slope: f64,
-    /// At which set of parameters the slope was seen.
+    /// The set of parameters at which the slope was seen.
     parameters: u64,
 }
 
-/// The pairs of unknowns and knowns of which slopes were seen.
+/// The pairs of unknowns and knowns with known slopes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Factors(BTreeMap<(usize, usize), Seen>);
 
 impl Factors {
-    /// Takes note of a slope at a numbered set of parameters.
+    /// Records a slope at a numbered set of parameters.
     pub(crate) fn see(&mut self, unknown: usize, known: usize, slope: f64, parameters: u64) {
         let now = Seen { factor: Factor::Constant, slope, parameters };
         let seen = self.0.entry((unknown, known)).or_insert(now);
@@ -54,7 +54,7 @@ impl Factors {
         (seen.slope, seen.parameters) = (slope, parameters);
     }
 
-    /// How a known that moves an unknown enters it.
+    /// How a known that affects an unknown enters it.
     pub(crate) fn of(&self, unknown: usize, known: usize) -> Factor {
         match self.0.get(&(unknown, known)) {
             Some(seen) if seen.factor != Factor::Constant || seen.slope != 0.0 => seen.factor,

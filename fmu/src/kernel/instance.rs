@@ -1,9 +1,9 @@
-//! One instance of a component: its life from instantiation to termination, by the rules of
-//! FMI 2.0 and without its C.
+//! One instance of a component: its life from instantiation to termination, by the rules of FMI 2.0
+//! and without its C.
 //!
-//! Every function checks that it is legal now, does its work, and on trouble logs exactly one
+//! Every function checks that it is legal now and does its work; if it fails, it logs exactly one
 //! line `function: what, why, what to do` and returns a status. Values are computed when they are
-//! read, if something they depend on changed since.
+//! read, if something they depend on has changed since.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -31,7 +31,7 @@ pub enum Interface {
     CoSimulation,
 }
 
-/// What has to be computed again before it can be read.
+/// What must be computed again before it can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Stale {
     /// The component: a parameter changed.
@@ -51,7 +51,7 @@ impl Stale {
     }
 }
 
-/// Where a simulation is.
+/// The present point of a simulation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Run {
     pub(super) phase: Phase,
@@ -70,7 +70,7 @@ impl Run {
         tolerance: None,
     };
 
-    /// Whether its numbers are numbers.
+    /// Whether its values are numbers.
     pub(super) fn is_sound(&self) -> bool {
         is_instant(self.time_s)
             && self.stop_s.is_none_or(|stop| !stop.is_nan())
@@ -79,7 +79,7 @@ impl Run {
     }
 }
 
-/// What a component may allocate for its constants and its memory (bytes); files apart.
+/// Maximum allocation of a component for its constants and its memory (bytes), excluding files.
 const CONFIGURATION: usize = 1 << 20;
 
 /// Numbers the sets of parameters of all instances, so that equal numbers mean equal parameters.
@@ -97,13 +97,14 @@ pub struct Instance {
     /// Changes with every change of a parameter.
     pub(super) edition: u64,
     pub(super) slopes: Slopes,
-    /// Changes of Reals along a direction, for directional derivatives; made when first needed.
+    /// Changes of Reals along a direction, for directional derivatives; allocated when first
+    /// needed.
     pub(super) changes: Box<[f64]>,
     pub(super) log: Log,
 }
 
 impl Instance {
-    /// A new instance of a model over its table; `guid` is its component's.
+    /// A new instance of a model over its table; `guid` is that of its component.
     #[must_use]
     pub fn new(
         table: Arc<Table>,
@@ -126,8 +127,8 @@ impl Instance {
             log: Log::new(sink, logging_on),
             table,
         };
-        // Dependent values are readable from here on; if the defaults do not suffice for that
-        // (a required parameter is empty), the start values stand until initialization.
+        // Dependent values are readable from here on; if the defaults do not suffice for that (a
+        // required parameter is empty), the start values remain until initialization.
         let _ = instance.refresh();
         instance
     }
@@ -223,7 +224,7 @@ impl Instance {
         self.log.panicked(call, reason)
     }
 
-    /// The frame of every function: legality, work, one line on failure.
+    /// The frame of every function: legality check, work, one line on failure.
     #[inline]
     pub(super) fn call(
         &mut self,
@@ -246,7 +247,7 @@ impl Instance {
         }
     }
 
-    /// Passes on what the component has to say.
+    /// Forwards the component's messages.
     #[inline]
     pub(super) fn log_notice(&mut self) {
         if let Some(text) = self.model.notice() {
@@ -260,7 +261,7 @@ impl Instance {
         self.model.configure(&mut self.values, &self.explicit, tolerance).map_err(Trouble::error)
     }
 
-    /// Computes what is stale, derivatives excepted, and checks that it is finite.
+    /// Computes stale values, except derivatives, and checks that they are finite.
     #[cold]
     pub(super) fn refresh(&mut self) -> Result<(), Trouble> {
         if self.run.stale.component {
@@ -293,7 +294,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Checks that outputs and states, which lie side by side, are finite.
+    /// Checks that outputs and states, which are adjacent, are finite.
     #[inline]
     pub(super) fn check_outputs(&self) -> Result<(), Trouble> {
         let layout = self.table.layout();
@@ -323,7 +324,8 @@ impl Instance {
         ))
     }
 
-    /// A value no computation can go on with: a solver may try a shorter step, a master cannot.
+    /// A value that no computation can continue with: a solver may try a shorter step, a master
+    /// cannot.
     pub(super) fn doubtful(&self, text: impl std::fmt::Display) -> Trouble {
         match self.interface {
             Interface::ModelExchange => Trouble::discard(text),
@@ -332,7 +334,7 @@ impl Instance {
     }
 }
 
-/// The number of a set of parameters that no other had.
+/// A number that no other set of parameters has had.
 pub(super) fn new_edition() -> u64 {
     EDITIONS.fetch_add(1, Ordering::Relaxed)
 }

@@ -35,7 +35,7 @@ pub struct Integrator {
 }
 
 impl Integrator {
-    /// What a component gets if nobody says otherwise.
+    /// The default for a component.
     pub(crate) const fn of(info: &Info) -> Self {
         Self {
             method: IntegratorMethod::RungeKutta4,
@@ -68,7 +68,7 @@ const ERROR: [f64; 7] = [
 
 /// One step of Dormand and Prince.
 pub(crate) struct Trial<X> {
-    /// The states there, of fifth order.
+    /// The states at the end, of fifth order.
     pub(crate) x: X,
     /// Their derivatives, the first stage of the next step.
     pub(crate) slope: X,
@@ -111,7 +111,7 @@ pub(crate) fn dormand_prince<X: Ports>(
     Trial { x: there, slope, error }
 }
 
-/// The error of a step in units of what is tolerated; not a number if the step is not.
+/// The error of a step relative to the tolerance; NaN if the step contains NaN.
 pub(crate) fn weighed<X: Ports>(x: &X, trial: &Trial<X>, nominal: &X, tolerance: f64) -> f64 {
     let mut scale = *nominal;
     scale.zip_reals(x, &mut |scale, x| *scale = tolerance * (*scale + x.abs()));
@@ -122,12 +122,12 @@ pub(crate) fn weighed<X: Ports>(x: &X, trial: &Trial<X>, nominal: &X, tolerance:
     (squares / X::COUNT.reals.max(1) as f64).sqrt()
 }
 
-/// By what factor to change the step after this error; the exponent is the estimate's order.
+/// The factor by which to change the step after this error; the exponent is the estimate's order.
 pub(crate) fn step_factor(error: f64) -> f64 {
     if error == 0.0 {
         return 5.0;
     }
-    // An error that is no number wants the smallest step.
+    // An error that is NaN requires the smallest step.
     let factor = 0.9 * libm::pow(error, -0.2);
     if factor.is_nan() { 0.2 } else { factor.clamp(0.2, 5.0) }
 }

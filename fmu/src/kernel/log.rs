@@ -1,6 +1,6 @@
-//! What an instance tells its importer: exactly one line for each call that fails, and more on
-//! request. Failures are always told, since a status without a reason helps nobody; `loggingOn`
-//! and the categories choose among the debug messages, as the standard has it.
+//! An instance's messages to its importer: exactly one line for each call that fails, and more on
+//! request. Failures are always reported, because a status without a reason helps no one;
+//! `loggingOn` and the categories select the debug messages, as the standard defines.
 
 use super::call::{Call, Phase};
 use super::instance::Interface;
@@ -50,7 +50,7 @@ impl Category {
         }
     }
 
-    /// Whether one has that name.
+    /// Whether a category has that name.
     #[must_use]
     pub fn is_known(name: &str) -> bool {
         Self::ALL.iter().any(|category| category.name() == name)
@@ -80,19 +80,19 @@ pub struct Log {
 }
 
 impl Log {
-    /// One that ends in `sink`; `logging_on` asks for debug messages.
+    /// A log that writes to `sink`; `logging_on` requests debug messages.
     #[must_use]
     pub fn new(sink: Box<dyn Sink>, logging_on: bool) -> Self {
         Self { sink, events: logging_on }
     }
 
-    /// Tells of a call that failed.
+    /// Reports a call that failed.
     #[cold]
     pub fn failed(&self, call: Call, trouble: &Trouble) -> Status {
         self.failure(trouble.status, &format!("{}: {}", call.name(), trouble.text))
     }
 
-    /// Tells of a call that is not legal where the instance is.
+    /// Reports a call that is not legal in the present state.
     #[cold]
     pub fn out_of_order(&self, call: Call, phase: Phase, interface: Interface) -> Status {
         let status = if phase == Phase::Fatal { Status::Fatal } else { Status::Error };
@@ -104,7 +104,7 @@ impl Log {
         self.failure(status, &format!("{}: not allowed {words}", call.name()))
     }
 
-    /// Tells of a call that panicked.
+    /// Reports a call that panicked.
     #[cold]
     pub fn panicked(&self, call: Call, reason: &str) -> Status {
         let text = format!("{}: panicked: {reason}; free the instance", call.name());
@@ -116,22 +116,22 @@ impl Log {
         status
     }
 
-    /// Passes on what somebody else has to say.
+    /// Forwards a message from elsewhere.
     pub fn pass_on(&self, status: Status, text: &str) {
         self.sink.write(status, Category::of(status), text);
     }
 
-    /// Tells of an event, if someone asked; `text` is only made then.
+    /// Reports an event, if requested; `text` is only computed then.
     pub fn event(&self, text: impl FnOnce() -> String) {
         if self.events {
             self.sink.write(Status::Ok, Category::Events, &text());
         }
     }
 
-    /// Chooses the debug messages; no categories means all. An unknown name is an error.
+    /// Selects the debug messages; no categories means all. An unknown name is an error.
     ///
     /// # Errors
-    /// The unknown name and those there are.
+    /// The unknown name and the known ones.
     pub fn choose(&mut self, on: bool, categories: &[&str]) -> Result<(), String> {
         if let Some(unknown) = categories.iter().find(|name| !Category::is_known(name)) {
             let names: Vec<_> = Category::ALL.iter().map(|category| category.name()).collect();

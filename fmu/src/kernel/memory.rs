@@ -1,22 +1,23 @@
-//! Whether there is memory for what comes next.
+//! Whether there is memory for the next operation.
 //!
-//! Rust ends the process where an allocation fails, and no host wants that of an FMU. So what
-//! allocates much asks first for as much as it will need at most, in one piece, and gives it back.
-//! Nothing keeps another thread from taking it in between; small texts for the log do not ask.
+//! Rust ends the process if an allocation fails, which no host wants from an FMU. So operations
+//! that allocate a lot first request as much as they will need at most, in one piece, and return
+//! it. Another thread may still take it in between; short log messages are not checked this way.
 
 use super::status::Trouble;
 
-/// Bytes of memory for a serialized byte, at most: Postcard makes one of a small integer of eight.
+/// Maximum bytes of memory per serialized byte: Postcard encodes a small integer of eight bytes in
+/// one.
 pub const SPREAD: usize = 8;
 
-/// Checks that `bytes` can be had.
+/// Checks that `bytes` can be allocated.
 ///
 /// # Errors
 /// They cannot.
 pub fn spare(bytes: usize) -> Result<(), Trouble> {
     let mut place = Vec::<u8>::new();
     let asked = place.try_reserve_exact(bytes);
-    // What nobody looks at, the compiler need not ask for.
+    // The compiler may omit an allocation that no one looks at.
     std::hint::black_box(&mut place);
     asked.map_err(|_| {
         Trouble::error(format_args!(

@@ -1,15 +1,15 @@
 //! FMI 2.0 without its C: variable table, state machine, instances, stepper, description.
 //!
-//! | file | what |
+//! | file | contents |
 //! |---|---|
 //! | `table`, `unit`, `values` | the variables of a component and the arrays they live in |
 //! | `call`, `status`, `log` | legal calls per state, return status, one line per failure |
-//! | `clock`, `envelope` | times as importers give them, saved states as bytes |
-//! | `model`, `adapter`, `parameters` | the seam to the mathematics, and components behind it |
-//! | `stepper`, `integrator`, `signal` | co-simulation: from event to event, between them, inputs |
+//! | `clock`, `envelope` | times from importers, saved states as bytes |
+//! | `model`, `adapter`, `parameters` | the interface to the mathematics, and components behind it |
+//! | `stepper`, `integrator`, `signal` | co-simulation: from event to event, between events, inputs |
 //! | `instance`, `access`, `co_simulation`, `model_exchange`, `state`, `tangent` | the functions of FMI 2.0 |
 //! | `served` | what the C interface serves: such an instance, or something else |
-//! | `registry`, `description`, `documentation`, `xml`, `dependencies`, `factors`, `perturbation` | components of a library, what they say of themselves |
+//! | `registry`, `description`, `documentation`, `xml`, `dependencies`, `factors`, `perturbation` | the components of a library and their descriptions |
 
 mod access;
 mod adapter;

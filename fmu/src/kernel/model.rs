@@ -1,7 +1,7 @@
-//! What an instance needs of the thing it simulates: the seam between the FMI rules and the
-//! mathematics.
+//! What an instance requires of the object it simulates: the interface between the FMI rules and
+//! the mathematics.
 //!
-//! [`Component`](crate::Component)s get here through
+//! [`Component`](crate::Component)s implement it through
 //! [`ComponentModel`](super::adapter::ComponentModel). Anything else that has a variable table and
 //! can be stepped (a whole system, a proxy of a remote one) would implement this trait directly.
 
@@ -12,13 +12,13 @@ use crate::author::{Fault, ParameterError, Time};
 use super::signal::Slopes;
 use super::values::{Explicit, Values};
 
-/// What a model remembers besides its values, in a form only the model knows.
+/// A model's memory besides its values, in a form that only the model knows.
 pub type Memory = Box<dyn Any + Send>;
 
-/// Whether somebody reads the outputs besides the derivatives.
+/// Whether the outputs are needed besides the derivatives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outputs {
-    /// They are left as they are.
+    /// They are left unchanged.
     Unread,
     /// They are computed, too.
     Wanted,
@@ -33,27 +33,27 @@ pub struct Events {
     pub changed: bool,
 }
 
-/// Why a step ended before its end; values are those of the last time that was reached.
+/// Why a step ended early; values are those of the last time that was reached.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Halt {
-    /// Time up to which all went well (s).
+    /// Time up to which the step succeeded (s).
     pub reached_s: f64,
     /// What happened there.
     pub cause: Cause,
 }
 
-/// What ended a step.
+/// The cause that ended a step.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cause {
-    /// The component cannot go on: an error.
+    /// The component cannot continue: an error.
     Fault(Fault),
-    /// The Real of this value reference would not be finite: the step is discarded.
+    /// The Real with this value reference would not be finite: the step is discarded.
     NotFinite(usize),
     /// The step takes more integration steps and events than one call may: it is discarded.
     Work,
-    /// The integrator cannot keep to its tolerance: the step is discarded.
+    /// The integrator cannot meet its tolerance: the step is discarded.
     Accuracy {
-        /// Error of the shortest step, in units of what is tolerated.
+        /// Error of the shortest step, relative to the tolerance.
         error: f64,
         /// The tolerance.
         tolerance: f64,
@@ -65,8 +65,8 @@ pub enum Cause {
 /// The instance calls [`configure`](Model::configure) first, then
 /// [`initialize`](Model::initialize), then anything.
 pub trait Model: Send {
-    /// Gives the parameters nobody set their values, checks all, derives constants. `tolerance`
-    /// is that of `fmi2SetupExperiment`.
+    /// Sets the parameters that have not been set, checks all, derives constants. `tolerance` is
+    /// that of `fmi2SetupExperiment`.
     ///
     /// # Errors
     /// Names the parameter that is wrong.
@@ -93,29 +93,29 @@ pub trait Model: Send {
     fn indicators(&self, t: f64, values: &Values, into: &mut [f64]);
 
     /// The tangent-linear model at `t` seconds: reads the changes of inputs and states from
-    /// `changes`, which lie there as the Reals do, and writes those of the derivatives, and of the
+    /// `changes`, which is laid out like the Reals, and writes those of the derivatives, and of the
     /// outputs if they are `wanted`. False if there is none.
     fn tangent(&self, t: f64, values: &Values, wanted: Outputs, changes: &mut [f64]) -> bool;
 
-    /// The same for the start, where parameters change and states with them: reads the changes of
-    /// parameters and inputs, and writes those of states, outputs and derivatives.
+    /// The same for the start, where parameters change and the states with them: reads the changes
+    /// of parameters and inputs, and writes those of states, outputs and derivatives.
     fn initial_tangent(&self, t: f64, values: &Values, changes: &mut [f64]) -> bool;
 
     /// The next time event, if there is one.
     fn next_event(&self) -> Option<Time>;
 
-    /// Model exchange: handles the time events due at `t` seconds, and looks for a state event.
+    /// Model exchange: handles the time events due at `t` seconds, and checks for a state event.
     ///
     /// # Errors
-    /// Why the simulation cannot go on.
+    /// Why the simulation cannot continue.
     fn events(&mut self, t: f64, values: &mut Values) -> Result<Events, Fault>;
 
-    /// Co-simulation: advances from `t` by `h` seconds, with inputs held or moving along `slopes`,
-    /// and computes the outputs there; returns how many events there were. `fresh` says whether
-    /// the outputs among the values are those of the beginning, with these inputs.
+    /// Co-simulation: advances from `t` by `h` seconds, with inputs held or changing along
+    /// `slopes`, and computes the outputs there; returns how many events there were. `fresh` says
+    /// whether the outputs among the values are those of the beginning, with these inputs.
     ///
     /// # Errors
-    /// How far it got and why not further.
+    /// How far it got and why no further.
     fn step(
         &mut self,
         t: f64,
@@ -125,27 +125,27 @@ pub trait Model: Send {
         values: &mut Values,
     ) -> Result<usize, Halt>;
 
-    /// What there is to write into the log since the last time.
+    /// New messages for the log.
     fn notice(&mut self) -> Option<String>;
 
-    /// Copies the memory, into the place of an earlier copy if there is one.
+    /// Copies the memory, into an earlier copy if there is one.
     fn save(&self, into: &mut Option<Memory>);
 
-    /// Takes back a copy; false if it is not one of this model's.
+    /// Restores a copy; false if it does not belong to this model.
     fn restore(&mut self, from: &Memory) -> bool;
 
-    /// How many bytes of memory a copy of the present memory takes at most.
+    /// Maximum bytes of memory for a copy of the present memory.
     fn size(&self) -> usize;
 
     /// A copy as bytes.
     ///
     /// # Errors
-    /// It is not a copy of this model's.
+    /// The copy does not belong to this model.
     fn pack(&self, memory: &Memory) -> Result<Vec<u8>, String>;
 
     /// A copy from bytes.
     ///
     /// # Errors
-    /// The bytes are not the memory of such a model.
+    /// The bytes are not the memory of this model.
     fn unpack(&self, bytes: &[u8]) -> Result<Memory, String>;
 }

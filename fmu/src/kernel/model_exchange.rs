@@ -10,10 +10,10 @@ use super::status::{Status, Trouble};
 use super::table::Group;
 use super::values::all_finite;
 
-/// What `fmi2NewDiscreteStates` tells the importer.
+/// What `fmi2NewDiscreteStates` reports to the importer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EventOutcome {
-    /// Whether to call again before going on.
+    /// Whether to call again before continuing.
     pub again: bool,
     /// Whether an event changed the continuous states.
     pub states_changed: bool,
@@ -38,7 +38,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2NewDiscreteStates`: handles the time events that are due, and looks for a state event.
+    /// `fmi2NewDiscreteStates`: handles the time events that are due, and checks for a state event.
     pub fn new_discrete_states(&mut self, outcome: &mut EventOutcome) -> Status {
         self.call(Call::NewDiscreteStates, |me| {
             let before: Vec<f64> = me.states().to_vec();

@@ -1,4 +1,4 @@
-//! All parameters of a component: its author's, and behind them the integrator's if it has
+//! All parameters of a component: those of its author, followed by the integrator's if it has
 //! continuous states.
 
 use crate::author::{Component, Count, Declarations, Field, Member, Reader, Variables, Writer};
@@ -14,7 +14,7 @@ pub(crate) struct Parameters<C: Component> {
 impl<C: Component> Parameters<C> {
     const INTEGRATES: bool = C::States::COUNT.reals > 0;
 
-    /// The author's, with the integrator nobody chose.
+    /// The author's, with the default integrator.
     pub(crate) fn with(author: C::Parameters) -> Self {
         Self { author, integrator: Integrator::of(&C::INFO) }
     }

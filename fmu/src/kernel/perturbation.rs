@@ -1,11 +1,11 @@
-//! Random admissible values of variables, the same in every run: what probing a component moves.
+//! Random admissible values of variables, the same in every run, for probing a component.
 
 use crate::author::Start;
 
 use super::table::{Group, Variable};
 use super::values::Values;
 
-/// Moves a variable to another admissible value; false if that makes no sense for its type.
+/// Changes a variable to another admissible value; false if that is impossible for its type.
 pub(crate) fn shift(variable: &Variable, values: &mut Values, random: &mut Random) -> bool {
     let reference = variable.reference as usize;
     match &variable.start {
@@ -31,7 +31,7 @@ pub(crate) fn set<T>(values: &mut [T], reference: usize, value: T) -> bool {
 }
 
 /// A value near the start, at a bound, or of the nominal size times a power of ten, within the
-/// bounds. Inputs go furthest, so that saturated and far-off regions are seen as well as others.
+/// bounds. Inputs vary most, so that saturated and distant regions are covered as well.
 fn real(variable: &Variable, start: f64, random: &mut Random) -> f64 {
     let (min, max) = (variable.min.unwrap_or(f64::MIN), variable.max.unwrap_or(f64::MAX));
     let scale = variable.nominal.unwrap_or(if start == 0.0 { 1.0 } else { start.abs() });
@@ -51,7 +51,7 @@ fn real(variable: &Variable, start: f64, random: &mut Random) -> f64 {
     value.clamp(min, max)
 }
 
-/// SplitMix64 (Steele, Lea and Flood 2014): all that probing needs of randomness.
+/// SplitMix64 (Steele, Lea and Flood 2014): the random numbers for probing.
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {

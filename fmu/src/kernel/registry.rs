@@ -1,4 +1,4 @@
-//! The components a library holds, told apart by their GUIDs.
+//! The components of a library, distinguished by their GUIDs.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -67,7 +67,7 @@ impl Entry {
     /// The text of its modelDescription.xml.
     ///
     /// # Errors
-    /// The variable table cannot stand, or the component cannot be probed for its dependencies.
+    /// The variable table is invalid, or the component cannot be probed for its dependencies.
     pub fn describe(&self) -> Result<String, String> {
         let name = self.info.name;
         if let Some(flaw) = &self.flaw {
@@ -93,7 +93,7 @@ impl Entry {
     /// A new instance.
     ///
     /// # Errors
-    /// The interface is not offered, or the variable table cannot stand.
+    /// The interface is not offered, or the variable table is invalid.
     pub fn instantiate(
         &self,
         interface: Interface,
@@ -120,7 +120,7 @@ impl Entry {
     }
 }
 
-/// A component of which nothing is made before it is asked for: a library with many is loaded for one.
+/// A component that is built only on request: a library with many components is loaded for one.
 #[derive(Debug)]
 pub struct Deferred {
     name: &'static str,
@@ -129,7 +129,7 @@ pub struct Deferred {
 }
 
 impl Deferred {
-    /// The entry of a component, to be made.
+    /// The entry of a component, to be built.
     #[must_use]
     pub const fn of<C: Component>() -> Self {
         Self { name: C::INFO.name, make: Entry::of::<C>, made: OnceLock::new() }
@@ -148,7 +148,7 @@ pub struct Registry {
 }
 
 impl Registry {
-    /// A library of these components; `module` is where they are exported.
+    /// A library of these components; `module` is the module that exports them.
     #[must_use]
     pub fn new(module: &'static str, entries: Vec<Deferred>) -> Self {
         Self { library: module.split("::").next().unwrap_or(module), entries }
@@ -165,7 +165,7 @@ impl Registry {
         self.entries.iter().map(Deferred::get)
     }
 
-    /// A new instance of the component that the request's GUID chooses.
+    /// A new instance of the component selected by the request's GUID.
     ///
     /// # Errors
     /// There is no such component, or it does not offer the interface.
@@ -180,10 +180,10 @@ impl Registry {
         self.entries.iter().find(|entry| entry.name == name).map(Deferred::get)
     }
 
-    /// The component of a GUID.
+    /// The component with a GUID.
     ///
     /// # Errors
-    /// There is none; the text names the GUID asked for and those there are.
+    /// There is none; the text names the requested GUID and the known ones.
     pub fn by_guid(&self, guid: &str) -> Result<&Entry, String> {
         let named = self.entries.iter().filter(|entry| guid.ends_with(&mark(entry.name)));
         named.map(Deferred::get).find(|entry| &*entry.guid == guid).ok_or_else(|| {
@@ -198,8 +198,8 @@ impl Registry {
     }
 }
 
-/// A registry that is made when it is first needed, and made anew after it was cleared: unlike a
-/// static that is made once, it leaves nothing behind when the library is unloaded.
+/// A registry that is built when it is first needed, and rebuilt after it was cleared: unlike a
+/// static that is initialized once, it leaks nothing when the library is unloaded.
 #[derive(Debug)]
 pub struct Shared {
     make: fn() -> Registry,
@@ -207,7 +207,7 @@ pub struct Shared {
 }
 
 impl Shared {
-    /// What `make` will make.
+    /// A registry that `make` will build.
     #[must_use]
     pub const fn new(make: fn() -> Registry) -> Self {
         Self { make, made: Mutex::new(None) }
@@ -219,8 +219,8 @@ impl Shared {
         Arc::clone(made.get_or_insert_with(|| Arc::new((self.make)())))
     }
 
-    /// Drops it, at the latest when nobody uses it any more. Without waiting: at the end of a process
-    /// who has it now may never let go.
+    /// Drops it, at the latest when nothing uses it any more. It does not wait: at the end of a
+    /// process, a thread that uses it may never release it.
     pub fn clear(&self) {
         if let Ok(mut made) = self.made.try_lock() {
             *made = None;
@@ -228,7 +228,7 @@ impl Shared {
     }
 }
 
-/// SHA-256 of the description and of the name in the customary form of a GUID.
+/// SHA-256 of the description and of the name in the usual form of a GUID.
 fn guid(name: &str, text: &str) -> String {
     let mut guid = String::from("{");
     for (index, byte) in Sha256::digest(text.as_bytes()).iter().take(10).enumerate() {
@@ -240,7 +240,7 @@ fn guid(name: &str, text: &str) -> String {
     guid + &mark(name)
 }
 
-/// The end of a GUID, which says whose it is without the description.
+/// The end of a GUID, which identifies the component without the description.
 fn mark(name: &str) -> String {
     let digest = Sha256::digest(name.as_bytes());
     let digits: String = digest.iter().take(6).map(|byte| format!("{byte:02x}")).collect();

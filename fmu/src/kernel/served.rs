@@ -1,9 +1,9 @@
-//! What the C interface serves: the functions of FMI 2.0 once their arguments are checked.
+//! What the C interface serves: the functions of FMI 2.0 after their arguments are checked.
 //!
 //! A component of the kit is served as an [`Instance`]. A library that serves something else (a
 //! whole system of FMUs, a proxy of a remote one) implements this trait for it: it keeps a
-//! [`Phase`](super::Phase), which says what is legal when, and a [`Log`](super::Log) for the one
-//! line of each failure. Everything but co-simulation has a default that refuses.
+//! [`Phase`](super::Phase), which defines what is legal when, and a [`Log`](super::Log) for the one
+//! line of each failure. Everything but co-simulation has a default that rejects the call.
 
 use std::ffi::{CStr, CString};
 
@@ -14,23 +14,23 @@ use super::model_exchange::EventOutcome;
 use super::state::State;
 use super::status::{Status, Trouble};
 
-/// What `fmi2Instantiate` was asked for.
+/// The arguments of `fmi2Instantiate`.
 pub struct Request<'a> {
     /// The interface to serve.
     pub interface: Interface,
     /// Name of the instance.
     pub name: &'a str,
-    /// The identity that description and library share.
+    /// The identity shared by description and library.
     pub guid: &'a str,
     /// The FMU's folder of resources.
     pub resources: crate::Resources,
     /// The importer's logger.
     pub sink: Box<dyn Sink>,
-    /// Whether debug messages are wanted.
+    /// Whether debug messages are requested.
     pub logging_on: bool,
 }
 
-/// Declares functions whose default is a refusal.
+/// Declares functions whose default is a rejection.
 macro_rules! refused {
     ($($(#[$doc:meta])* $name:ident($($argument:ident: $type:ty),*) = $call:ident, $flag:literal;)+) => {
         $(
@@ -48,26 +48,25 @@ pub trait Served: Sized + Send + 'static {
     /// A saved state.
     type State: Send + 'static;
 
-    /// The frame of every function: whether it is legal now, its work, and on failure one line in
-    /// the log.
+    /// The frame of every function: whether it is legal now, its work, and one log line on failure.
     fn call(&mut self, call: Call, work: impl FnOnce(&mut Self) -> Result<(), Trouble>) -> Status;
 
     /// Marks the instance as corrupt after a panic in `call`.
     fn poison(&mut self, call: Call, reason: &str) -> Status;
 
-    /// Refuses a function that is declared as not supported.
+    /// Rejects a function that is declared as not supported.
     fn unsupported(&mut self, call: Call, flag: &str) -> Status {
         self.call(call, |_| {
             Err(Trouble::error(format_args!("not supported, as modelDescription.xml says: {flag}")))
         })
     }
 
-    /// Whether a function may be called now; a line in the log if not.
+    /// Whether a function may be called now; logs a line if not.
     fn may(&mut self, call: Call) -> Status {
         self.call(call, |_| Ok(()))
     }
 
-    /// Refuses a call for a reason its arguments gave away.
+    /// Rejects a call because of its arguments.
     fn refuse(&mut self, call: Call, reason: &str) -> Status {
         self.call(call, |_| Err(Trouble::error(reason)))
     }
@@ -95,15 +94,15 @@ pub trait Served: Sized + Send + 'static {
     /// `fmi2Reset`
     fn reset(&mut self) -> Status;
 
-    /// `fmi2GetReal` where that is only copying; `None` if it is not so simple. It must neither panic
-    /// nor compute in floating point: the environment is the importer's.
+    /// `fmi2GetReal` if that only requires copying; `None` if it is not so simple. It must neither
+    /// panic nor compute in floating point: the environment is the importer's.
     #[inline]
     fn get_fresh(&self, _references: &[u32], _into: &mut [f64]) -> Option<()> {
         None
     }
 
-    /// `fmi2SetReal` where that is only copying; `None` if it is not so simple. It must neither panic
-    /// nor compute in floating point: the environment is the importer's.
+    /// `fmi2SetReal` if that only requires copying; `None` if it is not so simple. It must neither
+    /// panic nor compute in floating point: the environment is the importer's.
     #[inline]
     fn set_inputs(&mut self, _references: &[u32], _values: &[f64]) -> Option<()> {
         None
@@ -115,11 +114,11 @@ pub trait Served: Sized + Send + 'static {
     /// `fmi2GetInteger`, enumerations included
     fn get_integer(&mut self, references: &[u32], into: &mut [i32]) -> Status;
 
-    /// `fmi2GetBoolean`: hands each value to `give` with its index.
+    /// `fmi2GetBoolean`: passes each value to `give` with its index.
     fn get_boolean(&mut self, references: &[u32], give: impl FnMut(usize, bool)) -> Status;
 
-    /// `fmi2GetString`: hands each text to `give` with its index; it stays where it is until the
-    /// next call.
+    /// `fmi2GetString`: passes each string to `give` with its index; it stays valid until the next
+    /// call.
     fn get_string(&mut self, references: &[u32], give: impl FnMut(usize, &CStr)) -> Status;
 
     /// `fmi2SetReal`
@@ -137,7 +136,7 @@ pub trait Served: Sized + Send + 'static {
     /// `fmi2GetFMUstate` into a new state.
     fn get_state(&mut self, state: &mut Option<Box<Self::State>>) -> Status;
 
-    /// `fmi2GetFMUstate` into a state that is there already.
+    /// `fmi2GetFMUstate` into an existing state.
     fn get_state_again(&mut self, state: &mut Self::State) -> Status;
 
     /// `fmi2SetFMUstate`
@@ -161,7 +160,7 @@ pub trait Served: Sized + Send + 'static {
     /// `fmi2GetBooleanStatus` of `fmi2Terminated`
     fn wants_to_end(&mut self, into: &mut bool) -> Status;
 
-    /// Any other status kind: it would tell of a pending step, and there never is one.
+    /// Any other status kind: it would refer to a pending step, and there never is one.
     fn no_status(&mut self, call: Call, kind: i32) -> Status {
         self.call(call, |_| {
             Err(Trouble::discard(format_args!(

@@ -1,15 +1,15 @@
 //! The shape of a component's memory: names and order of its fields and their types, as text.
 //!
-//! Saved bytes say nothing of what they mean. Another version of a component may have the same
-//! variables, so the same GUID, and another memory; its bytes would be read as something else. So
-//! the shape of the default memory goes with them, as a fingerprint.
+//! Saved bytes do not say what they mean. Another version of a component may have the same
+//! variables, so the same GUID, and a different memory; its bytes would be misread. So the shape of
+//! the default memory is saved with them, as a fingerprint.
 
 use std::fmt::{self, Display, Write as _};
 
 use serde::ser::{self, Serialize};
 use sha2::{Digest, Sha256};
 
-/// Bytes of a fingerprint.
+/// Length of a fingerprint in bytes.
 pub(crate) const LENGTH: usize = 8;
 
 /// What distinguishes the shape of a value from others.
@@ -172,7 +172,7 @@ impl<'a> ser::Serializer for &'a mut Shape {
     }
 }
 
-/// What has elements without a name.
+/// A value with unnamed elements.
 macro_rules! elements {
     ($($what:ident $method:ident),*) => {$(
         impl ser::$what for &mut Shape {
@@ -195,7 +195,7 @@ elements!(
     SerializeTupleStruct serialize_field, SerializeTupleVariant serialize_field
 );
 
-/// What has fields with a name.
+/// A value with named fields.
 macro_rules! fields {
     ($($what:ident),*) => {$(
         impl ser::$what for &mut Shape {
@@ -243,7 +243,7 @@ mod tests {
     use serde::Serialize;
 
     mod other {
-        /// As long in bytes as its namesake, with the fields exchanged.
+        /// The same number of bytes as its namesake, with the fields swapped.
         #[derive(Default, serde::Serialize)]
         pub(super) struct Memory {
             pub(super) speed: f64,

@@ -1,5 +1,5 @@
-//! What the inputs do during a communication step: they are held, or they follow the polynomial
-//! that their value and their time derivatives at its beginning make (`fmi2SetRealInputDerivatives`).
+//! Inputs during a communication step: they are held, or they follow the polynomial given by their
+//! value and their time derivatives at its beginning (`fmi2SetRealInputDerivatives`).
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +7,7 @@ use crate::author::{Component, Ports, runge_kutta};
 
 use super::values::all_finite;
 
-/// Highest order of input derivatives.
+/// Maximum order of input derivatives.
 pub(crate) const ORDERS: usize = 3;
 
 /// Inputs over time.
@@ -18,8 +18,8 @@ pub(crate) trait Signal<C: Component> {
     /// Calls `f` with the inputs at `t`.
     fn with<R>(&self, t: f64, f: impl FnOnce(&C::Inputs) -> R) -> R;
 
-    /// The derivatives of the states along these inputs; the outputs of the same point come along
-    /// where they are known.
+    /// The derivatives of the states along these inputs; the outputs of the same point are passed
+    /// if they are known.
     fn derivatives<'a>(
         &'a self,
         component: &'a C,
@@ -34,7 +34,7 @@ pub(crate) trait Signal<C: Component> {
     ) -> impl Fn(&mut C::States, f64, f64, Option<&C::Outputs>);
 }
 
-/// Inputs that stay as they are.
+/// Constant inputs.
 pub(crate) struct Held<U>(pub(crate) U);
 
 impl<C: Component> Signal<C> for Held<C::Inputs> {
@@ -111,13 +111,13 @@ impl<C: Component> Signal<C> for Moving<C::Inputs> {
     }
 }
 
-/// Where the time derivatives of the inputs belong.
+/// What the time derivatives of the inputs apply to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Course {
     /// They are zero.
     #[default]
     Held,
-    /// To the step to come.
+    /// To the next step.
     Ahead,
     /// To the end of the last step; the next one holds its inputs unless they are set again.
     Behind,
@@ -132,12 +132,12 @@ pub struct Slopes {
 }
 
 impl Slopes {
-    /// Of so many inputs, all held.
+    /// For this number of inputs, all held.
     pub(crate) fn held(inputs: usize) -> Self {
         Self { course: Course::Held, orders: std::array::from_fn(|_| vec![0.0; inputs].into()) }
     }
 
-    /// Whether both are of the same number of inputs and finite.
+    /// Whether both have the same number of inputs and are finite.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         self.orders
             .iter()
@@ -145,7 +145,7 @@ impl Slopes {
             .all(|(own, theirs)| own.len() == theirs.len() && all_finite(own))
     }
 
-    /// Sets one derivative for the step to come.
+    /// Sets one derivative for the next step.
     pub(crate) fn set(&mut self, input: usize, order: usize, value: f64) {
         if self.course != Course::Ahead {
             self.orders.iter_mut().for_each(|slopes| slopes.fill(0.0));
@@ -171,7 +171,7 @@ impl Slopes {
         }
     }
 
-    /// Takes over another's, without allocating if they are of the same number.
+    /// Copies another's, without allocating if they have the same number.
     pub(crate) fn copy_from(&mut self, other: &Self) {
         self.course = other.course;
         if other.course != Course::Held {

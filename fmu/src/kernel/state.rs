@@ -1,14 +1,14 @@
-//! Saved states: everything an instance needs to go on bit for bit (FMI 2.0.4, section 2.1.8).
+//! Saved states: everything an instance needs to continue bit for bit (FMI 2.0.4, section 2.1.8).
 //!
-//! A state holds what changes during a simulation: where it is, inputs to derivatives, input
-//! slopes, the model's memory with random numbers, held samples and step-size control. Parameters
-//! come along, but are only copied where they differ: each set of parameters has a number of its
-//! own (its edition), so in the usual case saving and restoring are a few copies without
+//! A state contains everything that changes during a simulation: the phase, inputs to derivatives,
+//! input slopes, the model's memory with random numbers, held samples and step-size control.
+//! Parameters are included, but only copied if they differ: each set of parameters has its own
+//! number (its edition), so in the usual case saving and restoring are a few copies without
 //! allocation.
 //!
-//! As bytes it is in Postcard's format within an envelope (`envelope.rs`). The state names the GUID
-//! of its component, so that other components' states are refused, and the shape of its memory
-//! (`shape.rs`), so that those of other versions are.
+//! As bytes it is in Postcard's format within an envelope (`envelope.rs`). The state contains the
+//! GUID of its component, so that other components' states are rejected, and the shape of its
+//! memory (`shape.rs`), so that those of other versions are.
 
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ use super::signal::Slopes;
 use super::status::{Status, Trouble};
 use super::values::{Explicit, Values, all_finite};
 
-/// Memory that does not depend on what is saved, names in errors and the like (bytes).
+/// Memory that does not depend on what is saved, such as names in errors (bytes).
 const FEW: usize = 16 << 10;
 
 /// A saved state of an instance.
@@ -32,7 +32,7 @@ pub struct State {
     interface: Interface,
     run: Run,
     edition: u64,
-    /// Of the Reals the parameters only.
+    /// Of the Reals only the parameters.
     parameters: Values,
     explicit: Explicit,
     /// Inputs, outputs, states, derivatives, time.
@@ -64,7 +64,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2GetFMUstate` into a state that is there already.
+    /// `fmi2GetFMUstate` into an existing state.
     pub fn get_state_again(&mut self, state: &mut State) -> Status {
         self.call(Call::GetFmuState, |me| {
             if !me.is_of(&state.guid) {
@@ -75,7 +75,8 @@ impl Instance {
         })
     }
 
-    /// Whether this is of the component with that GUID, which is mostly the same text in memory.
+    /// Whether this belongs to the component with that GUID, which is usually the same text in
+    /// memory.
     #[inline]
     fn is_of(&self, guid: &Arc<str>) -> bool {
         Arc::ptr_eq(&self.guid, guid) || self.guid == *guid
@@ -86,7 +87,7 @@ impl Instance {
         self.values.reals.get(first..).unwrap_or_default()
     }
 
-    /// What a saved state, or its bytes, takes at most.
+    /// Maximum memory for a saved state, or for its bytes.
     fn size(&self) -> usize {
         let strings = self.values.strings.iter().map(|text| text.count_bytes());
         let values = size_of_val(&*self.values.reals) + strings.sum::<usize>();
@@ -126,7 +127,7 @@ impl Instance {
         self.model.save(&mut state.memory);
     }
 
-    /// `fmi2SetFMUstate`: goes on from a state of this or another instance.
+    /// `fmi2SetFMUstate`: continues from a state of this or another instance.
     pub fn set_state(&mut self, state: &State) -> Status {
         self.call(Call::SetFmuState, |me| {
             if !me.is_of(&state.guid) || state.interface != me.interface {
@@ -151,7 +152,7 @@ impl Instance {
         })
     }
 
-    /// Takes over another set of parameters and derives the constants from them again.
+    /// Copies another set of parameters and derives the constants from them again.
     #[cold]
     fn take_parameters(&mut self, state: &State) -> Result<(), Trouble> {
         let reals = self.values.reals.iter_mut().zip(&state.parameters.reals);
@@ -209,7 +210,7 @@ impl Instance {
     /// `fmi2DeSerializeFMUstate`
     pub fn deserialize_state(&mut self, bytes: &[u8], state: &mut Option<Box<State>>) -> Status {
         self.call(Call::DeSerializeFmuState, |me| {
-            // To compare with, its own; and what is read.
+            // Its own, for comparison; and the one that is read.
             spare(2 * me.size() + SPREAD * bytes.len())?;
             let read = me.read_state(bytes).map_err(|reason| {
                 Trouble::error(format_args!("these {} bytes {reason}", bytes.len()))

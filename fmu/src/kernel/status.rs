@@ -1,4 +1,4 @@
-//! FMI's return status, and the trouble that leads to a bad one.
+//! FMI's return status, and the failures that lead to a bad one.
 
 use std::fmt::Display;
 
@@ -6,19 +6,19 @@ use std::fmt::Display;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i32)]
 pub enum Status {
-    /// All well.
+    /// Success.
     Ok = 0,
-    /// Not quite right, but the computation can go on.
+    /// Not quite right, but the computation can continue.
     Warning = 1,
     /// Not computed; a solver may try again with a shorter step.
     Discard = 2,
-    /// The simulation cannot go on with this instance; reset or free it.
+    /// The simulation cannot continue with this instance; reset or free it.
     Error = 3,
     /// The instance is corrupt; free it.
     Fatal = 4,
 }
 
-/// Why a call did not succeed: what the log line says and the call returns.
+/// Why a call failed: the content of the log line and the returned status.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trouble {
     /// The status of the call.
@@ -28,12 +28,12 @@ pub struct Trouble {
 }
 
 impl Trouble {
-    /// The simulation cannot go on.
+    /// The simulation cannot continue.
     pub fn error(text: impl Display) -> Self {
         Self { status: Status::Error, text: text.to_string() }
     }
 
-    /// Another step or value may do.
+    /// Another step or value may succeed.
     pub fn discard(text: impl Display) -> Self {
         Self { status: Status::Discard, text: text.to_string() }
     }

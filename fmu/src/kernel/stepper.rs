@@ -1,11 +1,11 @@
 //! The co-simulation stepper over the model-exchange view: integrates from event to event.
 //!
-//! Time events in (t, t + h] are handled in integer nanoseconds; an instant whose component does
-//! not move on is an error, not a loop. A state event is where the sign of an indicator at the end
-//! of an integration step differs from its sign after the last event; the step is halved until the
-//! crossing is known to [`RESOLUTION_S`], and the event is handled just behind it. A component that
-//! has [`CROWD`] state events within [`CROWD_S`] is stopped as chattering. Indicators that mark kinks
-//! of the inputs are not looked at while inputs are held.
+//! Time events in (t, t + h] are handled in integer nanoseconds; if a component does not advance
+//! past an instant, that is an error, not an endless loop. A state event is where the sign of an
+//! indicator at the end of an integration step differs from its sign after the last event; the step
+//! is halved until the crossing is known to [`RESOLUTION_S`], and the event is handled just after
+//! it. A component that has [`CROWD`] state events within [`CROWD_S`] is stopped as chattering.
+//! Indicators that mark kinks of the inputs are ignored while inputs are held.
 
 use serde::{Deserialize, Serialize};
 
@@ -24,19 +24,19 @@ const RESOLUTION_S: f64 = 1e-13;
 const CROWD: usize = 1000;
 /// … if they lie within this time (s).
 const CROWD_S: f64 = 1e-6;
-/// Calls of `state_event` at one instant until it must have settled.
+/// Maximum calls of `state_event` at one instant before it must have settled.
 const ITERATIONS: usize = 100;
-/// Most work of one call of the importer's: integration steps and events, so that every call returns
-/// in time, whatever its times and the component's parameters are.
+/// Maximum work of one call by the importer: integration steps and events, so that every call
+/// returns in bounded time, whatever its times and the component's parameters are.
 pub(crate) const MOST_WORK: u32 = 1_000_000;
-/// What it takes to find a state event, in integration steps.
+/// The cost of locating a state event, in integration steps.
 const CROSSING_WORK: u32 = 64;
 
 /// Everything about a running component that is neither a constant nor a value of its table.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Progress<M> {
     pub(crate) memory: M,
-    /// Step that the adaptive integrator wants to take next; 0: none yet.
+    /// Next step of the adaptive integrator; 0: none yet.
     pub(crate) proposed_s: f64,
     /// Which indicators were positive after the last event, one bit each.
     pub(crate) signs: u64,
@@ -47,7 +47,7 @@ impl<M: Clone> Clone for Progress<M> {
         Self { memory: self.memory.clone(), ..*self }
     }
 
-    /// Into its place at once: the derived one makes a copy and moves that.
+    /// Directly into its place: the derived implementation makes a copy and moves that.
     #[inline]
     fn clone_from(&mut self, from: &Self) {
         self.memory.clone_from(&from.memory);
@@ -68,9 +68,9 @@ pub(crate) struct Stepper<'a, C: Component, S> {
     pub(crate) scheme: &'a Scheme<C::States>,
     pub(crate) progress: &'a mut Progress<C::Memory>,
     pub(crate) signal: &'a S,
-    /// The outputs at the beginning, where they are known: only until something happens.
+    /// The outputs at the beginning, if they are known: only until something happens.
     pub(crate) known: Option<&'a [f64]>,
-    /// Work that is left.
+    /// Remaining work.
     pub(crate) work: u32,
 }
 
@@ -145,7 +145,7 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
         }
     }
 
-    /// Lets the component look for a state event once; tells whether it changed anything.
+    /// Lets the component check for a state event once; returns whether it changed anything.
     pub(crate) fn state_event(&mut self, t: f64, x: &mut C::States) -> Result<bool, Fault> {
         if !has_indicators::<C>() {
             return Ok(false);
@@ -214,7 +214,7 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
         if !single {
             self.spend(steps as u32, t)?;
         }
-        // The result of a single step is looked at once it is stored with the outputs.
+        // The result of a single step is checked once it is stored with the outputs.
         let look = !single || watches::<C, S>() || self.next_event().is_some();
         let mut known = self.known.take();
         let advance = self.signal.step(self.component, &self.progress.memory);
@@ -264,7 +264,7 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
             let step = if last { rest } else { proposed };
             let trial = dormand_prince(&f, x, &slope, at, step);
             let error = weighed(x, &trial, &self.scheme.nominal, tolerance);
-            // Not "greater", since the error may be no number.
+            // Not "greater", because the error may be NaN.
             if !(error <= 1.0 && is_finite(&trial.x)) {
                 if step <= 16.0 * f64::EPSILON * at.abs().max(1e-3) {
                     return Err(Halt {
@@ -276,7 +276,7 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
                 continue;
             }
             let wanted = step * step_factor(error);
-            // A last step is short for the sake of the interval, not of the error.
+            // A last step is short because of the interval, not because of the error.
             proposed = if last { wanted.max(proposed) } else { wanted };
             if watches::<C, S>() && self.crossed(&trial.x, at + step) {
                 let again = |step| dormand_prince(&f, x, &slope, at, step).x;
@@ -292,8 +292,8 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
         Ok(crossing)
     }
 
-    /// Halves a step that ends behind a crossing at `there`; returns the states just behind the
-    /// crossing and how long the step to there is.
+    /// Halves a step that ends after a crossing at `there`; returns the states just after the
+    /// crossing and the length of the step to there.
     #[cold]
     fn locate(
         &self,
@@ -306,7 +306,7 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
         let (mut before, mut behind) = (0.0, step);
         while behind - before > resolution {
             let middle = 0.5 * (before + behind);
-            // Kinks of inputs are found without integrating.
+            // Kinks of inputs are located without integrating.
             let x = if C::KINKS_OF_INPUTS { there } else { trial(middle) };
             if self.crossed(&x, t + middle) {
                 (behind, there) = (middle, x);
@@ -333,7 +333,7 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
         own.iter().rev().fold(0, |bits, z| bits << 1 | u64::from(*z > 0.0))
     }
 
-    /// Handles a state event: iterates until the component has nothing to change any more.
+    /// Handles a state event: iterates until the component changes nothing any more.
     #[cold]
     fn settle(&mut self, x: &mut C::States, t: f64) -> Result<(), Halt> {
         self.known = None;
@@ -363,7 +363,7 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
     }
 }
 
-/// A step from a state that stays, in a place of its own: for the search for an event.
+/// A step from a state that is kept, in separate storage: for the search for an event.
 #[cold]
 #[inline(never)]
 fn elsewhere<C: Component>(
@@ -387,13 +387,13 @@ const fn has_indicators<C: Component>() -> bool {
 }
 
 /// Whether an indicator may change its sign within a step, or there is something to do if it has
-/// since the last one.
+/// changed since the last one.
 const fn watches<C: Component, S: Signal<C>>() -> bool {
     has_indicators::<C>() && (S::MOVES || !C::KINKS_OF_INPUTS)
 }
 
 impl Halt {
-    /// The component cannot go on.
+    /// The component cannot continue.
     pub(crate) fn new(reached_s: f64, fault: Fault) -> Self {
         Self { reached_s, cause: Cause::Fault(fault) }
     }
@@ -404,7 +404,7 @@ impl Halt {
         Self { reached_s, cause: Cause::Work }
     }
 
-    /// With a value reference in place of the index of a state.
+    /// With a value reference instead of the index of a state.
     pub(crate) fn in_table(self, states_start: usize) -> Self {
         match self.cause {
             Cause::NotFinite(state) => {

@@ -1,7 +1,8 @@
-//! The variable table: every variable of a component with all that FMI wants to know about it.
+//! The variable table: every variable of a component with all its FMI attributes.
 //!
-//! Value references are indices into the value arrays of their type. Reals lie in the order
-//! parameters, inputs, outputs, states, derivatives, time, the other types as far as they have these.
+//! Value references are indices into the value arrays of their type. Reals are in the order
+//! parameters, inputs, outputs, states, derivatives, time; the other types in the same order, as
+//! far as they have these.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -12,7 +13,7 @@ use super::parameters::Parameters;
 use super::unit::{Unit, is_type_name, per_second};
 use super::values::Values;
 
-/// Which group a variable belongs to; causality, variability and initial follow from it.
+/// The group of a variable; causality, variability and initial follow from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Group {
     /// Fixed once initialization is over.
@@ -74,13 +75,13 @@ impl Variable {
         matches!(self.start, Start::Real(_))
     }
 
-    /// Whether it can be set when the initialization is over.
+    /// Whether it can be set after initialization.
     pub(crate) fn is_settable_later(&self) -> bool {
         self.group == Group::Input || (self.group == Group::Parameter && self.tunable)
     }
 }
 
-/// Why a table cannot be.
+/// Why a table is invalid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TableError {
     /// Two variables share a name.
@@ -114,7 +115,7 @@ pub enum TableError {
     TypeName(String),
 }
 
-/// Where the groups of Reals lie, and how many parameters of each type there are.
+/// The positions of the groups of Reals, and how many parameters of each type there are.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layout {
     /// Parameters come first in every array.
@@ -147,7 +148,7 @@ impl Table {
     /// The table of a component.
     ///
     /// # Errors
-    /// Names the variable whose declaration cannot stand.
+    /// Names the variable whose declaration is invalid.
     pub fn of<C: Component>() -> Result<Self, TableError> {
         let table = Self::new(
             declarations(&Parameters::<C>::with(C::Parameters::default())),
@@ -162,7 +163,7 @@ impl Table {
     /// The table of four groups of declared variables.
     ///
     /// # Errors
-    /// Names the variable whose declaration cannot stand.
+    /// Names the variable whose declaration is invalid.
     pub fn new(
         parameters: Declarations,
         inputs: Declarations,
@@ -201,7 +202,7 @@ impl Table {
         &self.variables
     }
 
-    /// Where the groups lie.
+    /// The positions of the groups.
     #[must_use]
     pub fn layout(&self) -> &Layout {
         &self.layout
@@ -322,7 +323,7 @@ struct Builder {
 }
 
 impl Builder {
-    /// Appends a group and tells where its Reals lie.
+    /// Appends a group and returns the position of its Reals.
     fn add(
         &mut self,
         group: Group,
@@ -339,7 +340,7 @@ impl Builder {
             };
             self.count = self.count.plus(one(&start));
             let given = units.and_then(|units| units.get(index)).cloned();
-            // A number without a unit is one of unit 1: to importers, no unit is an unknown one.
+            // A number without a unit gets unit 1: to importers, no unit means an unknown one.
             let plain = matches!(start, Start::Real(_)).then(|| "1".to_owned());
             self.variables.push(Variable {
                 group,

@@ -1,4 +1,4 @@
-//! Directional derivatives, and the time derivatives of outputs made from them.
+//! Directional derivatives, and the time derivatives of outputs computed from them.
 //!
 //! dz = (dh/dv) dv for unknowns z and knowns v, by the component's tangent-linear model. Which
 //! variables these are depends on the mode (FMI 2.0.4, section 2.1.9):
@@ -9,7 +9,7 @@
 //! | any later | outputs, derivatives | inputs, states, time |
 //!
 //! Parameters are fixed, so they are knowns only as long as they can be set. A tangent-linear model
-//! does not depend on time by itself, so the derivatives with respect to it are zero.
+//! does not depend explicitly on time, so the derivatives with respect to time are zero.
 
 use super::call::{Call, Phase};
 use super::instance::Instance;
@@ -19,7 +19,7 @@ use super::status::{Status, Trouble};
 use super::table::{Group, Kind};
 use super::values::{all_finite, gather};
 
-// The first of the unknowns are those that solvers ask for alone.
+// The first of the unknowns are those that solvers request alone.
 const UNKNOWNS: [Group; 2] = [Group::Derivative, Group::Output];
 const KNOWNS: [Group; 3] = [Group::State, Group::Input, Group::Time];
 const UNKNOWNS_AT_START: [Group; 3] = [Group::Derivative, Group::Output, Group::State];
@@ -71,7 +71,7 @@ impl Instance {
         })
     }
 
-    /// `fmi2GetRealOutputDerivatives`: of order 1, where there is a tangent-linear model.
+    /// `fmi2GetRealOutputDerivatives`: of order 1, if there is a tangent-linear model.
     pub fn output_derivatives(
         &mut self,
         references: &[u32],
@@ -97,7 +97,7 @@ impl Instance {
             if let (Some(dx), Some(rates)) = (me.changes.get_mut(layout.states.clone()), rates) {
                 dx.copy_from_slice(rates);
             }
-            // At the end of a step the inputs still move as they did within it.
+            // At the end of a step the inputs still change as they did within it.
             if let (Course::Behind, Some(du)) =
                 (me.slopes.course, me.changes.get_mut(layout.inputs.clone()))
             {
@@ -124,8 +124,8 @@ impl Instance {
         references.iter().map(|reference| u32::from(reference.wrapping_sub(start) < n)).sum()
     }
 
-    /// Checks that all are Reals of the groups that count as `what` now; tells how many of these
-    /// groups, from the first, have them all. No Real is of two groups, so what each has adds up.
+    /// Checks that all are Reals of the groups that count as `what` now; returns how many of these
+    /// groups, from the first, contain them all. No Real is in two groups, so the counts add up.
     #[inline]
     fn check_groups(
         &self,
@@ -178,7 +178,7 @@ impl Instance {
     }
 
     fn read_changes(&self, references: &[u32], into: &mut [f64]) -> Result<(), Trouble> {
-        // All of them exist, since their groups were checked.
+        // All of them exist, because their groups were checked.
         match gather(&self.changes, references, into) {
             Some(()) if all_finite(into) => Ok(()),
             _ => Err(self.doubtful("a derivative is not finite")),

@@ -15,7 +15,7 @@ pub(crate) struct Unit {
 /// Names of the base units, in the order of the standard's attributes.
 pub(crate) const BASE: [&str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
 
-/// Symbols that are no base units: exponents of `BASE`, factor, offset.
+/// Symbols that are not base units: exponents of `BASE`, factor, offset.
 #[rustfmt::skip]
 const DERIVED: [(&str, [i8; 8], f64, f64); 22] = [
     ("1",    [0, 0, 0, 0, 0, 0, 0, 0],   1.0,    0.0),
@@ -42,7 +42,7 @@ const DERIVED: [(&str, [i8; 8], f64, f64); 22] = [
     ("T",    [1, 0, -2, -1, 0, 0, 0, 0], 1.0,    0.0),
 ];
 
-/// Units with the quantity that a variable in it most often is, for `SimpleType`.
+/// Units with the quantity that they usually measure, for `SimpleType`.
 const QUANTITIES: [(&str, &str); 22] = [
     ("1", "Number"),
     ("s", "Time"),
@@ -94,7 +94,7 @@ impl Unit {
         }
     }
 
-    /// The exponents as whole numbers, which is all the standard can express.
+    /// The exponents as whole numbers, which is all that the standard can express.
     pub(crate) fn whole_exponents(&self) -> Option<[i32; 8]> {
         let whole = self.exponents.iter().all(|e| e.fract() == 0.0 && e.abs() < 100.0);
         whole.then(|| self.exponents.map(|exponent| exponent as i32))
@@ -105,7 +105,7 @@ impl Unit {
             *own += power * theirs;
         }
         self.factor *= power_of(other.factor, power);
-        // An offset has a meaning only where the symbol stands alone.
+        // An offset has a meaning only if the symbol stands alone.
         self.offset = if self == Self::ONE { other.offset } else { self.offset };
         self
     }
@@ -122,7 +122,7 @@ impl Unit {
     }
 }
 
-/// `base^power` for the small powers units have, exactly the same on every machine.
+/// `base^power` for the small powers that units have, exactly the same on every machine.
 fn power_of(base: f64, power: f64) -> f64 {
     let whole = power.trunc() as i32;
     let root = if power.fract() == 0.0 { 1.0 } else { base.sqrt() };

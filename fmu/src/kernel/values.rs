@@ -1,4 +1,4 @@
-//! The flat value arrays of an instance, indexed by value reference, and which parameters its user
+//! The flat value arrays of an instance, indexed by value reference, and which parameters the user
 //! set.
 
 use std::ffi::CString;
@@ -32,7 +32,7 @@ impl Values {
         }
     }
 
-    /// The values of a struct alone.
+    /// The values of a single struct.
     pub(crate) fn of<V: Variables>(value: &V) -> Self {
         let mut values = Self::zeros(V::COUNT);
         values.store(value);
@@ -59,7 +59,7 @@ impl Values {
         })
     }
 
-    /// Takes over from `other` what was set explicitly there.
+    /// Copies from `other` what was set explicitly there.
     pub(crate) fn overlay(&mut self, other: &Self, explicit: &Explicit) {
         fn each<T: Clone>(own: &mut [T], theirs: &[T], set: &[bool]) {
             for ((own, theirs), _) in own.iter_mut().zip(theirs).zip(set).filter(|(_, set)| **set) {
@@ -87,7 +87,7 @@ pub struct Explicit {
 }
 
 impl Explicit {
-    /// Whether both are of the same number of parameters.
+    /// Whether both have the same number of parameters.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         self.reals.len() == other.reals.len()
             && self.integers.len() == other.integers.len()
@@ -109,9 +109,9 @@ impl Explicit {
 
 /// Whether all values are finite.
 ///
-/// The sum of values of which one is not finite is not finite either, and adding up takes one
-/// operation for several values. Only where the sum is not finite does it have to be looked at
-/// each, since large values overflow together.
+/// If one of the values is not finite, their sum is not finite either, and adding takes one
+/// operation for several values. Only if the sum is not finite must each be checked, because large
+/// values overflow together.
 #[inline]
 pub(crate) fn all_finite(values: &[f64]) -> bool {
     let (chunks, rest) = values.as_chunks::<4>();
@@ -129,7 +129,7 @@ fn each_finite(values: &[f64]) -> bool {
     values.iter().all(|value| value.is_finite())
 }
 
-/// Whether all values of a port group are finite; see [`all_finite`].
+/// Whether all values of a group are finite; see [`all_finite`].
 #[inline]
 pub(crate) fn is_finite<P: Ports>(ports: &P) -> bool {
     let (mut copy, mut sums, mut index) = (*ports, [0.0; 4], 0_usize);
@@ -142,7 +142,7 @@ pub(crate) fn is_finite<P: Ports>(ports: &P) -> bool {
     sums.iter().sum::<f64>().is_finite() || first_not_finite(ports).is_none()
 }
 
-/// Index of the first value of a port group that is not finite.
+/// Index of the first value of a group that is not finite.
 #[cold]
 #[inline(never)]
 pub(crate) fn first_not_finite<P: Ports>(ports: &P) -> Option<usize> {
@@ -156,10 +156,10 @@ pub(crate) fn first_not_finite<P: Ports>(ports: &P) -> Option<usize> {
     found
 }
 
-/// Reads a port group from its place among the reals.
+/// Reads a group from its position among the Reals.
 ///
-/// The comparison of lengths tells the compiler the length of the slice, and with it every check
-/// inside `load` vanishes.
+/// The comparison of lengths tells the compiler the length of the slice, which eliminates every
+/// check inside `load`.
 #[inline(always)]
 pub(crate) fn read<P: Variables + Default>(reals: &[f64], place: &Range<usize>) -> P {
     match reals.get(place.clone()) {
@@ -170,7 +170,7 @@ pub(crate) fn read<P: Variables + Default>(reals: &[f64], place: &Range<usize>) 
     }
 }
 
-/// Writes a port group to its place among the reals.
+/// Writes a group to its position among the Reals.
 #[inline(always)]
 pub(crate) fn write<P: Variables>(value: &P, reals: &mut [f64], place: &Range<usize>) {
     match reals.get_mut(place.clone()) {
@@ -181,7 +181,7 @@ pub(crate) fn write<P: Variables>(value: &P, reals: &mut [f64], place: &Range<us
     }
 }
 
-/// Reads a port group of any types; `before` counts what lies before it.
+/// Reads a group of any types; `before` counts what comes before it.
 #[inline(always)]
 pub(crate) fn read_ports<P: Ports>(values: &Values, reals: &Range<usize>, before: Count) -> P {
     if const { P::COUNT.only_reals() } {
@@ -195,7 +195,7 @@ pub(crate) fn read_ports<P: Ports>(values: &Values, reals: &Range<usize>, before
     })
 }
 
-/// Writes a port group of any types.
+/// Writes a group of any types.
 #[inline(always)]
 pub(crate) fn write_ports<P: Ports>(
     ports: &P,
@@ -214,11 +214,11 @@ pub(crate) fn write_ports<P: Ports>(
     });
 }
 
-/// Picks the values of these references; `None` if there is not one of each. Nothing is computed.
+/// Selects the values of these references; `None` if not every one exists. Nothing is computed.
 #[inline]
 pub(crate) fn gather(reals: &[f64], references: &[u32], into: &mut [f64]) -> Option<()> {
     let get = |reference: &u32| reals.get(*reference as usize).copied();
-    // Four at a time: half of the work would be counting.
+    // Four at a time: otherwise half of the work would be counting.
     let (by_four, rest) = references.as_chunks::<4>();
     let (into_four, into_rest) = into.as_chunks_mut::<4>();
     for ([a, b, c, d], place) in by_four.iter().zip(into_four) {
@@ -230,7 +230,7 @@ pub(crate) fn gather(reals: &[f64], references: &[u32], into: &mut [f64]) -> Opt
     Some(())
 }
 
-/// Adds a port group to what stands in its place among the reals.
+/// Adds a group to the values at its position among the Reals.
 pub(crate) fn accumulate<P: Ports>(value: &P, reals: &mut [f64], place: &Range<usize>) {
     let mut sum: P = read(reals, place);
     sum.zip_reals(value, &mut |sum, value| *sum += value);

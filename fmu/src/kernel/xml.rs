@@ -8,7 +8,7 @@ pub(crate) struct Xml {
     open: Vec<&'static str>,
 }
 
-/// An element whose attributes are being written; closes itself when it gets no children.
+/// An element whose attributes are being written; closes itself if it gets no children.
 pub(crate) struct Element<'a> {
     xml: &'a mut Xml,
     name: &'static str,
@@ -57,7 +57,7 @@ impl Element<'_> {
         self
     }
 
-    /// An attribute that is left out when there is nothing to say.
+    /// An attribute that is omitted if it is empty.
     pub(crate) fn maybe(self, name: &str, value: Option<impl Display>) -> Self {
         match value {
             Some(value) => self.attribute(name, value),
@@ -75,7 +75,7 @@ impl Element<'_> {
     }
 }
 
-/// An attribute's text; control characters XML cannot carry become spaces.
+/// An attribute's text; control characters that XML cannot contain become spaces.
 pub(crate) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {

@@ -1,4 +1,4 @@
-//! What must never happen is a crash: wrong pointers, handles, references, values, panics.
+//! Crashes must never happen: wrong pointers, handles, references, values, panics.
 
 use std::ffi::{CStr, CString};
 use std::ptr::{null, null_mut};

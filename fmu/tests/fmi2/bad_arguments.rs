@@ -1,4 +1,4 @@
-//! Every function with what an importer in trouble may pass: NULL, absurd sizes, dead handles.
+//! Every function with arguments that a faulty importer may pass: NULL, absurd sizes, dead handles.
 
 use std::ptr::{dangling, dangling_mut, null, null_mut, without_provenance_mut};
 
@@ -9,7 +9,7 @@ use crate::components::{command, fmi2};
 use crate::driver::{CS, Fmu, ME};
 use crate::legality::call;
 
-/// Calls a function with NULL for each array and place, and `n` for each number of elements; none
+/// Calls a function with NULL for each array and output, and `n` for each number of elements; none
 /// if it takes neither.
 fn call_with_null(c: fmi2Component, function: Call, n: usize) -> Option<Status> {
     let real = dangling_mut::<f64>();

@@ -1,5 +1,5 @@
-//! Components to test with: a mass on a spring (continuous), a sampled source of noise, one that
-//! fails on demand.
+//! Components for the tests: a mass on a spring (continuous), a sampled noise source, a component
+//! that fails on demand.
 
 use fmu_kit::{
     Component, Enumeration, Fault, Info, NoStates, ParameterError, Resources, Sampler, Time,
@@ -330,7 +330,7 @@ impl Component for Clumsy {
     }
 }
 
-/// One that its author offers for co-simulation only.
+/// A component whose author offers it for co-simulation only.
 pub struct Solitary;
 
 impl Component for Solitary {

@@ -1,4 +1,4 @@
-//! modelDescription.xml: complete, true, and the same bytes every time.
+//! modelDescription.xml: complete, correct, and the same bytes every time.
 
 use crate::components::REGISTRY;
 use fmu_kit::kernel::{Table, TableError};
@@ -46,7 +46,7 @@ fn sampled_outputs_share_the_inputs_that_move_any_of_them() {
     }
 }
 
-/// It may move after more events than anyone tried.
+/// It may change after more events than were tried.
 #[test]
 fn a_sampled_output_that_never_moves_is_taken_to_depend_on_all_inputs() {
     assert_eq!(dependencies("Clumsy", "Outputs", "constant"), ["command"]);
@@ -59,7 +59,7 @@ fn initial_values_depend_on_parameters_and_inputs() {
     assert_eq!(of("state.v"), ["label"]);
     let all = ["parameter_set", "mass", "stiffness", "start", "sign", "sprung", "label", "force"];
     assert_eq!(of("der(state.v)"), all);
-    // A sample carries its time, and what is sampled together depends together.
+    // A sample contains its time, and what is sampled together depends together.
     let sample = dependencies("Noise", "InitialUnknowns", "value");
     assert_eq!(sample, ["seed", "signal", "enabled", "time"]);
 }
@@ -87,7 +87,7 @@ fn the_parts_are_as_declared() {
     assert!(!solitary.contains("ModelExchange") && !solitary.contains("<Enumeration>"));
 }
 
-/// The page and the listing say what the description says, and the author's chapters are in it.
+/// The page and the listing agree with the description, and contain the author's chapters.
 #[test]
 fn people_read_the_same_as_tools() {
     let spring = REGISTRY.named("Spring").unwrap();

@@ -1,4 +1,4 @@
-//! An importer for tests: calls the exported C functions and keeps what the logger was told.
+//! An importer for tests: calls the exported C functions and collects log messages.
 
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::ptr::{null, null_mut};
@@ -67,7 +67,7 @@ pub const CS: fmi2Type = 1;
 /// An instance under test.
 pub struct Fmu {
     pub c: fmi2Component,
-    /// Boxed, since the logger knows its address.
+    /// Boxed, because the logger has its address.
     #[expect(clippy::box_collection, reason = "the address of the Vec itself must not change")]
     lines: Box<Vec<Line>>,
     pub name: &'static str,
@@ -91,8 +91,8 @@ impl Fmu {
         })
     }
 
-    /// An instance out of another library than that of the [`components`](crate::components), on
-    /// the same shelf.
+    /// An instance from another library than that of the [`components`](crate::components), with
+    /// the same storage.
     pub fn of<L: Library>(
         registry: &'static Registry,
         name: &'static str,
@@ -183,7 +183,7 @@ impl Fmu {
         value
     }
 
-    /// What was logged since the last call.
+    /// The messages logged since the last call.
     pub fn log(&mut self) -> Vec<Line> {
         std::mem::take(&mut *self.lines)
     }

@@ -1,4 +1,4 @@
-//! More components to test with: a bouncing ball and a limited integrator (state events), a
+//! More components for the tests: a bouncing ball and a limited integrator (state events), a
 //! pendulum with its tangent-linear model.
 
 use fmu_kit::{Component, Fault, Info, ParameterError, Resources, Time, Variables};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// Acceleration of gravity (m/s2).
 pub const GRAVITY: f64 = 9.81;
-/// Share of the speed that a bounce leaves.
+/// Share of the speed after a bounce.
 pub const RESTITUTION: f64 = 0.8;
 
 #[derive(Clone, Copy, Debug, Default, Variables)]
@@ -175,7 +175,7 @@ impl Component for Limiter {
     }
 }
 
-/// Switches there and back at the same place: what a component must not do.
+/// Switches back and forth at the same place: a component must not do this.
 pub struct Chatterer;
 
 impl Component for Chatterer {
@@ -268,7 +268,7 @@ impl Default for Hinge {
     }
 }
 
-/// Starts at its angle and, what no pendulum would do, with the torque for a rate.
+/// Starts at its angle and, unlike any pendulum, with the torque as its rate.
 pub struct Pendulum(Hinge);
 
 impl Component for Pendulum {

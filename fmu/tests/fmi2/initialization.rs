@@ -1,4 +1,4 @@
-//! Start values arrive in different places from different importers; all must have the same effect.
+//! Importers set start values in different places; all must have the same effect.
 
 use fmu_kit::kernel::Status;
 

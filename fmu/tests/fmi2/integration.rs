@@ -1,4 +1,4 @@
-//! The integrators, interpolated inputs, and what follows from the tangent-linear model.
+//! The integrators, interpolated inputs, and consequences of the tangent-linear model.
 
 use fmu_kit::kernel::Status;
 
@@ -36,7 +36,7 @@ fn the_adaptive_integrator_keeps_to_the_tolerance() {
         assert!(*error < 100.0 * tolerance && *error > 1e-3 * tolerance, "{errors:?}");
     }
     assert_eq!(oscillator(None, None), errors[1]);
-    // What was set explicitly wins over fmi2SetupExperiment.
+    // Explicit values take precedence over fmi2SetupExperiment.
     assert_eq!(oscillator(Some(1e-4), Some(1e-8)), errors[2]);
 }
 
@@ -198,7 +198,7 @@ fn directional_derivatives_of_what_they_are_not_of_are_refused() {
     }
 }
 
-/// States follow from parameters and inputs there, so their changes pass on to everything else.
+/// States follow from parameters and inputs there, so their changes propagate to everything else.
 #[test]
 fn directional_derivatives_of_the_start_are_those_of_the_functions() {
     let mut fmu = Fmu::new("Pendulum", ME);
@@ -275,7 +275,7 @@ fn output_derivatives_are_those_of_the_motion() {
     assert_eq!((status, fmu.log().len()), (Status::Error, 1));
 }
 
-/// A discarded step tells how far it got, and an earlier state can be gone on from.
+/// A discarded step reports how far it got, and the simulation can continue from an earlier state.
 #[test]
 fn a_step_that_cannot_be_finished_is_discarded() {
     let mut fmu = Fmu::new("Spring", CS);

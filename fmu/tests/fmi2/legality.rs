@@ -1,5 +1,5 @@
-//! Every function in every state: what the table allows is done, all else is an error with one
-//! line and without effect.
+//! Every function in every state: calls that the table allows are done, all others are an error
+//! with one line and without effect.
 
 use fmu_kit::abi::types::*;
 use fmu_kit::kernel::{Call, Interface, Phase, Status};
@@ -121,15 +121,15 @@ const PHASES: [Phase; 9] = [
     Phase::Failed,
 ];
 
-/// What a function says where it is legal, called as in [`call`].
+/// The result of a function where it is legal, called as in [`call`].
 fn when_legal(function: Call) -> Status {
     match function {
-        // There is no state yet to set, to measure, to write; no bytes are no state.
+        // There is no state yet to set, measure or write; no bytes are not a state.
         Call::SetFmuState
         | Call::SerializedFmuStateSize
         | Call::SerializeFmuState
         | Call::DeSerializeFmuState => Status::Error,
-        // There is nothing to tell of, ever.
+        // There is never anything to report.
         Call::GetStatus | Call::GetIntegerStatus | Call::GetStringStatus => Status::Discard,
         // These components have no tangent.
         Call::GetDirectionalDerivative => Status::Error,
@@ -168,9 +168,9 @@ fn every_function_in_every_state_of_both_interfaces_does_as_the_table_says() {
     assert_eq!(walked, 14 * Call::ALL.len());
 }
 
-/// The tables of the standard (2.0.4, sections 3.2.3 and 4.2.4) a second time, by hand, each state a
-/// letter in the order of [`PHASES`]: instantiated, initialization, event, continuous, step,
-/// terminated, error, fatal, failed step.
+/// The tables of the standard (2.0.4, sections 3.2.3 and 4.2.4) a second time, by hand, with a
+/// letter for each state in the order of [`PHASES`]: instantiated, initialization, event,
+/// continuous, step, terminated, error, fatal, failed step.
 const TABLE: &str = "
 SetDebugLogging          inecstr-f
 FreeInstance             inecstrxf

@@ -1,5 +1,5 @@
-//! FMI 2.0 as an importer sees it: the exported C functions, driven in the ways importers drive
-//! them, and abused in the ways importers abuse them.
+//! FMI 2.0 as an importer sees it: the exported C functions, used as importers use them, and
+//! misused as importers misuse them.
 #![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(
     clippy::undocumented_unsafe_blocks,

@@ -1,5 +1,5 @@
-//! States of a library whose component bears the same description, so the same GUID, but remembers
-//! something else: another version of it.
+//! States of a library whose component has the same description, so the same GUID, but a different
+//! memory: another version of it.
 
 use std::marker::PhantomData;
 use std::ptr::null_mut;
@@ -14,7 +14,7 @@ use serde::de::DeserializeOwned;
 use crate::components::{Components, fmi2};
 use crate::driver::{CS, Fmu};
 
-/// What a version remembers of a level.
+/// A version's memory of a level.
 trait Memory: Clone + Default + Send + Serialize + DeserializeOwned + 'static {
     fn of(level: f64) -> Self;
     fn level(&self) -> f64;
@@ -38,7 +38,7 @@ impl Memory for [f64; 3] {
     }
 }
 
-/// As long as two numbers in bytes: nothing but the shape tells them apart.
+/// The same number of bytes as two numbers: only the shape distinguishes them.
 impl Memory for (f64, [u8; 8]) {
     fn of(level: f64) -> Self {
         (0.0, level.to_le_bytes())
@@ -147,7 +147,7 @@ fn a_state_of_another_shape_of_memory_is_refused_and_changes_nothing() {
         assert!(line.contains("another shape"), "{line}");
         assert_eq!(bytes(&own), before, "{theirs} to {ours}");
         assert_eq!((own.step(0.0, 0.1), own.get("kept")), (Status::Ok, 7.0));
-        // Its own are taken afterwards as ever.
+        // Its own states are still accepted afterwards.
         let place = before.as_ptr().cast();
         unsafe {
             let size = before.len();

@@ -1,12 +1,12 @@
-//! Random sequences of calls of all 44 functions, from any source of bytes: the fuzz target and the
-//! ordinary tests share it.
+//! Random sequences of calls of all 44 functions, from any source of bytes; shared by the fuzz
+//! target and the ordinary tests.
 //!
-//! Handles may be good, freed or invented; arrays are as long as the call says, or NULL; numbers of
-//! elements may be absurd where that must be refused before anything is read. Every call must
+//! Handles may be valid, freed or invented; arrays are as long as the call says, or NULL; numbers
+//! of elements may be absurd if that must be rejected before anything is read. Every call must
 //! return; on a live instance every status but `fmi2OK` must come with exactly one line that begins
 //! with the function's name, and `fmi2OK` with none; a dead handle must give `fmi2Error`.
 //!
-//! Each call is made of a record of fixed length, so that a fuzzer can exchange and repeat calls.
+//! Each call is made from a record of fixed length, so that a fuzzer can exchange and repeat calls.
 
 use std::ffi::CString;
 use std::ptr::{null, null_mut, without_provenance_mut};
@@ -61,7 +61,7 @@ impl<'a> Bytes<'a> {
     }
 }
 
-/// An instance that was made, and whether it has not been freed yet.
+/// An instance, and whether it has not been freed yet.
 struct Handle {
     c: fmi2Component,
     live: bool,
@@ -72,7 +72,7 @@ struct World {
     components: Vec<Handle>,
     states: Vec<fmi2FMUstate>,
     serialized: Vec<u8>,
-    /// Time of the last step, so that some steps join.
+    /// Time of the last step, so that some steps are consecutive.
     time: f64,
     #[expect(clippy::box_collection, reason = "the logger knows the address of the Vec itself")]
     lines: Box<Vec<Line>>,
@@ -90,7 +90,7 @@ pub fn run(mut bytes: Bytes<'_>) -> usize {
     let mut calls = 0;
     while let Some(mut bytes) = bytes.record() {
         world.lines.clear();
-        // Instances and the way through initialization come more often than by chance alone.
+        // Instances and initialization occur more often than by chance alone.
         if world.components.is_empty() || bytes.byte() < 6 {
             calls += world.instantiate(&mut bytes);
             continue;
@@ -110,7 +110,7 @@ pub fn run(mut bytes: Bytes<'_>) -> usize {
 }
 
 impl World {
-    /// Makes an instance and mostly starts it; tells how many calls that took.
+    /// Makes an instance and usually starts it; returns how many calls that took.
     fn instantiate(&mut self, bytes: &mut Bytes<'_>) -> usize {
         let entries: Vec<_> = REGISTRY.entries().collect();
         let guid = CString::new(entries[bytes.below(entries.len())].guid()).unwrap();
@@ -141,14 +141,14 @@ impl World {
         4
     }
 
-    /// Calls one function; tells its status and whether there is a live instance to tell of it.
+    /// Calls one function; returns its status and whether there is a live instance to report it.
     fn call(&mut self, bytes: &mut Bytes<'_>) -> (Status, bool) {
         let slot = bytes.below(self.components.len());
         let c = match bytes.byte() {
             0 => without_provenance_mut(bytes.below(1 << 16) | bytes.below(1 << 16) << 32),
             _ => self.components[slot].c,
         };
-        // An invented handle may be a good one.
+        // An invented handle may be valid.
         let handle = self.components.iter().position(|handle| handle.c == c && handle.live);
         let live = handle.is_some();
         let n = bytes.below(5);
@@ -163,14 +163,14 @@ impl World {
         let vr = if nothing { null() } else { vr.as_ptr() };
         let real = if bytes.byte() < 4 { null_mut() } else { reals.as_mut_ptr() };
         let (integer, text) = (integers.as_mut_ptr(), texts.as_mut_ptr());
-        // An absurd number is refused by its size or by the array being NULL.
+        // An absurd number is rejected by its size or because the array is NULL.
         let n = if bytes.byte() == 0 { usize::MAX - 3 } else { n };
         let (mut info, mut a, mut b) = (fmi2EventInfo::default(), 0, 0);
         let (mut status, mut one) = (Status::Ok, 0.0);
         let pick = bytes.below(self.states.len());
         let mut state = self.states[pick];
         let (x, h) = (bytes.real(), bytes.real());
-        // Mostly what an importer may mean, for steps of a million events take their time.
+        // Usually plausible values, because steps of a million events are slow.
         let h = if bytes.byte() < 4 { 1e9 * h } else { h.clamp(-1.0, 3.0) };
         let t = if bytes.byte() < 20 { x } else { self.time };
         let result = unsafe {
@@ -178,7 +178,7 @@ impl World {
                 0 => fmi2::fmi2SetDebugLogging(c, 0, n.min(2) / 2, text),
                 1 if bytes.byte() < 40 => {
                     fmi2::fmi2FreeInstance(c);
-                    // The handle stays in the list: whatever is called with it must be refused.
+                    // The handle stays in the list: any call with it must be rejected.
                     if let Some(handle) = handle {
                         self.components[handle].live = false;
                     }

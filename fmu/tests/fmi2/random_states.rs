@@ -1,5 +1,6 @@
-//! Serialized states from any source of bytes, behind a right head and a right checksum: the fuzz
-//! target and the ordinary tests share it. What is taken must be usable, what is not must be told.
+//! Serialized states from any source of bytes, after a correct header and before a correct
+//! checksum; shared by the fuzz target and the ordinary tests. Accepted states must be usable,
+//! rejected ones must be reported.
 
 use std::ptr::{null, null_mut};
 
@@ -10,11 +11,11 @@ use crate::components::fmi2;
 use crate::driver::{CS, Fmu, ME};
 
 const HEAD: &[u8] = b"fmu-kit2";
-/// Before the body: the head and its length. Behind it: the checksum.
+/// Before the body: the header and its length. After it: the checksum.
 const BEFORE: usize = 16;
 const CHECKSUM: usize = 32;
 
-/// Offers a state to instances: `bytes` as the body of one, or as changes to a good one.
+/// Offers a state to instances: `bytes` as the body of one, or as changes to a valid one.
 pub fn run(bytes: &[u8]) {
     let Some((choice, bytes)) = bytes.split_first() else {
         return;
@@ -26,7 +27,7 @@ pub fn run(bytes: &[u8]) {
     offer(&mut fmu, &sealed(&body));
 }
 
-/// Each three bytes: a place and what to put there.
+/// Every three bytes: a position and the new value.
 fn changed(mut body: Vec<u8>, changes: &[u8]) -> Vec<u8> {
     for change in changes.chunks_exact(3) {
         let place = usize::from(u16::from_le_bytes([change[0], change[1]]));
@@ -73,7 +74,8 @@ fn offer(fmu: &mut Fmu, bytes: &[u8]) {
     if set != Status::Ok {
         return;
     }
-    // Finite states far away may have outputs that are not: that is told, and the instance lives.
+    // Finite but extreme states may have outputs that are not finite: that is reported, and the
+    // instance survives.
     let (got, t) = fmu.try_get("time");
     assert_eq!(fmu.log().len(), usize::from(got != Status::Ok), "{got:?}");
     assert!(got != Status::Ok || t.is_finite(), "{t}");

@@ -1,6 +1,6 @@
-//! Several threads that call what they like on the same instances and states, freeing included, from
-//! any source of bytes: the fuzz target and the ordinary tests share it. FMI forbids that; it must
-//! give errors, not harm.
+//! Several threads that make arbitrary calls on the same instances and states, including freeing,
+//! from any source of bytes; shared by the fuzz target and the ordinary tests. FMI forbids this; it
+//! must give errors, not harm.
 
 use std::ffi::CString;
 use std::ptr::{null, null_mut, without_provenance_mut};
@@ -17,13 +17,13 @@ const THREADS: usize = 4;
 /// Bytes of one call.
 const RECORD: usize = 4;
 
-/// What the threads share: handles of instances and of states, alive or not.
+/// Shared by the threads: handles of instances and of states, live or not.
 struct Shared {
     instances: [AtomicUsize; 4],
     states: [AtomicUsize; 4],
 }
 
-/// Each thread works through its part of the bytes; then everything is freed, and found dead.
+/// Each thread processes its part of the bytes; then everything is freed, and checked to be dead.
 pub fn run(bytes: &[u8]) {
     let shared = Shared {
         instances: std::array::from_fn(|place| AtomicUsize::new(started(place))),
@@ -52,7 +52,7 @@ pub fn run(bytes: &[u8]) {
     }
 }
 
-/// A new instance of one of the components, past its initialization.
+/// A new instance of one of the components, after initialization.
 fn started(choice: usize) -> usize {
     let name = ["Spring", "Noise", "Ball", "Clumsy"][choice % 4];
     let guid = CString::new(REGISTRY.named(name).unwrap().guid()).unwrap();

@@ -1,4 +1,4 @@
-//! Saved states: complete, portable, and refused if they are not what they should be.
+//! Saved states: complete, portable, and rejected if they are invalid.
 
 use std::ptr::null_mut;
 
@@ -31,7 +31,7 @@ fn deserialize(fmu: &Fmu, bytes: &[u8], state: &mut fmi2FMUstate) -> Status {
     unsafe { fmi2::fmi2DeSerializeFMUstate(fmu.c, bytes.as_ptr().cast(), bytes.len(), state) }
 }
 
-/// Components with an input to move and parameters that differ from the defaults.
+/// Components with an input to change and parameters that differ from the defaults.
 const SUBJECTS: [(&str, &str); 4] =
     [("Spring", "force"), ("Noise", "signal"), ("Ball", ""), ("Pendulum", "torque")];
 
@@ -52,7 +52,7 @@ fn started(name: &'static str) -> Fmu {
     fmu
 }
 
-/// Every Real's bits after each of some steps with moving inputs.
+/// Every Real's bits after each of some steps with changing inputs.
 fn run(fmu: &mut Fmu, input: &str, from: u32, to: u32) -> Vec<u64> {
     let mut bits = Vec::new();
     for k in from..to {
@@ -205,7 +205,7 @@ fn a_wrong_size_is_refused() {
     assert!(fmu.line().contains("size = 8"));
 }
 
-/// Tells a second process of this test where the state lies.
+/// Tells a second process of this test where the state is.
 const FILE: &str = "FMU_KIT_TEST_STATE";
 
 #[test]

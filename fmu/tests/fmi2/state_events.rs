@@ -1,5 +1,5 @@
-//! State events against closed forms, in co-simulation and in model exchange with a solver that
-//! does its own root finding.
+//! State events compared with closed forms, in co-simulation and in model exchange with a solver
+//! that does its own root finding.
 
 use fmu_kit::abi::types::*;
 use fmu_kit::kernel::Status;
@@ -46,7 +46,7 @@ fn ok(status: Status) {
     assert_eq!(status, Status::Ok);
 }
 
-/// An importer's solver in little: classical Runge-Kutta and bisection of indicators.
+/// A minimal importer's solver: classical Runge-Kutta and bisection of indicators.
 struct Solver {
     fmu: Fmu,
     t: f64,
@@ -190,7 +190,7 @@ fn a_limited_integrator_saturates_and_leaves_without_winding_up() {
             assert!((cs.get("level") - closed).abs() < 1e-7, "{t}: {}", cs.get("level") - closed);
             assert!((me.fmu.get("level") - closed).abs() < 1e-7, "{t}");
         }
-        // Eight changes of mode in 8.4 s, and as many times the indicator of the new one moves off
+        // Eight changes of mode in 8.4 s, and as often the indicator of the new mode moves off
         // zero: no chattering.
         assert!(cs.log().len() <= 16);
     }
@@ -211,8 +211,8 @@ fn the_description_counts_the_indicators() {
     assert!(text.contains("numberOfEventIndicators=\"2\""));
 }
 
-/// The integral of a ramp that is clipped at 1 is exact if the kink is found, and only then: it lies
-/// within the one integration step.
+/// The integral of a ramp that is clipped at 1 is exact only if the kink is found: it is within the
+/// one integration step.
 #[test]
 fn kinks_of_inputs_are_found_while_inputs_move() {
     for method in [1, 2] {

@@ -18,7 +18,7 @@ fn together(rounds: usize, work: impl Fn(usize) + Sync) {
         for thread in 0..THREADS {
             let (barrier, instance, work) = (&barrier, &instance, &work);
             scope.spawn(move || {
-                // Freed by the work; the logs stay until all is done.
+                // Freed by the work; the logs stay until everything is done.
                 let mut all = Vec::new();
                 for _ in 0..rounds {
                     if thread == 0 {
@@ -56,7 +56,7 @@ fn of_threads_that_call_at_once_one_gets_in_at_a_time() {
     let done = AtomicUsize::new(0);
     let rounds = 500;
     together(rounds, |instance| {
-        // The logger's memory is not for several threads: only calls that log nothing.
+        // The logger's memory is not thread-safe: only calls that log nothing.
         done.fetch_add(usize::from(reset(instance) == Status::Ok), Ordering::Relaxed);
     });
     assert!(done.load(Ordering::Relaxed) >= rounds);

@@ -1,4 +1,4 @@
-//! Times and steps as no honest importer gives them: every call returns, and says what was wrong.
+//! Implausible times and steps: every call returns, and reports what was wrong.
 
 use fmu_kit::abi::types::*;
 use fmu_kit::kernel::Status;

@@ -1,4 +1,4 @@
-//! Ports that are no Reals, and parameters that change while a simulation runs.
+//! Inputs and outputs other than Reals, and parameters that change during a simulation.
 
 use fmu_kit::kernel::Status;
 
@@ -49,7 +49,7 @@ fn the_description_has_the_types() {
             assert!(variable(name).contains(part), "{name}: {part} in {}", variable(name));
         }
     }
-    // Nothing shown depends on how much of it flows but the flow: inputs are 7 to 10, outputs 11 to 14.
+    // Only the flow affects an output: inputs are 7 to 10, outputs 11 to 14.
     let outputs = text.split_once("<Outputs>").unwrap().1.split_once("</Outputs>").unwrap().0;
     let knowns = |output: &str| {
         let index =
@@ -109,7 +109,7 @@ fn in_model_exchange_they_change_in_event_mode() {
     unsafe { fmi2::fmi2GetDerivatives(valve.c, &raw mut rate, 1) };
     assert_eq!(rate, 3.0);
     unsafe { fmi2::fmi2EnterContinuousTimeMode(valve.c) };
-    // FMPy sets discrete inputs there, too, but only to what they are.
+    // FMPy sets discrete inputs there, too, but only to their present values.
     assert_eq!(valve.set_boolean("powered", true), Status::Ok);
     assert_eq!(valve.set_boolean("powered", false), Status::Error);
 }

@@ -1,4 +1,5 @@
-//! A component with ports that are no Reals and parameters that change while a simulation runs.
+//! A component with inputs and outputs other than Reals and parameters that change during a
+//! simulation.
 
 use fmu_kit::{Component, Enumeration, Info, ParameterError, Resources, Variables};
 

@@ -1,7 +1,7 @@
-//! One cycle of the filter: predict, then update with what has been measured since.
+//! One cycle of the filter: predict, then update with the measurements since the last cycle.
 //!
-//! H = I, so each measurement is a component of the state; with a diagonal R they are fused one
-//! after the other, which equals eqs (50)-(53) in one go.
+//! H = I, so each measurement is a component of the state. With a diagonal R they are fused one
+//! after the other, which is equivalent to eqs (50)-(53) at once.
 
 use nalgebra::Vector4;
 
@@ -22,7 +22,7 @@ const LOST: [f64; 4] = [1e4, 1e4, 1e3, core::f64::consts::PI];
 /// Index of x, y, z and psi among x, y, z, roll, pitch, yaw.
 const POSE: [usize; 4] = [0, 1, 2, 5];
 
-/// A filter, its parameters checked.
+/// A filter, with its parameters checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ekf {
     /// How often it runs.
@@ -80,7 +80,7 @@ impl Ekf {
         Belief::new(4, mean, &Vector4::from(sigma), [1.0, 0.0, 0.0, 0.0])
     }
 
-    /// After an overflow: the start values, with an uncertainty that says they mean nothing.
+    /// After an overflow: the start values, with an uncertainty that marks them as meaningless.
     fn begin_anew(&self, memory: &mut EkfMemory) {
         *memory = EkfMemory {
             belief: self.start(LOST),
@@ -92,7 +92,7 @@ impl Ekf {
         };
     }
 
-    /// What the filter knows, without a cycle.
+    /// The estimate, without a cycle.
     #[must_use]
     pub fn estimate(&self, memory: &EkfMemory) -> Estimate {
         let EkfMemory { belief, motion, tilt: [roll, pitch], .. } = memory;
@@ -121,8 +121,8 @@ impl Ekf {
         }
     }
 
-    /// Velocity from DVL (moved to the centre of gravity) and gyro, acceleration from the source.
-    /// Where nothing is new the last values stand.
+    /// Velocity from DVL (transferred to the centre of gravity) and gyro, acceleration from the
+    /// source. Without new values the last ones are used.
     fn observe_motion(&self, memory: &mut EkfMemory, news: &News) {
         let p = &self.parameters;
         let before = memory.motion;
@@ -135,8 +135,8 @@ impl Ekf {
             memory.motion.velocity[3] = r;
         }
         if let Some(velocity) = news.dvl {
-            // Four degrees of freedom: p and q are zero in the model, and a gyro's bias in them is
-            // worth more than what it would correct.
+            // Four degrees of freedom: p and q are zero in the model, and including them would add
+            // a gyro bias larger than the correction.
             let lever = cross([0.0, 0.0, memory.motion.velocity[3]], p.dvl_position);
             memory.motion.velocity[..3].copy_from_slice(&sub(velocity, lever));
             memory.count(Channel::Dvl);
@@ -181,7 +181,7 @@ impl Ekf {
     }
 }
 
-/// A measurement of the state's components from `first` on themselves.
+/// A measurement of the state's components, starting with `first`.
 fn direct<const K: usize>(first: usize, innovation: [f64; K], sigma: f64) -> Observation<4> {
     let component = |i: usize| if i < K { innovation[i] } else { 0.0 };
     let row = |i: usize| {

@@ -1,4 +1,4 @@
-//! Which readings are new, and what became of them.
+//! Which readings are new, and what happened to them.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,13 +7,13 @@ use crate::estimation::measurement::LONGEST;
 use crate::estimation::sensor::Observation;
 use crate::estimation::{ChannelReport, Reading};
 
-/// What is remembered of an instrument.
+/// What is remembered about an instrument.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Source {
     /// Stamp of its newest reading (s), and its value.
     stamp: f64,
     value: [f64; LONGEST],
-    /// When a reading last came that was fit (s).
+    /// When the last valid reading came (s).
     pub(super) arrived: f64,
     /// Readings that were not numbers.
     pub(super) refused: u32,
@@ -24,7 +24,7 @@ impl Source {
         Self { stamp: -1.0, value: [0.0; LONGEST], arrived: now, refused: 0 }
     }
 
-    /// The value of a reading that is new and made of numbers.
+    /// The value of a reading, if it is new and consists of numbers.
     pub(super) fn take<const K: usize>(
         &mut self,
         now: f64,
@@ -51,12 +51,12 @@ pub(super) struct Record {
     sigma: [f64; 3],
     nis: f64,
     used: u32,
-    /// Share of late that was beyond the 99.9 % quantile, over some twenty measurements.
+    /// Recent share beyond the 99.9 % quantile, over some twenty measurements.
     pub(super) surprises: f64,
 }
 
 impl Record {
-    /// A measurement that is taken as it is, without a prediction to compare it with.
+    /// A measurement that is used as it is, without a prediction to compare it with.
     pub(super) fn count(&mut self) {
         self.used = self.used.saturating_add(1);
     }

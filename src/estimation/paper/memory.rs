@@ -1,4 +1,4 @@
-//! What the filter remembers between cycles, and what is new in a cycle.
+//! The filter's memory between cycles, and the new measurements of a cycle.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +11,7 @@ use crate::estimation::sensor::Observation;
 use crate::estimation::{CHANNELS, Channel, Measurements};
 use crate::vector::Vec3;
 
-/// What the filter remembers between cycles.
+/// The filter's memory between cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EkfMemory {
     pub(super) belief: Belief<4>,
@@ -48,7 +48,7 @@ impl Sources {
     }
 }
 
-/// What is new in a cycle.
+/// New measurements in a cycle.
 pub(super) struct News {
     pub(super) imu: Option<[f64; 6]>,
     pub(super) ahrs: Option<[f64; 3]>,

@@ -1,8 +1,8 @@
 //! The transition matrix of the covariance as the paper prints it, eqs (44)-(47).
 //!
-//! `F_ii = 1 + (a + da/2) dt / v` with `a = v' + r z x v` and `da` its change since the cycle before:
-//! a quotient of displacements where the derivative of the prediction belongs. It is singular at
-//! rest, and heading and position are independent in it.
+//! `F_ii = 1 + (a + da/2) dt / v` with `a = v' + r z x v` and `da` its change since the previous
+//! cycle: a quotient of displacements instead of the derivative of the prediction. It is singular
+//! at rest, and heading and position are independent in it.
 
 use nalgebra::{Matrix4, Vector4};
 
@@ -16,9 +16,9 @@ const LIMIT: f64 = 1e3;
 /// Eqs (44)-(47), kept finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Misprinted {
-    /// Speed (m/s, rad/s) below which a quotient is 1, because it loses all meaning; the paper has
-    /// none, which is 0. The default is chosen, with the sensors' noise, for the levels of its
-    /// Tables 7 to 9.
+    /// Speed (m/s, rad/s) below which a quotient is 1, because it becomes meaningless; the paper
+    /// has no such limit, which is 0. The default is chosen, together with the sensors' noise, to
+    /// match the levels of its Tables 7 to 9.
     pub guard_speed: f64,
 }
 
@@ -39,7 +39,7 @@ impl Misprinted {
         Matrix4::from_diagonal(&Vector4::from_fn(|i, _| {
             let v = motion.velocity[i];
             let quotient = 1.0 + (now[i] + 0.5 * (now[i] - before[i])) / v * dt;
-            // At v = 0 with no acceleration the quotient 0/0 says nothing.
+            // At v = 0 without acceleration the quotient is 0/0.
             if v.abs() < self.guard_speed || quotient.is_nan() {
                 1.0
             } else {

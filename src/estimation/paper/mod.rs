@@ -1,7 +1,7 @@
-//! The paper's two filters: extended Kalman filters of `[x, y, z, psi]`, whose velocity is that of
-//! the velocity log, and whose acceleration comes from the model or from the accelerometers.
+//! The paper's two filters: extended Kalman filters of `[x, y, z, psi]`. The velocity comes from
+//! the velocity log, the acceleration from the model or from the accelerometers.
 //!
-//! What they measure is taken when it comes, once a cycle; nothing is put in its place in time.
+//! Measurements are fused when they arrive, once per cycle, not at their own time.
 
 mod ekf;
 mod intake;

@@ -25,7 +25,7 @@ pub enum ProcessNoise {
     /// The diagonal `process_variance`.
     #[default]
     Constant,
-    /// Position: `sigma_dvl^2 dt T_dvl`, the random walk that DVL noise makes; psi: as `Constant`.
+    /// Position: `sigma_dvl^2 dt T_dvl`, the random walk caused by DVL noise; psi: as `Constant`.
     Dvl,
 }
 
@@ -36,7 +36,7 @@ pub struct EkfParameters {
     pub rate_hz: f64,
     /// Transition matrix of the covariance.
     pub transition: Transition,
-    /// Whether body displacements are turned into NED by psi; eq (36) as printed does not.
+    /// Whether body displacements are rotated into NED by psi; eq (36) as printed does not do this.
     pub rotate_to_ned: bool,
     /// Process noise covariance.
     pub process_noise: ProcessNoise,
@@ -56,13 +56,13 @@ pub struct EkfParameters {
     pub initial_pose: [f64; 4],
     /// Its standard deviation (m, rad).
     pub initial_sigma: [f64; 4],
-    /// Place of the IMU, body (m).
+    /// Position of the IMU, body (m).
     pub imu_position: [f64; 3],
-    /// Place of the DVL, body (m).
+    /// Position of the DVL, body (m).
     pub dvl_position: [f64; 3],
-    /// Place of the antenna or transponder of the fix, body (m).
+    /// Position of the antenna or transponder of the fix, body (m).
     pub fix_position: [f64; 3],
-    /// Place of the pressure sensor, body (m).
+    /// Position of the pressure sensor, body (m).
     pub pressure_position: [f64; 3],
     /// Acceleration of gravity (m/s2), for the kinematic filter.
     pub gravity: f64,

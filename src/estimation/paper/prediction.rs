@@ -12,17 +12,17 @@ use crate::estimation::Belief;
 use crate::vector::{Vec3, add, cross, sub};
 use crate::vehicle::ReducedModel;
 
-/// Where the acceleration of the prediction comes from.
+/// Source of the acceleration for the prediction.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "one per filter; a box would gain nothing")]
 pub enum Acceleration {
     /// Eqs (27)-(30) at the measured velocity and thrusts.
     Dynamic(ReducedModel),
-    /// Specific force of the IMU less gravity.
+    /// Specific force of the IMU minus gravity.
     Kinematic,
 }
 
-/// Velocities and accelerations that a cycle predicts with, body frame.
+/// Velocities and accelerations for the prediction of a cycle, body frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Motion {
     /// `[u, v, w, r]`.
@@ -46,7 +46,8 @@ impl Motion {
 
 /// Time derivatives of u, v, w from the accelerometers.
 ///
-/// The Euler term of a lever arm is left out: differencing the gyros would add more than it takes.
+/// The Euler term of a lever arm is omitted: differencing the gyros would add more noise than it
+/// removes error.
 pub(super) fn inertial_acceleration(
     p: &EkfParameters,
     specific_force: Vec3,
@@ -61,7 +62,7 @@ pub(super) fn inertial_acceleration(
     sub(inertial, cross([0.0, 0.0, rate[2]], velocity))
 }
 
-/// The belief a cycle later; `before` is the motion of the previous cycle.
+/// The belief one cycle later; `before` is the motion of the previous cycle.
 pub(super) fn predict(p: &EkfParameters, belief: &mut Belief<4>, motion: &Motion, before: &Motion) {
     let dt = 1.0 / p.rate_hz;
     let d = displacement(p, belief.mean[3], motion, dt);
@@ -95,7 +96,7 @@ fn displacement(p: &EkfParameters, yaw: f64, motion: &Motion, dt: f64) -> Vec3 {
     [cos * along - sin * across, sin * along + cos * across, down]
 }
 
-/// The derivative of the prediction: a displacement turns with psi.
+/// The derivative of the prediction: a displacement rotates with psi.
 fn jacobian(p: &EkfParameters, displacement: Vec3) -> Matrix4<f64> {
     let mut f = Matrix4::identity();
     if p.rotate_to_ned {

@@ -1,8 +1,8 @@
-//! Constant acceleration, in the manner of robot_localization with its default process noise.
+//! Constant acceleration, as in robot_localization with its default process noise.
 //!
-//! Position, attitude, velocity, angular rate and acceleration along body axes, the last two constant
-//! but for noise; gyros and accelerometers are measurements of them. The baseline of users who tune
-//! nothing: no model of the vehicle, no biases. Moore & Stouch (2014).
+//! Position, attitude, velocity, angular rate and acceleration along body axes, the last two
+//! constant except for noise; gyros and accelerometers are measurements of them. The baseline for
+//! users who tune nothing: no vehicle model, no biases. Moore & Stouch (2014).
 
 use nalgebra::{Matrix3, Vector3};
 

@@ -6,11 +6,12 @@
 //! p+ = p + R (u dt + alpha dt^2/2),  u+ = T^T (u + alpha dt)
 //! ```
 //! States: position (NED), velocity over ground u along body axes, attitude error (body), biases of
-//! the accelerometers and gyros; those of the model aid; those of the sensors. Solà (2017) ch. 5, with
-//! the error on the right. The velocity log then measures states alone: a heading that is not
-//! observable stays so, where a velocity in NED would let every correction of it leak into the
-//! heading (the inconsistency that invariant filters cure, Barrau & Bonnabel 2017). Without an
-//! inertial unit the velocity stays constant along the body and wanders as the parameters say.
+//! the accelerometers and gyros; those of the model aid; those of the sensors. Solà (2017) ch. 5,
+//! with the error on the right. The velocity log then measures states directly: an unobservable
+//! heading stays unobservable, whereas with a velocity in NED every correction of it would leak
+//! into the heading (the inconsistency that invariant filters avoid, Barrau & Bonnabel 2017).
+//! Without an inertial unit the body velocity is constant except for a random walk set by the
+//! parameters.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -35,7 +36,7 @@ pub(super) const B_A: usize = 9;
 pub(super) const B_G: usize = 12;
 const BASE: usize = 15;
 
-/// Inertial navigation; with a model aid if there is one.
+/// Inertial navigation, optionally with a model aid.
 #[derive(Clone, Debug)]
 pub struct InertialProcess {
     parameters: NavigationParameters,
@@ -45,9 +46,9 @@ pub struct InertialProcess {
     aid: Option<ModelAid>,
 }
 
-/// The quantities of a prediction that its derivatives need too.
+/// The quantities of a prediction that its derivatives also need.
 pub(super) struct Strapdown {
-    /// Rate and specific force less their biases.
+    /// Rate and specific force minus their biases.
     pub(super) rate: Vector3<f64>,
     pub(super) force: Vector3<f64>,
 }
@@ -90,7 +91,8 @@ impl InertialProcess {
         belief.attitude = turned(belief.attitude, &turn);
     }
 
-    /// A prediction with inertial means; like the other sets F, which is the identity before.
+    /// A prediction with inertial means; like the other one it sets F, which is the identity
+    /// before.
     fn navigate<const N: usize>(
         &self,
         belief: &mut Belief<N>,
@@ -142,7 +144,7 @@ impl InertialProcess {
         belief.attitude = turned(belief.attitude, &(s.rate * dt));
     }
 
-    /// Rows of F; with a model aid the noise of an interval acts where a bias does.
+    /// Rows of F; with a model aid the noise of an interval enters like a bias.
     fn set_rows<const N: usize, const B: usize>(
         &self,
         f: &mut Transition<N>,
@@ -166,8 +168,8 @@ impl InertialProcess {
             true => (p.sensors.accelerometer.noise_density, p.sensors.gyro.noise_density),
             false => (p.maneuver_acceleration, p.maneuver_rate),
         };
-        // With a model aid the noise of an interval is a state, and comes in through F; that of the
-        // rates across does not.
+        // With a model aid the noise of an interval is a state, and enters through F; that of the
+        // roll and pitch rates does not.
         let modelled = self.aid.is_some() && measured;
         let acceleration = if modelled { 0.0 } else { force * force };
         let q = acceleration * dt;

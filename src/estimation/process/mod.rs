@@ -1,4 +1,4 @@
-//! Processes: how a state moves between measurements.
+//! Processes: how a state evolves between measurements.
 
 pub(crate) mod rotation;
 
@@ -20,8 +20,8 @@ pub trait Process<const N: usize> {
     /// Predicts over an interval: mean and covariance.
     fn predict(&self, belief: &mut Belief<N>, interval: &Interval, witness: &mut impl Witness<N>);
 
-    /// Measurements that the interval itself makes, with the one before it: balances of force and
-    /// moment, a gyro compared with a modelled rate.
+    /// Pseudo-measurements of the interval itself, together with the previous one: balances of
+    /// force and moment, a gyro compared with a modelled rate.
     fn aid(
         &self,
         belief: &mut Belief<N>,
@@ -41,34 +41,34 @@ pub trait Process<const N: usize> {
     /// Adds a correction to the mean.
     fn correct(&self, belief: &mut Belief<N>, correction: &Column<N>);
 
-    /// Takes an attitude `[roll, pitch, yaw]` (rad) for the mean.
+    /// Uses an attitude `[roll, pitch, yaw]` (rad) as the mean.
     fn align(&self, belief: &mut Belief<N>, euler: [f64; 3]);
 
-    /// The first of three states of the velocity; the position is always states 0 to 2.
+    /// The first of three velocity states; the position is always states 0 to 2.
     fn velocity(&self) -> usize;
 
-    /// The states of the current north and east, where there are any.
+    /// The states of the current north and east, if there are any.
     fn current(&self) -> Option<[usize; 2]> {
         None
     }
 
-    /// Change of the states in a second that a newton of thruster `i` makes.
+    /// Effect of one newton of thruster `i` on the states per second.
     fn thrust_effect(&self, i: usize) -> Column<N> {
         let _ = i;
         Column::zeros()
     }
 
-    /// Whether nothing but the velocity log says how the velocity changes during an interval.
+    /// Whether only the velocity log shows how the velocity changes during an interval.
     fn coasts(&self, interval: &Interval) -> bool {
         interval.inertial.is_none() && !(self.uses_thrust() && interval.thrust.is_some())
     }
 
-    /// Whether the process makes use of thrusts.
+    /// Whether the process uses thrusts.
     fn uses_thrust(&self) -> bool {
         false
     }
 
-    /// Whether roll and pitch are taken from their sensor as they are, and only the heading is a state.
+    /// Whether roll and pitch are used as measured, and only the heading is a state.
     fn tilt_is_input(&self) -> bool {
         false
     }

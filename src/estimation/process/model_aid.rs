@@ -1,13 +1,13 @@
 //! Aiding by the equations of motion: balances of force and moment as measurements.
 //!
-//! The inertial unit drives the filter; the rigid-body model says which specific force and which
-//! change of the yaw rate thrust, damping, added mass and buoyancy should give. Hegrenæs &
-//! Hallingstad (2011) aid by a velocity; the forces themselves keep the noise of the inertial unit
-//! apart from that of the model. The mean of the accelerometer that drives an interval also stands
-//! in its force balance, so its noise is a state for as long as the interval lasts (likewise the
-//! gyro's about z, for two intervals): correlated noise, fused exactly.
+//! The inertial unit drives the filter. The rigid-body model predicts the specific force and the
+//! change of the yaw rate from thrust, damping, added mass and buoyancy. Hegrenæs & Hallingstad
+//! (2011) aid by a velocity; using the forces themselves separates the noise of the inertial unit
+//! from that of the model. The accelerometers' mean that drives an interval also enters its force
+//! balance, so its noise is a state for the duration of the interval (likewise the gyro's about z,
+//! for two intervals): correlated noise, fused exactly.
 //!
-//! The moment balance observes sway through the Munk moment, which nothing else does while the
+//! Through the Munk moment, the moment balance observes sway, which nothing else does while the
 //! velocity log is silent.
 
 use nalgebra::{Matrix3, Vector3};
@@ -27,22 +27,22 @@ use crate::vehicle::Parameters;
 /// NIS at which the influence of a balance is limited: three standard deviations.
 const BALANCE_GATE: f64 = 9.0;
 
-/// Where the states of the aid are.
+/// The states of the aid.
 #[derive(Clone, Copy, Debug)]
 pub struct AidStates {
     /// Current north and east (m/s).
     pub current: usize,
-    /// Force that varies quickly, body (N).
+    /// Fast force, body (N).
     pub force: usize,
-    /// Force that varies slowly, body (N).
+    /// Slow force, body (N).
     pub slow_force: usize,
-    /// Yaw moment that varies quickly (N.m).
+    /// Fast yaw moment (N.m).
     pub moment: usize,
     /// Noise of the accelerometers' mean in this interval (m/s2).
     pub force_noise: usize,
     /// Noise of the yaw gyro's mean in this interval (rad/s).
     pub rate_noise: usize,
-    /// The same of the interval before.
+    /// The same in the previous interval.
     pub rate_noise_before: usize,
 }
 
@@ -50,7 +50,7 @@ impl AidStates {
     /// How many states there are.
     pub const COUNT: usize = 14;
 
-    /// Numbered from `base` on.
+    /// Numbered starting at `base`.
     #[must_use]
     pub const fn at(base: usize) -> Self {
         Self {
@@ -65,13 +65,13 @@ impl AidStates {
     }
 }
 
-/// The rigid-body model and what it is trusted for.
+/// The rigid-body model and its assumed accuracy.
 #[derive(Clone, Debug)]
 pub struct ModelAid {
     disturbances: Disturbances,
-    /// Mass with added mass along x, y, z (kg).
+    /// Mass including added mass along x, y, z (kg).
     mass: Vector3<f64>,
-    /// Inertia with added inertia about z (kg.m2).
+    /// Inertia including added inertia about z (kg.m2).
     inertia: f64,
     /// Rows 1 to 3 of M: momentum of velocity and of angular rate.
     momentum: [Matrix3<f64>; 2],
@@ -79,7 +79,7 @@ pub struct ModelAid {
     quadratic: [f64; 4],
     excess_weight: f64,
     gravity: f64,
-    /// Force and yaw moment of a newton of each thruster.
+    /// Force and yaw moment of one newton of each thruster.
     thrusters: [[f64; 4]; 8],
 }
 
@@ -116,7 +116,7 @@ impl ModelAid {
         sigma[at.moment] = d.moment_sigma;
     }
 
-    /// The noise states of a new interval: the yaw gyro's is kept as that of the interval before.
+    /// The noise states of a new interval: the yaw gyro's is kept as that of the previous interval.
     pub(super) fn renew_noise<const N: usize>(
         &self,
         belief: &mut Belief<N>,
@@ -139,13 +139,13 @@ impl ModelAid {
         belief.add_noise(at.rate_noise, variance(p.sensors.gyro.noise_density));
     }
 
-    /// What is left of the forces after an interval, of those that vary quickly and slowly.
+    /// The remaining share of the fast and slow forces after an interval.
     pub(super) fn decays(&self, dt: f64) -> [f64; 2] {
         let d = &self.disturbances;
         [d.correlation_time, d.slow_force_time].map(|time| libm::exp(-dt / time))
     }
 
-    /// Lets the forces decay in F and mean.
+    /// Applies the decay of the forces in F and in the mean.
     pub(super) fn decay<const N: usize>(
         &self,
         f: &mut Transition<N>,
@@ -210,7 +210,8 @@ impl ModelAid {
         self.thrusters.iter().zip(forces).map(|(unit, force)| unit[axis] * force).sum()
     }
 
-    /// Specific force that the model gives at the middle of the interval, against the measured.
+    /// Specific force predicted by the model at the middle of the interval, compared with the
+    /// measured one.
     pub fn force_balance<const N: usize>(
         &self,
         belief: &Belief<N>,
@@ -263,7 +264,8 @@ impl ModelAid {
         )
     }
 
-    /// Change of the yaw rate between two intervals that the model gives, against the measured.
+    /// Change of the yaw rate between two intervals predicted by the model, compared with the
+    /// measured one.
     pub fn moment_balance<const N: usize>(
         &self,
         belief: &Belief<N>,
@@ -313,16 +315,17 @@ impl ModelAid {
     }
 }
 
-/// Velocity through the water some time before the end of the interval, and its derivatives.
+/// Velocity through the water at some time before the end of the interval, and its derivatives.
 struct Water {
     velocity: Vector3<f64>,
     /// Down along body axes.
     down: Vector3<f64>,
-    /// Derivatives of the velocity: by that over ground, by the current (NED), by a turn there.
+    /// Derivatives of the velocity: by the velocity over ground, by the current (NED), by a
+    /// rotation there.
     by_ground: Matrix3<f64>,
     inverse: Matrix3<f64>,
     by_turn: Matrix3<f64>,
-    /// The turn there by the turn at the end, and by the gyro bias.
+    /// The rotation there by the rotation at the end, and by the gyro bias.
     turn: Matrix3<f64>,
     turn_by_bias: Matrix3<f64>,
     /// Derivatives by the force biases, and directly by the gyro bias.
@@ -334,7 +337,7 @@ impl Water {
     /// `share` of the interval before its end.
     ///
     /// `nu = Exp(w t) u - R_b^T (c + g e_z t) - Exp(w (t - dt/2)) f t` with `R_b = R Exp(-w t)` and
-    /// `t = share dt`; f is the force less its bias and noise.
+    /// `t = share dt`; f is the force minus its bias and noise.
     fn new<const N: usize>(
         belief: &Belief<N>,
         at: AidStates,

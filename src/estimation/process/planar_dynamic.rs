@@ -7,10 +7,10 @@
 //! m6 r' = -(d6 + D6|r|) r - (a22 - a11) nu1 nu2 + N + dN    d: Ornstein-Uhlenbeck
 //! u = nu + R^T c,   u' = nu' - (r e_z) x R^T c
 //! ```
-//! u is the velocity over ground along body axes, nu that through the water, c the current. The gyro
-//! is a measurement, compared with the yaw rate at the middle of its interval. Without thrusts u and r
-//! stay as they are and wander as the parameters say. Eqs (27) to (30) of the paper with their signs
-//! corrected; Fossen (2011) ch. 7.3. The step is the midpoint rule, F its exact derivative,
+//! u is the velocity over ground along body axes, nu the velocity through the water, c the current.
+//! The gyro is a measurement, compared with the yaw rate at the middle of its interval. Without
+//! thrusts u and r are random walks set by the parameters. Eqs (27) to (30) of the paper with
+//! corrected signs; Fossen (2011) ch. 7.3. The step is the midpoint rule, F its exact derivative,
 //! `Q_d = (F Q F^T + Q) dt/2`.
 
 use nalgebra::{Matrix3, Vector3};
@@ -60,7 +60,7 @@ pub struct PlanarDynamic {
     thrusters: [[f64; 4]; 8],
 }
 
-/// What drives an interval.
+/// The inputs that drive an interval.
 struct Drive {
     /// Forces and yaw moment of the thrusters (N, N.m), if they are known.
     thrust: Option<[f64; 4]>,
@@ -84,7 +84,7 @@ impl Afloat {
     fn new(x: [f64; MOVERS], tilt: &Matrix3<f64>) -> Self {
         let rotation = turned(tilt, x[PSI]);
         let flow = rotation.tr_mul(&Vector3::new(x[C], x[C + 1], 0.0));
-        // The current turns against the heading.
+        // The current rotates against the heading.
         let flow_by_heading = rotation.tr_mul(&Vector3::new(x[C + 1], -x[C], 0.0));
         let nu = Vector3::new(x[U], x[U + 1], x[U + 2]) - flow;
         Self { x, rotation, flow, flow_by_heading, nu }
@@ -106,7 +106,7 @@ fn movers<const N: usize>(mean: &Column<N>) -> [f64; MOVERS] {
 }
 
 impl Drive {
-    /// How quickly the heading changes with the yaw rate.
+    /// Heading rate per yaw rate.
     fn turn(&self) -> f64 {
         let [cos_roll, cos_pitch] = [self.tilt[(1, 1)], self.tilt[(0, 0)]];
         cos_roll / cos_pitch.max(0.05)
@@ -152,7 +152,7 @@ impl PlanarDynamic {
         Drive { thrust, tilt: tilt(interval) }
     }
 
-    /// Time derivatives of the moving states.
+    /// Time derivatives of the dynamic states.
     fn rates(&self, at: &Afloat, drive: &Drive) -> Rates {
         let [x, y, z] = at.over_ground().into();
         let (nu, r) = (&at.nu, at.x[R]);
@@ -217,7 +217,7 @@ impl PlanarDynamic {
         j
     }
 
-    /// Midpoint step: the change of the moving states; sets F, which is the identity before.
+    /// Midpoint step: the change of the dynamic states; sets F, which is the identity before.
     fn step<const N: usize>(
         &self,
         mean: &Column<N>,
@@ -275,7 +275,7 @@ impl PlanarDynamic {
         belief.add_noise(B_G, square(self.parameters.sensors.gyro.random_walk) * half);
     }
 
-    /// The yaw rate that successive attitudes speak for, while there is no gyro.
+    /// The yaw rate from successive attitudes, without a gyro.
     fn turn<const N: usize>(&self, belief: &Belief<N>, rate: f64) -> Observation<N> {
         let mut row = Row::zeros();
         row[R] = 1.0;
@@ -283,7 +283,7 @@ impl PlanarDynamic {
         Observation::scalar(rate - belief.mean[R], row, sigma * sigma)
     }
 
-    /// The gyro's mean against the yaw rate at the middle of its interval.
+    /// The gyro's mean compared with the yaw rate at the middle of its interval.
     #[must_use]
     pub fn gyro<const N: usize>(
         &self,
@@ -324,7 +324,7 @@ fn turned(tilt: &Matrix3<f64>, heading: f64) -> Matrix3<f64> {
     rotation
 }
 
-/// Least variance of a gyro's mean ((rad/s)^2).
+/// Minimum variance of a gyro's mean ((rad/s)^2).
 const GYRO_FLOOR: f64 = 1e-14;
 /// NIS at which the influence of the gyro is limited.
 const GYRO_GATE: f64 = 25.0;

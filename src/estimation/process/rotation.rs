@@ -8,11 +8,11 @@ use crate::estimation::transition::Transition;
 
 /// `sin x / x`, `(1 - cos x) / x^2` and `(x - sin x) / x^3` of `square` = x^2.
 ///
-/// The series, with terms below the last digit left out, where x < 1/4: a turn in the interval of a
-/// filter hardly is larger, and most corrections are below 1/100.
+/// For x < 1/4 it is the series, truncated below the last digit: a rotation within a filter
+/// interval is hardly ever larger, and most corrections are below 1/100.
 fn quotients(square: f64) -> [f64; 3] {
     if square < 1e-4 {
-        // Without the nesting: the next steps wait for this.
+        // Without nesting, because the next steps wait for this.
         let fourth = square * square;
         let b = 0.5 - square * (1.0 / 24.0) + fourth * (1.0 / 720.0);
         let c = 1.0 / 6.0 - square * (1.0 / 120.0) + fourth * (1.0 / 5040.0);
@@ -80,19 +80,20 @@ pub(crate) fn turned(q: [f64; 4], phi: &Vector3<f64>) -> [f64; 4] {
         a * v.y + y * b + z * v.x - x * v.z,
         a * v.z + z * b + x * v.y - y * v.x,
     ];
-    // Of unit length but for rounding, which a step of Newton's for 1/sqrt takes away.
+    // Of unit length except for rounding, which one Newton step for 1/sqrt removes.
     let scale = 1.5 - 0.5 * product.iter().map(|c| c * c).sum::<f64>();
     product.map(|c| c * scale)
 }
 
-/// Corrections of the attitude (rad) below which the frame of its error may be taken for unchanged.
+/// Corrections of the attitude (rad) below which the frame of its error may be treated as
+/// unchanged.
 const SMALL_TURN: f64 = 0.01;
 
 /// Moves an attitude error in the mean, at `state`, into the attitude.
 ///
-/// The error is given along body axes, which turn with the correction; the covariance turns too, so
-/// that what it says of the error about the vertical stays that (Solà 2017, section 7.2, with the
-/// global error).
+/// The error is given along body axes, which rotate with the correction; the covariance rotates
+/// too, so that its information about the error around the vertical is kept (Solà 2017, section
+/// 7.2, with the global error).
 pub(crate) fn turn_attitude<const N: usize>(belief: &mut Belief<N>, state: usize) {
     let turn: Vector3<f64> = belief.mean.fixed_rows::<3>(state).into_owned();
     belief.mean.fixed_rows_mut::<3>(state).fill(0.0);

@@ -1,8 +1,8 @@
 //! Attitude and heading reference: roll, pitch and compass.
 //!
 //! `roll = atan2(R32, R33)`, `pitch = -asin(R31)`, `heading = atan2(R21, R11) + b`, with the bias b
-//! of the compass where it is a state. Derivatives by a rotation about the body axes: Fossen (2011)
-//! eq (2.28), the inverse of the matrix that turns Euler rates into body rates.
+//! of the compass if it is a state. Derivatives by a rotation about the body axes: Fossen (2011) eq
+//! (2.28), the inverse of the matrix that maps Euler rates to body rates.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -10,7 +10,7 @@ use super::{Observation, Sensor};
 use crate::attitude::wrap;
 use crate::estimation::kinematics::Kinematics;
 
-/// Cosine of pitch below which roll and heading lose their meaning.
+/// Cosine of pitch below which roll and heading become meaningless.
 const VERTICAL: f64 = 0.05;
 
 /// Roll and pitch (rad) of an attitude `[roll, pitch, heading]`.
@@ -42,7 +42,8 @@ fn heading(rotation: &Matrix3<f64>) -> f64 {
     libm::atan2(rotation[(1, 0)], rotation[(0, 0)])
 }
 
-/// Derivatives of roll, pitch and heading by a turn about the body axes: one column for each angle.
+/// Derivatives of roll, pitch and heading by a rotation about the body axes: one column for each
+/// angle.
 #[must_use]
 pub fn euler_by_turn(rotation: &Matrix3<f64>) -> [Vector3<f64>; 3] {
     let [down_x, down_y, down_z] = [0, 1, 2].map(|i| rotation[(2, i)]);

@@ -8,7 +8,7 @@ use crate::estimation::kinematics::Kinematics;
 /// Depth at the sensor (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Depth {
-    /// Place, body (m).
+    /// Position, body (m).
     pub lever: Vector3<f64>,
     /// Standard deviation (m).
     pub sigma: f64,

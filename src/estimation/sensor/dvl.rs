@@ -1,8 +1,8 @@
-//! Doppler velocity log: velocity over ground at its place, along its axes.
+//! Doppler velocity log: velocity over ground at its position, along its axes.
 //!
 //! `y = (1 + s) Rz(m)^T (v + omega x l - tau v')`: scale error s, misalignment m in yaw, and delay
-//! tau of its clock against that of the attitude, where they are states. Hegrenæs & Berglund (2009)
-//! for the error model.
+//! tau of its clock relative to that of the attitude, if they are states. Hegrenæs & Berglund
+//! (2009) for the error model.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -12,7 +12,7 @@ use crate::estimation::kinematics::{Kinematics, skew};
 /// Velocity at the instrument (m/s).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dvl {
-    /// Place, body (m).
+    /// Position, body (m).
     pub lever: Vector3<f64>,
     /// Standard deviation of each axis (m/s).
     pub sigma: f64,
@@ -53,7 +53,7 @@ impl Sensor<3> for Dvl {
                 }
             }
         }
-        // The rate's own noise acts through the lever arm, alike on the axes across it.
+        // The rate's own noise acts through the lever arm, equally on the axes across it.
         let predicted = aligned * scale;
         for i in 0..3 {
             let arm = through_rate.row(i).norm_squared();

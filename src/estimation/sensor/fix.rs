@@ -5,16 +5,16 @@ use nalgebra::Vector3;
 use super::{Observation, Sensor};
 use crate::estimation::kinematics::Kinematics;
 
-/// Least standard deviation that a fix may report of itself (m).
+/// Smallest standard deviation that a fix may report (m).
 const LEAST: f64 = 1e-3;
 
 /// North and east of the antenna or transponder, and the standard deviation reported with them (m);
 /// 0: not reported.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fix {
-    /// Place, body (m).
+    /// Position, body (m).
     pub lever: Vector3<f64>,
-    /// Standard deviation of each axis where none is reported (m).
+    /// Standard deviation of each axis if none is reported (m).
     pub sigma: f64,
 }
 

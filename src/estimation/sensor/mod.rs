@@ -18,7 +18,7 @@ pub use fix::Fix;
 pub struct Observation<const N: usize> {
     /// How many components.
     pub size: usize,
-    /// Measured less predicted.
+    /// Measured minus predicted.
     pub innovation: [f64; 3],
     /// Derivatives of the prediction by the states.
     pub rows: [Row<N>; 3],
@@ -27,21 +27,21 @@ pub struct Observation<const N: usize> {
 }
 
 impl<const N: usize> Observation<N> {
-    /// Of `size` components that do not depend on any state, with no innovation and unit variance; made
-    /// to be filled in its place.
+    /// With `size` components that do not depend on any state, with no innovation and unit
+    /// variance, to be filled in.
     #[must_use]
     #[inline(always)]
     pub(super) fn empty(size: usize) -> Self {
         Self::new(size, [0.0; 3], [Row::zeros(); 3], [1.0; 3])
     }
 
-    /// Of the first `size` components.
+    /// With the first `size` components.
     #[must_use]
     pub fn new(size: usize, innovation: [f64; 3], rows: [Row<N>; 3], variance: [f64; 3]) -> Self {
         Self { size, innovation, rows, variance }
     }
 
-    /// Of one component.
+    /// With one component.
     #[must_use]
     pub fn scalar(innovation: f64, row: Row<N>, variance: f64) -> Self {
         let rows = [row, Row::zeros(), Row::zeros()];
@@ -49,7 +49,7 @@ impl<const N: usize> Observation<N> {
     }
 }
 
-/// A sensor: compares what it measured, `value`, with what the motion predicts.
+/// A sensor: compares its measurement, `value`, with the prediction from the motion.
 pub trait Sensor<const K: usize> {
     /// The comparison.
     fn observe<const N: usize>(&self, value: &[f64; K], motion: &Kinematics<N>) -> Observation<N>;

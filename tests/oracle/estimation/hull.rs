@@ -5,7 +5,7 @@ use rexrov::vehicle::Parameters;
 
 use super::*;
 
-/// The vehicle as the filters' models have it.
+/// The vehicle in the filters' models.
 pub struct Hull {
     m: [[f64; 6]; 6],
     linear: [f64; 6],
@@ -66,7 +66,7 @@ impl Hull {
             let force = coupling[k] - self.damping(axis, nu[k]) + x[11 + k] + tau[axis];
             force / self.m[axis][axis]
         });
-        // The current stands still while the body turns.
+        // The current is constant while the body rotates.
         let [du, dv, dw] = minus([du, dv, dw], cross([D::zero(), D::zero(), turn], flow));
         [dx, dy, dz, heading, du, dv, dw, dr]
     }
@@ -105,7 +105,7 @@ impl Hull {
         }
     }
 
-    /// The yaw rate half an interval ago, as the gyro shows it.
+    /// The yaw rate half an interval ago, as measured by the gyro.
     pub fn gyro<D: Number, const N: usize>(&self, p: &Point<D, N>, interval: &Interval) -> [D; 1] {
         let [.., dr] = self.planar_rates(&p.x, interval);
         [p.x[7] - dr * (0.5 * interval.dt) + p.x[10]]

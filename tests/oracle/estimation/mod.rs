@@ -1,5 +1,5 @@
-//! Processes and sensors of the navigation filters stated a second time, for any number type, so that
-//! dual numbers give their derivatives. Nothing is shared with the product.
+//! An independent implementation of the processes and sensors of the navigation filters, for any
+//! number type, so that dual numbers give their derivatives. It shares no code with the product.
 #![allow(unreachable_pub, reason = "a part of a test binary")]
 
 mod hull;
@@ -10,7 +10,7 @@ pub use hull::Hull;
 pub use numbers::*;
 pub use processes::*;
 
-/// What a vehicle's motion is to the sensors.
+/// A vehicle's motion as seen by the sensors.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<D> {
     pub position: V3<D>,

@@ -37,7 +37,7 @@ pub fn transposed<D: Number>(m: &M3<D>) -> M3<D> {
     core::array::from_fn(|i| core::array::from_fn(|j| m[j][i]))
 }
 
-/// Quaternion of a rotation vector: a series where the angle is zero, so that its derivative exists.
+/// Quaternion of a rotation vector: a series at zero angle, so that its derivative exists.
 pub fn exp<D: Number>(phi: V3<D>) -> [D; 4] {
     let square: D = phi.iter().map(|&x| x * x).sum();
     let (w, scale) = if square.re() < 1e-12 {
@@ -74,7 +74,7 @@ pub fn matrix<D: Number>(q: [D; 4]) -> M3<D> {
     core::array::from_fn(|i| core::array::from_fn(|j| columns[j][i + 1]))
 }
 
-/// R of roll, pitch, yaw: three turns one after the other.
+/// R of roll, pitch, yaw: three rotations one after the other.
 pub fn euler_matrix<D: Number>([roll, pitch, yaw]: V3<D>) -> M3<D> {
     let (o, z) = (D::one(), D::zero());
     let about_x = [[o, z, z], [z, roll.cos(), -roll.sin()], [z, roll.sin(), roll.cos()]];
@@ -89,7 +89,7 @@ pub fn matrix_product<D: Number>(a: &M3<D>, b: &M3<D>) -> M3<D> {
     })
 }
 
-/// A mean: numbers, and an attitude whose error is three of them from `theta` on.
+/// A mean: numbers, and an attitude whose error is three of them starting at `theta`.
 #[derive(Clone, Copy, Debug)]
 pub struct Point<D, const N: usize> {
     pub x: [D; N],

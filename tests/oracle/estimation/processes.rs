@@ -1,4 +1,4 @@
-//! The processes without a model of the vehicle. The inertial one is stated in NED: velocity over
+//! The processes without a vehicle model. The inertial one is formulated in NED: velocity over
 //! ground along body axes before and after, Newton's law in between.
 
 use rexrov::estimation::NavigationParameters;
@@ -6,13 +6,13 @@ use rexrov::estimation::interval::Interval;
 
 use super::*;
 
-/// Where the states of the inertial process are.
+/// The states of the inertial process.
 const U: usize = 3;
 pub const B_A: usize = 9;
 pub const B_G: usize = 12;
 pub const BASE: usize = 15;
 pub const AID: usize = 14;
-/// Those of the aid, from `BASE` on.
+/// Those of the aid, starting at `BASE`.
 pub(super) const CURRENT: usize = 15;
 pub(super) const FORCE: usize = 17;
 pub(super) const SLOW: usize = 20;
@@ -21,7 +21,7 @@ pub(super) const N_A: usize = 24;
 pub(super) const N_G: usize = 27;
 pub(super) const N_G_BEFORE: usize = 28;
 
-/// Renewed noise states.
+/// Noise states that are new in each interval.
 pub fn renew<D: Number, const N: usize>(p: &Point<D, N>) -> Point<D, N> {
     let mut next = *p;
     next.x[N_G_BEFORE] = p.x[N_G];
@@ -31,7 +31,7 @@ pub fn renew<D: Number, const N: usize>(p: &Point<D, N>) -> Point<D, N> {
 }
 
 /// Inertial prediction, with the noise states of an aid if `times` gives the correlation times of
-/// its quick and slow disturbances.
+/// its fast and slow disturbances.
 pub fn inertial<D: Number, const N: usize>(
     p: &Point<D, N>,
     interval: &Interval,
@@ -81,7 +81,7 @@ fn newton<D: Number, const N: usize>(
     next
 }
 
-/// A velocity that is constant along the body axes: the way is the mean of both ends.
+/// A velocity that is constant along the body axes: the displacement uses the mean of both ends.
 fn coasting<D: Number, const N: usize>(p: &Point<D, N>, dt: f64, w: V3<D>) -> Point<D, N> {
     let mut next = *p;
     next.q = product(p.q, exp(times(w, dt)));
@@ -137,7 +137,7 @@ pub fn constant_acceleration_motion<D: Number, const N: usize>(p: &Point<D, N>) 
     }
 }
 
-/// Specific force by the constant-acceleration filter: the accelerometers show it.
+/// Specific force by the constant-acceleration filter, as measured by the accelerometers.
 pub fn constant_acceleration_force<D: Number, const N: usize>(
     p: &Point<D, N>,
     parameters: &NavigationParameters,

@@ -1,7 +1,7 @@
-"""CoFmuPy, the master of IRT Saint Exupéry, as a process of its own, in the environment that has it.
+"""CoFmuPy, the master of IRT Saint Exupéry, as a separate process, in the environment where it is installed.
 
 `python cofmupy_master.py` reads a system as JSON from standard input ({"configuration": its own, "step", "stop"}) and writes
-its results to standard output: {"component.variable": values}, a row for each step.
+its results to standard output: {"component.variable": values}, one row per step.
 """
 
 import contextlib

@@ -1,18 +1,18 @@
-"""Inputs that move: a smooth signal for every input of an FMU, the same for all tools."""
+"""Varying inputs: a smooth signal for every input of an FMU, the same for all tools."""
 
 import csv
 
 import numpy as np
 from fmpy import read_model_description
 
-# Switches: what an importer leaves alone when nothing is connected.
+# Switches: inputs that an importer leaves alone when they are not connected.
 HELD = "off"
 
 
 def inputs(fmu, times):
-    """A structured array with a column `time` and one per driven input, as FMPy wants it.
+    """A structured array with a column `time` and one per driven input, as FMPy expects it.
 
-    What has a stamp is measured at the time of its row.
+    A stamped quantity is measured at the time of its row.
     """
     driven = [
         variable
@@ -35,10 +35,10 @@ def inputs(fmu, times):
 
 
 def staircase(fmu, stop_time, step):
-    """The same input twice, constant but for a jump each second: for co-simulation a sample per step,
+    """The same input twice, constant except for a jump every second: for co-simulation one sample per step,
     for model exchange two samples at every jump, which FMPy takes for an event.
 
-    The jumps lie between the sample instants of all components, where the two interfaces see different
+    The jumps are between the sample instants of all components, where the two interfaces see different
     inputs by definition: a sample at the end of a step still has the inputs of the step.
     """
     times = np.arange(round(stop_time / step) + 1) * step

@@ -1,4 +1,4 @@
-"""Ecos, the co-simulation engine of NTNU, as a process of its own.
+"""Ecos, the co-simulation engine of NTNU, as a separate process.
 
 `python ecos_master.py` reads a system as JSON from standard input ({"step", "steps", "models": {name: FMU}, "values":
 {name: number}, "connections": [[from, to]], "outputs": [name]} or {"ssp": file, ...}, with names as `model::variable`)
@@ -10,7 +10,7 @@ import json
 import sys
 from pathlib import Path
 
-# Its library needs oneTBB, which a package of its own puts where the loader does not look.
+# Its library needs oneTBB, which a separate package installs where the loader does not look.
 ctypes.CDLL(str(Path(sys.prefix, "lib", "libtbb.so.12")), ctypes.RTLD_GLOBAL)
 
 from ecospy import EcosSimulation, EcosSimulationStructure  # noqa: E402

@@ -1,6 +1,6 @@
 """libcosim, the master of the Open Simulation Platform, stepping one FMU or a whole system.
 
-After every step all variables of all FMUs are read: that is what its last-value observer does.
+After every step all variables of all FMUs are read, because its last-value observer does that.
 """
 
 from pathlib import Path
@@ -89,7 +89,7 @@ class Execution:
 
 
 def silence():
-    """Only what somebody should look at."""
+    """Only messages that need attention."""
     log_output_level(CosimLogLevel.WARNING)
 
 

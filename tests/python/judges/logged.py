@@ -1,4 +1,4 @@
-"""What an FMU in FMPy logs."""
+"""The log messages of an FMU in FMPy."""
 
 from fmpy import calloc, free
 from fmpy.fmi2 import (
@@ -13,9 +13,9 @@ HEALTH = ": health: "
 
 
 class Log:
-    """Collects what an FMU logs; anything but fmi2OK is a complaint.
+    """Collects the log messages of an FMU; anything but fmi2OK is a complaint.
 
-    Filters report their health, too: signals that no vehicle gives contradict what they expect.
+    Filters report their health, too: signals that no vehicle produces contradict their assumptions.
     """
 
     def __init__(self):
@@ -28,7 +28,7 @@ class Log:
 
 
 def callbacks(log):
-    """For an instance driven by hand. FMPy's default ones share a logger with its last simulation."""
+    """For an instance called directly. FMPy's default callbacks share a logger with its last simulation."""
     functions = fmi2CallbackFunctions()
     functions.logger = fmi2CallbackLoggerTYPE(log)
     functions.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)

@@ -1,4 +1,4 @@
-"""Steps one FMU by FMPy at given instants, as a process of its own: libraries of strangers may end it.
+"""Steps one FMU with FMPy at given instants, as a separate process: third-party libraries may crash it.
 
 `python stepped.py FMU STEP STOP VARIABLE...` reads the instants from standard input and writes the values of the
 variables at each of them to standard output, all as JSON.

@@ -1,6 +1,6 @@
 """CoFmuPy against `cosim`, by Jacobi: the same values step by step, to 1e-9.
 
-It wants another FMPy than these tests, so it lives in an environment of its own, whose Python COFMUPY names.
+It needs another FMPy than these tests, so it has its own environment, whose Python is given by COFMUPY.
 """
 
 import json
@@ -47,7 +47,7 @@ def test_a_ring_of_elements(tmp_path):
     found = cosim.read(tmp_path / "out.csv")
     wanted = run({name: (fmu, given) for name, given in values.items()}, ends, 0.01, 5.0)
     for name in ["clock.y", "lag.x", "gain.y", "gain.x"]:
-        # Its rows are of the ends of steps.
+        # Its rows are at the ends of steps.
         np.testing.assert_allclose(
             found[name][1:], wanted[name][:500], rtol=TOLERANCE, atol=TOLERANCE, err_msg=name
         )

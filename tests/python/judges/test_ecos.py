@@ -16,7 +16,7 @@ MASTER = Path(__file__).with_name("ecos_master.py")
 
 
 def run(system):
-    """Columns of the outputs: a process of its own, for its libraries stay to its end."""
+    """Columns of the outputs: in a separate process, because its libraries stay loaded until it ends."""
     done = subprocess.run([sys.executable, MASTER], input=json.dumps(system), capture_output=True, text=True)
     if "libtbb" in done.stderr or "GLIBC" in done.stderr:
         pytest.skip(f"Ecos does not run here: {done.stderr.strip().splitlines()[-1]}")
@@ -40,7 +40,7 @@ def test_a_ring_of_elements(tmp_path):
         "models": {name: str(fmu) for name in values},
         "values": {f"{name}::{key}": value for name, given in values.items() for key, value in given.items()},
         "connections": [[names(start), names(end)] for start, end in ends],
-        # Ecos shows feed-through outputs as they are after the next inputs were set.
+        # Ecos records feed-through outputs as they are after the next inputs were set.
         "outputs": [f"{name}::x" for name in values],
     })
     for name, column in wanted.items():
@@ -51,7 +51,8 @@ def test_a_ring_of_elements(tmp_path):
 
 
 def test_the_loop_of_the_paper(tmp_path):
-    """All components step alike, as Ecos holds inputs otherwise than cosim between rates. It applies the parameter sets of one name."""
+    """All components have the same step, because Ecos holds inputs differently from cosim between rates. It applies
+    only the parameter sets of one name."""
     assert (FMUS / "RexROV.fmu").exists(), "run `cargo xtask package`"
     ssp = tmp_path / "loop.ssp"
     cosim.run("convert", ROOT / "examples" / "paper.ssd", ssp, "--step-size", 0.01)

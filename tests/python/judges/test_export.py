@@ -55,7 +55,7 @@ def loop(tmp_path_factory):
 
 
 class Driven:
-    """An instance by FMPy, stepped by hand."""
+    """An FMPy instance, stepped directly."""
 
     def __init__(self, fmu, folder):
         description = read_model_description(fmu)
@@ -170,7 +170,7 @@ def test_instances_on_threads_are_alike(loop):
 
 
 def test_a_component_in_python_inside(tmp_path, monkeypatch):
-    """PythonFMU's library finds Python in the host, or where COSIM_LIBPYTHON says."""
+    """PythonFMU's library finds Python in the host, or in COSIM_LIBPYTHON."""
     library = Path(sysconfig.get_config_var("LIBDIR")) / sysconfig.get_config_var("INSTSONAME")
     monkeypatch.setenv("COSIM_LIBPYTHON", str(library))
     stage = FmuBuilder.build_FMU(Path(__file__).with_name("stage.py"), dest=tmp_path)

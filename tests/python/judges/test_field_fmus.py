@@ -1,7 +1,7 @@
 """FMUs of other tools in `cosim` and in FMPy: the same values at the same communication points, to 1e-9.
 
-They are not part of this project: FIELD_FMUS names a folder with such FMUs, at any depth. FMPy is driven step by step,
-because `simulate_fmu` adds up rounded step sizes, to which FMUs with a solver of variable step react.
+They are not part of this project: FIELD_FMUS names a folder with such FMUs, at any depth. FMPy is stepped directly,
+because `simulate_fmu` accumulates rounded step sizes, to which FMUs with variable-step solvers react.
 """
 
 import hashlib
@@ -25,13 +25,13 @@ TOLERANCE = 1e-9
 MOST_STEPS = 2000
 MOST_VARIABLES = 100
 TYPES = ("Real", "Integer", "Boolean", "Enumeration")
-# Clocks of the machine, as Dymola's FMUs have them.
+# Clocks of the machine, as in Dymola's FMUs.
 CLOCKS = ("CPUtime", "EventCounter")
 STEPPED = Path(__file__).with_name("stepped.py")
 
 
 def found():
-    """Each FMU that FMPy can load here for co-simulation, once however often it is there."""
+    """Each FMU that FMPy can load here for co-simulation, only once if there are several copies."""
     contents = {}
     for file in sorted(Path(FOLDER).rglob("*.fmu")) if FOLDER else []:
         try:

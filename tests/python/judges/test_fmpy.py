@@ -1,4 +1,4 @@
-"""FMPy as a judge of every FMU: the archive and each interface that it can drive."""
+"""FMPy as a judge of every FMU: the archive and each interface that it can use."""
 
 import numpy as np
 import pytest
@@ -47,22 +47,22 @@ def test_co_simulation_gives_every_variable(fmu, name):
 @pytest.mark.judge("fmpy", "model exchange (CVODE), equal to co-simulation")
 @every_fmu
 def test_model_exchange_agrees_with_co_simulation(fmu, name):
-    """For a minute under inputs that jump each second."""
+    """For a minute with inputs that jump every second."""
     held, stairs = staircase(fmu(name), 60.0, STEP)
     cs = simulate(fmu(name), 60.0, fmi_type="CoSimulation", input=held)
     me = simulate(fmu(name), 60.0, fmi_type="ModelExchange", solver="CVode", input=stairs,
                   relative_tolerance=1e-11)
     assert len(cs) == len(me) and np.allclose(cs["time"], me["time"], rtol=0, atol=1e-9)
-    # At a jump itself co-simulation shows outputs of before it, model exchange of after it.
+    # At a jump itself co-simulation shows outputs from before it, model exchange from after it.
     compared = ~np.isin(np.round(cs["time"] / STEP), np.round(stairs["time"][1:-1] / STEP))
     for output in cs.dtype.names[1:]:
         difference, peak = np.abs(cs[output] - me[output])[compared], np.max(np.abs(cs[output]))
-        # What is zero but for rounding is equal.
+        # Values that are zero except for rounding are equal.
         assert np.max(difference) <= 1e-6 * peak + 1e-15, output
 
 
 class Stepped:
-    """A co-simulation instance whose inputs move, and all that it shows."""
+    """A co-simulation instance with varying inputs, and all its outputs."""
 
     def __init__(self, path, folder):
         description = read_model_description(path)
@@ -96,7 +96,7 @@ class Stepped:
     def end(self):
         self.fmu.terminate()
         self.fmu.freeInstance()
-        # Texts come as the format that they fill: "%s" may be the health of a filter, or a complaint.
+        # Strings arrive as the format that they fill: "%s" may be the health of a filter, or a complaint.
         allowed = {"%s"} if self.filter else set()
         assert set(self.log.complaints) <= allowed
 
@@ -128,7 +128,7 @@ def test_a_state_goes_on_bit_for_bit_in_another_instance(fmu, name, tmp_path):
 @pytest.mark.judge("fmpy", "directional derivatives")
 @every_fmu
 def test_directional_derivatives_are_those_of_the_functions(fmu, name, tmp_path):
-    """Against central differences through the same interface; not declared, they are refused."""
+    """Compared with central differences through the same interface; if not declared, they are rejected."""
     description = read_model_description(fmu(name))
     model = FMU2Model(
         guid=description.guid, unzipDirectory=extract(fmu(name), tmp_path), instanceName="judged",

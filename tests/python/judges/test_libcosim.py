@@ -10,7 +10,7 @@ from logged import HEALTH
 
 STEP = 0.01
 STEPS = 500
-# What libcosim says of any FMU that has them, whoever made it: its FMI Library wants a start value for the
+# What libcosim reports for every FMU with such variables, from any vendor: its FMI Library expects a start value for the
 # independent variable, which FMI forbids (modelon-community/fmi-library#21), and it skips enumerations.
 OWN_DEFECTS = (
     "Start attribute is required for this causality, variability and initial combination",

@@ -1,4 +1,4 @@
-"""Results as MCAP in the reader of its makers: the same numbers as in the CSV file, under names ROS allows."""
+"""MCAP results in the reader of the format's authors: the same numbers as in the CSV file, under names ROS allows."""
 
 import cosim
 from mcap.reader import make_reader
@@ -14,7 +14,7 @@ def test_every_number_is_that_of_the_csv(fmu, tmp_path):
         channels = make_reader(stream).get_summary().channels.values()
     names = {}
     for channel in channels:
-        # Messages that ROS defines are made of the same columns.
+        # Standard ROS messages are made from the same columns.
         if "cosim.derived" in channel.metadata:
             continue
         lines = channel.metadata["cosim.columns"].splitlines()

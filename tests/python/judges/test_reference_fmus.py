@@ -1,4 +1,4 @@
-"""The Reference FMUs of the Modelica Association in `cosim`, against their own results and FMPy's.
+"""The Reference FMUs of the Modelica Association in `cosim`, compared with their own results and FMPy's.
 
 They are not part of this project: REFERENCE_FMUS names a checkout of modelica/Reference-FMUs in which the
 FMUs were built for FMI 2.0 (cmake -B build -DFMI_VERSION=2, cmake --build build).
@@ -17,7 +17,7 @@ from fmpy import simulate_fmu
 CHECKOUT = os.environ.get("REFERENCE_FMUS")
 pytestmark = pytest.mark.skipif(not CHECKOUT, reason="REFERENCE_FMUS names no checkout")
 
-# The step of the reference results, where the FMU does not say it.
+# The step of the reference results, if the FMU does not give one.
 STEPS = {"Feedthrough": 0.1, "Resource": 1.0}
 MODELS = ["BouncingBall", "Dahlquist", "Feedthrough", "Resource", "Stair", "VanDerPol"]
 # These end the run themselves before its stop time.
@@ -42,7 +42,7 @@ def find(model):
 
 
 def simulate(model, fmu, folder, *options):
-    """Results of `cosim simulate`, to which it is no error when an FMU ends the run."""
+    """Results of `cosim simulate`, which does not treat an FMU that ends the run as an error."""
     output = folder / "out.csv"
     step = ["--step-size", STEPS[model]] if model in STEPS else []
     command = ["simulate", fmu, *step, "--output-file", output, *options]
@@ -58,7 +58,7 @@ def test_co_simulation_gives_the_reference_results(model, tmp_path):
     rows = len(results["time"])
     compared = [name for name in reference if name in results]
     assert "time" in compared and len(compared) > 1
-    # The reference has a row for an end between the steps, and doubles what a tool may show once.
+    # The reference has a row for an end between the steps, and duplicates rows that a tool may show once.
     assert rows >= len(reference["time"]) - 2
     for name in compared:
         wanted = reference[name][:rows]

@@ -44,7 +44,7 @@ class Worker:
         assert self.process.wait(10) == 0
 
     def kill(self):
-        """With all that computes for it."""
+        """With everything that computes for it."""
         pids = [self.process.pid, *children(self.process.pid)]
         for pid in pids:
             os.kill(pid, signal.SIGKILL)
@@ -105,7 +105,7 @@ def test_libcosim_gets_the_bits_of_the_loop_here(tmp_path):
 
 
 class Driven:
-    """A filter by FMPy, stepped by hand with inputs that move."""
+    """An FMPy filter, stepped directly with varying inputs."""
 
     def __init__(self, fmu, folder):
         description = read_model_description(fmu)
@@ -149,12 +149,12 @@ def test_a_killed_worker_changes_no_bit(tmp_path):
             there.instance.terminate()
             there.instance.freeInstance()
     assert found == here
-    # The warning is a format and its arguments, which only a logger in C puts together.
+    # The warning is a format and its arguments, which only a logger in C combines.
     assert len(there.log.complaints) == 1
 
 
 def test_an_importer_survives_that_nobody_comes(tmp_path):
-    """In a process of its own: one that died would show."""
+    """In a separate process: a crash would show."""
     remote = proxy("EkfDynamic", tmp_path, free_endpoint(), "--wait", "0.5")
     script = (
         "import os, sys; from fmpy import extract, simulate_fmu\n"

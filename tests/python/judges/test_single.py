@@ -1,4 +1,4 @@
-"""One FMU alone, its inputs moving: the same numbers in FMPy, libcosim and `cosim simulate`."""
+"""One FMU alone with varying inputs: the same numbers in FMPy, libcosim and `cosim simulate`."""
 
 import cosim
 import numpy as np

@@ -34,7 +34,7 @@ def compare(ssd, folder, base_step, steps):
 def test_the_loop_of_the_paper(tmp_path):
     assert (FMUS / "RexROV.fmu").exists(), "run `cargo xtask package`"
     outputs = compare(ROOT / "examples" / "paper.ssd", tmp_path, 0.01, 3000)
-    # It moves, by guidance through every component.
+    # It moves, using guidance and every other component.
     assert outputs["vehicle.pose.x"][-1] > 5.0
     assert len(outputs) >= 50
 
@@ -60,7 +60,7 @@ def test_two_masses_on_springs(element, tmp_path):
         [("v.x", "x.u"), ("x.x", "spring.u"), ("spring.y", "v.u")],
         step, 1000,
     )
-    # The delays of Jacobi feed it with energy, and it swings.
+    # The delays of Jacobi add energy, and it oscillates.
     assert np.max(outputs["x.x"]) > 1.0 > -1.0 > np.min(outputs["x.x"])
 
 
@@ -76,7 +76,7 @@ def test_an_algebraic_loop(element, tmp_path):
 
 
 def test_several_rates(element, tmp_path):
-    """Fast, slow and slower ones, in both directions and around."""
+    """Fast, slow and slower components, in both directions and in a loop."""
     outputs = system(
         tmp_path,
         {
@@ -93,7 +93,7 @@ def test_several_rates(element, tmp_path):
 
 
 def test_fifty_components(element, tmp_path):
-    """A ring in which each follows the one before it and one across."""
+    """A ring in which each component follows the previous one and one on the opposite side."""
     names = [f"c{number}" for number in range(50)]
     outputs = system(
         tmp_path,
@@ -109,7 +109,7 @@ def test_fifty_components(element, tmp_path):
 
 
 def test_with_a_component_of_pythonfmu(element, tmp_path, monkeypatch):
-    """Its library has the interpreter's symbols from the importer: here one is, `cosim` maps one."""
+    """Its library expects the interpreter's symbols in the importer: FMPy has them, `cosim` loads them."""
     if sysconfig.get_config_var("Py_ENABLE_SHARED"):
         library = Path(sysconfig.get_config_var("LIBDIR")) / sysconfig.get_config_var("INSTSONAME")
         monkeypatch.setenv("COSIM_LIBPYTHON", str(library))

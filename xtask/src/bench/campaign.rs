@@ -1,4 +1,4 @@
-//! Campaigns: missions of the paper a second, what a row takes, and how rows are summarized.
+//! Campaigns: missions of the paper per second, the size of a row, and how rows are summarized.
 
 use std::ffi::OsStr;
 use std::fmt::Write as _;
@@ -72,7 +72,7 @@ fn fresh(folder: &Path) -> Result<PathBuf> {
     Ok(folder.to_owned())
 }
 
-/// What it costs to make a campaign, or what is left of it.
+/// The cost of making a campaign, or the rest of one.
 fn made(file: &Path, results: &Path, jobs: usize) -> Result<super::command::Cost> {
     let jobs = jobs.to_string();
     let options = ["--quiet", "--jobs", &jobs, "--output-dir"].map(OsStr::new);
@@ -80,7 +80,7 @@ fn made(file: &Path, results: &Path, jobs: usize) -> Result<super::command::Cost
     cost(1, &[&arguments.concat()[..], &[results.as_os_str()]].concat())
 }
 
-/// Rows that are there already, of many runs: how long they take to be read, judged and written.
+/// Existing rows of many runs: how long they take to read, judge and write.
 fn summaries(folder: &Path, file: &Path) -> Result<Vec<Row>> {
     let log = folder.join("runs/runs.jsonl");
     let text = fs::read_to_string(&log).with_context(|| log.display().to_string())?;
@@ -90,7 +90,7 @@ fn summaries(folder: &Path, file: &Path) -> Result<Vec<Row>> {
         for (run, row) in (0..count).zip(rows.iter().cycle()) {
             let mut row = row.clone();
             row["run"] = run.into();
-            // No two rows are alike, or a table would be smaller than those of real runs.
+            // No two rows are alike, otherwise a table would be smaller than with real runs.
             row["digest"] =
                 format!("{:064x}", (run as u128 + 1).wrapping_mul(u128::MAX / 7)).into();
             for figure in row["figures"].as_array_mut().into_iter().flatten() {

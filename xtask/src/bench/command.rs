@@ -30,7 +30,7 @@ pub(super) fn measure() -> Result<Vec<Row>> {
     ])
 }
 
-/// What a command costs as a whole process.
+/// The cost of a command as a whole process.
 pub(super) struct Cost {
     pub(super) least_ms: f64,
     median_ms: f64,
@@ -38,7 +38,7 @@ pub(super) struct Cost {
     pub(super) memory_mb: f64,
 }
 
-/// Of the program `cosim` with these arguments.
+/// For the program `cosim` with these arguments.
 pub(super) fn cost(repetitions: u32, arguments: &[&OsStr]) -> Result<Cost> {
     let output = Command::new("python3")
         .args(["-S", "-E"])

@@ -1,4 +1,4 @@
-//! Instances of the nine components, driven through their C interface as an importer drives them.
+//! Instances of the nine components, used through their C interface as an importer uses them.
 #![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(
     clippy::undocumented_unsafe_blocks,
@@ -12,7 +12,7 @@ use fmu_kit::kernel::{Entry, Group, Status};
 use rexrov_fmu::{REGISTRY, fmi2};
 use std::{cell::Cell, ffi::CString, ptr};
 
-/// An instance past its initialization.
+/// An instance after its initialization.
 pub(super) struct Component {
     pub(super) entry: &'static Entry,
     handle: fmi2Component,
@@ -63,7 +63,7 @@ impl Component {
         self.fine.set(self.fine.get() & (status == Status::Ok));
     }
 
-    /// Fails if a call did.
+    /// Fails if a call failed.
     pub(super) fn check(&self) -> Result<()> {
         ensure!(self.fine.get(), "a call of {} was not successful", self.entry.info().name);
         Ok(())

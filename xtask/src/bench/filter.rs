@@ -1,6 +1,6 @@
-//! What the filters cost: a cycle of the paper's, a prediction with its updates of the others, as the mean
-//! over sensors at their usual rates and with an update of every sensor. FilterPy beside them, if
-//! `FILTERPY_PYTHON` names a Python that has it.
+//! The cost of the filters: a cycle of the paper's, a prediction with its updates of the others, as
+//! the mean over sensors at their usual rates and with an update of every sensor. FilterPy is
+//! measured beside them if `FILTERPY_PYTHON` names a Python that has it.
 
 use super::timer::{repeat, rounds};
 use super::{Bar, Row, row};
@@ -19,9 +19,9 @@ use std::{env, ffi::OsString, hint::black_box, process::Command};
 const TIMES: u32 = 1000;
 /// Inertial and thrust samples a second (Hz).
 const RATE_HZ: u32 = 50;
-/// Those in a prediction of 0.1 s.
+/// Samples in a prediction of 0.1 s.
 const CYCLES: u32 = 5;
-/// Speed of a vehicle that goes north (m/s).
+/// Speed of a vehicle moving north (m/s).
 const SPEED: f64 = 0.5;
 
 pub(super) fn measure() -> Result<Vec<Row>> {
@@ -90,7 +90,7 @@ fn navigation(
     peer: Option<(&OsString, usize)>,
 ) -> Result<Vec<Row>> {
     let mut all = Run::new(filter, |k| [5, 5, 5, 5].map(|every| k % every == 0))?;
-    // 50, 10, 7.1 and 1 Hz: each attitude makes a prediction of its own, and nothing else does.
+    // 50, 10, 7.1 and 1 Hz: only attitudes make predictions of their own.
     let mut usual = Run::new(filter, |k| [1, 5, 7, 50].map(|every| k % every == 0))?;
     let times = rounds(
         20,
@@ -130,7 +130,7 @@ fn filterpy(python: &OsString, states: usize) -> Result<f64> {
     Ok(median.parse()?)
 }
 
-/// A filter in a vehicle that goes north.
+/// A filter in a vehicle moving north.
 struct Run<'a, F: Navigation, New> {
     filter: &'a F,
     memory: F::Memory,
@@ -145,7 +145,7 @@ impl<'a, F: Navigation, New: Fn(u32) -> [bool; 4]> Run<'a, F, New> {
     fn new(filter: &'a F, new: New) -> Result<Self> {
         let vehicle = Parameters::default();
         let model = ReducedModel::new(&vehicle)?;
-        // What keeps the speed.
+        // The thrust that keeps the speed.
         let missing = model.acceleration([SPEED, 0.0, 0.0, 0.0], &[0.0; 8]);
         let mass = vehicle.mass_matrix();
         let wrench = [-missing[0] * mass[0][0], 0.0, -missing[2] * mass[2][2], 0.0, 0.0, 0.0];
@@ -156,7 +156,7 @@ impl<'a, F: Navigation, New: Fn(u32) -> [bool; 4]> Run<'a, F, New> {
 
     fn take(&mut self) {
         let time = f64::from(self.cycle) / f64::from(RATE_HZ);
-        // No value repeats: that would show a stuck instrument.
+        // No value repeats: that would indicate a stuck instrument.
         let noise = f64::from(self.cycle * 37 % 101) / 101.0 - 0.5;
         let [ahrs, depth, dvl, fix] = (self.new)(self.cycle);
         let m = &mut self.measured;

@@ -9,10 +9,10 @@ use rexrov_fmu::REGISTRY;
 use std::hint::black_box;
 
 const TIMES: u32 = 200;
-/// Whole lives in a round.
+/// Complete instance lifetimes in a round.
 const LIVES: u32 = 5;
 
-/// What has a goal: ten values, states, lives, one column of the Jacobian.
+/// Measurements with a goal: ten values, states, lifetimes, one column of the Jacobian.
 pub(super) fn bars() -> Result<Vec<Row>> {
     let mut rows = ten_values()?;
     rows.extend(column()?);
@@ -100,7 +100,7 @@ fn life(name: &str) -> Result<f64> {
     outcome.map(|()| times.ns(0))
 }
 
-/// Setting and getting ten values, beyond what copying them by their indices takes.
+/// Setting and getting ten values, in excess of copying them by their indices.
 fn ten_values() -> Result<Vec<Row>> {
     let (setting, getting) = (Component::stepping("RexROV")?, Component::stepping("RexROV")?);
     let ten = |group| setting.group(group).into_iter().take(10).collect::<Vec<_>>();
@@ -140,7 +140,7 @@ fn column() -> Result<Vec<Row>> {
     vehicle.continuous_states(&mut x);
     x[7..].iter_mut().zip(1..).for_each(|(x, i)| *x = 0.1 * f64::from(i));
     vehicle.set(&knowns[21..], &[10.0; 25]);
-    // Nothing is kept from one column to the next, so all columns of a point cost their sum.
+    // Nothing is cached from one column to the next, so all columns of a point cost their sum.
     let mut ratios = Vec::with_capacity(knowns.len());
     for known in &knowns {
         let times = rounds(

@@ -1,6 +1,5 @@
-//! `cargo xtask bench`: figures of speed as ratios within one run, so that a slow machine or a busy
-//! one changes both sides alike. Nothing here is a test: the bars are goals, shown beside what was
-//! measured.
+//! `cargo xtask bench`: speed as ratios within one run, so that a slow or busy machine changes both
+//! sides alike. Nothing here is a test: the limits are goals, shown beside the measurements.
 
 mod campaign;
 mod command;
@@ -22,7 +21,7 @@ struct Row {
     bar: Bar,
 }
 
-/// What the value should be.
+/// The goal for the value.
 enum Bar {
     None,
     AtMost(f64),
@@ -40,13 +39,14 @@ pub(crate) struct Options {
     /// Also libcosim, FMPy and the FMU Manipulation Toolbox on the same chains, and memory over 10,000 runs
     #[arg(long)]
     third_party: bool,
-    /// Only what distributed runs cost, beside raw TCP, and remote FMUs, beside raw Zenoh
+    /// Only the cost of distributed runs, beside raw TCP, and of remote FMUs, beside raw Zenoh
     #[arg(long)]
     distributed: bool,
-    /// Only what campaigns cost
+    /// Only the cost of campaigns
     #[arg(long)]
     campaigns: bool,
-    /// Only what the filters cost, beside FilterPy if `FILTERPY_PYTHON` names a Python that has it
+    /// Only the cost of the filters, beside FilterPy if `FILTERPY_PYTHON` names a Python that has
+    /// it
     #[arg(long)]
     filters: bool,
 }
@@ -87,7 +87,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     process::run(&mut bench("runs"))
 }
 
-/// Prints the lines, with what is not as it should be.
+/// Prints the lines, and those that miss their goal.
 fn print(rows: &[Row]) {
     let width = rows.iter().map(|row| row.what.chars().count()).max().unwrap_or(0);
     for Row { what, value, unit, bar } in rows {

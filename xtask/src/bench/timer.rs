@@ -1,22 +1,22 @@
-//! Timing on a machine that is never quiet: what is compared takes turns in short rounds, and the
+//! Timing on a machine that is never idle: the compared works take turns in short rounds, and the
 //! median of the rounds counts.
 
 use std::time::Instant;
 
 const ROUNDS: usize = 201;
 
-/// Something to be timed: does its work as many times as it is told.
+/// Something to be timed: does its work a given number of times.
 pub(super) type Work<'a> = &'a mut dyn FnMut(u32);
 
-/// Does `work` again and again.
+/// Does `work` repeatedly.
 pub(super) fn repeat(mut work: impl FnMut()) -> impl FnMut(u32) {
     move |times| (0..times).for_each(|_| work())
 }
 
-/// What the rounds of some works took, nanoseconds per time.
+/// The durations of the rounds of some works, in nanoseconds per time.
 pub(super) struct Rounds<const N: usize>(Vec<[f64; N]>);
 
-/// Lets the works take turns, each round so many times.
+/// Lets the works take turns, with this many times per round.
 pub(super) fn rounds<const N: usize>(times: u32, mut works: [Work<'_>; N]) -> Rounds<N> {
     let mut round = || {
         works.each_mut().map(|work| {
@@ -36,12 +36,12 @@ impl<const N: usize> Rounds<N> {
         self.median(|round| round[work])
     }
 
-    /// One work over another, each round by itself.
+    /// The ratio of one work to another, each round by itself.
     pub(super) fn ratio(&self, work: usize, other: usize) -> f64 {
         self.median(|round| round[work] / round[other])
     }
 
-    /// What one work takes beyond another.
+    /// The time of one work in excess of another.
     pub(super) fn beyond(&self, work: usize, other: usize) -> f64 {
         self.median(|round| round[work] - round[other])
     }

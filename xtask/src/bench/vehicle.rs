@@ -24,7 +24,7 @@ pub(super) fn measure() -> Result<Vec<Row>> {
     let (mut u, mut y) = (inputs, [0.0; 26]);
     let (fmu, driven) = (Component::stepping("RexROV")?, Component::stepping("RexROV")?);
     let (set, get) = (forces(&fmu)?, seen(&fmu)?);
-    // A communication step is cut into as many steps of the integrator, on both sides.
+    // A communication step is divided into the same number of integrator steps, on both sides.
     let parts = (STEP_S / fmu.integrator_step_s()?).ceil() as u32;
     let (mut got, mut got_driven, mut other) = ([0.0; 26], [0.0; 26], false);
     let times = rounds(
@@ -70,7 +70,7 @@ pub(super) fn measure() -> Result<Vec<Row>> {
     ])
 }
 
-/// The outputs that the paper's loop reads: what sensors, filter and controller are connected to.
+/// The outputs that the paper's loop reads: those connected to sensors, filter and controller.
 fn read(y: &Outputs) -> [f64; 26] {
     let mut seen = [0.0; 26];
     seen[..3].copy_from_slice(&y.p_ned);
@@ -101,7 +101,7 @@ fn forces(fmu: &Component) -> Result<Vec<u32>> {
     (0..8).map(|i| fmu.reference(&format!("thruster[{i}].force"))).collect()
 }
 
-/// The vehicle in motion, all thrusters at work, in a current.
+/// The vehicle in motion, with all thrusters running, in a current.
 fn setting() -> (State, Inputs) {
     let mut state = State::at_rest([0.0, 0.0, 20.0], [0.05, -0.03, 0.4]);
     state.nu = [0.3, 0.02, 0.01, 0.01, -0.02, 0.1];
@@ -143,7 +143,7 @@ fn compile() -> Result<PathBuf> {
     Ok(program)
 }
 
-/// What the C program reads: parameters, state, inputs, step size, number of steps.
+/// The input of the C program: parameters, state, inputs, step size, number of steps.
 fn numbers() -> Result<Vec<f64>> {
     let p = Parameters::default();
     let thrusters = &p.propulsion;

@@ -1,6 +1,6 @@
-//! The parts of pages that the code writes: `<!-- generated: cli -->` stands for the help of every
-//! command, `<!-- generated: errors -->` for all error codes, `<!-- generated: python -->` for the Python package; the page of a component's equations gets
-//! its title, its plot and its variables.
+//! Generated parts of pages: `<!-- generated: cli -->` stands for the help of every command,
+//! `<!-- generated: errors -->` for all error codes, `<!-- generated: python -->` for the Python
+//! package; the page of a component's equations gets its title, its plot and its variables.
 
 use super::pages::Page;
 use crate::{
@@ -12,7 +12,7 @@ use cosim::Code;
 use fmu_kit::kernel::Entry;
 use std::{fmt::Write, path::Path, process::Command};
 
-/// Where the components' equations are.
+/// The folder of the components' equations.
 const COMPONENTS: &str = "fmu/components/documentation";
 
 /// The whole text of a page.
@@ -57,7 +57,7 @@ fn component_page(component: &Entry) -> Result<String> {
     ))
 }
 
-/// What the docstrings of the Python package say, with its signatures.
+/// The docstrings of the Python package, with its signatures.
 fn python_package() -> Result<String> {
     let root = paths::root();
     let mut command = Command::new(python::BOOK.interpreter()?);
@@ -65,7 +65,7 @@ fn python_package() -> Result<String> {
     process::output(&mut command)
 }
 
-/// What `cosim help` says of each command, and of the commands of a command.
+/// The output of `cosim help` for each command and subcommand.
 pub(super) fn command_line() -> Result<String> {
     let overview = help(&["--help"])?;
     let mut text = format!("```text\n{}\n```\n", overview.trim_end());
@@ -99,7 +99,7 @@ fn section(text: &mut String, title: &str, help: &str) {
     let _ = write!(text, "\n{title}\n\n```text\n{}\n```\n", help.trim_end());
 }
 
-/// Every code with what it means and what helps.
+/// Every code with its meaning and remedy.
 fn errors() -> String {
     let mut text = String::new();
     for &code in Code::ALL {

@@ -1,15 +1,15 @@
-//! `cargo xtask book`: the documents as one book, target/book/index.html, to be read without a network.
+//! `cargo xtask book`: the documents as one book, target/book/index.html, for reading offline.
 //!
-//! | file | what |
+//! | file | contents |
 //! |---|---|
-//! | `pages` | which documents belong to it: those that links lead to |
+//! | `pages` | which documents belong to it: those reached by links |
 //! | `stage` | their copies under target/, in the form that Sphinx reads |
-//! | `generated` | what the pages of reference say: from the code |
-//! | `names` | files, options, variables and error codes that pages name, and that must exist |
+//! | `generated` | the reference pages, from the code |
+//! | `names` | files, options, variables and error codes named in pages, which must exist |
 //! | `pictures` | the pictures that the pages' own commands make |
 //!
-//! Sphinx checks the anchors of links; all of its warnings are errors. How it looks is said by
-//! `docs/conf.py` and `docs/static/`.
+//! Sphinx checks the anchors of links; all of its warnings are errors. `docs/conf.py` and
+//! `docs/static/` define its appearance.
 
 mod generated;
 mod names;
@@ -27,7 +27,7 @@ const ENTRY: &str = "<!DOCTYPE html><meta charset=\"utf-8\"><title>RexROV and co
                      <meta http-equiv=\"refresh\" content=\"0; url=docs/index.html\">\
                      <a href=\"docs/index.html\">RexROV and cosim</a>\n";
 
-/// Runs the code of the pages, compares their pictures or (without `check`) takes them over, and
+/// Runs the code of the pages, compares their pictures or (without `check`) updates them, and
 /// builds the book.
 pub(crate) fn run(check: bool) -> Result<()> {
     examples::run()?;

@@ -1,7 +1,8 @@
-//! Names in the pages: a file path, an option, a variable or an error code that does not exist fails
-//! the book, with page, line and the nearest name that does.
+//! Names in the pages: a file path, an option, a variable or an error code that does not exist
+//! fails the book, with page, line and the nearest existing name.
 //!
-//! Looked at is inline code; error codes also elsewhere. Blocks of code are run (`examples`).
+//! Inline code is checked; error codes are also checked elsewhere. Code blocks are run
+//! (`examples`).
 
 use super::generated::command_line;
 use super::pages::{Page, Pages, events, line};
@@ -15,19 +16,19 @@ use cosim::{
 use pulldown_cmark::Event;
 use std::{collections::BTreeSet, fs, path::Path};
 
-/// Of other programs, where pages name them alone.
+/// Options of other programs that pages mention alone.
 const OTHER_OPTIONS: [&str; 2] = ["--locked", "--inplace"];
-/// Endings of files that are meant when a name stands without its folder.
+/// Endings of files that are meant when a name has no folder.
 const SOURCES: [&str; 5] = ["c", "md", "py", "rs", "toml"];
-/// Endings of names with dots that are no variables.
+/// Endings of names with dots that are not variables.
 const FILES: [&str; 20] = [
     "csv", "dll", "fmu", "html", "ipynb", "json", "jsonl", "key", "mcap", "pem", "png", "pub",
     "sh", "sig", "so", "ssd", "ssp", "svg", "txt", "xml",
 ];
-/// A page of history, in which names may be those of then.
+/// A history page, which may use former names.
 const HISTORY: &str = "CHANGELOG.md";
 
-/// Fails when a page names what is not there.
+/// Fails if a page names something that does not exist.
 pub(super) fn check(pages: &Pages) -> Result<()> {
     let known = Known::read()?;
     let problems: Vec<String> = pages.pages.iter().flat_map(|page| known.problems(page)).collect();
@@ -37,7 +38,7 @@ pub(super) fn check(pages: &Pages) -> Result<()> {
     }
 }
 
-/// What exists.
+/// Existing names.
 struct Known {
     /// Files and folders below the root, with `/` between the parts.
     paths: BTreeSet<String>,
@@ -80,7 +81,7 @@ impl Known {
         found.into_iter().map(|(at, problem)| format!("{}: {problem}", place(at))).collect()
     }
 
-    /// What is wrong with a piece of inline code.
+    /// The problem with a piece of inline code.
     fn problem(&self, span: &str) -> Option<String> {
         if !span.starts_with("cargo ") || span.starts_with("cargo xtask") {
             let words = span.split(|c: char| c.is_whitespace() || "=[]|,".contains(c));
@@ -95,7 +96,7 @@ impl Known {
         let plain = |c: char| c.is_ascii_alphanumeric() || "_-./".contains(c);
         if !rest.is_empty() && span.chars().all(plain) && self.is_folder(first) {
             let (path, end) = (span.trim_end_matches('/'), format!("/{}", span));
-            // Or of a crate that the page is about.
+            // Or of a crate that the page describes.
             let there = self.paths.contains(path) || self.paths.iter().any(|p| p.ends_with(&end));
             return (!there).then(|| missing("file", path, &self.paths));
         }
@@ -135,7 +136,7 @@ fn missing(what: &str, name: &str, known: &BTreeSet<String>) -> String {
     format!("there is no {what} `{name}`{near}")
 }
 
-/// Names of files and folders, but not what is hidden or built.
+/// Names of files and folders, except hidden and built ones.
 fn walk(folder: &Path, above: &str, paths: &mut BTreeSet<String>) -> Result<()> {
     for entry in fs::read_dir(folder).with_context(|| folder.display().to_string())? {
         let path = entry?.path();
@@ -194,7 +195,7 @@ fn is_variable(span: &str) -> bool {
     starts && span.contains('.') && !span.ends_with('.') && span.chars().all(good)
 }
 
-/// Places and texts of what looks like an error code.
+/// Positions and texts of apparent error codes.
 fn codes(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let word = |c: char| c.is_ascii_alphanumeric() || c == '_';
     text.match_indices('E').filter_map(move |(at, _)| {

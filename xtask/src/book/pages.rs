@@ -1,5 +1,5 @@
-//! The pages of the book: `docs/index.md` and every Markdown file that a link leads to, with the files
-//! that they link or show. A link that leads nowhere is an error.
+//! The pages of the book: `docs/index.md` and every Markdown file that can be reached by links,
+//! with the files that they link or show. A broken link is an error.
 
 use crate::paths;
 use anyhow::{Context, Result, bail};
@@ -14,21 +14,21 @@ use std::{
 /// The page that all others are reached from.
 pub(super) const FIRST: &str = "docs/index.md";
 
-/// Where pictures are that the commands of their pages make.
+/// The folder of pictures that are made by the commands of their pages.
 const PICTURES: &str = "docs/pictures";
 
 /// A Markdown file.
 pub(crate) struct Page {
-    /// Its place below the workspace root.
+    /// Its path below the workspace root.
     pub(crate) path: PathBuf,
     pub(crate) text: String,
 }
 
-/// What the book is made of.
+/// The parts of the book.
 pub(crate) struct Pages {
-    /// The pages in the order that links lead to them.
+    /// The pages in the order in which links reach them.
     pub(crate) pages: Vec<Page>,
-    /// Places, below the workspace root, of the other files that are linked or shown.
+    /// Paths, below the workspace root, of the other files that are linked or shown.
     pub(crate) files: BTreeSet<PathBuf>,
 }
 
@@ -44,7 +44,7 @@ impl Pages {
             for (line, link) in links(&text) {
                 let target = beside(&path, &link);
                 if target.starts_with(PICTURES) {
-                    // A new one is there when the commands of its page have run.
+                    // A new one exists once the commands of its page have run.
                     files.insert(target);
                 } else if !paths::root().join(&target).is_file() {
                     let (page, target) = (path.display(), target.display());
@@ -64,12 +64,12 @@ impl Pages {
     }
 }
 
-/// A page's parts with their places in the text.
+/// A page's parts with their positions in the text.
 pub(crate) fn events(text: &str) -> impl Iterator<Item = (Event<'_>, Range<usize>)> {
     Parser::new_ext(text, Options::ENABLE_TABLES | Options::ENABLE_MATH).into_offset_iter()
 }
 
-/// The line of a place in a text, counted from one.
+/// The line of a position in a text, counted from one.
 pub(crate) fn line(text: &str, place: usize) -> usize {
     1 + text[..place].matches('\n').count()
 }
@@ -80,7 +80,7 @@ pub(super) fn pictures(page: &Page) -> Vec<PathBuf> {
     places.filter(|place| place.starts_with(PICTURES)).collect()
 }
 
-/// Lines and targets of the links and pictures that lead to files, without what follows `#`.
+/// Lines and targets of the links and pictures that refer to files, without the part after `#`.
 fn links(text: &str) -> Vec<(usize, String)> {
     let target = |(event, range): (Event<'_>, Range<usize>)| match event {
         Event::Start(Tag::Link { dest_url, .. } | Tag::Image { dest_url, .. }) => {
@@ -93,7 +93,7 @@ fn links(text: &str) -> Vec<(usize, String)> {
     events(text).filter_map(target).collect()
 }
 
-/// The place that a link of `page` leads to.
+/// The target of a link on `page`.
 fn beside(page: &Path, link: &str) -> PathBuf {
     let mut place = page.parent().unwrap_or(Path::new("")).to_owned();
     for part in Path::new(link).components() {

@@ -1,5 +1,5 @@
-//! The pictures of the pages, `docs/pictures/`: committed, so that they show wherever the page is read,
-//! and made by the page's own commands, so that they show what the commands do.
+//! The pictures of the pages, `docs/pictures/`: committed, so that they show wherever the page is
+//! read, and made by the page's own commands, so that they show the results of these commands.
 
 use super::pages::{Pages, pictures};
 use crate::{examples, paths};

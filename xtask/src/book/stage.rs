@@ -1,4 +1,4 @@
-//! The pages as Sphinx reads them: equations as MathML, generated parts in their places, and a table of
+//! The pages as Sphinx reads them: equations as MathML, generated parts inserted, and a table of
 //! contents from the lists of links in `docs/index.md`.
 
 use super::{
@@ -15,10 +15,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// What the book needs that no page links.
+/// Files that the book needs but that no page links.
 const SUPPORT: [&str; 2] = ["docs/conf.py", "docs/static/book.css"];
 
-/// Writes pages and files to a folder, at the places that they have in the repository.
+/// Writes pages and files to a folder, at their paths in the repository.
 pub(super) fn write(pages: &Pages, folder: &Path) -> Result<()> {
     let _ = fs::remove_dir_all(folder);
     let support = SUPPORT.map(PathBuf::from);
@@ -43,7 +43,7 @@ fn put(path: &Path, bytes: &[u8]) -> Result<()> {
     fs::write(path, bytes).with_context(place)
 }
 
-/// LaTeX becomes MathML, which browsers show by themselves.
+/// LaTeX becomes MathML, which browsers display directly.
 fn with_equations(text: &str) -> Result<String> {
     let (mut whole, mut copied) = (String::new(), 0);
     for (event, range) in events(text) {
@@ -53,7 +53,7 @@ fn with_equations(text: &str) -> Result<String> {
             _ => continue,
         };
         whole.push_str(&text[copied..range.start]);
-        // One line, and no bars that would end the cell of a table.
+        // One line, and no bars that would end a table cell.
         whole.push_str(&equation.replace('\n', " ").replace('|', "&#124;"));
         copied = range.end;
     }

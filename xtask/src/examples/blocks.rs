@@ -5,9 +5,9 @@ use pulldown_cmark::{CodeBlockKind, Event, Tag, TagEnd};
 
 /// A fenced block.
 pub(super) struct Block {
-    /// Where it begins, counted from one.
+    /// The line it begins at, counted from one.
     pub(super) line: usize,
-    /// The language, and what else stands behind the fence.
+    /// The language, and the rest of the line after the fence.
     words: Vec<String>,
     pub(super) text: String,
 }
@@ -17,12 +17,12 @@ impl Block {
         self.words.first().map_or("", String::as_str)
     }
 
-    /// Whether `word` stands behind the language.
+    /// Whether `word` follows the language.
     pub(super) fn says(&self, word: &str) -> bool {
         self.words.iter().skip(1).any(|said| said == word)
     }
 
-    /// The value of `key=value` behind the language.
+    /// The value of `key=value` after the language.
     pub(super) fn value(&self, key: &str) -> Option<&str> {
         self.words.iter().find_map(|word| word.strip_prefix(key)?.strip_prefix('='))
     }

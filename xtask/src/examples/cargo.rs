@@ -1,5 +1,5 @@
 //! The `cargo` commands of the documents: running them would build everything again, so tasks are
-//! parsed by the task runner itself, and packages, benches and examples looked up.
+//! parsed by the task runner itself, and packages, benches and examples are looked up.
 
 use crate::Arguments;
 use crate::supply::{array, metadata, text};
@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use clap::Parser;
 use std::collections::BTreeSet;
 
-/// What `cargo` can be told to do here.
+/// Valid arguments of `cargo` here.
 pub(super) struct Commands {
     packages: BTreeSet<String>,
     /// Kind and name of each target: `bench distributed`.
@@ -31,7 +31,7 @@ impl Commands {
         Ok(Self { packages, targets })
     }
 
-    /// Fails when a line of the script begins with a `cargo` command that cannot work.
+    /// Fails if a line of the script begins with an invalid `cargo` command.
     pub(super) fn check(&self, script: &str) -> Result<()> {
         for line in script.replace("\\\n", " ").lines().filter(|line| line.starts_with("cargo ")) {
             let end = |word: &&str| !["&&", ";", "|"].contains(word) && !word.starts_with('#');

@@ -1,13 +1,13 @@
-//! The code in the documents is run as a reader would paste it, or held against its source.
+//! The code in the documents is run as a reader would paste it, or compared with its source.
 //!
 //! | block | what happens |
 //! |---|---|
-//! | `sh` | run by `sh -e` in a folder of the page's own; `cargo` commands are only looked up, and the wheel is installed |
+//! | `sh` | run by `sh -e` in a separate folder for the page; `cargo` commands are only looked up, and the wheel is installed |
 //! | `sh syntax` | the options of its `cosim` commands are checked, nothing is run |
 //! | `python` | run by the Python of the tests |
-//! | `rust` | must stand, word for word, in a source file |
+//! | `rust` | must occur, word for word, in a source file |
 //! | any with `file=NAME` | written to that file for the commands after it |
-//! | any with `of=NAME` | its lines must stand in that file, which a command has written |
+//! | any with `of=NAME` | its lines must occur in that file, which a command has written |
 //! | `xml`, `json` | must have such a name |
 //! | others | nothing |
 
@@ -51,13 +51,13 @@ pub(crate) fn run() -> Result<()> {
     )
 }
 
-/// The folder where the blocks of a page run.
+/// The folder in which the blocks of a page run.
 pub(crate) fn folder(page: &Path) -> PathBuf {
     let name = page.with_extension("").display().to_string().replace('/', "-");
     paths::target().join("examples").join(name)
 }
 
-/// What blocks are held against.
+/// The sources that blocks are compared with.
 struct Checker {
     python: PathBuf,
     sources: Sources,

@@ -1,4 +1,5 @@
-//! Blocks of shell and Python, run in a folder where `examples/` and `target/` are as in the root.
+//! Blocks of shell and Python, run in a folder in which `examples/` and `target/` are as in the
+//! root.
 
 use crate::{paths, process};
 use anyhow::{Context, Result, bail};
@@ -9,13 +10,13 @@ use std::{
     process::Command,
 };
 
-/// Programs that are not run: they build what is built, or change the machine.
+/// Programs that are not run: they rebuild existing output, or change the machine.
 const ELSEWHERE: &str = "cargo() { :; }; rustup() { :; }; pip() { :; }; ";
 
-/// `--help` behind a command makes `cosim` read its options and do nothing.
+/// `--help` after a command makes `cosim` read its options and do nothing.
 const SYNTAX: &str = "cosim() { command cosim \"$@\" --help > /dev/null; }; ";
 
-/// Where the blocks of one page run.
+/// The folder in which the blocks of one page run.
 pub(super) struct Shell {
     folder: PathBuf,
     path: String,
@@ -41,7 +42,7 @@ impl Shell {
         fs::write(self.folder.join(name), text).with_context(|| name.to_owned())
     }
 
-    /// Fails when a line of `text` is no line of a file that the commands wrote.
+    /// Fails if a line of `text` is not a line of a file that the commands wrote.
     pub(super) fn must_show(&self, name: &str, text: &str) -> Result<()> {
         let file = self.folder.join(name);
         let written = fs::read_to_string(&file).with_context(|| file.display().to_string())?;
@@ -51,7 +52,7 @@ impl Shell {
         }
     }
 
-    /// Runs a script; it fails with the first of its commands that does.
+    /// Runs a script; it fails with its first failing command.
     pub(super) fn run(&self, script: &str, syntax_only: bool) -> Result<()> {
         let syntax = if syntax_only { SYNTAX } else { "" };
         let script = format!("{ELSEWHERE}{syntax}\n{script}");

@@ -1,4 +1,4 @@
-//! Rust in the documents is that of a file which the compiler has seen.
+//! Rust code in the documents must be part of a file that the compiler has seen.
 
 use crate::paths;
 use anyhow::{Context, Result, bail};
@@ -7,7 +7,7 @@ use std::{fs, path::Path};
 /// Folders with sources.
 const ROOMS: [&str; 5] = ["examples", "cosim", "fmu", "src", "tests"];
 
-/// The texts of all source files, as they are and without the slashes of documentation.
+/// The texts of all source files, unchanged and without the slashes of doc comments.
 pub(super) struct Sources(Vec<String>);
 
 impl Sources {
@@ -19,7 +19,7 @@ impl Sources {
         Ok(Self(texts))
     }
 
-    /// Fails when no file has `code` in it.
+    /// Fails if no file contains `code`.
     pub(super) fn must_have(&self, code: &str) -> Result<()> {
         match self.0.iter().any(|text| text.contains(code)) {
             true => Ok(()),
@@ -31,7 +31,7 @@ impl Sources {
     }
 }
 
-/// A line with its end, and if it is one of documentation, what it says.
+/// A line with its line end, and, if it is a doc comment, its text.
 fn without_slashes(line: &str) -> String {
     let said = ["///", "//!"].iter().find_map(|slashes| line.trim_start().strip_prefix(slashes));
     let line = said.map_or(line, |said| said.strip_prefix(' ').unwrap_or(said));

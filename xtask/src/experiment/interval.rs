@@ -1,4 +1,4 @@
-//! How well so many seeds know a number.
+//! How accurately a number of seeds determines a value.
 
 use cosim::report::quantile;
 
@@ -6,7 +6,8 @@ use cosim::report::quantile;
 const RESAMPLES: usize = 400;
 
 /// The 95 % interval of a statistic of `n` seeds by the bootstrap (Efron 1979): the statistic of
-/// samples of the seeds, drawn with replacement and always the same. It gets the positions drawn.
+/// samples of the seeds, drawn with replacement and always the same. It receives the drawn
+/// positions.
 pub(crate) fn bootstrap(n: usize, statistic: impl Fn(&[usize]) -> f64) -> [f64; 2] {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     let mut draw = || {

@@ -1,5 +1,5 @@
-//! What the campaigns of simulated missions share: runs on all cores, and verdicts on goals that
-//! know how little a number of seeds says.
+//! The common part of campaigns of simulated missions: runs on all cores, and verdicts on goals
+//! that account for the limited number of seeds.
 
 mod course;
 mod interval;

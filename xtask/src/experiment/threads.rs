@@ -5,13 +5,13 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::available_parallelism;
 
-/// One thread a core.
+/// One thread per core.
 pub(crate) fn default_threads() -> usize {
     available_parallelism().map_or(1, NonZero::get)
 }
 
-/// Works on each item, gives the results in the order of the items, and writes a line on the error
-/// stream at every tenth part. Nothing new is begun once an item has failed.
+/// Works on each item, returns the results in the order of the items, and writes a line to standard
+/// error at every tenth part. No new item is begun after one has failed.
 pub(crate) fn on_threads<T: Sync, R: Send>(
     name: &str,
     items: &[T],

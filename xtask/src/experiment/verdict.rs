@@ -1,28 +1,29 @@
 //! Verdicts on goals.
 //!
-//! Goals are about all seeds there could be; a campaign knows a number within an interval only. So a
-//! verdict has three values: the number lies within its bounds; it does not, but its interval
-//! reaches into them (too few seeds to tell); or it lies clearly outside.
+//! Goals refer to all possible seeds; a campaign determines a number only within an interval. So a
+//! verdict has three values: the number is within its bounds; it is not, but its interval reaches
+//! into them (too few seeds to decide); or it is clearly outside.
 
-/// One goal and what was reached.
+/// One goal and its result.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Verdict {
     /// What was measured.
     pub(crate) what: String,
     /// The value reached.
     pub(crate) value: f64,
-    /// Where the value over all possible seeds lies with 95 % confidence; the value itself if that is not known.
+    /// The 95 % confidence interval of the value over all possible seeds; the value itself if that
+    /// is unknown.
     pub(crate) interval: [f64; 2],
-    /// Least allowed value.
+    /// Smallest allowed value.
     pub(crate) low: f64,
-    /// Greatest allowed value.
+    /// Largest allowed value.
     pub(crate) high: f64,
     /// Unit, or nothing.
     pub(crate) unit: &'static str,
 }
 
 impl Verdict {
-    /// Whether the value lies within its bounds; NaN does not.
+    /// Whether the value is within its bounds; NaN is not.
     pub(crate) fn is_reached(&self) -> bool {
         (self.low..=self.high).contains(&self.value)
     }
@@ -42,10 +43,10 @@ impl Verdict {
         format!("{:.3} {}", self.value, self.unit).trim_end().to_string()
     }
 
-    /// Whether the value lies outside its bounds by more than the seeds leave open.
+    /// Whether the value is outside its bounds by more than the uncertainty of the seeds.
     pub(crate) fn is_missed(&self) -> bool {
         let [least, greatest] = self.interval;
-        // Also when there is no value: NaN compares with nothing.
+        // Also without a value: comparisons with NaN are false.
         !(self.is_reached() || least <= self.high && greatest >= self.low)
     }
 

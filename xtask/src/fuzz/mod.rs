@@ -1,6 +1,6 @@
-//! `cargo xtask fuzz`: libFuzzer with AddressSanitizer on the targets of fmu/fuzz and cosim/fuzz. It
-//! starts from good files (`seeds`), and what it learns stays under target/fuzz, so that the next run
-//! goes on from there; the short form, without nightly Rust, is among the ordinary tests.
+//! `cargo xtask fuzz`: libFuzzer with AddressSanitizer on the targets of fmu/fuzz and cosim/fuzz.
+//! It starts from valid files (`seeds`), and keeps its corpus under target/fuzz, so that the next
+//! run continues from there; the short form, without nightly Rust, is among the ordinary tests.
 
 mod seeds;
 
@@ -8,8 +8,8 @@ use crate::{package, paths, process};
 use anyhow::{Context, Result};
 use std::{fs, process::Command};
 
-/// Folders, their longest inputs (bytes) and their targets: the FMU as random callers see it, some
-/// hundred calls; the readers of strangers' files, most of ours.
+/// Folders, their longest inputs (bytes) and their targets: the FMU with random callers, some
+/// hundred calls; the readers of third-party files, most of ours.
 const TARGETS: [(&str, usize, &[&str]); 2] = [
     ("fmu/fuzz", 8 << 10, &["calls", "state", "threads"]),
     (
@@ -29,10 +29,10 @@ const TARGETS: [(&str, usize, &[&str]); 2] = [
         ],
     ),
 ];
-/// What one input may take: seconds and MiB.
+/// Limits for one input: seconds and MiB.
 const LIMITS: [&str; 2] = ["-timeout=20", "-rss_limit_mb=2048"];
 
-/// Fuzzes each target for so many seconds; fails with the first finding.
+/// Fuzzes each target for this many seconds; fails with the first finding.
 pub(crate) fn run(seconds: u32) -> Result<()> {
     process::run(&mut nightly(&["fuzz", "--version"])).context(
         "fuzzing needs `rustup toolchain install nightly` and `cargo install cargo-fuzz`",
@@ -46,7 +46,7 @@ pub(crate) fn run(seconds: u32) -> Result<()> {
             seeds::write(target, longest, &good)?;
             let limits = [format!("-max_total_time={seconds}"), format!("-max_len={longest}")];
             let mut command = nightly(&["fuzz", "run", "--fuzz-dir", folder]);
-            // It takes Zenoh, which is long to build; the readers do without.
+            // It includes Zenoh, which takes long to build; the readers do not need it.
             if *target == "message" {
                 command.args(["--features", "distributed"]);
             }
@@ -59,7 +59,7 @@ pub(crate) fn run(seconds: u32) -> Result<()> {
     Ok(())
 }
 
-/// Cargo of the nightly toolchain; the one that runs us is not.
+/// Cargo of the nightly toolchain; the one that runs us is not nightly.
 fn nightly(arguments: &[&str]) -> Command {
     let mut command = Command::new("rustup");
     command

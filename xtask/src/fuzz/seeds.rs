@@ -1,5 +1,5 @@
-//! What the readers' fuzz targets start from: good files, whole ones, for no fuzzer finds an
-//! archive or a system description from nothing.
+//! Seeds of the readers' fuzz targets: complete valid files, because no fuzzer finds an archive or
+//! a system description from nothing.
 
 use crate::paths;
 use anyhow::{Context, Result};
@@ -50,7 +50,7 @@ fn of(target: &str) -> Result<Vec<Vec<u8>>> {
     })
 }
 
-/// The files of a folder whose names end so, in the order of their names.
+/// The files of a folder with this ending, in the order of their names.
 fn committed(folder: &Path, ending: &str) -> Result<Vec<Vec<u8>>> {
     let entries = fs::read_dir(folder).with_context(|| folder.display().to_string())?;
     let mut files = entries.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>>>()?;

@@ -20,7 +20,7 @@ const DVL_HZ: f64 = 50.0 / 7.0;
 pub(crate) fn of(recording: &Recording, grade: &str) -> anyhow::Result<f64> {
     let mut p = NavigationParameters::default();
     p.sensors.heading_bias_sigma = 0.0;
-    // Five samples between two rows say as much as one of this.
+    // Five samples between two rows contain as much information as one of this.
     p.sensors.tilt_sigma = tilt_sigma(grade) / (IMU_HZ * INTERVAL).sqrt();
     let mut bound = InertialBound::new(&p, IMU_HZ)?;
     let motions = motions(recording)?;

@@ -1,4 +1,4 @@
-//! The cells of the campaign: what each mission is like.
+//! The cells of the campaign: the kinds of missions.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -23,7 +23,7 @@ pub(crate) fn of_grade(name: &str, grade: &str) -> String {
     if grade == GRADES[0] { name.to_owned() } else { format!("{name}-{}", grade.to_lowercase()) }
 }
 
-/// An input gets a value, or again what is connected to it.
+/// An input gets a value, or its connection again.
 #[derive(Clone, Debug)]
 pub(crate) struct Event {
     pub(crate) time: f64,
@@ -43,13 +43,13 @@ pub(crate) struct Cell {
     /// navigation filter.
     pub(crate) start_values: Vec<(String, String)>,
     pub(crate) events: Vec<Event>,
-    /// What is measured besides the whole mission (s); the mission ends with it.
+    /// The measured part besides the whole mission (s); the mission ends with it.
     pub(crate) window: Option<[f64; 2]>,
-    /// When the propeller [`LOST`] is lost, without a sign of it at the rotor (s).
+    /// When the propeller [`LOST`] is lost, without a change of the rotor (s).
     pub(crate) propeller_lost: Option<f64>,
-    /// Whether a third of the seeds will do.
+    /// Whether a third of the seeds is enough.
     pub(crate) secondary: bool,
-    /// Whether what the filters heard is smoothed as well.
+    /// Whether the recorded inputs of the filters are smoothed as well.
     pub(crate) smoothed: bool,
 }
 
@@ -70,7 +70,7 @@ impl Cell {
         }
     }
 
-    /// Seeds of the cell in a campaign of so many.
+    /// The cell's seeds in a campaign with this many.
     pub(crate) fn seeds(&self, most: u32) -> u32 {
         if self.secondary { most.min((most * 3).div_ceil(10).max(6)) } else { most }
     }
@@ -128,7 +128,7 @@ impl Cell {
             })
     }
 
-    /// The vehicle's mass and inertia times a factor, trimmed as before.
+    /// The vehicle's mass and inertia times a factor, with the trim unchanged.
     fn mass(self, factor: f64) -> Self {
         let p = Parameters::default();
         let i = p.inertia;

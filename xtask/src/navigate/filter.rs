@@ -21,7 +21,7 @@ impl Filter {
         Self::PaperDynamic,
         Self::PaperKinematic,
     ];
-    /// Those that are meant to be at the bound.
+    /// Those that should reach the bound.
     pub(crate) const BEST: [Self; 3] = [Self::ModelAided, Self::Dynamic, Self::Inertial];
 
     /// The component in the system.
@@ -36,7 +36,7 @@ impl Filter {
         }
     }
 
-    /// The FMU, by which tables name the filter.
+    /// The FMU, whose name tables use for the filter.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::ModelAided => "NavModelAided",
@@ -48,7 +48,7 @@ impl Filter {
         }
     }
 
-    /// Whether it is one of the paper's, which know no grades of inertial units.
+    /// Whether it is one of the paper's, which have no grades of inertial units.
     pub(crate) fn is_paper(self) -> bool {
         matches!(self, Self::PaperDynamic | Self::PaperKinematic)
     }

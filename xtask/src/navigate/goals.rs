@@ -1,4 +1,4 @@
-//! The goals, cell by cell, with what an independent simulation of the same filters had reached.
+//! The goals, cell by cell, with the results of an independent simulation of the same filters.
 
 use cosim::report::quantile;
 
@@ -15,7 +15,7 @@ pub(crate) struct Row {
     pub(crate) cell: String,
     pub(crate) filter: &'static str,
     pub(crate) verdict: Verdict,
-    /// What the independent simulation reached.
+    /// The result of the independent simulation.
     pub(crate) reference: &'static str,
 }
 
@@ -66,7 +66,7 @@ impl Cells<'_> {
         rows
     }
 
-    /// The model-aided filter over the better of the other two.
+    /// The ratio of the model-aided filter to the better of the other two.
     fn against_the_better(&self, rows: &mut Vec<Row>) {
         let [Some(aided), Some(dynamic), Some(inertial)] = Filter::BEST.map(|f| self.of(f)) else {
             return;
@@ -88,8 +88,8 @@ impl Cells<'_> {
     }
 }
 
-/// The model-aided filter's error after an outage with a lost propeller over that without (G6), seed by
-/// seed of those that both cells have.
+/// The ratio of the model-aided filter's errors after an outage with and without a lost propeller
+/// (G6), for the seeds that both cells have.
 pub(crate) fn of_losses(results: &[Cells<'_>]) -> Vec<Row> {
     let aided = |name: &str| {
         let found = results.iter().find(|cells| cells.cell.name == name)?;
@@ -113,7 +113,7 @@ pub(crate) fn of_losses(results: &[Cells<'_>]) -> Vec<Row> {
     rows
 }
 
-/// What the smoother gains over the filter, in shares of its RMSE.
+/// The improvement by the smoother, as a share of the filter's RMSE.
 fn smoothed(add: &mut Rows<'_>, scores: &[Score]) {
     type Part = (&'static str, fn(&Score) -> f64, fn(&Smoothed) -> f64, f64, &'static str);
     let parts: [Part; 3] = [
@@ -135,7 +135,7 @@ fn smoothed(add: &mut Rows<'_>, scores: &[Score]) {
     }
 }
 
-/// Where rows go.
+/// The output for rows.
 struct Rows<'a> {
     rows: &'a mut Vec<Row>,
     cell: &'a str,
@@ -177,7 +177,7 @@ impl Rows<'_> {
         Filter::BEST.contains(&self.filter)
     }
 
-    /// Bounds for those filters that are meant to reach them.
+    /// Bounds for those filters that should reach them.
     fn goal(&self, bounds: Bounds) -> Bounds {
         if self.is_best() { bounds } else { SHOWN }
     }
@@ -240,9 +240,9 @@ fn consistency(add: &mut Rows<'_>, scores: &[Score]) {
     add.row("mean ANEES4", "", nees4(scores), goal, "3.8 to 4.15");
     for (channel, (name, dimension)) in CHANNELS.into_iter().enumerate() {
         let number = anis(scores, channel);
-        // A filter that takes a channel for an input has no innovation of it.
+        // A filter that uses a channel as an input has no innovation of it.
         if number.value > 0.0 {
-            // Within 5 %; rounded for the eye.
+            // Within 5 %; rounded for display.
             let goal = [0.95, 1.05].map(|share| (1e3 * share * dimension).round() / 1e3);
             let goal = add.goal(goal);
             add.row(&format!("ANIS of {name}"), "", number, goal, "");
@@ -290,7 +290,7 @@ fn fix_off(add: &mut Rows<'_>, scores: &[Score]) {
         "fix-305" => ([0.19, 0.32], ["0.18", "0.30"]),
         _ => ([0.7, 1.7], ["0.55 to 0.68", "1.2 to 1.7"]),
     };
-    // The inertial filter dead-reckons by the velocity log as well as the others do.
+    // The inertial filter dead-reckons by the velocity log like the others.
     let goals = add.goals(goals);
     add.spread("RMSE without fixes", scores, |s| s.window, goals, references);
     add.row("NEES2 at its end", "", mean_of(scores, |s| s.last_nees), SHOWN, "");

@@ -1,4 +1,4 @@
-//! One mission of a cell: the start values of a seed, what happens when, what is recorded.
+//! One mission of a cell: the start values of a seed, the events, the recorded variables.
 
 use cosim::observe::{RunInfo, Stop};
 use cosim::{Controls, Manipulator, Observer, Overrides, Recording, Run, Summary, System, Time};
@@ -13,9 +13,9 @@ use super::smoother::INPUTS;
 pub(crate) const INTERVAL: f64 = 0.1;
 /// Standard deviation of the position that a filter starts with, north and east (m).
 const START_SIGMA: f64 = 0.5;
-/// What draws random numbers.
+/// Components that draw random numbers.
 const RANDOM: [&str; 7] = ["imu", "ahrs", "dvl", "fix", "pressure", "tachometer", "disturbance"];
-/// An attitude reference that says 50 times a second what 0.01 rad say 10 times a second.
+/// An attitude reference at 50 Hz with the same information as 0.01 rad at 10 Hz.
 const AHRS_HZ: f64 = 50.0;
 const HEADING_SIGMA: f64 = 0.0224;
 /// Cycles of a filter: every sensor samples at multiples of their period.
@@ -74,9 +74,9 @@ pub(crate) fn tilt_sigma(grade: &str) -> f64 {
     grade.noise().attitude_sigma
 }
 
-/// What is left of a mission.
+/// What is kept of a mission.
 pub(crate) struct Flight {
-    /// Truth and estimates, a row each [`INTERVAL`].
+    /// Truth and estimates, one row per [`INTERVAL`].
     pub(crate) recording: Recording,
     pub(crate) summary: Summary,
     /// The same with a row for each cycle of the filters and with their inputs, in cells that are
@@ -101,7 +101,7 @@ fn row_stride() -> usize {
     (INTERVAL * FILTER_HZ).round() as usize
 }
 
-/// Every so many rows of a recording.
+/// Every n-th row of a recording.
 fn every(recording: &Recording, stride: usize) -> Recording {
     let thinned = |column: &[f64]| column.iter().step_by(stride).copied().collect::<Vec<_>>();
     let columns = recording.columns().map(|(_, column)| thinned(column)).collect();
@@ -157,7 +157,7 @@ fn overrides(cell: &Cell, seed: u32) -> anyhow::Result<Overrides> {
 
 /// Parameters of a filter, by their names in its FMU.
 pub(crate) fn filter_parameters(cell: &Cell, filter: Filter, seed: u32) -> Vec<(String, String)> {
-    // The same for all filters: their comparison is one of pairs.
+    // The same for all filters, because they are compared in pairs.
     let mut start = Gaussian::new(u64::from(seed), START_STREAM);
     let [north, east] = [(); 2].map(|()| START_SIGMA * start.draw());
     let mut parameters = vec![
@@ -176,7 +176,7 @@ pub(crate) fn filter_parameters(cell: &Cell, filter: Filter, seed: u32) -> Vec<(
     parameters
 }
 
-/// A stream of random numbers that no component draws from.
+/// A stream of random numbers that no component uses.
 const START_STREAM: u64 = 9000;
 
 /// Ends a mission once its course is finished.
@@ -206,7 +206,7 @@ impl Observer for Arrival {
     }
 }
 
-/// What happens, in the order of time.
+/// The events, in order of time.
 struct Events(Vec<(Time, Event)>);
 
 impl Events {

@@ -1,19 +1,19 @@
 //! The goals of the navigation filters, measured: `cargo xtask navigate`.
 //!
-//! Missions of `examples/baseline.ssd` from packaged FMUs through the master, many seeds of each
-//! cell. In most cells the true pose steers, so that filters listen to the same mission; in those
-//! named after the loop the model-aided filter steers. Prints what was reached beside the goal and
-//! beside what an independent simulation of the same formulations had reached, and writes
+//! Missions of `examples/baseline.ssd` from packaged FMUs through the master, with many seeds for
+//! each cell. In most cells the true pose steers, so that all filters see the same mission; in
+//! those named after the loop the model-aided filter steers. Prints the results beside the goals
+//! and beside those of an independent simulation of the same formulations, and writes
 //! `target/navigate`: `table.md`, `results.csv`.
 //!
-//! | file | what |
+//! | file | contents |
 //! |---|---|
-//! | `cell` | what each kind of mission is like |
+//! | `cell` | the kinds of missions |
 //! | `filter`, `system` | the filters; the system with those that a cell needs |
 //! | `mission` | one mission of a seed |
 //! | `smoother` | the same mission smoothed |
-//! | `score`, `statistic`, `bound` | measures of a mission, of many, and their least value |
-//! | `goals` | what is to be reached |
+//! | `score`, `statistic`, `bound` | measures of a mission, of many, and their lower bound |
+//! | `goals` | the goals |
 //! | `output` | table and file of results |
 
 mod bound;
@@ -43,18 +43,18 @@ pub(crate) struct Options {
     /// Seeds of the main cells; the others get a third of them.
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) seeds: u32,
-    /// The first of them: others judge what was chosen on those from 1 on.
+    /// The first of them: other seeds check values that were chosen with seeds from 1 on.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(crate) first_seed: u32,
-    /// Only these cells, or those whose names begin so.
+    /// Only these cells, or those whose names begin with these.
     #[arg(long, value_delimiter = ',')]
     pub(crate) cells: Vec<String>,
-    /// Missions at the same time [default: one a core].
+    /// Missions at the same time [default: one per core].
     #[arg(long)]
     pub(crate) threads: Option<usize>,
 }
 
-/// Measures; an error if a goal is missed by more than the seeds leave open.
+/// Measures; an error if a goal is missed by more than the uncertainty of the seeds.
 pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     let cells = chosen(&options.cells)?;
     let threads = options.threads.unwrap_or_else(default_threads);
@@ -100,7 +100,7 @@ struct Flown {
     bound: Option<f64>,
 }
 
-/// Flies so many seeds of all cells from the first one on, of secondary cells a third.
+/// Flies this many seeds of all cells starting with the first, a third of them for secondary cells.
 pub(crate) fn fly_all(
     cells: &[Cell],
     first: u32,

@@ -1,4 +1,4 @@
-//! What one filter reached in one mission.
+//! The result of one filter in one mission.
 
 use cosim::report::{mean, root_mean_square};
 use cosim::{Recording, Summary};
@@ -11,14 +11,14 @@ use super::mission::{Flight, INTERVAL, column, course, row};
 use super::smoother::Smoothed;
 use crate::experiment::mean_distance;
 
-/// From here on filters have settled (s).
+/// After this time filters have settled (s).
 pub(crate) const SETTLED: f64 = 30.0;
 /// Sensors with an innovation, with their dimensions.
 pub(crate) const CHANNELS: [(&str, f64); 5] =
     [("tilt", 2.0), ("heading", 1.0), ("depth", 1.0), ("dvl", 3.0), ("fix", 2.0)];
-/// Rows between the instants of which the normalised errors are kept.
+/// Rows between the instants for which the normalised errors are kept.
 const STRIDE: usize = 10;
-/// Fraction of its thrust from which on a thruster counts as lost.
+/// Fraction of lost thrust above which a thruster counts as lost.
 const LOSS: f64 = 0.1;
 
 /// Measures of one filter in one mission. RMSE are of the horizontal position (m).
@@ -42,10 +42,11 @@ pub(crate) struct Score {
     /// Error at the end of the window (m), and its NEES.
     pub(crate) last: f64,
     pub(crate) last_nees: f64,
-    /// When the propeller was taken for lost after it was (s), and whether it was the right one.
+    /// When the loss of the propeller was detected, after it happened (s), and whether it was the
+    /// right one.
     pub(crate) detected: f64,
     pub(crate) right: bool,
-    /// Losses reported without one, and the time in which that could happen (h).
+    /// False alarms, and the time in which they could occur (h).
     pub(crate) false_alarms: f64,
     pub(crate) hours: f64,
     /// Mean distance of the vehicle from its course, horizontally and in depth (m).
@@ -53,7 +54,7 @@ pub(crate) struct Score {
     pub(crate) vertical: f64,
     /// Whether the end of the course was reached.
     pub(crate) finished: bool,
-    /// What the smoother made of it, in cells that are smoothed.
+    /// The result of the smoother, in cells that are smoothed.
     pub(crate) smoothed: Option<Smoothed>,
     /// Processor time of the filter's FMU over simulated time.
     pub(crate) load: f64,
@@ -192,7 +193,7 @@ impl<'a> Errors<'a> {
     }
 }
 
-/// Sum and number of the NIS of each channel, of the measurements that came between two rows.
+/// Sum and number of the NIS of each channel, for the measurements between two rows.
 fn nis(recording: &Recording, filter: Filter) -> anyhow::Result<[[f64; 2]; CHANNELS.len()]> {
     let mut sums = [[0.0; 2]; CHANNELS.len()];
     for (sum, (channel, _)) in sums.iter_mut().zip(CHANNELS) {

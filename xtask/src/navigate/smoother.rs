@@ -14,7 +14,7 @@ use super::score::SETTLED;
 use super::system::folder;
 use crate::{paths, process};
 
-/// Inputs of a filter, which a log has.
+/// Inputs of a filter that a log contains.
 pub(crate) const INPUTS: [&str; 7] =
     ["imu.*", "ahrs.*", "dvl.*", "fix.*", "pressure.*", "thruster[?].thrust", "propulsion.*"];
 
@@ -29,13 +29,13 @@ pub(crate) struct Smoothed {
     pub(crate) window: f64,
 }
 
-/// Builds the program, beside this one so that it shares what was built for it.
+/// Builds the program, in the same target folder as this one so that dependencies are shared.
 pub(crate) fn build() -> anyhow::Result<()> {
     let packages = ["-p", "rexrov-smooth", "-p", "xtask"];
     process::run(process::cargo(&["build", "--release", "--quiet"]).args(packages))
 }
 
-/// Smooths what a filter heard: `heard` has a row for each of its cycles, `mission` the truth.
+/// Smooths a filter's inputs: `heard` has a row for each of its cycles, `mission` the truth.
 pub(crate) fn smooth(
     heard: &Recording,
     mission: &Recording,
@@ -80,7 +80,7 @@ fn json(cell: &Cell, filter: Filter, seed: u32) -> Value {
     )
 }
 
-/// Rows of both are the same instants, multiples of the filter's interval.
+/// Rows of both are at the same instants, multiples of the filter's interval.
 fn score(smoothed: &Recording, mission: &Recording, cell: &Cell) -> anyhow::Result<Smoothed> {
     let off = |axis: &str| -> anyhow::Result<Vec<f64>> {
         let truth = mission.column(&format!("vehicle.pose.{axis}"))?;

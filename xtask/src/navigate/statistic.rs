@@ -18,9 +18,9 @@ pub(crate) fn number(seeds: usize, statistic: impl Fn(&[usize]) -> f64) -> Numbe
     Number { value: statistic(&all), interval: bootstrap(seeds, statistic) }
 }
 
-/// A quantile of a measure over the seeds drawn.
+/// A quantile of a measure over the drawn seeds.
 pub(crate) fn over(scores: &[Score], drawn: &[usize], p: f64, of: fn(&Score) -> f64) -> f64 {
-    // A measure without an end, as the time to what never comes, is greater than all others.
+    // An infinite measure, as the time to an event that never occurs, is larger than all others.
     let values: Vec<f64> = drawn.iter().map(|i| of(&scores[*i]).min(1e9)).collect();
     quantile(&values, p)
 }
@@ -52,8 +52,8 @@ pub(crate) fn anis(scores: &[Score], channel: usize) -> Number {
     ratio_of(scores, |score| score.nis[channel])
 }
 
-/// Share of the time in which the mean NEES over all seeds, of so many components, lies in its 95 %
-/// band.
+/// Share of the time in which the mean NEES over all seeds, of this many components, is within its
+/// 95 % band.
 pub(crate) fn share_in_band(scores: &[Score], which: usize, components: f64) -> f64 {
     let degrees = components * scores.len() as f64;
     let [low, high] = [-1.96, 1.96].map(|z| chi_square(degrees, z) / scores.len() as f64);
@@ -65,7 +65,7 @@ pub(crate) fn share_in_band(scores: &[Score], which: usize, components: f64) -> 
     inside.count() as f64 / instants as f64
 }
 
-/// The quantile of a chi-square number that is `z` in the normal distribution (Wilson & Hilferty
+/// The chi-square quantile that corresponds to `z` of the normal distribution (Wilson & Hilferty
 /// 1931).
 fn chi_square(degrees: f64, z: f64) -> f64 {
     let spread = 2.0 / (9.0 * degrees);

@@ -9,16 +9,16 @@ use cosim::{Overrides, System};
 use super::filter::Filter;
 use crate::paths;
 
-/// What guidance and control know of the vehicle.
+/// The source of pose and velocity for guidance and control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Steering {
-    /// Its true pose and velocity: the path depends on no filter.
+    /// The true pose and velocity: the path depends on no filter.
     Truth,
     /// The estimate of the model-aided filter closes every loop.
     Estimate,
 }
 
-/// Systems by what differs in their structure. They are kept, so that the FMUs are unpacked once.
+/// Systems by their structure. They are kept, so that the FMUs are unpacked once.
 pub(crate) struct Systems(BTreeMap<(Steering, &'static [Filter]), System>);
 
 impl Systems {
@@ -54,7 +54,7 @@ pub(crate) fn folder() -> anyhow::Result<PathBuf> {
     Ok(folder)
 }
 
-/// The system's description without the other filters, with its FMUs where they are from
+/// The system's description without the other filters, with its FMUs where they are relative to
 /// [`folder`], and with guidance and control connected to the truth if it steers.
 fn text(baseline: &str, steering: Steering, filters: &[Filter]) -> String {
     let others = Filter::ALL.iter().filter(|f| !filters.contains(f));

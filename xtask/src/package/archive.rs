@@ -1,4 +1,4 @@
-//! Zip files: written by the kit, read back whole for merging.
+//! Zip files: written by the kit, read back completely for merging.
 
 use anyhow::{Context, Error, Result};
 use std::{fs::File, io::Read, path::Path};

@@ -1,34 +1,34 @@
 //! Compiling shared libraries and programs for a platform.
 //!
-//! The linker of the machine binds to the newest symbols of its own glibc, and to libgcc. What is
-//! shipped is linked by Zig instead, which has the symbols of every glibc, the import libraries of
-//! Windows, and an unwinder to link in: on Linux it starts wherever glibc is [`GLIBC`] or later.
+//! The machine's linker binds to the newest symbols of its own glibc, and to libgcc. Shipped files
+//! are linked by Zig instead, which has the symbols of every glibc, the import libraries of
+//! Windows, and an unwinder to link in: on Linux they start wherever glibc is [`GLIBC`] or later.
 
 use super::{platform::Platform, toolchain::Toolchain};
 use crate::{paths, process, python::ZIG};
 use anyhow::{Context, Result};
 use std::{env, ffi::OsString, path::PathBuf, process::Command};
 
-/// Oldest glibc that what is shipped starts with: the oldest that Rust's own library supports.
+/// Oldest glibc that shipped files start with: the oldest that Rust's own library supports.
 pub(crate) const GLIBC: &str = "2.17";
 
-/// Who links.
+/// The linker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Linker {
     /// Zig: for any machine of the platform.
     Zig,
-    /// This machine's linker: for this machine and younger ones.
+    /// This machine's linker: for this machine and newer ones.
     Native,
 }
 
 impl Linker {
-    /// Zig if it is installed already: what needs no shipping shall not need to download it.
+    /// Zig if it is installed already: files that are not shipped need not download it.
     pub(crate) fn at_hand() -> Self {
         if ZIG.is_installed() { Self::Zig } else { Self::Native }
     }
 }
 
-/// Builds what `selection` (arguments of `cargo build`) names; gives the folder in which it lies.
+/// Builds the `selection` (arguments of `cargo build`); returns the output folder.
 pub(crate) fn build(linker: Linker, platform: &Platform, selection: &[&str]) -> Result<PathBuf> {
     match linker {
         Linker::Native => {
@@ -45,7 +45,7 @@ pub(crate) fn build(linker: Linker, platform: &Platform, selection: &[&str]) -> 
     }
 }
 
-/// `cargo zigbuild` for a platform, with all that it keeps under target/.
+/// `cargo zigbuild` for a platform, with all its files under target/.
 pub(super) fn zig(platform: &Platform, toolchain: Toolchain) -> Result<Command> {
     let programs = ZIG.install()?;
     let path = env::var_os("PATH").unwrap_or_default();
@@ -66,7 +66,7 @@ pub(super) fn zig(platform: &Platform, toolchain: Toolchain) -> Result<Command> 
         .env("PATH", path)
         .env("CARGO_ENCODED_RUSTFLAGS", flags(&more)?)
         .env("CARGO_ZIGBUILD_CACHE_DIR", ZIG.folder().join("cache"));
-    // Symbols are a quarter of a library; linux64 alone, which is profiled here, keeps them.
+    // Symbols are a quarter of a library; only linux64, which is profiled here, keeps them.
     if platform.folder() != "linux64" {
         command.env("CARGO_PROFILE_RELEASE_STRIP", "symbols");
     }
@@ -92,8 +92,8 @@ fn zig_caches(command: &mut Command) {
     command.env("ZIG_GLOBAL_CACHE_DIR", &cache).env("ZIG_LOCAL_CACHE_DIR", &cache);
 }
 
-/// Flags that keep the builder's folders out of the library, so that it is the same from any, and
-/// others.
+/// Flags that keep the builder's folders out of the library, so that it is the same from any
+/// folder, and others.
 pub(super) fn flags(more: &[String]) -> Result<OsString> {
     let home = env::var_os("CARGO_HOME").map(PathBuf::from);
     let home = home.or_else(|| env::home_dir().map(|home| home.join(".cargo")));

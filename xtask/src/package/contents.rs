@@ -1,4 +1,4 @@
-//! What lies in an FMU: to what the kit puts there, this adds text and plot of the documentation, the
+//! The contents of an FMU: in addition to the kit's files, text and plot of the documentation, the
 //! icon, licences and the reference run.
 
 use super::{archive::Entry, icon, page, reference};
@@ -7,7 +7,7 @@ use anyhow::{Context, Error, Result};
 use fmu_kit::kernel;
 use std::fs;
 
-/// Where the Reference FMUs of the Modelica Association keep their results.
+/// The folder of results in the Reference FMUs of the Modelica Association.
 const REFERENCE: &str = "extra/org.fmi-standard.fmi-ls-ref";
 
 /// The files of one component, with the library for each platform.
@@ -30,7 +30,7 @@ pub(crate) fn of(component: &kernel::Entry, libraries: &[Entry]) -> Result<Vec<E
     Ok(files)
 }
 
-/// What the author of a component gives: its text with equations, its drawing. A line `{{file}}`
+/// The author's files for a component: its text with equations, its drawing. A line `{{file}}`
 /// stands for that file, which several components share.
 pub(crate) fn source(file: &str) -> Result<String> {
     let path = paths::root().join("fmu/components/documentation").join(file);
@@ -46,7 +46,7 @@ pub(crate) fn source(file: &str) -> Result<String> {
     Ok(whole)
 }
 
-/// The licences: an entry page, ours, and what is linked in with its terms.
+/// The licences: an entry page, ours, and the linked crates with their terms.
 pub(crate) fn licenses() -> Result<Vec<Entry>> {
     let folder = "documentation/licenses";
     let mut files =
@@ -57,7 +57,7 @@ pub(crate) fn licenses() -> Result<Vec<Entry>> {
     Ok(files)
 }
 
-/// Our terms, and what is linked into a package's library.
+/// Our terms, and the crates linked into a package's library.
 pub(crate) fn summary(what: &str, package: &str) -> Result<String> {
     Ok(format!(
         "{what} is licensed under MIT or Apache-2.0, at your option:\n\
@@ -67,14 +67,13 @@ pub(crate) fn summary(what: &str, package: &str) -> Result<String> {
     ))
 }
 
-/// What is linked into a package's library or program: the crates with their terms, as cargo knows
-/// them.
+/// The crates linked into a package's library or program, with their terms, from cargo.
 pub(crate) fn linked(package: &str) -> Result<String> {
     let tree = ["tree", "-p", package, "--edges", "normal,no-proc-macro", "--prefix", "none"];
     let tree = process::output(process::cargo(&tree).args(["--format", "{p}\t{l}"]))?;
     let mut crates: Vec<String> = tree
         .lines()
-        // Those of this workspace are shown with their folder.
+        // Crates of this workspace are shown with their folder.
         .filter(|line| !line.contains('(') && !line.trim().is_empty())
         .map(|line| line.replace('\t', "  "))
         .collect();

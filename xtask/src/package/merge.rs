@@ -46,7 +46,7 @@ fn fmus(folder: &Path) -> Result<Vec<OsString>> {
 }
 
 /// All files of several archives. Only libraries of different platforms may be in one and not in
-/// another; whatever has the same name must be the same.
+/// another; files with the same name must be equal.
 fn union(archives: Vec<(String, Vec<archive::Entry>)>) -> Result<Vec<archive::Entry>> {
     let common = |name: &str| !name.starts_with("binaries/");
     let mut files: Vec<archive::Entry> = Vec::new();
@@ -76,7 +76,7 @@ fn union(archives: Vec<(String, Vec<archive::Entry>)>) -> Result<Vec<archive::En
             }
         }
     }
-    // What platforms have in common keeps its order, the libraries follow the description.
+    // Files common to all platforms keep their order, and the libraries follow the description.
     let at = files.iter().position(|(name, _)| !common(name)).unwrap_or(files.len());
     let (mut libraries, mut rest): (Vec<_>, Vec<_>) =
         files.into_iter().partition(|(name, _)| !common(name));
@@ -85,7 +85,7 @@ fn union(archives: Vec<(String, Vec<archive::Entry>)>) -> Result<Vec<archive::En
     Ok(rest)
 }
 
-/// A library lies in the folder of its machine, under a name that is looked for there.
+/// A library must be in the folder of its machine, under the name that importers look for.
 fn check(name: &str, bytes: &[u8]) -> Result<()> {
     let folder = name.split('/').nth(1).unwrap_or_default();
     Library::read(bytes)?.check(platform::named(folder)?)?;

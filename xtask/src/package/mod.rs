@@ -1,14 +1,14 @@
-//! Packaging: one library, its FMUs and the systems of them, the same bytes every time; the libraries of
-//! the FMUs that `cosim` writes; and for the wheel `cosim` and `rexrov-smooth`.
+//! Packaging: one library, its FMUs and the systems of them, the same bytes every time; the
+//! libraries of the FMUs that `cosim` writes; and for the wheel `cosim` and `rexrov-smooth`.
 //!
-//! | file | what |
+//! | file | contents |
 //! |---|---|
 //! | `platform` | the platforms and their names |
 //! | `compile` | libraries and program, linked for any machine or for this one |
 //! | `toolchain` | the compiler that has Rust's standard library for a platform |
 //! | `library` | what a library exports and needs, checked before it is packed |
-//! | `contents`, `page`, `icon` | what lies in an FMU beside description and library |
-//! | `reference`, `stimulus` | the run whose result an FMU carries |
+//! | `contents`, `page`, `icon` | the contents of an FMU besides description and library |
+//! | `reference`, `stimulus` | the run whose result an FMU contains |
 //! | `archive`, `merge` | zip files; FMUs of several platforms in one |
 //! | `sums` | the SHA-256 of each file |
 //! | `wheel` | FMUs, system and the programs as a Python package |
@@ -46,8 +46,8 @@ pub(crate) struct Options {
     /// Link with this machine's linker: needs no Python, starts only where glibc is as new
     #[arg(long, conflicts_with_all = ["target", "merge", "all"])]
     native: bool,
-    /// Build for every platform that is shipped, as far as this machine can: `cargo xtask toolchain`
-    /// gets what it takes
+    /// Build for every shipped platform, as far as this machine can: `cargo xtask toolchain`
+    /// installs what is needed
     #[arg(long, conflicts_with_all = ["target", "merge"])]
     all: bool,
     /// Platform to build for, may be repeated [default: the x86-64 or ARM Linux this runs on]
@@ -80,7 +80,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     platforms.iter().try_for_each(|platform| libraries(linker, platform))
 }
 
-/// The platforms that this machine can build for; tells of the others what they lack.
+/// The platforms that this machine can build for; prints what the others lack.
 fn possible() -> Vec<&'static Platform> {
     let can = |platform: &&Platform| match Toolchain::of(platform) {
         Ok(_) => true,
@@ -99,14 +99,14 @@ pub(crate) fn for_all(output: &Path) -> Result<()> {
     libraries(Linker::Zig, platform::host()?)
 }
 
-/// Packages as [`run`] does when nothing else is asked for.
+/// Packages as [`run`] does by default.
 pub(crate) fn for_shipping() -> Result<()> {
     let host = platform::host()?;
     build(Linker::Zig, &[host], &paths::fmus())?;
     libraries(Linker::Zig, host)
 }
 
-/// Packages for shipping once more, elsewhere; fails when a byte differs.
+/// Packages for shipping again, elsewhere; fails if a byte differs.
 pub(crate) fn check_reproducible() -> Result<()> {
     let again = paths::target().join("fmus-again");
     build(Linker::Zig, &[platform::host()?], &again)?;
@@ -119,7 +119,7 @@ pub(crate) fn check_reproducible() -> Result<()> {
     Ok(())
 }
 
-/// Packages the FMUs for use on this machine, which needs no more than Rust and a C compiler.
+/// Packages the FMUs for use on this machine, which requires only Rust and a C compiler.
 pub(crate) fn for_this_machine() -> Result<()> {
     build(Linker::at_hand(), &[platform::host()?], &paths::fmus())
 }
@@ -150,7 +150,7 @@ fn build(linker: Linker, platforms: &[&'static Platform], output: &Path) -> Resu
     systems(&packaged, output)
 }
 
-/// Reads a library of those that were built, if it is fit for an FMU.
+/// Reads one of the built libraries, if it is suitable for an FMU.
 pub(crate) fn library(
     linker: Linker,
     platform: &Platform,
@@ -162,7 +162,7 @@ pub(crate) fn library(
     Ok(bytes)
 }
 
-/// Reads something of what was built, if it starts on the machines it is for.
+/// Reads one of the built files, if it starts on its target machines.
 fn checked(linker: Linker, platform: &Platform, path: &Path) -> Result<(Vec<u8>, Library)> {
     let name = path.file_name().unwrap_or_default().display();
     let bytes = fs::read(path).with_context(|| path.display().to_string())?;
@@ -176,9 +176,9 @@ fn checked(linker: Linker, platform: &Platform, path: &Path) -> Result<(Vec<u8>,
     Ok((bytes, library))
 }
 
-/// Builds the libraries of the FMUs that `cosim` writes where it finds them: under lib/cosim/ beside
-/// the folder of the program. They are without Zenoh, which takes longer to build than all the rest,
-/// and for Linux only, as the master inside is.
+/// Builds the libraries of the FMUs that `cosim` writes where it finds them: under lib/cosim/
+/// beside the folder of the program. They do not contain Zenoh, which takes longer to build than
+/// all the rest, and are for Linux only, as the master inside is.
 fn libraries(linker: Linker, platform: &Platform) -> Result<()> {
     if platform.os != "linux" {
         println!(
@@ -202,8 +202,8 @@ fn libraries(linker: Linker, platform: &Platform) -> Result<()> {
     Ok(())
 }
 
-/// Builds a program of a package of the same name. This machine's linker makes it as the tests have
-/// it, with the features of all of the workspace: what was built for them need not be built again.
+/// Builds a program of a package of the same name. This machine's linker makes it as for the tests,
+/// with the features of the whole workspace: nothing built for the tests needs to be built again.
 fn program(linker: Linker, platform: &Platform, name: &str) -> Result<(Vec<u8>, Library)> {
     let built = match linker {
         Linker::Native => {
@@ -218,8 +218,8 @@ fn program(linker: Linker, platform: &Platform, name: &str) -> Result<(Vec<u8>, 
 /// The systems that are written as packages.
 const SYSTEMS: [&str; 2] = ["baseline", "paper"];
 
-/// Writes the systems: each description with the FMUs that it names beside it under resources/, in
-/// the order of their names.
+/// Writes the systems: each description with its FMUs beside it under resources/, in the order of
+/// their names.
 fn systems(fmus: &[PathBuf], output: &Path) -> Result<()> {
     let mut fmus = fmus.to_vec();
     fmus.sort();

@@ -1,8 +1,8 @@
-//! What `documentation/index.html` shows before the variables: the author's text with its equations,
-//! and a plot of the reference run.
+//! The part of `documentation/index.html` before the variables: the author's text with its
+//! equations, and a plot of the reference run.
 //!
 //! The text is Markdown with equations in LaTeX between `$` signs, which become MathML: browsers
-//! show it by themselves, without a network.
+//! display it directly, without a network.
 
 use super::reference::{Run, STEP_S};
 use anyhow::{Result, anyhow};

@@ -1,4 +1,4 @@
-//! The platforms an FMU can be made for, by the names that Rust and FMI have for them.
+//! The platforms an FMU can be made for, with their names in Rust and FMI.
 
 use anyhow::{Result, anyhow};
 use fmu_kit::package;
@@ -15,7 +15,7 @@ pub(crate) struct Platform {
     pub(crate) target: &'static str,
 }
 
-/// Those that are shipped, the first ones, and those whose FMUs can be merged with them.
+/// The shipped ones first, then those whose FMUs can be merged with them.
 const ALL: [Platform; 8] = [
     Platform { os: "linux", arch: "x86_64", target: "x86_64-unknown-linux-gnu" },
     Platform { os: "windows", arch: "x86_64", target: "x86_64-pc-windows-gnu" },
@@ -38,13 +38,13 @@ impl Platform {
         package::tuple(self.os, self.arch)
     }
 
-    /// The file that Cargo makes of a library crate.
+    /// The file that Cargo makes from a library crate.
     pub(crate) fn library(&self, package: &str) -> String {
         let prefix = if self.os == "windows" { "" } else { "lib" };
         format!("{prefix}{}{}", package.replace('-', "_"), package::suffix(&self.folder()))
     }
 
-    /// The file that Cargo makes of a program.
+    /// The file that Cargo makes from a program.
     pub(crate) fn program(&self, name: &str) -> String {
         format!("{name}{}", if self.os == "windows" { ".exe" } else { "" })
     }

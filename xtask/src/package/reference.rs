@@ -1,6 +1,6 @@
 //! The reference run of a component: its default experiment with the inputs of [`stimulus`], by
-//! co-simulation. The FMU carries inputs and result as the Reference FMUs of the Modelica
-//! Association do, so that whoever gets it can see whether it works as it should.
+//! co-simulation. The FMU contains inputs and result as the Reference FMUs of the Modelica
+//! Association do, so that users can check whether it works as it should.
 
 use super::stimulus;
 use anyhow::{Result, bail, ensure};
@@ -26,8 +26,8 @@ pub(crate) struct Recording {
     pub(crate) rows: Vec<Vec<f64>>,
 }
 
-/// Runs the default experiment. A row of the result holds the outputs at its time, reached with
-/// the inputs of the row before, as masters without a notion of feed-through record them.
+/// Runs the default experiment. A row of the result has the outputs at its time, reached with the
+/// inputs of the previous row, as recorded by masters that do not consider feed-through.
 pub(crate) fn run(component: &Entry) -> Result<Run> {
     let log = Log::default();
     let name = component.info().name;
@@ -103,7 +103,7 @@ impl Recording {
         Some(text)
     }
 
-    /// The course of one variable.
+    /// The values of one variable over time.
     pub(crate) fn course(&self, name: &str) -> Vec<(f64, f64)> {
         let Some(index) = self.names.iter().position(|known| known == name) else {
             return Vec::new();
@@ -113,7 +113,8 @@ impl Recording {
 }
 
 impl Run {
-    /// What the files are: the manifest of the layered standard FMI-LS-REF, which fixes its texts and roles.
+    /// The manifest of the files according to the layered standard FMI-LS-REF, which prescribes its
+    /// texts and roles.
     pub(crate) fn manifest(&self, name: &str) -> String {
         let related = |recording: &Recording, suffix: &str, role: &str, what: &str| {
             if recording.names.is_empty() {
@@ -141,7 +142,7 @@ impl Run {
     }
 }
 
-/// What the component complains of.
+/// The component's complaint.
 #[derive(Clone, Default)]
 struct Log(Arc<Mutex<String>>);
 

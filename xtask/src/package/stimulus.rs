@@ -1,11 +1,11 @@
-//! What the inputs of a component do in its reference run.
+//! The inputs of a component in its reference run.
 //!
-//! One motion for all, so that their results fit together: a dive on a helix, level, at constant
-//! speed, on a circle of radius u / r that is left behind at r and sinks at w:
-//! `p = (u/r sin rt, u/r (1 - cos rt), 20 + wt)`, `psi = rt`, specific force `(0, ru, -g)`.
-//! The thrusters push ahead, up and down, and turn.
+//! There is one motion for all, so that their results are consistent: a dive on a helix, level, at
+//! constant speed, on a circle of radius u / r that is traversed at r and sinks at w:
+//! `p = (u/r sin rt, u/r (1 - cos rt), 20 + wt)`, `psi = rt`, specific force `(0, ru, -g)`. The
+//! thrusters push ahead, up and down, and turn.
 
-/// Speed ahead, m/s.
+/// Forward speed, m/s.
 const SURGE: f64 = 0.5;
 /// Speed downwards, m/s.
 const HEAVE: f64 = 0.05;
@@ -13,14 +13,15 @@ const HEAVE: f64 = 0.05;
 const TURN: f64 = 0.1;
 /// Gravity, m/s2.
 const GRAVITY: f64 = 9.81;
-/// What an instrument adds, in its unit: values that repeat bit for bit are those of one that is stuck.
+/// Noise of an instrument, in its unit: values that repeat bit for bit would indicate a stuck
+/// instrument.
 const RIPPLE: f64 = 1e-3;
 /// Thrust over rotor speed squared, N.s2/rad2.
 const THRUST_GAIN: f64 = 0.00031;
 
 /// The value of an input at time `t` in seconds; `None` if it keeps its start value.
 pub(crate) fn value(input: &str, t: f64) -> Option<f64> {
-    // Whose motion it is does not matter, nor which instrument tells it.
+    // The component and the instrument do not matter, only the quantity.
     let measured = ["imu.", "ahrs.", "dvl.", "fix.", "pressure.", "propulsion."]
         .iter()
         .find_map(|prefix| input.strip_prefix(prefix));
@@ -35,7 +36,7 @@ pub(crate) fn value(input: &str, t: f64) -> Option<f64> {
     motion(quantity, t).or_else(|| thruster(quantity, t))
 }
 
-/// What moves, and what is demanded of it.
+/// The motion, and the demands.
 fn motion(quantity: &str, t: f64) -> Option<f64> {
     let (sine, cosine) = libm::sincos(TURN * t);
     Some(match quantity {

@@ -1,8 +1,8 @@
-//! Which compiler has Rust's standard library for a platform: the one that runs this, when its own
-//! is installed, or Debian's, which `cargo xtask toolchain` unpacks under target/debian.
+//! The compiler that has Rust's standard library for a platform: the one that runs this, if the
+//! library is installed, or Debian's, which `cargo xtask toolchain` unpacks under target/debian.
 //!
-//! Debian has the library ready for ARM. For Windows it is compiled from the sources that Debian
-//! ships with the compiler, once, and put where the compiler looks for it.
+//! Debian provides the library for ARM. For Windows it is compiled once from the sources that
+//! Debian ships with the compiler, and put where the compiler looks for it.
 
 use super::{
     compile,
@@ -26,7 +26,7 @@ pub(crate) enum Toolchain {
 }
 
 impl Toolchain {
-    /// The one to compile for a platform with.
+    /// The compiler to use for a platform.
     pub(crate) fn of(platform: &Platform) -> Result<Self> {
         if *platform == *platform::host()? || own_library(platform)?.is_some() {
             Ok(Self::Own)
@@ -41,7 +41,7 @@ impl Toolchain {
         }
     }
 
-    /// Cargo's output folder: the builds of one compiler are of no use to the other.
+    /// Cargo's output folder: the builds of one compiler cannot be used by the other.
     pub(crate) fn target(self) -> PathBuf {
         match self {
             Self::Own => paths::target(),
@@ -49,15 +49,15 @@ impl Toolchain {
         }
     }
 
-    /// What it must be told for a platform beyond what all are told.
+    /// Additional settings for a platform.
     pub(super) fn flag(self, platform: &Platform) -> Option<String> {
-        // Relative, as the folder of the build shall not matter.
+        // Relative, because the build folder must not matter.
         let folder = Path::new("target/debian").join(EMPTY);
         (self == Self::Debian && platform.os == "windows")
             .then(|| format!("-Lnative={}", folder.display()))
     }
 
-    /// Has a call of Cargo use it.
+    /// Makes a call of Cargo use it.
     pub(crate) fn used_by(self, command: &mut Command) -> &mut Command {
         match self {
             Self::Own => command.env("CARGO_TARGET_DIR", self.target()),
@@ -69,7 +69,7 @@ impl Toolchain {
     }
 }
 
-/// Unpacks Debian's compiler, as far as the one that runs this lacks libraries.
+/// Unpacks Debian's compiler, if the one that runs this lacks libraries.
 pub(crate) fn fetch() -> Result<()> {
     let mut lacking =
         platform::shipped().iter().filter(|platform| Toolchain::of(platform).is_err());
@@ -90,7 +90,7 @@ pub(crate) fn install() -> Result<()> {
     Ok(())
 }
 
-/// What names a compiler.
+/// The identity of a compiler.
 fn version(toolchain: Toolchain) -> Result<String> {
     let program = match toolchain {
         Toolchain::Own => env::var_os("RUSTC").unwrap_or("rustc".into()),
@@ -100,7 +100,7 @@ fn version(toolchain: Toolchain) -> Result<String> {
     Ok(version.trim().to_owned())
 }
 
-/// The package with the library for a platform, or that with its sources.
+/// The package with the library for a platform, or with its sources.
 fn sources(platform: &Platform) -> &'static str {
     match (platform.os, platform.arch) {
         ("linux", "aarch64") => "libstd-rust-web-dev:arm64",
@@ -109,7 +109,7 @@ fn sources(platform: &Platform) -> &'static str {
     }
 }
 
-/// Compiles the standard library as the only dependency of a crate that holds nothing.
+/// Compiles the standard library as the only dependency of an empty crate.
 fn compile_library(platform: &Platform) -> Result<()> {
     let folder = debian::folder().join("std");
     fs::create_dir_all(folder.join("src"))?;
@@ -117,14 +117,14 @@ fn compile_library(platform: &Platform) -> Result<()> {
     fs::write(folder.join("src/lib.rs"), "#![no_std]\n")?;
     let vendored = debian::library_sources()?.join("vendor");
     let mut command = compile::zig(platform, Toolchain::Debian)?;
-    // The sources of its dependencies lie beside it.
+    // The sources of its dependencies are beside it.
     command
         .args(["-Zbuild-std=std,panic_unwind", "--config"])
         .arg("source.crates-io.replace-with=\"vendored\"")
         .arg("--config")
         .arg(format!("source.vendored.directory={vendored:?}"))
         .current_dir(&folder);
-    // In pieces, of which the linker leaves out what nobody calls: sockets with WS2_32.dll, say.
+    // In pieces, so that the linker omits unused ones, for example sockets with WS2_32.dll.
     let flags = compile::flags(&["-Zfunction-sections=yes".to_owned()])?;
     command
         .env("CARGO_ENCODED_RUSTFLAGS", flags)
@@ -150,11 +150,11 @@ fn compile_library(platform: &Platform) -> Result<()> {
     Ok(())
 }
 
-/// The folder of libraries that Debian's compiler links into all for Windows, parts of its own gcc, and
-/// that nothing here calls: they are empty.
+/// The folder of libraries that Debian's compiler links into everything for Windows. They are parts
+/// of its own gcc that nothing here calls, so they are empty.
 const EMPTY: &str = "stubs";
 
-/// A crate that is there for what it depends on.
+/// A crate that exists only for its dependencies.
 const NOTHING: &str = "[package]\nname = \"nothing\"\nedition = \"2024\"\n\n[workspace]\n";
 
 /// The folder of the standard library of the compiler that runs this, if it is installed.
@@ -170,7 +170,7 @@ fn debian_library(platform: &Platform) -> PathBuf {
     debian::sysroot().join("lib/rustlib").join(platform.target).join("lib")
 }
 
-/// Whether the standard library lies in a folder.
+/// Whether the standard library is in a folder.
 fn has_library(folder: &Path) -> bool {
     let is_std = |name: &str| name.starts_with("libstd-") && name.ends_with(".rlib");
     fs::read_dir(folder).is_ok_and(|mut entries| {

@@ -1,4 +1,4 @@
-//! `cargo xtask wheel`: the Python package, with everything in it that runs without a compiler.
+//! `cargo xtask wheel`: the Python package, including everything that runs without a compiler.
 //!
 //! | in the wheel | after `pip install` | from |
 //! |---|---|---|
@@ -7,8 +7,8 @@
 //! | programs `cosim`, `rexrov-smooth` | `bin/` | `cosim/`, `fmu/smooth/`, for shipping linked by Zig |
 //! | its libraries | `lib/cosim/`, where it looks for them | `target/lib/cosim` |
 //!
-//! All of it is laid out in `target/wheel` first, which the build backend packs as it stands: the same
-//! bytes every time.
+//! All of it is first collected in `target/wheel`, which the build backend packs unchanged: the
+//! same bytes every time.
 
 use super::{
     compile::{GLIBC, Linker},
@@ -24,7 +24,7 @@ use std::{
     process::Command,
 };
 
-/// Files of the project that the wheel takes as they are.
+/// Files of the project that the wheel contains unchanged.
 const COPIED: [(&str, &str); 4] = [
     ("cosim/python/pyproject.toml", "pyproject.toml"),
     ("cosim/python/hatch_build.py", "hatch_build.py"),
@@ -36,7 +36,7 @@ const COPIED: [(&str, &str); 4] = [
 const COURSES: [(&str, &str); 3] =
     [("BE1", Course::BE1), ("BE2", Course::BE2), ("BE3", Course::BE3)];
 
-/// Packages the FMUs, for all platforms if asked to, and builds the wheel for any machine.
+/// Packages the FMUs, for all platforms on request, and builds the wheel for any machine.
 pub(crate) fn run(all: bool) -> Result<()> {
     if all {
         super::for_all(&paths::fmus())?
@@ -46,7 +46,7 @@ pub(crate) fn run(all: bool) -> Result<()> {
     build(Linker::Zig)
 }
 
-/// Builds the wheel from packaged FMUs for this machine and younger ones.
+/// Builds the wheel from packaged FMUs for this machine and newer ones.
 pub(crate) fn for_this_machine() -> Result<()> {
     build(Linker::Native)
 }
@@ -76,7 +76,7 @@ fn build(linker: Linker) -> Result<()> {
     sums::write(&wheels, &[built()?])
 }
 
-/// Puts the newest wheel, without what it depends on, into the environment of the tests.
+/// Installs the newest wheel, without its dependencies, in the environment of the tests.
 pub(crate) fn install() -> Result<()> {
     let options = ["install", "--quiet", "--disable-pip-version-check", "--no-deps"];
     process::run(
@@ -127,20 +127,20 @@ fn lay_out(stage: &Path, programs: &[(&str, &[u8])]) -> Result<()> {
     for (name, program) in programs {
         let file = stage.join("bin").join(name);
         write(&file, program)?;
-        // pip keeps the mode that a wheel gives.
+        // pip keeps the file mode from the wheel.
         fs::set_permissions(&file, Permissions::from_mode(0o755))
             .with_context(|| file.display().to_string())?;
     }
     Ok(())
 }
 
-/// For which Python and machine the wheel is: any Python 3, this platform with that glibc.
+/// Python and platform of the wheel: any Python 3, this platform with that glibc.
 fn tag(glibc: &str) -> Result<String> {
     let machine = platform::host()?.arch;
     Ok(format!("py3-none-manylinux_{}_{machine}", glibc.replace('.', "_")))
 }
 
-/// Copies the files of a folder whose names end so.
+/// Copies the files of a folder with this ending.
 fn copy(from: &Path, to: &Path, endings: &[&str]) -> Result<()> {
     for entry in fs::read_dir(from).with_context(|| from.display().to_string())? {
         let path = entry?.path();

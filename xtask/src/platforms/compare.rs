@@ -1,4 +1,4 @@
-//! What two runs of the driver wrote, line by line.
+//! The output of two runs of the driver, line by line.
 
 use anyhow::{Context, Result};
 use std::{fs, path::Path};
@@ -7,16 +7,16 @@ use std::{fs, path::Path};
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Findings {
     pub(super) component: String,
-    /// Steps of co-simulation, those ahead of a saved state included.
+    /// Steps of co-simulation, including those before a saved state.
     pub(super) steps: usize,
     /// Values of outputs after them.
     pub(super) outputs: usize,
-    /// Length of the saved states together.
+    /// Total length of the saved states.
     pub(super) state_bytes: usize,
     pub(super) log_lines: usize,
     /// Derivatives, all variables, statuses.
     pub(super) other_lines: usize,
-    /// The first line that is not the same, in words.
+    /// The first line that differs, in words.
     pub(super) difference: Option<String>,
 }
 
@@ -31,14 +31,14 @@ pub(super) fn folders(reference: &Path, other: &Path) -> Result<Vec<Findings>> {
     for name in names {
         all.push(texts(name, &read(reference, name)?, &read(other, name)?));
     }
-    // The places differ, what is found there does not.
+    // The locations differ, their contents do not.
     if let Ok(text) = read(other, "locations") {
         all.push(locations(&text));
     }
     Ok(all)
 }
 
-/// Compares what was written of one component.
+/// Compares the output for one component.
 fn texts(component: &str, reference: &str, other: &str) -> Findings {
     let mut findings = Findings { component: component.to_owned(), ..Findings::default() };
     for line in other.lines() {
@@ -67,7 +67,7 @@ fn texts(component: &str, reference: &str, other: &str) -> Findings {
     findings
 }
 
-/// Steps ahead of a saved state are the same again after it is restored.
+/// Steps before a saved state are the same again after it is restored.
 fn repetition(text: &str) -> Option<String> {
     let of = |mark: &str| -> Vec<&str> {
         text.lines().filter_map(|line| line.strip_prefix(mark)).collect()

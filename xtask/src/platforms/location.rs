@@ -1,16 +1,17 @@
-//! Files that a component reads: their places as each system's importers spell them.
+//! Files that a component reads: their locations as importers of each system spell them.
 
 use super::{guid, machine::Machine};
 use crate::package::platform::Platform;
 use anyhow::{Context, Result};
 use std::{fmt::Write, fs, path::Path};
 
-/// A course with the line ends of Windows.
+/// A course with Windows line ends.
 const COURSE: &str = "0,0\r\n100,0,5 # corner\r\n100,50\r\n";
 
-/// Puts a course where it is hard to find, and a job that reads it by all spellings of its place.
+/// Puts a course where it is hard to find, and a job that reads it by all spellings of its
+/// location.
 pub(super) fn lay_out(platform: &Platform, machine: &Machine, folder: &Path) -> Result<()> {
-    // Longer than the 260 characters that old functions of Windows take.
+    // Longer than the 260 characters that old functions of Windows accept.
     let deep = format!("r\u{e4}ume und 100%/{}", ["abcdefghijklmnopqrstuvwxyz"; 11].join("/"));
     let resources = folder.join(&deep);
     fs::create_dir_all(&resources)?;

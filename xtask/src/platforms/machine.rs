@@ -25,7 +25,7 @@ pub(super) enum Machine {
 }
 
 impl Machine {
-    /// The one for a platform, unpacked if it need be.
+    /// The one for a platform, unpacked if necessary.
     pub(super) fn of(platform: &Platform, offline: bool) -> Result<Self> {
         if *platform == *platform::host()? {
             return Ok(Self::This);
@@ -37,7 +37,7 @@ impl Machine {
         }
     }
 
-    /// What it is called, with its version.
+    /// Its name and version.
     pub(super) fn name(&self) -> String {
         let version = match self {
             Self::This => return "native".to_owned(),
@@ -74,16 +74,16 @@ impl Machine {
         command
             .env("LD_LIBRARY_PATH", libraries)
             .env("WINEPREFIX", debian::folder().join("prefix"))
-            // Names of files are in UTF-8, whatever the user speaks.
+            // File names are in UTF-8, whatever the user's locale.
             .env("LC_ALL", "C.UTF-8")
-            // No messages of its own, and none of the parts that it would ask to install.
+            // No messages of its own, and none of the parts that it would offer to install.
             .env("WINEDEBUG", "-all")
             .env("WINEDLLOVERRIDES", "mscoree,mshtml,winemenubuilder.exe=")
             .env_remove("DISPLAY");
         command
     }
 
-    /// Puts a library beside the programs that older ones lack.
+    /// Puts a library that older ones lack beside the programs.
     fn complete_wine(folder: &Path) -> Result<()> {
         let file = folder.join("bcryptprimitives.dll");
         let source = paths::root().join("xtask/platforms/bcryptprimitives.c");

@@ -1,18 +1,19 @@
 //! `cargo xtask platforms`: the components compute the same on every platform, bit for bit.
 //!
-//! A driver in C (`xtask/platforms/driver.c`) steps the library of each platform with the same random
-//! inputs, saves, serializes and restores states, makes calls that must be refused, and writes down all
-//! that it is answered: on this machine, under Wine, and under qemu-user. What it wrote is compared line by line.
+//! A driver in C (`xtask/platforms/driver.c`) steps the library of each platform with the same
+//! random inputs, saves, serializes and restores states, makes invalid calls, and writes down all
+//! the results: on this machine, under Wine, and under qemu-user. The outputs are compared line by
+//! line.
 //!
-//! | file | what |
+//! | file | contents |
 //! |---|---|
 //! | `plan` | the inputs, the same for all platforms |
 //! | `machine` | how a program of another platform is run here |
-//! | `location` | places of files, as each system spells them |
-//! | `compare` | what is the same, and the first line that is not |
+//! | `location` | file locations, as each system spells them |
+//! | `compare` | the comparison, and the first line that differs |
 //!
-//! `target/platforms/<platform>` holds library, driver and plans: copied to a real machine, `driver jobs.txt`
-//! there does the same, and `--results` compares what it wrote.
+//! `target/platforms/<platform>` contains library, driver and plans: copied to a real machine,
+//! `driver jobs.txt` does the same there, and `--results` compares its output.
 
 /// The component that panics on command.
 #[allow(unreachable_pub, reason = "public in the library that it is a part of")]
@@ -52,11 +53,11 @@ pub(crate) struct Options {
     /// Seed of the inputs
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// In short, for continuous integration: 300 steps, and what cannot be downloaded within four
-    /// minutes is left out
+    /// Short form for continuous integration: 300 steps, without what cannot be downloaded within
+    /// four minutes
     #[arg(long, conflicts_with_all = ["steps", "seed", "offline", "prepare", "results"])]
     short: bool,
-    /// Download nothing: only what is at hand already
+    /// Download nothing: use only what is already there
     #[arg(long)]
     offline: bool,
     /// Prepare `target/platforms/<platform>` for other machines, and run nothing but this machine's own
@@ -68,7 +69,7 @@ pub(crate) struct Options {
     results: Vec<String>,
 }
 
-/// Time that downloads may take in continuous integration, where what is not to be had is left out.
+/// Time limit for downloads in continuous integration; anything later is skipped.
 const PATIENCE: Duration = Duration::from_secs(240);
 /// Steps and seed of the table in the documents.
 const DOCUMENTED: (u32, u64) = (3000, 1);
@@ -155,7 +156,7 @@ fn compare(options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// The table in the documents must be that of these steps and this seed.
+/// The table in the documents must match these steps and this seed.
 fn check_document(all: &[(String, String, Vec<Findings>)]) -> Result<()> {
     let (page, components) = (paths::root().join("docs/platforms.md"), &rexrov_fmu::REGISTRY);
     let text = fs::read_to_string(&page).with_context(|| page.display().to_string())?;
@@ -169,12 +170,13 @@ fn check_document(all: &[(String, String, Vec<Findings>)]) -> Result<()> {
     Ok(())
 }
 
-/// Builds for a platform, lays all out in its folder and runs it; gives what ran it and where the results are.
+/// Builds for a platform, puts everything into its folder and runs it; returns what ran it and the
+/// folder of the results.
 fn on(platform: &Platform, options: &Options) -> Result<(String, PathBuf)> {
     let folder = paths::target().join("platforms").join(platform.folder());
     let _ = fs::remove_dir_all(&folder);
     fs::create_dir_all(&folder)?;
-    // Without Zig there is this machine's own compiler, for this machine.
+    // Without Zig this machine's own compiler is used, for this machine.
     let linker = match *platform == *platform::host()? {
         true => Linker::at_hand(),
         false => Linker::Zig,
@@ -198,7 +200,7 @@ fn on(platform: &Platform, options: &Options) -> Result<(String, PathBuf)> {
     Ok((machine.name(), folder))
 }
 
-/// Compiles the driver. Products and sums stay apart, though it computes none.
+/// Compiles the driver. Contraction of products and sums is off, though it computes none.
 fn driver(linker: Linker, platform: &Platform, folder: &Path) -> Result<()> {
     let mut command = match linker {
         Linker::Zig => compile::c_compiler(platform)?,

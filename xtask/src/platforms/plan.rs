@@ -1,4 +1,4 @@
-//! What the driver does with each component: random inputs, the same for all platforms.
+//! The driver's plan for each component: random inputs, the same for all platforms.
 
 use super::{Options, clumsy::Clumsy};
 use crate::package::{platform::Platform, stimulus};
@@ -11,9 +11,10 @@ use std::{fs, path::Path};
 
 /// Communication step, s.
 const STEP_S: f64 = 0.05;
-/// Steps that are made twice, ahead of a saved state and after it is restored.
+/// Steps that are made twice, before a saved state and after it is restored.
 const REPEATED: u32 = 100;
-/// How far random inputs are from those of the reference run, as a part of the variable's magnitude.
+/// How far random inputs are from those of the reference run, as a fraction of the variable's
+/// magnitude.
 const SPREAD: f64 = 0.3;
 
 /// Writes the plans and the list of jobs.
@@ -67,7 +68,7 @@ fn plan(table: &Table, options: &Options) -> Vec<u8> {
     bytes
 }
 
-/// What an input is at a time: about what it is in the reference run, within its bounds.
+/// The value of an input at a time: about the same as in the reference run, within its bounds.
 fn value(input: &Variable, time: f64, random: &mut Random) -> f64 {
     let Start::Real(start) = input.start else { return 0.0 };
     let usual = stimulus::value(&input.name, time);

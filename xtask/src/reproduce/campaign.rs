@@ -12,7 +12,7 @@ use super::settings::{bench, cases};
 use super::trace::{SIGNALS, Trace};
 use crate::experiment::on_threads;
 
-/// The seed whose runs are kept whole, for the figures.
+/// The seed whose runs are kept in full, for the figures.
 pub(crate) const SHOWN_SEED: u32 = 1;
 
 /// Seeds up to this one get result files, so that the folder stays below 250 MB.
@@ -34,7 +34,7 @@ pub(crate) struct Campaign {
 }
 
 impl Campaign {
-    /// Makes all runs on so many threads; result files of the paper's columns go into a folder.
+    /// Makes all runs on this many threads; result files of the paper's columns go into a folder.
     pub(crate) fn run(seeds: u32, threads: usize, folder: &Path) -> anyhow::Result<Self> {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("cannot create {}", folder.display()))?;

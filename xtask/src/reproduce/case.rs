@@ -1,4 +1,4 @@
-//! What differs between runs: course, filter, accuracy of the position fix, seed.
+//! How runs differ: course, filter, accuracy of the position fix, seed.
 
 use std::fmt;
 
@@ -28,7 +28,7 @@ impl Course {
         }
     }
 
-    /// What the course tests.
+    /// The purpose of the course.
     pub(crate) fn description(self) -> &'static str {
         match self {
             Course::Be1 => "straight, fixed turn, sharp turn",
@@ -74,7 +74,7 @@ impl Filter {
         }
     }
 
-    /// The FMU that holds it.
+    /// Its FMU.
     pub(crate) fn fmu(self) -> &'static str {
         match self {
             Filter::Dynamic => "EkfDynamic.fmu",
@@ -94,9 +94,9 @@ impl Filter {
 /// Accuracy of the position fix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Fix {
-    /// 1.5 m an axis.
+    /// 1.5 m per axis.
     Fine,
-    /// 2.5 m an axis.
+    /// 2.5 m per axis.
     Coarse,
 }
 
@@ -104,7 +104,7 @@ impl Fix {
     /// Both.
     pub(crate) const ALL: [Fix; 2] = [Fix::Fine, Fix::Coarse];
 
-    /// Standard deviation an axis, m.
+    /// Standard deviation per axis, m.
     pub(crate) fn sigma(self) -> f64 {
         match self {
             Fix::Fine => 1.5,

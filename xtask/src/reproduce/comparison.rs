@@ -1,12 +1,12 @@
-//! All filters under equal conditions: which one is right when, and what decides it.
+//! All filters under equal conditions: which one is right when, and why.
 
 use anyhow::Context;
 use cosim::report::{Block, Section, Table, mean, quantile, root_mean_square};
 
 use crate::navigate::{Cell, Cells, Filter, GRADES, Score, fly_all};
 
-/// Of so many seeds of the paper's experiment one is flown here, of what is compared in pairs half of
-/// these: all filters get the same missions.
+/// The number of seeds of the paper's experiment per mission flown here; paired comparisons use
+/// half of these: all filters get the same missions.
 const SHARE: u32 = 10;
 
 const PAPER: &[Filter] = &[Filter::PaperDynamic, Filter::PaperKinematic];
@@ -15,7 +15,7 @@ const MODELLED: &[Filter] = &[Filter::ModelAided, Filter::Dynamic];
 /// Words, standard deviation of the fix (m), and parameters of the filter.
 type Variant = (&'static str, f64, &'static [(&'static str, &'static str)]);
 
-/// The paper's filters as printed, and what one change after the other makes of them.
+/// The paper's filters as printed, with one change after another.
 const VARIANTS: [Variant; 6] = [
     ("as printed, fix 1.5 m", 1.5, &[]),
     ("without rotation to NED", 1.5, &[("rotate_to_ned", "false")]),
@@ -29,7 +29,7 @@ const VARIANTS: [Variant; 6] = [
     ),
 ];
 
-/// The section, from missions of its own.
+/// The section, from separate missions.
 pub(crate) fn section(seeds: u32, threads: usize) -> anyhow::Result<Section> {
     let seeds = seeds.div_ceil(SHARE);
     let pairs = seeds.div_ceil(2);
@@ -51,47 +51,47 @@ pub(crate) fn section(seeds: u32, threads: usize) -> anyhow::Result<Section> {
 
     let mut section = Section::new("Which filter, when");
     section.text(format!(
-        "The filters of examples/baseline.ssd on the same missions of course BE3: the true pose \
-         steers, all filters get the same measurements (fix 0.5 m at 1 Hz, velocity log 0.01 m/s, \
+        "The filters of examples/baseline.ssd on the same missions of course BE3: the vehicle steers \
+         by its true pose, all filters get the same measurements (fix 0.5 m at 1 Hz, velocity log 0.01 m/s, \
          attitude, depth, inertial unit, rotor speeds) and start with the same error of 0.5 m. \
          {seeds} seeds; median and 95 % over them."
     ));
     section.blocks.push(Block::Table(equal(nominal)));
     section.text(
         "With fixes and velocity log NavModelAided, NavDynamic and NavInertial are equally good, and \
-         as good as any filter can be: what they add to the measurements decides nothing. What the \
-         paper compares is its matrix F.",
+         as good as any filter can be: their models make no difference. The paper's comparison \
+         reflects its matrix F.",
     );
     section.blocks.push(Block::Table(by_variant(&variants)));
     section.text(format!(
         "The experiment that explains the paper's Y error, {pairs} seeds: y is worse than x with F as \
-         printed, whatever the fix. With the Jacobian of the prediction it is not, with dynamics or \
-         without. A process noise that is the velocity log's alone leaves y the better axis, but the \
-         filter is too sure of its prediction, and listens too little to the fix."
+         printed, whatever the fix. With the Jacobian of the prediction it is not, with or without \
+         dynamics. With the process noise of the velocity log alone y is the better axis, but the \
+         filter trusts its prediction too much and the fix too little."
     ));
     section.blocks.push(Block::Table(dead_reckoning(without_fix)));
     section.text(
-        "Without fixes, for 305 s from the start, velocity log and heading decide: again the filters \
-         are equally good.",
+        "Without fixes, for 305 s from the start, velocity log and heading determine the error: \
+         again the filters are equally good.",
     );
     section.blocks.push(Block::Table(by_grade(outages)));
     section.text(
-        "Dynamics help where neither fix nor velocity log is left, here for 60 s: against an \
-         inertial unit of low grade by an order of magnitude, against one of tactical grade hardly \
-         at all. The model-aided filter weighs both and is never clearly worse than the better one.",
+        "Dynamics help without fix and velocity log, here for 60 s: compared with a low-grade \
+         inertial unit by an order of magnitude, compared with a tactical-grade one hardly at all. \
+         The model-aided filter weights both and is never clearly worse than the better one.",
     );
     section.blocks.push(Block::Table(dimensions(spatial)));
     section.text(
-        "Four degrees of freedom are enough for the horizontal position as long as rates of position \
-         use the measured roll and pitch; where the vehicle pitches all the time, as on the helix, \
-         depth and consistency are a little worse.",
+        "Four degrees of freedom are enough for the horizontal position as long as the position \
+         rates use the measured roll and pitch; where the vehicle pitches permanently, as on the \
+         helix, depth and consistency are slightly worse.",
     );
     section.blocks.push(Block::Table(sensitivity(&coefficients)?));
     section.text(format!(
         "Sensitivity of the same outage, speed changing between 0.3 and 0.1 m/s, to the coefficients \
          of the filter's model, {pairs} seeds: root mean square of the error at the end. With \
-         velocity log and fix no coefficient matters. What sets the speed decides: thrust gain and \
-         quadratic damping."
+         velocity log and fix no coefficient matters. The coefficients that set the speed dominate: \
+         thrust gain and quadratic damping."
     ));
     Ok(section)
 }
@@ -231,7 +231,7 @@ fn dimensions(spatial: &[Cells<'_>]) -> Table {
 /// Names of the groups of coefficients.
 const GROUPS: [&str; 4] = ["quadratic damping", "linear damping", "added mass", "thrust gain"];
 
-/// The outage with nothing changed, and with each group 30 % less and 30 % more.
+/// The outage without changes, and with each group 30 % less and 30 % more.
 fn coefficients() -> anyhow::Result<Vec<Cell>> {
     let base = Cell::named("outage-speed")?;
     let changed = GROUPS.into_iter().flat_map(|group| [0.7, 1.3].map(|factor| (group, factor)));

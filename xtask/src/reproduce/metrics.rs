@@ -2,7 +2,7 @@
 //!
 //! * Total: mean distance between the reference path and the path taken.
 //! * X-Kalman: RMSE between the filter's x and the true x.
-//! * Y-Kalman: the same along y. The paper's text says MSE, its tables have metres: here are both.
+//! * Y-Kalman: the same along y. The paper's text says MSE, its tables use metres: both are here.
 
 use cosim::report::{quantile, root_mean_square};
 use rexrov::guidance::Course as Path;
@@ -60,7 +60,7 @@ impl Spread {
 }
 
 /// Distribution-free 95 % interval of the median: order statistics `(n -+ 1.96 sqrt(n)) / 2`
-/// (normal approximation of the binomial); with few values all of their range.
+/// (normal approximation of the binomial); with few values their whole range.
 fn median_interval(mut values: Vec<f64>) -> [f64; 2] {
     values.sort_by(f64::total_cmp);
     let n = values.len() as f64;
@@ -73,8 +73,8 @@ fn median_interval(mut values: Vec<f64>) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// Along the first straight of BE1, 0.3 m to starboard, estimated 0.1 m behind and y by turns
-    /// 0.4 m too great and too small.
+    /// Along the first straight of BE1, 0.3 m to starboard, estimated 0.1 m behind, and y
+    /// alternately 0.4 m too large and too small.
     fn trace() -> Trace {
         let n = 50;
         let x: Vec<f64> = (0..n).map(|i| f64::from(i) * 0.1).collect();

@@ -1,6 +1,6 @@
 //! The paper's experiment (section 9), repeated: three courses, two filters, many seeds.
 //!
-//! Makes the runs of the campaign `examples/campaign/paper.toml`, measures each as the paper does,
+//! Makes the runs of the campaign `examples/campaign/paper.toml`, evaluates each as the paper does,
 //! prints Tables 7 to 9 beside the paper's numbers and the verdicts of goal G1, and writes
 //! `target/reproduce`: `report.html`, `figures/*.svg`, `runs/*.csv`.
 
@@ -30,14 +30,13 @@ use crate::paths;
 /// Options of `reproduce`.
 #[derive(clap::Args)]
 pub(crate) struct Options {
-    /// Seeds of every course and filter; from few of them a median is not known well enough for
-    /// a verdict.
+    /// Seeds of every course and filter; with few of them a median is too uncertain for a verdict.
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) seeds: u32,
-    /// Runs at the same time [default: one a core].
+    /// Runs at the same time [default: one per core].
     #[arg(long)]
     pub(crate) threads: Option<usize>,
-    /// Leave out the comparison of all filters, which flies missions of its own.
+    /// Skip the comparison of all filters, which flies separate missions.
     #[arg(long)]
     pub(crate) paper_only: bool,
 }
@@ -64,8 +63,8 @@ pub(crate) fn run(options: &Options) -> anyhow::Result<()> {
     conclude(&campaign, &verdicts)
 }
 
-/// Fails when the picture of the README is not the figure that the last run wrote; any number of seeds
-/// gives the same.
+/// Fails if the picture of the README is not the figure that the last run wrote; it is the same for
+/// any number of seeds.
 pub(crate) fn check_picture() -> anyhow::Result<()> {
     let (picture, figure) = ("examples/be3.svg", "reproduce/figures/path-BE3.svg");
     let read =
@@ -88,7 +87,7 @@ fn print(campaign: &Campaign, verdicts: &[Verdict]) {
     println!("{}", tables::goals(verdicts).text());
 }
 
-/// An error that names the goals missed and the runs that did not arrive.
+/// An error that names the missed goals and the runs that did not arrive.
 fn conclude(campaign: &Campaign, verdicts: &[Verdict]) -> anyhow::Result<()> {
     let missed = verdicts.iter().filter(|v| v.is_missed());
     let missed: Vec<String> =

@@ -1,4 +1,4 @@
-//! The report's text: what was run, what came out, where it differs from the paper and why.
+//! The report's text: the experiment, the results, and where and why they differ from the paper.
 
 use cosim::report::{Block, Page, Section};
 
@@ -9,41 +9,43 @@ use super::settings::{self, CAMPAIGN, SPEED_M_S, SYSTEM};
 use super::{metrics, tables};
 use crate::experiment::Verdict;
 
-/// Where these results differ from the paper's, and why.
+/// Differences between these results and the paper's, with reasons.
 pub(crate) const DIFFERENCES: [&str; 8] = [
     "Y-Kalman of the kinematic filter on BE2 and BE3. The paper prints 4.3 m and 4.0 m beside a \
      Total of 0.25 m and 0.20 m. In a loop that is closed on the estimate the two cannot coexist: \
      the vehicle follows its estimate, so an error of metres in y carries the vehicle off the path \
-     by metres. The paper's text calls Y-Kalman an MSE, its tables give metres; here are both.",
-    "Total of the kinematic filter is greater here than in the paper, for the same reason: the \
-     slow part of the estimate's error becomes an error of the path. The paper \
-     itself attributes its small Total on BE1 to the controller.",
+     by metres. The paper's text calls Y-Kalman an MSE, while its tables use metres; both are \
+     shown here.",
+    "Total of the kinematic filter is larger here than in the paper, for the same reason: the \
+     slow part of the estimate's error becomes an error of the path. The paper itself attributes \
+     its small Total on BE1 to the controller.",
     "Eq. 36 as printed adds velocities along the body's axes to a position in the NED frame. That \
-     is right only while the heading is zero. The filters here rotate the velocity to NED first.",
-    "Eqs. 44 to 47 take the derivative of the predicted position by the position as 1 + (a/v) dt + \
-     ... where it is 1. The quotient is singular where a velocity is near zero, and sway always is: \
-     the variance of y grows without need, the gain goes to one and y follows the raw position fix. \
-     This makes Y-Kalman so much greater than X-Kalman in both filters, and most in the kinematic \
-     one, whose acceleration is noisy. The filters here keep these equations, since they are the \
-     paper's, with one guard: below a speed of 0.0029 m/s (rad/s) the quotient is not used. The acceleration \
-     in it is that of the position, the printed one plus r z x v, as in the prediction; with the \
-     printed one alone the dynamic filter's Y-Kalman was about a third lower.",
-    "The paper says neither how accurate its position fix is nor how noisy its DVL and IMU are. Its \
-     two columns fit one loop only with a fix of 1.5 m for the dynamic filter and 2.5 m for the \
-     kinematic one. These, the DVL's 0.01 m/s, the accelerometers' turn-on bias of 0.1 m/s2 and the \
-     guard of eqs. 44 to 47 were chosen for the levels of the paper's tables, after more than two hundred \
-     combinations had been tried; neighbouring choices miss some of them. So the levels are \
-     reproducible by choice, not predicted by the paper. With the nominal noise, too, the \
-     dynamic filter is better than the kinematic one, and y is worse than x. The table with equal \
-     fixes shows what the filter itself is worth.",
-    "A run's turn-on biases are constant and decide much of its errors, so runs differ widely: the \
-     median of twenty seeds says little. A verdict is given from the median and its 95 % interval.",
-    "The paper gives no dimensions of its courses; those here follow the corner-and-fillet courses \
-     of the paper's reference 23, scaled to the vehicle. It shows one run of each; here are medians \
-     over seeds, with paired noise.",
-    "Alpha of eq. 54 as printed (heading against the slope of the path) takes no notice of the \
-     distance from the path. Here alpha is measured to the target point, as in pure pursuit \
-     (Coulter 1992, the paper's reference 26).",
+     is correct only while the heading is zero. The filters here rotate the velocity to NED first.",
+    "Eqs. 44 to 47 take the derivative of the predicted position with respect to the position as \
+     1 + (a/v) dt + ... where it is 1. The quotient is singular where a velocity is near zero, as \
+     sway always is: the variance of y grows unnecessarily, the gain goes to one and y follows the \
+     raw position fix. This makes Y-Kalman so much larger than X-Kalman in both filters, most of \
+     all in the kinematic one, whose acceleration is noisy. The filters here keep these equations, \
+     since they are the paper's, with one guard: below a speed of 0.0029 m/s (rad/s) the quotient \
+     is not used. The acceleration in it is that of the position, the printed one plus r z x v, as \
+     in the prediction; with the printed one alone the dynamic filter's Y-Kalman was about a third \
+     lower.",
+    "The paper gives neither the accuracy of its position fix nor the noise of its DVL and IMU. \
+     Its two columns fit one loop only with a fix of 1.5 m for the dynamic filter and 2.5 m for \
+     the kinematic one. These, the DVL's 0.01 m/s, the accelerometers' turn-on bias of 0.1 m/s2 \
+     and the guard of eqs. 44 to 47 were chosen to match the levels of the paper's tables, after \
+     trying more than two hundred combinations; neighbouring choices miss some of them. So the \
+     levels are reproducible by choice, not predicted by the paper. With the nominal noise, too, \
+     the dynamic filter is better than the kinematic one, and y is worse than x. The table with \
+     equal fixes compares the filters themselves.",
+    "A run's turn-on biases are constant and determine much of its errors, so runs differ widely: \
+     the median of twenty seeds says little. A verdict uses the median and its 95 % interval.",
+    "The paper does not give the dimensions of its courses; those here follow the \
+     corner-and-fillet courses of the paper's reference 23, scaled to the vehicle. It shows one \
+     run of each; this report shows medians over seeds, with paired noise.",
+    "Alpha of eq. 54 as printed (heading relative to the slope of the path) ignores the distance \
+     from the path. Here alpha is measured to the target point, as in pure pursuit (Coulter 1992, \
+     the paper's reference 26).",
 ];
 
 /// The page.
@@ -80,7 +82,7 @@ fn summary(campaign: &Campaign, verdicts: &[Verdict], seeds: u32) -> Vec<String>
         n => format!("{n} of {} runs did not finish their course", campaign.outcomes.len()),
     };
     let ratios = Course::ALL.map(|course| y_ratio(campaign, course));
-    let finding = if ratios.iter().all(|r| *r > 1.0) { "stands" } else { "does not stand" };
+    let finding = if ratios.iter().all(|r| *r > 1.0) { "holds" } else { "does not hold" };
     vec![
         format!(
             "Balasubramanian, Rajput, Hascaryo, Rastogi and Norris compare two extended Kalman \
@@ -91,10 +93,10 @@ fn summary(campaign: &Campaign, verdicts: &[Verdict], seeds: u32) -> Vec<String>
         ),
         format!(
             "{reached} of {} goals are reached. The paper's main finding {finding} in its own \
-             settings: along y the kinematic filter errs {:.1} times as much as the dynamic one on \
-             BE1, {:.1} times on BE2 and {:.1} times on BE3. How much of this comes from the position fix and \
-             from one equation of the filter, rather than from the dynamic model, is explained \
-             below.",
+             settings: along y the error of the kinematic filter is {:.1} times that of the dynamic \
+             one on BE1, {:.1} times on BE2 and {:.1} times on BE3. The sections below explain how \
+             much of this comes from the position fix and from one equation of the filter, rather \
+             than from the dynamic model.",
             verdicts.len(),
             ratios[0],
             ratios[1],
@@ -108,7 +110,7 @@ fn count(number: u32, noun: &str) -> String {
     if number == 1 { format!("1 {noun}") } else { format!("{number} {noun}s") }
 }
 
-/// Y-Kalman of the kinematic filter by that of the dynamic one, medians, in the paper's settings.
+/// Ratio of the kinematic to the dynamic filter's Y-Kalman, medians, in the paper's settings.
 fn y_ratio(campaign: &Campaign, course: Course) -> f64 {
     let [dynamic, kinematic] = Filter::ALL.map(|filter| {
         let runs = campaign
@@ -119,11 +121,11 @@ fn y_ratio(campaign: &Campaign, course: Course) -> f64 {
 }
 
 fn setup(campaign: &Campaign, seeds: u32) -> Section {
-    let mut section = Section::new("What was run");
+    let mut section = Section::new("The experiment");
     section.text(format!(
         "The campaign {CAMPAIGN} on the loop of {SYSTEM}: the vehicle with six degrees of freedom and eight thrusters; IMU, \
          DVL, position fix and pressure sensor; a filter; pure pursuit on the estimate; a velocity \
-         controller. Each is an FMU. Guidance knows the estimate only; the velocity controller gets \
+         controller. Each is an FMU. Guidance uses only the estimate; the velocity controller gets \
          the true velocity, as in the paper's simulator. There is no current."
     ));
     section.blocks.push(Block::List(vec![
@@ -137,12 +139,12 @@ fn setup(campaign: &Campaign, seeds: u32) -> Section {
         "Filters with the paper's eqs. 36 and 44 to 53 at 10 Hz, velocities from the DVL, \
          acceleration from eqs. 27 to 30 (dynamic) or the IMU (kinematic)."
             .to_string(),
-        "Noise of the DVL and turn-on bias of the accelerometers are chosen for the levels of the paper's \
-         tables."
+        "Noise of the DVL and turn-on bias of the accelerometers are chosen to match the levels of \
+         the paper's tables."
             .to_string(),
         format!(
-            "{} of each kind, {} runs. Every sensor draws from a stream of its own; both \
-             filters meet the same noise.",
+            "{} of each kind, {} runs. Every sensor has its own random stream; both filters \
+             get the same noise.",
             count(seeds, "seed"),
             campaign.outcomes.len()
         ),
@@ -158,7 +160,7 @@ fn setup(campaign: &Campaign, seeds: u32) -> Section {
 fn results(campaign: &Campaign) -> Section {
     let mut section = Section::new("Tables 7, 8 and 9");
     section.text(
-        "Medians over seeds and the range of 5 to 95 % of them, beside the numbers that the paper prints.",
+        "Medians over seeds and their 5 to 95 % range, beside the numbers printed in the paper.",
     );
     for course in Course::ALL {
         section.blocks.push(Block::Table(tables::of_course(campaign, course)));
@@ -173,7 +175,7 @@ fn goals(verdicts: &[Verdict]) -> Section {
 }
 
 fn differences() -> Section {
-    let mut section = Section::new("Where this differs from the paper, and why");
+    let mut section = Section::new("Differences from the paper, and reasons");
     section.blocks.push(Block::List(DIFFERENCES.map(String::from).to_vec()));
     section
 }
@@ -181,7 +183,7 @@ fn differences() -> Section {
 fn equal_fix(campaign: &Campaign) -> Section {
     let mut section = Section::new("Both filters with the same position fix");
     section.text(
-        "A fair comparison gives both filters the same sensors. What is left of the difference comes \
+        "A fair comparison gives both filters the same sensors. The remaining difference comes \
          from the acceleration in eqs. 44 to 47.",
     );
     section.blocks.push(Block::Table(tables::equal_fix(campaign)));
@@ -204,14 +206,15 @@ fn signals(figures: &Figures) -> anyhow::Result<Section> {
     Ok(section)
 }
 
-/// Where `cargo xtask reproduce` puts `cosim`, for a shell in the root of the workspace.
+/// The folder in which `cargo xtask reproduce` puts `cosim`, for a shell in the root of the
+/// workspace.
 const PROGRAM: &str = "export PATH=$PWD/target/release:$PATH\n";
 
 fn repeat() -> anyhow::Result<Section> {
     let mut section = Section::new("Repeat one run");
     section.text(format!(
-        "Runs of the tables are kept in target/reproduce/runs, up to seed {FILED_SEEDS}. One of \
-         them, by the program that was built with this report:"
+        "Runs of the tables are kept in target/reproduce/runs, up to seed {FILED_SEEDS}. To repeat \
+         one of them, use the program that was built with this report:"
     ));
     let filter = Filter::Kinematic;
     let case = Case { course: Course::Be3, filter, fix: filter.paper_fix(), seed: SHOWN_SEED };

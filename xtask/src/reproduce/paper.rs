@@ -1,4 +1,4 @@
-//! What the paper prints in Tables 7, 8 and 9.
+//! The numbers printed in the paper's Tables 7, 8 and 9.
 
 use super::case::{Course, Filter};
 

@@ -1,4 +1,4 @@
-//! The campaign of the paper's experiment, `examples/campaign/paper.toml`, and its runs by what they are.
+//! The campaign of the paper's experiment, `examples/campaign/paper.toml`, and what its runs are.
 
 use anyhow::{Context, Result};
 use cosim::campaign::{Bench, Campaign};
@@ -15,7 +15,7 @@ const OUTPUT_INTERVAL_S: f64 = 0.1;
 /// Speed along the course (paper, section 9), m/s.
 pub(crate) const SPEED_M_S: f64 = 0.3;
 
-/// The campaign with so many seeds.
+/// The campaign with this many seeds.
 pub(crate) fn bench(seeds: u32) -> Result<Bench> {
     let mut campaign = Campaign::read(paths::root().join(CAMPAIGN))?;
     campaign.seeds = seeds as usize;
@@ -35,7 +35,7 @@ fn of_campaign(campaign: &Campaign) -> Result<Vec<(Case, u64)>> {
     Ok(cases)
 }
 
-/// What a run is, by the name of its cell: `paper/dynamic/BE1/row 1`.
+/// The kind of a run, from the name of its cell: `paper/dynamic/BE1/row 1`.
 fn case(campaign: &Campaign, run: u64) -> Result<Case> {
     let cell = campaign.cell_name(campaign.cell_of(run));
     let told = || -> Option<Case> {
@@ -49,7 +49,7 @@ fn case(campaign: &Campaign, run: u64) -> Result<Case> {
     told().with_context(|| format!("{CAMPAIGN}: '{cell}' is no case of the experiment"))
 }
 
-/// The arguments of `cosim` for one run from the root of the workspace: a verb with a file, then
+/// The arguments of `cosim` for one run from the root of the workspace: a command with a file, then
 /// options with their values.
 pub(crate) fn arguments(case: &Case) -> Result<Vec<(String, String)>> {
     let bench = bench(case.seed)?;
@@ -71,7 +71,7 @@ pub(crate) fn arguments(case: &Case) -> Result<Vec<(String, String)>> {
 }
 
 /// The last instant, s: a third more than the course takes at the set speed. A vehicle that swerves
-/// on a noisy estimate needs up to a fifth more.
+/// because of a noisy estimate needs up to a fifth more.
 fn stop_time(case: &Case) -> Result<f64> {
     Ok((4.0 / 3.0 * case.course.path()?.length() / SPEED_M_S).ceil())
 }

@@ -34,7 +34,7 @@ pub(crate) fn of_course(campaign: &Campaign, course: Course) -> Table {
     table
 }
 
-/// Both filters at the same position fix, on the same noise.
+/// Both filters with the same position fix, on the same noise.
 pub(crate) fn equal_fix(campaign: &Campaign) -> Table {
     let header = [
         "course, fix",

@@ -1,4 +1,4 @@
-//! What is kept of a run: the recorded signals, until the course is finished.
+//! The data kept of a run: the recorded signals, until the course is finished.
 
 use cosim::Recording;
 
@@ -53,9 +53,9 @@ pub(crate) struct Trace {
     pub(crate) sigma: [Vec<f64>; 4],
     /// Derivative of the surge velocity: true, m/s2.
     pub(crate) surge_acceleration: Vec<f64>,
-    /// The same as the filter has it.
+    /// The same as estimated by the filter.
     pub(crate) filter_acceleration: Vec<f64>,
-    /// The same as the IMU has it: specific force along x less the gravity that its pitch makes of it.
+    /// The same from the IMU: specific force along x minus gravity along x at its pitch.
     pub(crate) imu_acceleration: Vec<f64>,
     /// Thrust of the thrusters, N.
     pub(crate) thrust: [Vec<f64>; 8],

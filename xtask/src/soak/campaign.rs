@@ -1,5 +1,5 @@
-//! A campaign that is killed again and again, and goes on each time: its rows must be those of one
-//! that was left alone.
+//! A campaign that is killed repeatedly, and continues each time: its rows must equal those of an
+//! undisturbed one.
 
 use std::fs;
 use std::path::Path;
@@ -11,11 +11,11 @@ use anyhow::{Context, Result, ensure};
 use super::{Dice, Soak};
 use crate::paths;
 
-/// The longest time until the next kill (ms): some runs are over then.
+/// The longest time until the next kill (ms): some runs are finished by then.
 const LONGEST: u64 = 2000;
 
 impl Soak {
-    /// Kills until enough were killed; fails at the first row that differs.
+    /// Kills until the number is reached; fails at the first row that differs.
     pub(super) fn campaign(&self, kills: u32, dice: &mut Dice) -> Result<()> {
         let alone = self.folder.join("campaign-alone");
         remove(&alone)?;
@@ -45,7 +45,7 @@ impl Soak {
         Ok(())
     }
 
-    /// Begins the campaign, or goes on.
+    /// Starts or continues the campaign.
     fn go_on(&self, folder: &Path) -> Result<std::process::Child> {
         let mut command = Command::new(&self.program);
         command.args(["campaign", "examples/campaign/filters.toml", "--quiet", "--csv"]);
@@ -54,7 +54,7 @@ impl Soak {
     }
 }
 
-/// Whether all runs were made, whatever they say of the thresholds.
+/// Whether all runs were made, whatever the thresholds say.
 fn is_over(status: ExitStatus) -> bool {
     matches!(status.code(), Some(0 | 1 | 4))
 }
@@ -63,7 +63,7 @@ fn remove(folder: &Path) -> Result<()> {
     if folder.exists() { Ok(fs::remove_dir_all(folder)?) } else { Ok(()) }
 }
 
-/// The rows without the time that they took.
+/// The rows without their durations.
 fn rows(folder: &Path) -> Result<Vec<String>> {
     let file = folder.join("runs.csv");
     let text = fs::read_to_string(&file).with_context(|| file.display().to_string())?;

@@ -4,8 +4,8 @@ use crate::{paths, process, python::DENY};
 use anyhow::Result;
 use std::process::Command;
 
-/// Checks licences, bans and sources; with `advisories` also known defects, for which it downloads
-/// the database of RustSec.
+/// Checks licences, bans and sources; with `advisories` also known vulnerabilities, for which it
+/// downloads the RustSec database.
 pub(crate) fn run(advisories: bool) -> Result<()> {
     let mut checks = vec!["licenses", "bans", "sources"];
     if advisories {

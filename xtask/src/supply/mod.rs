@@ -1,9 +1,9 @@
-//! What the project is made of, and what others get of it.
+//! The dependencies of the project, and its published parts.
 //!
-//! | file | what |
+//! | file | contents |
 //! |---|---|
-//! | `deny` | licences, sources and known defects of the dependencies, by `deny.toml` |
-//! | `sbom` | the list of all crates in what is shipped |
+//! | `deny` | licences, sources and known vulnerabilities of the dependencies, by `deny.toml` |
+//! | `sbom` | the list of all crates in the shipped files |
 //! | `publish` | the crates that others can depend on, as packages |
 
 pub(crate) mod deny;
@@ -14,7 +14,7 @@ use crate::process;
 use anyhow::{Context, Result};
 use serde_json::Value;
 
-/// What `cargo metadata` says of this workspace.
+/// The `cargo metadata` of this workspace.
 pub(crate) fn metadata(arguments: &[&str]) -> Result<Value> {
     let arguments = [&["metadata", "--locked", "--format-version", "1"], arguments].concat();
     serde_json::from_str(&process::output(&mut process::cargo(&arguments))?)
@@ -26,7 +26,7 @@ pub(crate) fn array<'a>(value: &'a Value, key: &str) -> impl Iterator<Item = &'a
     value[key].as_array().into_iter().flatten()
 }
 
-/// A text; empty if it is missing.
+/// A string; empty if it is missing.
 pub(crate) fn text<'a>(value: &'a Value, key: &str) -> &'a str {
     value[key].as_str().unwrap_or_default()
 }

@@ -1,4 +1,4 @@
-//! The crates that others can depend on: those whose Cargo.toml does not forbid to publish them.
+//! The crates that others can depend on: those whose Cargo.toml does not forbid publishing.
 
 use super::{array, metadata, text};
 use crate::process;
@@ -51,7 +51,7 @@ mod tests {
         }
     }
 
-    /// `include_str!` of a file that is not packed compiles here and nowhere else.
+    /// `include_str!` of a file that is not packed compiles only here.
     fn no_file_outside(source: &Path, package: &Path) {
         for entry in fs::read_dir(source).unwrap() {
             let path = entry.unwrap().path();

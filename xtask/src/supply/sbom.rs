@@ -1,7 +1,9 @@
-//! `cargo xtask sbom`: the crates in what is shipped, and those that build them, as CycloneDX in JSON.
+//! `cargo xtask sbom`: the crates in the shipped files, and those that build them, as CycloneDX in
+//! JSON.
 //!
-//! From `cargo metadata` and the checksums of Cargo.lock. It has neither a time nor a serial number: the
-//! same sources give the same bytes. Rust's own library, which is in every binary, is not listed.
+//! From `cargo metadata` and the checksums of Cargo.lock. It contains neither a time nor a serial
+//! number: the same sources give the same bytes. Rust's own library, which is in every binary, is
+//! not listed.
 
 use super::{array, metadata, text};
 use crate::paths;
@@ -12,7 +14,7 @@ use std::{
     fs,
 };
 
-/// What is shipped: the programs and libraries of the wheel and of the FMUs.
+/// The shipped files: the programs and libraries of the wheel and of the FMUs.
 const SHIPPED: [&str; 6] =
     ["cosim", "cosim-proxy", "cosim-scripted", "cosim-system", "rexrov-fmu", "rexrov-smooth"];
 
@@ -38,7 +40,7 @@ fn checksums(lock: &str) -> BTreeMap<(&str, &str), &str> {
     lock.split("[[package]]").filter_map(package).collect()
 }
 
-/// The text behind `key = ` in a part of Cargo.lock.
+/// The text after `key = ` in a part of Cargo.lock.
 fn value<'a>(part: &'a str, key: &str) -> Option<&'a str> {
     part.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix(" = \"")?.strip_suffix('"'))
 }
@@ -92,7 +94,7 @@ fn bom(metadata: &Value, checksums: &BTreeMap<(&str, &str), &str>) -> Value {
     })
 }
 
-/// The package that a dependency leads to, if it is more than one of tests.
+/// The package of a dependency, if it is not only for tests.
 fn shipped(dependency: &Value) -> Option<&str> {
     let mut kinds = array(dependency, "dep_kinds");
     kinds.any(|kind| kind["kind"] != "dev").then(|| text(dependency, "pkg"))
@@ -145,7 +147,7 @@ mod tests {
         assert_eq!(listed.len(), array(&bom, "components").count(), "two of one name");
         let has = |name: &str| array(&bom, "components").any(|part| text(part, "name") == name);
         assert!(has("nalgebra") && has("zenoh") && has("fmu-kit-derive") && has("cosim"));
-        // Of tests, of the task runner.
+        // Only for tests, or for the task runner.
         assert!(!has("proptest") && !has("fmi-rs") && !has("resvg") && !has("xtask"));
         for (name, part) in &listed {
             let ours = ["cosim", "fmu-kit", "rexrov"]

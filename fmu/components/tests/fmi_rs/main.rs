@@ -1,7 +1,8 @@
-//! The packaged FMUs, and the paper's loop exported as one, before an independent judge in Rust: the
-//! validator and the importer of `fmi-rs`.
+//! The packaged FMUs, and the paper's loop exported as one, checked by independent tools in Rust:
+//! the validator and the importer of `fmi-rs`.
 //!
-//! Verdicts go to `target/judges/fmi-rs-*.csv`, from where `cargo xtask judge` takes them into its table.
+//! Results go to `target/judges/fmi-rs-*.csv`, from where `cargo xtask judge` takes them into its
+//! table.
 
 #![allow(clippy::arc_with_non_send_sync, reason = "its simulators want an Arc of their recorder")]
 
@@ -18,7 +19,7 @@ use fmi_rs::sim::fmi2::{SimulationSettings, Trajectories, VariableValue, cs, me}
 use runge_kutta::RungeKutta;
 
 /// A power of two, so that instants are the same numbers wherever a run begins; no longer than the
-/// steps in which the vehicle integrates itself, so that both make the same steps.
+/// vehicle's internal steps, so that both make the same steps.
 const STEP: f64 = 1.0 / 256.0;
 const STOP: f64 = 4.0;
 
@@ -34,13 +35,13 @@ fn components() -> Vec<PathBuf> {
     rexrov_fmu::REGISTRY.entries().map(|entry| file(entry.info().name)).collect()
 }
 
-/// Those that are for co-simulation: the components and the loop that the task runner exports.
+/// The FMUs for co-simulation: the components and the loop that the task runner exports.
 fn all() -> Vec<PathBuf> {
     let exported = target().join("judges/Loop.fmu");
     components().into_iter().chain([exported]).collect()
 }
 
-/// Examines every FMU, writes the verdicts and fails with all complaints.
+/// Examines every FMU, writes the results and fails with all complaints.
 fn judge(check: &str, files: &[PathBuf], examine: impl Fn(&Fmu) -> Outcome) {
     let mut rows = String::new();
     let mut complaints = Vec::new();
@@ -96,7 +97,7 @@ impl Fmu {
         }
     }
 
-    /// Records every variable of whatever type during a run.
+    /// Records every variable of any type during a run.
     fn record(&self, run: impl FnOnce(Arc<Recorder>) -> Outcome) -> Result<Trajectories, String> {
         let all = (0..self.description.modelVariables.len()).collect();
         let recorder = Arc::new(Recorder::new(Trajectories::new(self.description.clone(), all)));
@@ -183,7 +184,7 @@ fn a_run_goes_on_from_a_file_of_its_state() {
         let file = fmu.builder.unzipdir.path().join("state");
         let whole = fmu.co_simulation(&fmu.settings(0.0, STOP))?;
         let mut first = fmu.settings(0.0, middle);
-        // A state keeps the stop time of its experiment, and this one goes on after it.
+        // A state keeps the stop time of its experiment, and this one continues after it.
         first.set_stop_time = false;
         first.final_fmu_state_file = Some(file.clone());
         fmu.co_simulation(&first)?;

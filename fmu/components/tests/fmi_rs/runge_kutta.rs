@@ -1,8 +1,8 @@
-//! A solver for `fmi-rs`, which brings only Euler's: classical Runge-Kutta steps that end where they
-//! are asked to, so also at time events between the output points.
+//! A solver for `fmi-rs`, which only has Euler's: classical Runge-Kutta steps that end where
+//! requested, including time events between the output points.
 //!
-//! A state event ends a step just behind the change of an indicator's sign, found by halving. When it
-//! starts it compares the Jacobian, if there is one, with central differences.
+//! A state event ends a step just after the sign change of an indicator, found by bisection. At the
+//! start it compares the Jacobian, if there is one, with central differences.
 
 use fmi_rs::sim::SimulationError;
 use fmi_rs::sim::solver::{Dae, Ode, Solver, SolverFactory};

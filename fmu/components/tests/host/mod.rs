@@ -1,4 +1,4 @@
-//! What an importer does before it can call an instance through the C interface.
+//! The preparations of an importer before it can call an instance through the C interface.
 #![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(unreachable_pub, reason = "a part of several tests")]
 
@@ -19,7 +19,7 @@ pub fn instantiate(name: &str, interface: fmi2Type) -> fmi2Component {
         componentEnvironment: null_mut(),
     };
     let f = &raw const functions;
-    // SAFETY: all that is pointed at outlives the call; the callbacks may be NULL.
+    // SAFETY: everything that is pointed to outlives the call; the callbacks may be NULL.
     let c = unsafe {
         fmi2::fmi2Instantiate(c"instance".as_ptr(), interface, guid.as_ptr(), null(), f, 0, 0)
     };

@@ -1,4 +1,4 @@
-//! What a committed modelDescription.xml declares.
+//! The declarations of a committed modelDescription.xml.
 
 use std::collections::BTreeMap;
 

@@ -1,12 +1,12 @@
-//! The model structure in modelDescription.xml against what the components do, at random points that
-//! are not those it was made from.
+//! The model structure in modelDescription.xml compared with the behaviour of the components, at
+//! random points other than those it was made from.
 //!
-//! * What moves an unknown is declared: by directional derivatives where there are any, elsewhere by
-//!   moving one quantity in the second of two otherwise equal runs.
-//! * What is declared moves it somewhere, or (what is sampled together depends together) moves another
-//!   unknown of the same sample.
-//! * A factor that is called constant is the same everywhere, one called fixed wherever the
-//!   parameters are.
+//! * Everything that changes an unknown is declared: checked by directional derivatives if there
+//!   are any, otherwise by changing one quantity in the second of two equal runs.
+//! * Every declared known changes the unknown somewhere, or (because what is sampled together
+//!   depends together) another unknown of the same sample.
+//! * A factor declared constant is the same everywhere, a factor declared fixed is the same for
+//!   equal parameters.
 
 mod declared;
 mod sampled;

@@ -10,7 +10,7 @@ use crate::declared::{self, Declared};
 use crate::subject::{Random, entry, instance, put};
 
 const RUNS: u64 = 400;
-/// Most communication steps of a run.
+/// Maximum number of communication steps in a run.
 const STEPS: f64 = 12.0;
 
 /// Names of the components without continuous states.
@@ -22,10 +22,10 @@ fn outputs(name: &str) -> Vec<(usize, &'static Variable)> {
     entry(name).table().group(Group::Output).collect()
 }
 
-/// An instance with some of its variables of these groups moved.
+/// An instance with some of its variables in these groups changed.
 fn moved(name: &str, groups: &[Group], random: &mut Random) -> Instance {
     let mut subject = instance(name, Interface::CoSimulation);
-    // A filter refuses most sets of which a fifth is random, and many inputs matter in few.
+    // A filter rejects most sets in which a fifth is random, and many inputs matter in few.
     let share = if random.next() < 0.5 { 0.2 } else { 0.01 };
     for variable in entry(name).table().variables() {
         if !groups.contains(&variable.group) {
@@ -50,7 +50,7 @@ fn moved(name: &str, groups: &[Group], random: &mut Random) -> Instance {
     subject
 }
 
-/// The outputs at the start, with one variable or the start time moved; none if that is refused.
+/// The outputs at the start, with one variable or the start time changed; none if that is rejected.
 fn start(name: &str, seed: u64, other: Option<&Variable>) -> Option<Vec<u64>> {
     let mut random = Random(seed);
     let mut subject = moved(name, &[Group::Parameter, Group::Input], &mut random);
@@ -65,8 +65,8 @@ fn start(name: &str, seed: u64, other: Option<&Variable>) -> Option<Vec<u64>> {
     (subject.exit_initialization_mode() == Status::Ok).then(|| bits(name, &mut subject))
 }
 
-/// The outputs after a run with wandering inputs, one of which may be moved for the last step; none
-/// if the parameters are refused.
+/// The outputs after a run with varying inputs, one of which may be changed for the last step; none
+/// if the parameters are rejected.
 fn run(name: &str, seed: u64, other: Option<&Variable>) -> Option<Vec<u64>> {
     let mut random = Random(seed);
     let mut subject = moved(name, &[Group::Parameter], &mut random);
@@ -100,7 +100,7 @@ fn bits(name: &str, subject: &mut Instance) -> Vec<u64> {
     values.into_iter().map(f64::to_bits).collect()
 }
 
-/// Checks that what differs is declared; notes who moved something.
+/// Checks that every difference is declared; records which known caused it.
 fn note(
     name: &str,
     declared: &Declared,
@@ -118,12 +118,12 @@ fn note(
     }
 }
 
-/// What is declared moves some output, since all are computed at the same sample.
+/// Every declared known changes some output, because all are computed at the same sample.
 fn check_movers(name: &str, declared: &Declared, movers: &BTreeSet<usize>) {
     for ((_, known), kind) in declared {
         let variable = &entry(name).table().variables()[*known];
         let text = matches!(variable.start, Start::String(_));
-        // Components that take any input are declared to depend on all of them.
+        // Components that accept any input are declared to depend on all of them.
         let any = entry(name).table().takes_any_input() && variable.group == Group::Input;
         assert!(
             text || any || movers.contains(known),
@@ -134,7 +134,7 @@ fn check_movers(name: &str, declared: &Declared, movers: &BTreeSet<usize>) {
     }
 }
 
-/// Compares each run with those that have one variable of these groups moved.
+/// Compares each run with those that have one variable in these groups changed.
 fn check(
     list: &str,
     moving: &[Group],

@@ -4,7 +4,7 @@ use fmu_kit::kernel::{Category, Entry, Instance, Interface, Sink, Status, Variab
 use fmu_kit::{Resources, Start};
 use rexrov_fmu::REGISTRY;
 
-/// Numbers within 0 and 1, the same in every run.
+/// Numbers between 0 and 1, the same in every run.
 #[derive(Clone)]
 pub(crate) struct Random(pub(crate) u64);
 
@@ -29,7 +29,7 @@ pub(crate) fn instance(name: &str, interface: Interface) -> Instance {
     entry(name).instantiate(interface, Resources::none(), Box::new(Silence), false).unwrap()
 }
 
-/// A random value about the start of a Real, sometimes far from it, or anywhere within its bounds.
+/// A random value around the start of a Real, sometimes far from it, or anywhere within its bounds.
 pub(crate) fn near(variable: &Variable, random: &mut Random) -> f64 {
     let Start::Real(start) = variable.start else { return 0.0 };
     let scale = variable.nominal.unwrap_or(if start == 0.0 { 1.0 } else { start.abs() });
@@ -41,7 +41,7 @@ pub(crate) fn near(variable: &Variable, random: &mut Random) -> f64 {
     value.clamp(variable.min.unwrap_or(f64::MIN), variable.max.unwrap_or(f64::MAX))
 }
 
-/// Gives a variable a random value; false if it is a text or the value is refused.
+/// Gives a variable a random value; false if it is a string or the value is rejected.
 pub(crate) fn put(instance: &mut Instance, variable: &Variable, random: &mut Random) -> bool {
     let vr = [variable.reference];
     let status = match &variable.start {

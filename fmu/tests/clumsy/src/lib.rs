@@ -1,5 +1,5 @@
-//! A library of its own with a component that panics on command: the tests of packaging load it to
-//! see that the host survives, whatever linker was used.
+//! A separate library with a component that panics on command: the tests of packaging load it to
+//! check that the host survives, whatever linker was used.
 
 pub mod component;
 

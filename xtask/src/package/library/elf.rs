@@ -1,4 +1,4 @@
-//! The dynamic side of an ELF file, which the generic reader does not tell.
+//! The dynamic information of an ELF file, which the generic reader does not provide.
 
 use super::Side;
 use anyhow::Result;
@@ -22,7 +22,7 @@ const GLIBC_PARTS: [&str; 9] = [
     "ld-linux-aarch64.so.1",
 ];
 
-/// Reads a file of either width.
+/// Reads a file of either word size.
 pub(super) fn read<Header: FileHeader<Endian = LittleEndian>>(bytes: &[u8]) -> Result<Side> {
     let header = Header::parse(bytes)?;
     let endian = header.endian()?;

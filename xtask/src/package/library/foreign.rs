@@ -8,7 +8,7 @@ use crate::{
 use fmu_kit::kernel::Call;
 use std::{fs, path::Path};
 
-/// Every platform that has a name here.
+/// Every platform with a name here.
 pub(crate) const PLATFORMS: [&str; 8] = [
     "linux64",
     "win64",
@@ -20,7 +20,7 @@ pub(crate) const PLATFORMS: [&str; 8] = [
     "aarch64-darwin",
 ];
 
-/// What a library of Windows has beside its functions.
+/// The parts of a Windows library besides its functions.
 const PRELUDE: &str = "
 #ifdef _WIN32
 #define EXPORT __declspec(dllexport)
@@ -116,7 +116,7 @@ fn a_call_that_another_library_could_take_is_seen() {
     }
 }
 
-/// Damaged files are refused or read, in bounded time and memory; they never end the program.
+/// Damaged files are rejected or read, in bounded time and memory; they never end the program.
 #[test]
 fn damaged_libraries_do_no_harm() {
     let mut seed = 1_u64;

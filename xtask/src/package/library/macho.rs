@@ -1,7 +1,7 @@
-//! The dynamic side of a Mach-O file, which the generic reader does not tell.
+//! The dynamic information of a Mach-O file, which the generic reader does not provide.
 //!
-//! Names are bound together with the library that has them (two-level namespace), so that nobody
-//! else's come first.
+//! Names are bound together with the library that has them (two-level namespace), so no other
+//! library's can take precedence.
 
 use super::Side;
 use anyhow::Result;
@@ -17,7 +17,7 @@ const SYSTEM: [&str; 2] = ["/usr/lib/", "/System/Library/"];
 /// Names that linkers give to parts of the file itself.
 pub(super) const OF_LINKER: [&str; 2] = ["__dso_handle", "_mh_dylib_header"];
 
-/// Reads a file that holds one machine's code.
+/// Reads a file with code for one machine.
 pub(super) fn read<Header: MachHeader<Endian = Endianness>>(
     file: &MachOFile<'_, Header>,
     bytes: &[u8],

@@ -1,9 +1,9 @@
-//! What a shared library asks of the machine and shows to it, read from its file: ELF of Linux, PE of
+//! The requirements and exports of a shared library, read from its file: ELF of Linux, PE of
 //! Windows, Mach-O of macOS.
 //!
 //! A shipped library exports the 44 functions of FMI 2.0 and nothing else, resolves all calls to
-//! them within itself (so that two FMUs in a process never meet), needs nothing but what every
-//! system of its kind has, and holds nothing for debuggers.
+//! them within itself (so that two FMUs in a process never interfere), needs only what every system
+//! of its kind has, and contains no debug information.
 
 mod elf;
 #[cfg(test)]
@@ -19,29 +19,29 @@ use object::{
 };
 use std::collections::BTreeSet;
 
-/// Functions of FMI 2.0 that take no instance and so have no state to be legal in.
+/// Functions of FMI 2.0 that take no instance, so that no state applies to them.
 const WITHOUT_INSTANCE: [&str; 3] = ["fmi2GetTypesPlatform", "fmi2GetVersion", "fmi2Instantiate"];
 
-/// The dynamic side of a shared library.
+/// The dynamic information of a shared library.
 #[derive(Debug)]
 pub(crate) struct Library {
     /// Operating system and processor, as Rust calls them.
     machine: (&'static str, &'static str),
     exports: BTreeSet<String>,
-    /// Own symbols that it looks up when it is loaded, where another library's may come first.
+    /// Own symbols that it looks up when it is loaded, where another library's may take precedence.
     interposable: BTreeSet<String>,
     /// The libraries that are loaded with it.
     needed: BTreeSet<String>,
     /// Those of them that not every system has.
     foreign: BTreeSet<String>,
-    /// The versions of symbols that it asks glibc for.
+    /// The glibc symbol versions that it requires.
     versions: BTreeSet<String>,
-    /// What is in it for debuggers only.
+    /// Its debug information.
     debugging: BTreeSet<String>,
 }
 
 impl Library {
-    /// Reads a shared library or, of those of Linux, a program.
+    /// Reads a shared library or, for Linux, a program.
     pub(crate) fn read(bytes: &[u8]) -> Result<Self> {
         let file = File::parse(bytes)?;
         ensure!(file.kind() == ObjectKind::Dynamic, "it is no shared library");
@@ -64,7 +64,7 @@ impl Library {
         let mut exports = side.hidden_exports;
         for export in file.exports()? {
             exports.insert(match export?.name() {
-                // Mach-O has C names with an underscore in front.
+                // Mach-O prefixes C names with an underscore.
                 NameOrOrdinal::Name(name) if file.format() == BinaryFormat::MachO => {
                     text(name.strip_prefix(b"_").unwrap_or(name))
                 }
@@ -94,8 +94,8 @@ impl Library {
         })
     }
 
-    /// What holds for every FMU: the machine of its folder, FMI's symbols only, none of them
-    /// looked up elsewhere.
+    /// Checks for every FMU: the machine of its folder, only FMI's symbols, none of them looked up
+    /// elsewhere.
     pub(crate) fn check(&self, platform: &Platform) -> Result<()> {
         let (os, arch) = self.machine;
         ensure!(
@@ -123,8 +123,8 @@ impl Library {
         Ok(())
     }
 
-    /// What holds for those that are shipped: no library but the system's own, an old one will do,
-    /// and nothing for debuggers.
+    /// Checks for shipped FMUs: only the system's own libraries, old versions are enough, and no
+    /// debug information.
     pub(crate) fn check_portable(&self) -> Result<()> {
         if let Some(name) = self.foreign.first() {
             bail!("it needs {name}, which a machine may not have");
@@ -138,25 +138,25 @@ impl Library {
         Ok(())
     }
 
-    /// The symbols it shows.
+    /// The symbols it exports.
     #[cfg(test)]
     pub(crate) fn exports(&self) -> impl Iterator<Item = &str> {
         self.exports.iter().map(String::as_str)
     }
 
-    /// Its own symbols that another library's could take the place of.
+    /// Its own symbols that another library's could replace.
     #[cfg(test)]
     pub(crate) fn interposable(&self) -> impl Iterator<Item = &str> {
         self.interposable.iter().map(String::as_str)
     }
 
-    /// The newest glibc it asks for.
+    /// The newest glibc it requires.
     pub(crate) fn glibc(&self) -> Result<String> {
         let newest = self.versions.iter().filter_map(|version| glibc(version)).max();
         newest.map(|[major, minor, _]| format!("{major}.{minor}")).context("it needs no glibc")
     }
 
-    /// What it needs, in words.
+    /// Its requirements, in words.
     pub(crate) fn needs(&self) -> String {
         match self.glibc() {
             Ok(glibc) => format!("glibc {glibc} or later"),
@@ -165,9 +165,9 @@ impl Library {
     }
 }
 
-/// What the formats tell in different ways.
+/// Information that the formats store in different ways.
 struct Side {
-    /// Exports that [`Object::exports`] leaves out.
+    /// Exports that [`Object::exports`] omits.
     hidden_exports: BTreeSet<String>,
     interposable: BTreeSet<String>,
     needed: BTreeSet<String>,

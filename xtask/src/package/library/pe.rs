@@ -1,6 +1,6 @@
-//! The dynamic side of a PE file, which the generic reader does not tell.
+//! The dynamic information of a PE file, which the generic reader does not provide.
 //!
-//! Calls within a DLL never go through a table, so nothing in it can be another's.
+//! Calls within a DLL never go through a table, so no other library's functions can be called.
 
 use super::Side;
 use anyhow::Result;
@@ -10,9 +10,9 @@ use object::{
 };
 use std::collections::BTreeSet;
 
-/// Libraries that every Windows since 8 has, as far as Rust's standard library asks for them: sockets and the
-/// home folder (the last two) come along with it where it is one piece. The `api-ms-win-` ones are
-/// names of parts of them.
+/// Libraries that every Windows since 8 has, as far as Rust's standard library uses them. Sockets
+/// and the home folder (the last two) are included if the standard library is linked as one piece.
+/// The `api-ms-win-` ones are names of parts of them.
 const SYSTEM: [&str; 9] = [
     "kernel32.dll",
     "kernelbase.dll",
@@ -25,7 +25,7 @@ const SYSTEM: [&str; 9] = [
     "ws2_32.dll",
 ];
 
-/// Reads a file of either width.
+/// Reads a file of either word size.
 pub(super) fn read<Headers: ImageNtHeaders>(file: &PeFile<'_, Headers>) -> Result<Side> {
     let text = |name: &[u8]| String::from_utf8_lossy(name).into_owned();
     let mut needed = BTreeSet::new();

@@ -17,24 +17,24 @@ use std::{
 
 const CO_SIMULATION: fmi2Type = 1;
 
-/// A loaded library and where it lies.
+/// A loaded library and its path.
 pub(super) struct Loaded {
     image: Image,
     pub(super) path: PathBuf,
 }
 
 impl Loaded {
-    /// Loads it so that all libraries loaded later see its symbols before their own, if they look.
+    /// Loads it so that all libraries loaded later would resolve its symbols before their own.
     pub(super) fn global(folder: &Path, name: &str, bytes: &[u8]) -> Self {
         let path = folder.join(format!("{name}.so"));
         fs::write(&path, bytes).unwrap();
-        // SAFETY: the libraries are ours; loading them runs no code but that of Rust's runtime.
+        // SAFETY: the libraries are ours; loading them runs only code of Rust's runtime.
         let image = unsafe { Image::open(Some(&path), RTLD_NOW | RTLD_GLOBAL) }.unwrap();
         Self { image, path }
     }
 
     pub(super) fn function<T: Copy>(&self, name: &str) -> T {
-        // SAFETY: the types asked for below are those of the standard.
+        // SAFETY: the types requested below are those of the standard.
         *unsafe { self.image.get::<T>(name.as_bytes()) }.unwrap()
     }
 

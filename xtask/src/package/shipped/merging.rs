@@ -8,7 +8,7 @@ use crate::package::{
 };
 use std::{fs, path::Path};
 
-/// A library with all functions of FMI 2.0, which do nothing, for a machine that this is not.
+/// A library with all functions of FMI 2.0, which do nothing, for another machine.
 fn foreign(platform: &str) -> Vec<u8> {
     foreign::library(platform, &foreign::functions(), &["-s"])
 }
@@ -28,7 +28,7 @@ fn fmus_of_two_platforms_become_one() {
     let libraries = ["binaries/aarch64-linux/Gps.so", "binaries/linux64/Gps.so"];
     assert_eq!(listed[..3], ["modelDescription.xml", libraries[0], libraries[1]]);
     assert_eq!(result.len(), files.len() + 1);
-    // In whatever order, the same bytes.
+    // In any order, the same bytes.
     let first = fs::read(&paths[0]).unwrap();
     merge::folders(&[arm, x86], &merged).unwrap();
     assert_eq!(fs::read(&paths[0]).unwrap(), first);
@@ -87,7 +87,7 @@ fn what_does_not_fit_is_not_merged() {
     refused(&short, "holds model.png");
 }
 
-/// The same files with another library in the place of their own.
+/// The same files with another library instead of their own.
 fn exchange(files: &[archive::Entry], name: &str, library: Vec<u8>) -> Vec<archive::Entry> {
     let mut files = files.to_vec();
     files.retain(|(name, _)| !name.starts_with("binaries/"));

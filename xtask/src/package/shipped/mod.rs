@@ -1,4 +1,4 @@
-//! Tests of the libraries as they lie in the packaged FMUs.
+//! Tests of the libraries in the packaged FMUs.
 #![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 
 mod loaded;
@@ -60,7 +60,7 @@ fn a_shipped_library_tells_nothing_of_the_folders_it_was_built_in() {
 #[test]
 fn libraries_in_one_process_keep_to_themselves() {
     let folder = tempfile::tempdir().unwrap();
-    // The first in the process has the same 44 symbols, for all to see, and another component.
+    // The first in the process has the same 44 symbols, globally visible, and another component.
     let first = Loaded::global(folder.path(), "Clumsy", &clumsy());
     for name in ["RexROV", "Gps"] {
         let own = Loaded::global(folder.path(), name, &library(name));
@@ -76,7 +76,7 @@ fn libraries_in_one_process_keep_to_themselves() {
         assert_eq!(own.step(instance), Status::Ok);
         let time = component.table().named("time").unwrap().reference;
         assert_eq!(own.get(instance, time), (Status::Ok, 0.1));
-        // An instance of one library is none of the other's.
+        // An instance of one library is invalid in the other.
         assert_eq!(first.call("fmi2Reset", instance), Status::Error);
         assert_eq!(own.call("fmi2Reset", instance), Status::Ok);
         let free: unsafe extern "C" fn(fmi2Component) = own.function("fmi2FreeInstance");

@@ -6,7 +6,7 @@ use super::{Captioned, over_time, shown};
 use crate::reproduce::campaign::{Campaign, SHOWN_SEED};
 use crate::reproduce::case::{Course, Filter};
 
-/// With the IMU, and on a scale of its own without.
+/// With the IMU, and without it on a separate scale.
 pub(super) fn figure(campaign: &Campaign) -> anyhow::Result<Captioned> {
     let trace = shown(campaign, Course::Be3, Filter::Dynamic)?;
     let line =

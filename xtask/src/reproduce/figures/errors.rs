@@ -1,4 +1,4 @@
-//! Estimation errors of both filters with the three sigma that they report, on BE3.
+//! Estimation errors of both filters with their reported three sigma, on BE3.
 
 use cosim::report::{Figure, Panel, Series};
 
@@ -10,7 +10,7 @@ use crate::reproduce::trace::Trace;
 /// Axes shown: index into a pose and label.
 const ROWS: [(usize, &str); 3] = [(0, "x error (m)"), (1, "y error (m)"), (3, "yaw error (rad)")];
 
-/// A row for each axis, a column for each filter, one scale in a row.
+/// A row for each axis, a column for each filter, with the same scale in each row.
 pub(super) fn figure(campaign: &Campaign) -> anyhow::Result<Captioned> {
     let mut panels = Vec::new();
     for (row, (axis, label)) in ROWS.into_iter().enumerate() {

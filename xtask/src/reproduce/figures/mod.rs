@@ -1,4 +1,4 @@
-//! The figures of the report, each also a file of its own.
+//! The figures of the report, each also as a separate file.
 
 mod acceleration;
 mod errors;

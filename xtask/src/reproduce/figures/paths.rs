@@ -22,7 +22,7 @@ pub(super) fn figure(campaign: &Campaign, course: Course) -> anyhow::Result<Capt
         let values = || reference.iter().map(of);
         values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
     };
-    // Wide courses one above the other, high ones side by side.
+    // Wide courses one above the other, tall ones side by side.
     let columns = if extent(|p| p.0) > 1.5 * extent(|p| p.1) { 1 } else { 2 };
     let number = course.number() + 5;
     let title = format!("{}: {}", course.name(), course.description());

@@ -11,7 +11,7 @@ use crate::reproduce::paper::{Printed, printed};
 /// Distance of a filter's boxes from the middle of its course.
 const ASIDE: f64 = 0.18;
 
-/// One panel a measure.
+/// One panel per measure.
 pub(super) fn figure(campaign: &Campaign) -> Captioned {
     let panels = vec![
         panel(campaign, "Total", |m| m.total, |p| p.total),
