@@ -52,7 +52,7 @@
 //! Included: [`scenario::Scenario`] from a file, [`pace::Pace`] for real time, [`observe::create`]
 //! for results files.
 
-// Without distributed runs, the engine is not driven in parts.
+// The libraries of FMUs use the engine alone, and in one process.
 #![cfg_attr(not(feature = "distributed"), allow(dead_code, unused_imports))]
 
 #[cfg(feature = "campaign")]
@@ -66,6 +66,7 @@ mod digest;
 #[cfg(feature = "distributed")]
 pub mod distributed;
 pub mod error;
+#[cfg(feature = "program")]
 pub mod export;
 pub mod fault;
 pub mod files;
@@ -78,8 +79,10 @@ pub mod names;
 pub mod observe;
 pub mod pace;
 pub mod proxy;
+#[cfg(feature = "program")]
 pub mod report;
 pub mod roles;
+#[cfg(feature = "program")]
 mod ros;
 pub mod scenario;
 pub mod scripted;
@@ -92,6 +95,7 @@ pub mod system;
 mod table;
 pub mod texts;
 pub mod time;
+#[cfg(feature = "program")]
 pub mod trajectories;
 pub mod units;
 pub mod xml;

@@ -6,9 +6,9 @@
 
 use std::collections::BTreeSet;
 
-use super::interface::{End, Exposed, Role};
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Basic, Causality, Kind, Value, Variability, Variable};
+use crate::hosted::interface::{End, Exposed, Role};
 use crate::names;
 use crate::system::{Conversion, Port, System, SystemPort};
 use crate::units::Unit;

@@ -6,9 +6,9 @@ use std::path::Path;
 use super::choice::Chosen;
 use super::definitions::Definitions;
 use super::feedthrough;
-use super::interface::{Exposed, Role};
 use crate::error::Result;
 use crate::fmi::{Basic, Causality, Fmu, InterfaceType, Value};
+use crate::hosted::interface::{Exposed, Role};
 use crate::system::{Port, System, Xml, base_step, number};
 use crate::xml::{self, Element};
 

@@ -8,7 +8,6 @@
 //! | file | what |
 //! |---|---|
 //! | `choice` | which variables are exposed |
-//! | `interface` | the list of them, for the library |
 //! | `description`, `definitions`, `feedthrough` | modelDescription.xml: variables, units and types, dependencies |
 //! | `documentation` | documentation, licences, icon |
 //! | `library` | the binaries, and whether the inner FMUs have theirs |
@@ -20,7 +19,6 @@ mod definitions;
 mod description;
 mod documentation;
 mod feedthrough;
-pub(crate) mod interface;
 pub(crate) mod library;
 
 use std::path::{Path, PathBuf};
@@ -30,6 +28,8 @@ use sha2::{Digest, Sha256};
 use crate::error::{Code, Error, Result};
 use crate::files;
 use crate::fmi::Value;
+use crate::hosted::MARK;
+use crate::hosted::interface::{self, Interface, Running};
 use crate::master::Manipulator;
 use crate::scenario::Scenario;
 use crate::system::System;
@@ -37,8 +37,6 @@ use archive::{Content, Entry};
 use choice::Chosen;
 use description::Description;
 pub use description::LOG_CATEGORIES;
-pub use interface::MARK;
-use interface::{Interface, Running};
 
 /// The library of exported systems.
 const LIBRARY: library::Kind = library::Kind {

@@ -10,6 +10,7 @@
 //! The inner FMUs are created when initialization begins, with all start values at once, as in a
 //! run of the system; a reset has nothing to undo.
 
+pub(crate) mod interface;
 mod scenario;
 mod state;
 mod table;
@@ -19,13 +20,14 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::error::{Code, Error, Result};
-use crate::export::interface::{FILE, Interface};
 pub use crate::fmi::Basic;
 use crate::fmi::{Logging, Mailbox, Message, Value};
 use crate::master::Engine;
 use crate::scenario::Scenario;
 use crate::system::{Component, Input, Overrides, System};
 use crate::time::Time;
+pub use interface::MARK;
+use interface::{FILE, Interface};
 pub use state::Kept;
 use table::{Known, Read, Table};
 

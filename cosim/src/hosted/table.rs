@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use super::interface::{Exposed, Interface, Role};
 use super::{Stage, number_of};
 use crate::error::{Code, Error, Result};
-use crate::export::interface::{Exposed, Interface, Role};
 use crate::fmi::{Basic, Kind, Value};
 use crate::master::Plan;
 use crate::system::{Column, Conversion, Port, System};

@@ -3,9 +3,9 @@
 //! A run is a sequence of instants at which the step of some component ends. At each instant:
 //!
 //! 1. every component whose step ends there, in the order of the system, gets its *fresh* inputs
-//!   (values of this instant), makes its whole step, and its outputs become visible;
+//!    (values of this instant), makes its whole step, and its outputs become visible;
 //! 2. every such component begins its next step: its *held* inputs are taken from the values of
-//!   this instant and stay constant until its step ends.
+//!    this instant and stay constant until its step ends.
 //!
 //! An algorithm is only data for this: the order, and which connections are fresh. Jacobi: none;
 //! Gauss-Seidel: those to inputs with direct feed-through (see `system::order`). Iterative: as

@@ -5,11 +5,15 @@ mod continued;
 mod csv;
 mod csv_read;
 mod digest;
+#[cfg(feature = "program")]
 mod mcap;
+#[cfg(feature = "program")]
 mod mcap_read;
+#[cfg(feature = "program")]
 mod mcap_records;
 #[cfg(feature = "campaign")]
 mod parquet;
+#[cfg(feature = "program")]
 mod progress;
 mod recording;
 mod verify;
@@ -19,9 +23,11 @@ pub use continued::Continued;
 pub use csv::CsvRecorder;
 pub(crate) use csv::Form;
 pub use digest::{Digested, RunningDigest};
+#[cfg(feature = "program")]
 pub use mcap::McapRecorder;
 #[cfg(feature = "campaign")]
 pub use parquet::ParquetRecorder;
+#[cfg(feature = "program")]
 pub use progress::Progress;
 pub use recording::Recording;
 pub use verify::{Comparison, Differing, Parting};
@@ -76,6 +82,7 @@ pub trait Observer {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Format {
     Csv,
+    #[cfg(feature = "program")]
     Mcap,
     #[cfg(feature = "campaign")]
     Parquet,
@@ -86,6 +93,7 @@ impl Format {
     fn of(file: &Path) -> Self {
         let ending = file.extension().and_then(|ending| ending.to_str()).unwrap_or("");
         match ending.to_ascii_lowercase().as_str() {
+            #[cfg(feature = "program")]
             "mcap" => Self::Mcap,
             #[cfg(feature = "campaign")]
             "parquet" => Self::Parquet,
@@ -121,11 +129,13 @@ pub fn check_ending(file: &Path) -> Result<()> {
 }
 
 /// Creates a results file: CSV, MCAP or Parquet, according to its extension.
+#[cfg(feature = "program")]
 pub fn create(file: impl AsRef<Path>) -> Result<Box<dyn Observer>> {
     create_with(file, None)
 }
 
 /// Like [`create`]; ROS messages are made from the variables that `roles` names.
+#[cfg(feature = "program")]
 pub fn create_with(
     file: impl AsRef<Path>,
     roles: Option<Declaration>,
@@ -133,6 +143,7 @@ pub fn create_with(
     let file = file.as_ref();
     Ok(match Format::to_write(file)? {
         Format::Csv => Box::new(CsvRecorder::create(file)?),
+        #[cfg(feature = "program")]
         Format::Mcap => Box::new(McapRecorder::create(file)?.declared(roles)),
         #[cfg(feature = "campaign")]
         Format::Parquet => Box::new(ParquetRecorder::create(file)?),
@@ -140,6 +151,7 @@ pub fn create_with(
 }
 
 /// Creates a results file that gets its final name when it is finished; see [`Continued`].
+#[cfg(feature = "program")]
 pub fn create_unfinished(
     target: &Path,
     roles: Option<Declaration>,
@@ -150,6 +162,7 @@ pub fn create_unfinished(
     let (output, name) = (unfinished.writer().map_err(unwritten)?, target.to_owned());
     Ok(match format {
         Format::Csv => (Box::new(CsvRecorder::on(output, name)), unfinished),
+        #[cfg(feature = "program")]
         Format::Mcap => (Box::new(McapRecorder::on(output, name)?.declared(roles)), unfinished),
         #[cfg(feature = "campaign")]
         Format::Parquet => (Box::new(ParquetRecorder::on(output, name)), unfinished),

@@ -5,8 +5,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::csv::Form;
+use super::csv_read;
+#[cfg(feature = "program")]
+use super::mcap_read;
 use super::{CsvRecorder, Format, Observer, RunInfo};
-use super::{csv_read, mcap_read};
 use crate::error::{Code, Error, Result};
 use crate::names;
 use crate::signals::Table;
@@ -57,6 +59,7 @@ impl Recording {
         let file = file.as_ref();
         match Format::of(file) {
             Format::Csv => csv_read::read(file),
+            #[cfg(feature = "program")]
             Format::Mcap => mcap_read::read(file),
             #[cfg(feature = "campaign")]
             Format::Parquet => super::parquet::read(file),
@@ -65,9 +68,11 @@ impl Recording {
 
     /// Reads results whose writer may have been killed: an incomplete last sample is ignored.
     pub fn read_unfinished(file: impl AsRef<Path>) -> Result<Self> {
-        match Format::of(file.as_ref()) {
-            Format::Csv => csv_read::read_unfinished(file.as_ref()),
-            _ => Self::read(file),
+        let file = file.as_ref();
+        if Format::of(file) == Format::Csv {
+            csv_read::read_unfinished(file)
+        } else {
+            Self::read(file)
         }
     }
 

@@ -22,6 +22,7 @@ mod formats;
 mod hostile;
 mod import;
 mod injected;
+mod layers;
 mod locked;
 mod logging;
 mod loops;
