@@ -58,7 +58,7 @@ pub(super) fn program(resources: &Path) -> Result<PathBuf> {
 
 impl Manifest {
     /// For an FMU by its description and its file; the GUID comes later.
-    pub(super) fn new(
+    pub(crate) fn new(
         description: &Description,
         interface: &Interface,
         fmu: &str,
@@ -103,7 +103,7 @@ impl Manifest {
         }
     }
 
-    pub(super) fn text(&self) -> Result<String> {
+    pub(crate) fn text(&self) -> Result<String> {
         serde_json::to_string_pretty(self)
             .map(|text| text + "\n")
             .map_err(|why| Error::new(Code::Output, "the FMU cannot be described").why(why))

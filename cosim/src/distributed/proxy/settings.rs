@@ -8,6 +8,7 @@ use crate::distributed::{
     Access, Configuration, Credentials, DEFAULT_ENDPOINT, Ours, Reached, several,
 };
 use crate::error::{Code, Error, Result};
+use crate::proxy::manifest::CONNECTION;
 
 /// The environment variables and their settings.
 const FILE: &str = "COSIM_REMOTE_CONFIG";
