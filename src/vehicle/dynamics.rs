@@ -43,6 +43,8 @@ pub struct Vehicle {
     pub(super) quadratic_damping: [f64; 6],
     /// Column i: wrench of one newton of thruster i.
     pub(super) thruster_wrench: [[f64; 6]; 8],
+    /// Column i: acceleration by one newton of thruster i.
+    pub(super) thruster_acceleration: [[f64; 6]; 8],
     pub(super) propulsion: Propulsion,
 }
 
@@ -54,7 +56,7 @@ pub struct Drive {
     pub(super) rotor_target: [f64; 8],
     pub(super) rotor_rate: f64,
     /// Thrusts over rotor speed squared; 0 if rotor speeds make no thrust.
-    thrust_gain: [f64; 8],
+    pub(super) thrust_gain: [f64; 8],
     /// Thrust that does not depend on the rotors (N).
     direct_thrust: [f64; 8],
     wrench: [f64; 6],
@@ -68,10 +70,15 @@ impl Drive {
         core::array::from_fn(|i| (self.rotor_target[i] - speed[i]) * self.rotor_rate)
     }
 
-    /// The rotor speeds when this fraction of their distance from the target is left.
+    /// Thrusts that follow the rotor speeds (N).
     #[inline(always)]
-    pub(super) fn rotor_speed(&self, speed: &[f64; 8], kept: f64) -> [f64; 8] {
-        core::array::from_fn(|i| self.rotor_target[i] + (speed[i] - self.rotor_target[i]) * kept)
+    pub(super) fn lagged_thrust(&self, s: &[f64; 8]) -> [f64; 8] {
+        core::array::from_fn(|i| self.thrust_gain[i] * s[i] * s[i].abs())
+    }
+
+    /// The same drive without the thrusts that follow the rotor speeds.
+    pub(super) fn without_rotors(&self) -> Self {
+        Self { thrust_gain: [0.0; 8], ..*self }
     }
 }
 
@@ -84,15 +91,18 @@ impl Vehicle {
     pub fn new(parameters: &Parameters) -> Result<Self, ParameterError> {
         parameters.check()?;
         let (mass, buoyancy) = (parameters.mass_matrix(), parameters.buoyancy_force());
+        let mass_inverse = inverse(&mass)?;
+        let thruster_wrench = parameters.propulsion.thrusters.map(|t| t.unit_wrench());
         Ok(Self {
             gravity: parameters.gravity,
             excess_weight: parameters.weight() - buoyancy,
             buoyant_moment: scale(parameters.centre_of_buoyancy, buoyancy),
             mass,
-            mass_inverse: inverse(&mass)?,
+            mass_inverse,
             linear_damping: parameters.linear_damping,
             quadratic_damping: parameters.quadratic_damping,
-            thruster_wrench: parameters.propulsion.thrusters.map(|t| t.unit_wrench()),
+            thruster_wrench,
+            thruster_acceleration: thruster_wrench.map(|wrench| mul6(&mass_inverse, &wrench)),
             propulsion: parameters.propulsion,
         })
     }
@@ -194,9 +204,8 @@ impl Vehicle {
     pub fn rate(&self, state: &State, drive: &Drive) -> State {
         let r_nb = attitude::rotation(state.quaternion);
         let s = &state.rotor_speed;
-        let thrust = core::array::from_fn(|i| {
-            drive.direct_thrust[i] + drive.thrust_gain[i] * s[i] * s[i].abs()
-        });
+        let lagged = drive.lagged_thrust(s);
+        let thrust = core::array::from_fn(|i| drive.direct_thrust[i] + lagged[i]);
         State {
             p_ned: mul(&r_nb, linear(&state.nu)),
             quaternion: quaternion_rate(state.quaternion, angular(&state.nu)),

@@ -12,7 +12,7 @@ pub use instance::System;
 
 /// Marks the library for `cosim export`.
 #[used]
-static MARK: &str = cosim::export::MARK;
+static MARK: &str = cosim::hosted::MARK;
 
 /// Systems behind the C interface.
 #[doc(hidden)]

@@ -106,7 +106,8 @@ impl Component for RexRov {
     const INFO: Info = Info {
         stop_time_s: 60.0,
         // Accurate to a millionth of each signal's peak over a minute in which commands jump.
-        integrator_step_s: 0.004,
+        integrator_step_s: 0.01,
+        moving_step_s: 0.004,
         ..crate::info(
             "RexROV",
             "RexROV underwater vehicle, six degrees of freedom, eight thrusters",

@@ -27,6 +27,9 @@ pub struct Info {
     /// Longest step of the co-simulation integrator in seconds; a communication step is divided
     /// into equal steps no longer than this.
     pub integrator_step_s: f64,
+    /// The same while inputs change, if they limit the step more: a component that provides its own
+    /// step for held inputs is then integrated by the classical Runge-Kutta method.
+    pub moving_step_s: f64,
     /// Whether outputs change only at events (a sampled component); they are then declared
     /// `discrete`.
     pub sampled: bool,
@@ -49,6 +52,7 @@ impl Info {
             stop_time_s: 10.0,
             step_s: 0.01,
             integrator_step_s: 0.01,
+            moving_step_s: f64::INFINITY,
             sampled: false,
             model_exchange: true,
         }

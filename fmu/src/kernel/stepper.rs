@@ -208,6 +208,7 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
     fn fixed(&mut self, x: &mut C::States, t: f64, h: f64) -> Result<Option<f64>, Halt> {
         // The common case of a single step needs no division.
         let longest = self.scheme.integrator.step;
+        let longest = if S::MOVES { longest.min(C::INFO.moving_step_s) } else { longest };
         let single = h <= longest * (1.0 + SLACK);
         let steps = if single { 1.0 } else { (h / longest - SLACK).ceil() };
         let step = if single { h } else { h / steps };
