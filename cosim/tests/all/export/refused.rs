@@ -87,7 +87,7 @@ fn foreign(folder: &Path) -> std::path::PathBuf {
     let mut bytes = vec![0; 64];
     bytes[..6].copy_from_slice(b"\x7fELF\x02\x01");
     (bytes[16], bytes[18]) = (3, 183);
-    bytes.extend(cosim::export::MARK.as_bytes());
+    bytes.extend(cosim::hosted::MARK.as_bytes());
     let path = folder.join("foreign.so");
     fs::write(&path, bytes).unwrap();
     path
