@@ -80,6 +80,8 @@ enum Task {
         /// How long to fuzz each target.
         #[arg(long, default_value_t = 600)]
         seconds: u32,
+        /// Only these targets; by default all.
+        targets: Vec<String>,
     },
     /// Put faults into a copy of the navigation filters, one at a time; a test must catch each.
     Mutants {
@@ -121,7 +123,7 @@ fn main() -> std::process::ExitCode {
         Task::Platforms(options) => platforms::run(&options),
         Task::Judge => judge::run(),
         Task::Field(options) => field::run(&options),
-        Task::Fuzz { seconds } => fuzz::run(seconds),
+        Task::Fuzz { seconds, targets } => fuzz::run(seconds, &targets),
         Task::Mutants { filter } => mutants::run(filter.as_deref()),
         Task::Matrix => matrix::run(),
         Task::Soak(options) => soak::run(&options),

@@ -31,7 +31,8 @@ pub fn run(bytes: &[u8]) {
     };
     let ready = AtomicUsize::new(0);
     thread::scope(|scope| {
-        for part in bytes.chunks(bytes.len().div_ceil(THREADS).max(RECORD)) {
+        let parts = bytes.chunks(bytes.len().div_ceil(THREADS).max(RECORD));
+        let threads = parts.map(|part| {
             scope.spawn(|| {
                 ready.fetch_add(1, Ordering::AcqRel);
                 // All begin together, as far as there are processors for them.
@@ -42,8 +43,11 @@ pub fn run(bytes: &[u8]) {
                     std::hint::spin_loop();
                 }
                 part.chunks_exact(RECORD).for_each(|record| call(&shared, record));
-            });
-        }
+            })
+        });
+        // The end of a scope does not wait for what threads drop last, which a leak checker sees.
+        let threads: Vec<_> = threads.collect();
+        threads.into_iter().for_each(|thread| thread.join().unwrap());
     });
     for instance in shared.instances {
         let c = without_provenance_mut(instance.into_inner());

@@ -5,7 +5,7 @@
 mod seeds;
 
 use crate::{package, paths, process};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use std::{fs, process::Command};
 
 /// Folders, their longest inputs (bytes) and their targets: the FMU with random callers, some
@@ -32,14 +32,19 @@ const TARGETS: [(&str, usize, &[&str]); 2] = [
 /// Limits for one input: seconds and MiB.
 const LIMITS: [&str; 2] = ["-timeout=20", "-rss_limit_mb=2048"];
 
-/// Fuzzes each target for this many seconds; fails with the first finding.
-pub(crate) fn run(seconds: u32) -> Result<()> {
+/// Fuzzes each of these targets, or all, for so many seconds; fails at the first finding.
+pub(crate) fn run(seconds: u32, chosen: &[String]) -> Result<()> {
+    let known: Vec<&str> = TARGETS.iter().flat_map(|(_, _, targets)| *targets).copied().collect();
+    if let Some(unknown) = chosen.iter().find(|name| !known.contains(&name.as_str())) {
+        bail!("there is no fuzz target '{unknown}'; there are {}", known.join(", "));
+    }
     process::run(&mut nightly(&["fuzz", "--version"])).context(
         "fuzzing needs `rustup toolchain install nightly` and `cargo install cargo-fuzz`",
     )?;
     package::for_this_machine()?;
     for (folder, longest, targets) in TARGETS {
-        for target in targets {
+        let is_chosen = |target: &&&str| chosen.is_empty() || chosen.iter().any(|c| c == **target);
+        for target in targets.iter().filter(is_chosen) {
             let own = paths::target().join("fuzz").join(target);
             let (corpus, good) = (own.join("corpus"), own.join("seeds"));
             fs::create_dir_all(&corpus).with_context(|| corpus.display().to_string())?;
