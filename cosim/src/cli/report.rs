@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use cosim::campaign;
-use cosim::report::{Choice, Estimate, Options, Plot, Units, XyPlot, html, svg};
+use cosim::report::{Choice, Estimate, Options, Picture, Plot, Units, XyPlot, html, picture};
 use cosim::scenario::Scenario;
 use cosim::{Code, Error, Overrides, Recording, Result, System, files, names};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -18,7 +18,7 @@ pub(crate) struct Report {
     /// The folder of a campaign, or the results of one run: CSV with the time in its first column,
     /// or MCAP written by this program
     results: PathBuf,
-    /// Output file for the page, or for the figure if the name ends in .svg; - for stdout (default:
+    /// Output file for the page, or for the figure if the name ends in .svg, .png or .pdf; - for stdout (default:
     /// name of the results with .html; for a campaign, report.html in its folder)
     #[arg(long, short, value_name = "FILE")]
     output_file: Option<PathBuf>,
@@ -53,7 +53,7 @@ pub(crate) struct Report {
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Page,
-    Picture,
+    Picture(Picture),
 }
 
 impl Report {
@@ -65,21 +65,21 @@ impl Report {
         });
         let kind = kind(&target)?;
         let page = match (is_campaign, kind) {
-            (true, Kind::Page) => self.campaign()?,
-            (true, Kind::Picture) => {
-                return Err(Error::new(Code::Usage, "an SVG file holds one figure of one run")
+            (true, Kind::Page) => self.campaign()?.into_bytes(),
+            (true, Kind::Picture(_)) => {
+                return Err(Error::new(Code::Usage, "a picture holds one figure of one run")
                     .at(&target)
                     .help("repeat a run of the campaign (cosim replay), and report its results"));
             }
             (false, _) => self.single(kind)?,
         };
         if target.as_os_str() == "-" {
-            return print(&page);
+            return print(&String::from_utf8_lossy(&page));
         }
         if !is_campaign {
             files::refuse_inputs(&target, [self.results.as_path()])?;
         }
-        files::replace(&target, page.as_bytes()).map_err(|e| {
+        files::replace(&target, &page).map_err(|e| {
             Error::new(Code::Output, "the page cannot be written").at(&target).why(e)
         })?;
         if is_campaign && interrupt::interrupted() {
@@ -91,7 +91,7 @@ impl Report {
         Ok(())
     }
 
-    fn single(&self, kind: Kind) -> Result<String> {
+    fn single(&self, kind: Kind) -> Result<Vec<u8>> {
         let recording = Recording::read(&self.results)?;
         let stem = || self.results.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let estimate = |path: &String| Estimate { path: path.clone(), ..Estimate::default() };
@@ -114,8 +114,8 @@ impl Report {
             sources,
         };
         match kind {
-            Kind::Page => html(&recording, &options),
-            Kind::Picture => svg(&recording, &options),
+            Kind::Page => html(&recording, &options).map(String::into_bytes),
+            Kind::Picture(format) => picture(&recording, &options, format),
         }
     }
 
@@ -164,19 +164,20 @@ fn units(file: &Path) -> Result<Units> {
 
 /// By the extension of the name; an unknown one is refused.
 fn kind(target: &Path) -> Result<Kind> {
-    const KNOWN: [&str; 3] = ["html", "htm", "svg"];
+    const KNOWN: [&str; 5] = ["html", "htm", "svg", "png", "pdf"];
     let Some(ending) = target.extension() else { return Ok(Kind::Page) };
     let ending = ending.to_string_lossy().to_ascii_lowercase();
-    if !KNOWN.contains(&ending.as_str()) {
-        let help = match ending.as_str() {
-            "pdf" => "write .html and print it to a PDF from the browser".to_owned(),
-            "png" => "write .svg and convert it, for example with rsvg-convert".to_owned(),
-            other => names::did_you_mean(other, KNOWN).unwrap_or_default(),
-        };
-        return Err(Error::new(Code::Usage, format!("a report cannot be written as .{ending}"))
-            .at(target)
-            .why("known extensions are .html (a page) and .svg (one figure)")
-            .maybe_help((!help.is_empty()).then_some(help)));
-    }
-    Ok(if ending == "svg" { Kind::Picture } else { Kind::Page })
+    Ok(match ending.as_str() {
+        "html" | "htm" => Kind::Page,
+        "svg" => Kind::Picture(Picture::Svg),
+        "png" => Kind::Picture(Picture::Png),
+        "pdf" => Kind::Picture(Picture::Pdf),
+        other => {
+            let what = format!("a report cannot be written as .{other}");
+            return Err(Error::new(Code::Usage, what)
+                .at(target)
+                .why("known extensions are .html (a page), and .svg, .png and .pdf (one figure)")
+                .maybe_help(names::did_you_mean(other, KNOWN)));
+        }
+    })
 }

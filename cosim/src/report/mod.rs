@@ -15,6 +15,7 @@
 //! | the content of a run's report | `run` |
 //! | the content of a campaign's report | `campaign::report` |
 
+mod convert;
 mod decimate;
 mod document;
 mod draw;
@@ -36,7 +37,7 @@ mod units;
 pub use figure::{Axis, Figure, LegendPlace, Panel, Series, Shape};
 pub use layout::{Layout, Rect};
 pub use page::{Block, Page, Section};
-pub use results::{Options, html, svg};
+pub use results::{Options, Picture, html, picture};
 pub use run::{Choice, Estimate};
 pub use select::{Plot, XyPlot};
 pub use statistics::{chi_square_quantile, mean, quantile, root_mean_square};

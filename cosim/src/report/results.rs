@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::convert;
 use super::figure::{Figure, Panel, Series};
 use super::run::{Choice, Shown, Trace};
 use super::{Document, Plot, Role, Term, Units, XyPlot, run_terms};
@@ -60,13 +61,33 @@ pub fn html(recording: &Recording, options: &Options) -> Result<String> {
     document.html()
 }
 
-/// The single requested figure, as an SVG file.
-pub fn svg(recording: &Recording, options: &Options) -> Result<String> {
+/// File formats of a figure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Picture {
+    /// Scalable Vector Graphics.
+    Svg,
+    /// Pixels.
+    Png,
+    /// A page of the figure's size.
+    Pdf,
+}
+
+/// The single requested figure, as a file.
+pub fn picture(recording: &Recording, options: &Options, format: Picture) -> Result<Vec<u8>> {
+    let svg = svg(recording, options)?;
+    match format {
+        Picture::Svg => Ok(svg.into_bytes()),
+        Picture::Png => convert::png(&svg),
+        Picture::Pdf => convert::pdf(&svg),
+    }
+}
+
+fn svg(recording: &Recording, options: &Options) -> Result<String> {
     let units = options.units.clone().or_of(recording);
     match (options.paths.as_slice(), options.plots.as_slice()) {
         ([path], []) => path_figure(recording, path, &units)?.svg(),
         ([], [plot]) => time_figure(recording, plot, &units)?.svg(),
-        _ => Err(Error::new(Code::Usage, "an SVG file holds one figure")
+        _ => Err(Error::new(Code::Usage, "a picture holds one figure")
             .help("choose one --plot or one --xy, or write a page: a name that ends in .html")),
     }
 }

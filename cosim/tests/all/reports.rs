@@ -139,11 +139,11 @@ fn folders_and_endings_that_are_no_such_thing_are_refused_with_a_remedy() {
     for (arguments, parts) in [
         (&["empty"][..], &["no results of a campaign", "campaign.json"][..]),
         (&["missing"], &["missing"]),
-        (&["r.csv", "-o", "x.png"], &["E001", ".png", ".html", ".svg", "rsvg-convert"]),
-        (&["r.csv", "-o", "x.pdf"], &[".pdf", "print"]),
+        (&["r.csv", "-o", "x.eps"], &["E001", ".eps", ".html", ".svg", ".png", ".pdf"]),
+        (&["r.csv", "-o", "x.png"], &["a picture holds one figure", "--xy"]),
         (&["r.csv", "-o", "x.htlm"], &["did you mean 'html'"]),
         (&["empty", "-o", "x.svg"], &["one figure"]),
-        (&["empty", "--truth", "a.pose"], &["--truth is for the results of one run"]),
+        (&["empty", "--truth", "a.pose"], &["--truth applies to the results of one run"]),
         (&["r.csv", "--truth", "a.poze"], &["'a.poze.x'"]),
     ] {
         let (code, stderr) = outcome(folder, &[&["report"], arguments].concat());
@@ -151,6 +151,33 @@ fn folders_and_endings_that_are_no_such_thing_are_refused_with_a_remedy() {
         parts.iter().for_each(|part| assert!(stderr.contains(part), "{part}: {stderr}"));
     }
     assert!(!folder.join("x.png").exists());
+}
+
+#[test]
+fn a_figure_is_drawn_as_pixels_and_as_a_page() {
+    if !std::path::Path::new("/usr/share/fonts").is_dir() {
+        println!("skipped: no font is installed");
+        return;
+    }
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    write(folder, "r.csv", "time,a.x,a.y\n0,1,0\n1,2,1\n2,1,3\n");
+    for name in ["x.svg", "x.png", "x.pdf"] {
+        let figure = ["report", "r.csv", "--xy", "Path: a.x, a.y", "-o", name];
+        let (code, stderr) = outcome(folder, &figure);
+        assert_eq!(code, 0, "{stderr}");
+    }
+    let read = |name: &str| std::fs::read(folder.join(name)).unwrap();
+    let svg = String::from_utf8(read("x.svg")).unwrap();
+    let width: u32 =
+        svg.split("width=\"").nth(1).unwrap().split('"').next().unwrap().parse().unwrap();
+    // Width of a PNG: at octet 16 of its head.
+    let png = read("x.png");
+    assert!(png.starts_with(b"\x89PNG"));
+    assert_eq!(u32::from_be_bytes(png[16..20].try_into().unwrap()), 2 * width);
+    // Text stays text: a font is in the page.
+    let pdf = read("x.pdf");
+    assert!(pdf.starts_with(b"%PDF-") && pdf.windows(9).any(|part| part == b"/FontFile"));
 }
 
 /// A run on a circle with an estimate that is accurate to 0.5 m, and a variable that is not a
