@@ -35,7 +35,7 @@ fn types_that_are_no_variables_are_pointed_at_with_those_that_are() {
         assert_eq!(
             message,
             format!(
-                "{what} is no kind of FMI variable: use f64, i32, bool, String, an enum deriving \
+                "{what} is no kind of FMI variable: use f64, i32, bool, String, Text<N>, an enum deriving \
                  Enumeration, a struct deriving Variables, or an array [T; N] of these"
             )
         );

@@ -139,14 +139,17 @@ fn check(ty: &Type, var: &Var) -> Result<()> {
         return Ok(());
     };
     let name = last.ident.to_string();
-    if NO_SUCH_TYPE.contains(&name.as_str()) || !last.arguments.is_empty() {
+    let has_arguments = !last.arguments.is_empty() && name != "Text";
+    if NO_SUCH_TYPE.contains(&name.as_str()) || has_arguments {
         return Err(Error::new_spanned(ty, unsupported(&format!("`{name}`"))));
     }
     match var.numeric() {
-        Some(attribute) if name == "bool" || name == "String" => Err(Error::new_spanned(
-            ty,
-            format!("`{attribute}` makes no sense for `{name}`: only numbers have it"),
-        )),
+        Some(attribute) if ["bool", "String", "Text"].contains(&name.as_str()) => {
+            Err(Error::new_spanned(
+                ty,
+                format!("`{attribute}` makes no sense for `{name}`: only numbers have it"),
+            ))
+        }
         _ => Ok(()),
     }
 }
@@ -160,7 +163,7 @@ fn innermost(ty: &Type) -> &Type {
 
 fn unsupported(what: &str) -> String {
     format!(
-        "{what} is no kind of FMI variable: use f64, i32, bool, String, an enum deriving \
+        "{what} is no kind of FMI variable: use f64, i32, bool, String, Text<N>, an enum deriving \
          Enumeration, a struct deriving Variables, or an array [T; N] of these"
     )
 }

@@ -18,7 +18,7 @@ use serde::de::DeserializeOwned;
 use super::{Fault, Info, ParameterError, Resources, Time, Variables, runge_kutta};
 
 /// Variables of a group of inputs, outputs or states: plain values, so no `String`. Inputs and
-/// outputs are `f64`, `i32`, `bool` and enumerations; states are Real only (checked when the
+/// outputs are `f64`, `i32`, `bool`, enumerations and [`Text`](super::Text); states are Real only (checked when the
 /// component is compiled).
 pub trait Ports: Variables + Copy + Default + Send {}
 

@@ -10,6 +10,7 @@ mod resources;
 mod runge_kutta;
 mod sampled;
 mod sampler;
+mod text;
 mod time;
 mod variables;
 
@@ -22,5 +23,6 @@ pub use resources::{Resources, read_text};
 pub(crate) use runge_kutta::{add, runge_kutta};
 pub use sampled::{Held, Sample, Sampled};
 pub use sampler::Sampler;
+pub use text::Text;
 pub use time::Time;
 pub use variables::{Count, Reader, Variables, Writer};

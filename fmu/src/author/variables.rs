@@ -86,7 +86,7 @@ pub struct Writer<'a> {
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a kind of FMI variable",
     label = "not an FMI variable",
-    note = "variables are f64, i32, bool, String, an enum deriving `Enumeration`, a struct deriving \
+    note = "variables are f64, i32, bool, String, Text<N>, an enum deriving `Enumeration`, a struct deriving \
             `Variables`, or an array [T; N] of these"
 )]
 pub trait Variables: Sized {
@@ -117,7 +117,7 @@ fn take<'a, T>(rest: &mut &'a [T]) -> Option<&'a T> {
 
 /// Puts `value` into the next place, if there is one left.
 #[inline(always)]
-fn put<T>(rest: &mut &mut [T], value: T) {
+pub(super) fn put<T>(rest: &mut &mut [T], value: T) {
     if let Some((first, tail)) = std::mem::take(rest).split_first_mut() {
         *first = value;
         *rest = tail;

@@ -27,10 +27,6 @@ impl<C: Component> ComponentModel<C> {
     pub(crate) fn new(table: &Table, resources: Resources) -> Self {
         const {
             assert!(C::States::COUNT.only_reals(), "states are Real only: use f64 in them");
-            assert!(
-                C::Inputs::COUNT.strings == 0 && C::Outputs::COUNT.strings == 0,
-                "inputs and outputs are numbers, Booleans and enumerations: a text is a parameter"
-            );
             assert!(C::INDICATORS.len() <= 64, "there can be no more than 64 event indicators");
         }
         let states = table.group(Group::State);

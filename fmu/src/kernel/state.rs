@@ -21,7 +21,7 @@ use super::memory::{SPREAD, spare};
 use super::model::Memory;
 use super::signal::Slopes;
 use super::status::{Status, Trouble};
-use super::values::{Explicit, Values, all_finite};
+use super::values::{Discrete, Explicit, Values, all_finite};
 
 /// Memory that does not depend on what is saved, such as names in errors (bytes).
 const FEW: usize = 16 << 10;
@@ -37,6 +37,7 @@ pub struct State {
     explicit: Explicit,
     /// Inputs, outputs, states, derivatives, time.
     ports: Box<[f64]>,
+    discrete: Discrete,
     slopes: Slopes,
     memory: Option<Memory>,
 }
@@ -50,6 +51,7 @@ struct Packed<'a> {
     parameters: std::borrow::Cow<'a, Values>,
     explicit: std::borrow::Cow<'a, Explicit>,
     ports: std::borrow::Cow<'a, [f64]>,
+    discrete: std::borrow::Cow<'a, Discrete>,
     slopes: Slopes,
     memory: Vec<u8>,
 }
@@ -103,6 +105,7 @@ impl Instance {
             parameters: Values::default(),
             explicit: Explicit::default(),
             ports: self.ports().into(),
+            discrete: Discrete::of(&self.values, self.table.layout().parameters),
             slopes: Slopes::held(self.table.layout().inputs.len()),
             memory: None,
         };
@@ -123,6 +126,7 @@ impl Instance {
             state.explicit = self.explicit.clone();
         }
         state.ports.copy_from_slice(self.ports());
+        state.discrete.copy_from(&self.values, self.table.layout().parameters);
         state.slopes.copy_from(&self.slopes);
         self.model.save(&mut state.memory);
     }
@@ -144,6 +148,7 @@ impl Instance {
             if let Some(ports) = me.values.reals.get_mut(first..) {
                 ports.copy_from_slice(&state.ports);
             }
+            state.discrete.copy_to(&mut me.values, me.table.layout().parameters);
             me.slopes.copy_from(&state.slopes);
             match &state.memory {
                 Some(memory) if me.model.restore(memory) => Ok(()),
@@ -201,6 +206,7 @@ impl Instance {
             parameters: Borrowed(&state.parameters),
             explicit: Borrowed(&state.explicit),
             ports: Borrowed(&state.ports),
+            discrete: Borrowed(&state.discrete),
             slopes,
             memory: memory.map_err(Trouble::error)?,
         };
@@ -239,6 +245,7 @@ impl Instance {
             && theirs.booleans.len() == ours.booleans.len()
             && theirs.strings.len() == ours.strings.len()
             && packed.ports.len() == own.ports.len()
+            && packed.discrete.is_like(&own.discrete)
             && packed.explicit.is_like(&own.explicit)
             && packed.slopes.is_like(&own.slopes);
         if !as_many {
@@ -258,6 +265,7 @@ impl Instance {
             parameters: packed.parameters.into_owned(),
             explicit: packed.explicit.into_owned(),
             ports: packed.ports.into_owned().into(),
+            discrete: packed.discrete.into_owned(),
             slopes: packed.slopes,
             memory: Some(memory),
             ..own

@@ -73,6 +73,55 @@ impl Values {
     }
 }
 
+/// The inputs and outputs that are not Reals: what follows the parameters in their arrays.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Discrete {
+    integers: Box<[i32]>,
+    booleans: Box<[bool]>,
+    strings: Box<[CString]>,
+}
+
+impl Discrete {
+    /// Those of an instance with so many parameters.
+    pub(crate) fn of(values: &Values, parameters: Count) -> Self {
+        fn rest<T: Clone>(all: &[T], first: usize) -> Box<[T]> {
+            all.get(first..).unwrap_or_default().into()
+        }
+        Self {
+            integers: rest(&values.integers, parameters.integers),
+            booleans: rest(&values.booleans, parameters.booleans),
+            strings: rest(&values.strings, parameters.strings),
+        }
+    }
+
+    /// Takes those of the same instance again, without allocating if no text changed its length.
+    pub(crate) fn copy_from(&mut self, values: &Values, parameters: Count) {
+        fn each<T: Clone>(own: &mut [T], all: &[T], first: usize) {
+            all.iter().skip(first).zip(own).for_each(|(value, own)| own.clone_from(value));
+        }
+        each(&mut self.integers, &values.integers, parameters.integers);
+        each(&mut self.booleans, &values.booleans, parameters.booleans);
+        each(&mut self.strings, &values.strings, parameters.strings);
+    }
+
+    /// Puts them back.
+    pub(crate) fn copy_to(&self, values: &mut Values, parameters: Count) {
+        fn each<T: Clone>(own: &[T], all: &mut [T], first: usize) {
+            all.iter_mut().skip(first).zip(own).for_each(|(value, own)| value.clone_from(own));
+        }
+        each(&self.integers, &mut values.integers, parameters.integers);
+        each(&self.booleans, &mut values.booleans, parameters.booleans);
+        each(&self.strings, &mut values.strings, parameters.strings);
+    }
+
+    /// Whether both have the same number of each type.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        self.integers.len() == other.integers.len()
+            && self.booleans.len() == other.booleans.len()
+            && self.strings.len() == other.strings.len()
+    }
+}
+
 /// Which parameters were set by the user, per type.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Explicit {
@@ -191,7 +240,7 @@ pub(crate) fn read_ports<P: Ports>(values: &Values, reals: &Range<usize>, before
         reals: values.reals.get(before.reals..).unwrap_or_default(),
         integers: values.integers.get(before.integers..).unwrap_or_default(),
         booleans: values.booleans.get(before.booleans..).unwrap_or_default(),
-        strings: &[],
+        strings: values.strings.get(before.strings..).unwrap_or_default(),
     })
 }
 
@@ -210,7 +259,7 @@ pub(crate) fn write_ports<P: Ports>(
         reals: values.reals.get_mut(before.reals..).unwrap_or_default(),
         integers: values.integers.get_mut(before.integers..).unwrap_or_default(),
         booleans: values.booleans.get_mut(before.booleans..).unwrap_or_default(),
-        strings: &mut [],
+        strings: values.strings.get_mut(before.strings..).unwrap_or_default(),
     });
 }
 

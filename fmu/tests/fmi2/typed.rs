@@ -19,6 +19,14 @@ impl Fmu {
         value
     }
 
+    fn text(&mut self, name: &str) -> String {
+        let (reference, mut value) = (self.reference(name), std::ptr::null());
+        let status =
+            unsafe { fmi2::fmi2GetString(self.c, &raw const reference, 1, &raw mut value) };
+        assert_eq!(status, Status::Ok);
+        unsafe { std::ffi::CStr::from_ptr(value) }.to_str().unwrap().to_owned()
+    }
+
     fn boolean(&mut self, name: &str) -> bool {
         let (reference, mut value) = (self.reference(name), -1);
         let status =
@@ -129,4 +137,39 @@ fn a_saved_state_has_them() {
     assert_eq!(valve.step(0.0, 1.0), Status::Ok);
     assert_eq!(valve.integer("count"), 40);
     unsafe { fmi2::fmi2FreeFMUstate(valve.c, &raw mut state) };
+}
+
+#[test]
+fn a_saved_state_has_them_when_no_parameter_changed_since() {
+    let mut valve = Fmu::started("Valve", CS);
+    let mut state = std::ptr::null_mut();
+    assert_eq!(valve.set_integer("mode", 2), Status::Ok);
+    assert_eq!(valve.set_string("by", c"pilot"), Status::Ok);
+    assert_eq!(valve.step(0.0, 1.0), Status::Ok);
+    let seen = |valve: &mut Fmu| {
+        (valve.integer("is"), valve.boolean("flowing"), valve.integer("count"), valve.text("label"))
+    };
+    let before = seen(&mut valve);
+    assert_eq!(before, (2, true, 20, "pilot: Open".to_owned()));
+    for _ in 0..2 {
+        unsafe { fmi2::fmi2GetFMUstate(valve.c, &raw mut state) };
+        assert_eq!(valve.set_integer("mode", 1), Status::Ok);
+        assert_eq!(valve.set_string("by", c"nobody at all"), Status::Ok);
+        assert_eq!(valve.step(1.0, 1.0), Status::Ok);
+        assert_eq!(seen(&mut valve), (1, false, 20, "nobody at all: Shut".to_owned()));
+        unsafe { fmi2::fmi2SetFMUstate(valve.c, state) };
+        assert_eq!(seen(&mut valve), before);
+        assert_eq!(valve.step(1.0, 1.0), Status::Ok);
+        assert_eq!(valve.integer("count"), 40);
+        unsafe { fmi2::fmi2SetFMUstate(valve.c, state) };
+    }
+    unsafe { fmi2::fmi2FreeFMUstate(valve.c, &raw mut state) };
+}
+
+#[test]
+fn texts_go_in_and_out_and_are_cut_at_a_character() {
+    let mut valve = Fmu::started("Valve", CS);
+    assert_eq!(valve.text("label"), ": Shut");
+    assert_eq!(valve.set_string("by", c"a captain with a very long name"), Status::Ok);
+    assert_eq!(valve.text("label"), "a captain with a: Shut");
 }

@@ -1,7 +1,7 @@
 //! A component with inputs and outputs other than Reals and parameters that change during a
 //! simulation.
 
-use fmu_kit::{Component, Enumeration, Info, ParameterError, Resources, Variables};
+use fmu_kit::{Component, Enumeration, Info, ParameterError, Resources, Text, Variables};
 
 /// Where a valve is
 #[derive(Clone, Copy, Debug, Default, PartialEq, Enumeration)]
@@ -34,6 +34,8 @@ pub struct Commands {
     pub mode: Mode,
     /// Pulses of others
     pub others: i32,
+    /// Who commands it
+    pub by: Text<16>,
     /// Part of the flow
     #[var(start = 1.0)]
     pub part: f64,
@@ -47,6 +49,8 @@ pub struct Shown {
     pub is: Mode,
     /// Pulses
     pub count: i32,
+    /// Who commands it, and what
+    pub label: Text<24>,
     /// Flow
     #[var(unit = "m3/s")]
     pub flow: f64,
@@ -88,6 +92,7 @@ impl Component for Valve {
         let flow = self.flow(u);
         let own = (x.volume * f64::from(self.0.pulses) + 1e-9).floor() as i32;
         let count = self.0.first + own + u.others;
-        Shown { flowing: flow > 0.0, is: u.mode, count, flow }
+        let label = Text::new(&format!("{}: {:?}", u.by.as_str(), u.mode));
+        Shown { flowing: flow > 0.0, is: u.mode, count, label, flow }
     }
 }
