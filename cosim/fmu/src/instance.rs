@@ -45,7 +45,7 @@ impl Inside for System {
     }
 
     fn debug(&mut self, on: bool, categories: &[&str]) -> Result<()> {
-        let known = cosim::export::LOG_CATEGORIES.map(|(name, _)| name);
+        let known = cosim::fmi::LOG_CATEGORIES.map(|(name, _)| name);
         if let Some(unknown) = categories.iter().find(|name| !known.contains(name)) {
             let what = format!("unknown log category \"{unknown}\"");
             let all = known.join(", ");

@@ -7,19 +7,10 @@ use super::choice::Chosen;
 use super::definitions::Definitions;
 use super::feedthrough;
 use crate::error::Result;
-use crate::fmi::{Basic, Causality, Fmu, InterfaceType, Value};
+use crate::fmi::{Basic, Causality, Fmu, InterfaceType, LOG_CATEGORIES, Value};
 use crate::hosted::interface::{Exposed, Role};
 use crate::system::{Port, System, Xml, base_step, number};
 use crate::xml::{self, Element};
-
-/// The categories of log messages, with the names recommended by the standard.
-pub const LOG_CATEGORIES: [(&str, &str); 5] = [
-    ("logEvents", "Debug messages of the FMUs inside, on request"),
-    ("logStatusWarning", "Warnings, always logged"),
-    ("logStatusDiscard", "Values and steps that were discarded, always logged"),
-    ("logStatusError", "Errors, always logged"),
-    ("logStatusFatal", "Failures that end the instance, always logged"),
-];
 
 /// Writes the description of a system and its exposed variables.
 pub(super) struct Description<'a> {

@@ -36,7 +36,6 @@ use crate::system::System;
 use archive::{Content, Entry};
 use choice::Chosen;
 use description::Description;
-pub use description::LOG_CATEGORIES;
 
 /// The library of exported systems.
 const LIBRARY: library::Kind = library::Kind {

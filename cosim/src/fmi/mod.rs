@@ -45,3 +45,13 @@ pub use last::{LastCall, Noted};
 pub use mailbox::{Mailbox, Message};
 pub use open::has_mapped_python;
 pub use trace::{Logging, Trace};
+
+/// The log categories of the FMUs that `cosim` writes, with the names that the standard recommends
+/// (FMI 2.0.4, section 2.2.4).
+pub const LOG_CATEGORIES: [(&str, &str); 5] = [
+    ("logEvents", "Debug messages, on request"),
+    ("logStatusWarning", "Warnings, always logged"),
+    ("logStatusDiscard", "Values and steps that were discarded, always logged"),
+    ("logStatusError", "Errors, always logged"),
+    ("logStatusFatal", "Failures that end the instance, always logged"),
+];

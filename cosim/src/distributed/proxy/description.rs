@@ -1,18 +1,10 @@
 //! The modelDescription.xml of a remote FMU: that of the original FMU, except for what concerns the
 //! library.
 
+use crate::fmi::LOG_CATEGORIES;
 use crate::fmi::description::Interface;
 use crate::system::Xml;
 use crate::xml::{Attribute, Element};
-
-/// The categories of log messages, in addition to those of the FMU.
-const LOG_CATEGORIES: [(&str, &str); 5] = [
-    ("logEvents", "Debug messages, on request"),
-    ("logStatusWarning", "Warnings and losses that were recovered, always logged"),
-    ("logStatusDiscard", "Values and steps that were discarded, always logged"),
-    ("logStatusError", "Errors, always logged"),
-    ("logStatusFatal", "Failures that end the instance, always logged"),
-];
 
 /// The elements before the log categories (FMI 2.0.5, 2.2.1).
 const BEFORE: [&str; 3] = ["CoSimulation", "UnitDefinitions", "TypeDefinitions"];
