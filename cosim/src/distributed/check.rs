@@ -11,7 +11,6 @@ use std::path::Path;
 use super::layout::{Group, Part};
 use super::setup::{FmuFile, Setup, Source};
 use crate::error::{Code, Error, Result};
-use crate::fmi::Kind;
 use crate::master::{Node, Plan};
 use crate::system::Component;
 use crate::time::Time;
@@ -85,6 +84,8 @@ fn check_plan(plan: &Plan) -> Result<()> {
     check_order(count, &plan.sequence, "the stepping order")?;
     below(plan.values, plan.trends.iter().copied(), "a value that is followed")?;
     below(plan.values, plan.columns.iter().copied(), "a column")?;
+    below(plan.values, plan.value_texts.iter().copied(), "a String")?;
+    below(plan.inputs, plan.input_texts.iter().copied(), "a String that is an input")?;
     for found in &plan.loops {
         require(!found.members.is_empty(), || "a loop has no members".to_owned())?;
         below(count, found.members.iter().copied(), "a member of a loop")?;
@@ -164,11 +165,6 @@ pub(super) fn check_variables(component: &Component, node: &Node) -> Result<()> 
     let started = component.start_values.iter().map(|(variable, _)| *variable);
     let name = &component.name;
     below(count, exchanged.clone().chain(started), &format!("a variable of '{name}'"))?;
-    let Some(description) = component.model.description() else {
-        return require(node.inputs.is_empty(), || format!("signals ('{name}') have no inputs"));
-    };
-    let text = |variable: &usize| description.variables[*variable].kind == Kind::String;
-    require(!exchanged.into_iter().any(|variable| text(&variable)), || {
-        format!("a String of '{name}' would be exchanged")
-    })
+    let has_inputs = component.model.description().is_some() || node.inputs.is_empty();
+    require(has_inputs, || format!("signals ('{name}') have no inputs"))
 }

@@ -83,9 +83,7 @@ impl<'a> Coordinator<'a> {
         let opening = handle.opening.take();
         let flags = if opening.is_some() { flags | OPENING } else { flags };
         let mut message = handle.command(kind, flags, self.dispatcher.now);
-        if let Some(values) = opening {
-            put_values(&mut message, 0..values.len(), &values);
-        }
+        message.extend(opening.unwrap_or_default());
         message
     }
 
@@ -98,7 +96,7 @@ impl<'a> Coordinator<'a> {
         for (group, answer) in self.dispatcher.answers()? {
             let mut body = Body::after_header(&answer);
             let own = &self.layout.groups[group].own;
-            read(&mut body, self.plan.outputs(own), &mut self.values)?;
+            read(&mut body, &self.plan, self.plan.outputs(own), &mut self.values)?;
             body.end().map_err(misread)?;
         }
         Ok(())
@@ -109,12 +107,12 @@ impl<'a> Coordinator<'a> {
         let mut message = self.command(group, Kind::Exchange, 0);
         message.extend((number as u32).to_le_bytes());
         let part = &self.layout.groups[group].stretches[number];
-        put_values(&mut message, part.reads.iter().copied(), &self.values);
+        put_values(&mut message, part.reads.iter().copied(), &self.plan.value_texts, &self.values);
         self.dispatcher.send(group, message)?;
         for (group, answer) in self.dispatcher.answers()? {
             let mut body = Body::after_header(&answer);
             let members = &self.layout.groups[group].stretches[number].members;
-            read(&mut body, self.plan.outputs(members), &mut self.values)?;
+            read(&mut body, &self.plan, self.plan.outputs(members), &mut self.values)?;
             body.end().map_err(misread)?;
         }
         Ok(())
@@ -142,8 +140,9 @@ impl<'a> Coordinator<'a> {
     fn keep_held(&mut self, groups: impl IntoIterator<Item = usize>) {
         for group in groups {
             let held = &self.layout.groups[group].held;
-            let values = held.iter().map(|&slot| self.values[slot]).collect();
-            self.dispatcher.groups[group].opening = Some(values);
+            let mut opening = Vec::new();
+            put_values(&mut opening, held.iter().copied(), &self.plan.value_texts, &self.values);
+            self.dispatcher.groups[group].opening = Some(opening);
         }
     }
 
@@ -163,7 +162,7 @@ impl<'a> Coordinator<'a> {
             for (group, answer) in self.dispatcher.answers()? {
                 let due: Vec<usize> = self.due(group, level).collect();
                 let mut body = Body::after_header(&answer);
-                read(&mut body, self.plan.outputs(&due), &mut self.values)?;
+                read(&mut body, &self.plan, self.plan.outputs(&due), &mut self.values)?;
                 if self.dispatcher.groups[group].recorded {
                     self.read_recorded(group, &mut body)?;
                 }
@@ -198,14 +197,14 @@ impl<'a> Coordinator<'a> {
         let mut message = self.command(group, Kind::Step, flags);
         message.extend((level as u32).to_le_bytes());
         let part = &self.layout.groups[group].parts[level];
-        put_values(&mut message, part.reads.iter().copied(), &self.values);
+        put_values(&mut message, part.reads.iter().copied(), &self.plan.value_texts, &self.values);
         self.dispatcher.groups[group].recorded = flags & RECORD != 0;
         self.dispatcher.send(group, message)
     }
 
     fn read_recorded(&mut self, group: usize, body: &mut Body<'_>) -> Result<()> {
         let own = &self.layout.groups[group].own;
-        read(body, self.plan.recorded(own), &mut self.values)
+        read(body, &self.plan, self.plan.recorded(own), &mut self.values)
     }
 
     /// Saves the state of every group that can, and drops the commands before it.
@@ -307,8 +306,7 @@ impl Drive for Coordinator<'_> {
         let mut whole = EngineState {
             values: self.values.clone(),
             inputs: vec![0.0; self.plan.inputs],
-            // Systems with Strings are not distributed.
-            texts: Vec::new(),
+            texts: self.plan.texts(&self.values, &vec![0.0; self.plan.inputs]),
             ends: self.ends.clone(),
             trends: vec![Default::default(); self.plan.trends.len()],
             ramps: vec![Default::default(); self.plan.ramps.len()],
@@ -323,6 +321,9 @@ impl Drive for Coordinator<'_> {
                 whole.inputs[inputs.clone()].copy_from_slice(&state.inputs[inputs]);
                 node.trends.iter().for_each(|&trend| whole.trends[trend] = state.trends[trend]);
                 node.ramps.iter().for_each(|&ramp| whole.ramps[ramp] = state.ramps[ramp]);
+                self.plan.texts_of(component).for_each(|text| {
+                    whole.texts[text].clone_from(&state.texts[text]);
+                });
                 whole.components[component] = std::mem::take(&mut state.components[place]);
             }
         }
@@ -333,6 +334,7 @@ impl Drive for Coordinator<'_> {
         let _ = stop;
         self.dispatcher.now = time;
         self.values.clone_from(&state.values);
+        self.plan.take_texts(&state.texts, &mut self.values, &mut []);
         self.ends.clone_from(&state.ends);
         for group in self.groups() {
             let own = &self.layout.groups[group].own;
@@ -390,10 +392,11 @@ fn can_save(system: &System, own: &[usize]) -> bool {
 
 fn read(
     body: &mut Body<'_>,
+    plan: &Plan,
     slots: impl IntoIterator<Item = usize>,
     values: &mut [f64],
 ) -> Result<()> {
-    body.values(slots, values).map_err(misread)
+    body.values(slots, &plan.value_texts, values).map_err(misread)
 }
 
 fn misread(why: super::wire::Malformed) -> Error {

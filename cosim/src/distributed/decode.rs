@@ -47,7 +47,7 @@ pub fn decode(bytes: &[u8]) -> bool {
 /// A part, values, and the end.
 fn values(mut body: Body<'_>) {
     let mut read = [0.0; 4];
-    if body.number().is_ok() && body.values(0..4, &mut read).is_ok() {
+    if body.number().is_ok() && body.values(0..4, &[2], &mut read).is_ok() {
         // There may be bytes left over.
         drop(body.end());
     }

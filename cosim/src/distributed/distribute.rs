@@ -24,11 +24,6 @@ impl Distribution {
     pub(crate) fn new(system: &System, places: &[usize]) -> Result<Self> {
         let plan = Plan::new(system);
         possible(system, places)?;
-        if !plan.value_texts.is_empty() {
-            return Err(Error::new(Code::Placement, "Strings are not passed between processes")
-                .why("the system connects or records variables of that type")
-                .help("run it in one process, or connect and record numbers only"));
-        }
         let layout = Layout::new(&plan, places).map_err(|position| {
             let names = &plan.loops[position].names;
             Error::new(Code::Placement, format!("the loop through {names} is in several places"))

@@ -29,7 +29,7 @@ pub(super) struct GroupHandle {
     pub awaited: Option<Awaited>,
     since: Instant,
     /// Values that are held from the end of the last instant, until they are sent.
-    pub opening: Option<Vec<f64>>,
+    pub opening: Option<Vec<u8>>,
     /// Its recorded values are those of the current instant.
     pub recorded: bool,
     /// How many new incarnations were started; if one is being started, since when and why.

@@ -218,8 +218,8 @@ impl Running {
     /// Takes the values that are held from the end of the last instant, and begins the steps with
     /// them.
     fn begin_steps(&mut self, body: &mut Body<'_>) -> Result<()> {
-        let held = self.group.held.iter().copied();
-        body.values(held, &mut self.engine.values).map_err(malformed)?;
+        let (held, engine) = (self.group.held.iter().copied(), &mut self.engine);
+        body.values(held, &engine.plan.value_texts, &mut engine.values).map_err(malformed)?;
         match self.open.take() {
             Some(Open::Start) => self.engine.begin(),
             Some(Open::Instant(now)) => self.engine.begin_steps(now),
@@ -232,20 +232,22 @@ impl Running {
         let number = body.number().map_err(malformed)? as usize;
         let part = of(&self.group).get(number).cloned();
         let part = part.ok_or_else(|| refused(format!("this group has no part {number}")))?;
-        let reads = part.reads.iter().copied();
-        body.values(reads, &mut self.engine.values).map_err(malformed)?;
+        let (reads, engine) = (part.reads.iter().copied(), &mut self.engine);
+        body.values(reads, &engine.plan.value_texts, &mut engine.values).map_err(malformed)?;
         body.end().map_err(malformed)?;
         Ok(part)
     }
 
     fn record(&mut self, now: Time, answer: &mut Vec<u8>) -> Result<()> {
         self.engine.read_recorded(now)?;
-        put_values(answer, self.engine.plan.recorded(&self.group.own), &self.engine.values);
+        let (plan, values) = (&self.engine.plan, &self.engine.values);
+        put_values(answer, plan.recorded(&self.group.own), &plan.value_texts, values);
         Ok(())
     }
 
     fn put_outputs(&self, members: &[usize], answer: &mut Vec<u8>) {
-        put_values(answer, self.engine.plan.outputs(members), &self.engine.values);
+        let (plan, values) = (&self.engine.plan, &self.engine.values);
+        put_values(answer, plan.outputs(members), &plan.value_texts, values);
     }
 }
 

@@ -18,9 +18,10 @@ use super::pool::WorkerInfo;
 use super::status::{Board, Watched};
 use super::telemetry::{self, Fed};
 use crate::error::Result;
+use crate::fmi::Kind;
 use crate::fmi::temporary::Unpacked;
 use crate::master::{Run, Summary};
-use crate::system::System;
+use crate::system::{Column, System};
 
 /// Where a distributed run is computed.
 #[derive(Debug, Clone)]
@@ -86,7 +87,9 @@ impl Cluster {
         let groups = groups.map(|group| group.own.iter().map(name).collect()).collect();
         let board = Board::new(&id, system.name(), system.stop_time().seconds(), groups);
         let board = Arc::new(board);
-        let names = system.columns().iter().map(|column| column.name.clone()).collect();
+        let text = |column: &Column| column.kind == Kind::String;
+        let columns = system.columns().iter();
+        let names = columns.map(|column| (column.name.clone(), text(column))).unzip();
         let (feed, sender) =
             telemetry::open(&session, &id, board.clone(), names, self.options.telemetry)?;
         let fabric = Box::new(Watched::new(net, board));

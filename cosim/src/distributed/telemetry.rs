@@ -22,6 +22,7 @@ use super::keys;
 use super::status::Board;
 use crate::error::{Code, Error, Result};
 use crate::master::{Change, Drive, EngineState, Report};
+use crate::texts;
 use crate::time::Time;
 
 /// Time between two status messages.
@@ -111,6 +112,8 @@ impl<D: Drive> Drive for Fed<'_, D> {
 pub(super) struct Sender {
     board: Arc<Board>,
     names: Vec<String>,
+    /// The columns that hold Strings.
+    texts: Vec<bool>,
     rows: Receiver<Row>,
     status: Publisher<'static>,
     signals: Publisher<'static>,
@@ -121,7 +124,7 @@ pub(super) fn open(
     session: &Session,
     run: &str,
     board: Arc<Board>,
-    names: Vec<String>,
+    (names, texts): (Vec<String>, Vec<bool>),
     rate: Option<Rate>,
 ) -> Result<(Feed, Sender)> {
     let publisher = |what: &str| {
@@ -135,7 +138,7 @@ pub(super) fn open(
     let (sender, rows) = sync_channel(QUEUE);
     let (status, signals) = (publisher("status")?, publisher("signals")?);
     let feed = Feed { rate, rows: sender, last: None };
-    Ok((feed, Sender { board, names, rows, status, signals }))
+    Ok((feed, Sender { board, names, texts, rows, status, signals }))
 }
 
 impl Sender {
@@ -170,9 +173,13 @@ impl Sender {
 
     /// JSON has no NaN and no infinities: they become null.
     fn row(&self, time: Time, values: &[f64]) -> Value {
-        let pairs = self.names.iter().zip(values);
-        let values: Map<String, Value> =
-            pairs.map(|(name, value)| (name.clone(), json!(value))).collect();
+        let columns = self.names.iter().zip(&self.texts).zip(values);
+        let values: Map<String, Value> = columns
+            .map(|((name, is_text), value)| match is_text {
+                true => (name.clone(), json!(*texts::text(*value))),
+                false => (name.clone(), json!(value)),
+            })
+            .collect();
         json!({ "time": time.seconds(), "values": values })
     }
 }

@@ -7,6 +7,7 @@
 
 use sha2::{Digest, Sha256};
 
+use crate::texts;
 use crate::time::Time;
 
 /// Version of the protocol; both sides must have the same.
@@ -179,16 +180,24 @@ impl<'a> Body<'a> {
         Ok(u32::from_le_bytes(self.take()?))
     }
 
-    /// Reads one value per slot into its place in `values`.
+    /// Reads one value per slot into its place in `values`; `texts` are the slots of Strings.
     pub(crate) fn values(
         &mut self,
         slots: impl IntoIterator<Item = usize>,
+        texts: &[usize],
         values: &mut [f64],
     ) -> Result<(), Malformed> {
         for slot in slots {
-            values[slot] = f64::from_le_bytes(self.take()?);
+            values[slot] = match texts.contains(&slot) {
+                true => texts::number(self.text()?),
+                false => f64::from_le_bytes(self.take()?),
+            };
         }
         Ok(())
+    }
+
+    fn text(&mut self) -> Result<&'a str, Malformed> {
+        std::str::from_utf8(self.blob()?).map_err(|e| Malformed::Body(e.to_string()))
     }
 
     /// A length followed by that many octets.
@@ -231,14 +240,19 @@ impl<'a> Body<'a> {
     }
 }
 
-/// Appends values.
+/// Appends the values of these slots. Strings, in the slots `texts`, are sent as such: their numbers
+/// are valid in one process only.
 pub(crate) fn put_values(
     message: &mut Vec<u8>,
     slots: impl IntoIterator<Item = usize>,
+    texts: &[usize],
     values: &[f64],
 ) {
     for slot in slots {
-        message.extend(values[slot].to_le_bytes());
+        match texts.contains(&slot) {
+            true => put_blob(message, texts::text(values[slot]).as_bytes()),
+            false => message.extend(values[slot].to_le_bytes()),
+        }
     }
 }
 
@@ -278,24 +292,42 @@ mod tests {
     fn values_keep_their_bits() {
         let odd = [-0.0, f64::from_bits(0x7FF8_0000_DEAD_BEEF), f64::INFINITY, 5e-324];
         let mut message = header().message();
-        put_values(&mut message, [3, 0, 1, 2], &odd);
+        put_values(&mut message, [3, 0, 1, 2], &[], &odd);
         let mut read = [0.0; 4];
         let (_, mut body) = Header::read(&message).unwrap();
-        body.values([3, 0, 1, 2], &mut read).unwrap();
+        body.values([3, 0, 1, 2], &[], &mut read).unwrap();
         assert_eq!(read.map(f64::to_bits), odd.map(f64::to_bits));
         assert!(body.end().is_ok());
+    }
+
+    #[test]
+    fn strings_are_sent_as_such() {
+        let values = [1.5, texts::number("süd"), 2.5];
+        let mut message = header().message();
+        put_values(&mut message, 0..3, &[1], &values);
+        assert!(message.windows(4).any(|part| part == "süd".as_bytes()));
+        let mut read = [0.0; 3];
+        let (_, mut body) = Header::read(&message).unwrap();
+        body.values(0..3, &[1], &mut read).unwrap();
+        assert_eq!(read, values);
+        assert!(body.end().is_ok());
+        // Not UTF-8.
+        let place = message.len() - 9;
+        message[place] = 0xFF;
+        let (_, mut body) = Header::read(&message).unwrap();
+        assert!(matches!(body.values(0..3, &[1], &mut read), Err(Malformed::Body(_))));
     }
 
     #[test]
     fn every_cut_is_noticed() {
         let mut message = header().message();
         message.extend(7_u32.to_le_bytes());
-        put_values(&mut message, [0], &[1.5]);
+        put_values(&mut message, [0], &[], &[1.5]);
         put_blob(&mut message, b"state");
         let read = |bytes: &[u8]| -> Result<(), Malformed> {
             let (_, mut body) = Header::read(bytes)?;
             body.number()?;
-            body.values([0], &mut [0.0])?;
+            body.values([0], &[], &mut [0.0])?;
             body.blob()?;
             body.end()
         };

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::group::rank;
 use crate::fmi::Kind;
 use crate::system::{Connection, Port, System};
+use crate::texts;
 use crate::time::Step;
 
 /// Copies one value.
@@ -171,6 +172,39 @@ impl Plan {
             ramp.source = position(ramp.source).unwrap_or(0);
         }
         part
+    }
+
+    /// The Strings of a state, first those among the values, then those among the inputs. Their
+    /// numbers are valid in this process only.
+    pub(crate) fn texts(&self, values: &[f64], inputs: &[f64]) -> Vec<String> {
+        let of_values = self.value_texts.iter().map(|&slot| values[slot]);
+        let of_inputs = self.input_texts.iter().map(|&slot| inputs[slot]);
+        of_values.chain(of_inputs).map(|number| texts::text(number).to_string()).collect()
+    }
+
+    /// Puts the Strings of a state back, as far as `values` and `inputs` reach.
+    pub(crate) fn take_texts(&self, texts: &[String], values: &mut [f64], inputs: &mut [f64]) {
+        let (of_values, of_inputs) = texts.split_at(self.value_texts.len().min(texts.len()));
+        for (all, slots, texts) in
+            [(values, &self.value_texts, of_values), (inputs, &self.input_texts, of_inputs)]
+        {
+            for (&slot, text) in slots.iter().zip(texts) {
+                if let Some(value) = all.get_mut(slot) {
+                    *value = texts::number(text);
+                }
+            }
+        }
+    }
+
+    /// The positions in [`Self::texts`] of what a component computes and reads.
+    pub(crate) fn texts_of(&self, component: usize) -> impl Iterator<Item = usize> {
+        let node = &self.nodes[component];
+        let values = self
+            .value_texts
+            .iter()
+            .map(|slot| node.output_slots.contains(slot) || node.recorded_slots.contains(slot));
+        let inputs = self.input_texts.iter().map(|slot| node.input_slots.contains(slot));
+        values.chain(inputs).enumerate().filter_map(|(place, own)| own.then_some(place))
     }
 
     /// Slots of the outputs of `members`.

@@ -16,7 +16,6 @@ use super::trend::{Ramp, Trend};
 use crate::error::{Code, Error, Result};
 use crate::files;
 use crate::system::{Model, System};
-use crate::texts;
 use crate::time::Time;
 
 const MAGIC: &[u8; 8] = b"COSIMSNP";
@@ -176,20 +175,13 @@ impl Engine {
         Ok(EngineState {
             values: self.values.clone(),
             inputs: self.inputs.clone(),
-            texts: self.texts(),
+            texts: self.plan.texts(&self.values, &self.inputs),
             ends: self.paces.iter().map(|pace| pace.end).collect(),
             trends: self.trends.clone(),
             ramps: self.ramps.clone(),
             step: self.control.as_ref().map(|control| control.step),
             components,
         })
-    }
-
-    /// Numbers of Strings are valid in this process only: a state contains the Strings themselves.
-    fn texts(&self) -> Vec<String> {
-        let of_values = self.plan.value_texts.iter().map(|&slot| self.values[slot]);
-        let of_inputs = self.plan.input_texts.iter().map(|&slot| self.inputs[slot]);
-        of_values.chain(of_inputs).map(|number| texts::text(number).to_string()).collect()
     }
 
     /// Continues from a state of the instant `time`, after an initialization.
@@ -207,13 +199,7 @@ impl Engine {
         }
         self.values.clone_from(&state.values);
         self.inputs.clone_from(&state.inputs);
-        let (of_values, of_inputs) = state.texts.split_at(self.plan.value_texts.len());
-        for (&slot, text) in self.plan.value_texts.iter().zip(of_values) {
-            self.values[slot] = texts::number(text);
-        }
-        for (&slot, text) in self.plan.input_texts.iter().zip(of_inputs) {
-            self.inputs[slot] = texts::number(text);
-        }
+        self.plan.take_texts(&state.texts, &mut self.values, &mut self.inputs);
         for (component, &end) in state.ends.iter().enumerate() {
             self.ends_at(component, end);
             self.paces[component].read_at = Time::NEVER;

@@ -114,11 +114,33 @@ fn a_run_with_strings_goes_on_from_its_snapshots() {
     assert_eq!(std::fs::read(&whole).unwrap(), std::fs::read(folder.path("other.csv")).unwrap());
 }
 
+/// The bytes of a run of the command line.
+fn run(folder: &Folder, name: &str, more: &[&str]) -> Vec<u8> {
+    let file = ["run", "talk.ssd", "-q", "-o", name, "--start-value", "a.text=begin"];
+    let columns = ["--output-variable=b.said", "--output-variable=b.k", "--output-variable=a.said"];
+    let output = cosim(folder.0.path(), &[&file[..], &columns, more].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    std::fs::read(folder.path(name)).unwrap()
+}
+
 #[test]
-fn strings_are_not_distributed() {
+fn strings_pass_between_processes() {
     let folder = Folder::new();
     talk(&folder);
-    let output = cosim(folder.0.path(), &["run", "talk.ssd", "-q", "--workers", "2"]);
-    let reported = text(&output.stderr);
-    assert!(output.status.code() == Some(2) && reported.contains("[E503] Strings"), "{reported}");
+    for algorithm in ["gauss-seidel", "jacobi"] {
+        let algorithm = ["--algorithm", algorithm];
+        let here = run(&folder, "here.csv", &algorithm);
+        assert!(String::from_utf8(here.clone()).unwrap().contains("said"));
+        assert_eq!(here, run(&folder, "there.csv", &[&algorithm[..], &["--workers=2"]].concat()));
+    }
+    // A snapshot of several processes continues in one, and the other way round.
+    let whole = run(&folder, "whole.csv", &[]);
+    for (saved, resumed) in [(&["--workers=2"][..], &[][..]), (&[], &["--workers=2"])] {
+        let snapshot = ["--snapshot-every=0.4", "--snapshot-file=s.snapshot"];
+        assert_eq!(whole, run(&folder, "resumed.csv", &[saved, &snapshot].concat()));
+        assert_eq!(
+            whole,
+            run(&folder, "resumed.csv", &[resumed, &["--resume=s.snapshot"]].concat())
+        );
+    }
 }
