@@ -2,7 +2,6 @@
 
 use std::ffi::CString;
 
-use super::variables::put;
 use super::{Count, Declaration, Declarations, Field, Reader, Start, Variables, Writer};
 
 /// A text of at most `N` octets of UTF-8, for inputs and outputs: plain data without a heap.
@@ -22,7 +21,7 @@ impl<const N: usize> Text<N> {
             length -= 1;
         }
         let mut octets = [0; N];
-        octets[..length].copy_from_slice(&text.as_bytes()[..length]);
+        octets.iter_mut().zip(text.bytes().take(length)).for_each(|(own, octet)| *own = octet);
         Self { octets, length }
     }
 
@@ -33,7 +32,7 @@ impl<const N: usize> Text<N> {
     }
 
     fn octets(&self) -> &[u8] {
-        &self.octets[..self.length]
+        self.octets.get(..self.length).unwrap_or_default()
     }
 }
 
@@ -65,12 +64,13 @@ impl<const N: usize> Variables for Text<N> {
 
     /// Allocates only if the text differs from the one before.
     fn store(&self, into: &mut Writer<'_>) {
-        let same = into.strings.first().is_some_and(|text| text.as_bytes() == self.octets());
-        if same {
-            into.strings = std::mem::take(&mut into.strings).split_at_mut(1).1;
-        } else {
-            put(&mut into.strings, CString::new(self.octets()).unwrap_or_default());
+        let Some((text, rest)) = std::mem::take(&mut into.strings).split_first_mut() else {
+            return;
+        };
+        if text.as_bytes() != self.octets() {
+            *text = CString::new(self.octets()).unwrap_or_default();
         }
+        into.strings = rest;
     }
 
     fn zip_reals(&mut self, _: &Self, _: &mut impl FnMut(&mut f64, f64)) {}

@@ -117,7 +117,7 @@ fn take<'a, T>(rest: &mut &'a [T]) -> Option<&'a T> {
 
 /// Puts `value` into the next place, if there is one left.
 #[inline(always)]
-pub(super) fn put<T>(rest: &mut &mut [T], value: T) {
+fn put<T>(rest: &mut &mut [T], value: T) {
     if let Some((first, tail)) = std::mem::take(rest).split_first_mut() {
         *first = value;
         *rest = tail;
