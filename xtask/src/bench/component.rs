@@ -1,4 +1,4 @@
-//! Instances of the nine components, used through their C interface as an importer uses them.
+//! Instances of all components, used through their C interface as an importer uses them.
 #![allow(unsafe_code, reason = "calls of the C interface as an importer makes them")]
 #![allow(
     clippy::undocumented_unsafe_blocks,
