@@ -60,7 +60,7 @@ pub mod campaign;
 #[cfg(feature = "campaign")]
 mod columns;
 pub mod condition;
-#[cfg(feature = "distributed")]
+#[cfg(feature = "program")]
 pub mod confine;
 mod digest;
 #[cfg(feature = "distributed")]

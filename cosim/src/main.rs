@@ -38,6 +38,7 @@ fn main() -> ExitCode {
         }
     }
     let arguments = cli::Arguments::parse();
+    #[cfg(feature = "distributed")]
     if let Some((name, value)) = arguments.threads().setting() {
         // SAFETY: no other thread exists yet that could read the environment meanwhile.
         unsafe { std::env::set_var(name, value) }

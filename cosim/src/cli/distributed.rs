@@ -6,8 +6,9 @@ use std::time::Duration;
 
 use clap::Args;
 use cosim::Result;
+pub(crate) use cosim::distributed::Cluster;
 use cosim::distributed::{
-    Access, Cluster, Configuration, Credentials, DEFAULT_ENDPOINT, OnFatal, Options, Ours, Rate,
+    Access, Configuration, Credentials, DEFAULT_ENDPOINT, OnFatal, Options, Ours, Rate,
 };
 
 use super::{messages, values};
@@ -145,7 +146,7 @@ impl Distributed {
             return Ok(None);
         }
         let local = self.workers.unwrap_or(0) as usize;
-        let mut program = vec![super::worker::this_program()?, "worker".to_owned()];
+        let mut program = vec![super::this_program()?, "worker".to_owned()];
         // They belong to this user, and this user runs everything they are sent.
         program.extend(["--with-parent", "--allow-upload"].map(str::to_owned));
         program.extend(readable.flat_map(|path| ["--allow-read".to_owned(), path]));

@@ -125,13 +125,6 @@ impl Interrupt {
     }
 }
 
-impl Interrupt {
-    /// Whether SIGINT arrived.
-    pub(crate) fn came(&self) -> bool {
-        INTERRUPTED.load(Ordering::Relaxed)
-    }
-}
-
 impl Observer for Interrupt {
     fn start(&mut self, _: &RunInfo<'_>) -> Result<()> {
         Ok(())

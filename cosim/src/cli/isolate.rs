@@ -197,7 +197,7 @@ pub(crate) fn supervise(written: Written, programs: bool) -> Result<u8> {
 
 fn start(inside: &Inside, folder: &Path, fds: Vec<RawFd>) -> Result<Child> {
     let text = serde_json::to_string(inside).map_err(|why| failed("its parameters").why(why))?;
-    let program = super::worker::this_program()?;
+    let program = super::this_program()?;
     let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
     let mut command = Command::new(program);
     command

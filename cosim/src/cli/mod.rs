@@ -8,6 +8,7 @@ mod campaign;
 mod changes;
 mod completion;
 mod convert;
+#[cfg_attr(not(feature = "distributed"), path = "alone.rs")]
 mod distributed;
 mod drawing;
 mod explain;
@@ -16,12 +17,14 @@ mod info;
 mod inspect;
 pub(crate) mod interrupt;
 pub(crate) mod isolate;
+#[cfg(feature = "distributed")]
 mod keys;
 mod live;
 mod logging;
 pub(crate) mod messages;
 mod output;
 mod problems;
+#[cfg(feature = "distributed")]
 mod proxy;
 mod replay;
 mod report;
@@ -37,12 +40,15 @@ mod summary;
 mod validate;
 mod values;
 mod verify;
+#[cfg(feature = "distributed")]
 mod watch;
+#[cfg(feature = "distributed")]
 mod worker;
 
 use clap::{Parser, Subcommand, ValueEnum};
-use cosim::Result;
+#[cfg(feature = "distributed")]
 use cosim::distributed::Threads;
+use cosim::{Code, Error, Result};
 
 /// Co-simulation of FMI 2.0 components
 #[derive(Parser)]
@@ -66,12 +72,19 @@ enum Verb {
     CampaignWorker(campaign::CampaignWorker),
     Convert(convert::Convert),
     Export(export::Export),
+    #[cfg(feature = "distributed")]
     Proxy(proxy::Proxy),
+    #[cfg(feature = "distributed")]
     Remote(proxy::Remote),
+    #[cfg(feature = "distributed")]
     Worker(worker::Worker),
+    #[cfg(feature = "distributed")]
     Workers(worker::Workers),
+    #[cfg(feature = "distributed")]
     Group(worker::Group),
+    #[cfg(feature = "distributed")]
     Keys(keys::Keys),
+    #[cfg(feature = "distributed")]
     Watch(watch::Watch),
     Report(report::Report),
     Verify(verify::Verify),
@@ -91,6 +104,7 @@ pub(crate) enum Format {
 
 impl Arguments {
     /// The threads that Zenoh gets, if it is used.
+    #[cfg(feature = "distributed")]
     pub(crate) fn threads(&self) -> Threads {
         match &self.verb {
             Verb::Run(verb) if !verb.may_use_tls() => Threads::SenderApart,
@@ -114,12 +128,19 @@ pub(crate) fn run(arguments: Arguments) -> Result<u8> {
         Verb::CampaignWorker(verb) => verb.run(),
         Verb::Convert(verb) => verb.run(),
         Verb::Export(verb) => verb.run(),
+        #[cfg(feature = "distributed")]
         Verb::Proxy(verb) => verb.run(),
+        #[cfg(feature = "distributed")]
         Verb::Remote(verb) => verb.run(),
+        #[cfg(feature = "distributed")]
         Verb::Worker(verb) => verb.run(),
+        #[cfg(feature = "distributed")]
         Verb::Workers(verb) => verb.run(),
+        #[cfg(feature = "distributed")]
         Verb::Group(verb) => verb.run(),
+        #[cfg(feature = "distributed")]
         Verb::Keys(verb) => verb.run(),
+        #[cfg(feature = "distributed")]
         Verb::Watch(verb) => verb.run(),
         Verb::Report(verb) => verb.run(),
         Verb::Verify(verb) => verb.run(),
@@ -128,4 +149,13 @@ pub(crate) fn run(arguments: Arguments) -> Result<u8> {
         Verb::Man(verb) => verb.run(),
     };
     done.map(|()| 0)
+}
+
+/// The path of this executable.
+pub(crate) fn this_program() -> Result<String> {
+    let path = std::env::current_exe()
+        .map_err(|why| Error::new(Code::Session, "the path of this program is unknown").why(why))?;
+    path.into_os_string()
+        .into_string()
+        .map_err(|path| Error::new(Code::Session, "the path of this program is not UTF-8").at(path))
 }

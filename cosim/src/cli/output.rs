@@ -7,7 +7,6 @@ use std::rc::Rc;
 
 use clap::Args;
 use cosim::condition::Condition;
-use cosim::distributed::Cluster;
 use cosim::files;
 use cosim::live::{Playing, Server, Watch};
 use cosim::observe::{self, Continued, CsvRecorder, Digested, Progress, RunningDigest, Stop};
@@ -17,6 +16,7 @@ use cosim::shown::{Terminal, one_line, visible};
 use cosim::{Code, Error, Observer, Overrides, Recording, Result, Run, Snapshot, Summary, System};
 
 use super::Format;
+use super::distributed::Cluster;
 use super::interrupt::Interrupt;
 use super::isolate::Written;
 use super::live::{Live, Watching};

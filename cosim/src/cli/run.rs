@@ -32,6 +32,7 @@ pub(crate) struct Run {
 
 impl Run {
     /// Whether workers may connect with TLS.
+    #[cfg(feature = "distributed")]
     pub(crate) fn may_use_tls(&self) -> bool {
         self.distributed.may_use_tls()
     }

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use cosim::fmi::{Fmu, InterfaceType};
-use cosim::{Overrides, Result, System, signature};
+#[cfg(feature = "distributed")]
+use cosim::signature;
+use cosim::{Overrides, Result, System};
 use serde_json::{Value, json};
 
 use super::output::print;
@@ -17,6 +19,7 @@ pub(crate) struct Validate {
     file: PathBuf,
     /// First verify the signature FILE.sig with this public key; without a valid one, nothing in
     /// the file is loaded
+    #[cfg(feature = "distributed")]
     #[arg(long, value_name = "KEY.pub")]
     verify_signature: Option<PathBuf>,
     /// Output format
@@ -32,10 +35,19 @@ struct Findings {
 }
 
 impl Validate {
+    #[cfg(feature = "distributed")]
+    fn signed(&self) -> Result<()> {
+        let key = self.verify_signature.as_deref();
+        key.map_or(Ok(()), |key| signature::verify(&self.file, key))
+    }
+
+    #[cfg(not(feature = "distributed"))]
+    fn signed(&self) -> Result<()> {
+        Ok(())
+    }
+
     pub(crate) fn run(self) -> Result<()> {
-        let signed = self.verify_signature.as_deref();
-        let signed = signed.map_or(Ok(()), |key| signature::verify(&self.file, key));
-        let result = signed.and_then(|()| check(&self.file));
+        let result = self.signed().and_then(|()| check(&self.file));
         if self.format == Format::Json {
             print(&json(&self.file, &result).to_string())?;
         }

@@ -10,7 +10,7 @@ use cosim::{Code, Error, Result};
 
 use super::Format;
 use super::distributed::Reach;
-use super::interrupt::Interrupt;
+use super::interrupt;
 
 /// Show the status of a distributed run until it ends
 #[derive(Args)]
@@ -30,7 +30,7 @@ impl Watch {
         let ours = self.reach.ours()?;
         let connect = self.connect.or_else(|| ours.connect.clone());
         let access = self.reach.access(connect.unwrap_or(DEFAULT_ENDPOINT.to_owned()), &ours);
-        let interrupt = Interrupt::new();
+        interrupt::listen();
         let terminal = std::io::stdout().is_terminal();
         let mut above = 0;
         let mut show = |status: &Status| match self.format {
@@ -48,7 +48,7 @@ impl Watch {
             }
             Format::Text => super::output::print(&line(status)),
         };
-        distributed::watch(&access, &|| interrupt.came(), &mut show)
+        distributed::watch(&access, &interrupt::interrupted, &mut show)
     }
 }
 

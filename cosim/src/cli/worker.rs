@@ -9,7 +9,7 @@ use cosim::distributed::{Allowed, DEFAULT_ENDPOINT, Order, Ours, serve_group};
 use cosim::{Code, Error, Result, distributed};
 
 use super::distributed::Reach;
-use super::interrupt::Interrupt;
+use super::interrupt;
 
 /// Make this machine available to distributed runs
 #[derive(Args)]
@@ -139,12 +139,12 @@ impl Worker {
         arguments.extend(lent.arguments(&allowed));
         let name = self.name.or_else(|| ours.name.clone());
         let name = name.unwrap_or_else(distributed::default_name);
-        let interrupt = Interrupt::new();
+        interrupt::listen();
         let confined = !lent.no_confine;
         if let Some(why) = distributed::unconfined().filter(|_| confined && !self.with_parent) {
             super::messages::warning(&why);
         }
-        let program = this_program()?;
+        let program = super::this_program()?;
         let workers = cosim::distributed::several(&connect).map(|endpoint| {
             let own = [&program, "group", "--connect", endpoint].map(str::to_owned);
             distributed::Worker {
@@ -155,7 +155,7 @@ impl Worker {
                 allowed: allowed.clone(),
             }
         });
-        serve_all(&workers.collect::<Vec<_>>(), &|| interrupt.came())
+        serve_all(&workers.collect::<Vec<_>>(), &interrupt::interrupted)
     }
 }
 
@@ -215,15 +215,6 @@ impl Group {
         let readable = (!self.lent.no_confine).then_some(&self.lent.allow_read[..]);
         serve_group(&access, &self.worker, &order, allowed, readable)
     }
-}
-
-/// The path of this executable.
-pub(crate) fn this_program() -> Result<String> {
-    let path = std::env::current_exe()
-        .map_err(|why| Error::new(Code::Session, "the path of this program is unknown").why(why))?;
-    path.into_os_string()
-        .into_string()
-        .map_err(|path| Error::new(Code::Session, "the path of this program is not UTF-8").at(path))
 }
 
 /// Processes started for another one must not outlive it, however it ends.

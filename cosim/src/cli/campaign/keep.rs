@@ -8,7 +8,7 @@ use cosim::campaign::{self, Bench, Folder, Status};
 use cosim::{Code, Error, Result};
 
 use super::pool::read_until;
-use crate::cli::{interrupt, messages, worker};
+use crate::cli::{interrupt, messages, this_program};
 
 /// How many times as long a replay, which records everything, may take as a run of the campaign.
 const SLOWER: f64 = 2.0;
@@ -19,7 +19,7 @@ pub(super) fn keep(bench: &Bench, folder: &Path, results: Folder) -> Result<()> 
     let kept = campaign::kept(bench.campaign(), results.rows());
     // Each replay is a separate process that reads the rows: they are not needed in memory twice.
     drop(results);
-    let program = worker::this_program()?;
+    let program = this_program()?;
     let seconds = SLOWER * bench.campaign().time_limit;
     for run in kept {
         let place = folder.join("trajectories");
