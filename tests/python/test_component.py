@@ -123,8 +123,8 @@ DECLARED = {
 
 @pytest.mark.parametrize("case", DECLARED)
 def test_a_wrong_declaration_is_told(tmp_path, case):
-    old, new, told = DECLARED[case]
-    with pytest.raises(ComponentError, match=told):
+    old, new, reported = DECLARED[case]
+    with pytest.raises(ComponentError, match=reported):
         made(tmp_path, ECHO, ports=PORTS.replace(old, new))
 
 
@@ -135,8 +135,8 @@ def test_a_class_that_cannot_be_made_is_told(tmp_path):
         "def __init__(self): self.x = 1 / 0": "ZeroDivisionError: division by zero .*in __init__",
         "parameters = {'gian': 'm'}": "'gian', which is no argument",
     }
-    for line, told in cases.items():
-        with pytest.raises(ComponentError, match=told):
+    for line, reported in cases.items():
+        with pytest.raises(ComponentError, match=reported):
             made(tmp_path, f"    {line}\n{ECHO}")
     (tmp_path / "beside_it.py").write_text("scale = 2.0\n")
     sys.path.insert(0, str(tmp_path))

@@ -37,11 +37,11 @@ class Live:
     def __init__(self, folder, *arguments):
         command = [COSIM, *SYSTEM, *arguments, "--live", "--paused", "-o", "run.csv"]
         self.process = subprocess.Popen([*map(str, command)], cwd=folder, stderr=subprocess.PIPE, text=True)
-        self.told, self.page, self.foxglove = "", None, None
+        self.reported, self.page, self.foxglove = "", None, None
         while self.foxglove is None:
             line = self.process.stderr.readline()
-            assert line, self.told
-            self.told += line
+            assert line, self.reported
+            self.reported += line
             if found := re.search(r"http://\S+", line):
                 self.page = found[0]
             if found := re.search(r"ws://\S+", line):
@@ -59,7 +59,7 @@ class Live:
         """Waits for the end, and returns all output."""
         _, rest = self.process.communicate()
         assert self.process.returncode == 0, rest
-        return self.told + rest
+        return self.reported + rest
 
 
 def plain(folder, *arguments):
@@ -193,7 +193,7 @@ def stalled(url, protocol):
 
 
 CLIENT = """([url, topics, protocols]) => new Promise((resolve, reject) => {
-  const [told, data] = [[], []];
+  const [reported, data] = [[], []];
   const socket = new WebSocket(url, protocols);
   socket.binaryType = "arraybuffer";
   const request = (command, speed) => {
@@ -205,14 +205,14 @@ CLIENT = """([url, topics, protocols]) => new Promise((resolve, reject) => {
   socket.onmessage = ({ data: message }) => {
     if (typeof message === "string") {
       const said = JSON.parse(message);
-      told.push(said);
+      reported.push(said);
       if (said.op !== "advertise") return;
       const wanted = said.channels.filter(({ topic }) => topics.includes(topic));
       socket.send(JSON.stringify({ op: "subscribe", subscriptions: wanted.map(({ id }, i) => ({ id: 100 + i, channelId: id })) }));
       if (socket.protocol === "foxglove.sdk.v1") request(0, 64);
     } else data.push(btoa(String.fromCharCode(...new Uint8Array(message))));
   };
-  socket.onclose = () => resolve([told, data, socket.protocol]);
+  socket.onclose = () => resolve([reported, data, socket.protocol]);
   socket.onerror = () => reject(new Error("the socket failed"));
 })"""
 
@@ -229,7 +229,7 @@ def test_foxglove_plays_a_run_while_another_client_is_stalled(browser, tmp_path)
         # Before it, one of another program, which does not know the control.
         page.evaluate(f"url => {{ window.old = ({CLIENT})([url, ['/tf'], ['foxglove.websocket.v1']]); }}", live.foxglove)
         offered = ["foxglove.websocket.v1", "foxglove.sdk.v1"]
-        told, data, protocol = page.evaluate(CLIENT, [live.foxglove, ["/vehicle/odometry", "/dvl"], offered])
+        reported, data, protocol = page.evaluate(CLIENT, [live.foxglove, ["/vehicle/odometry", "/dvl"], offered])
         old = page.evaluate("window.old")
         expect(status(watching, "state")).to_have_text("ended")
         watching.close()
@@ -242,10 +242,10 @@ def test_foxglove_plays_a_run_while_another_client_is_stalled(browser, tmp_path)
     old_info = next(said for said in old[0] if said["op"] == "serverInfo")
     assert (old[2], old_info["capabilities"]) == ("foxglove.websocket.v1", ["time"])
     assert {base64.b64decode(text)[0] for text in old[1]} == {1, 2}, "values and times, nothing else"
-    info = next(said for said in told if said["op"] == "serverInfo")
+    info = next(said for said in reported if said["op"] == "serverInfo")
     assert {"time", "playbackControl"} <= set(info["capabilities"])
     assert (info["dataStartTime"], info["dataEndTime"]) == ({"sec": 0, "nsec": 0}, {"sec": 20, "nsec": 0})
-    channels = {channel["topic"]: channel for said in told if said["op"] == "advertise" for channel in said["channels"]}
+    channels = {channel["topic"]: channel for said in reported if said["op"] == "advertise" for channel in said["channels"]}
     odometry = channels["/vehicle/odometry"]
     assert (odometry["encoding"], odometry["schemaEncoding"], odometry["schemaName"]) == ("cdr", "ros2msg", "nav_msgs/msg/Odometry")
     store = get_typestore(Stores.EMPTY)
@@ -272,7 +272,7 @@ def test_foxglove_plays_a_run_while_another_client_is_stalled(browser, tmp_path)
     answer = next(message for message in states if message.endswith(b"abc"))
     status_byte, _, speed = struct.unpack_from("<BQf", answer, 1)
     assert (status_byte, speed) == (0, 64)
-    assert states[-1][1] == 3, "the last thing told is that the data have ended"
+    assert states[-1][1] == 3, "the last message says that the data have ended"
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -302,7 +302,7 @@ def test_what_cannot_be_is_refused(tmp_path):
     assert "--workers 1" in refused("--live", "--isolate")
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        told = refused(f"--live=127.0.0.1:{port}", "-o", "x.csv")
-    assert f"127.0.0.1:{port}" in told and "another port" in told
+        reported = refused(f"--live=127.0.0.1:{port}", "-o", "x.csv")
+    assert f"127.0.0.1:{port}" in reported and "another port" in reported
     shutil.copy(ROOT / "examples" / "campaign" / "faults" / "stuck.toml", tmp_path / "run.injected.toml")
     assert "run.injected.toml" in refused("--live", "--scenario", "run.injected.toml", "-o", "run.csv")

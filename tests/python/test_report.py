@@ -108,12 +108,12 @@ def test_from_the_matrix_to_a_run_and_back(page, report):
     expect(page.locator("#matrix tbody th").nth(0)).to_have_text("fix <b>lost</b>")
     cells = page.locator("#matrix td a")
     assert cells.count() == 4
-    told = {cell["name"]: cell for cell in data(report)["campaign"]["cells"]}
+    reported = {cell["name"]: cell for cell in data(report)["campaign"]["cells"]}
     name = "paper/kinematic/fix <b>lost</b>"
     page.select_option("label:has-text('Statistic') select", label="95th percentile")
     cell = page.locator("#matrix tbody tr").filter(has_text="lost").locator("td a").nth(1)
     shown = float(cell.locator("span").nth(0).inner_text())
-    assert shown == pytest.approx(told[name]["figures"][0]["percentile_95"]["value"], rel=0.01)
+    assert shown == pytest.approx(reported[name]["figures"][0]["percentile_95"]["value"], rel=0.01)
     cell.click()
     expect(page.locator("h1")).to_have_text(name)
     expect(page.locator("text=Consistency: means over the runs")).to_be_visible()
@@ -134,10 +134,10 @@ def test_from_the_matrix_to_a_run_and_back(page, report):
 
 
 def shown_run(report):
-    told = data(report)
-    cell = told["campaign"]["cells"][0]
+    reported = data(report)
+    cell = reported["campaign"]["cells"][0]
     run = cell["shown"][0]["run"]
-    return told["runs"][str(run)], run, cell["name"]
+    return reported["runs"][str(run)], run, cell["name"]
 
 
 def open_run(page, report):
@@ -245,8 +245,8 @@ def test_a_run_of_its_own(page, folder):
     page.get_by_label("Search").fill("pressure")
     expect(page.locator("details figure.plot").first).to_contain_text("pressure")
     # Every axis has one unit, and it is known.
-    told = data(folder / "run.html")["runs"][""]
-    unknown = {plot["title"] for plot in told["plots"] + told["signals"] if not plot["unit"]}
+    reported = data(folder / "run.html")["runs"][""]
+    unknown = {plot["title"] for plot in reported["plots"] + reported["signals"] if not plot["unit"]}
     assert not unknown
 
 

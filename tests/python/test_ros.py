@@ -161,9 +161,9 @@ def evo(folder, tool, *arguments):
 
 def test_evo_finds_the_errors_that_the_results_have(run):
     recorded = columns(run / "run.csv")
-    told = cosim(run, "convert", "run.csv", "path.tum") + cosim(run, "convert", "run.csv", "path.kitti")
+    reported = cosim(run, "convert", "run.csv", "path.tum") + cosim(run, "convert", "run.csv", "path.kitti")
     for name in ["path_vehicle.tum", "path_filter.tum", "path_vehicle.kitti", "path_filter.kitti"]:
-        assert name in told and (run / name).exists()
+        assert name in reported and (run / name).exists()
     apart = np.sqrt(sum((recorded[f"filter.pose.{a}"] - recorded[f"vehicle.pose.{a}"]) ** 2 for a in "xyz"))
     for kind in ["tum", "kitti"]:
         found = evo(run, "evo_ape", kind, f"path_vehicle.{kind}", f"path_filter.{kind}")
@@ -228,11 +228,11 @@ def test_a_file_names_the_variables_of_other_systems(tmp_path):
     assert times == [0, 1] and log[1].twist.twist.linear.y == 0.5, "a held sample is not sent again"
 
     (tmp_path / "roles.toml").write_text(OTHERS.replace("obs.sn", "obs.ssn").replace("[sensors.log]", "[sensors.log]\nspeed = 1"))
-    told = cosim(tmp_path, "convert", "sim.csv", "sim.mcap", "--roles", "roles.toml", code=3)
-    assert "roles.toml:" in told and "'speed' is unknown" in told
+    reported = cosim(tmp_path, "convert", "sim.csv", "sim.mcap", "--roles", "roles.toml", code=3)
+    assert "roles.toml:" in reported and "'speed' is unknown" in reported
     (tmp_path / "roles.toml").write_text(OTHERS.replace("obs.sn", "obs.ssn"))
-    told = cosim(tmp_path, "convert", "sim.csv", "sim.mcap", "--roles", "roles.toml", code=3)
-    assert "'obs.ssn' is not recorded" in told and "did you mean 'obs.sn'?" in told
+    reported = cosim(tmp_path, "convert", "sim.csv", "sim.mcap", "--roles", "roles.toml", code=3)
+    assert "'obs.ssn' is not recorded" in reported and "did you mean 'obs.sn'?" in reported
 
 
 def test_a_layout_names_topics_that_are_there(run):
@@ -248,7 +248,7 @@ def test_a_layout_names_topics_that_are_there(run):
 
 def test_results_without_a_path_have_no_trajectory(tmp_path):
     (tmp_path / "a.csv").write_text("time,level\n0,1\n1,2\n")
-    told = cosim(tmp_path, "convert", "a.csv", "a.tum", code=3)
-    assert "no path is recorded" in told and "--roles" in told
-    told = cosim(tmp_path, "convert", "a.csv", "a.bag", code=2)
-    assert ".tum" in told
+    reported = cosim(tmp_path, "convert", "a.csv", "a.tum", code=3)
+    assert "no path is recorded" in reported and "--roles" in reported
+    reported = cosim(tmp_path, "convert", "a.csv", "a.bag", code=2)
+    assert ".tum" in reported

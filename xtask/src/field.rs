@@ -101,8 +101,8 @@ fn cosim(verb: &str, file: &Path, options: &[&str]) -> Result<Option<String>> {
     if output.status.success() {
         return Ok(None);
     }
-    let told: Value = serde_json::from_slice(&output.stdout).unwrap_or_default();
-    let problems = told["problems"].as_array().map_or(&[][..], Vec::as_slice);
+    let reported: Value = serde_json::from_slice(&output.stdout).unwrap_or_default();
+    let problems = reported["problems"].as_array().map_or(&[][..], Vec::as_slice);
     let Some(first) = problems.first() else {
         return Ok(Some(format!("ended with {}", output.status)));
     };

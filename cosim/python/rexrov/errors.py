@@ -69,17 +69,17 @@ class CosimWarning(UserWarning):
 def of(done: CompletedProcess[str]) -> CosimError:
     """The error of a program that failed."""
     try:
-        told = json.loads(done.stdout)
-        return CosimError(told["text"], tuple(map(_problem, told["problems"])))
+        reported = json.loads(done.stdout)
+        return CosimError(reported["text"], tuple(map(_problem, reported["problems"])))
     except (ValueError, LookupError, TypeError):
         return _untold(done)
 
 
-def _problem(told: dict[str, Any]) -> Problem:
-    where = told["file"]
-    if where is not None and told["line"] is not None:
-        where = f"{where}:{told['line']}"
-    return Problem(told["code"], told["what"], where, told["why"], told["help"], tuple(told["log"]))
+def _problem(reported: dict[str, Any]) -> Problem:
+    where = reported["file"]
+    if where is not None and reported["line"] is not None:
+        where = f"{where}:{reported['line']}"
+    return Problem(reported["code"], reported["what"], where, reported["why"], reported["help"], tuple(reported["log"]))
 
 
 def _untold(done: CompletedProcess[str]) -> CosimError:

@@ -250,7 +250,7 @@ class Object:
             self.restore(message[HEAD.size :])
         return b""
 
-    def told(self, error: BaseException) -> str:
+    def described(self, error: BaseException) -> str:
         """The error, in one line."""
         doing = self.doing if isinstance(self.doing, str) else f"step at t = {self.doing!r} s"
         if isinstance(error, Wrong):
@@ -289,7 +289,7 @@ def serve(channel: Channel, made: Object, message: tuple[int, bytes] | None) -> 
         try:
             reply = DONE, made.answer(*message)
         except BaseException as error:
-            reply = FAILED, made.told(error).encode(errors="replace")
+            reply = FAILED, made.described(error).encode(errors="replace")
         channel.send(*reply)
         message = channel.receive()
 
@@ -331,7 +331,7 @@ def check(resources: str) -> dict[str, str]:
         made = Object(load(resources, manifest), manifest)
         made.make({parameter["name"]: parameter["start"] for parameter in manifest["parameters"]})
     except BaseException as error:
-        wrong = made.told(error) if made else f"{manifest['module']} cannot be imported: {described(error)}"
+        wrong = made.described(error) if made else f"{manifest['module']} cannot be imported: {described(error)}"
         return {"wrong": wrong}
     try:
         made.restore(made.save())

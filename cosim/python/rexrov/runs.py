@@ -113,12 +113,12 @@ def _results(verb: str, what: PathLike, folder: str, arguments: list[str]) -> Re
     file = Path(folder, "results.csv")
     command = [*arguments, "--output-file", str(file), "--", os.fspath(what)]
     try:
-        told = program.call_json(verb, command)
+        reported = program.call_json(verb, command)
     except CosimError as error:
         if str(file) in str(error):
             raise error.keeping(tables.read(file), str(file)) from None
         raise
-    return tables.read(file, told["columns"])
+    return tables.read(file, reported["columns"])
 
 
 def _option(name: str, value: Value | None) -> list[str]:

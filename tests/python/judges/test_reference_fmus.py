@@ -46,8 +46,8 @@ def simulate(model, fmu, folder, *options):
     output = folder / "out.csv"
     step = ["--step-size", STEPS[model]] if model in STEPS else []
     command = ["simulate", fmu, *step, "--output-file", output, *options]
-    told = cosim.run(*command).stderr
-    assert (f"'{model}' ended the run at t = " in told) == (model in ENDS)
+    reported = cosim.run(*command).stderr
+    assert (f"'{model}' ended the run at t = " in reported) == (model in ENDS)
     return cosim.read(output)
 
 

@@ -33,7 +33,7 @@ def one(argument, default):
     return argument.arg + annotation + value
 
 
-def told(name, node, level="##"):
+def section(name, node, level="##"):
     yield f"{level} {name}\n"
     if isinstance(node, ast.FunctionDef):
         yield f"```text\n{signature(name.removeprefix('plot.'), node)}\n```\n"
@@ -52,6 +52,6 @@ for name in sorted(named, key=lambda name: (name[0].isupper(), name)):
     if name in modules and name not in found:
         parts = [n for n in modules[name].body if isinstance(n, KINDS) and not n.name.startswith("_")]
         for part in parts:
-            print("\n".join(told(f"{name}.{part.name}", part)))
+            print("\n".join(section(f"{name}.{part.name}", part)))
     else:
-        print("\n".join(told(name, found[name])))
+        print("\n".join(section(name, found[name])))

@@ -38,7 +38,7 @@ fn of_campaign(campaign: &Campaign) -> Result<Vec<(Case, u64)>> {
 /// The kind of a run, from the name of its cell: `paper/dynamic/BE1/row 1`.
 fn case(campaign: &Campaign, run: u64) -> Result<Case> {
     let cell = campaign.cell_name(campaign.cell_of(run));
-    let told = || -> Option<Case> {
+    let found = || -> Option<Case> {
         let [_, filter, course, row] = cell.split('/').collect::<Vec<_>>()[..] else { return None };
         let filter = Filter::ALL.into_iter().find(|known| known.name() == filter)?;
         let course = Course::ALL.into_iter().find(|known| known.name() == course)?;
@@ -46,7 +46,7 @@ fn case(campaign: &Campaign, run: u64) -> Result<Case> {
         let fix = *Fix::ALL.get(row.checked_sub(1)?)?;
         Some(Case { course, filter, fix, seed: campaign.replicate_of(run) as u32 + 1 })
     };
-    told().with_context(|| format!("{CAMPAIGN}: '{cell}' is no case of the experiment"))
+    found().with_context(|| format!("{CAMPAIGN}: '{cell}' is no case of the experiment"))
 }
 
 /// The arguments of `cosim` for one run from the root of the workspace: a command with a file, then

@@ -52,9 +52,9 @@ fn workers_that_were_there_before_serve_several_runs() {
     let place = endpoint();
     let _left = Kept::worker(folder.path(), "left", &place);
     let _right = Kept::worker(folder.path(), "right", &place);
-    for wish in ["x=left", "x=right"] {
+    for placement in ["x=left", "x=right"] {
         let arguments = ["run", path, "-q", "-o", "there.csv", "--distributed", "--listen", &place];
-        let more = ["--min-workers", "2", "--place", wish, "--wait", "20"];
+        let more = ["--min-workers", "2", "--place", placement, "--wait", "20"];
         let (code, stderr) = outcome(folder.path(), &[&arguments[..], &more].concat());
         assert_eq!(code, 0, "{stderr}");
         assert!(here == results(folder.path(), "there.csv"));
