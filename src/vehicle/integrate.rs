@@ -26,15 +26,12 @@ impl Vehicle {
     #[inline]
     pub fn advance(&self, state: &mut State, drive: &Drive, h: f64, outputs: Option<&Outputs>) {
         let smooth = drive.without_rotors();
-        let k1 = match outputs {
-            Some(outputs) => {
-                let mut k1 = self.rate_beside(state, outputs, drive);
-                let thrust = drive.lagged_thrust(&state.rotor_speed).map(|t| -t);
-                add_wrench(&mut k1.nu, &self.thruster_acceleration, &thrust);
-                k1
-            }
-            None => self.rate(state, &smooth),
+        let mut k1 = match outputs {
+            Some(outputs) => self.rate_beside(state, outputs, drive),
+            None => self.rate(state, drive),
         };
+        let thrust = drive.lagged_thrust(&state.rotor_speed).map(|t| -t);
+        add_wrench(&mut k1.nu, &self.thruster_acceleration, &thrust);
         let [middle, end] = rotors(drive, &state.rotor_speed, h);
         let [middle, end] = [middle, end].map(|(speed, impulse)| {
             let mut gained = [0.0; 6];

@@ -291,6 +291,6 @@ fn an_interrupted_campaign_says_how_to_go_on() {
     let output = process.wait_with_output().unwrap();
     let stderr = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(130), "{stderr}");
-    assert!(stderr.contains("of 40000 runs are over"), "{stderr}");
+    assert!(stderr.contains("of 40000 runs are done"), "{stderr}");
     assert!(rows(folder, "c_campaign/runs.csv").len() > 1);
 }

@@ -67,9 +67,9 @@ fn all_kinds_of_problems_at_once_with_file_and_line() {
         ("E202", "no variable 'yy'", "did you mean 'y'?"),
         ("E203", "'unsettable.u' has two drivers", "remove one"),
         ("E203", "gain.y -> unsettable.m", "Real connects to Real"),
-        ("E203", "'unparsed.y' is no input", "an output and an input"),
+        ("E203", "'unparsed.y' is not an input", "an output and an input"),
         ("E202", "'gain' has no variable 'kk'", "did you mean 'k'?"),
-        ("E204", "'unsettable.y' cannot be given a start value", "set a parameter"),
+        ("E204", "'unsettable.y' cannot have a start value", "set a parameter"),
         ("E204", "the start value of 'unparsed.k'", ""),
         ("E204", "'untyped.k' is given as <ssv:String>", "<ssv:Real"),
         ("E101", "the FMU of 'absent' cannot be opened", "build or copy"),
@@ -114,7 +114,7 @@ fn steps_loops_and_what_is_not_connected() {
     let problem = &reported["problems"][0];
     let line = line_of(&text(step, ""), "name='c'");
     assert_eq!((&problem["code"], &problem["line"]), (&"E205".into(), &line.into()), "{reported}");
-    assert!(problem["what"].as_str().unwrap().contains("do not fit together"));
+    assert!(problem["what"].as_str().unwrap().contains("are inconsistent"));
     folder.write("x.ssd", &text("", "stopTime='-1'"));
     let (_, reported) = validate(&folder, "x.ssd");
     let problem = &reported["problems"][0];

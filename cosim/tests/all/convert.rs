@@ -168,7 +168,7 @@ fn the_verb_converts_with_changes_and_says_what_a_format_cannot() {
     assert!(System::load(folder.path("folder"), &Overrides::new()).is_ok());
     let (code, reported) = cosim(&["convert", from, "x.fmu"], &folder);
     assert_eq!(code, 2, "{reported}");
-    assert_parts(&reported, &["no format ends with .fmu"]);
+    assert_parts(&reported, &["no format has the extension .fmu"]);
 }
 
 #[test]

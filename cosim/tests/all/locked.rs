@@ -37,10 +37,10 @@ pub(crate) fn free_port() -> u16 {
     TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port()
 }
 
-/// Keys of two authorities, `keys` and `foreign`.
+/// Keys of two authorities, `keys` and `others`.
 fn keys() -> TempDir {
     let folder = TempDir::new().unwrap();
-    for name in ["keys", "foreign"] {
+    for name in ["keys", "others"] {
         let arguments = ["keys", name, "--worker", "left", "--worker", "right"];
         let (code, stderr) = outcome(folder.path(), &arguments);
         assert_eq!(code, 0, "{stderr}");
@@ -131,16 +131,12 @@ fn a_refusal_says_which_it_is() {
     let folder = keys();
     let at = folder.path();
     let ca = |name: &str| text(at, &format!("{name}/authority/ca.pem"));
-    let both = ca("keys") + &ca("foreign");
+    let both = ca("keys") + &ca("others");
     let of = |member: &str, file: &str| text(at, &format!("{member}/{file}"));
     let certificate = |member: &str| ("cert.pem", of(member, "cert.pem"));
     let key = |member: &str| ("key.pem", of(member, "key.pem"));
-    mixed(
-        at,
-        "foreign",
-        [("ca.pem", ca("keys")), certificate("foreign/left"), key("foreign/left")],
-    );
-    mixed(at, "trusting", [("ca.pem", both), certificate("foreign/left"), key("foreign/left")]);
+    mixed(at, "foreign", [("ca.pem", ca("keys")), certificate("others/left"), key("others/left")]);
+    mixed(at, "trusting", [("ca.pem", both), certificate("others/left"), key("others/left")]);
     mixed(at, "swapped", [("ca.pem", ca("keys")), certificate("keys/left"), key("keys/right")]);
     mixed(
         at,
@@ -171,7 +167,7 @@ fn a_refusal_says_which_it_is() {
     let elsewhere = format!("tls/127.0.0.2:{port}");
     let plain = format!("tcp/127.0.0.1:{port}");
     for (endpoint, credentials, name, error) in [
-        (&tls, "foreign/left", "left", "[E506] no trust", "another authority than ours"),
+        (&tls, "others/left", "left", "[E506] no trust", "another authority than ours"),
         (&elsewhere, "keys/left", "left", "[E506] no trust", "not for the name 127.0.0.2"),
         (&tls, "empty", "left", "[E506] a certificate or key is missing", "empty/ca.pem"),
         (

@@ -96,7 +96,9 @@ fn what_a_folder_lacks_is_named_and_the_rest_is_shown() {
     write(folder, "c_campaign/runs.jsonl", &text);
     let (reported, stderr) = report(folder, &["c_campaign"]);
     let notes = strings(&reported["notes"]);
-    for part in ["line 21 of runs.jsonl", "line 23 of runs.jsonl", "3 of 24 runs are not there"] {
+    for part in
+        ["line 21 of runs.jsonl", "line 23 of runs.jsonl", "3 of 24 runs have not been made yet"]
+    {
         assert!(notes.iter().any(|note| note.contains(part)), "{part}: {notes:?}");
         assert!(stderr.contains(part), "{part}: {stderr}");
     }
@@ -170,7 +172,7 @@ fn a_figure_is_drawn_as_pixels_and_as_a_page() {
     let read = |name: &str| std::fs::read(folder.join(name)).unwrap();
     let svg = String::from_utf8(read("x.svg")).unwrap();
     let width: u32 =
-        svg.split("width=\"").nth(1).unwrap().split('"').next().unwrap().parse().unwrap();
+        svg.split(" width=\"").nth(1).unwrap().split('"').next().unwrap().parse().unwrap();
     // Width of a PNG: at octet 16 of its head.
     let png = read("x.png");
     assert!(png.starts_with(b"\x89PNG"));

@@ -32,7 +32,7 @@ fn what_is_not_signed_by_that_key_is_neither_valid_nor_allowed() {
     let (code, stderr) = validate("theirs.pub");
     assert!(code == 3 && stderr.contains("with another key"), "{stderr}");
     let (code, stderr) = validate("ours.key");
-    assert!(code == 1 && stderr.contains("no public key"), "{stderr}");
+    assert!(code == 1 && stderr.contains("no public Ed25519 key"), "{stderr}");
 
     let mut bytes = fs::read(&file).unwrap();
     bytes.push(0);

@@ -157,7 +157,7 @@ fn what_is_damaged_or_of_another_system_is_refused() {
         refused(&bytes, "checksum");
     }
     refused(&good[..good.len() - 1], "checksum");
-    refused(b"time,x\n0,1\n", "no snapshot");
+    refused(b"time,x\n0,1\n", "not a snapshot");
     let mut other = good.clone();
     other[8] = 9;
     refused(&other, "version 9");

@@ -131,7 +131,7 @@ fn a_circle_of_system_connectors_is_refused() {
         connection("b.out", "g.u", ""),
     ];
     let text = system(&[through("a"), through("b"), gain("g", "")].concat(), &connections.concat());
-    assert_parts(&folder.error(&ssd(&text, "")), &["E203", "'g.u' go round in a circle"]);
+    assert_parts(&folder.error(&ssd(&text, "")), &["E203", "'g.u' form a cycle"]);
 }
 
 #[test]

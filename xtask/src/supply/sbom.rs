@@ -148,7 +148,7 @@ mod tests {
         let has = |name: &str| array(&bom, "components").any(|part| text(part, "name") == name);
         assert!(has("nalgebra") && has("zenoh") && has("fmu-kit-derive") && has("cosim"));
         // Only for tests, or for the task runner.
-        assert!(!has("proptest") && !has("fmi-rs") && !has("resvg") && !has("xtask"));
+        assert!(!has("proptest") && !has("fmi-rs") && !has("xtask"));
         for (name, part) in &listed {
             let ours = ["cosim", "fmu-kit", "rexrov"]
                 .iter()

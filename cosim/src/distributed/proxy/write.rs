@@ -28,7 +28,7 @@ const LIBRARY: Kind = Kind {
 /// Writes an FMU that is computed by a worker.
 ///
 /// ```no_run
-/// use cosim::proxy::Proxy;
+/// use cosim::distributed::proxy::Proxy;
 ///
 /// Proxy::new().listen("tls/0.0.0.0:7447").credentials("keys/orchestrator").write("Ekf.fmu", "Ekf.remote.fmu")?;
 /// # Ok::<(), cosim::Error>(())

@@ -54,6 +54,6 @@ fn two_workers_of_one_name_are_one_too_many() {
     assert!(!groups_of(&[left.id()], 1).is_empty());
     let (code, stderr) = outcome(folder.path(), &["worker", "--name", "left", "--connect", &place]);
     assert_eq!(code, 1, "{stderr}");
-    assert!(stderr.contains("'left' is there already"), "{stderr}");
+    assert!(stderr.contains("'left' is already connected"), "{stderr}");
     drop(run);
 }

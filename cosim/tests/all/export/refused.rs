@@ -62,7 +62,7 @@ fn another_name_than_an_fmus_is_refused() {
     let arguments = ["export", file.to_str().unwrap(), "-o", "Loop.zip", "--library", library];
     let output = cosim(folder.path(), &arguments);
     assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stderr).contains("ends with .fmu"));
+    assert!(text(&output.stderr).contains("ends in .fmu"));
     let arguments = ["export", file.to_str().unwrap(), "-o", "Loop.fmu", "--library", "none.so"];
     let output = cosim(folder.path(), &arguments);
     assert_eq!(output.status.code(), Some(3), "{}", text(&output.stderr));
@@ -127,7 +127,7 @@ fn other_libraries_are_refused() {
     let system = Ssd::new().add("clock", Clock);
     let file = system.write();
     for (name, bytes, part) in [
-        ("wrong.so", fs::read(compile(Gain)).unwrap(), "does not say"),
+        ("wrong.so", fs::read(compile(Gain)).unwrap(), "does not contain"),
         ("text.so", b"no library, but long enough".to_vec(), "not an ELF"),
     ] {
         let path = folder.path().join(name);

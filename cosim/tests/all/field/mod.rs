@@ -49,7 +49,7 @@ fn a_start_value_that_is_not_taken_is_named_once() {
         let overrides = Overrides::new().start_value("k", 3.0).start_value("second", 4.0);
         let (_, warnings) = run(&with(&folder, model, "IGNORES_K"), &overrides);
         assert_eq!(warnings.len(), 1, "{warnings:?}");
-        let wanted = "does not take start values: k = 3.0 (it has 1.0)";
+        let wanted = "does not accept start values: k = 3.0 (it has 1.0)";
         assert!(warnings[0].ends_with(wanted), "{warnings:?}");
     }
 }
