@@ -171,12 +171,12 @@ fn a_figure_is_drawn_as_pixels_and_as_a_page() {
     }
     let read = |name: &str| std::fs::read(folder.join(name)).unwrap();
     let svg = String::from_utf8(read("x.svg")).unwrap();
-    let width: u32 =
+    let width: f64 =
         svg.split(" width=\"").nth(1).unwrap().split('"').next().unwrap().parse().unwrap();
     // Width of a PNG: at octet 16 of its head.
     let png = read("x.png");
     assert!(png.starts_with(b"\x89PNG"));
-    assert_eq!(u32::from_be_bytes(png[16..20].try_into().unwrap()), 2 * width);
+    assert_eq!(u32::from_be_bytes(png[16..20].try_into().unwrap()), 2 * width.ceil() as u32);
     // Text stays text: a font is in the page.
     let pdf = read("x.pdf");
     assert!(pdf.starts_with(b"%PDF-") && pdf.windows(9).any(|part| part == b"/FontFile"));

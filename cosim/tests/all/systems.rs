@@ -31,7 +31,7 @@ fn wrong_files_are_reported_with_line_and_remedy() {
         ("startConnector='y'", "startConnector='yy'", &["test.ssd:33", "'yy'", "'y'?"][..]),
         ("startElement='clock'", "startElement='clok'", &["test.ssd:33", "'clock'?"]),
         ("startConnector='y'", "startConnector='u'", &["'clock.u' is not an output"]),
-        ("endConnector='u'", "endConnector='y'", &["'gain.y' is no input"]),
+        ("endConnector='u'", "endConnector='y'", &["'gain.y' is not an input"]),
         (
             "endConnector='u'",
             "endConnector='k'",

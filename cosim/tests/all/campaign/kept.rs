@@ -76,11 +76,10 @@ fn parts_put_together_are_the_whole_and_those_that_do_not_fit_are_refused() {
     let copy = folder.join("copy");
     std::fs::create_dir(&copy).unwrap();
     std::fs::copy(folder.join(all[0]).join("campaign.json"), copy.join("campaign.json")).unwrap();
-    std::fs::write(
-        copy.join("runs.jsonl"),
-        text.replacen("\"simulated\":\"1\"", "\"simulated\":\"2\"", 1),
-    )
-    .unwrap();
+    let first = |line: &&str| line.contains("\"run\":0,");
+    let row = text.lines().find(first).unwrap();
+    let other = row.replacen("\"simulated\":\"1\"", "\"simulated\":\"2\"", 1);
+    std::fs::write(copy.join("runs.jsonl"), text.replace(row, &other)).unwrap();
     let (code, stderr) = merge(&[all[0], "copy"], "differs");
     assert!(code != 0 && stderr.contains("run 0"), "{stderr}");
     // Results of another campaign.
