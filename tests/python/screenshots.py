@@ -3,6 +3,7 @@
 It needs what the tests need, and a browser.
 """
 
+import re
 import subprocess
 import tempfile
 from pathlib import Path
@@ -18,7 +19,7 @@ SIZE = {"width": 1100, "height": 900}
 
 def report(browser, folder):
     """A campaign: its first screen, and its worst run."""
-    subprocess.run([COSIM, "campaign", ROOT / "examples/campaign/filters.toml", "-q", "-o", folder], check=False)
+    subprocess.run([COSIM, "campaign", ROOT / "examples/campaign/filters.toml", "-q", "--output-dir", folder], check=False)
     subprocess.run([COSIM, "report", folder], check=True)
     page = browser.new_page(viewport=SIZE)
     page.goto((folder / "report.html").as_uri())
@@ -32,7 +33,7 @@ def report(browser, folder):
 
 def live(browser, folder):
     """A run after a minute and a fault."""
-    with Live(folder, "--stop-time", "120", "--real-time", "20") as run:
+    with Live(folder, "--stop-time", "120", "--real-time=10") as run:
         page = browser.new_page(viewport={**SIZE, "height": 1300})
         page.goto(run.page)
         page.get_by_label("on variables").fill("fix.position.x")
@@ -41,7 +42,7 @@ def live(browser, folder):
         page.get_by_role("button", name="Inject").click()
         expect(page.get_by_role("log")).to_contain_text("bias")
         page.get_by_role("button", name="Go on").click()
-        expect(page.locator("#status")).to_contain_text("60.", timeout=60_000)
+        expect(page.locator("#status")).to_contain_text(re.compile(r"[6-9]\d(\.\d)? s of"))
         page.get_by_role("button", name="Pause").click()
         expect(page.get_by_role("button", name="Go on")).to_be_visible()
         page.screenshot(path=FOLDER / "live.png")
