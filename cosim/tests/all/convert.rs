@@ -1,5 +1,6 @@
 //! Written systems read back as the same system, in every format.
 
+use std::fs::File;
 use std::path::Path;
 
 use cosim::fmi::Value;
@@ -158,6 +159,12 @@ fn the_verb_converts_with_changes_and_says_what_a_format_cannot() {
         Overrides::new().start_value("g.k", 3).stop_time(0.5).algorithm(Algorithm::Jacobi);
     let package = System::load(folder.path("x.ssp"), &Overrides::new()).unwrap();
     assert_eq!(run(&package), run(&ssd.load(&overrides).unwrap()));
+    // The same system has the same bytes at any time.
+    let mut archive = zip::ZipArchive::new(File::open(folder.path("x.ssp")).unwrap()).unwrap();
+    for place in 0..archive.len() {
+        let entry = archive.by_index(place).unwrap();
+        assert_eq!(entry.last_modified(), Some(zip::DateTime::default()));
+    }
     let (code, reported) = cosim(&["convert", from, "folder"], &folder);
     assert_eq!(code, 0, "{reported}");
     assert_parts(&reported, &["note: OSP has no gauss-seidel", "written: folder"]);

@@ -1,5 +1,5 @@
-//! Authentication and authorization through the binary: a refused client is told why, and FMUs can
-//! do only what they are allowed to.
+//! Authentication and authorization through the binary: a refused client gets the reason, and
+//! FMUs can do only what they are allowed to.
 
 use std::net::TcpListener;
 use std::os::unix::fs::PermissionsExt;
