@@ -6,8 +6,9 @@
 //! step, which preserves the accuracy of the method. Every event is handled once: the indicators
 //! are read again after it.
 
-use super::locate::{Bracket, any_changed};
-use super::{RungeKutta, Settings};
+use fmu_ode::{Bracket, RungeKutta, any_changed, resolution, step_factor};
+
+use super::Settings;
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Instance, NextEvent};
 use crate::time::Time;
@@ -17,7 +18,6 @@ use serde::{Deserialize, Serialize};
 const SAME: f64 = 0.5e-9;
 /// Width to which a state event is located, in seconds, if the time has enough digits.
 const LOCATED: f64 = 1e-10;
-const SAFETY: f64 = 0.9;
 
 /// The state of the integration, besides that of the FMU.
 #[derive(Clone)]
@@ -67,7 +67,7 @@ impl Continuous {
         let (states, indicators) = (description.states, description.event_indicators);
         Self {
             settings,
-            rk: RungeKutta::new(settings.method, states),
+            rk: RungeKutta::new(settings.method.tableau(), states),
             time: 0.0,
             x: vec![0.0; states],
             end: vec![0.0; states],
@@ -246,15 +246,14 @@ impl Continuous {
         loop {
             self.attempt(instance, h)?;
             let error = self.rk.error(h, |i| self.scale(i));
-            let factor = SAFETY * step_factor(error);
             if error <= 1.0 {
-                let suggested = h * factor.clamp(0.2, 5.0);
+                let suggested = h * step_factor(error, 0.2);
                 // A step shortened by its limit is no evidence against longer ones.
                 self.h = if h < self.h { suggested.max(self.h) } else { suggested };
                 return Ok(h);
             }
             // NaN also gets here: the states left the domain of the model.
-            h *= if error.is_finite() { factor.clamp(0.1, 0.9) } else { 0.1 };
+            h *= step_factor(error, 0.1).min(0.9);
             self.h = h;
             if self.time + h <= self.time + 4.0 * f64::EPSILON * self.time.abs() || h < 1e-300 {
                 return Err(self.stuck(instance, "no step is small enough for the tolerance"));
@@ -299,7 +298,7 @@ impl Continuous {
             }
         }
         let mut bracket = Bracket::new(&self.z, after, &self.z_trial);
-        let width = LOCATED.max(4.0 * f64::EPSILON * self.time.abs());
+        let width = resolution(LOCATED, self.time);
         while bracket.after - bracket.before > width {
             let at = bracket.next();
             self.attempt(instance, at)?;
@@ -339,11 +338,6 @@ impl Continuous {
             .log(instance.messages())
             .help("use a larger --tolerance, or --interface-type cs if the FMU has its own solver")
     }
-}
-
-/// error^(-1/5), the step factor of a pair of orders 5 and 4; an error of 0 allows any step.
-fn step_factor(error: f64) -> f64 {
-    if error > 0.0 { libm::pow(error, -0.2) } else { f64::MAX }
 }
 
 impl Ramp {

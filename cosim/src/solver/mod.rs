@@ -1,16 +1,13 @@
 //! Our own solvers for model exchange: x' = f(t, x), with events.
 //!
-//! `runge_kutta` makes one explicit Runge-Kutta step of a Butcher tableau, `continuous` drives an
-//! FMU with it from event to event.
+//! `continuous` drives an FMU from event to event with the methods of `fmu-ode`.
 
+use fmu_ode::{CLASSICAL, DORMAND_PRINCE, Tableau};
 use serde::{Deserialize, Serialize};
 
 mod continuous;
-mod locate;
-mod runge_kutta;
 
 pub(crate) use continuous::Continuous;
-pub(crate) use runge_kutta::RungeKutta;
 
 /// A Runge-Kutta method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -20,6 +17,15 @@ pub enum Method {
     /// The pair of Dormand and Prince of orders 5 and 4, with steps chosen by the tolerance.
     #[default]
     DormandPrince,
+}
+
+impl Method {
+    fn tableau(self) -> &'static Tableau {
+        match self {
+            Self::RungeKutta4 => &CLASSICAL,
+            Self::DormandPrince => &DORMAND_PRINCE,
+        }
+    }
 }
 
 /// How model exchange is integrated.

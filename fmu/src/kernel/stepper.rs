@@ -7,11 +7,12 @@
 //! it. A component that has [`CROWD`] state events within [`CROWD_S`] is stopped as chattering.
 //! Indicators that mark kinks of the inputs are ignored while inputs are held.
 
+use fmu_ode::{is_positive, resolution, step_factor};
 use serde::{Deserialize, Serialize};
 
 use crate::author::{Component, Fault, Ports, Time, Variables};
 
-use super::integrator::{Integrator, IntegratorMethod, dormand_prince, step_factor, weighed};
+use super::integrator::{Integrator, IntegratorMethod, dormand_prince, weighed};
 use super::model::{Cause, Halt};
 use super::signal::Signal;
 use super::values::{first_not_finite, is_finite, read};
@@ -273,10 +274,10 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
                         cause: Cause::Accuracy { error, tolerance },
                     });
                 }
-                proposed = step * step_factor(error).min(0.9);
+                proposed = step * step_factor(error, 0.2).min(0.9);
                 continue;
             }
-            let wanted = step * step_factor(error);
+            let wanted = step * step_factor(error, 0.2);
             // A last step is short because of the interval, not because of the error.
             proposed = if last { wanted.max(proposed) } else { wanted };
             if watches::<C, S>() && self.crossed(&trial.x, at + step) {
@@ -303,7 +304,7 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
         step: f64,
         trial: impl Fn(f64) -> C::States,
     ) -> (C::States, f64) {
-        let resolution = RESOLUTION_S.max(4.0 * f64::EPSILON * t.abs());
+        let resolution = resolution(RESOLUTION_S, t);
         let (mut before, mut behind) = (0.0, step);
         while behind - before > resolution {
             let middle = 0.5 * (before + behind);
@@ -331,7 +332,7 @@ impl<C: Component, S: Signal<C>> Stepper<'_, C, S> {
         let own = indicators.get_mut(..C::INDICATORS.len()).unwrap_or_default();
         let memory = &self.progress.memory;
         self.signal.with(t, |u| self.component.indicators(t, memory, x, u, own));
-        own.iter().rev().fold(0, |bits, z| bits << 1 | u64::from(*z > 0.0))
+        own.iter().rev().fold(0, |bits, z| bits << 1 | u64::from(is_positive(*z)))
     }
 
     /// Handles a state event: iterates until the component changes nothing any more.

@@ -5,8 +5,11 @@
 //! event.
 
 /// A bracket in a step: no sign has changed at `before`, some have at `after`.
-pub(super) struct Bracket {
+#[derive(Clone, Debug)]
+pub struct Bracket {
+    /// Its start, from the beginning of the step.
     pub before: f64,
+    /// Its end.
     pub after: f64,
     z_before: Vec<f64>,
     z_after: Vec<f64>,
@@ -14,13 +17,16 @@ pub(super) struct Bracket {
 }
 
 impl Bracket {
-    pub(super) fn new(z_before: &[f64], after: f64, z_after: &[f64]) -> Self {
+    /// From the beginning of the step to `after`, with the indicators there.
+    #[must_use]
+    pub fn new(z_before: &[f64], after: f64, z_after: &[f64]) -> Self {
         let (z_before, z_after) = (z_before.to_vec(), z_after.to_vec());
         Self { before: 0.0, after, z_before, z_after, turn: 0 }
     }
 
     /// Where to evaluate next.
-    pub(super) fn next(&mut self) -> f64 {
+    #[must_use]
+    pub fn next(&mut self) -> f64 {
         let width = self.after - self.before;
         self.turn = (self.turn + 1) % 3;
         // The earliest crossing of those that changed.
@@ -37,7 +43,7 @@ impl Bracket {
     }
 
     /// Narrows the bracket by the indicators found at `at`.
-    pub(super) fn narrow(&mut self, at: f64, z: &[f64]) {
+    pub fn narrow(&mut self, at: f64, z: &[f64]) {
         if any_changed(&self.z_before, z) {
             self.after = at;
             self.z_after.copy_from_slice(z);
@@ -48,13 +54,27 @@ impl Bracket {
     }
 }
 
+/// The domain of an indicator.
+#[inline]
+#[must_use]
+pub fn is_positive(indicator: f64) -> bool {
+    indicator > 0.0
+}
+
 /// Whether any indicator is in another domain.
-pub(super) fn any_changed(before: &[f64], after: &[f64]) -> bool {
+#[must_use]
+pub fn any_changed(before: &[f64], after: &[f64]) -> bool {
     before.iter().zip(after).any(|(b, a)| changed(*b, *a))
 }
 
 fn changed(before: f64, after: f64) -> bool {
-    (before > 0.0) != (after > 0.0)
+    is_positive(before) != is_positive(after)
+}
+
+/// The width to which an event at time `t` is located: `width`, if the time has enough digits.
+#[must_use]
+pub fn resolution(width: f64, t: f64) -> f64 {
+    width.max(4.0 * f64::EPSILON * t.abs())
 }
 
 #[cfg(test)]
