@@ -89,8 +89,8 @@ fn measure(fmu: &Path, output: &str, length: usize) -> f64 {
     let reference = fmu.description().variable(output).unwrap().value_reference;
     let mut instance = Instance::new(fmu, "chain", &Logging::default()).unwrap();
     let steps = WORK / length;
-    let stop = Time::from_seconds((steps + 1) as f64 * STEP, "the end").unwrap();
-    let step = Time::from_seconds(STEP, "the step").unwrap();
+    let stop = Time::from_seconds((steps + 1) as f64 * STEP);
+    let step = Time::from_seconds(STEP);
     instance.enter_initialization(Time::ZERO, stop).unwrap();
     instance.exit_initialization().unwrap();
     let (mut now, mut value) = (Time::ZERO, [0.0]);

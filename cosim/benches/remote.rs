@@ -93,8 +93,8 @@ fn stepped(instance: &mut Instance, number: u32) -> f64 {
     let reference =
         |name: &str| [instance.fmu().description().variable(name).unwrap().value_reference];
     let (u, y) = (reference("u"), reference("y"));
-    let step = Time::from_seconds(1e-3, "step").unwrap();
-    let mut now = Time::from_seconds(f64::from(number * STEPS) * 1e-3, "t").unwrap();
+    let step = Time::from_seconds(1e-3);
+    let mut now = Time::from_seconds(f64::from(number * STEPS) * 1e-3);
     let mut value = [0.0];
     let begun = Instant::now();
     for k in 0..STEPS {

@@ -23,7 +23,7 @@ fn main() -> Result<()> {
     let mut arguments = std::env::args().skip(1);
     let file = arguments.next().unwrap_or("examples/baseline.ssd".to_owned());
     let runs = arguments.next().and_then(|runs| runs.parse().ok()).unwrap_or(3);
-    let second = |s: i64| Time::from_nanoseconds(s * 1_000_000_000);
+    let second = |s: i64| Time::from_ns(s * 1_000_000_000);
     let system = System::load(&file, &Overrides::new())?;
     for seed in 1..=runs {
         let overrides = Overrides::new().start_value("dvl.seed", seed).stop_time(200.0);

@@ -43,7 +43,7 @@
 //! }
 //!
 //! let system = System::load("vehicle.ssd", &Overrides::new())?;
-//! let (mut results, mut fault) = (Recording::new(), Fault(Some(Time::from_seconds(10.0, "t")?)));
+//! let (mut results, mut fault) = (Recording::new(), Fault(Some(Time::from_seconds(10.0))));
 //! let summary = Run::new(&system).observe(&mut results).manipulate(&mut fault).go()?;
 //! results.write_csv("with_fault.csv")?;
 //! # Ok::<(), cosim::Error>(())

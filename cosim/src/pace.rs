@@ -58,9 +58,9 @@ impl Pace {
     /// The number of steps between readings of the clock, so that they are not too frequent.
     fn choose_step(&mut self) {
         let shortest = SHORTEST.as_nanos() as f64 * self.factor.unwrap_or(1.0);
-        let smallest = self.smallest.nanoseconds();
+        let smallest = self.smallest.ns();
         let count = (shortest / smallest as f64).ceil().clamp(1.0, 1e9) as i64;
-        self.step = Time::from_nanoseconds(smallest.saturating_mul(count));
+        self.step = Time::from_ns(smallest.saturating_mul(count));
     }
 
     /// The overruns so far.

@@ -44,7 +44,7 @@ use crate::master::{Controls, Manipulator};
 use crate::names::{self, Aliases};
 use crate::observe::Stop;
 use crate::system::System;
-use crate::time::{Step, Time};
+use crate::time::{self, Step, Time};
 
 /// A scenario as a manipulator.
 #[derive(Debug, Clone)]
@@ -158,7 +158,7 @@ impl Scenario {
             waiting: Vec::new(),
             look: Time::NEVER,
             start: Time::ZERO,
-            interval: Step::whole(Time::from_nanoseconds(1)),
+            interval: Step::whole(Time::from_ns(1)),
         }
     }
 
@@ -280,7 +280,7 @@ fn read_event(event: &Value, defaults: &Map<String, Value>) -> Result<Event, Str
 
 fn time(value: Option<&Value>) -> Result<Time, String> {
     let seconds = value.and_then(Value::as_f64).ok_or("\"time\" is missing or not a number")?;
-    Time::from_seconds(seconds, "the time").map_err(|e| e.what().to_owned())
+    time::from_seconds(seconds, "the time").map_err(|e| e.what().to_owned())
 }
 
 fn unknown_key(object: &Map<String, Value>, known: &[&str]) -> Option<String> {
@@ -422,7 +422,7 @@ mod tests {
             "events": [{"time": 2, "action": "reset"}, {"time": 1, "value": true},
                        {"time": 2, "model": "b", "action": "bias", "value": -1.5}]}"#;
         let scenario = parse(text, Path::new("s.json")).unwrap();
-        let at = |seconds, what| Event { time: Time::from_seconds(seconds, "t").unwrap(), what };
+        let at = |seconds, what| Event { time: Time::from_seconds(seconds), what };
         let wanted = [
             at(1.0, Action::Override("a.x".into(), 1.0)),
             at(2.0, Action::Reset("a.x".into())),

@@ -135,7 +135,7 @@ mod tests {
         let signals = Signals::new(&[0.0, 1.0, 1.0, 2.0], vec![of(true), of(false)]).unwrap();
         let at = |seconds| {
             let mut values = [0.0; 2];
-            let time = Time::from_seconds(seconds, "t").unwrap();
+            let time = Time::from_seconds(seconds);
             signals.values_at(time, &[0, 1], &mut values);
             values
         };

@@ -10,7 +10,7 @@ use toml::de::{DeTable, DeValue};
 
 use crate::error::{Code, Error, Result};
 use crate::names;
-use crate::time::Time;
+use crate::time::{self, Time};
 
 /// A TOML file and its problems.
 pub(crate) struct Document<'a> {
@@ -232,7 +232,7 @@ impl<'d> Entry<'d> {
 
     /// As seconds.
     pub(crate) fn seconds(&self, number: f64) -> Option<Time> {
-        Time::from_seconds(number, &self.name).map_err(|e| self.wrong(e.what())).ok()
+        time::from_seconds(number, &self.name).map_err(|e| self.wrong(e.what())).ok()
     }
 
     /// As text.

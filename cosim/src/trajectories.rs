@@ -9,7 +9,7 @@ use crate::observe::{Form, Observer, Recording, RunInfo};
 use crate::roles::{Declaration, Measure, Names, Roles};
 use crate::ros::{self, Topics};
 use crate::system::{Column, Port, RawUnit};
-use crate::time::{Step, Time};
+use crate::time::{self, Step, Time};
 
 impl Recording {
     /// Passes a recording to a recorder. Booleans have become Integers.
@@ -31,12 +31,12 @@ impl Recording {
         });
         let columns: Vec<Column> = columns.collect();
         let times =
-            self.time().iter().map(|seconds| Time::from_seconds(*seconds, "a time of the results"));
+            self.time().iter().map(|seconds| time::from_seconds(*seconds, "a time of the results"));
         let times: Vec<Time> = times.collect::<Result<_>>()?;
         let (Some(&start), Some(&stop)) = (times.first(), times.last()) else {
             return Err(Error::new(Code::Results, "the results are empty"));
         };
-        let output_interval = Step::whole(Time::from_nanoseconds(1));
+        let output_interval = Step::whole(Time::from_ns(1));
         let info = RunInfo { name, columns: &columns, start, stop, output_interval, resumed: None };
         let mut row = vec![0.0; columns.len()];
         let mut outcome = recorder.start(&info);

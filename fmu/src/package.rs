@@ -122,24 +122,14 @@ pub fn fmu(
 /// the tuple that 2.0.4 adopted from FMI 3.0 (section 2.3.1).
 #[must_use]
 pub fn platform(os: &str, arch: &str) -> String {
-    let bits = match arch {
-        "x86_64" => "64",
-        "x86" => "32",
-        _ => return tuple(os, arch),
-    };
-    match os {
-        "windows" => format!("win{bits}"),
-        "macos" => format!("darwin{bits}"),
-        os => format!("{os}{bits}"),
-    }
+    fmu_standard::folders(os, arch).first().map_or_else(|| tuple(os, arch), ToString::to_string)
 }
 
 /// The platform tuple of FMI 3.0 (section 2.5.1.4.1), by the names in [`std::env::consts`].
 #[must_use]
 pub fn tuple(os: &str, arch: &str) -> String {
-    let arch = if arch == "arm" { "aarch32" } else { arch };
-    let os = if os == "macos" { "darwin" } else { os };
-    format!("{arch}-{os}")
+    let folders = fmu_standard::folders(os, arch);
+    folders.last().map_or_else(|| format!("{arch}-{os}"), ToString::to_string)
 }
 
 /// The file name endings of libraries in a folder of binaries.

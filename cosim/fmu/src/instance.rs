@@ -45,7 +45,7 @@ impl Inside for System {
     }
 
     fn debug(&mut self, on: bool, categories: &[&str]) -> Result<()> {
-        let known = cosim::fmi::LOG_CATEGORIES.map(|(name, _)| name);
+        let known = cosim::fmi::Category::ALL.map(cosim::fmi::Category::name);
         if let Some(unknown) = categories.iter().find(|name| !known.contains(name)) {
             let what = format!("unknown log category \"{unknown}\"");
             let all = known.join(", ");
@@ -60,8 +60,8 @@ impl Inside for System {
     }
 
     fn enter(&mut self, experiment: &Experiment) -> Result<()> {
-        let start = Time::from_seconds(experiment.start_s, "the start time")?;
-        let stop = experiment.stop_s.map(|stop| Time::from_seconds(stop, "the stop time"));
+        let start = cosim::time::from_seconds(experiment.start_s, "the start time")?;
+        let stop = experiment.stop_s.map(|stop| cosim::time::from_seconds(stop, "the stop time"));
         self.0.enter(start, stop.transpose()?.unwrap_or(Time::NEVER))
     }
 
@@ -74,7 +74,7 @@ impl Inside for System {
     }
 
     fn step(&mut self, t: f64, h: f64) -> Result<()> {
-        self.0.advance(Time::from_seconds(t + h, "the end of the step")?)
+        self.0.advance(cosim::time::from_seconds(t + h, "the end of the step")?)
     }
 
     #[inline]

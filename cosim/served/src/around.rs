@@ -7,16 +7,12 @@ use cosim::fmi::Basic;
 use cosim::fmi::calls::Values;
 use cosim::{Code, Error};
 use fmu_kit::kernel::{
-    Call, Category, Interface, Log, Phase, Request, SPREAD, Served, Status, Trouble,
+    Call, Category, Interface, Log, Phase, Request, SPREAD, Served, Status, Trouble, accepts,
     check_experiment, check_step, hand_out, is_instant, seal, spare, unseal,
 };
 use serde::{Deserialize, Serialize};
 
 use crate::{Experiment, Inside};
-
-/// `fmi2Discard` and `fmi2Fatal` as returned by the inner FMUs.
-const DISCARD: i32 = 2;
-const FATAL: i32 = 4;
 
 /// Memory for each value that is read or set (bytes); texts are checked before.
 const VALUE: usize = 64;
@@ -100,12 +96,10 @@ impl<I: Inside> Around<I> {
     fn pass_on_messages(&mut self) {
         for message in self.inside.messages() {
             let text = || format!("{} ({}): {}", message.instance, message.category, message.text);
-            match message.status {
-                0 => self.log.event(text),
-                1 => self.log.pass_on(Status::Warning, &text()),
-                DISCARD => self.log.pass_on(Status::Discard, &text()),
-                FATAL => self.log.pass_on(Status::Fatal, &text()),
-                _ => self.log.pass_on(Status::Error, &text()),
+            match Status::from_number(message.status) {
+                Some(Status::Ok) => self.log.event(text),
+                None | Some(Status::Pending) => self.log.pass_on(Status::Error, &text()),
+                Some(status) => self.log.pass_on(status, &text()),
             }
         }
     }
@@ -168,9 +162,11 @@ impl<I: Inside> Around<I> {
 /// An inner error as one line, and the corresponding status.
 fn trouble(error: &Error) -> Trouble {
     let status = match (error.status(), error.code()) {
-        (Some(DISCARD), _) | (None, Code::Step | Code::Ended) => Status::Discard,
-        (Some(FATAL), _) => Status::Fatal,
-        _ => Status::Error,
+        (None, Code::Step | Code::Ended) => Status::Discard,
+        (status, _) => match status.and_then(Status::from_number) {
+            Some(status @ (Status::Discard | Status::Fatal)) => status,
+            _ => Status::Error,
+        },
     };
     Trouble { status, text: error.line() }
 }
@@ -180,7 +176,7 @@ impl<I: Inside> Served for Around<I> {
 
     #[inline]
     fn call(&mut self, call: Call, work: impl FnOnce(&mut Self) -> Result<(), Trouble>) -> Status {
-        if !(self.run.phase.allows(call) && call.belongs_to(Interface::CoSimulation)) {
+        if !(accepts(self.run.phase, call) && call.belongs_to(Interface::CoSimulation)) {
             return self.log.out_of_order(call, self.run.phase, Interface::CoSimulation);
         }
         let done = work(self);

@@ -31,8 +31,9 @@ impl Snapshots {
         if self.snapshot_every.is_none() && self.snapshot_at.is_empty() {
             return Ok(None);
         }
-        let every = self.snapshot_every.map(|s| Step::from_seconds(s, "--snapshot-every"));
-        let at = self.snapshot_at.iter().map(|s| Time::from_seconds(*s, "--snapshot-at"));
+        let every =
+            self.snapshot_every.map(|s| cosim::time::step_from_seconds(s, "--snapshot-every"));
+        let at = self.snapshot_at.iter().map(|s| cosim::time::from_seconds(*s, "--snapshot-at"));
         Ok(Some((every.transpose()?.map(Step::rounded), at.collect::<Result<_>>()?)))
     }
 

@@ -45,7 +45,7 @@ impl Setup {
         require(nodes == components, || {
             format!("it names {components} components, its plan has {nodes}")
         })?;
-        let timely = |time: Time| (-LATEST..LATEST).contains(&time.nanoseconds());
+        let timely = |time: Time| (-LATEST..LATEST).contains(&time.ns());
         require(timely(self.start) && timely(self.stop) && self.start <= self.stop, || {
             format!("it begins at {} and ends at {}", self.start, self.stop)
         })?;
@@ -99,7 +99,7 @@ fn check_plan(plan: &Plan) -> Result<()> {
 }
 
 fn check_node(plan: &Plan, node: &Node) -> Result<()> {
-    require(node.step.is_sound() && node.step.rounded().nanoseconds() < LATEST, || {
+    require(node.step.is_sound() && node.step.rounded().ns() < LATEST, || {
         format!("a step is {} long", node.step)
     })?;
     for (slots, variables, limit, what) in [

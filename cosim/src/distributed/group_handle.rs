@@ -127,7 +127,7 @@ impl GroupHandle {
             Some((Header { kind: Kind::Step, time, .. }, _)) => format!("the step to t = {time}"),
             Some((Header { kind: Kind::Calls, time, .. }, body)) => {
                 let asks: Vec<Ask> = body.structure().unwrap_or_default();
-                let function = Ask::main(&asks).map_or("a call", Ask::function);
+                let function = Ask::main(&asks).map_or("a call", |ask| ask.function().name());
                 format!("{function} at t = {time}")
             }
             Some((Header { kind, .. }, _)) => format!("the command {kind:?}"),

@@ -141,7 +141,7 @@ mod tests {
 
     fn status(process: ProcessState, inside: bool) -> ProcessStatus {
         let (function, component) = ("fmi2DoStep".to_owned(), "x".to_owned());
-        let call = Call { function, component, time: Time::from_nanoseconds(300_000_000), inside };
+        let call = Call { function, component, time: Time::from_ns(300_000_000), inside };
         ProcessStatus { process, call: Some(call) }
     }
 

@@ -145,7 +145,7 @@ impl Remote {
 
     fn send(&mut self, asks: &[Ask]) -> Result<Vec<u8>> {
         if let Some(Ask::Step(t, _)) = Ask::main(asks) {
-            self.dispatcher.now = Time::from_seconds(*t, "t").unwrap_or(self.dispatcher.now);
+            self.dispatcher.now = Time::try_from_seconds(*t).unwrap_or(self.dispatcher.now);
         }
         let mut message = self.dispatcher.groups[0].command(Kind::Calls, 0, self.dispatcher.now);
         message.extend(bytes(&asks)?);

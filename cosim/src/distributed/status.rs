@@ -94,7 +94,7 @@ impl Board {
     pub(super) fn status(&self) -> Status {
         let counts = self.counts();
         let mut status = counts.fixed.clone();
-        status.time = Time::from_nanoseconds(counts.time).seconds();
+        status.time = Time::from_ns(counts.time).seconds();
         status.elapsed = counts.begun.elapsed().as_secs_f64();
         let simulated = counts.first.map_or(0, |first| counts.time - first) as f64 * 1e-9;
         status.real_time_factor = simulated / status.elapsed.max(1e-9);
@@ -122,7 +122,7 @@ impl Board {
             return;
         };
         let mut counts = self.counts();
-        counts.time = header.time.nanoseconds();
+        counts.time = header.time.ns();
         if counts.first.is_none() {
             counts.first = Some(counts.time);
             counts.begun = Instant::now();

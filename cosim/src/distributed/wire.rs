@@ -123,7 +123,7 @@ impl Header {
         bytes.extend(self.generation.to_le_bytes());
         bytes.extend(self.sequence.to_le_bytes());
         bytes.extend(self.tables.to_le_bytes());
-        bytes.extend(self.time.nanoseconds().to_le_bytes());
+        bytes.extend(self.time.ns().to_le_bytes());
         bytes
     }
 
@@ -147,7 +147,7 @@ impl Header {
             generation: u32::from_le_bytes(body.take()?),
             sequence: u64::from_le_bytes(body.take()?),
             tables: u64::from_le_bytes(body.take()?),
-            time: Time::from_nanoseconds(i64::from_le_bytes(body.take()?)),
+            time: Time::from_ns(i64::from_le_bytes(body.take()?)),
         };
         Ok((header, body))
     }
@@ -273,7 +273,7 @@ mod tests {
             generation: 0x0102_0304,
             sequence: 0x1122_3344_5566_7788,
             tables: 0xA0A1_A2A3_A4A5_A6A7,
-            time: Time::from_nanoseconds(-2),
+            time: Time::from_ns(-2),
         }
     }
 

@@ -7,7 +7,7 @@
 use std::collections::BTreeSet;
 
 use crate::error::{Code, Error, Result};
-use crate::fmi::{Basic, Causality, Kind, Value, Variability, Variable};
+use crate::fmi::{Causality, Kind, Value, Variability, Variable};
 use crate::hosted::interface::{End, Exposed, Role};
 use crate::names;
 use crate::system::{Conversion, Port, System, SystemPort};
@@ -71,7 +71,7 @@ fn of_component(system: &System, port: Port, described: &Variable, driven: bool)
         matches!(causality, Causality::Output | Causality::Parameter | Causality::Input);
     let exposed = Exposed {
         name: system.port_name(port),
-        basic: Basic::of(&described.kind),
+        basic: described.kind.basic(),
         role,
         ends: vec![end(system, port, None)],
         start: start_of(system, port, described),
@@ -101,7 +101,7 @@ fn of_system(system: &System, port: &SystemPort) -> Option<(Chosen, bool)> {
     let ends = port.ends.iter();
     let exposed = Exposed {
         name: port.name.clone(),
-        basic: Basic::of(&described.kind),
+        basic: described.kind.basic(),
         role,
         ends: ends.clone().map(|(port, way)| end(system, *port, way.clone())).collect(),
         start,

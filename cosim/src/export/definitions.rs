@@ -5,8 +5,9 @@
 
 use std::collections::BTreeSet;
 
-use crate::system::{Xml, number};
-use crate::units::{BASES, Unit};
+use fmu_standard::Xml;
+
+use crate::units::Unit;
 use crate::xml::{Attribute, Element, Name};
 
 /// What the exposed variables refer to.
@@ -68,16 +69,8 @@ impl Definitions {
             return Vec::new();
         };
         let attribute = |name: &str, value: String| Attribute { name: name.into(), value };
-        let bases = BASES.iter().zip(unit.exponents).filter(|(_, exponent)| *exponent != 0);
-        let mut base: Vec<Attribute> =
-            bases.map(|(base, exponent)| attribute(base, exponent.to_string())).collect();
-        if unit.factor != 1.0 {
-            base.push(attribute("factor", number(unit.factor)));
-        }
-        if unit.offset != 0.0 {
-            base.push(attribute("offset", number(unit.offset)));
-        }
-        let base = element("BaseUnit", base, Vec::new());
+        let base = unit.attributes().into_iter().map(|(name, value)| attribute(name, value));
+        let base = element("BaseUnit", base.collect(), Vec::new());
         let unit = element("Unit", vec![attribute("name", name.clone())], vec![base]);
         vec![("unit".to_owned(), add(&mut self.units, unit, &BTreeSet::new()))]
     }
@@ -110,7 +103,7 @@ impl Definitions {
         for (list, elements) in lists.into_iter().filter(|(_, elements)| !elements.is_empty()) {
             xml.start(list, &[]);
             elements.iter().for_each(|element| copy(xml, element));
-            xml.end();
+            xml.close();
         }
     }
 }
@@ -185,5 +178,5 @@ fn copy(xml: &mut Xml, element: &Element) {
     }
     xml.start(name, &attributes);
     element.children.iter().for_each(|child| copy(xml, child));
-    xml.end();
+    xml.close();
 }

@@ -3,13 +3,15 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use fmu_standard::{Initial, Xml, number};
+
 use super::choice::Chosen;
 use super::definitions::Definitions;
 use super::feedthrough;
 use crate::error::Result;
-use crate::fmi::{Basic, Causality, Fmu, InterfaceType, LOG_CATEGORIES, Value};
+use crate::fmi::{Basic, Category, Causality, Fmu, InterfaceType, Value, Variability};
 use crate::hosted::interface::{Exposed, Role};
-use crate::system::{Port, System, Xml, base_step, number};
+use crate::system::{Port, System, base_step};
 use crate::xml::{self, Element};
 
 /// Writes the description of a system and its exposed variables.
@@ -46,10 +48,11 @@ impl Description<'_> {
         self.interface(&mut xml);
         definitions.write(&mut xml);
         xml.start("LogCategories", &[]);
-        for (name, description) in LOG_CATEGORIES {
+        for category in Category::ALL {
+            let (name, description) = (category.name(), category.description());
             xml.empty("Category", &[("name", name), ("description", description)]);
         }
-        xml.end();
+        xml.close();
         self.experiment(&mut xml);
         self.variables(&mut xml, &types);
         self.structure(&mut xml);
@@ -158,18 +161,18 @@ impl Description<'_> {
                 attributes.push(("variability", variable.variability.name()));
             }
             if *role == Role::Start {
-                attributes.push(("initial", "exact"));
+                attributes.push(("initial", Initial::Exact.name()));
             }
-            let constant = described.is_some_and(|v| v.variability.name() == "constant");
+            let constant = described.is_some_and(|v| v.variability == Variability::Constant);
             let start = (role.starts() || constant).then(|| text(start));
             let mut inside: Vec<(&str, &str)> =
                 typed.iter().map(|(name, value)| (name.as_str(), value.as_str())).collect();
             inside.extend(start.as_ref().map(|start| ("start", start.as_str())));
             xml.start("ScalarVariable", &attributes);
             xml.empty(self.kind(chosen), &inside);
-            xml.end();
+            xml.close();
         }
-        xml.end();
+        xml.close();
     }
 
     fn structure(&self, xml: &mut Xml) {
@@ -198,7 +201,7 @@ impl Description<'_> {
                 && !self.is_constant(c)
         };
         self.unknowns(xml, "InitialUnknowns", initially, |_| None);
-        xml.end();
+        xml.close();
     }
 
     /// A list of variables with their dependencies, if those are known.
@@ -221,13 +224,13 @@ impl Description<'_> {
             attributes.extend(dependencies.as_ref().map(|on| ("dependencies", on.as_str())));
             xml.empty("Unknown", &attributes);
         }
-        xml.end();
+        xml.close();
     }
 
     fn is_constant(&self, chosen: &Chosen) -> bool {
         let model = &self.system.components()[chosen.port().component].model;
         let described = model.description().map(|d| &d.variables[chosen.port().variable]);
-        described.is_some_and(|variable| variable.variability.name() == "constant")
+        described.is_some_and(|variable| variable.variability == Variability::Constant)
     }
 }
 

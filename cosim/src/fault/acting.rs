@@ -333,7 +333,7 @@ impl Acting {
             Kind::Reordering { .. } if !self.acts() => self.late.clear(),
             Kind::Reordering { delay, again, .. } if self.taken == Some(self.now) => {
                 self.late.retain(|(of, ..)| *of != self.now);
-                let late = Time::from_nanoseconds(libm::rint(delay * 1e9) as i64);
+                let late = Time::from_ns(libm::rint(delay * 1e9) as i64);
                 if !self.lost || again {
                     self.late.push_back((self.now, self.now, value));
                 }
@@ -363,7 +363,7 @@ impl Acting {
             *newest = value;
             return;
         }
-        let delay = Time::from_nanoseconds(libm::rint(self.delay * 1e9) as i64);
+        let delay = Time::from_ns(libm::rint(self.delay * 1e9) as i64);
         let last = self.late.back().map_or(self.now, |(_, due, _)| *due);
         self.late.push_back((self.now, (self.now + delay).max(last), value));
         // The newest value that has arrived stays; earlier ones are no longer needed.

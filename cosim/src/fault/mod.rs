@@ -87,9 +87,9 @@ impl Fault {
             Begin::Start => Some(start),
             Begin::At(time) => Some(*time),
             Begin::Between(first, last) => {
-                let span = (*last - *first).nanoseconds() as f64;
+                let span = (*last - *first).ns() as f64;
                 let part = Random::new(&[seed, u64::from(number), 0]).uniform();
-                Some(*first + Time::from_nanoseconds((part * span) as i64))
+                Some(*first + Time::from_ns((part * span) as i64))
             }
             Begin::When(_) => None,
         }

@@ -22,7 +22,7 @@ impl Fault {
     /// begins, or if the variable of its condition was not recorded.
     pub(crate) fn window(&self, seed: u64, number: u32, recording: &Recording) -> Option<Window> {
         let time = recording.time();
-        let start = Time::from_seconds(*time.first()?, "the first instant").ok()?;
+        let start = Time::try_from_seconds(*time.first()?).ok()?;
         let from = match (self.begins(seed, number, start), &self.begin) {
             (Some(from), _) => from.seconds(),
             (None, Begin::When(condition)) => {
@@ -86,7 +86,7 @@ mod tests {
         let time = vec![0.0, 1.0, 2.0, 3.0];
         let recording =
             Recording::from_columns(vec!["z".into()], time, vec![vec![0.0, 5.0, 15.0, 20.0]]);
-        let second = |s: i64| Time::from_nanoseconds(s * 1_000_000_000);
+        let second = |s: i64| Time::from_ns(s * 1_000_000_000);
         let window = |begin, end| fault(begin, end).window(7, 0, &recording);
         let at = window(Begin::At(second(1)), End::After(second(2))).unwrap();
         assert_eq!(

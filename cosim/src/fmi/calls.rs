@@ -3,6 +3,7 @@
 //! Several go together: what is set, the step, and what is read after it are one message in each
 //! direction. Times and values keep their bits, so the instance sees what it would see here.
 
+use fmu_standard::Call;
 use serde::{Deserialize, Serialize};
 
 use super::Basic;
@@ -76,26 +77,26 @@ pub struct Trouble {
 }
 
 impl Ask {
-    /// The name of the function.
-    pub fn function(&self) -> &'static str {
+    /// The function.
+    pub fn function(&self) -> Call {
         match self {
-            Self::Debug(..) => "fmi2SetDebugLogging",
-            Self::SetUp(..) => "fmi2SetupExperiment",
-            Self::Enter => "fmi2EnterInitializationMode",
-            Self::Exit => "fmi2ExitInitializationMode",
-            Self::Reset => "fmi2Reset",
-            Self::Set(_, Values::Real(_)) => "fmi2SetReal",
-            Self::Set(_, Values::Integer(_)) => "fmi2SetInteger",
-            Self::Set(_, Values::Boolean(_)) => "fmi2SetBoolean",
-            Self::Set(_, Values::String(_)) => "fmi2SetString",
-            Self::Get(Basic::Real, _) => "fmi2GetReal",
-            Self::Get(Basic::Integer, _) => "fmi2GetInteger",
-            Self::Get(Basic::Boolean, _) => "fmi2GetBoolean",
-            Self::Get(Basic::String, _) => "fmi2GetString",
-            Self::Step(..) => "fmi2DoStep",
-            Self::Save => "fmi2SerializeFMUstate",
-            Self::Restore(_) => "fmi2SetFMUstate",
-            Self::Derivative(..) => "fmi2GetDirectionalDerivative",
+            Self::Debug(..) => Call::SetDebugLogging,
+            Self::SetUp(..) => Call::SetupExperiment,
+            Self::Enter => Call::EnterInitializationMode,
+            Self::Exit => Call::ExitInitializationMode,
+            Self::Reset => Call::Reset,
+            Self::Set(_, Values::Real(_)) => Call::SetReal,
+            Self::Set(_, Values::Integer(_)) => Call::SetInteger,
+            Self::Set(_, Values::Boolean(_)) => Call::SetBoolean,
+            Self::Set(_, Values::String(_)) => Call::SetString,
+            Self::Get(Basic::Real, _) => Call::GetReal,
+            Self::Get(Basic::Integer, _) => Call::GetInteger,
+            Self::Get(Basic::Boolean, _) => Call::GetBoolean,
+            Self::Get(Basic::String, _) => Call::GetString,
+            Self::Step(..) => Call::DoStep,
+            Self::Save => Call::SerializeFmuState,
+            Self::Restore(_) => Call::SetFmuState,
+            Self::Derivative(..) => Call::GetDirectionalDerivative,
         }
     }
 

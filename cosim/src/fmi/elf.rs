@@ -12,10 +12,8 @@ const MACHINES: &[(u16, &str)] =
     &[(3, "x86"), (40, "arm"), (62, "x86_64"), (183, "aarch64"), (243, "riscv")];
 const SHARED_OBJECT: u16 = 3;
 
-/// Machines with the folders of their Linux binaries: the name of FMI 2.0 first, then the tuple
-/// that 2.0.4 adopted from FMI 3.0 (section 2.3.1).
-const FOLDERS: &[(&str, &[&str])] =
-    &[("x86_64", &["linux64", "x86_64-linux"]), ("aarch64", &["aarch64-linux"])];
+/// The machines whose Linux binaries are supported.
+const SUPPORTED: [&str; 2] = ["x86_64", "aarch64"];
 
 /// Why the file at `path` is not a library for this machine; `Ok` if it may be one.
 pub(super) fn check(path: &Path) -> Result<(), String> {
@@ -30,9 +28,10 @@ pub(super) fn check(path: &Path) -> Result<(), String> {
 pub(crate) fn platform(bytes: &[u8]) -> Result<&'static str, String> {
     let header = bytes.first_chunk().ok_or("it has no header")?;
     let machine = machine(header)?;
-    let folders = FOLDERS.iter().find(|(name, _)| *name == machine).map(|(_, folders)| *folders);
-    let folder = folders.and_then(|folders| folders.first().copied());
-    folder.ok_or_else(|| format!("FMUs for {machine} are not supported"))
+    of_machine(machine)
+        .first()
+        .copied()
+        .ok_or_else(|| format!("FMUs for {machine} are not supported"))
 }
 
 /// Whether binaries in that folder are for this machine.
@@ -48,17 +47,17 @@ pub(crate) fn here() -> Option<&'static str> {
 
 /// The folder names of each platform.
 pub(crate) fn all_folders() -> impl Iterator<Item = &'static [&'static str]> {
-    FOLDERS.iter().map(|(_, names)| *names)
+    SUPPORTED.into_iter().map(of_machine)
 }
 
 /// All folder names of a platform.
 pub(crate) fn folders(folder: &str) -> &'static [&'static str] {
-    FOLDERS.iter().find(|(_, names)| names.contains(&folder)).map_or(&[], |(_, names)| names)
+    all_folders().find(|names| names.contains(&folder)).unwrap_or_default()
 }
 
 /// The folders of a machine's Linux binaries.
 pub(super) fn of_machine(machine: &str) -> &'static [&'static str] {
-    FOLDERS.iter().find(|(name, _)| *name == machine).map_or(&[], |(_, names)| names)
+    if SUPPORTED.contains(&machine) { fmu_standard::folders("linux", machine) } else { &[] }
 }
 
 fn judge(header: &[u8; 20], wanted: &str) -> Result<(), String> {

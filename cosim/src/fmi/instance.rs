@@ -1,10 +1,12 @@
 //! The safe handle of one `fmi2Component`.
 //!
-//! It permits only the calls that FMI 2.0.5 (3.2.3 and 4.2.4, state machines) allows in the current
-//! [`State`], turns statuses into errors, and frees the instance when dropped.
+//! It permits only the calls that FMI allows in the current [`Phase`], turns statuses into errors,
+//! and frees the instance when dropped.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
+
+use fmu_standard::{Call, Phase};
 
 use super::callbacks::{Callbacks, Known};
 use super::description::InterfaceType;
@@ -29,27 +31,6 @@ pub use exchange::NextEvent;
 use followed::{Followed, nothing};
 pub use state::Place;
 
-/// State of an instance.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum State {
-    /// After instantiation or reset: start values may be set.
-    Instantiated,
-    /// In initialization mode: inputs may be set and outputs read.
-    Initialization,
-    /// Co-simulation: between communication points.
-    Ready,
-    /// Model exchange: at an event.
-    EventMode,
-    /// Model exchange: the importer integrates.
-    ContinuousTime,
-    /// A step was refused: values may be read, nothing else.
-    Failed,
-    /// The FMU reported a fatal error: not even freeing is allowed.
-    Fatal,
-}
-
-/// Initialized, and without an error.
-const RUNNING: &[State] = &[State::Ready, State::EventMode, State::ContinuousTime];
 /// An instance of an FMU. The fields that every step uses come first and fit into a cache line,
 /// which matters for systems of hundreds of small FMUs.
 #[repr(C)]
@@ -61,7 +42,7 @@ pub struct Instance {
     time: Time,
     /// The length of the last step, also in seconds.
     step: (Time, f64),
-    state: State,
+    phase: Phase,
     hot: Hot,
     kind: InterfaceType,
     /// Its steps are this fraction of nanoseconds from that start; it gets their seconds unrounded.
@@ -70,7 +51,7 @@ pub struct Instance {
     usual: Option<Step>,
     name: String,
     /// Saved states of the FMU and of this handle, by slot.
-    saved: [Option<(FmuState, State)>; Place::COUNT],
+    saved: [Option<(FmuState, Phase)>; Place::COUNT],
     /// The FMU holds pointers to both of these, so they must not move.
     callbacks: Option<Box<Callbacks>>,
     log: Known,
@@ -94,8 +75,8 @@ impl Instance {
     }
 
     /// The current state.
-    pub fn state(&self) -> State {
-        self.state
+    pub fn phase(&self) -> Phase {
+        self.phase
     }
 
     /// Sets the experiment's start and stop and enters initialization mode.
@@ -107,7 +88,7 @@ impl Instance {
     /// Sets the experiment's start and stop, and in co-simulation the tolerance that the FMU
     /// suggests.
     pub fn set_up(&mut self, start: Time, stop: Time) -> Result<()> {
-        self.require("fmi2SetupExperiment", &[State::Instantiated])?;
+        self.require(Call::SetupExperiment)?;
         self.time = start;
         let known = stop < Time::NEVER;
         let stop = if known { self.end_of_last_step(start, stop) } else { 0.0 };
@@ -119,7 +100,7 @@ impl Instance {
         let (suggested, tolerance) = (tolerance.is_some(), tolerance.unwrap_or(0.0));
         let arguments =
             |_: &Followed| format!("{suggested}, {tolerance:?}, {start:?}, {known}, {stop:?}");
-        self.call("fmi2SetupExperiment", arguments, |f, c| {
+        self.call(Call::SetupExperiment, arguments, |f, c| {
             // SAFETY: `c` is alive and the state allows the call.
             unsafe {
                 let defined = suggested.into();
@@ -137,40 +118,40 @@ impl Instance {
 
     /// Enters initialization mode, after [`Instance::set_up`].
     pub fn enter(&mut self) -> Result<()> {
-        self.require("fmi2EnterInitializationMode", &[State::Instantiated])?;
-        self.call("fmi2EnterInitializationMode", nothing, |f, c| {
+        self.require(Call::EnterInitializationMode)?;
+        self.call(Call::EnterInitializationMode, nothing, |f, c| {
             // SAFETY: as above.
             unsafe { (f.enter_initialization)(c) }
         })?;
-        self.check_process("fmi2EnterInitializationMode");
-        self.state = State::Initialization;
+        self.check_process(Call::EnterInitializationMode.name());
+        self.phase = Phase::Initialization;
         Ok(())
     }
 
     /// Leaves initialization mode.
     pub fn exit_initialization(&mut self) -> Result<()> {
-        self.require("fmi2ExitInitializationMode", &[State::Initialization])?;
-        self.call("fmi2ExitInitializationMode", nothing, |f, c| {
+        self.require(Call::ExitInitializationMode)?;
+        self.call(Call::ExitInitializationMode, nothing, |f, c| {
             // SAFETY: `c` is alive and the state allows the call.
             unsafe { (f.exit_initialization)(c) }
         })?;
-        self.check_process("fmi2ExitInitializationMode");
-        self.state = match self.kind {
-            InterfaceType::CoSimulation => State::Ready,
-            InterfaceType::ModelExchange => State::EventMode,
+        self.check_process(Call::ExitInitializationMode.name());
+        self.phase = match self.kind {
+            InterfaceType::CoSimulation => Phase::Step,
+            InterfaceType::ModelExchange => Phase::Event,
         };
         Ok(())
     }
 
     /// Resets the instance to its state after instantiation.
     pub fn reset(&mut self) -> Result<()> {
-        self.require("fmi2Reset", RUNNING)?;
-        self.call("fmi2Reset", nothing, |f, c| {
+        self.require(Call::Reset)?;
+        self.call(Call::Reset, nothing, |f, c| {
             // SAFETY: `c` is alive and the state allows the call.
             unsafe { (f.reset)(c) }
         })?;
-        self.check_process("fmi2Reset");
-        self.state = State::Instantiated;
+        self.check_process(Call::Reset.name());
+        self.phase = Phase::Instantiated;
         Ok(())
     }
 
@@ -186,11 +167,11 @@ impl Instance {
         &mut self,
         act: impl FnOnce(&mut Self) -> Result<T>,
     ) -> Result<Result<T>> {
-        let state = self.state;
+        let state = self.phase;
         match act(self) {
-            Err(error) if self.state == State::Fatal => Err(error),
+            Err(error) if self.phase == Phase::Fatal => Err(error),
             Err(error) => {
-                self.state = state;
+                self.phase = state;
                 Ok(Err(error))
             }
             done => Ok(done),
@@ -198,24 +179,22 @@ impl Instance {
     }
 
     #[inline(always)]
-    fn require(&self, function: &'static str, allowed: &[State]) -> Result<()> {
-        if allowed.contains(&self.state) {
-            return Ok(());
-        }
-        Err(self.refused(function))
+    fn require(&self, function: Call) -> Result<()> {
+        if self.phase.allows(function) { Ok(()) } else { Err(self.refused(function)) }
     }
 
     #[cold]
-    fn refused(&self, function: &'static str) -> Error {
-        Error::new(Code::Fmu, format!("{function} of '{}' is not allowed now", self.name))
-            .why(format!("the instance is in the state {:?}", self.state))
+    fn refused(&self, function: Call) -> Error {
+        let place = self.phase.place(function, self.kind);
+        let what = format!("{} of '{}' is not allowed {place}", function.name(), self.name);
+        Error::new(Code::Fmu, what)
     }
 
     /// Makes a call. The arguments are formatted only for followers of the calls.
     #[inline(always)]
     fn call(
         &mut self,
-        function: &'static str,
+        function: Call,
         arguments: impl FnOnce(&Followed) -> String,
         call: impl FnOnce(&Functions, Component) -> RawStatus,
     ) -> Result<()> {
@@ -226,7 +205,7 @@ impl Instance {
     #[inline(always)]
     fn get(
         &mut self,
-        function: &'static str,
+        function: Call,
         arguments: impl FnOnce(&Followed) -> String,
         call: impl FnOnce(&Functions, Component) -> RawStatus,
     ) -> Result<()> {
@@ -236,7 +215,7 @@ impl Instance {
     #[inline(always)]
     fn invoke<const RESULTS: bool>(
         &mut self,
-        function: &'static str,
+        function: Call,
         arguments: impl FnOnce(&Followed) -> String,
         call: impl FnOnce(&Functions, Component) -> RawStatus,
     ) -> Result<()> {
@@ -245,7 +224,7 @@ impl Instance {
             None => call(&self.functions, self.component),
             Some(_) => self.followed_call::<RESULTS>(function, arguments, call),
         };
-        float.check(&self.log, function);
+        float.check(&self.log, function.name());
         if status == status::OK || status == status::WARNING {
             return Ok(());
         }
@@ -262,17 +241,17 @@ impl Instance {
     #[inline(never)]
     fn followed_call<const RESULTS: bool>(
         &self,
-        function: &'static str,
+        function: Call,
         arguments: impl FnOnce(&Followed) -> String,
         call: impl FnOnce(&Functions, Component) -> RawStatus,
     ) -> RawStatus {
         let Some(followed) = &self.followed else {
             return call(&self.functions, self.component);
         };
-        followed.begin(function, self.time, arguments);
+        followed.begin(function.name(), self.time, arguments);
         let status = call(&self.functions, self.component);
         let well = status == status::OK || status == status::WARNING;
-        followed.end(function, status, RESULTS && well);
+        followed.end(function.name(), status, RESULTS && well);
         status
     }
 
@@ -285,13 +264,15 @@ impl Instance {
     }
 
     #[cold]
-    fn failed(&mut self, function: &'static str, status: RawStatus) -> Error {
-        self.state = match status {
-            status::FATAL => State::Fatal,
+    fn failed(&mut self, function: Call, status: RawStatus) -> Error {
+        self.phase = match status {
+            status::FATAL => Phase::Fatal,
             // Nothing was called.
-            status::MISSING => self.state,
-            _ => State::Failed,
+            status::MISSING => self.phase,
+            status::DISCARD if function == Call::DoStep => Phase::Failed,
+            _ => Phase::Error,
         };
+        let function = function.name();
         let what = format!("{function} of '{}' failed at t = {}", self.name, self.time);
         let error = Error::new(Code::Fmu, what).at(self.fmu.path()).log(self.log.take());
         let error = error.returned(status);
@@ -311,13 +292,14 @@ impl Drop for Instance {
         }
         // FMI allows no call at all after a fatal error: the instance is leaked, with everything
         // its code may still use. The same applies if another thread could still call it.
-        if self.state == State::Fatal || Arc::strong_count(&self.kept) > 1 {
+        if self.phase == Phase::Fatal || Arc::strong_count(&self.kept) > 1 {
             self.fmu.abandoned.store(true, Ordering::Release);
             std::mem::forget(self.callbacks.take());
             self.log.stay();
             return;
         }
-        let follow = |function, call: &mut dyn FnMut()| {
+        let follow = |function: Call, call: &mut dyn FnMut()| {
+            let function = function.name();
             let float = Float::now();
             if let Some(followed) = &self.followed {
                 followed.begin(function, self.time, nothing);
@@ -329,22 +311,22 @@ impl Drop for Instance {
             }
         };
         for &(mut saved, _) in self.saved.iter().flatten() {
-            follow("fmi2FreeFMUstate", &mut || {
+            follow(Call::FreeFmuState, &mut || {
                 // SAFETY: `saved` is a state of this live instance.
                 unsafe { (functions.free_state)(self.component, &mut saved) };
             });
         }
-        if RUNNING.contains(&self.state) {
-            follow("fmi2Terminate", &mut || {
+        if self.phase.is_running() {
+            follow(Call::Terminate, &mut || {
                 // SAFETY: the state allows it; the status would have no effect any more.
                 unsafe { (functions.terminate)(self.component) };
             });
         }
-        follow("fmi2FreeInstance", &mut || {
+        follow(Call::FreeInstance, &mut || {
             // SAFETY: the component is alive and not used afterwards.
             unsafe { (functions.free_instance)(self.component) };
         });
-        self.check_process("fmi2FreeInstance");
+        self.check_process(Call::FreeInstance.name());
         self.fmu.taken.store(false, Ordering::Release);
     }
 }

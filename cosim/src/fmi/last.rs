@@ -65,7 +65,7 @@ impl LastCall {
         self.write(|page| {
             page[0] = MARK;
             page[1] = 1;
-            page[8..16].copy_from_slice(&time.nanoseconds().to_le_bytes());
+            page[8..16].copy_from_slice(&time.ns().to_le_bytes());
             put(&mut page[FUNCTION..INSTANCE], function);
             put(&mut page[INSTANCE..], instance);
         });
@@ -93,7 +93,7 @@ impl LastCall {
         (page[0] == MARK).then(|| Noted {
             function: get(&page[FUNCTION..INSTANCE]),
             instance: get(&page[INSTANCE..]),
-            time: Time::from_nanoseconds(time),
+            time: Time::from_ns(time),
             inside: page[1] == 1,
         })
     }
@@ -131,7 +131,7 @@ mod tests {
         let file = folder.path().join("last");
         let last = LastCall::create(&file).unwrap();
         assert_eq!(LastCall::read(&file), None);
-        let time = Time::from_nanoseconds(-5);
+        let time = Time::from_ns(-5);
         last.begin("a.b", "fmi2DoStep", time);
         let noted = LastCall::read(&file).unwrap();
         assert_eq!((noted.function.as_str(), noted.instance.as_str()), ("fmi2DoStep", "a.b"));

@@ -7,7 +7,6 @@
 //! `temporary`; the rest is system calls in `files` and `confine`.
 
 pub mod archive;
-mod basic;
 #[allow(unsafe_code, reason = "what FMUs call back")]
 mod callbacks;
 pub mod calls;
@@ -31,27 +30,17 @@ pub(crate) mod status;
 pub(crate) mod temporary;
 mod trace;
 
-pub use basic::Basic;
 pub use description::{
     Causality, Description, InterfaceType, Kind, Output, Value, Variability, Variable,
 };
 pub use fmu::{Fmu, forget};
+pub use fmu_standard::{Basic, Category, Phase};
 #[doc(hidden)]
 pub use guard::Float;
 pub use guard::guard_process;
 pub(crate) use instance::{Direct, DirectSteps, Unusual};
-pub use instance::{Instance, NextEvent, Place, State};
+pub use instance::{Instance, NextEvent, Place};
 pub use last::{LastCall, Noted};
 pub use mailbox::{Mailbox, Message};
 pub use open::has_mapped_python;
 pub use trace::{Logging, Trace};
-
-/// The log categories of the FMUs that `cosim` writes, with the names that the standard recommends
-/// (FMI 2.0.4, section 2.2.4).
-pub const LOG_CATEGORIES: [(&str, &str); 5] = [
-    ("logEvents", "Debug messages, on request"),
-    ("logStatusWarning", "Warnings, always logged"),
-    ("logStatusDiscard", "Values and steps that were discarded, always logged"),
-    ("logStatusError", "Errors, always logged"),
-    ("logStatusFatal", "Failures that end the instance, always logged"),
-];

@@ -43,7 +43,7 @@ impl Foxglove {
 impl Speaker for Foxglove {
     fn greet(&mut self, about: &About) -> Vec<Message> {
         let stamp = |time: Time| {
-            let nanoseconds = time.nanoseconds().max(0);
+            let nanoseconds = time.ns().max(0);
             json!({ "sec": nanoseconds / 1_000_000_000, "nsec": nanoseconds % 1_000_000_000 })
         };
         let all = ["time", "playbackControl"];
@@ -102,7 +102,7 @@ impl Speaker for Foxglove {
             // The protocol has no times before zero.
             let Ok(stamp) = u64::try_from(time) else { continue };
             let subscribed = &self.subscribed;
-            let Ok(()) = channels.each(Time::from_nanoseconds(time), row, |channel, data| {
+            let Ok(()) = channels.each(Time::from_ns(time), row, |channel, data| {
                 for number in subscribed.get(&channel).into_iter().flatten() {
                     let mut message = vec![DATA];
                     message.extend(number.to_le_bytes());
@@ -188,7 +188,7 @@ fn state(newest: &Newest, request: &str) -> Message {
         Newest { ended: true, .. } => 3,
         _ => u8::from(newest.playing.paused),
     };
-    let time = u64::try_from(newest.time.nanoseconds()).unwrap_or(0);
+    let time = u64::try_from(newest.time.ns()).unwrap_or(0);
     let speed = newest.playing.speed.unwrap_or(newest.factor) as f32;
     let mut message = vec![STATE, status];
     message.extend(time.to_le_bytes());

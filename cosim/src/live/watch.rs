@@ -80,7 +80,7 @@ impl Observer for Watch {
     }
 
     fn sample(&mut self, time: Time, values: &[f64]) -> Result<()> {
-        let nanoseconds = time.nanoseconds();
+        let nanoseconds = time.ns();
         // The run waits for no client: a sample is skipped while a new client copies the history.
         if let Ok(mut history) = self.hub.history.try_lock() {
             history.push(nanoseconds, values);

@@ -68,17 +68,17 @@ impl Control {
     }
 
     fn smallest(&self) -> Time {
-        Time::from_nanoseconds((self.largest.nanoseconds() / SMALLEST).max(2))
+        Time::from_ns((self.largest.ns() / SMALLEST).max(2))
     }
 
     /// A length close to the wanted one that divides the remaining time.
     fn length(&self, remaining: Time) -> Time {
         let wanted = self.step.min(self.largest).max(self.smallest());
-        let parts = remaining.nanoseconds() as f64 / wanted.nanoseconds() as f64;
+        let parts = remaining.ns() as f64 / wanted.ns() as f64;
         // A remainder of a tenth of a step is included.
         let parts = (parts - 0.1).ceil().max(1.0);
-        let length = (remaining.nanoseconds() as f64 / parts).ceil() as i64;
-        Time::from_nanoseconds(length).min(remaining)
+        let length = (remaining.ns() as f64 / parts).ceil() as i64;
+        Time::from_ns(length).min(remaining)
     }
 
     /// The greatest difference, relative to the tolerance; NaN if any value is NaN.
@@ -115,7 +115,7 @@ impl Engine {
         self.discarded = None;
         self.together(now, length)?;
         let whole = self.values.clone();
-        let half = Time::from_nanoseconds(length.nanoseconds() / 2);
+        let half = Time::from_ns(length.ns() / 2);
         if self.discarded.is_none() {
             self.go_back(now, kept)?;
             self.together(now, half)?;
@@ -144,8 +144,7 @@ impl Engine {
             Ok(error) if error.is_finite() => SAFETY * libm::pow(error, -control.exponent),
             _ => 0.1,
         };
-        let scaled =
-            |factor: f64| Time::from_nanoseconds((length.nanoseconds() as f64 * factor) as i64);
+        let scaled = |factor: f64| Time::from_ns((length.ns() as f64 * factor) as i64);
         if error.is_ok_and(|error| error <= 1.0 || (smallest && error.is_finite())) {
             if error.is_ok_and(|error| error > 1.0) {
                 if control.forced == 0 {

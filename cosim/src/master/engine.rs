@@ -214,13 +214,8 @@ impl Engine {
     /// not add more.
     pub(crate) fn instants_until(&self, limit: Time) -> u64 {
         let (rest, shortest) = (
-            limit.nanoseconds().saturating_sub(self.next.nanoseconds()).max(0),
-            self.plan
-                .nodes
-                .iter()
-                .map(|node| node.step.rounded().nanoseconds())
-                .min()
-                .unwrap_or(i64::MAX),
+            limit.ns().saturating_sub(self.next.ns()).max(0),
+            self.plan.nodes.iter().map(|node| node.step.rounded().ns()).min().unwrap_or(i64::MAX),
         );
         rest.unsigned_abs() / shortest.max(1).unsigned_abs()
     }

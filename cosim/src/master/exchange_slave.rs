@@ -13,7 +13,7 @@ use super::plan::Node;
 use super::slave::Slave;
 use super::start::StartValues;
 use crate::error::{Code, Error, Result};
-use crate::fmi::{Fmu, Instance, InterfaceType, Kind, Logging, Place, State, Value, Variability};
+use crate::fmi::{Fmu, Instance, InterfaceType, Kind, Logging, Phase, Place, Value, Variability};
 use crate::solver::{Continuous, Settings};
 use crate::system::Component;
 use crate::time::{Step, Time};
@@ -129,7 +129,7 @@ impl Slave for ExchangeSlave {
         self.solver.ramp(&[], &[], &[]);
         let jump = self.discrete.take(values);
         self.continuous.take(values);
-        if self.instance.state() != State::ContinuousTime {
+        if self.instance.phase() != Phase::Continuous {
             self.discrete.set(&mut self.instance)?;
             return self.continuous.set(&mut self.instance);
         }
@@ -180,16 +180,16 @@ impl Slave for ExchangeSlave {
         let described = &self.instance.fmu().description().variables[variable];
         let smooth =
             described.variability == Variability::Continuous && described.kind == Kind::Real;
-        if smooth || self.instance.state() != State::ContinuousTime {
+        if smooth || self.instance.phase() != Phase::Continuous {
             return assign(&mut self.instance, variable, value);
         }
         self.solver.event(&mut self.instance, |instance| assign(instance, variable, value))
     }
 
     fn give(&mut self, variable: usize, value: &Value) -> Result<()> {
-        match (self.instance.state(), value) {
-            (State::ContinuousTime, Value::Real(value)) => self.assign(variable, *value),
-            (State::ContinuousTime, _) => {
+        match (self.instance.phase(), value) {
+            (Phase::Continuous, Value::Real(value)) => self.assign(variable, *value),
+            (Phase::Continuous, _) => {
                 self.solver.event(&mut self.instance, |instance| give(instance, variable, value))
             }
             _ => give(&mut self.instance, variable, value),

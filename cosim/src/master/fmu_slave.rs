@@ -97,7 +97,7 @@ impl FmuSlave {
             self.instance.restore(Place::Retry, begin)?;
             // Use the part that it completed, if that is long enough for a step.
             let came = reached - begin;
-            let half = Time::from_nanoseconds(smaller.nanoseconds() / 2);
+            let half = Time::from_ns(smaller.ns() / 2);
             smaller = if came > Time::ZERO && came < smaller { came } else { half };
             if smaller == Time::ZERO {
                 break;

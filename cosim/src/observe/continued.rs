@@ -3,7 +3,7 @@
 use super::{Observer, Recording, RunInfo, Stop};
 use crate::error::{Code, Error, Result};
 use crate::files::Unfinished;
-use crate::time::Time;
+use crate::time::{self, Time};
 
 /// Passes the recording of an earlier run to a recorder, and then that of the resumed run. In the
 /// end, its file is the same as that of an uninterrupted run.
@@ -46,7 +46,7 @@ impl Observer for Continued {
         let mut last = None;
         let mut row = vec![0.0; info.columns.len()];
         for (sample, &seconds) in self.old.time().iter().enumerate() {
-            let time = Time::from_seconds(seconds, "a time of the results")?;
+            let time = time::from_seconds(seconds, "a time of the results")?;
             if time > until {
                 break;
             }

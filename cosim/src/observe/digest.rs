@@ -21,7 +21,7 @@ use crate::error::{Code, Error, Result};
 use crate::files::{self, Durable};
 use crate::fmi::Kind;
 use crate::texts;
-use crate::time::Time;
+use crate::time::{self, Time};
 
 const UNWRITTEN: &str = "the list of digests cannot be written";
 
@@ -54,7 +54,7 @@ impl RunningDigest {
 
     /// Adds a sample.
     pub fn add(&mut self, time: Time, values: impl IntoIterator<Item = f64>) {
-        self.hash.update(time.nanoseconds().to_le_bytes());
+        self.hash.update(time.ns().to_le_bytes());
         for (place, value) in values.into_iter().enumerate() {
             if !self.texts.is_empty() && self.texts.contains(&place) {
                 let text = texts::text(value);
@@ -86,7 +86,7 @@ impl Recording {
         let mut digest =
             RunningDigest::new(names()).with_texts(names().map(|name| self.is_text(name)));
         for (sample, &seconds) in self.time().iter().enumerate() {
-            let time = Time::from_seconds(seconds, "a time of the results")?;
+            let time = time::from_seconds(seconds, "a time of the results")?;
             digest.add(time, self.columns().map(|(_, values)| values[sample]));
         }
         Ok(digest)

@@ -76,7 +76,7 @@ impl Observer for McapRecorder {
     }
 
     fn sample(&mut self, time: Time, values: &[f64]) -> Result<()> {
-        let log_time = time.nanoseconds().unsigned_abs();
+        let log_time = time.ns().unsigned_abs();
         self.sequence = self.sequence.wrapping_add(1);
         let (Some(writer), Some((channels, numbers))) = (&mut self.writer, &mut self.channels)
         else {

@@ -63,7 +63,7 @@ impl Observer for Progress {
         self.begun = Instant::now();
         self.shown = self.begun;
         if let Some(bar) = &self.bar {
-            bar.set_length((info.stop - info.start).nanoseconds().unsigned_abs());
+            bar.set_length((info.stop - info.start).ns().unsigned_abs());
         }
         Ok(())
     }
@@ -78,7 +78,7 @@ impl Observer for Progress {
         let message = self.message(time, now);
         match &self.bar {
             Some(bar) => {
-                bar.set_position((time - self.start).nanoseconds().unsigned_abs());
+                bar.set_position((time - self.start).ns().unsigned_abs());
                 bar.set_message(message);
             }
             // A closed stderr must not end a run.

@@ -187,10 +187,10 @@ impl Recording {
 
 impl Observer for Recording {
     fn start(&mut self, info: &RunInfo<'_>) -> Result<()> {
-        let span = (info.stop - info.start).nanoseconds();
+        let span = (info.stop - info.start).ns();
         // Only a hint: a wrong guess costs a reallocation, but a run of a year must not allocate
         // all memory at once.
-        let samples = (span / info.output_interval.rounded().nanoseconds() + 2).clamp(0, 1 << 20);
+        let samples = (span / info.output_interval.rounded().ns() + 2).clamp(0, 1 << 20);
         self.names = info.columns.iter().map(|c| c.name.clone()).collect();
         self.forms = info.columns.iter().map(|c| Form::of(&c.kind)).collect();
         let unit = |column: &Column| column.unit().unwrap_or_default().to_owned();

@@ -67,7 +67,7 @@ impl Manifest {
         let of = |causality, basic| {
             let variables = description.variables.iter();
             let those = variables
-                .filter(|v| v.causality == causality && Basic::of(&v.kind) == basic)
+                .filter(|v| v.causality == causality && v.kind.basic() == basic)
                 .map(|v| v.value_reference);
             let mut references: Vec<u32> = those.collect();
             references.sort_unstable();

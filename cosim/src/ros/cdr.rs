@@ -53,7 +53,7 @@ impl<'a> Cdr<'a> {
     /// `std_msgs/Header`; a time after 2038 becomes the last second that ROS can represent.
     pub(crate) fn header(&mut self, stamp: Time, frame: &str) {
         const SECOND: i64 = 1_000_000_000;
-        let nanoseconds = stamp.nanoseconds();
+        let nanoseconds = stamp.ns();
         self.int32(i32::try_from(nanoseconds / SECOND).unwrap_or(i32::MAX));
         self.uint32((nanoseconds % SECOND).unsigned_abs() as u32);
         self.string(frame);

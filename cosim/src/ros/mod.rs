@@ -138,7 +138,7 @@ fn sampled(stamp: Option<Place>, valid: Option<Place>, now: Time, row: &[f64]) -
         return None;
     }
     let Some(stamp) = stamp else { return Some(now) };
-    Time::from_seconds(stamp.value(row), "a stamp").ok().filter(|stamp| *stamp >= Time::ZERO)
+    Time::try_from_seconds(stamp.value(row)).ok().filter(|stamp| *stamp >= Time::ZERO)
 }
 
 /// A name as ROS allows it: lower-case letters, digits, single underscores, starting with a letter.

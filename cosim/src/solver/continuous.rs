@@ -300,7 +300,7 @@ impl Continuous {
         let mut bracket = Bracket::new(&self.z, after, &self.z_trial);
         let width = resolution(LOCATED, self.time);
         while bracket.after - bracket.before > width {
-            let at = bracket.next();
+            let at = bracket.guess();
             self.attempt(instance, at)?;
             self.indicators(instance, at)?;
             bracket.narrow(at, &self.z_trial);

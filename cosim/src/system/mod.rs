@@ -36,7 +36,7 @@ pub use input::Input;
 pub use order::{Loop, Order};
 pub use overrides::Overrides;
 pub(crate) use raw::RawUnit;
-pub(crate) use write::{Xml, base_step, number};
+pub(crate) use write::base_step;
 
 /// A checked system.
 pub struct System {

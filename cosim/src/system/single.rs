@@ -10,7 +10,7 @@ use crate::error::{Code, Error, Result};
 use crate::fmi::{Causality, Description, Fmu, InterfaceType, Kind, Value, Variability};
 use crate::names;
 use crate::signals::{Signal, Signals, Table};
-use crate::time::{Step, Time};
+use crate::time::{self, Step};
 
 /// Steps per run if neither the FMU nor the user sets a step size.
 const DEFAULT_STEPS: f64 = 500.0;
@@ -88,7 +88,7 @@ fn timing(fmu: &Fmu, interface: InterfaceType, overrides: &Overrides) -> Result<
     let suggested = default.stop.filter(|stop| *stop > start).unwrap_or(start + 1.0);
     let stop = overrides.stop_time.unwrap_or(suggested);
     let name = "the step size";
-    let of = |seconds: f64| Step::from_seconds(seconds, name);
+    let of = |seconds: f64| time::step_from_seconds(seconds, name);
     let interval = overrides.output_interval;
     // A run that goes backwards is reported as such.
     let duration = if stop > start { stop - start } else { 1.0 };
@@ -104,8 +104,8 @@ fn timing(fmu: &Fmu, interface: InterfaceType, overrides: &Overrides) -> Result<
         }
         (None, step, interval) => of(step.or(interval).unwrap_or(duration / DEFAULT_STEPS))?,
     };
-    let start = Time::from_seconds(start, "the start time")?;
-    let stop = Time::from_seconds(stop, "the stop time")?;
+    let start = time::from_seconds(start, "the start time")?;
+    let stop = time::from_seconds(stop, "the stop time")?;
     let name = &fmu.description().model_name;
     let stepped = Stepped { name, step, varies: fmu.varies(interface), fmu: true };
     let interval = interval.map_or(Interval::Smallest, Interval::Asked);

@@ -100,7 +100,7 @@ impl Manipulator for Fault {
 #[test]
 fn a_manipulated_input_is_in_the_units_of_its_component() {
     let system = converted(Model::Gain, &Folder::new(), &Overrides::new());
-    let mut fault = Fault(Some(Time::from_nanoseconds(500_000_000)));
+    let mut fault = Fault(Some(Time::from_ns(500_000_000)));
     let mut recording = Recording::new();
     Run::new(&system).observe(&mut recording).manipulate(&mut fault).go().unwrap();
     let values = recording.column("x.y").unwrap();

@@ -214,7 +214,7 @@ fn a_resumed_run_has_the_faults_and_the_chances_of_the_whole_one() {
         };
         let mut first = scenario(MANY).unwrap();
         let run = Run::new(&system).observe(&mut whole).manipulate(&mut first);
-        let every = Time::from_seconds(0.1, "t").unwrap();
+        let every = Time::from_seconds(0.1);
         run.snapshots(Some(every), &[], &mut keep).go().unwrap();
         for snapshot in &kept[..19] {
             let (mut rest, mut again) = (Recording::new(), scenario(MANY).unwrap());

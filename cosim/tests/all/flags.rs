@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use cosim::fmi::{Fmu, Instance, InterfaceType, Logging, Place, State};
+use cosim::fmi::{Fmu, Instance, InterfaceType, Logging, Phase, Place};
 use cosim::{Algorithm, Code, Overrides, System, Time};
 use tempfile::TempDir;
 
@@ -10,7 +10,7 @@ use crate::models::Model;
 use crate::ssd::{Ssd, assert_near, run};
 
 fn seconds(seconds: f64) -> Time {
-    Time::from_seconds(seconds, "t").unwrap()
+    Time::from_seconds(seconds)
 }
 
 /// An FMU in a folder of its own; `flags` are attributes of its CoSimulation element.
@@ -152,7 +152,7 @@ fn a_library_may_lack_what_is_never_called() {
     let error = instance.get_integer(&[0], &mut [0]).unwrap_err().to_string();
     assert!(error.contains("has no fmi2GetInteger") && error.contains("gain.fmu"), "{error}");
     // Nothing was called, so nothing is broken.
-    assert_eq!(instance.state(), State::Ready);
+    assert_eq!(instance.phase(), Phase::Step);
 }
 
 #[test]

@@ -1,13 +1,13 @@
 //! One FMU and one instance: descriptions, states, callbacks.
 
 use cosim::Time;
-use cosim::fmi::{Fmu, Instance, Logging, Place, State};
+use cosim::fmi::{Fmu, Instance, Logging, Phase, Place};
 use tempfile::TempDir;
 
 use crate::models::{Model, pack};
 
 fn seconds(seconds: f64) -> Time {
-    Time::from_seconds(seconds, "t").unwrap()
+    Time::from_seconds(seconds)
 }
 
 fn ready(model: Model) -> Instance {
@@ -41,7 +41,7 @@ fn a_fatal_status_ends_the_instance_and_shows_its_log() {
         }
     };
     assert_eq!(time, seconds(0.2));
-    assert_eq!(instance.state(), State::Fatal);
+    assert_eq!(instance.phase(), Phase::Fatal);
     for part in ["returned Fatal", "step 3 of it", "level 0.500000", "at step 3"] {
         assert!(error.contains(part), "{part} in {error}");
     }

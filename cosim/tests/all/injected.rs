@@ -24,7 +24,7 @@ struct Person {
 impl Person {
     fn new(faults: &[(f64, Value)]) -> Self {
         let fault = |(seconds, fault): &(f64, Value)| {
-            (Time::from_seconds(*seconds, "t").unwrap(), fault.as_object().unwrap().clone())
+            (Time::from_seconds(*seconds), fault.as_object().unwrap().clone())
         };
         let faults = faults.iter().rev().map(fault).collect();
         Self { faults, injected: Injected::default(), refused: Vec::new() }
@@ -83,7 +83,7 @@ fn the_scenario_of_what_was_injected_makes_the_same_run() {
     assert_ne!(touched, run(&system, &mut Person::new(&[])));
 
     // A resumed run injects only what is still to come, and nothing twice.
-    let (mut snapshots, at) = (Vec::new(), [Time::from_seconds(0.8, "t").unwrap()]);
+    let (mut snapshots, at) = (Vec::new(), [Time::from_seconds(0.8)]);
     let mut keep = |snapshot: Snapshot| {
         snapshots.push(snapshot);
         Ok(())

@@ -162,10 +162,10 @@ fn messages_reach_the_instance_that_they_came_from() {
     let fmu = Fmu::open(&Model::Logging.fmu()).unwrap();
     let make = |name| Instance::new(fmu.clone(), name, &Logging::default()).unwrap();
     let (mut a, b) = (make("a"), make("b"));
-    let stop = Time::from_seconds(1.0, "t").unwrap();
+    let stop = Time::from_seconds(1.0);
     a.enter_initialization(Time::ZERO, stop).unwrap();
     a.exit_initialization().unwrap();
-    let step = Time::from_seconds(0.1, "t").unwrap();
+    let step = Time::from_seconds(0.1);
     let mut time = Time::ZERO;
     while a.do_step(time, step).is_ok() {
         time = time + step;

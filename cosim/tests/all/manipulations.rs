@@ -11,7 +11,7 @@ use crate::models::Model::{Clock, Counter, Gain, Integrator, Lag};
 use crate::ssd::{Ssd, assert_near};
 
 fn seconds(seconds: f64) -> Time {
-    Time::from_seconds(seconds, "t").unwrap()
+    Time::from_seconds(seconds)
 }
 
 /// Clock -> gain -> integrator; the second gain is not connected.

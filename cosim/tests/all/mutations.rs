@@ -138,7 +138,7 @@ fn the_structure_is_a_system() {
     let system = System::load(folder.path(), &Overrides::new()).unwrap();
     let names: Vec<&str> = system.components().iter().map(|c| c.name.as_str()).collect();
     assert_eq!(names, ["a", "b", "c", "v"]);
-    assert_eq!(system.output_interval(), cosim::Step::whole(Time::from_nanoseconds(100_000_000)));
+    assert_eq!(system.output_interval(), cosim::Step::whole(Time::from_ns(100_000_000)));
 }
 
 #[test]
@@ -189,7 +189,7 @@ fn snapshots() {
     let folder = TempDir::new().unwrap();
     let file = folder.path().join("a.snapshot");
     let mut keep = |snapshot: Snapshot| snapshot.write(&file);
-    let half = [Time::from_nanoseconds(500_000_000)];
+    let half = [Time::from_ns(500_000_000)];
     Run::new(&system()).snapshots(None, &half, &mut keep).go().unwrap();
     survive(8, &std::fs::read(&file).unwrap(), 1500, readers::snapshot);
 }

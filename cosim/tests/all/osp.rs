@@ -225,7 +225,7 @@ fn decimated_results_are_every_nth_row_of_all() {
         taken = Some(snapshot);
         Ok(())
     };
-    let at = [Time::from_seconds(0.3, "t").unwrap()];
+    let at = [Time::from_seconds(0.3)];
     Run::new(&every(3)).snapshots(None, &at, &mut keep).go().unwrap();
     let taken = taken.unwrap();
     for (factor, expected) in [(3, &[0.6, 0.9][..]), (2, &[0.4, 0.6, 0.8, 1.0]), (4, &[0.4, 0.8])] {

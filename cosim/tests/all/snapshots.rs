@@ -12,7 +12,7 @@ use crate::ssd::{Ssd, zoo};
 use crate::{converted, osp};
 
 fn seconds(seconds: f64) -> Time {
-    Time::from_seconds(seconds, "t").unwrap()
+    Time::from_seconds(seconds)
 }
 
 fn csv(run: impl FnOnce(&mut dyn Observer, &Path)) -> Vec<u8> {

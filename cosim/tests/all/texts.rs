@@ -92,7 +92,7 @@ fn a_run_with_strings_goes_on_from_its_snapshots() {
         kept = Some(snapshot);
         Ok(())
     };
-    let at = cosim::Time::from_seconds(0.5, "t").unwrap();
+    let at = cosim::Time::from_seconds(0.5);
     Run::new(&system).observe(&mut recorder).snapshots(None, &[at], &mut keep).go().unwrap();
     let file = folder.path("x.snapshot");
     kept.unwrap().write(&file).unwrap();

@@ -113,7 +113,7 @@ fn however_it_is_run_the_bytes_are_the_same() {
             taken.push(snapshot);
             Ok(())
         };
-        let every = cosim::Time::from_seconds(0.5, "t").unwrap();
+        let every = cosim::Time::from_seconds(0.5);
         Run::new(&system).snapshots(Some(every), &[], &mut keep).go().unwrap();
         assert!(taken.len() > 2);
         for snapshot in taken.iter().filter(|taken| taken.time() < system.stop_time()) {

@@ -26,7 +26,7 @@ impl Bracket {
 
     /// Where to evaluate next.
     #[must_use]
-    pub fn next(&mut self) -> f64 {
+    pub fn guess(&mut self) -> f64 {
         let width = self.after - self.before;
         self.turn = (self.turn + 1) % 3;
         // The earliest crossing of those that changed.
@@ -87,7 +87,7 @@ mod tests {
         let mut bracket = Bracket::new(&z(0.0), 1.0, &z(1.0));
         let mut calls = 0;
         while bracket.after - bracket.before > 1e-12 {
-            let at = bracket.next();
+            let at = bracket.guess();
             bracket.narrow(at, &z(at));
             calls += 1;
         }

@@ -1,5 +1,7 @@
 //! Co-simulation (FMI 2.0.4, section 4.2).
 
+use fmu_standard::StatusKind;
+
 use crate::kernel::{Call, Served};
 
 use super::arguments::{array, array_mut, place};
@@ -7,11 +9,6 @@ use super::environment::from_here;
 use super::guard::call;
 use super::handles::Library;
 use super::types::*;
-
-/// `fmi2LastSuccessfulTime` of `fmi2StatusKind`
-const LAST_SUCCESSFUL_TIME: fmi2StatusKind = 2;
-/// `fmi2Terminated` of `fmi2StatusKind`
-const TERMINATED: fmi2StatusKind = 3;
 
 /// `fmi2SetRealInputDerivatives`
 pub unsafe fn fmi2SetRealInputDerivatives<L: Library>(
@@ -96,7 +93,9 @@ pub unsafe fn fmi2GetRealStatus<L: Library>(
     call::<L>(c, Call::GetRealStatus, |instance| {
         // SAFETY: the importer passes one Real to fill, as the standard requires.
         match unsafe { place("value", value) } {
-            Ok(value) if s == LAST_SUCCESSFUL_TIME => instance.last_successful_time(value),
+            Ok(value) if s == StatusKind::LastSuccessfulTime as fmi2StatusKind => {
+                instance.last_successful_time(value)
+            }
             Ok(_) => instance.no_status(Call::GetRealStatus, s),
             Err(wrong) => instance.refuse(Call::GetRealStatus, &wrong),
         }
@@ -121,7 +120,7 @@ pub unsafe fn fmi2GetBooleanStatus<L: Library>(
     call::<L>(c, Call::GetBooleanStatus, |instance| {
         // SAFETY: the importer passes one Boolean to fill, as the standard requires.
         match unsafe { place("value", value) } {
-            Ok(value) if s == TERMINATED => {
+            Ok(value) if s == StatusKind::Terminated as fmi2StatusKind => {
                 let mut end = false;
                 let status = instance.wants_to_end(&mut end);
                 *value = end.into();

@@ -80,11 +80,8 @@ pub unsafe fn fmi2Instantiate<L: Library>(
     let made = catch_unwind(AssertUnwindSafe(|| {
         let (name, guid, location) = (name.clone()?.unwrap_or(c""), guid?, location?);
         spare(L::MEMORY).map_err(|trouble| trouble.text)?;
-        let interface = match fmuType {
-            0 => Interface::ModelExchange,
-            1 => Interface::CoSimulation,
-            other => return Err(format!("fmuType = {other} is neither 0 nor 1")),
-        };
+        let interface = Interface::from_number(fmuType)
+            .ok_or_else(|| format!("fmuType = {fmuType} is neither 0 nor 1"))?;
         if name.is_empty() {
             return Err("instanceName is missing or empty".to_owned());
         }

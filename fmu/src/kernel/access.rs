@@ -6,10 +6,12 @@
 use std::ffi::{CStr, CString};
 use std::ops::Range;
 
-use super::call::{Call, Phase};
+use fmu_standard::{Basic, Call, Phase, Status};
+
+use super::call::accepts;
 use super::instance::{Instance, new_edition};
-use super::status::{Status, Trouble};
-use super::table::{Group, Kind, Variable};
+use super::status::Trouble;
+use super::table::{Group, Variable};
 use super::values::{all_finite, gather};
 
 /// The exponent of a Real; all ones if it is not finite.
@@ -21,7 +23,7 @@ impl Instance {
     /// No code of a component runs here, and nothing is computed in floating point.
     #[inline]
     pub fn get_fresh(&self, references: &[u32], into: &mut [f64]) -> Option<()> {
-        if !self.run.phase.allows(Call::GetReal) {
+        if !accepts(self.run.phase, Call::GetReal) {
             return None;
         }
         let fresh = self.values.reals.get(..self.fresh_reals())?;
@@ -48,7 +50,7 @@ impl Instance {
             for (reference, place) in references.iter().zip(into) {
                 match me.values.reals.get(*reference as usize) {
                     Some(value) => *place = *value,
-                    None => return Err(me.unknown(Kind::Real, *reference)),
+                    None => return Err(me.unknown(Basic::Real, *reference)),
                 }
             }
             Ok(())
@@ -61,7 +63,7 @@ impl Instance {
             me.up_to_date(&[])?;
             for (reference, place) in references.iter().zip(into) {
                 let value = me.values.integers.get(*reference as usize);
-                *place = *value.ok_or_else(|| me.unknown(Kind::Integer, *reference))?;
+                *place = *value.ok_or_else(|| me.unknown(Basic::Integer, *reference))?;
             }
             Ok(())
         })
@@ -73,7 +75,7 @@ impl Instance {
             me.up_to_date(&[])?;
             for (index, reference) in references.iter().enumerate() {
                 let value = me.values.booleans.get(*reference as usize);
-                give(index, *value.ok_or_else(|| me.unknown(Kind::Boolean, *reference))?);
+                give(index, *value.ok_or_else(|| me.unknown(Basic::Boolean, *reference))?);
             }
             Ok(())
         })
@@ -85,7 +87,7 @@ impl Instance {
             me.up_to_date(&[])?;
             for (index, reference) in references.iter().enumerate() {
                 let value = me.values.strings.get(*reference as usize);
-                give(index, value.ok_or_else(|| me.unknown(Kind::String, *reference))?);
+                give(index, value.ok_or_else(|| me.unknown(Basic::String, *reference))?);
             }
             Ok(())
         })
@@ -133,7 +135,7 @@ impl Instance {
             let first = if me.is_starting() { 0 } else { inputs.start };
             let settable = first..inputs.end;
             let tunable = |reference: &u32| {
-                me.table.find(Kind::Real, *reference).is_some_and(Variable::is_settable_later)
+                me.table.find(Basic::Real, *reference).is_some_and(Variable::is_settable_later)
             };
             let outside =
                 |reference: &u32| !settable.contains(&(*reference as usize)) && !tunable(reference);
@@ -143,7 +145,7 @@ impl Instance {
                 return Err(me.cannot_set_reals(&settable, references, values));
             }
             if references.iter().any(|reference| !inputs.contains(&(*reference as usize))) {
-                me.check_bounds(Kind::Real, references, values)?;
+                me.check_bounds(Basic::Real, references, values)?;
             }
             assign(&mut me.values.reals, references, values);
             me.changed(references, |explicit| &mut explicit.reals)
@@ -152,12 +154,12 @@ impl Instance {
 
     /// `fmi2SetInteger`, enumerations included
     pub fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Status {
-        if self.changes_nothing(Kind::Integer, references, values, &self.values.integers) {
+        if self.changes_nothing(Basic::Integer, references, values, &self.values.integers) {
             return Status::Ok;
         }
         self.call(Call::SetInteger, |me| {
-            me.check_settable(Kind::Integer, references)?;
-            me.check_bounds(Kind::Integer, references, values)?;
+            me.check_settable(Basic::Integer, references)?;
+            me.check_bounds(Basic::Integer, references, values)?;
             assign(&mut me.values.integers, references, values);
             me.changed(references, |explicit| &mut explicit.integers)
         })
@@ -165,11 +167,11 @@ impl Instance {
 
     /// `fmi2SetBoolean`
     pub fn set_boolean(&mut self, references: &[u32], values: &[bool]) -> Status {
-        if self.changes_nothing(Kind::Boolean, references, values, &self.values.booleans) {
+        if self.changes_nothing(Basic::Boolean, references, values, &self.values.booleans) {
             return Status::Ok;
         }
         self.call(Call::SetBoolean, |me| {
-            me.check_settable(Kind::Boolean, references)?;
+            me.check_settable(Basic::Boolean, references)?;
             assign(&mut me.values.booleans, references, values);
             me.changed(references, |explicit| &mut explicit.booleans)
         })
@@ -178,7 +180,7 @@ impl Instance {
     /// `fmi2SetString`; `None` stands for NULL.
     pub fn set_string(&mut self, references: &[u32], values: &[Option<CString>]) -> Status {
         self.call(Call::SetString, |me| {
-            me.check_settable(Kind::String, references)?;
+            me.check_settable(Basic::String, references)?;
             let mut texts = Vec::with_capacity(values.len());
             for (reference, value) in references.iter().zip(values) {
                 let wrong = match value {
@@ -189,7 +191,7 @@ impl Instance {
                     Some(_) => "the text is not UTF-8",
                     None => "the text is NULL",
                 };
-                let name = me.name(Kind::String, *reference);
+                let name = me.name(Basic::String, *reference);
                 return Err(Trouble::error(format_args!("{name}: {wrong}")));
             }
             assign(&mut me.values.strings, references, &texts);
@@ -252,7 +254,7 @@ impl Instance {
     /// discrete ones only at events, where FMPy changes them; but FMPy also sets them in between.
     fn changes_nothing<T: PartialEq>(
         &self,
-        kind: Kind,
+        kind: Basic,
         references: &[u32],
         values: &[T],
         all: &[T],
@@ -268,7 +270,7 @@ impl Instance {
     }
 
     /// Whether variables other than Reals can be set now.
-    fn check_settable(&self, kind: Kind, references: &[u32]) -> Result<(), Trouble> {
+    fn check_settable(&self, kind: Basic, references: &[u32]) -> Result<(), Trouble> {
         for reference in references {
             match self.table.find(kind, *reference) {
                 None => return Err(self.unknown(kind, *reference)),
@@ -283,7 +285,7 @@ impl Instance {
     /// Parameters must be within their declared bounds, enumerations among their items.
     fn check_bounds<T: Copy + Into<f64>>(
         &self,
-        kind: Kind,
+        kind: Basic,
         references: &[u32],
         values: &[T],
     ) -> Result<(), Trouble> {
@@ -325,8 +327,8 @@ impl Instance {
         let Some((reference, value)) = references.iter().zip(values).find(bad) else {
             return Trouble::error("a value cannot be set");
         };
-        match self.table.find(Kind::Real, *reference) {
-            None => self.unknown(Kind::Real, *reference),
+        match self.table.find(Basic::Real, *reference) {
+            None => self.unknown(Basic::Real, *reference),
             Some(variable) if !settable.contains(&(*reference as usize)) => {
                 self.not_settable(variable)
             }
@@ -347,12 +349,12 @@ impl Instance {
     }
 
     #[cold]
-    fn unknown(&self, kind: Kind, reference: u32) -> Trouble {
+    fn unknown(&self, kind: Basic, reference: u32) -> Trouble {
         let n = match kind {
-            Kind::Real => self.values.reals.len(),
-            Kind::Integer => self.values.integers.len(),
-            Kind::Boolean => self.values.booleans.len(),
-            Kind::String => self.values.strings.len(),
+            Basic::Real => self.values.reals.len(),
+            Basic::Integer => self.values.integers.len(),
+            Basic::Boolean => self.values.booleans.len(),
+            Basic::String => self.values.strings.len(),
         };
         Trouble::error(match n.checked_sub(1) {
             Some(last) => {
@@ -362,7 +364,7 @@ impl Instance {
         })
     }
 
-    fn name(&self, kind: Kind, reference: u32) -> &str {
+    fn name(&self, kind: Basic, reference: u32) -> &str {
         self.table.find(kind, reference).map_or("?", |variable| variable.name.as_str())
     }
 }

@@ -1,156 +1,21 @@
-//! Which FMI function may be called in which state: the state machines of model exchange and
-//! co-simulation as one table (FMI 2.0.4, sections 3.2.3 and 4.2.4).
-//!
-//! Two rows are wider than the standard's: values may be read right after instantiation, and event
-//! mode may be entered twice, because importers do both.
+//! Which calls are accepted in which state: those of the standard's table and two more, because
+//! importers make them: values are read right after instantiation, and event mode is entered twice.
 
-use serde::{Deserialize, Serialize};
+use fmu_standard::{Call, Phase};
 
-use super::instance::Interface;
-
-/// The states of an instance, one bit each.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[repr(u16)]
-pub enum Phase {
-    /// Instantiated or reset.
-    Instantiated = 1,
-    /// Between entering and leaving initialization mode.
-    Initialization = 2,
-    /// Model exchange: handling events.
-    Event = 4,
-    /// Model exchange: integrating.
-    Continuous = 8,
-    /// Co-simulation: between communication steps.
-    Step = 16,
-    /// Terminated: values can be read.
-    Terminated = 32,
-    /// A step or an event failed: values can be read, the instance reset or freed.
-    Error = 64,
-    /// Corrupt: the instance can only be freed.
-    Fatal = 128,
-    /// Co-simulation: a step was discarded; values are those of the last successful time.
-    Failed = 256,
-}
-
-const INSTANTIATED: u16 = Phase::Instantiated as u16;
-const INITIALIZATION: u16 = Phase::Initialization as u16;
-const EVENT: u16 = Phase::Event as u16;
-const CONTINUOUS: u16 = Phase::Continuous as u16;
-const STEP: u16 = Phase::Step as u16;
-const FAILED: u16 = Phase::Failed as u16;
-const ENDED: u16 = Phase::Terminated as u16 | Phase::Error as u16 | FAILED;
-const ANY: u16 = 0x1FF;
-const ANY_BUT_FATAL: u16 = ANY & !(Phase::Fatal as u16);
-const BEFORE: u16 = INSTANTIATED | INITIALIZATION;
-const RUNNING: u16 = EVENT | CONTINUOUS | STEP;
-/// Functions of one interface only.
-const ME: u16 = 1 << 14;
-const CS: u16 = 1 << 15;
-
-/// Declares the functions and their legal states, so that no function can be omitted.
-macro_rules! calls {
-    ($($variant:ident, $name:literal, $legal:expr;)+) => {
-        /// The functions of FMI 2.0 that take an instance.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        #[expect(missing_docs, reason = "named as in the standard")]
-        pub enum Call { $($variant),+ }
-
-        impl Call {
-            /// All functions.
-            pub const ALL: &[Self] = &[$(Self::$variant),+];
-
-            /// Name in the standard.
-            #[must_use]
-            pub const fn name(self) -> &'static str {
-                match self { $(Self::$variant => $name),+ }
+/// Whether a function may be called in this state.
+#[inline]
+#[must_use]
+pub const fn accepts(phase: Phase, call: Call) -> bool {
+    phase.allows(call)
+        || match phase {
+            Phase::Instantiated => {
+                matches!(
+                    call,
+                    Call::GetReal | Call::GetInteger | Call::GetBoolean | Call::GetString
+                )
             }
-
-            /// The states in which it may be called, and the interface it belongs to.
-            const fn legal(self) -> u16 {
-                match self { $(Self::$variant => $legal),+ }
-            }
+            Phase::Event => matches!(call, Call::EnterEventMode),
+            _ => false,
         }
-    };
-}
-
-calls! {
-    SetDebugLogging, "fmi2SetDebugLogging", ANY_BUT_FATAL;
-    FreeInstance, "fmi2FreeInstance", ANY;
-    SetupExperiment, "fmi2SetupExperiment", INSTANTIATED;
-    EnterInitializationMode, "fmi2EnterInitializationMode", INSTANTIATED;
-    ExitInitializationMode, "fmi2ExitInitializationMode", INITIALIZATION;
-    Terminate, "fmi2Terminate", RUNNING | FAILED;
-    Reset, "fmi2Reset", ANY_BUT_FATAL;
-    GetReal, "fmi2GetReal", ANY_BUT_FATAL;
-    GetInteger, "fmi2GetInteger", ANY_BUT_FATAL;
-    GetBoolean, "fmi2GetBoolean", ANY_BUT_FATAL;
-    GetString, "fmi2GetString", ANY_BUT_FATAL;
-    SetReal, "fmi2SetReal", BEFORE | RUNNING;
-    SetInteger, "fmi2SetInteger", BEFORE | EVENT | STEP;
-    SetBoolean, "fmi2SetBoolean", BEFORE | EVENT | STEP;
-    SetString, "fmi2SetString", BEFORE | EVENT | STEP;
-    GetFmuState, "fmi2GetFMUstate", ANY_BUT_FATAL;
-    SetFmuState, "fmi2SetFMUstate", ANY_BUT_FATAL;
-    FreeFmuState, "fmi2FreeFMUstate", ANY_BUT_FATAL;
-    SerializedFmuStateSize, "fmi2SerializedFMUstateSize", ANY_BUT_FATAL;
-    SerializeFmuState, "fmi2SerializeFMUstate", ANY_BUT_FATAL;
-    DeSerializeFmuState, "fmi2DeSerializeFMUstate", ANY_BUT_FATAL;
-    GetDirectionalDerivative, "fmi2GetDirectionalDerivative", INITIALIZATION | RUNNING | ENDED;
-    EnterEventMode, "fmi2EnterEventMode", ME | EVENT | CONTINUOUS;
-    NewDiscreteStates, "fmi2NewDiscreteStates", ME | EVENT;
-    EnterContinuousTimeMode, "fmi2EnterContinuousTimeMode", ME | EVENT;
-    CompletedIntegratorStep, "fmi2CompletedIntegratorStep", ME | CONTINUOUS;
-    SetTime, "fmi2SetTime", ME | EVENT | CONTINUOUS;
-    SetContinuousStates, "fmi2SetContinuousStates", ME | CONTINUOUS;
-    GetDerivatives, "fmi2GetDerivatives", ME | INITIALIZATION | EVENT | CONTINUOUS | ENDED;
-    GetEventIndicators, "fmi2GetEventIndicators", ME | INITIALIZATION | EVENT | CONTINUOUS | ENDED;
-    GetContinuousStates, "fmi2GetContinuousStates", ME | INITIALIZATION | EVENT | CONTINUOUS | ENDED;
-    GetNominals, "fmi2GetNominalsOfContinuousStates", ME | BEFORE | EVENT | CONTINUOUS | ENDED;
-    SetRealInputDerivatives, "fmi2SetRealInputDerivatives", CS | BEFORE | STEP;
-    GetRealOutputDerivatives, "fmi2GetRealOutputDerivatives", CS | STEP | ENDED;
-    DoStep, "fmi2DoStep", CS | STEP;
-    CancelStep, "fmi2CancelStep", CS;
-    GetStatus, "fmi2GetStatus", CS | STEP | ENDED;
-    GetRealStatus, "fmi2GetRealStatus", CS | STEP | ENDED;
-    GetIntegerStatus, "fmi2GetIntegerStatus", CS | STEP | ENDED;
-    GetBooleanStatus, "fmi2GetBooleanStatus", CS | STEP | ENDED;
-    GetStringStatus, "fmi2GetStringStatus", CS | STEP | ENDED;
-}
-
-impl Call {
-    /// Whether it is a function of the interface at all.
-    #[inline]
-    #[must_use]
-    pub const fn belongs_to(self, interface: Interface) -> bool {
-        let others = match interface {
-            Interface::ModelExchange => CS,
-            Interface::CoSimulation => ME,
-        };
-        self.legal() & others == 0
-    }
-}
-
-impl Phase {
-    /// Whether a function may be called in this state.
-    #[inline]
-    #[must_use]
-    pub const fn allows(self, call: Call) -> bool {
-        call.legal() & self as u16 != 0
-    }
-
-    /// The state in words, for log lines.
-    #[must_use]
-    pub const fn words(self) -> &'static str {
-        match self {
-            Self::Instantiated => "after instantiation",
-            Self::Initialization => "in initialization mode",
-            Self::Event => "in event mode",
-            Self::Continuous => "in continuous-time mode",
-            Self::Step => "between communication steps",
-            Self::Terminated => "after termination",
-            Self::Error => "after an error (reset or free the instance)",
-            Self::Fatal => "after a fatal error (free the instance)",
-            Self::Failed => "after a discarded step (restore a state, reset or free the instance)",
-        }
-    }
 }

@@ -1,13 +1,13 @@
 //! Co-simulation: communication steps.
 
-use super::call::{Call, Phase};
+use fmu_standard::{Basic, Call, InterfaceType, Phase, Status};
+
 use super::clock::check_step;
-use super::instance::{Instance, Interface};
+use super::instance::Instance;
 use super::model::{Cause, Halt};
 use super::signal::{Course, ORDERS};
-use super::status::{Status, Trouble};
+use super::status::Trouble;
 use super::stepper::MOST_WORK;
-use super::table::Kind;
 
 impl Instance {
     /// `fmi2DoStep`: advances from `t` by `h` seconds.
@@ -63,7 +63,7 @@ impl Instance {
             Cause::NotFinite(reference) => {
                 let variable = u32::try_from(*reference)
                     .ok()
-                    .and_then(|reference| self.table.find(Kind::Real, reference));
+                    .and_then(|reference| self.table.find(Basic::Real, reference));
                 let name = variable.map_or("?", |variable| variable.name.as_str());
                 discard(format!("{name} is not finite"))
             }
@@ -89,7 +89,7 @@ impl Instance {
             let inputs = me.table.layout().inputs.clone();
             let each = || references.iter().zip(orders).zip(values);
             for ((reference, order), value) in each() {
-                let name = || me.table.find(Kind::Real, *reference).map_or("?", |v| &v.name);
+                let name = || me.table.find(Basic::Real, *reference).map_or("?", |v| &v.name);
                 if !inputs.contains(&(*reference as usize)) {
                     return Err(Trouble::error(format_args!(
                         "{} (value reference {reference}) is not an input of type Real",
@@ -141,7 +141,7 @@ impl Instance {
 
     /// Which interface the instance serves.
     #[must_use]
-    pub fn interface(&self) -> Interface {
+    pub fn interface(&self) -> InterfaceType {
         self.interface
     }
 }

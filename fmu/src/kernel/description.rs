@@ -3,14 +3,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use fmu_standard::{Category, Causality, Element, Initial, Unit, Variability, Xml, number};
+
 use crate::author::{Info, Start};
 
 use super::dependencies::Dependencies;
 use super::factors::Factor;
-use super::log::Category;
 use super::table::{Group, Table, Variable};
-use super::unit::{BASE, Unit, type_name};
-use super::xml::{Element, Xml, number};
+use super::unit::type_name;
 
 /// Writes the description. Without `dependencies` its text identifies the interface, which is
 /// what the GUID is made of.
@@ -40,10 +40,11 @@ pub(crate) fn write(
     types(&mut xml, table);
     xml.element("LogCategories").children();
     for category in Category::ALL {
-        xml.element("Category")
-            .attribute("name", category.name())
-            .attribute("description", category.description())
-            .empty();
+        let description = match category {
+            Category::Events => "Initialization and time events, on request",
+            other => other.description(),
+        };
+        xml.empty("Category", &[("name", category.name()), ("description", description)]);
     }
     xml.close();
     xml.element("DefaultExperiment")
@@ -95,22 +96,15 @@ fn units_of(table: &Table) -> BTreeSet<&str> {
 fn units(xml: &mut Xml, table: &Table) {
     xml.element("UnitDefinitions").children();
     for name in units_of(table) {
-        let unit = Unit::parse(name).ok();
-        let base = unit.and_then(|unit| Some((unit, unit.whole_exponents()?)));
         let element = xml.element("Unit").attribute("name", name);
-        let Some((unit, exponents)) = base else {
+        let Some(unit) = Unit::parse(name).ok().filter(Unit::is_whole) else {
             element.empty();
             continue;
         };
         element.children();
-        let mut element = xml.element("BaseUnit");
-        for (symbol, exponent) in BASE.iter().zip(exponents).filter(|(_, n)| *n != 0) {
-            element = element.attribute(symbol, exponent);
-        }
-        element
-            .maybe("factor", (unit.factor != 1.0).then(|| number(unit.factor)))
-            .maybe("offset", (unit.offset != 0.0).then(|| number(unit.offset)))
-            .empty();
+        let base = xml.element("BaseUnit");
+        let attributes = unit.attributes();
+        attributes.iter().fold(base, |base, (name, value)| base.attribute(name, value)).empty();
         xml.close();
     }
     xml.close();
@@ -160,9 +154,9 @@ fn variables(xml: &mut Xml, info: &Info, table: &Table) {
             .attribute("name", &variable.name)
             .attribute("valueReference", variable.reference)
             .maybe("description", (!description.is_empty()).then_some(description))
-            .attribute("causality", causality)
-            .attribute("variability", variability)
-            .maybe("initial", initial)
+            .attribute("causality", causality.name())
+            .attribute("variability", variability.name())
+            .maybe("initial", initial.map(Initial::name))
             .children();
         let derivative_of = (variable.group == Group::Derivative).then(|| {
             derivatives += 1;
@@ -175,16 +169,17 @@ fn variables(xml: &mut Xml, info: &Info, table: &Table) {
 }
 
 /// Causality, variability and initial of a variable.
-fn role(variable: &Variable, sampled: bool) -> (&'static str, &'static str, Option<&'static str>) {
-    let real = if variable.is_real() { "continuous" } else { "discrete" };
-    let changing = if sampled { "discrete" } else { real };
+fn role(variable: &Variable, sampled: bool) -> (Causality, Variability, Option<Initial>) {
+    use {Initial::*, Variability::*};
+    let real = if variable.is_real() { Continuous } else { Discrete };
+    let changing = if sampled { Discrete } else { real };
     match variable.group {
-        Group::Parameter if variable.tunable => ("parameter", "tunable", Some("exact")),
-        Group::Parameter => ("parameter", "fixed", Some("exact")),
-        Group::Input => ("input", real, None),
-        Group::Output => ("output", changing, Some("calculated")),
-        Group::State | Group::Derivative => ("local", "continuous", Some("calculated")),
-        Group::Time => ("independent", "continuous", None),
+        Group::Parameter if variable.tunable => (Causality::Parameter, Tunable, Some(Exact)),
+        Group::Parameter => (Causality::Parameter, Fixed, Some(Exact)),
+        Group::Input => (Causality::Input, real, None),
+        Group::Output => (Causality::Output, changing, Some(Calculated)),
+        Group::State | Group::Derivative => (Causality::Local, Continuous, Some(Calculated)),
+        Group::Time => (Causality::Independent, Continuous, None),
     }
 }
 

@@ -4,10 +4,11 @@
 
 use std::fmt::Write;
 
+use fmu_standard::{escape, number};
+
 use crate::author::{Info, Start};
 
 use super::table::{Group, Table, Variable};
-use super::xml::{escape, number};
 
 const STYLE: &str = "\
 :root{color-scheme:light dark;--line:#8884;--soft:#8881;--accent:#0072b2}\

@@ -8,28 +8,20 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use fmu_standard::{Call, InterfaceType, Phase, Status};
 use serde::{Deserialize, Serialize};
 
 use crate::author::Time;
 
-use super::call::{Call, Phase};
+use super::call::accepts;
 use super::clock::{check_experiment, is_instant};
 use super::log::{Log, Sink};
 use super::memory::spare;
 use super::model::Model;
 use super::signal::Slopes;
-use super::status::{Status, Trouble};
+use super::status::Trouble;
 use super::table::Table;
 use super::values::{Explicit, Values, all_finite};
-
-/// Which of FMI's two interfaces an instance serves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Interface {
-    /// The importer integrates.
-    ModelExchange,
-    /// The instance integrates.
-    CoSimulation,
-}
 
 /// What must be computed again before it can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -90,7 +82,7 @@ pub struct Instance {
     pub(super) table: Arc<Table>,
     pub(super) guid: Arc<str>,
     pub(super) model: Box<dyn Model>,
-    pub(super) interface: Interface,
+    pub(super) interface: InterfaceType,
     pub(super) run: Run,
     pub(super) values: Values,
     pub(super) explicit: Explicit,
@@ -110,7 +102,7 @@ impl Instance {
         table: Arc<Table>,
         guid: Arc<str>,
         model: Box<dyn Model>,
-        interface: Interface,
+        interface: InterfaceType,
         sink: Box<dyn Sink>,
         logging_on: bool,
     ) -> Self {
@@ -187,8 +179,8 @@ impl Instance {
                 return Err(Trouble { status: Status::Error, ..trouble });
             }
             me.run.phase = match me.interface {
-                Interface::ModelExchange => Phase::Event,
-                Interface::CoSimulation => Phase::Step,
+                InterfaceType::ModelExchange => Phase::Event,
+                InterfaceType::CoSimulation => Phase::Step,
             };
             me.log.event(|| format!("initialized at {} s", me.run.time_s));
             me.log_notice();
@@ -231,7 +223,7 @@ impl Instance {
         call: Call,
         work: impl FnOnce(&mut Self) -> Result<(), Trouble>,
     ) -> Status {
-        if !(self.run.phase.allows(call) && call.belongs_to(self.interface)) {
+        if !(accepts(self.run.phase, call) && call.belongs_to(self.interface)) {
             return self.log.out_of_order(call, self.run.phase, self.interface);
         }
         match work(self) {
@@ -328,8 +320,8 @@ impl Instance {
     /// cannot.
     pub(super) fn doubtful(&self, text: impl std::fmt::Display) -> Trouble {
         match self.interface {
-            Interface::ModelExchange => Trouble::discard(text),
-            Interface::CoSimulation => Trouble::error(text),
+            InterfaceType::ModelExchange => Trouble::discard(text),
+            InterfaceType::CoSimulation => Trouble::error(text),
         }
     }
 }

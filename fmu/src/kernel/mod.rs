@@ -3,13 +3,13 @@
 //! | file | contents |
 //! |---|---|
 //! | `table`, `unit`, `values` | the variables of a component and the arrays they live in |
-//! | `call`, `status`, `log` | legal calls per state, return status, one line per failure |
+//! | `call`, `status`, `log` | calls accepted per state, failures, one line for each |
 //! | `clock`, `envelope` | times from importers, saved states as bytes |
 //! | `model`, `adapter`, `parameters` | the interface to the mathematics, and components behind it |
 //! | `stepper`, `integrator`, `signal` | co-simulation: from event to event, between events, inputs |
 //! | `instance`, `access`, `co_simulation`, `model_exchange`, `state`, `tangent` | the functions of FMI 2.0 |
 //! | `served` | what the C interface serves: such an instance, or something else |
-//! | `registry`, `description`, `documentation`, `xml`, `dependencies`, `factors`, `perturbation` | the components of a library and their descriptions |
+//! | `registry`, `description`, `documentation`, `dependencies`, `factors`, `perturbation` | the components of a library and their descriptions |
 
 mod access;
 mod adapter;
@@ -40,14 +40,14 @@ mod table;
 mod tangent;
 mod unit;
 mod values;
-mod xml;
 
-pub use call::{Call, Phase};
+pub use call::accepts;
 pub use clock::{check_experiment, check_step, is_instant};
 pub use envelope::{hand_out, seal, unseal};
-pub use instance::{Instance, Interface};
+pub use fmu_standard::{Call, Category, InterfaceType as Interface, Phase, Status};
+pub use instance::Instance;
 pub use integrator::{Integrator, IntegratorMethod};
-pub use log::{Category, Log, Sink};
+pub use log::{Log, Sink};
 pub use memory::{SPREAD, spare};
 pub use model::{Cause, Events, Halt, Memory, Model};
 pub use model_exchange::EventOutcome;
@@ -55,6 +55,6 @@ pub use registry::{Deferred, Entry, Registry, Shared};
 pub use served::{Request, Served};
 pub use signal::Slopes;
 pub use state::State;
-pub use status::{Status, Trouble};
+pub use status::Trouble;
 pub use table::{Group, Layout, Table, TableError, Variable};
 pub use values::{Explicit, Values};

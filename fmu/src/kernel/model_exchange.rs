@@ -1,12 +1,13 @@
 //! Model exchange: the importer integrates.
 
+use fmu_standard::{Call, Phase, Status};
+
 use crate::author::Time;
 
-use super::call::{Call, Phase};
 use super::clock::check_instant;
 use super::instance::{Instance, Stale};
 use super::model::Events;
-use super::status::{Status, Trouble};
+use super::status::Trouble;
 use super::table::Group;
 use super::values::all_finite;
 

@@ -4,13 +4,15 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use sha2::{Digest, Sha256};
 
+use fmu_standard::InterfaceType;
+
 use crate::author::{Component, Info, Resources};
 
 use super::adapter::ComponentModel;
 use super::dependencies::{self, Dependencies};
 use super::description;
 use super::documentation;
-use super::instance::{Instance, Interface};
+use super::instance::Instance;
 use super::log::Sink;
 use super::model::Model;
 use super::served::Request;
@@ -96,7 +98,7 @@ impl Entry {
     /// The interface is not offered, or the variable table is invalid.
     pub fn instantiate(
         &self,
-        interface: Interface,
+        interface: InterfaceType,
         resources: Resources,
         sink: Box<dyn Sink>,
         logging_on: bool,
@@ -105,7 +107,7 @@ impl Entry {
         if let Some(flaw) = &self.flaw {
             return Err(format!("{name}: {flaw}"));
         }
-        if interface == Interface::ModelExchange && !self.info.model_exchange {
+        if interface == InterfaceType::ModelExchange && !self.info.model_exchange {
             return Err(format!("{name} offers co-simulation only, not model exchange"));
         }
         let model = (self.model)(&self.table, resources);

@@ -7,17 +7,18 @@
 
 use std::ffi::{CStr, CString};
 
-use super::call::Call;
-use super::instance::{Instance, Interface};
+use fmu_standard::{Call, InterfaceType, Status};
+
+use super::instance::Instance;
 use super::log::Sink;
 use super::model_exchange::EventOutcome;
 use super::state::State;
-use super::status::{Status, Trouble};
+use super::status::Trouble;
 
 /// The arguments of `fmi2Instantiate`.
 pub struct Request<'a> {
     /// The interface to serve.
-    pub interface: Interface,
+    pub interface: InterfaceType,
     /// Name of the instance.
     pub name: &'a str,
     /// The identity shared by description and library.

@@ -12,15 +12,15 @@
 
 use std::sync::Arc;
 
+use fmu_standard::{Call, InterfaceType, Phase, Status};
 use serde::{Deserialize, Serialize};
 
-use super::call::{Call, Phase};
 use super::envelope::{hand_out, seal, unseal};
-use super::instance::{Instance, Interface, Run, new_edition};
+use super::instance::{Instance, Run, new_edition};
 use super::memory::{SPREAD, spare};
 use super::model::Memory;
 use super::signal::Slopes;
-use super::status::{Status, Trouble};
+use super::status::Trouble;
 use super::values::{Discrete, Explicit, Values, all_finite};
 
 /// Memory that does not depend on what is saved, such as names in errors (bytes).
@@ -29,7 +29,7 @@ const FEW: usize = 16 << 10;
 /// A saved state of an instance.
 pub struct State {
     guid: Arc<str>,
-    interface: Interface,
+    interface: InterfaceType,
     run: Run,
     edition: u64,
     /// Of the Reals only the parameters.
@@ -46,7 +46,7 @@ pub struct State {
 #[derive(Serialize, Deserialize)]
 struct Packed<'a> {
     guid: &'a str,
-    interface: Interface,
+    interface: InterfaceType,
     run: Run,
     parameters: std::borrow::Cow<'a, Values>,
     explicit: std::borrow::Cow<'a, Explicit>,

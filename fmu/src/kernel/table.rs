@@ -7,10 +7,12 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use fmu_standard::{Basic, Unit};
+
 use crate::author::{Component, Count, Declaration, Declarations, Field, Start, Variables};
 
 use super::parameters::Parameters;
-use super::unit::{Unit, is_type_name, per_second};
+use super::unit::{is_type_name, per_second};
 use super::values::Values;
 
 /// The group of a variable; causality, variability and initial follow from it.
@@ -232,10 +234,10 @@ impl Table {
     }
 
     /// The variable of a type and value reference.
-    pub(crate) fn find(&self, kind: Kind, reference: u32) -> Option<&Variable> {
+    pub(crate) fn find(&self, kind: Basic, reference: u32) -> Option<&Variable> {
         self.variables
             .iter()
-            .find(|variable| variable.reference == reference && kind == Kind::of(&variable.start))
+            .find(|variable| variable.reference == reference && kind == basic(&variable.start))
     }
 
     /// The variable of a name.
@@ -275,32 +277,22 @@ fn set<T>(place: Option<&mut T>, value: T) {
     }
 }
 
-/// The four type families of FMI 2.0's get and set functions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
-    Real,
-    Integer,
-    Boolean,
-    String,
-}
-
-impl Kind {
-    fn of(start: &Start) -> Self {
-        match start {
-            Start::Real(_) => Self::Real,
-            Start::Integer(_) | Start::Enumeration { .. } => Self::Integer,
-            Start::Boolean(_) => Self::Boolean,
-            Start::String(_) => Self::String,
-        }
+/// The base type of a start value.
+fn basic(start: &Start) -> Basic {
+    match start {
+        Start::Real(_) => Basic::Real,
+        Start::Integer(_) | Start::Enumeration { .. } => Basic::Integer,
+        Start::Boolean(_) => Basic::Boolean,
+        Start::String(_) => Basic::String,
     }
 }
 
 fn one(start: &Start) -> Count {
-    match Kind::of(start) {
-        Kind::Real => f64::COUNT,
-        Kind::Integer => i32::COUNT,
-        Kind::Boolean => bool::COUNT,
-        Kind::String => String::COUNT,
+    match basic(start) {
+        Basic::Real => f64::COUNT,
+        Basic::Integer => i32::COUNT,
+        Basic::Boolean => bool::COUNT,
+        Basic::String => String::COUNT,
     }
 }
 
@@ -332,11 +324,11 @@ impl Builder {
     ) -> Range<usize> {
         let from = self.count.reals;
         for (index, Declaration { field, start }) in declarations.into_iter().enumerate() {
-            let reference = match Kind::of(&start) {
-                Kind::Real => self.count.reals,
-                Kind::Integer => self.count.integers,
-                Kind::Boolean => self.count.booleans,
-                Kind::String => self.count.strings,
+            let reference = match basic(&start) {
+                Basic::Real => self.count.reals,
+                Basic::Integer => self.count.integers,
+                Basic::Boolean => self.count.booleans,
+                Basic::String => self.count.strings,
             };
             self.count = self.count.plus(one(&start));
             let given = units.and_then(|units| units.get(index)).cloned();

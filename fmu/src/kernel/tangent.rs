@@ -11,12 +11,13 @@
 //! Parameters are fixed, so they are knowns only as long as they can be set. A tangent-linear model
 //! does not depend explicitly on time, so the derivatives with respect to time are zero.
 
-use super::call::{Call, Phase};
+use fmu_standard::{Basic, Call, Phase, Status};
+
 use super::instance::Instance;
 use super::model::Outputs;
 use super::signal::Course;
-use super::status::{Status, Trouble};
-use super::table::{Group, Kind};
+use super::status::Trouble;
+use super::table::Group;
 use super::values::{all_finite, gather};
 
 // The first of the unknowns are those that solvers request alone.
@@ -150,7 +151,7 @@ impl Instance {
         let (words, reference) = (self.run.phase.words(), wrong.unwrap_or_default());
         let right: Vec<&str> = groups.iter().map(|group| group.words()).collect();
         let right = right.join(", ");
-        match self.table.find(Kind::Real, reference) {
+        match self.table.find(Basic::Real, reference) {
             Some(variable) => Trouble::error(format_args!(
                 "{} cannot be the {what} {words}: it is of the {}; possible are {right}",
                 variable.name,

@@ -67,7 +67,7 @@ fn files_of_a_run() -> Result<(Vec<u8>, Vec<u8>)> {
     let system = System::single(&paths::fmus().join("Gps.fmu"), &overrides, None)?;
     let mut observer = observe::create(&results)?;
     let mut keep = |snapshot: Snapshot| snapshot.write(&state);
-    let middle = [Time::from_nanoseconds(1_500_000_000)];
+    let middle = [Time::from_ns(1_500_000_000)];
     Run::new(&system).observe(&mut *observer).snapshots(None, &middle, &mut keep).go()?;
     Ok((fs::read(&results)?, fs::read(&state)?))
 }

@@ -212,7 +212,7 @@ struct Events(Vec<(Time, Event)>);
 impl Events {
     fn new(events: &[Event]) -> cosim::Result<Self> {
         let timed = events.iter().map(|event| {
-            Ok((Time::from_seconds(event.time, "the time of an event")?, event.clone()))
+            Ok((cosim::time::from_seconds(event.time, "the time of an event")?, event.clone()))
         });
         let mut events: Vec<_> = timed.collect::<cosim::Result<_>>()?;
         // The next one is at the end.

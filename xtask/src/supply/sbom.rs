@@ -150,9 +150,8 @@ mod tests {
         // Only for tests, or for the task runner.
         assert!(!has("proptest") && !has("fmi-rs") && !has("xtask"));
         for (name, part) in &listed {
-            let ours = ["cosim", "fmu-", "rexrov"]
-                .iter()
-                .any(|own| text(part, "name").starts_with(own));
+            let ours =
+                ["cosim", "fmu-", "rexrov"].iter().any(|own| text(part, "name").starts_with(own));
             assert_eq!(part["hashes"].is_null(), ours, "{name}");
             let license = text(&part["licenses"][0], "expression");
             assert!(!license.is_empty() && !license.contains('/'), "{name}: {license}");

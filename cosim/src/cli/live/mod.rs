@@ -90,7 +90,7 @@ impl Live {
             record,
             looked: None,
             start: Time::ZERO,
-            interval: Step::whole(Time::from_nanoseconds(1)),
+            interval: Step::whole(Time::from_ns(1)),
             next: Time::ZERO,
             now: Time::ZERO,
         }

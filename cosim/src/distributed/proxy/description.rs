@@ -1,9 +1,10 @@
 //! The modelDescription.xml of a remote FMU: that of the original FMU, except for what concerns the
 //! library.
 
-use crate::fmi::LOG_CATEGORIES;
+use fmu_standard::Xml;
+
+use crate::fmi::Category;
 use crate::fmi::description::Interface;
-use crate::system::Xml;
 use crate::xml::{Attribute, Element};
 
 /// The elements before the log categories (FMI 2.0.5, 2.2.1).
@@ -77,12 +78,13 @@ fn categories(xml: &mut Xml, root: &Element) {
     let theirs = root.grandchildren("LogCategories");
     xml.start("LogCategories", &[]);
     theirs.iter().for_each(|category| copy(xml, category));
-    for (name, description) in LOG_CATEGORIES {
+    for category in Category::ALL {
+        let (name, description) = (category.name(), category.description());
         if !theirs.iter().any(|category| category.get("name") == Some(name)) {
             xml.empty("Category", &[("name", name), ("description", description)]);
         }
     }
-    xml.end();
+    xml.close();
 }
 
 /// An element without changes; vendor annotations are dropped.
@@ -94,7 +96,7 @@ fn copy(xml: &mut Xml, element: &Element) {
     }
     xml.start(&element.name, &attributes);
     children().for_each(|child| copy(xml, child));
-    xml.end();
+    xml.close();
 }
 
 fn own<'e>(element: &'e Element, without: &[&str]) -> Vec<(&'e str, &'e str)> {

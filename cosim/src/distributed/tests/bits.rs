@@ -46,7 +46,7 @@ fn recorded_inputs_may_be_elsewhere() {
 fn a_run_goes_on_here_or_there() {
     let sample = chain(Algorithm::GaussSeidel);
     let system = &sample.system;
-    let (bits, at) = (here(system).0, Time::from_seconds(0.7, "t").unwrap());
+    let (bits, at) = (here(system).0, Time::from_seconds(0.7));
     // Columns end with the same values when a run is resumed.
     let tail = |all: &[Vec<u64>], count: usize| -> Vec<Vec<u64>> {
         all.iter().map(|column| column[column.len() - count..].to_vec()).collect()

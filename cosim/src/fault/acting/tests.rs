@@ -4,7 +4,7 @@ use super::*;
 use crate::fault::{Begin, Fault};
 
 fn seconds(seconds: f64) -> Time {
-    Time::from_seconds(seconds, "t").unwrap()
+    Time::from_seconds(seconds)
 }
 
 fn fault(kind: Kind) -> Fault {

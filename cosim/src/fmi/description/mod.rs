@@ -5,6 +5,9 @@ use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use fmu_standard::Basic;
+pub use fmu_standard::{Causality, InterfaceType, Variability};
+
 use crate::units::Units;
 
 mod known;
@@ -48,15 +51,6 @@ pub struct Description {
     /// Elements and attributes in this file that FMI 2.0 does not define, and that were ignored.
     pub warnings: Vec<String>,
     positions: HashMap<String, usize>,
-}
-
-/// How an FMU is driven.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum InterfaceType {
-    /// It brings its own solver and is stepped.
-    CoSimulation,
-    /// It provides derivatives and events; the importer solves.
-    ModelExchange,
 }
 
 /// The part for co-simulation or for model exchange.
@@ -137,29 +131,6 @@ pub struct Output {
     pub dependencies: Option<Vec<usize>>,
 }
 
-/// Role of a variable.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs, reason = "the names are FMI's")]
-pub enum Causality {
-    Parameter,
-    CalculatedParameter,
-    Input,
-    Output,
-    Local,
-    Independent,
-}
-
-/// When a variable may change.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs, reason = "the names are FMI's")]
-pub enum Variability {
-    Constant,
-    Fixed,
-    Tunable,
-    Discrete,
-    Continuous,
-}
-
 /// Type of a variable.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[allow(missing_docs, reason = "the names are FMI's")]
@@ -170,29 +141,6 @@ pub enum Kind {
     String,
     /// An Integer whose values have names; shared by the variables of one type.
     Enumeration(#[serde(with = "items")] Arc<[(String, i32)]>),
-}
-
-impl InterfaceType {
-    /// Its name in messages.
-    pub fn name(self) -> &'static str {
-        match self {
-            InterfaceType::CoSimulation => "co-simulation",
-            InterfaceType::ModelExchange => "model exchange",
-        }
-    }
-}
-
-impl std::str::FromStr for InterfaceType {
-    type Err = String;
-
-    /// `cs` or `me`.
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "cs" => Ok(InterfaceType::CoSimulation),
-            "me" => Ok(InterfaceType::ModelExchange),
-            _ => Err(format!("'{text}' is neither cs nor me")),
-        }
-    }
 }
 
 impl Kind {
@@ -206,31 +154,14 @@ impl Kind {
             Kind::Enumeration(_) => "Enumeration",
         }
     }
-}
 
-impl Causality {
-    /// FMI's name.
-    pub fn name(self) -> &'static str {
+    /// The base type; an Enumeration is an Integer.
+    pub(crate) fn basic(&self) -> Basic {
         match self {
-            Causality::Parameter => "parameter",
-            Causality::CalculatedParameter => "calculatedParameter",
-            Causality::Input => "input",
-            Causality::Output => "output",
-            Causality::Local => "local",
-            Causality::Independent => "independent",
-        }
-    }
-}
-
-impl Variability {
-    /// FMI's name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Variability::Constant => "constant",
-            Variability::Fixed => "fixed",
-            Variability::Tunable => "tunable",
-            Variability::Discrete => "discrete",
-            Variability::Continuous => "continuous",
+            Kind::Real => Basic::Real,
+            Kind::Integer | Kind::Enumeration(_) => Basic::Integer,
+            Kind::Boolean => Basic::Boolean,
+            Kind::String => Basic::String,
         }
     }
 }

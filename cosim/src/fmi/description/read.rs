@@ -4,6 +4,8 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::sync::Arc;
 
+use fmu_standard::Initial;
+
 use super::known;
 use super::{
     Causality, Description, Experiment, Interface, Kind, Output, Value, Variability, Variable,
@@ -204,7 +206,7 @@ impl Reader<'_> {
         let causality = self.causality(element)?;
         let variability = self.variability(element, &kind)?;
         let exact = match element.get("initial") {
-            Some(initial) => initial == "exact",
+            Some(initial) => initial == Initial::Exact.name(),
             // FMI 2.0.5, table 2.2.7: the defaults of `initial`.
             None => {
                 causality == Causality::Parameter
@@ -267,29 +269,19 @@ impl Reader<'_> {
     }
 
     fn causality(&self, element: &Element) -> Result<Causality> {
-        Ok(match element.get("causality").unwrap_or("local") {
-            "parameter" => Causality::Parameter,
-            "calculatedParameter" => Causality::CalculatedParameter,
-            "input" => Causality::Input,
-            "output" => Causality::Output,
-            "local" => Causality::Local,
-            "independent" => Causality::Independent,
-            other => return Err(self.wrong(element, format!("causality=\"{other}\""))),
-        })
+        let name = element.get("causality").unwrap_or("local");
+        let wrong = || self.wrong(element, format!("causality=\"{name}\""));
+        Causality::named(name).ok_or_else(wrong)
     }
 
     fn variability(&self, element: &Element, kind: &Kind) -> Result<Variability> {
-        Ok(match element.get("variability") {
+        match element.get("variability") {
             // The default is "continuous" for Reals; other types cannot be continuous.
-            None if *kind == Kind::Real => Variability::Continuous,
-            None => Variability::Discrete,
-            Some("constant") => Variability::Constant,
-            Some("fixed") => Variability::Fixed,
-            Some("tunable") => Variability::Tunable,
-            Some("discrete") => Variability::Discrete,
-            Some("continuous") => Variability::Continuous,
-            Some(other) => return Err(self.wrong(element, format!("variability=\"{other}\""))),
-        })
+            None if *kind == Kind::Real => Ok(Variability::Continuous),
+            None => Ok(Variability::Discrete),
+            Some(name) => Variability::named(name)
+                .ok_or_else(|| self.wrong(element, format!("variability=\"{name}\""))),
+        }
     }
 
     /// The outputs of ModelStructure; an output variable that is missing there depends on

@@ -2,29 +2,21 @@
 
 use std::ffi::{CString, c_char};
 
-use super::{Followed, Instance, State, followed};
+use fmu_standard::Call;
+
+use super::{Followed, Instance, followed};
 use crate::error::{Code, Error, Result};
 use crate::fmi::callbacks::text;
 use crate::fmi::{Kind, Value, Variable};
-
-const READABLE: &[State] =
-    &[State::Ready, State::ContinuousTime, State::EventMode, State::Initialization, State::Failed];
-const WRITABLE: &[State] = &[
-    State::Ready,
-    State::ContinuousTime,
-    State::EventMode,
-    State::Initialization,
-    State::Instantiated,
-];
 
 impl Instance {
     /// Sets Real variables.
     #[inline(always)]
     pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Result<()> {
-        self.check("fmi2SetReal", WRITABLE, references.len(), values.len())?;
+        self.check(Call::SetReal, references.len(), values.len())?;
         let shown = |f: &Followed| f.pairs(&Kind::Real, references, values);
         let set_real = self.hot.set_real;
-        self.call("fmi2SetReal", shown, |_, c| {
+        self.call(Call::SetReal, shown, |_, c| {
             // SAFETY: `c` is alive; both arrays have that length.
             unsafe { set_real(c, references.as_ptr(), references.len(), values.as_ptr()) }
         })
@@ -33,10 +25,10 @@ impl Instance {
     /// Reads Real variables.
     #[inline(always)]
     pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Result<()> {
-        self.check("fmi2GetReal", READABLE, references.len(), values.len())?;
+        self.check(Call::GetReal, references.len(), values.len())?;
         let shown = |f: &Followed| f.names(&Kind::Real, references);
         let get_real = self.hot.get_real;
-        self.get("fmi2GetReal", shown, |_, c| {
+        self.get(Call::GetReal, shown, |_, c| {
             // SAFETY: `c` is alive; both arrays have that length.
             unsafe { get_real(c, references.as_ptr(), references.len(), values.as_mut_ptr()) }
         })?;
@@ -46,9 +38,9 @@ impl Instance {
 
     /// Sets Integer and Enumeration variables.
     pub fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Result<()> {
-        self.check("fmi2SetInteger", WRITABLE, references.len(), values.len())?;
+        self.check(Call::SetInteger, references.len(), values.len())?;
         let shown = |f: &Followed| f.pairs(&Kind::Integer, references, values);
-        self.call("fmi2SetInteger", shown, |f, c| {
+        self.call(Call::SetInteger, shown, |f, c| {
             // SAFETY: `c` is alive; both arrays have that length.
             unsafe { (f.set_integer)(c, references.as_ptr(), references.len(), values.as_ptr()) }
         })
@@ -56,9 +48,9 @@ impl Instance {
 
     /// Reads Integer and Enumeration variables.
     pub fn get_integer(&mut self, references: &[u32], values: &mut [i32]) -> Result<()> {
-        self.check("fmi2GetInteger", READABLE, references.len(), values.len())?;
+        self.check(Call::GetInteger, references.len(), values.len())?;
         let shown = |f: &Followed| f.names(&Kind::Integer, references);
-        self.get("fmi2GetInteger", shown, |f, c| {
+        self.get(Call::GetInteger, shown, |f, c| {
             // SAFETY: `c` is alive; both arrays have that length.
             unsafe {
                 (f.get_integer)(c, references.as_ptr(), references.len(), values.as_mut_ptr())
@@ -70,9 +62,9 @@ impl Instance {
 
     /// Sets Boolean variables, in FMI's form: 0 or 1.
     pub fn set_boolean(&mut self, references: &[u32], values: &[i32]) -> Result<()> {
-        self.check("fmi2SetBoolean", WRITABLE, references.len(), values.len())?;
+        self.check(Call::SetBoolean, references.len(), values.len())?;
         let shown = |f: &Followed| f.pairs(&Kind::Boolean, references, values);
-        self.call("fmi2SetBoolean", shown, |f, c| {
+        self.call(Call::SetBoolean, shown, |f, c| {
             // SAFETY: `c` is alive; both arrays have that length.
             unsafe { (f.set_boolean)(c, references.as_ptr(), references.len(), values.as_ptr()) }
         })
@@ -80,9 +72,9 @@ impl Instance {
 
     /// Reads Boolean variables, in FMI's form: 0 or 1.
     pub fn get_boolean(&mut self, references: &[u32], values: &mut [i32]) -> Result<()> {
-        self.check("fmi2GetBoolean", READABLE, references.len(), values.len())?;
+        self.check(Call::GetBoolean, references.len(), values.len())?;
         let shown = |f: &Followed| f.names(&Kind::Boolean, references);
-        self.get("fmi2GetBoolean", shown, |f, c| {
+        self.get(Call::GetBoolean, shown, |f, c| {
             // SAFETY: `c` is alive; both arrays have that length.
             unsafe {
                 (f.get_boolean)(c, references.as_ptr(), references.len(), values.as_mut_ptr())
@@ -94,13 +86,13 @@ impl Instance {
 
     /// Sets one String variable.
     pub fn set_string(&mut self, reference: u32, value: &str) -> Result<()> {
-        self.check("fmi2SetString", WRITABLE, 1, 1)?;
+        self.check(Call::SetString, 1, 1)?;
         let text = CString::new(value).map_err(|e| {
             Error::new(Code::Parameter, format!("a String of '{}' contains NUL", self.name)).why(e)
         })?;
         let pointer: *const c_char = text.as_ptr();
         let shown = |f: &Followed| f.pairs(&Kind::String, &[reference], &[value]);
-        self.call("fmi2SetString", shown, |f, c| {
+        self.call(Call::SetString, shown, |f, c| {
             // SAFETY: `c` is alive; one reference and one C string that lives during the call.
             unsafe { (f.set_string)(c, &reference, 1, &pointer) }
         })
@@ -131,10 +123,10 @@ impl Instance {
 
     /// Reads one String variable.
     pub fn get_string(&mut self, reference: u32) -> Result<String> {
-        self.check("fmi2GetString", READABLE, 1, 1)?;
+        self.check(Call::GetString, 1, 1)?;
         let mut pointer: *const c_char = std::ptr::null();
         let shown = |f: &Followed| f.names(&Kind::String, &[reference]);
-        self.get("fmi2GetString", shown, |f, c| {
+        self.get(Call::GetString, shown, |f, c| {
             // SAFETY: `c` is alive; one reference and space for one pointer.
             unsafe { (f.get_string)(c, &reference, 1, &mut pointer) }
         })?;
@@ -161,17 +153,15 @@ impl Instance {
     }
 
     #[inline(always)]
-    pub(super) fn check(
-        &self,
-        function: &'static str,
-        allowed: &[State],
-        references: usize,
-        values: usize,
-    ) -> Result<()> {
+    pub(super) fn check(&self, function: Call, references: usize, values: usize) -> Result<()> {
         if references != values {
-            let what = format!("{function}: {references} references, {values} values");
+            let what = format!("{}: {references} references, {values} values", function.name());
             return Err(Error::new(Code::Fmu, what));
         }
-        self.require(function, allowed)
+        match function {
+            // Some FMUs declare discrete variables as continuous: the caller decides on an event.
+            Call::SetInteger | Call::SetBoolean | Call::SetString => self.require(Call::SetReal),
+            _ => self.require(function),
+        }
     }
 }

@@ -4,7 +4,9 @@ use std::ffi::{CString, c_char};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use super::{Followed, Instance, State};
+use fmu_standard::{Call, Phase};
+
+use super::{Followed, Instance};
 use crate::error::{Code, Error, Result};
 use crate::fmi::callbacks::{Callbacks, Known};
 use crate::fmi::guard::Float;
@@ -37,7 +39,7 @@ impl Instance {
         let mut instance = Self {
             component: std::ptr::null_mut(),
             name: name.to_owned(),
-            state: State::Instantiated,
+            phase: Phase::Instantiated,
             time: Time::ZERO,
             step: (Time::ZERO, 0.0),
             saved: Default::default(),
@@ -67,10 +69,7 @@ impl Instance {
         let text = |text: &str| CString::new(text.replace('\0', "")).unwrap_or_default();
         let (name, guid) = (text(&self.name), text(&self.fmu.description().guid));
         let resources = self.fmu.resource_uri();
-        let kind = match self.kind {
-            InterfaceType::ModelExchange => 0,
-            InterfaceType::CoSimulation => 1,
-        };
+        let kind = self.kind as i32;
         // Categories are selected after this, and only then is anything logged.
         let debug = logging.debug && logging.categories.is_empty();
         if let Some(followed) = &self.followed {
@@ -126,7 +125,7 @@ impl Instance {
             // SAFETY: `c` is alive; an empty list is not read.
             unsafe { (f.set_debug_logging)(c, i32::from(on), 0, std::ptr::null()) }
         };
-        self.call("fmi2SetDebugLogging", |_| format!("{on}, []"), set)
+        self.call(Call::SetDebugLogging, |_| format!("{on}, []"), set)
     }
 
     fn choose_categories(&mut self, logging: &Logging) -> Result<()> {
@@ -144,6 +143,6 @@ impl Instance {
             // SAFETY: `c` is alive; the strings live during the call.
             unsafe { (f.set_debug_logging)(c, 1, pointers.len(), pointers.as_ptr()) }
         };
-        self.call("fmi2SetDebugLogging", |_| shown, set)
+        self.call(Call::SetDebugLogging, |_| shown, set)
     }
 }

@@ -1,23 +1,21 @@
 //! Derivatives: of inputs and outputs in time, and of outputs with respect to inputs
 //! (FMI 2.0.5, 4.2.1 and 2.1.9).
 
-use super::{Followed, Instance, State, followed};
+use fmu_standard::Call;
+
+use super::{Followed, Instance, followed};
 use crate::error::Result;
 use crate::fmi::Kind;
 use crate::fmi::status;
 
-const STEPPING: &[State] = &[State::Ready];
-const DIFFERENTIABLE: &[State] =
-    &[State::Initialization, State::Ready, State::EventMode, State::ContinuousTime];
-
 impl Instance {
     /// Sets the first time derivatives of Real inputs, valid during the next step.
     pub fn set_input_derivatives(&mut self, references: &[u32], values: &[f64]) -> Result<()> {
-        self.check("fmi2SetRealInputDerivatives", STEPPING, references.len(), values.len())?;
+        self.check(Call::SetRealInputDerivatives, references.len(), values.len())?;
         let orders = vec![1; references.len()];
-        let function = self.stepping("fmi2SetRealInputDerivatives")?.input_derivatives;
+        let function = self.stepping(Call::SetRealInputDerivatives)?.input_derivatives;
         let shown = |f: &Followed| f.pairs(&Kind::Real, references, values);
-        self.call("fmi2SetRealInputDerivatives", shown, |_, c| {
+        self.call(Call::SetRealInputDerivatives, shown, |_, c| {
             let (n, orders) = (references.len(), orders.as_ptr());
             // SAFETY: `c` is alive; the three arrays have that length.
             unsafe { function(c, references.as_ptr(), n, orders, values.as_ptr()) }
@@ -26,11 +24,11 @@ impl Instance {
 
     /// Reads the first time derivatives of Real outputs at the end of the last step.
     pub fn get_output_derivatives(&mut self, references: &[u32], values: &mut [f64]) -> Result<()> {
-        self.check("fmi2GetRealOutputDerivatives", STEPPING, references.len(), values.len())?;
+        self.check(Call::GetRealOutputDerivatives, references.len(), values.len())?;
         let orders = vec![1; references.len()];
-        let function = self.stepping("fmi2GetRealOutputDerivatives")?.output_derivatives;
+        let function = self.stepping(Call::GetRealOutputDerivatives)?.output_derivatives;
         let shown = |f: &Followed| f.names(&Kind::Real, references);
-        self.get("fmi2GetRealOutputDerivatives", shown, |_, c| {
+        self.get(Call::GetRealOutputDerivatives, shown, |_, c| {
             let (n, orders) = (references.len(), orders.as_ptr());
             // SAFETY: `c` is alive; the three arrays have that length.
             unsafe { function(c, references.as_ptr(), n, orders, values.as_mut_ptr()) }
@@ -48,9 +46,9 @@ impl Instance {
         seed: &[f64],
         result: &mut [f64],
     ) -> Result<bool> {
-        let name = "fmi2GetDirectionalDerivative";
-        self.check(name, DIFFERENTIABLE, knowns.len(), seed.len())?;
-        self.check(name, DIFFERENTIABLE, unknowns.len(), result.len())?;
+        let name = Call::GetDirectionalDerivative;
+        self.check(name, knowns.len(), seed.len())?;
+        self.check(name, unknowns.len(), result.len())?;
         let shown = |f: &Followed| {
             let unknowns = f.names(&Kind::Real, unknowns);
             format!("{unknowns} by {}", f.pairs(&Kind::Real, knowns, seed))

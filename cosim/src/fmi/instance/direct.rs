@@ -10,7 +10,9 @@
 
 use std::sync::Arc;
 
-use super::{Instance, State};
+use fmu_standard::{Call, Phase};
+
+use super::Instance;
 use crate::error::Result;
 use crate::fmi::guard::Float;
 use crate::fmi::library::{Component, Hot};
@@ -69,12 +71,6 @@ pub(crate) struct DirectStep<'a> {
 pub struct Unusual {
     call: Call,
     status: RawStatus,
-}
-
-enum Call {
-    Set,
-    Step,
-    Get,
 }
 
 impl<T> Default for DirectSteps<T> {
@@ -156,20 +152,20 @@ impl DirectStep<'_> {
             // have the same length and live during the calls.
             let status = unsafe { set_real(component, set.as_ptr(), set.len(), inputs.as_ptr()) };
             if is_unusual(status) {
-                return Err(self.end(Call::Set, status));
+                return Err(self.end(Call::SetReal, status));
             }
         }
         // SAFETY: as above.
         let status = unsafe { do_step(component, start, length, 1) };
         if is_unusual(status) {
-            return Err(self.end(Call::Step, status));
+            return Err(self.end(Call::DoStep, status));
         }
         if !read.is_empty() {
             // SAFETY: as above.
             let status =
                 unsafe { get_real(component, read.as_ptr(), read.len(), outputs.as_mut_ptr()) };
             if is_unusual(status) {
-                return Err(self.end(Call::Get, status));
+                return Err(self.end(Call::GetReal, status));
             }
         }
         Ok(())
@@ -198,7 +194,7 @@ impl Instance {
         let Hot { set_real, get_real, do_step } = self.hot;
         let asynchronous = self.fmu.interface(self.kind).is_ok_and(|own| own.asynchronous);
         let special = self.followed.is_some() || asynchronous || self.grid.is_some();
-        if self.state != State::Ready || special {
+        if self.phase != Phase::Step || special {
             return None;
         }
         let calls = Calls { component: self.component, set_real, do_step: do_step?, get_real };
@@ -222,11 +218,12 @@ impl Instance {
     pub(crate) fn conclude(&mut self, found: Unusual, start: Time, step: Time) -> Result<Time> {
         self.time = start;
         match found.call {
-            Call::Set => Err(self.failed("fmi2SetReal", found.status)),
-            Call::Step => self.stepped(start, step, found.status),
-            Call::Get => {
-                self.time = start + step;
-                Err(self.failed("fmi2GetReal", found.status))
+            Call::DoStep => self.stepped(start, step, found.status),
+            call => {
+                if call == Call::GetReal {
+                    self.time = start + step;
+                }
+                Err(self.failed(call, found.status))
             }
         }
     }

@@ -1,7 +1,10 @@
 //! Calls of model exchange (FMI 2.0.5, 3.2): time, states, derivatives, events.
 
+use fmu_standard::{Call, Phase};
+
 use super::followed::values;
-use super::{Followed, Instance, State, nothing};
+
+use super::{Followed, Instance, nothing};
 use crate::error::{Code, Error, Result};
 use crate::fmi::library::{Component, EventInfo, Exchange, Own};
 use crate::fmi::status::RawStatus;
@@ -9,9 +12,6 @@ use crate::time::Time;
 
 /// Iterations of one event after which the FMU is assumed not to settle.
 const MAX_ITERATIONS: usize = 1000;
-
-const CONTINUOUS: &[State] = &[State::ContinuousTime];
-const BOTH: &[State] = &[State::ContinuousTime, State::EventMode];
 
 /// The result of an event.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -29,11 +29,10 @@ impl Instance {
     #[inline]
     pub fn set_time(&mut self, time: f64) -> Result<()> {
         // For messages; beyond 146 years the last instant is kept.
-        self.time = Time::from_seconds(time, "the time").unwrap_or(self.time);
+        self.time = Time::try_from_seconds(time).unwrap_or(self.time);
         // SAFETY: `c` is alive and the state allows the call.
         self.exchange(
-            "fmi2SetTime",
-            BOTH,
+            Call::SetTime,
             |_| format!("{time:?}"),
             |f, c| unsafe { (f.set_time)(c, time) },
         )
@@ -42,10 +41,9 @@ impl Instance {
     /// Sets the continuous states.
     #[inline]
     pub fn set_states(&mut self, states: &[f64]) -> Result<()> {
-        self.length("fmi2SetContinuousStates", states.len(), self.fmu.description().states)?;
+        self.length(Call::SetContinuousStates, states.len(), self.fmu.description().states)?;
         self.exchange(
-            "fmi2SetContinuousStates",
-            CONTINUOUS,
+            Call::SetContinuousStates,
             |_| values(states),
             |f, c| {
                 // SAFETY: `c` is alive; the array has that length.
@@ -56,8 +54,8 @@ impl Instance {
 
     /// Reads the continuous states.
     pub fn get_states(&mut self, states: &mut [f64]) -> Result<()> {
-        self.length("fmi2GetContinuousStates", states.len(), self.fmu.description().states)?;
-        self.exchange_get("fmi2GetContinuousStates", BOTH, |f, c| {
+        self.length(Call::GetContinuousStates, states.len(), self.fmu.description().states)?;
+        self.exchange_get(Call::GetContinuousStates, |f, c| {
             // SAFETY: `c` is alive; the array has that length.
             unsafe { (f.get_states)(c, states.as_mut_ptr(), states.len()) }
         })?;
@@ -68,8 +66,8 @@ impl Instance {
     /// Reads the derivatives of the continuous states.
     #[inline]
     pub fn get_derivatives(&mut self, derivatives: &mut [f64]) -> Result<()> {
-        self.length("fmi2GetDerivatives", derivatives.len(), self.fmu.description().states)?;
-        self.exchange_get("fmi2GetDerivatives", BOTH, |f, c| {
+        self.length(Call::GetDerivatives, derivatives.len(), self.fmu.description().states)?;
+        self.exchange_get(Call::GetDerivatives, |f, c| {
             // SAFETY: `c` is alive; the array has that length.
             unsafe { (f.get_derivatives)(c, derivatives.as_mut_ptr(), derivatives.len()) }
         })?;
@@ -79,9 +77,9 @@ impl Instance {
 
     /// Reads the nominal values of the continuous states.
     pub fn get_nominals(&mut self, nominals: &mut [f64]) -> Result<()> {
-        let function = "fmi2GetNominalsOfContinuousStates";
+        let function = Call::GetNominals;
         self.length(function, nominals.len(), self.fmu.description().states)?;
-        self.exchange_get(function, BOTH, |f, c| {
+        self.exchange_get(function, |f, c| {
             // SAFETY: `c` is alive; the array has that length.
             unsafe { (f.get_nominals)(c, nominals.as_mut_ptr(), nominals.len()) }
         })?;
@@ -93,8 +91,8 @@ impl Instance {
     #[inline]
     pub fn get_indicators(&mut self, indicators: &mut [f64]) -> Result<()> {
         let wanted = self.fmu.description().event_indicators;
-        self.length("fmi2GetEventIndicators", indicators.len(), wanted)?;
-        self.exchange_get("fmi2GetEventIndicators", BOTH, |f, c| {
+        self.length(Call::GetEventIndicators, indicators.len(), wanted)?;
+        self.exchange_get(Call::GetEventIndicators, |f, c| {
             // SAFETY: `c` is alive; the array has that length.
             unsafe { (f.get_indicators)(c, indicators.as_mut_ptr(), indicators.len()) }
         })?;
@@ -105,7 +103,7 @@ impl Instance {
     /// Notifies the FMU of an accepted step; returns whether it requests a step event.
     pub fn completed_step(&mut self) -> Result<bool> {
         let (mut event, mut terminate) = (0, 0);
-        self.exchange_get("fmi2CompletedIntegratorStep", CONTINUOUS, |f, c| {
+        self.exchange_get(Call::CompletedIntegratorStep, |f, c| {
             // SAFETY: `c` is alive; both flags live during the call.
             unsafe { (f.completed_step)(c, 0, &mut event, &mut terminate) }
         })?;
@@ -117,10 +115,8 @@ impl Instance {
     /// Enters event mode.
     pub fn enter_event_mode(&mut self) -> Result<()> {
         // SAFETY: `c` is alive and the state allows the call.
-        self.exchange("fmi2EnterEventMode", CONTINUOUS, nothing, |f, c| unsafe {
-            (f.enter_event)(c)
-        })?;
-        self.state = State::EventMode;
+        self.exchange(Call::EnterEventMode, nothing, |f, c| unsafe { (f.enter_event)(c) })?;
+        self.phase = Phase::Event;
         Ok(())
     }
 
@@ -129,7 +125,7 @@ impl Instance {
         let mut next = NextEvent::default();
         for _ in 0..MAX_ITERATIONS {
             let mut info = EventInfo::default();
-            self.exchange_get("fmi2NewDiscreteStates", &[State::EventMode], |f, c| {
+            self.exchange_get(Call::NewDiscreteStates, |f, c| {
                 // SAFETY: `c` is alive; `info` lives during the call.
                 unsafe { (f.new_discrete)(c, &mut info) }
             })?;
@@ -139,12 +135,12 @@ impl Instance {
             next.nominals_changed |= info.nominals_changed != 0;
             next.time = (info.next_event_defined != 0).then_some(info.next_event);
             if info.new_discrete_states_needed == 0 {
-                let function = "fmi2EnterContinuousTimeMode";
-                self.exchange(function, &[State::EventMode], nothing, |f, c| {
+                let function = Call::EnterContinuousTimeMode;
+                self.exchange(function, nothing, |f, c| {
                     // SAFETY: `c` is alive and the state allows the call.
                     unsafe { (f.enter_continuous)(c) }
                 })?;
-                self.state = State::ContinuousTime;
+                self.phase = Phase::Continuous;
                 return Ok(next);
             }
         }
@@ -160,12 +156,11 @@ impl Instance {
     #[inline]
     fn exchange(
         &mut self,
-        function: &'static str,
-        allowed: &[State],
+        function: Call,
         arguments: impl FnOnce(&Followed) -> String,
         call: impl FnOnce(&Exchange, Component) -> RawStatus,
     ) -> Result<()> {
-        let own = self.own_functions(function, allowed)?;
+        let own = self.own_functions(function)?;
         self.call(function, arguments, |_, c| call(&own, c))
     }
 
@@ -173,17 +168,16 @@ impl Instance {
     #[inline]
     fn exchange_get(
         &mut self,
-        function: &'static str,
-        allowed: &[State],
+        function: Call,
         call: impl FnOnce(&Exchange, Component) -> RawStatus,
     ) -> Result<()> {
-        let own = self.own_functions(function, allowed)?;
+        let own = self.own_functions(function)?;
         self.get(function, nothing, |_, c| call(&own, c))
     }
 
     #[inline]
-    fn own_functions(&self, function: &'static str, allowed: &[State]) -> Result<Exchange> {
-        self.require(function, allowed)?;
+    fn own_functions(&self, function: Call) -> Result<Exchange> {
+        self.require(function)?;
         match self.own {
             Own::Exchange(own) => Ok(own),
             Own::Stepping(_) => Err(self.refused(function)),
@@ -191,11 +185,11 @@ impl Instance {
     }
 
     #[inline]
-    fn length(&self, function: &'static str, found: usize, wanted: usize) -> Result<()> {
+    fn length(&self, function: Call, found: usize, wanted: usize) -> Result<()> {
         if found == wanted {
             return Ok(());
         }
-        Err(Error::new(Code::Fmu, format!("{function} of '{}'", self.name))
+        Err(Error::new(Code::Fmu, format!("{} of '{}'", function.name(), self.name))
             .why(format!("{found} values were passed, the FMU has {wanted}")))
     }
 }

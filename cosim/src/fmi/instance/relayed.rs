@@ -4,7 +4,9 @@
 use std::ffi::{CString, c_char};
 use std::ptr;
 
-use super::{Followed, Instance, State, followed, nothing};
+use fmu_standard::{Call, Phase};
+
+use super::{Followed, Instance, followed, nothing};
 use crate::error::{Code, Error, Result};
 use crate::fmi::Basic;
 use crate::fmi::callbacks::text;
@@ -17,7 +19,7 @@ use crate::time::Time;
 impl Instance {
     /// Makes a call.
     pub(crate) fn relay(&mut self, ask: &Ask) -> Result<Given> {
-        if self.state == State::Fatal {
+        if self.phase == Phase::Fatal {
             return Err(self.refused(ask.function()));
         }
         let given = match ask {
@@ -36,11 +38,11 @@ impl Instance {
             Ask::Restore(bytes) => self.relay_restore(bytes),
             Ask::Derivative(unknowns, knowns, along) => self.relay_slope(unknowns, knowns, along),
         }?;
-        self.state = match ask {
-            Ask::Enter => State::Initialization,
-            Ask::Exit | Ask::Restore(_) => State::Ready,
-            Ask::Reset => State::Instantiated,
-            _ => self.state,
+        self.phase = match ask {
+            Ask::Enter => Phase::Initialization,
+            Ask::Exit | Ask::Restore(_) => Phase::Step,
+            Ask::Reset => Phase::Instantiated,
+            _ => self.phase,
         };
         Ok(given)
     }
@@ -57,7 +59,7 @@ impl Instance {
         let texts = self.texts(categories)?;
         let pointers: Vec<*const c_char> = texts.iter().map(|text| text.as_ptr()).collect();
         let shown = |_: &Followed| format!("{on}, {categories:?}");
-        self.call("fmi2SetDebugLogging", shown, |f, c| {
+        self.call(Call::SetDebugLogging, shown, |f, c| {
             // SAFETY: `c` is alive; the strings live during the call.
             unsafe { (f.set_debug_logging)(c, on.into(), pointers.len(), pointers.as_ptr()) }
         })?;
@@ -72,7 +74,7 @@ impl Instance {
     ) -> Result<Given> {
         self.time = near(start, self.time);
         let shown = |_: &Followed| format!("{tolerance:?}, {start:?}, {stop:?}");
-        self.call("fmi2SetupExperiment", shown, |f, c| {
+        self.call(Call::SetupExperiment, shown, |f, c| {
             let flag = |value: Option<f64>| Bool::from(value.is_some());
             let (tolerant, stops) = (flag(tolerance), flag(stop));
             let (tolerance, stop) = (tolerance.unwrap_or_default(), stop.unwrap_or_default());
@@ -93,14 +95,14 @@ impl Instance {
             Values::Real(values) => {
                 let shown = |f: &Followed| f.pairs(&Kind::Real, references, values);
                 // SAFETY: as above.
-                self.call("fmi2SetReal", shown, |f, c| unsafe {
+                self.call(Call::SetReal, shown, |f, c| unsafe {
                     (f.set_real)(c, r, n, values.as_ptr())
                 })
             }
             Values::Integer(values) => {
                 let shown = |f: &Followed| f.pairs(&Kind::Integer, references, values);
                 // SAFETY: as above.
-                self.call("fmi2SetInteger", shown, |f, c| unsafe {
+                self.call(Call::SetInteger, shown, |f, c| unsafe {
                     (f.set_integer)(c, r, n, values.as_ptr())
                 })
             }
@@ -108,7 +110,7 @@ impl Instance {
                 let values: Vec<Bool> = values.iter().map(|&value| value.into()).collect();
                 let shown = |f: &Followed| f.pairs(&Kind::Boolean, references, &values);
                 // SAFETY: as above.
-                self.call("fmi2SetBoolean", shown, |f, c| unsafe {
+                self.call(Call::SetBoolean, shown, |f, c| unsafe {
                     (f.set_boolean)(c, r, n, values.as_ptr())
                 })
             }
@@ -117,7 +119,7 @@ impl Instance {
                 let pointers: Vec<*const c_char> = texts.iter().map(|text| text.as_ptr()).collect();
                 let shown = |f: &Followed| f.pairs(&Kind::String, references, values);
                 // SAFETY: as above; the strings live during the call.
-                self.call("fmi2SetString", shown, |f, c| unsafe {
+                self.call(Call::SetString, shown, |f, c| unsafe {
                     (f.set_string)(c, r, n, pointers.as_ptr())
                 })
             }
@@ -133,7 +135,7 @@ impl Instance {
                 let mut values = vec![0.0; n];
                 let shown = |f: &Followed| f.names(&Kind::Real, references);
                 // SAFETY: as above.
-                self.get("fmi2GetReal", shown, |f, c| unsafe {
+                self.get(Call::GetReal, shown, |f, c| unsafe {
                     (f.get_real)(c, r, n, values.as_mut_ptr())
                 })?;
                 self.show(|_| followed::values(&values));
@@ -143,7 +145,7 @@ impl Instance {
                 let mut values = vec![0; n];
                 let shown = |f: &Followed| f.names(&Kind::Integer, references);
                 // SAFETY: as above.
-                self.get("fmi2GetInteger", shown, |f, c| unsafe {
+                self.get(Call::GetInteger, shown, |f, c| unsafe {
                     (f.get_integer)(c, r, n, values.as_mut_ptr())
                 })?;
                 self.show(|_| followed::values(&values));
@@ -153,7 +155,7 @@ impl Instance {
                 let mut values: Vec<Bool> = vec![0; n];
                 let shown = |f: &Followed| f.names(&Kind::Boolean, references);
                 // SAFETY: as above.
-                self.get("fmi2GetBoolean", shown, |f, c| unsafe {
+                self.get(Call::GetBoolean, shown, |f, c| unsafe {
                     (f.get_boolean)(c, r, n, values.as_mut_ptr())
                 })?;
                 self.show(|_| followed::values(&values));
@@ -163,7 +165,7 @@ impl Instance {
                 let mut pointers: Vec<*const c_char> = vec![ptr::null(); n];
                 let shown = |f: &Followed| f.names(&Kind::String, references);
                 // SAFETY: as above.
-                self.get("fmi2GetString", shown, |f, c| unsafe {
+                self.get(Call::GetString, shown, |f, c| unsafe {
                     (f.get_string)(c, r, n, pointers.as_mut_ptr())
                 })?;
                 // SAFETY: the FMU gave NULL or C strings, which live until the next call.
@@ -177,11 +179,11 @@ impl Instance {
     }
 
     fn relay_step(&mut self, t: f64, h: f64) -> Result<Given> {
-        let do_step = self.stepping("fmi2DoStep")?.do_step;
+        let do_step = self.stepping(Call::DoStep)?.do_step;
         self.time = near(t, self.time);
         let mut came = status::OK;
         let shown = |_: &Followed| format!("{t:?}, {h:?}, false");
-        self.call("fmi2DoStep", shown, |_, c| {
+        self.call(Call::DoStep, shown, |_, c| {
             // SAFETY: `c` is alive. An earlier state may be restored later: the caller may go back.
             came = unsafe { do_step(c, t, h, 0) };
             if matches!(came, status::PENDING | status::DISCARD) { status::OK } else { came }
@@ -192,10 +194,10 @@ impl Instance {
         if came == status::DISCARD {
             // The FMU reports it itself if it wants the run to end.
             self.reached(self.time, near(h, Time::ZERO))?;
-            return Err(self.failed("fmi2DoStep", came));
+            return Err(self.failed(Call::DoStep, came));
         }
         if came != status::OK && came != status::WARNING {
-            return Err(self.failed("fmi2DoStep", came));
+            return Err(self.failed(Call::DoStep, came));
         }
         self.time = near(t + h, self.time);
         Ok(Given::Done)
@@ -204,19 +206,19 @@ impl Instance {
     fn relay_restore(&mut self, bytes: &[u8]) -> Result<Given> {
         let mut saved: FmuState = ptr::null_mut();
         let shown = |_: &Followed| format!("{} bytes", bytes.len());
-        let mut result = self.call("fmi2DeSerializeFMUstate", shown, |f, c| {
+        let mut result = self.call(Call::DeSerializeFmuState, shown, |f, c| {
             // SAFETY: the array has that length; `saved` is NULL, a new state is put there.
             unsafe { (f.deserialize)(c, bytes.as_ptr(), bytes.len(), &mut saved) }
         });
         if saved.is_null() {
-            return result.and(Err(self.without("fmi2DeSerializeFMUstate")));
+            return result.and(Err(self.without(Call::DeSerializeFmuState)));
         }
         if result.is_ok() {
             // SAFETY: `saved` is a state of this live instance, here and below.
             let set = |f: &Functions, c: Component| unsafe { (f.set_state)(c, saved) };
-            result = self.call("fmi2SetFMUstate", nothing, set);
+            result = self.call(Call::SetFmuState, nothing, set);
         }
-        if self.state != State::Fatal {
+        if self.phase != Phase::Fatal {
             // SAFETY: as above.
             unsafe { (self.functions.free_state)(self.component, &mut saved) };
         }
@@ -229,7 +231,7 @@ impl Instance {
             return Err(Error::new(Code::Protocol, what));
         }
         let mut values = vec![0.0; unknowns.len()];
-        self.get("fmi2GetDirectionalDerivative", nothing, |f, c| {
+        self.get(Call::GetDirectionalDerivative, nothing, |f, c| {
             let (unknown, n) = (unknowns.as_ptr(), unknowns.len());
             let (known, m) = (knowns.as_ptr(), knowns.len());
             let (along, into) = (along.as_ptr(), values.as_mut_ptr());
@@ -252,5 +254,5 @@ impl Instance {
 
 /// The instant for messages; an invalid time leaves the last one.
 fn near(seconds: f64, last: Time) -> Time {
-    Time::from_seconds(seconds, "t").unwrap_or(last)
+    Time::try_from_seconds(seconds).unwrap_or(last)
 }

@@ -2,14 +2,13 @@
 
 use std::ptr;
 
-use super::{Followed, Instance, RUNNING, State, nothing};
+use fmu_standard::Call;
+
+use super::{Followed, Instance, nothing};
 use crate::error::{Code, Error, Result};
 use crate::fmi::description::Interface;
 use crate::fmi::library::FmuState;
 use crate::time::Time;
-
-const RESTORABLE: &[State] =
-    &[State::Ready, State::EventMode, State::ContinuousTime, State::Failed];
 
 /// Slots for saved states: features that go back do so independently of each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,7 +32,7 @@ impl Instance {
     /// Saves the FMU's complete state for [`Instance::restore`], replacing the one saved there
     /// before.
     pub fn save(&mut self, place: Place) -> Result<()> {
-        self.require("fmi2GetFMUstate", RUNNING)?;
+        self.require(Call::GetFmuState)?;
         self.keep(place)
     }
 
@@ -41,32 +40,32 @@ impl Instance {
         self.declares("save its state", "canGetAndSetFMUstate", |i| i.get_and_set_state)?;
         let slot = place as usize;
         let mut saved = self.saved[slot].take().map_or(ptr::null_mut(), |(saved, _)| saved);
-        let result = self.call("fmi2GetFMUstate", nothing, |f, c| {
+        let result = self.call(Call::GetFmuState, nothing, |f, c| {
             // SAFETY: `saved` is NULL or a state of this instance, which is then overwritten.
             unsafe { (f.get_state)(c, &mut saved) }
         });
-        self.saved[slot] = (!saved.is_null()).then_some((saved, self.state));
+        self.saved[slot] = (!saved.is_null()).then_some((saved, self.phase));
         if result.is_ok() && saved.is_null() {
-            return Err(self.without("fmi2GetFMUstate"));
+            return Err(self.without(Call::GetFmuState));
         }
         result
     }
 
     /// Restores the FMU's state saved there, which was that of the instant `time`.
     pub fn restore(&mut self, place: Place, time: Time) -> Result<()> {
-        self.require("fmi2SetFMUstate", RESTORABLE)?;
+        self.require(Call::SetFmuState)?;
         let Some((saved, state)) = self.saved[place as usize] else {
             return Err(Error::new(Code::Fmu, format!("'{}' has no saved state", self.name)));
         };
         self.call(
-            "fmi2SetFMUstate",
+            Call::SetFmuState,
             |_| format!("the state of t = {time}"),
             |f, c| {
                 // SAFETY: `saved` is a state of this instance.
                 unsafe { (f.set_state)(c, saved) }
             },
         )?;
-        self.state = state;
+        self.phase = state;
         self.time = time;
         Ok(())
     }
@@ -74,7 +73,7 @@ impl Instance {
     /// Serializes the FMU's complete state, for another instance of the same FMU in another
     /// process.
     pub fn serialize(&mut self) -> Result<Vec<u8>> {
-        self.require("fmi2GetFMUstate", RUNNING)?;
+        self.require(Call::GetFmuState)?;
         self.serialized()
     }
 
@@ -83,16 +82,16 @@ impl Instance {
         self.serializable()?;
         self.keep(Place::Snapshot)?;
         let Some((saved, _)) = self.saved[Place::Snapshot as usize] else {
-            return Err(self.without("fmi2GetFMUstate"));
+            return Err(self.without(Call::GetFmuState));
         };
         let mut size = 0;
-        self.get("fmi2SerializedFMUstateSize", nothing, |f, c| {
+        self.get(Call::SerializedFmuStateSize, nothing, |f, c| {
             // SAFETY: `saved` is a state of this instance; `size` lives during the call.
             unsafe { (f.serialized_size)(c, saved, &mut size) }
         })?;
         self.show(|_| size.to_string());
         let mut bytes = vec![0; size];
-        self.call("fmi2SerializeFMUstate", nothing, |f, c| {
+        self.call(Call::SerializeFmuState, nothing, |f, c| {
             // SAFETY: as above; the array has that length.
             unsafe { (f.serialize)(c, saved, bytes.as_mut_ptr(), bytes.len()) }
         })?;
@@ -102,19 +101,21 @@ impl Instance {
     /// Restores the state from [`Instance::serialize`], which was that of the instant `time`. The
     /// instance must have left initialization, and be in the same state as the other one was.
     pub fn deserialize(&mut self, bytes: &[u8], time: Time) -> Result<()> {
-        self.require("fmi2DeSerializeFMUstate", RUNNING)?;
+        if !self.phase.is_running() {
+            return Err(self.refused(Call::DeSerializeFmuState));
+        }
         self.serializable()?;
         let mut saved: FmuState = ptr::null_mut();
         let shown = |_: &Followed| format!("{} bytes", bytes.len());
-        let result = self.call("fmi2DeSerializeFMUstate", shown, |f, c| {
+        let result = self.call(Call::DeSerializeFmuState, shown, |f, c| {
             // SAFETY: the array has that length; `saved` is NULL, a new state is put there.
             unsafe { (f.deserialize)(c, bytes.as_ptr(), bytes.len(), &mut saved) }
         });
         if saved.is_null() {
-            return result.and(Err(self.without("fmi2DeSerializeFMUstate")));
+            return result.and(Err(self.without(Call::DeSerializeFmuState)));
         }
         if let Some((mut old, _)) =
-            self.saved[Place::Snapshot as usize].replace((saved, self.state))
+            self.saved[Place::Snapshot as usize].replace((saved, self.phase))
         {
             // SAFETY: `old` is a state of this live instance.
             unsafe { (self.functions.free_state)(self.component, &mut old) };
@@ -138,8 +139,8 @@ impl Instance {
     }
 
     #[cold]
-    pub(super) fn without(&self, function: &str) -> Error {
-        Error::new(Code::State, format!("{function} of '{}' gave no state", self.name))
+    pub(super) fn without(&self, function: Call) -> Error {
+        Error::new(Code::State, format!("{} of '{}' gave no state", function.name(), self.name))
             .at(self.fmu.path())
             .why("the pointer to the state is NULL")
     }

@@ -6,7 +6,9 @@
 
 use std::time::Duration;
 
-use super::{Followed, Instance, State};
+use fmu_standard::{Call, Phase, StatusKind};
+
+use super::{Followed, Instance};
 use crate::error::{Code, Error, Result};
 use crate::fmi::guard::Float;
 use crate::fmi::library::{Component, Functions, Own, Stepping};
@@ -17,11 +19,6 @@ use crate::time::{Step, Time};
 /// short.
 const FIRST_PAUSE: Duration = Duration::from_micros(20);
 const LONGEST_PAUSE: Duration = Duration::from_millis(5);
-
-/// `fmi2StatusKind`.
-const DO_STEP_STATUS: i32 = 0;
-const LAST_SUCCESSFUL_TIME: i32 = 2;
-const TERMINATED: i32 = 3;
 
 /// Start and length of a step in seconds.
 #[cold]
@@ -61,9 +58,9 @@ impl Instance {
     /// the step, the FMU discarded the rest, and only a saved state may be restored.
     #[inline(always)]
     pub fn try_step(&mut self, start: Time, step: Time) -> Result<Time> {
-        self.require("fmi2DoStep", &[State::Ready])?;
+        self.require(Call::DoStep)?;
         let Some(do_step) = self.hot.do_step else {
-            return Err(self.refused("fmi2DoStep"));
+            return Err(self.refused(Call::DoStep));
         };
         self.time = start;
         if step != self.step.0 {
@@ -83,10 +80,10 @@ impl Instance {
             None => call(&self.functions, self.component),
             Some(_) => {
                 let shown = |_: &Followed| format!("{from:?}, {length:?}, true");
-                self.followed_call::<false>("fmi2DoStep", shown, call)
+                self.followed_call::<false>(Call::DoStep, shown, call)
             }
         };
-        float.check(&self.log, "fmi2DoStep");
+        float.check(&self.log, Call::DoStep.name());
         self.stepped(start, step, status)
     }
 
@@ -107,7 +104,7 @@ impl Instance {
                 Ok(self.time)
             }
             status::DISCARD => self.reached(start, step),
-            failed => Err(self.failed("fmi2DoStep", failed)),
+            failed => Err(self.failed(Call::DoStep, failed)),
         }
     }
 
@@ -115,27 +112,30 @@ impl Instance {
     #[cold]
     pub(super) fn wait(&mut self) -> Result<RawStatus> {
         if !self.fmu.interface(self.kind)?.asynchronous {
-            let error = self.failed("fmi2DoStep", status::PENDING);
-            self.state = State::Fatal;
+            let error = self.failed(Call::DoStep, status::PENDING);
+            self.phase = Phase::Fatal;
             return Err(error.help("the FMU does not declare canRunAsynchronuously"));
         }
-        let get_status = self.stepping("fmi2GetStatus")?.get_status;
+        let get_status = self.stepping(Call::GetStatus)?.get_status;
         let mut pause = FIRST_PAUSE;
         loop {
             std::thread::sleep(pause);
             let mut found = status::PENDING;
             // SAFETY: the component is alive and only polled for its step; `found` lives during the
             // call.
-            let status = unsafe { get_status(self.component, DO_STEP_STATUS, &mut found) };
+            let status =
+                unsafe { get_status(self.component, StatusKind::DoStepStatus as i32, &mut found) };
             if status != status::OK {
-                let error = self.failed("fmi2GetStatus", status);
-                self.state = State::Fatal;
+                let error = self.failed(Call::GetStatus, status);
+                self.phase = Phase::Fatal;
                 return Err(error);
             }
             if found != status::PENDING {
                 if let Some(followed) = &self.followed {
-                    followed.begin("fmi2GetStatus", self.time, |_| "fmi2DoStepStatus".to_owned());
-                    followed.end("fmi2GetStatus", found, false);
+                    followed.begin(Call::GetStatus.name(), self.time, |_| {
+                        "fmi2DoStepStatus".to_owned()
+                    });
+                    followed.end(Call::GetStatus.name(), found, false);
                 }
                 return Ok(found);
             }
@@ -144,7 +144,7 @@ impl Instance {
     }
 
     #[inline]
-    pub(super) fn stepping(&self, function: &'static str) -> Result<&Stepping> {
+    pub(super) fn stepping(&self, function: Call) -> Result<&Stepping> {
         match &self.own {
             Own::Stepping(stepping) => Ok(stepping),
             Own::Exchange(_) => Err(self.refused(function)),
@@ -154,10 +154,10 @@ impl Instance {
     /// How far a discarded step got; an FMU that does not report it made no progress.
     #[cold]
     pub(super) fn reached(&mut self, start: Time, step: Time) -> Result<Time> {
-        self.state = State::Failed;
-        let said = self.real_status(LAST_SUCCESSFUL_TIME);
-        let reached = said.and_then(|t| Time::from_seconds(t, "the last successful time").ok());
-        if self.boolean_status(TERMINATED) {
+        self.phase = Phase::Failed;
+        let said = self.real_status(StatusKind::LastSuccessfulTime);
+        let reached = said.and_then(|t| Time::try_from_seconds(t).ok());
+        if self.boolean_status(StatusKind::Terminated) {
             self.time = reached.filter(|t| *t >= start && *t <= start + step).unwrap_or(start);
             return Err(self.ended("the FMU discarded a step with the status fmi2Terminated"));
         }
@@ -176,28 +176,28 @@ impl Instance {
     /// The error for a discarded step that is not repeated.
     #[cold]
     pub fn discarded(&mut self, reached: Time) -> Error {
-        let error = self.failed("fmi2DoStep", status::DISCARD);
+        let error = self.failed(Call::DoStep, status::DISCARD);
         match reached > self.time {
             true => error.why(format!("the FMU discarded the step; it reached {reached}")),
             false => error.why("the FMU discarded the step and made no progress"),
         }
     }
 
-    fn real_status(&self, kind: i32) -> Option<f64> {
+    fn real_status(&self, kind: StatusKind) -> Option<f64> {
         let (function, mut value) =
-            (self.stepping("fmi2GetRealStatus").ok()?.real_status, f64::NAN);
+            (self.stepping(Call::GetRealStatus).ok()?.real_status, f64::NAN);
         // SAFETY: the component is alive, the state allows the call, `value` lives during it.
-        let status = unsafe { function(self.component, kind, &mut value) };
+        let status = unsafe { function(self.component, kind as i32, &mut value) };
         (status == status::OK && value.is_finite()).then_some(value)
     }
 
-    fn boolean_status(&self, kind: i32) -> bool {
-        let Ok(stepping) = self.stepping("fmi2GetBooleanStatus") else {
+    fn boolean_status(&self, kind: StatusKind) -> bool {
+        let Ok(stepping) = self.stepping(Call::GetBooleanStatus) else {
             return false;
         };
         let (function, mut value) = (stepping.boolean_status, 0);
         // SAFETY: the component is alive, the state allows the call, `value` lives during it.
-        let status = unsafe { function(self.component, kind, &mut value) };
+        let status = unsafe { function(self.component, kind as i32, &mut value) };
         status == status::OK && value != 0
     }
 }

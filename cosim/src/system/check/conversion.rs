@@ -65,7 +65,7 @@ impl Walk {
         if let (Some(unit), false) = (&self.unit, suppress) {
             match (&unit.unit, &target.unit) {
                 (Some(from), Some(to)) => {
-                    let linear = from.to(to).ok_or_else(|| {
+                    let linear = Linear::between(from, to).ok_or_else(|| {
                         Error::new(Code::Unit, format!("{} meets {}", unit.name, target.name)).why(
                             format!(
                                 "they are of different dimensions: {} and {}",

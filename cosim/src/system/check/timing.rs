@@ -5,10 +5,10 @@ use super::components::Opened;
 use crate::error::{Code, Error, Result};
 use crate::system::raw::RawSystem;
 use crate::system::{Model, Overrides};
-use crate::time::{Step, Time};
+use crate::time::{self, Step, Time};
 
 /// Default for unknown steps.
-const UNKNOWN: Time = Time::from_nanoseconds(1_000_000_000);
+const UNKNOWN: Time = Time::from_ns(1_000_000_000);
 
 /// Steps without a common base longer than this part of the smallest are refused.
 const FINEST: f64 = 1000.0;
@@ -116,7 +116,7 @@ fn steps(
             .or_else(default)
             .or(raw.master.step);
         let name = format!("the step of '{}'", component.name);
-        let step = seconds.map(|s| Step::from_seconds(s, &name)).transpose();
+        let step = seconds.map(|s| time::step_from_seconds(s, &name)).transpose();
         let step = step.map_err(|e| component.place.mark(e));
         let step = findings.note(step);
         sound &= step.is_some();
@@ -143,8 +143,8 @@ fn span(raw: &RawSystem, overrides: &Overrides, opened: &[Opened]) -> Result<(Ti
         opened.iter().filter_map(|o| o.description()?.experiment.stop).max_by(f64::total_cmp);
     let suggested = suggested.filter(|stop| *stop > start);
     let stop = overrides.stop_time.or(raw.stop).or(suggested);
-    let stop = stop.map(|stop| Time::from_seconds(stop, "the stop time")).transpose()?;
-    Ok((Time::from_seconds(start, "the start time")?, stop.unwrap_or(Time::NEVER)))
+    let stop = stop.map(|stop| time::from_seconds(stop, "the stop time")).transpose()?;
+    Ok((time::from_seconds(start, "the start time")?, stop.unwrap_or(Time::NEVER)))
 }
 
 /// Checks that the steps are consistent, and determines how the run ends.
@@ -182,14 +182,14 @@ pub(in crate::system) fn check_span(
     match wanted {
         Interval::Smallest => {}
         Interval::Asked(seconds) => {
-            let interval = Step::from_seconds(seconds, "the output interval")?;
+            let interval = time::step_from_seconds(seconds, "the output interval")?;
             if base.parts_of(interval).is_none() {
                 return Err(off_base(interval, base));
             }
             span.output_interval = interval;
         }
         Interval::Suggested(seconds) => {
-            let interval = Step::from_seconds(seconds, "the output interval")?;
+            let interval = time::step_from_seconds(seconds, "the output interval")?;
             span.output_interval = match base.parts_of(interval) {
                 Some(_) => interval,
                 None => base.times(base.count(interval.rounded()) + 1),

@@ -10,7 +10,6 @@ mod osp;
 mod ssd;
 mod transformation;
 mod units;
-mod xml;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -20,7 +19,6 @@ use crate::error::{Code, Error, Result};
 use crate::files::replace;
 use files::Files;
 pub(crate) use ssd::base_step;
-pub(crate) use xml::{Xml, number};
 
 use super::read::{OSP_FILE, SSD_FILE};
 

@@ -5,9 +5,10 @@
 
 use std::collections::BTreeSet;
 
+use fmu_standard::{Xml, number};
+
 use super::files::Files;
 use super::ssd::base_step;
-use super::xml::{Xml, number};
 use super::{units, unsaid};
 use crate::error::Result;
 use crate::fmi::{InterfaceType, Kind, Value};
@@ -28,23 +29,23 @@ pub(super) fn text(system: &System, files: &Files, notes: &mut Vec<String>) -> R
     }
     let mut xml = Xml::new();
     xml.start("OspSystemStructure", &[("xmlns", OSP_NAMESPACE), ("version", "0.1")]);
-    xml.text("StartTime", &number(system.start.seconds()));
-    xml.text("EndTime", &number(system.stop.seconds()));
-    xml.text("BaseStepSize", &number(base_step(system).seconds()));
-    xml.text("Algorithm", "fixedStep");
+    xml.element("StartTime").text(&number(system.start.seconds()));
+    xml.element("EndTime").text(&number(system.stop.seconds()));
+    xml.element("BaseStepSize").text(&number(base_step(system).seconds()));
+    xml.element("Algorithm").text("fixedStep");
     xml.start("Simulators", &[]);
     for component in 0..system.components().len() {
         writer.simulator(&mut xml, component, files)?;
         notes.extend(writer.enumerations(component));
     }
-    xml.end();
+    xml.close();
     writer.functions(&mut xml);
     if !system.connections().is_empty() {
         xml.start("Connections", &[]);
         for (position, connection) in system.connections().iter().enumerate() {
             writer.connection(&mut xml, position, connection);
         }
-        xml.end();
+        xml.close();
     }
     Ok(xml.finish())
 }
@@ -78,7 +79,7 @@ fn converted(system: &System) -> Result<Vec<(usize, String, Linear)>> {
 /// they would be converted when the file is read.
 fn meet_unconverted(system: &System, connection: &Connection) -> bool {
     match (units::of(system, connection.from), units::of(system, connection.to)) {
-        (Some((_, from)), Some((_, to))) => from.to(&to) != Some(Linear::IDENTITY),
+        (Some((_, from)), Some((_, to))) => Linear::between(&from, &to) != Some(Linear::IDENTITY),
         _ => false,
     }
 }
@@ -118,10 +119,10 @@ impl Writer<'_> {
                 Value::String(value) => ("String", value.clone()),
             };
             xml.empty(kind, &[("value", &text)]);
-            xml.end();
+            xml.close();
         }
-        xml.end();
-        xml.end();
+        xml.close();
+        xml.close();
         Ok(())
     }
 
@@ -160,7 +161,7 @@ impl Writer<'_> {
                 xml.empty("Sum", &[("name", &name), ("inputCount", &count)]);
             }
         }
-        xml.end();
+        xml.close();
     }
 
     fn connection(&self, xml: &mut Xml, position: usize, connection: &Connection) {
@@ -182,7 +183,7 @@ impl Writer<'_> {
                 xml.start("VariableConnection", &[]);
                 self.variable(xml, from);
                 self.variable(xml, to);
-                xml.end();
+                xml.close();
             }
         }
     }
@@ -191,7 +192,7 @@ impl Writer<'_> {
         xml.start("SignalConnection", &[]);
         self.variable(xml, port);
         xml.empty("Signal", &[("function", function), ("name", signal)]);
-        xml.end();
+        xml.close();
     }
 
     fn variable(&self, xml: &mut Xml, port: Port) {
@@ -259,7 +260,7 @@ pub(super) fn log_config(system: &System, notes: &mut Vec<String>) -> Option<Str
         let factor = factor.to_string();
         xml.start("simulator", &[("name", &component.name), ("decimationFactor", &factor)]);
         own.iter().for_each(|name| xml.empty("variable", &[("name", name)]));
-        xml.end();
+        xml.close();
     }
     Some(xml.finish())
 }

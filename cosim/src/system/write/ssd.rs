@@ -3,11 +3,12 @@
 //! Step sizes and the algorithm, which SSP does not define, are in annotations of ours (see
 //! `read::ssp::annotation`) and of the Open Simulation Platform, so libcosim makes the same steps.
 
+use fmu_standard::{Xml, number};
+
 use super::files::Files;
-use super::xml::{Xml, number};
 use super::{transformation, units, unsaid};
 use crate::error::Result;
-use crate::fmi::{Causality, InterfaceType, Kind, Value};
+use crate::fmi::{Causality, Kind, Value};
 use crate::system::{Connection, Conversion, Model, Port, System};
 use crate::time::Step;
 use crate::units::Units;
@@ -33,13 +34,13 @@ pub(super) fn text(system: &System, files: &Files) -> Result<String> {
     for component in 0..system.components().len() {
         writer.component(&mut xml, component, files)?;
     }
-    xml.end();
+    xml.close();
     if !system.connections().is_empty() {
         xml.start("ssd:Connections", &[]);
         system.connections().iter().for_each(|c| writer.connection(&mut xml, c));
-        xml.end();
+        xml.close();
     }
-    xml.end();
+    xml.close();
     units::write(&mut xml, &writer.units);
     writer.experiment(&mut xml);
     writer.master(&mut xml);
@@ -58,17 +59,13 @@ impl Writer<'_> {
             return Err(unsaid("SSP", format!("'{}' is a sum", component.name))
                 .help("write an OSP system: cosim convert IN OUT.xml"));
         }
-        let implementation = match component.interface {
-            InterfaceType::CoSimulation => "CoSimulation",
-            InterfaceType::ModelExchange => "ModelExchange",
-        };
         xml.start(
             "ssd:Component",
             &[
                 ("name", &component.name),
                 ("type", "application/x-fmu-sharedlibrary"),
                 ("source", files.source(position)),
-                ("implementation", implementation),
+                ("implementation", component.interface.element()),
             ],
         );
         self.connectors(xml, position);
@@ -79,8 +76,8 @@ impl Writer<'_> {
         own.extend(component.worker.as_deref().map(|worker| ("worker", worker)));
         annotation(xml, "cosim", |xml| xml.empty("cosim:Component", &own));
         annotation(xml, OSP, |xml| xml.empty("osp:StepSizeHint", &[("value", &step)]));
-        xml.end();
-        xml.end();
+        xml.close();
+        xml.close();
         Ok(())
     }
 
@@ -116,9 +113,9 @@ impl Writer<'_> {
                 Kind::Boolean => xml.empty("ssc:Boolean", &[]),
                 Kind::String => xml.empty("ssc:String", &[]),
             }
-            xml.end();
+            xml.close();
         }
-        xml.end();
+        xml.close();
     }
 
     /// The unit of a variable, if this file defines it like its FMU.
@@ -151,9 +148,9 @@ impl Writer<'_> {
                 Value::String(value) => ("ssv:String", value.clone()),
             };
             xml.empty(kind, &[("value", &text)]);
-            xml.end();
+            xml.close();
         }
-        (0..5).for_each(|_| xml.end());
+        (0..5).for_each(|_| xml.close());
     }
 
     fn connection(&self, xml: &mut Xml, connection: &Connection) {
@@ -180,7 +177,7 @@ impl Writer<'_> {
         let kind = model.description().map(|d| d.variables[to.variable].kind.clone());
         xml.start("ssd:Connection", &attributes);
         transformation::write(xml, conversion, &kind.unwrap_or(Kind::Real));
-        xml.end();
+        xml.close();
     }
 
     fn experiment(&self, xml: &mut Xml) {
@@ -192,10 +189,10 @@ impl Writer<'_> {
         annotation(xml, OSP, |xml| {
             xml.start("osp:Algorithm", &[]);
             xml.empty("osp:FixedStepAlgorithm", &[("baseStepSize", &base)]);
-            xml.end();
+            xml.close();
         });
-        xml.end();
-        xml.end();
+        xml.close();
+        xml.close();
     }
 
     fn master(&self, xml: &mut Xml) {
@@ -212,16 +209,16 @@ impl Writer<'_> {
             for column in &system.columns {
                 xml.empty("cosim:Record", &[("variable", &column.name)]);
             }
-            xml.end();
+            xml.close();
         });
-        xml.end();
+        xml.close();
     }
 }
 
 fn annotation(xml: &mut Xml, kind: &str, inside: impl FnOnce(&mut Xml)) {
     xml.start("ssc:Annotation", &[("type", kind)]);
     inside(xml);
-    xml.end();
+    xml.close();
 }
 
 /// The common base of all steps.

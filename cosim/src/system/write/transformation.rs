@@ -1,6 +1,7 @@
 //! Conversions of connections in the form of SSP.
 
-use super::xml::{Xml, number};
+use fmu_standard::{Xml, number};
+
 use crate::fmi::Kind;
 use crate::system::Conversion;
 use crate::units::Linear;
@@ -32,5 +33,5 @@ pub(super) fn write(xml: &mut Xml, conversion: &Conversion, kind: &Kind) {
         let (source, target) = (text(*source), text(*target));
         xml.empty("ssc:MapEntry", &[("source", &source), ("target", &target)]);
     }
-    xml.end();
+    xml.close();
 }

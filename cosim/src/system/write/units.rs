@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use super::xml::{Xml, number};
+use fmu_standard::Xml;
+
 use crate::fmi::Variable;
 use crate::system::{Port, System};
-use crate::units::{BASES, Unit, Units};
+use crate::units::{Unit, Units};
 
 /// Units of connected variables that their FMUs define; if two differ, the first is kept.
 pub(super) fn collect(system: &System) -> Units {
@@ -33,20 +34,11 @@ pub(super) fn write(xml: &mut Xml, units: &Units) {
     xml.start("ssd:Units", &[]);
     for (name, unit) in units {
         xml.start("ssc:Unit", &[("name", name)]);
-        let mut values: BTreeMap<&str, String> = BTreeMap::new();
-        for (base, exponent) in BASES.iter().zip(unit.exponents).filter(|(_, e)| *e != 0) {
-            values.insert(base, exponent.to_string());
-        }
-        if unit.factor != 1.0 {
-            values.insert("factor", number(unit.factor));
-        }
-        if unit.offset != 0.0 {
-            values.insert("offset", number(unit.offset));
-        }
+        let values: BTreeMap<&str, String> = unit.attributes().into_iter().collect();
         let attributes: Vec<(&str, &str)> =
             values.iter().map(|(name, value)| (*name, value.as_str())).collect();
         xml.empty("ssc:BaseUnit", &attributes);
-        xml.end();
+        xml.close();
     }
-    xml.end();
+    xml.close();
 }

@@ -82,7 +82,7 @@ impl Exported {
 }
 
 fn seconds(seconds: f64) -> Time {
-    Time::from_seconds(seconds, "t").unwrap()
+    Time::from_seconds(seconds)
 }
 
 fn variable<'a>(instance: &'a Instance, name: &str) -> &'a Variable {

@@ -98,7 +98,7 @@ fn here(model: Model, values: &[(&str, f64)]) -> Instance {
 }
 
 fn seconds(seconds: f64) -> Time {
-    Time::from_seconds(seconds, "t").unwrap()
+    Time::from_seconds(seconds)
 }
 
 fn reference(instance: &Instance, name: &str) -> [u32; 1] {

@@ -68,6 +68,6 @@ impl Reader {
 
 /// The greatest common divisor.
 fn common(intervals: &[f64]) -> Option<f64> {
-    let steps = intervals.iter().filter_map(|&i| Step::from_seconds(i, "the interval").ok());
+    let steps = intervals.iter().filter_map(|&i| Step::from_seconds(i).ok());
     steps.reduce(Step::gcd).map(Step::seconds)
 }
