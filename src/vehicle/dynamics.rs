@@ -60,7 +60,15 @@ pub struct Drive {
     /// Thrust that does not depend on the rotors (N).
     direct_thrust: [f64; 8],
     wrench: [f64; 6],
-    current_ned: Vec3,
+    pub(super) current_ned: Vec3,
+}
+
+/// The states other than the rotor speeds, or their time derivatives.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Body {
+    pub(super) p_ned: Vec3,
+    pub(super) quaternion: [f64; 4],
+    pub(super) nu: [f64; 6],
 }
 
 impl Drive {
@@ -70,15 +78,24 @@ impl Drive {
         core::array::from_fn(|i| (self.rotor_target[i] - speed[i]) * self.rotor_rate)
     }
 
+    /// The rate of the whole state from that of the body.
+    #[inline(always)]
+    fn beside_rotors(&self, body: Body, speed: &[f64; 8]) -> State {
+        let Body { p_ned, quaternion, nu } = body;
+        State { p_ned, quaternion, nu, rotor_speed: self.rotor_acceleration(speed) }
+    }
+
     /// Thrusts that follow the rotor speeds (N).
     #[inline(always)]
     pub(super) fn lagged_thrust(&self, s: &[f64; 8]) -> [f64; 8] {
         core::array::from_fn(|i| self.thrust_gain[i] * s[i] * s[i].abs())
     }
 
-    /// The same drive without the thrusts that follow the rotor speeds.
-    pub(super) fn without_rotors(&self) -> Self {
-        Self { thrust_gain: [0.0; 8], ..*self }
+    /// Thrusts at these rotor speeds (N).
+    #[inline(always)]
+    fn thrust(&self, speed: &[f64; 8]) -> [f64; 8] {
+        let lagged = self.lagged_thrust(speed);
+        core::array::from_fn(|i| self.direct_thrust[i] + lagged[i])
     }
 }
 
@@ -118,8 +135,8 @@ impl Vehicle {
     pub fn outputs(&self, state: &State, inputs: &Inputs) -> Outputs {
         let thrust = self.thrust(state, inputs);
         let r_nb = attitude::rotation(state.quaternion);
-        let nu_dot =
-            self.acceleration(&state.nu, &r_nb, &thrust, &inputs.wrench, inputs.current_ned);
+        let applied = self.applied(&inputs.wrench, &thrust);
+        let nu_dot = self.acceleration(&state.nu, &r_nb, applied, inputs.current_ned);
         let (v, omega) = (linear(&state.nu), angular(&state.nu));
         let gravity_body = scale(r_nb[2], self.gravity);
         Outputs {
@@ -197,21 +214,17 @@ impl Vehicle {
 
     /// Time derivative of the state under a [`drive`](Self::drive): the same bits as
     /// [`derivative`](Self::derivative), without evaluating the inputs again.
-    // Not inlined: four copies in a Runge-Kutta step overflow the processor's decoded-instruction
-    // cache, which was measured to cost a third of its speed.
-    #[inline(never)]
+    #[inline]
     #[must_use]
     pub fn rate(&self, state: &State, drive: &Drive) -> State {
-        let r_nb = attitude::rotation(state.quaternion);
-        let s = &state.rotor_speed;
-        let lagged = drive.lagged_thrust(s);
-        let thrust = core::array::from_fn(|i| drive.direct_thrust[i] + lagged[i]);
-        State {
-            p_ned: mul(&r_nb, linear(&state.nu)),
-            quaternion: quaternion_rate(state.quaternion, angular(&state.nu)),
-            nu: self.acceleration(&state.nu, &r_nb, &thrust, &drive.wrench, drive.current_ned),
-            rotor_speed: drive.rotor_acceleration(s),
-        }
+        drive.beside_rotors(self.whole_rate(state, drive), &state.rotor_speed)
+    }
+
+    /// The part of [`rate`](Self::rate) for the states other than the rotor speeds.
+    #[inline]
+    pub(super) fn whole_rate(&self, state: &State, drive: &Drive) -> Body {
+        let applied = self.applied(&drive.wrench, &drive.thrust(&state.rotor_speed));
+        self.body_rate(&state.quaternion, &state.nu, &applied, drive.current_ned)
     }
 
     /// The same bits as [`rate`](Self::rate), if the outputs for the same state and inputs are
@@ -219,11 +232,41 @@ impl Vehicle {
     #[inline(always)]
     #[must_use]
     pub fn rate_beside(&self, state: &State, outputs: &Outputs, drive: &Drive) -> State {
-        State {
-            p_ned: outputs.v_ned,
-            quaternion: quaternion_rate(state.quaternion, angular(&state.nu)),
-            nu: outputs.nu_dot,
-            rotor_speed: drive.rotor_acceleration(&state.rotor_speed),
+        drive.beside_rotors(known_rate(state, outputs), &state.rotor_speed)
+    }
+
+    /// Wrench on the body by everything but gravity, water and buoyancy, without the thrusts that
+    /// follow the rotor speeds.
+    #[inline(always)]
+    pub(super) fn held_wrench(&self, drive: &Drive) -> [f64; 6] {
+        self.applied(&drive.wrench, &drive.direct_thrust)
+    }
+
+    /// The sum of an external wrench and that of the thrusts.
+    #[inline(always)]
+    fn applied(&self, wrench: &[f64; 6], thrust: &[f64; 8]) -> [f64; 6] {
+        // Never -0, so that a thrust of 0 and of -0 give the same result.
+        let mut sum = wrench.map(|component| component + 0.0);
+        add_wrench(&mut sum, &self.thruster_wrench, thrust);
+        sum
+    }
+
+    /// Time derivatives of the states other than the rotor speeds, under an applied wrench.
+    // Not inlined: four copies in a Runge-Kutta step overflow the processor's decoded-instruction
+    // cache, which was measured to cost a third of its speed.
+    #[inline(never)]
+    pub(super) fn body_rate(
+        &self,
+        quaternion: &[f64; 4],
+        nu: &[f64; 6],
+        applied: &[f64; 6],
+        current_ned: Vec3,
+    ) -> Body {
+        let r_nb = attitude::rotation(*quaternion);
+        Body {
+            p_ned: mul(&r_nb, linear(nu)),
+            quaternion: quaternion_rate(*quaternion, angular(nu)),
+            nu: self.acceleration(nu, &r_nb, *applied, current_ned),
         }
     }
 
@@ -232,8 +275,7 @@ impl Vehicle {
         &self,
         nu: &[f64; 6],
         r_nb: &[Vec3; 3],
-        thrust: &[f64; 8],
-        wrench: &[f64; 6],
+        applied: [f64; 6],
         current_ned: Vec3,
     ) -> [f64; 6] {
         let omega = angular(nu);
@@ -249,9 +291,7 @@ impl Vehicle {
         let turning = add(cross(omega, h), cross(v_r, p));
         let moment = sub(cross(down, self.buoyant_moment), turning);
 
-        // Never -0, so that a thrust of 0 and of -0 give the same result.
-        let mut tau = wrench.map(|component| component + 0.0);
-        add_wrench(&mut tau, &self.thruster_wrench, thrust);
+        let mut tau = applied;
         for i in 0..6 {
             let damping = self.linear_damping[i] + self.quadratic_damping[i] * nu_r[i].abs();
             tau[i] -= damping * nu_r[i];
@@ -266,6 +306,16 @@ impl Vehicle {
             nu_dot[i] -= turn[i];
         }
         nu_dot
+    }
+}
+
+/// The rates of [`Vehicle::body_rate`] from the outputs for the same state and inputs.
+#[inline(always)]
+pub(super) fn known_rate(state: &State, outputs: &Outputs) -> Body {
+    Body {
+        p_ned: outputs.v_ned,
+        quaternion: quaternion_rate(state.quaternion, angular(&state.nu)),
+        nu: outputs.nu_dot,
     }
 }
 

@@ -9,7 +9,7 @@
 //! so that the method integrates `w`, which is smooth: neither the lag nor the kink of the thrust
 //! where a rotor reverses limits the step.
 
-use super::dynamics::{Drive, add_wrench};
+use super::dynamics::{Body, Drive, add_wrench, known_rate};
 use super::{Inputs, Outputs, State, Vehicle};
 
 impl Vehicle {
@@ -25,35 +25,44 @@ impl Vehicle {
     /// known.
     #[inline]
     pub fn advance(&self, state: &mut State, drive: &Drive, h: f64, outputs: Option<&Outputs>) {
-        let smooth = drive.without_rotors();
+        let held = self.held_wrench(drive);
+        let rate = |q: &[f64; 4], nu: &[f64; 6]| self.body_rate(q, nu, &held, drive.current_ned);
         let mut k1 = match outputs {
-            Some(outputs) => self.rate_beside(state, outputs, drive),
-            None => self.rate(state, drive),
+            Some(outputs) => known_rate(state, outputs),
+            None => self.whole_rate(state, drive),
         };
         let thrust = drive.lagged_thrust(&state.rotor_speed).map(|t| -t);
         add_wrench(&mut k1.nu, &self.thruster_acceleration, &thrust);
         let [middle, end] = rotors(drive, &state.rotor_speed, h);
-        let [middle, end] = [middle, end].map(|(speed, impulse)| {
+        let gained = |impulse: &[f64; 8]| {
             let mut gained = [0.0; 6];
-            add_wrench(&mut gained, &self.thruster_acceleration, &impulse);
-            (speed, gained)
-        });
-        let k2 = self.rate(&advanced(state, 0.5 * h, &k1, &middle), &smooth);
-        let k3 = self.rate(&advanced(state, 0.5 * h, &k2, &middle), &smooth);
-        let k4 = self.rate(&advanced(state, h, &k3, &end), &smooth);
-        let sixth = h / 6.0;
-        state.p_ned = weighed(&state.p_ned, sixth, [&k1, &k2, &k3, &k4].map(|k| &k.p_ned));
-        let k_q = [&k1, &k2, &k3, &k4].map(|k| &k.quaternion);
-        state.quaternion = weighed(&state.quaternion, sixth, k_q);
-        let (speed, gained) = end;
-        let nu = weighed(&state.nu, sixth, [&k1, &k2, &k3, &k4].map(|k| &k.nu));
-        state.nu = axpy(&nu, 1.0, &gained);
-        state.rotor_speed = speed;
+            add_wrench(&mut gained, &self.thruster_acceleration, impulse);
+            gained
+        };
+        let (half, whole) = (gained(&middle.impulse), gained(&end.impulse));
+        let stage = |h: f64, k: &Body, gained: &[f64; 6]| {
+            let nu = axpy(&axpy(&state.nu, h, &k.nu), 1.0, gained);
+            rate(&axpy(&state.quaternion, h, &k.quaternion), &nu)
+        };
+        let k2 = stage(0.5 * h, &k1, &half);
+        let k3 = stage(0.5 * h, &k2, &half);
+        let k4 = stage(h, &k3, &whole);
+        let (sixth, k) = (h / 6.0, [&k1, &k2, &k3, &k4]);
+        state.p_ned = weighed(&state.p_ned, sixth, k.map(|k| &k.p_ned));
+        state.quaternion = weighed(&state.quaternion, sixth, k.map(|k| &k.quaternion));
+        state.nu = axpy(&weighed(&state.nu, sixth, k.map(|k| &k.nu)), 1.0, &whole);
+        state.rotor_speed = end.speed;
     }
 }
 
-/// Rotor speeds (rad/s), and impulses (N.s) of the thrusts that follow them.
-type Rotors = ([f64; 8], [f64; 8]);
+/// Rotors after a part of a step.
+#[derive(Clone, Copy)]
+struct Rotors {
+    /// Speeds (rad/s).
+    speed: [f64; 8],
+    /// Impulses (N.s) of the thrusts that follow the speeds, since the beginning of the step.
+    impulse: [f64; 8],
+}
 
 /// The rotors in the middle and at the end of a step of `h` seconds.
 ///
@@ -63,40 +72,32 @@ type Rotors = ([f64; 8], [f64; 8]);
 fn rotors(drive: &Drive, start: &[f64; 8], h: f64) -> [Rotors; 2] {
     let rate = drive.rotor_rate;
     if rate == 0.0 {
-        return [(*start, [0.0; 8]); 2];
+        return [Rotors { speed: *start, impulse: [0.0; 8] }; 2];
     }
+    let squared = |c: f64, d: f64, t: f64, lost: f64| {
+        c * c * t + lost * (2.0 * c * d + 0.5 * d * d * (2.0 - lost)) / rate
+    };
     let lost = -libm::expm1(-0.5 * rate * h);
     [(0.5 * h, lost), (h, lost * (2.0 - lost))].map(|(t, lost)| {
-        let mut rotors = ([0.0; 8], [0.0; 8]);
+        let (mut speed, mut integral) = ([0.0; 8], [0.0; 8]);
         for i in 0..8 {
             let c = drive.rotor_target[i];
             let d = start[i] - c;
-            let squared = |t: f64, lost: f64| {
-                c * c * t + lost * (2.0 * c * d + 0.5 * d * d * (2.0 - lost)) / rate
-            };
-            let speed = start[i] - d * lost;
-            let mut integral = squared(t, lost);
-            if start[i] * speed < 0.0 {
-                let reversal = squared(libm::log(-d / c) / rate, start[i] / d);
-                integral = reversal - (integral - reversal);
-            }
-            rotors.0[i] = speed;
-            let sign = if start[i] == 0.0 { speed } else { start[i] }.signum();
-            rotors.1[i] = sign * drive.thrust_gain[i] * integral;
+            speed[i] = start[i] - d * lost;
+            integral[i] = squared(c, d, t, lost);
         }
-        rotors
+        for i in (0..8).filter(|&i| start[i] * speed[i] < 0.0) {
+            let c = drive.rotor_target[i];
+            let d = start[i] - c;
+            let reversal = squared(c, d, libm::log(-d / c) / rate, start[i] / d);
+            integral[i] = reversal - (integral[i] - reversal);
+        }
+        let impulse = core::array::from_fn(|i| {
+            let sign = if start[i] == 0.0 { speed[i] } else { start[i] }.signum();
+            sign * drive.thrust_gain[i] * integral[i]
+        });
+        Rotors { speed, impulse }
     })
-}
-
-/// `state + h rate`, with these rotor speeds and this gain of velocity.
-#[inline(always)]
-fn advanced(state: &State, h: f64, rate: &State, (speed, gained): &([f64; 8], [f64; 6])) -> State {
-    State {
-        p_ned: axpy(&state.p_ned, h, &rate.p_ned),
-        quaternion: axpy(&state.quaternion, h, &rate.quaternion),
-        nu: axpy(&axpy(&state.nu, h, &rate.nu), 1.0, gained),
-        rotor_speed: *speed,
-    }
 }
 
 #[inline(always)]
