@@ -34,6 +34,8 @@ impl System {
             Vec::new()
         });
         Error::all(problems)?;
+        let mut warnings = span.warnings;
+        warnings.extend(check::without_any(&columns, &overrides.output_variables));
         let mut components = vec![Component {
             name: description.model_name.clone(),
             model: Model::Fmu(fmu.clone()),
@@ -72,7 +74,7 @@ impl System {
             algorithm,
             solver,
             logging: overrides.logging.clone(),
-            warnings: span.warnings,
+            warnings,
             notes: span.notes,
             sampled: Vec::new(),
         };

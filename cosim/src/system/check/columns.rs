@@ -34,6 +34,15 @@ pub(in crate::system) fn columns(names: &Names, patterns: &[String]) -> Result<V
     Ok(columns)
 }
 
+/// A warning for a run that would record nothing although no variables were named.
+pub(in crate::system) fn without_any(columns: &[Column], patterns: &[String]) -> Option<String> {
+    (columns.is_empty() && patterns.is_empty()).then(|| {
+        "nothing but the time is recorded, because there are no outputs: choose variables with \
+         --output-variable ('*' stands for all; cosim info lists them)"
+            .to_owned()
+    })
+}
+
 fn by_name(
     names: &Names,
     name: &str,

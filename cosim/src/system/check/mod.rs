@@ -19,7 +19,7 @@ use super::raw::RawSystem;
 use super::{Component, Overrides, System, abilities, input, loops};
 use crate::error::{Error, Result};
 
-pub(super) use columns::columns;
+pub(super) use columns::{columns, without_any};
 pub(super) use components::{needs_no_tool, unknown_component};
 pub(super) use lookup::Names;
 pub(super) use parameters::start_value;
@@ -64,6 +64,7 @@ pub(super) fn check(
     let (Some(timing), Some(solver), Some(columns)) = (timing, solver, columns) else {
         return Err(Error::new(crate::Code::Ssd, "the system is not valid").at(&raw.file));
     };
+    findings.warnings.extend(without_any(&columns, wanted));
     let Timing { span, steps, unknown_steps } = timing;
     let components: Vec<Component> = opened
         .into_iter()
