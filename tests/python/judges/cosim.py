@@ -2,6 +2,7 @@
 
 import subprocess
 from pathlib import Path
+from xml.etree import ElementTree
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
@@ -72,3 +73,29 @@ def write_ssd(file, components, connections, stop_time):
     links = "".join(CONNECTION.format(*start, *end) for start, end in ends)
     file.write_text(SSD.format(components=text, connections=links, stop_time=stop_time))
     return file
+
+
+NAMESPACES = {
+    "ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",
+    "ssv": "http://ssp-standard.org/SSP1/SystemStructureParameterValues",
+    "cosim": "urn:cosim:1",
+}
+
+
+def parts(ssd):
+    """A system of SSP 1.0 as {name: (FMU, {parameter: (type, text)}, step as text)} and [("a.y", "b.u")]."""
+    root = ElementTree.parse(ssd).getroot()
+    components = {}
+    for component in root.iterfind(".//ssd:Component", NAMESPACES):
+        fmu = Path(ssd).parent.joinpath(component.get("source")).resolve()
+        step = component.find(".//cosim:Component", NAMESPACES).get("stepSize")
+        values = {}
+        for parameter in component.iterfind(".//ssv:Parameter", NAMESPACES):
+            (value,) = parameter
+            values[parameter.get("name")] = value.tag.split("}")[1], value.get("value")
+        components[component.get("name")] = fmu, values, step
+    ends = [
+        tuple(f"{connection.get(f'{side}Element')}.{connection.get(f'{side}Connector')}" for side in ("start", "end"))
+        for connection in root.iterfind(".//ssd:Connection", NAMESPACES)
+    ]
+    return components, ends

@@ -3,24 +3,16 @@
 After every step all variables of all FMUs are read, because its last-value observer does that.
 """
 
-from pathlib import Path
-from xml.etree import ElementTree
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
+from cosim import parts
 from libcosimpy.CosimEnums import CosimVariableCausality, CosimVariableType
 from libcosimpy.CosimExecution import CosimExecution
 from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
 from libcosimpy.CosimManipulator import CosimManipulator
 from libcosimpy.CosimObserver import CosimObserver
 from libcosimpy.CosimSlave import CosimLocalSlave
-
-NAMESPACES = {
-    "ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",
-    "ssv": "http://ssp-standard.org/SSP1/SystemStructureParameterValues",
-    "cosim": "urn:cosim:1",
-}
-
 
 class Execution:
     """A running execution with its observer; `variables` is {slave: [description]}."""
@@ -113,33 +105,19 @@ def system(ssd, folder, base_step):
 
 def osp(ssd, base_step):
     """OspSystemStructure.xml for an SSP description with components, parameters and connections."""
-    root = ElementTree.parse(ssd).getroot()
+    components, ends = parts(ssd)
     simulators = []
-    for component in root.iterfind(".//ssd:Component", NAMESPACES):
-        name, source = component.get("name"), Path(ssd).parent.joinpath(component.get("source")).resolve()
-        step = component.find(".//cosim:Component", NAMESPACES).get("stepSize")
-        values = []
-        for parameter in component.iterfind(".//ssv:Parameter", NAMESPACES):
-            (value,) = parameter
-            kind = value.tag.split("}")[1]
-            values.append(
-                f"<InitialValue variable={quoteattr(parameter.get('name'))}>"
-                f"<{kind} value={quoteattr(value.get('value'))}/></InitialValue>"
-            )
+    for name, (source, values, step) in components.items():
+        values = [
+            f"<InitialValue variable={quoteattr(variable)}><{kind} value={quoteattr(value)}/></InitialValue>"
+            for variable, (kind, value) in values.items()
+        ]
         simulators.append(
             f"<Simulator name={quoteattr(name)} source={quoteattr(str(source))} stepSize='{step}'>"
             f"<InitialValues>{''.join(values)}</InitialValues></Simulator>"
         )
-    connections = [
-        "<VariableConnection>"
-        + "".join(
-            f"<Variable simulator={quoteattr(connection.get(side + 'Element'))}"
-            f" name={quoteattr(connection.get(side + 'Connector'))}/>"
-            for side in ("start", "end")
-        )
-        + "</VariableConnection>"
-        for connection in root.iterfind(".//ssd:Connection", NAMESPACES)
-    ]
+    side = lambda end: "<Variable simulator={} name={}/>".format(*map(quoteattr, end.split(".", 1)))  # noqa: E731
+    connections = [f"<VariableConnection>{side(start)}{side(end)}</VariableConnection>" for start, end in ends]
     lines = "\n".join
     return (
         "<?xml version='1.0' encoding='UTF-8'?>\n"

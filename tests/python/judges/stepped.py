@@ -1,48 +1,107 @@
 """Steps one FMU with FMPy at given instants, as a separate process: third-party libraries may crash it.
 
-`python stepped.py FMU STEP STOP VARIABLE...` reads the instants from standard input and writes the values of the
-variables at each of them to standard output, all as JSON.
+`python stepped.py cs|me FMU STEP VARIABLE...` reads the instants from standard input and writes the values of the
+variables at each of them to standard output, all as JSON. In model exchange each step is one of the classical Runge-Kutta
+method; an FMU that has an event is refused.
 """
 
+import ctypes
 import json
 import sys
 
+import numpy as np
 from fmpy import extract, read_model_description
-from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi2 import FMU2Model, FMU2Slave
 
 
-def values(fmu, times, step, names):
-    """Rows of values, one for each instant."""
-    described = read_model_description(fmu, validate=False)
-    variables = {variable.name: variable for variable in described.modelVariables}
-    experiment = described.defaultExperiment
-    tolerance = experiment.tolerance if experiment else None
-    slave = FMU2Slave(
-        guid=described.guid,
-        unzipDirectory=extract(fmu),
-        modelIdentifier=described.coSimulation.modelIdentifier,
-        instanceName="fmpy",
-    )
-    slave.instantiate()
-    slave.setupExperiment(
-        startTime=times[0], stopTime=times[-1], tolerance=float(tolerance) if tolerance else None
-    )
-    slave.enterInitializationMode()
-    slave.exitInitializationMode()
-    read = {"Real": slave.getReal, "Integer": slave.getInteger, "Boolean": slave.getBoolean}
-    read["Enumeration"] = slave.getInteger
+class Stepped:
+    """A co-simulation FMU."""
 
-    def row():
-        ends = [(variables[name].type, variables[name].valueReference) for name in names]
+    def __init__(self, fmu, start, stop):
+        described = read_model_description(fmu, validate=False)
+        self.described, self.variables = described, {v.name: v for v in described.modelVariables}
+        experiment = described.defaultExperiment
+        tolerance = experiment.tolerance if experiment else None
+        kind, interface = self.interface(described)
+        self.fmu = kind(
+            guid=described.guid, unzipDirectory=extract(fmu), modelIdentifier=interface.modelIdentifier, instanceName="fmpy"
+        )
+        self.fmu.instantiate()
+        self.fmu.setupExperiment(startTime=start, stopTime=stop, tolerance=float(tolerance) if tolerance else None)
+        self.fmu.enterInitializationMode()
+        self.fmu.exitInitializationMode()
+
+    def interface(self, described):
+        return FMU2Slave, described.coSimulation
+
+    def row(self, names):
+        read = {"Real": self.fmu.getReal, "Integer": self.fmu.getInteger, "Boolean": self.fmu.getBoolean}
+        read["Enumeration"] = self.fmu.getInteger
+        ends = [(self.variables[name].type, self.variables[name].valueReference) for name in names]
         return [float(read[kind]([reference])[0]) for kind, reference in ends]
 
-    rows = [row()]
-    for time in times[:-1]:
-        slave.doStep(currentCommunicationPoint=time, communicationStepSize=step)
-        rows.append(row())
-    return rows
+    def step(self, time, step):
+        self.fmu.doStep(currentCommunicationPoint=time, communicationStepSize=step)
+
+
+class Integrated(Stepped):
+    """A model exchange FMU."""
+
+    def __init__(self, fmu, start, stop):
+        super().__init__(fmu, start, stop)
+        self.update()
+        self.fmu.enterContinuousTimeMode()
+        self.x = np.zeros(self.described.numberOfContinuousStates)
+        self.fmu.getContinuousStates(self.pointer(self.x), self.x.size)
+        self.z = self.indicators()
+
+    def interface(self, described):
+        return FMU2Model, described.modelExchange
+
+    @staticmethod
+    def pointer(values):
+        return values.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
+
+    def update(self):
+        for _ in range(100):
+            needed, terminate, _, _, next_defined, next_time = self.fmu.newDiscreteStates()
+            assert not terminate, "it ends the run"
+            self.next = next_time if next_defined else np.inf
+            if not needed:
+                return
+        raise AssertionError("its events do not end")
+
+    def indicators(self):
+        z = np.zeros(self.described.numberOfEventIndicators)
+        self.fmu.getEventIndicators(self.pointer(z), z.size)
+        return z
+
+    def rate(self, time, x):
+        self.fmu.setTime(time)
+        self.fmu.setContinuousStates(self.pointer(x), x.size)
+        rate = np.zeros(x.size)
+        self.fmu.getDerivatives(self.pointer(rate), rate.size)
+        return rate
+
+    def step(self, time, step):
+        x = self.x
+        a = self.rate(time, x)
+        b = self.rate(time + step / 2, x + step / 2 * a)
+        c = self.rate(time + step / 2, x + step / 2 * b)
+        d = self.rate(time + step, x + step * c)
+        self.x = x + step / 6 * (a + 2 * b + 2 * c + d)
+        self.rate(time + step, self.x)
+        event, terminate = self.fmu.completedIntegratorStep()
+        z = self.indicators()
+        assert not (event or terminate or time + step >= self.next or ((z > 0) != (self.z > 0)).any()), "it has events"
 
 
 if __name__ == "__main__":
-    fmu, step, *names = sys.argv[1:]
-    print(json.dumps(values(fmu, json.load(sys.stdin), float(step), names)))
+    interface, fmu, step, *names = sys.argv[1:]
+    times = json.load(sys.stdin)
+    running = {"cs": Stepped, "me": Integrated}[interface](fmu, times[0], times[-1])
+    rows = [running.row(names)]
+    for time in times[:-1]:
+        running.step(time, float(step))
+        rows.append(running.row(names))
+    print(json.dumps(rows))
