@@ -34,7 +34,7 @@ mod tests {
         let metadata = metadata(&["--no-deps"]).unwrap();
         let mut names = crates().unwrap();
         names.sort();
-        assert_eq!(names, ["cosim", "fmu-kit", "fmu-kit-derive", "rexrov"]);
+        assert_eq!(names, ["cosim", "fmu-kit", "fmu-kit-derive", "fmu-quantity", "rexrov"]);
         for package in array(&metadata, "packages") {
             let name = text(package, "name");
             assert_eq!(text(package, "version"), env!("CARGO_PKG_VERSION"), "{name}");
