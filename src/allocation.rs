@@ -11,6 +11,7 @@
 //! may tumble.
 
 use crate::ParameterError;
+use crate::error::declared;
 use crate::vehicle::Thruster;
 use nalgebra::{Matrix6, SMatrix};
 use serde::{Deserialize, Serialize};
@@ -51,7 +52,9 @@ impl Allocation {
     /// # Errors
     /// A coefficient is not finite or too large to compute with, or all thrusters are absent.
     pub fn new(thrusters: &[Thruster; 8]) -> Result<Self, ParameterError> {
-        thrusters.iter().enumerate().try_for_each(|(i, t)| t.check(i))?;
+        for (i, thruster) in thrusters.iter().enumerate() {
+            declared(thruster).map_err(|error| error.within(&format!("thruster[{i}]")))?;
+        }
         let columns = thrusters.map(|t| if absent(&t) { [0.0; 6] } else { t.unit_wrench() });
         let gram = Matrix6::from_fn(|i, j| columns.iter().map(|c| c[i] * c[j]).sum::<f64>());
         let error = |reason| ParameterError::new("thrusters", "their geometry", reason);

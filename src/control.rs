@@ -7,67 +7,62 @@
 
 use crate::ParameterError;
 use crate::allocation::{Allocation, Degraded};
-use crate::error::{non_negative, positive};
+use crate::axes;
+use crate::error::declared;
 use crate::sampling::Rate;
 use crate::vector::{Vec3, mul};
 use crate::vehicle::{Inertia, Parameters, Thruster};
+use fmu_quantity::{Member, Variables};
 use serde::{Deserialize, Serialize};
 
-/// Gains of three axes of the same kind.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Gains of three axes of the same kind; the unit is that of their acceleration.
+#[derive(Clone, Copy, Debug, PartialEq, Variables)]
 pub struct Pid {
-    /// Proportional gain (1/s).
+    /// proportional gain
+    #[var(unit = "1/s", min = 0.0)]
     pub p: f64,
-    /// Integral gain (1/s2).
+    /// integral gain
+    #[var(unit = "1/s2", min = 0.0)]
     pub i: f64,
-    /// Derivative gain (1), on the measured velocity, so a step in the command causes no derivative
-    /// kick.
+    /// derivative gain
+    ///
+    /// On the measured velocity, so a step in the command causes no derivative kick.
+    #[var(unit = "1", min = 0.0)]
     pub d: f64,
-    /// Limit of the demanded acceleration (m/s2 or rad/s2).
+    /// limit of the demanded acceleration
+    #[var(min = 1e-9)]
     pub saturation: f64,
 }
 
 /// Parameters of the controller.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Variables)]
 pub struct ControllerParameters {
-    /// Cycles a second (Hz).
+    /// Cycles a second
+    #[var(unit = "Hz", min = 0.001, max = 1e6, start = 50.0)]
     pub rate_hz: f64,
-    /// Surge, sway, heave.
+    /// Surge, sway and heave
+    #[var(unit = "m/s2", start = Pid { p: 10.0, i: 2.0, d: 0.0, saturation: 20.0 })]
     pub linear: Pid,
-    /// Roll, pitch, yaw.
+    /// Roll, pitch and yaw
+    #[var(unit = "rad/s2", start = Pid { p: 10.0, i: 2.0, d: 1.0, saturation: 5.0 })]
     pub angular: Pid,
-    /// Rigid mass (kg).
+    /// Rigid mass
+    #[var(unit = "kg", min = 1e-9, nominal = 1000.0, start = Parameters::default().mass)]
     pub mass: f64,
-    /// Rigid inertia (kg.m2).
+    /// Rigid inertia about the centre of gravity, positive definite
+    #[var(start = Parameters::default().inertia)]
     pub inertia: Inertia,
-    /// Geometry of the thrusters.
+    /// Thruster
+    #[var(rename = "thruster", start = Parameters::default().propulsion.thrusters)]
     pub thrusters: [Thruster; 8],
-    /// Limit of each thruster, either sign (N).
+    /// Limit of each thruster, either sign
+    #[var(
+        unit = "N",
+        min = 1e-9,
+        nominal = 1000.0,
+        start = Parameters::default().propulsion.thrust_limit
+    )]
     pub thrust_limit: f64,
-}
-
-impl Default for ControllerParameters {
-    fn default() -> Self {
-        let vehicle = Parameters::default();
-        Self {
-            rate_hz: 50.0,
-            linear: Pid { p: 10.0, i: 2.0, d: 0.0, saturation: 20.0 },
-            angular: Pid { p: 10.0, i: 2.0, d: 1.0, saturation: 5.0 },
-            mass: vehicle.mass,
-            inertia: vehicle.inertia,
-            thrusters: vehicle.propulsion.thrusters,
-            thrust_limit: vehicle.propulsion.thrust_limit,
-        }
-    }
-}
-
-impl Pid {
-    fn check(&self, name: &str) -> Result<(), ParameterError> {
-        non_negative(&format!("{name}.p"), self.p)?;
-        non_negative(&format!("{name}.i"), self.i)?;
-        non_negative(&format!("{name}.d"), self.d)?;
-        positive(&format!("{name}.saturation"), self.saturation)
-    }
 }
 
 /// Integrals of the velocity error, the velocity at the previous cycle, and the allocation in use.
@@ -78,12 +73,19 @@ pub struct ControllerMemory {
     degraded: Option<Degraded>,
 }
 
+/// The force of one thruster.
+const FORCE: Member = Member::new("force", "force").unit("N").nominal(1000.0);
+
 /// Outputs of the controller.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Variables)]
 pub struct Demand {
-    /// Thruster forces to command, limited (N).
+    /// Thruster
+    ///
+    /// Forces to command, limited.
+    #[var(rename = "thruster", each = FORCE)]
     pub force: [f64; 8],
-    /// The demanded wrench `[X, Y, Z, K, M, N]`, before the limits of the thrusters (N, N.m).
+    /// Force and moment demanded, before the limits of the thrusters
+    #[var(elements = axes::WRENCH)]
     pub wrench: [f64; 6],
 }
 
@@ -106,11 +108,8 @@ impl VelocityController {
     /// # Errors
     /// Names the parameter that is out of range.
     pub fn new(p: &ControllerParameters) -> Result<Self, ParameterError> {
-        p.linear.check("linear")?;
-        p.angular.check("angular")?;
-        positive("mass", p.mass)?;
+        declared(p)?;
         p.inertia.check()?;
-        positive("thrust_limit", p.thrust_limit)?;
         Ok(Self {
             rate: Rate::new(p.rate_hz)?,
             gains: core::array::from_fn(|i| if i < 3 { p.linear } else { p.angular }),

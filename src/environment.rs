@@ -5,58 +5,61 @@
 //! the horizontal current adds a random walk to its mean; both are exact at the sample instants.
 
 use crate::ParameterError;
-use crate::error::{each, finite, non_negative, positive};
+use crate::axes;
+use crate::error::declared;
 use crate::sampling::Rate;
 use crate::sensors::{Correlated, GaussMarkov, Gaussian, Stream};
+use fmu_quantity::{Member, Variables};
 use serde::{Deserialize, Serialize};
 
+/// The loss of one thruster.
+const LOSS: Member = Member::new("loss", "fraction of the thrust that is lost").unit("1");
+
 /// Parameters of the disturbances.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Variables)]
 pub struct DisturbanceParameters {
-    /// Samples a second (Hz).
+    /// Samples a second
+    #[var(unit = "Hz", min = 0.001, max = 1e6, start = 50.0)]
     pub rate_hz: f64,
-    /// Seed of all its random numbers.
-    pub seed: u64,
-    /// Standard deviation of surge, sway and heave force (N).
+    /// Seed of everything
+    #[var(min = 0, start = 7)]
+    pub seed: i32,
+    /// Standard deviation of surge, sway and heave force
+    #[var(unit = "N", min = 0.0, start = 20.0)]
     pub force_sigma: f64,
-    /// Standard deviation of the yaw moment (N.m).
+    /// Standard deviation of the yaw moment
+    #[var(unit = "N.m", min = 0.0, start = 10.0)]
     pub moment_sigma: f64,
-    /// Standard deviation of roll and pitch moment (N.m).
+    /// Standard deviation of roll and pitch moment
+    #[var(unit = "N.m", min = 0.0)]
     pub tilt_moment_sigma: f64,
-    /// Correlation time of forces and moments (s).
+    /// Correlation time of forces and moments
+    #[var(unit = "s", min = 1e-6, start = 5.0)]
     pub correlation_time: f64,
-    /// Current at the start, NED (m/s).
+    /// Current at the start
+    #[var(elements = axes::NED_VELOCITY)]
     pub mean_current: [f64; 3],
-    /// Density of the random walk of the current north and east (m/s/sqrt(s)).
+    /// Density of the random walk of the current north and east
+    #[var(unit = "m/(s2.Hz0.5)", min = 0.0, nominal = 0.001)]
     pub current_random_walk: f64,
-    /// Standard deviation of the constant relative errors of the thrusts, drawn once.
+    /// Standard deviation of the constant relative errors of the thrusts, drawn once
+    #[var(unit = "1", min = 0.0, start = 0.03)]
     pub thrust_gain_sigma: f64,
 }
 
-impl Default for DisturbanceParameters {
-    fn default() -> Self {
-        Self {
-            rate_hz: 50.0,
-            seed: 7,
-            force_sigma: 20.0,
-            moment_sigma: 10.0,
-            tilt_moment_sigma: 0.0,
-            correlation_time: 5.0,
-            mean_current: [0.0; 3],
-            current_random_walk: 0.0,
-            thrust_gain_sigma: 0.03,
-        }
-    }
-}
-
 /// The disturbances at a sample instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Variables)]
 pub struct DisturbanceSample {
-    /// Forces and moments `[X, Y, Z, K, M, N]` about the centre of gravity, body (N, N.m).
+    /// Force and moment about the centre of gravity, body frame
+    #[var(elements = axes::WRENCH)]
     pub wrench: [f64; 6],
-    /// Current, NED (m/s).
+    /// Current of the water
+    #[var(elements = axes::NED_VELOCITY)]
     pub current: [f64; 3],
-    /// Fraction of the thrust lost, for each thruster; negative for additional thrust.
+    /// Thruster
+    ///
+    /// The loss is negative for additional thrust.
+    #[var(rename = "thruster", each = LOSS)]
     pub thruster_loss: [f64; 8],
 }
 
@@ -86,14 +89,8 @@ impl Disturbance {
     /// # Errors
     /// Names the parameter that is out of range.
     pub fn new(p: &DisturbanceParameters) -> Result<Self, ParameterError> {
+        declared(p)?;
         let rate = Rate::new(p.rate_hz)?;
-        non_negative("force_sigma", p.force_sigma)?;
-        non_negative("moment_sigma", p.moment_sigma)?;
-        non_negative("tilt_moment_sigma", p.tilt_moment_sigma)?;
-        positive("correlation_time", p.correlation_time)?;
-        each("mean_current", &p.mean_current, finite)?;
-        non_negative("current_random_walk", p.current_random_walk)?;
-        non_negative("thrust_gain_sigma", p.thrust_gain_sigma)?;
         let process = |sigma| {
             Correlated::new(&GaussMarkov { sigma, correlation_time: p.correlation_time }, p.rate_hz)
         };
@@ -109,7 +106,7 @@ impl Disturbance {
     /// The memory at the start.
     #[must_use]
     pub fn memory(&self) -> DisturbanceMemory {
-        let stream = |stream| Gaussian::new(self.p.seed, stream);
+        let stream = |stream| Gaussian::of(self.p.seed, stream);
         let mut gusts = stream(Stream::DisturbanceWrench);
         DisturbanceMemory {
             wrench: self.wrench.map(|process| process.first(&mut gusts)),

@@ -1,10 +1,12 @@
-//! Errors in parameters, and the checks that all modules share.
+//! Errors in parameters, and the check of their declared bounds.
+
+use fmu_quantity::{Count, Declaration, Declarations, Field, Start, Variables};
 
 /// A parameter that cannot be used: its name, its value and the reason.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("parameter `{name}` = {value}: {reason}")]
 pub struct ParameterError {
-    /// Name of the parameter, with its index if it has one (`thrusters[3].lx`).
+    /// Name of the parameter, with its index if it has one (`thruster[3].lx`).
     pub name: String,
     /// The given value.
     pub value: String,
@@ -25,43 +27,34 @@ impl ParameterError {
     }
 }
 
-pub(crate) fn finite(name: &str, value: f64) -> Result<(), ParameterError> {
-    if value.is_finite() {
-        return Ok(());
+/// Checks quantities as declared: numbers must be finite and within their bounds. Errors have the
+/// declared names.
+pub(crate) fn declared<Q: Variables>(quantities: &Q) -> Result<(), ParameterError> {
+    let mut list = Declarations::new();
+    let Count { reals, integers, booleans, strings } = Q::COUNT;
+    let count = reals + integers + booleans + strings;
+    if list.try_reserve_exact(count).is_err() {
+        return Err(ParameterError::new("parameters", count, "not enough memory to check them"));
     }
-    Err(ParameterError::new(name, value, "must be a finite number"))
+    quantities.declare(&Field::default(), &mut list);
+    list.iter().try_for_each(|Declaration { field, start }| match *start {
+        Start::Real(value) => bounded(field, value),
+        Start::Integer(value) => bounded(field, f64::from(value)),
+        _ => Ok(()),
+    })
 }
 
-pub(crate) fn positive(name: &str, value: f64) -> Result<(), ParameterError> {
-    if value.is_finite() && value > 0.0 {
-        return Ok(());
-    }
-    Err(ParameterError::new(name, value, "must be positive and finite"))
-}
-
-pub(crate) fn non_negative(name: &str, value: f64) -> Result<(), ParameterError> {
-    if value.is_finite() && value >= 0.0 {
-        return Ok(());
-    }
-    Err(ParameterError::new(name, value, "must be zero or positive, and finite"))
-}
-
-pub(crate) fn probability(name: &str, value: f64) -> Result<(), ParameterError> {
-    within(name, value, 0.0, 1.0)
-}
-
-pub(crate) fn within(name: &str, value: f64, min: f64, max: f64) -> Result<(), ParameterError> {
+fn bounded(field: &Field, value: f64) -> Result<(), ParameterError> {
+    let (min, max) = (field.min.unwrap_or(f64::MIN), field.max.unwrap_or(f64::MAX));
     if (min..=max).contains(&value) {
         return Ok(());
     }
-    Err(ParameterError::new(name, value, &format!("must lie between {min} and {max}")))
-}
-
-/// Applies `check` to each element, naming it by its index: `position[2]`.
-pub(crate) fn each(
-    name: &str,
-    values: &[f64],
-    check: fn(&str, f64) -> Result<(), ParameterError>,
-) -> Result<(), ParameterError> {
-    values.iter().enumerate().try_for_each(|(i, &value)| check(&format!("{name}[{i}]"), value))
+    let reason = match (field.min, field.max) {
+        (None, None) => "must be a finite number".to_owned(),
+        (Some(0.0), None) => "must be zero or positive, and finite".to_owned(),
+        (Some(min), None) => format!("must be at least {min:?}, and finite"),
+        (None, Some(max)) => format!("must be at most {max:?}, and finite"),
+        (Some(min), Some(max)) => format!("must lie between {min} and {max}"),
+    };
+    Err(ParameterError::new(field.name.clone(), value, &reason))
 }

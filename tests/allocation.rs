@@ -74,7 +74,7 @@ fn a_cycle_does_not_allocate() {
         allocations(&Filter::<_, SMALL>::new(constant, &p).unwrap()),
         allocations(&DynamicFilter::new(planar, &p).unwrap()),
         allocations(&Filter::<_, SMALL>::new(inertial, &p).unwrap()),
-        allocations(&AidedFilter::new(&p, &vehicle, &d).unwrap()),
+        allocations(&AidedFilter::new(&p, &vehicle, &ModelErrors::default()).unwrap()),
     ];
     assert_eq!(counts, [0; 4]);
 }

@@ -12,7 +12,7 @@ use rexrov::sensors::*;
 use rexrov::vehicle::{Inputs, Outputs, Parameters, ReducedModel, State, Vehicle};
 
 /// A run's turn-on biases are constant, so runs differ widely: enough runs for stable medians.
-const SEEDS: u64 = 201;
+const SEEDS: i32 = 201;
 const TICK_NS: i64 = 10_000_000;
 
 /// Fires once at each instant that has been reached.
@@ -44,19 +44,24 @@ struct Sensors {
 }
 
 impl Sensors {
-    fn new(seed: u64, fix_sigma: f64) -> Self {
+    fn new(seed: i32, fix_sigma: f64) -> Self {
         // A turn-on bias of the accelerometers below the nominal 0.196, and a DVL noisier than the
         // simulator's 0.001. The paper gives neither; these were chosen, like the filter's
         // guard_speed, to match the levels of its tables.
-        let mut imu = ImuParameters { seed: 4 * seed, ..Default::default() };
+        let seeded = |rate_hz, k| Instrument::new(rate_hz, 4 * seed + k);
+        let mut imu = ImuParameters { instrument: seeded(50.0, 0), ..Default::default() };
         imu.accelerometer.turn_on_sigma = 0.1;
         let imu = Imu::new(&imu).unwrap();
-        let dvl =
-            Dvl::new(&DvlParameters { seed: 4 * seed + 1, sigma: 0.01, ..Default::default() })
-                .unwrap();
-        let fix = GpsParameters { seed: 4 * seed + 2, sigma: fix_sigma, ..Default::default() };
+        let dvl = Dvl::new(&DvlParameters {
+            instrument: seeded(7.0, 1),
+            sigma: 0.01,
+            ..Default::default()
+        })
+        .unwrap();
+        let fix =
+            GpsParameters { instrument: seeded(10.0, 2), sigma: fix_sigma, ..Default::default() };
         let gps = Gps::new(&fix).unwrap();
-        let depth = PressureParameters { seed: 4 * seed + 3, ..Default::default() };
+        let depth = PressureParameters { instrument: seeded(10.0, 3), ..Default::default() };
         let pressure = PressureSensor::new(&depth).unwrap();
         Self {
             imu: (imu.clone(), imu.memory(), Clock::new(imu.rate)),
@@ -91,7 +96,8 @@ impl Sensors {
             measured.fix = Reading::at(stamp, [x, y, 0.0]);
         }
         if let Some(stamp) = self.pressure.2.fires(now) {
-            let truth = PressureTruth { z: truth.p_ned[2], euler: truth.euler };
+            let [roll, pitch, _] = truth.euler;
+            let truth = PressureTruth { z: truth.p_ned[2], tilt: [roll, pitch] };
             let sample = self.pressure.0.sample(&mut self.pressure.1, &truth);
             measured.depth = Reading::at(stamp, [sample.depth]);
         }
@@ -123,7 +129,7 @@ struct Run {
 }
 
 impl Run {
-    fn new(course: &str, filter: Filter, fix_sigma: f64, seed: u64) -> Self {
+    fn new(course: &str, filter: Filter, fix_sigma: f64, seed: i32) -> Self {
         let vehicle = Parameters::default();
         let source = match filter {
             Filter::Dynamic => Acceleration::Dynamic(ReducedModel::new(&vehicle).unwrap()),

@@ -63,7 +63,7 @@ proptest! {
 fn without_a_geometry_there_is_no_allocation() {
     let mut thrusters = Propulsion::default().thrusters;
     thrusters[2].lx = f64::NAN;
-    assert_eq!(Allocation::new(&thrusters).unwrap_err().name, "thrusters[2].lx");
+    assert_eq!(Allocation::new(&thrusters).unwrap_err().name, "thruster[2].lx");
     thrusters[2].lx = 1e200;
     assert!(Allocation::new(&thrusters).unwrap_err().reason.contains("size"));
     let error = Allocation::new(&[ABSENT; 8]).unwrap_err();

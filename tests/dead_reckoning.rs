@@ -12,7 +12,7 @@ use rexrov::attitude::{from_euler, wrap};
 use rexrov::estimation::process::Process;
 use rexrov::estimation::{
     AidedFilter, Belief, Disturbances, DynamicFilter, Filter, InertialProcess, Measurements,
-    NavigationParameters, PlanarDynamic,
+    ModelErrors, NavigationParameters, PlanarDynamic,
 };
 use rexrov::guidance::Course;
 use rexrov::sensors::Gaussian;
@@ -93,7 +93,7 @@ fn filters() -> [(&'static str, Follow); 3] {
             follow_navigation(&Filter::<_, SMALL>::new(process, p).unwrap(), m)
         }),
         ("model-aided", |p, m| {
-            let (vehicle, d) = (Parameters::default(), Disturbances::default());
+            let (vehicle, d) = (Parameters::default(), ModelErrors::default());
             follow_navigation(&AidedFilter::new(p, &vehicle, &d).unwrap(), m)
         }),
     ]

@@ -90,7 +90,7 @@ fn nonsense_is_refused_by_name() {
     assert_eq!(refused(|p| p.moment_sigma = f64::NAN), "moment_sigma");
     assert_eq!(refused(|p| p.tilt_moment_sigma = -1.0), "tilt_moment_sigma");
     assert_eq!(refused(|p| p.correlation_time = 0.0), "correlation_time");
-    assert_eq!(refused(|p| p.mean_current[1] = f64::NAN), "mean_current[1]");
+    assert_eq!(refused(|p| p.mean_current[1] = f64::NAN), "mean_current.east");
     assert_eq!(refused(|p| p.current_random_walk = -1.0), "current_random_walk");
     assert_eq!(refused(|p| p.thrust_gain_sigma = -1.0), "thrust_gain_sigma");
 }

@@ -145,7 +145,7 @@ fn heading_is_wrapped_across_south() {
 #[test]
 fn steady_variance_solves_the_riccati_equation() {
     // F = 1: P = sqrt(Q^2 / 4 + Q R) + Q / 2 before the update, minus its share after.
-    let p = EkfParameters { transition: Transition::Jacobian, ..EkfParameters::default() };
+    let p = EkfParameters { transition: Transition::Repaired, ..EkfParameters::default() };
     let (ekf, mut memory) = filter(p, Acceleration::Kinematic);
     let mut m = turning(0.0, 0.0);
     m.fix = Reading::at(-1.0, [0.0; 3]);
@@ -165,7 +165,7 @@ fn steady_variance_solves_the_riccati_equation() {
 #[test]
 fn a_moving_vehicle_uncertain_of_its_heading_is_uncertain_across_its_way() {
     let p = EkfParameters {
-        transition: Transition::Jacobian,
+        transition: Transition::Repaired,
         process_noise: ProcessNoise::Dvl,
         initial_sigma: [0.0, 0.0, 0.0, 0.1],
         heading_sigma: 1e9,
@@ -260,7 +260,7 @@ fn parameters_out_of_range_are_named() {
     let p = EkfParameters { fix_sigma: 0.0, ..EkfParameters::default() };
     assert_eq!(Ekf::new(&p, dynamic()).unwrap_err().name, "fix_sigma");
     let p = EkfParameters { process_variance: [0.0, 0.0, -1.0, 0.0], ..EkfParameters::default() };
-    assert_eq!(Ekf::new(&p, dynamic()).unwrap_err().name, "process_variance[2]");
+    assert_eq!(Ekf::new(&p, dynamic()).unwrap_err().name, "process_variance.z");
 }
 
 proptest! {
@@ -269,8 +269,8 @@ proptest! {
         which in 0..3_usize, with_model in any::<bool>(), with_fix in any::<bool>(),
         samples in prop::collection::vec(prop::array::uniform12(-1e3..1e3_f64), 1..80)
     ) {
-        let unguarded = Transition::Misprinted(Misprinted { guard_speed: 0.0 });
-        let transition = [Transition::default(), unguarded, Transition::Jacobian][which];
+        let all = [Transition::Paper, Transition::PaperUnguarded, Transition::Repaired];
+        let transition = all[which];
         let source = if with_model { dynamic() } else { Acceleration::Kinematic };
         let (ekf, mut memory) = filter(EkfParameters { transition, ..EkfParameters::default() }, source);
         for s in samples {

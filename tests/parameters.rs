@@ -28,10 +28,13 @@ fn the_sets_have_the_weight_and_buoyancy_of_their_sources() {
 
 #[test]
 fn values_out_of_range_are_named() {
-    assert_eq!(refused(|p| p.mass = -1.0), "parameter `mass` = -1: must be positive and finite");
+    assert_eq!(
+        refused(|p| p.mass = -1.0),
+        "parameter `mass` = -1: must be at least 1e-9, and finite"
+    );
     assert!(refused(|p| p.density = f64::NAN).starts_with("parameter `density` = NaN"));
     assert!(refused(|p| p.buoyancy = Some(-1.0)).contains("`buoyancy`"));
-    assert!(refused(|p| p.linear_damping[4] = -1.0).contains("`linear_damping[4]`"));
+    assert!(refused(|p| p.linear_damping[4] = -1.0).contains("`linear_damping.q`"));
     assert!(refused(|p| p.propulsion.rotor_time_constant = 0.0).contains("`rotor_time_constant`"));
     assert!(refused(|p| p.propulsion.thrusters[6].psi_deg = f64::INFINITY).contains("[6].psi_deg"));
 }

@@ -82,7 +82,12 @@ fn slow_bias_has_the_stationary_variance_of_a_gauss_markov_process() {
 fn turn_on_bias_is_constant_in_a_run_and_spread_over_seeds() {
     let bias = |seed| {
         let gyro = BiasNoise { turn_on_sigma: 0.0087, ..quiet() };
-        let imu = Imu::new(&ImuParameters { seed, gyro, ..quiet_imu() }).unwrap();
+        let imu = Imu::new(&ImuParameters {
+            instrument: Instrument::new(50.0, seed),
+            gyro,
+            ..quiet_imu()
+        })
+        .unwrap();
         let mut memory = imu.memory();
         let first = imu.sample(&mut memory, &ImuTruth::default()).rate[2];
         assert_eq!(first, imu.sample(&mut memory, &ImuTruth::default()).rate[2]);
@@ -155,7 +160,7 @@ fn dvl_gps_and_pressure_measure_at_their_own_places() {
 
     let p = PressureParameters { sigma_pa: 0.0, ..Default::default() };
     let sensor = PressureSensor::new(&p).unwrap();
-    let truth = PressureTruth { z: 20.0, euler: [0.0; 3] };
+    let truth = PressureTruth { z: 20.0, tilt: [0.0; 2] };
     let sample = sensor.sample(&mut sensor.memory(), &truth);
     assert_relative_eq!(sample.depth, 19.15, epsilon = 1e-12);
     assert_relative_eq!(sample.pressure_pa, 101_325.0 + 9806.38 * 19.15, epsilon = 1e-6);
@@ -193,7 +198,7 @@ fn unusable_parameters_are_named() {
         "parameter `sigma` = -1: must be zero or positive, and finite"
     );
     let p = DvlParameters { position: [0.0, f64::NAN, 0.0], ..Default::default() };
-    assert_eq!(Dvl::new(&p).unwrap_err().name, "position[1]");
+    assert_eq!(Dvl::new(&p).unwrap_err().name, "mounting.y");
     let gyro = BiasNoise { correlation_time: 0.0, ..quiet() };
     let imu = Imu::new(&ImuParameters { gyro, ..Default::default() });
     assert_eq!(imu.unwrap_err().name, "gyro.correlation_time");

@@ -11,21 +11,48 @@ use statistics::correlation;
 const N: usize = 40_000;
 
 /// White noise of every channel of every instrument of one seed, in its standard deviations.
-fn channels(seed: u64) -> Vec<Vec<f64>> {
+fn channels(seed: i32) -> Vec<Vec<f64>> {
     let bias = BiasNoise {
         noise_density: 1.0 / 50.0_f64.sqrt(),
         random_walk: 0.0,
         correlation_time: 1.0,
         turn_on_sigma: 0.0,
     };
-    let p = ImuParameters { seed, accelerometer: bias, gyro: bias, ..Default::default() };
+    let p = ImuParameters {
+        instrument: Instrument::new(50.0, seed),
+        accelerometer: bias,
+        gyro: bias,
+        ..Default::default()
+    };
     let imu = Imu::new(&p).unwrap();
-    let dvl = Dvl::new(&DvlParameters { seed, sigma: 1.0, ..Default::default() }).unwrap();
-    let gps = Gps::new(&GpsParameters { seed, sigma: 1.0, ..Default::default() }).unwrap();
-    let p = PressureParameters { seed, position: [0.0; 3], ..Default::default() };
+    let dvl = Dvl::new(&DvlParameters {
+        instrument: Instrument::new(7.0, seed),
+        sigma: 1.0,
+        ..Default::default()
+    })
+    .unwrap();
+    let gps = Gps::new(&GpsParameters {
+        instrument: Instrument::new(10.0, seed),
+        sigma: 1.0,
+        ..Default::default()
+    })
+    .unwrap();
+    let p = PressureParameters {
+        instrument: Instrument::new(10.0, seed),
+        position: [0.0; 3],
+        ..Default::default()
+    };
     let pressure = PressureSensor::new(&p).unwrap();
-    let ahrs = Ahrs::new(&AhrsParameters { seed, ..Default::default() }).unwrap();
-    let p = TachometerParameters { seed, sigma: 1.0, ..Default::default() };
+    let ahrs = Ahrs::new(&AhrsParameters {
+        instrument: Instrument::new(10.0, seed),
+        ..Default::default()
+    })
+    .unwrap();
+    let p = TachometerParameters {
+        instrument: Instrument::new(50.0, seed),
+        sigma: 1.0,
+        ..Default::default()
+    };
     let rotors = Tachometer::new(&p).unwrap();
     let (mut m_imu, mut m_dvl, mut m_gps) = (imu.memory(), dvl.memory(), gps.memory());
     let (mut m_pressure, mut m_ahrs, mut m_rotors) =
@@ -37,7 +64,7 @@ fn channels(seed: u64) -> Vec<Vec<f64>> {
         let fix = gps.sample(&mut m_gps, &GpsTruth::default()).unwrap();
         let depth = pressure.sample(&mut m_pressure, &PressureTruth::default()).depth;
         let attitude = ahrs.sample(&mut m_ahrs, &AhrsTruth::default());
-        let speed = rotors.sample(&mut m_rotors, &[0.0; 8]).speed;
+        let speed = rotors.sample(&mut m_rotors, &TachometerTruth::default()).speed;
         let angles = [motion.euler, attitude].map(|euler| euler.map(|angle| angle / 0.01));
         let beams = ping.beams.map(|beam| beam.unwrap() * 2.0_f64.sqrt());
         let acoustic = [&beams[..], &fix.sample.position, &[depth * 9806.38 / 3000.0]].concat();
@@ -81,8 +108,8 @@ fn nonsense_is_refused_by_name() {
         change(&mut p);
         refused(Imu::new(&p))
     };
-    assert_eq!(imu(|p| p.accelerometer_axes.scale_error[1] = 0.6), "accelerometer.scale_error[1]");
-    assert_eq!(imu(|p| p.gyro_axes.misalignment[5] = f64::NAN), "gyro.misalignment[5]");
+    assert_eq!(imu(|p| p.accelerometer_axes.scale_error[1] = 0.6), "accelerometer.scale_error.y");
+    assert_eq!(imu(|p| p.gyro_axes.misalignment[5] = f64::NAN), "gyro.misalignment.zy");
     assert_eq!(imu(|p| p.gyro_axes.range = -1.0), "gyro.range");
     assert_eq!(imu(|p| p.g_sensitivity = f64::INFINITY), "gyro.g_sensitivity");
 
@@ -115,14 +142,14 @@ fn nonsense_is_refused_by_name() {
         refused(Gps::new(&p))
     };
     assert_eq!(gps(|p| p.range_sigma = -0.1), "range_sigma");
-    assert_eq!(gps(|p| p.beacon[2] = f64::NAN), "beacon[2]");
+    assert_eq!(gps(|p| p.beacon[2] = f64::NAN), "beacon.z");
     assert_eq!(gps(|p| p.outlier.probability = 2.0), "outlier.probability");
     assert_eq!(gps(|p| p.dropout_probability = 2.0), "dropout_probability");
 
     let p = PressureParameters { bias_sigma_pa: -1.0, ..Default::default() };
     assert_eq!(refused(PressureSensor::new(&p)), "bias_sigma_pa");
     let p = AhrsParameters { deviation: [0.0, 0.0, f64::NAN, 0.0], ..Default::default() };
-    assert_eq!(refused(Ahrs::new(&p)), "deviation[2]");
+    assert_eq!(refused(Ahrs::new(&p)), "deviation.D");
     let p = AhrsParameters { heading_bias_sigma: -1.0, ..Default::default() };
     assert_eq!(refused(Ahrs::new(&p)), "heading_bias_sigma");
     let p = TachometerParameters { thrust_gain: 0.0, ..Default::default() };

@@ -118,7 +118,7 @@ fn the_correlated_error_is_stationary_and_common_to_the_beams() {
     assert_relative_eq!(lag, (-1.0_f64).exp(), epsilon = 0.03);
     assert!(all.iter().all(|ping| ping.error_velocity.abs() < 1e-15));
     let first = |seed| {
-        let p = DvlParameters { seed, ..p };
+        let p = DvlParameters { instrument: Instrument::new(7.0, seed), ..p };
         ping(&p, &moving(0.0, 0.0, 0.0)).unwrap().sample.velocity[0]
     };
     let firsts: Vec<f64> = (0..4000).map(first).collect();
@@ -148,8 +148,8 @@ fn a_lost_ping_is_no_sample() {
 /// A log at this altitude and roll over a seabed in 200 m.
 fn over_ground(altitude: f64, roll_deg: f64, p: DvlParameters) -> Option<DvlPing> {
     let p = DvlParameters { seabed_depth: 200.0, ..p };
-    let euler = [roll_deg.to_radians(), 0.0, 0.0];
-    ping(&p, &DvlTruth { z: 200.0 - altitude, euler, ..Default::default() })
+    let tilt = [roll_deg.to_radians(), 0.0];
+    ping(&p, &DvlTruth { z: 200.0 - altitude, tilt, ..Default::default() })
 }
 
 #[test]
@@ -176,8 +176,8 @@ fn tilt_takes_beams_out_of_range_one_after_the_other() {
     assert!(beams(85.0, 10.0).is_none());
     // With some pitch only one of them is out of range.
     let p = DvlParameters { seabed_depth: 200.0, ..quiet() };
-    let euler = [7.0_f64.to_radians(), 7.0_f64.to_radians(), 0.0];
-    let truth = DvlTruth { nu: [0.4, 0.1, 0.0, 0.0, 0.0, 0.0], z: 200.0 - 80.0, euler };
+    let tilt = [7.0_f64.to_radians(); 2];
+    let truth = DvlTruth { nu: [0.4, 0.1, 0.0, 0.0, 0.0, 0.0], z: 200.0 - 80.0, tilt };
     let ping = ping(&p, &truth).unwrap();
     assert_eq!(ping.beams.map(|beam| beam.is_some()), [true, true, true, false]);
     assert_relative_eq!(ping.sample.velocity[0], 0.4, epsilon = 1e-14);
@@ -188,8 +188,8 @@ fn bottom_lock_ends_at_the_greatest_tilt_with_or_without_a_seabed() {
     let p = DvlParameters { max_tilt_deg: 15.0, ..quiet() };
     for (roll, locked) in [(0.0, true), (14.9, true), (15.1, false), (-15.1, false)] {
         assert_eq!(over_ground(20.0, roll, p).is_some(), locked, "{roll} deg");
-        let euler = [roll.to_radians(), 0.0, 0.0];
-        let somewhere = DvlTruth { euler, ..Default::default() };
+        let tilt = [roll.to_radians(), 0.0];
+        let somewhere = DvlTruth { tilt, ..Default::default() };
         assert_eq!(ping(&p, &somewhere).is_some(), locked, "{roll} deg, no seabed");
     }
     // A beam that points above the horizon sees no ground, whatever tilt is allowed.
@@ -216,9 +216,15 @@ fn faults_of_one_kind_leave_the_noise_of_the_others() {
 #[test]
 fn models_are_those_of_their_data_sheets_and_the_default_is_the_simulators() {
     let default = DvlParameters::default();
-    assert_eq!((default.rate_hz, default.sigma, default.beam_angle_deg), (7.0, 0.001, 30.0));
+    assert_eq!(
+        (default.instrument.rate_hz, default.sigma, default.beam_angle_deg),
+        (7.0, 0.001, 30.0)
+    );
     assert_eq!(default.position, [-1.4, 0.0, 0.312]);
     let nortek = DvlModel::NortekDvl1000.parameters();
-    assert_eq!((nortek.rate_hz, nortek.beam_angle_deg, nortek.max_altitude), (8.0, 25.0, 75.0));
+    assert_eq!(
+        (nortek.instrument.rate_hz, nortek.beam_angle_deg, nortek.max_altitude),
+        (8.0, 25.0, 75.0)
+    );
     assert!(Dvl::new(&DvlModel::WorkhorseNavigator300.parameters()).is_ok());
 }

@@ -124,8 +124,12 @@ fn fixes_are_lost_and_far_off_at_their_rates() {
 #[test]
 fn the_pressure_bias_is_constant_in_a_run_and_spread_over_seeds() {
     let bias = |seed| {
-        let p =
-            PressureParameters { seed, sigma_pa: 0.0, bias_sigma_pa: 500.0, ..Default::default() };
+        let p = PressureParameters {
+            instrument: Instrument::new(10.0, seed),
+            sigma_pa: 0.0,
+            bias_sigma_pa: 500.0,
+            ..Default::default()
+        };
         let sensor = PressureSensor::new(&p).unwrap();
         let mut memory = sensor.memory();
         let mut sample = || sensor.sample(&mut memory, &PressureTruth::default()).pressure_pa;
@@ -187,7 +191,11 @@ fn a_heading_has_its_bias_and_a_drawn_one() {
     let fixed = AhrsParameters { heading_bias: 0.05, ..quiet_ahrs() };
     assert_relative_eq!(ahrs_at(&fixed, 1.0, 0.0)[2], 1.05, epsilon = 1e-15);
     let drawn = |seed| {
-        let p = AhrsParameters { seed, heading_bias_sigma: 0.02, ..fixed };
+        let p = AhrsParameters {
+            instrument: Instrument::new(10.0, seed),
+            heading_bias_sigma: 0.02,
+            ..fixed
+        };
         ahrs_at(&p, 1.0, 0.0)[2] - 1.0
     };
     let biases: Vec<f64> = (0..4000).map(drawn).collect();
@@ -211,9 +219,10 @@ fn a_compass_deviates_by_the_heading_and_follows_a_disturbance() {
 #[test]
 fn tachometers_show_the_speeds_with_noise_and_the_thrusts_of_sound_propellers() {
     let rotors = Tachometer::new(&TachometerParameters::default()).unwrap();
-    let (mut memory, truth) = (rotors.memory(), [300.0, -300.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+    let truth = TachometerTruth { speed: [300.0, -300.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0] };
+    let mut memory = rotors.memory();
     let all: Vec<TachometerSample> = (0..N).map(|_| rotors.sample(&mut memory, &truth)).collect();
-    for (i, speed) in truth.iter().enumerate() {
+    for (i, speed) in truth.speed.iter().enumerate() {
         let values: Vec<f64> = all.iter().map(|sample| sample.speed[i]).collect();
         assert_relative_eq!(mean(&values), speed, epsilon = 0.003);
         assert_relative_eq!(sigma(&values), 0.1, max_relative = 0.02);

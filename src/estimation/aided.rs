@@ -10,7 +10,7 @@ use super::estimate::Estimate;
 use super::filter::{Filter, Memory, Navigation};
 use super::measurement::Measurements;
 use super::monitor::ThrusterMonitor;
-use super::parameters::{Disturbances, NavigationParameters};
+use super::parameters::{Disturbances, ModelErrors, NavigationParameters};
 use super::process::inertial::InertialProcess;
 use super::process::model_aid::ModelAid;
 use super::process::planar_dynamic::PlanarDynamic;
@@ -64,11 +64,11 @@ impl AidedFilter {
     pub fn new(
         p: &NavigationParameters,
         vehicle: &Parameters,
-        disturbances: &Disturbances,
+        errors: &ModelErrors,
     ) -> Result<Self, ParameterError> {
-        let aid = ModelAid::new(vehicle, disturbances)?;
-        let moment_density = disturbances.moment_density.min(WATCH_MOMENT_DENSITY);
-        let watched = Disturbances { moment_density, ..*disturbances };
+        let aid = ModelAid::new(vehicle, errors)?;
+        let moment_density = errors.disturbances.moment_density.min(WATCH_MOMENT_DENSITY);
+        let watched = Disturbances { moment_density, ..errors.disturbances };
         Ok(Self {
             filter: Filter::new(InertialProcess::new(p, Some(aid))?, p)?,
             watch: Filter::new(PlanarDynamic::new(p, vehicle, &watched)?, p)?,

@@ -37,7 +37,9 @@ pub use estimate::{ChannelReport, Estimate, Health};
 pub use filter::{Filter, Memory, Navigation};
 pub use measurement::{KINDS, Kind, Measurements, Reading};
 pub use monitor::ThrusterMonitor;
-pub use parameters::{Disturbances, Mounting, NavigationParameters, SensorErrors, Start};
+pub use parameters::{
+    Disturbances, ModelErrors, Mounting, NavigationParameters, SensorErrors, Start,
+};
 pub use process::constant_acceleration::ConstantAcceleration;
 pub use process::inertial::InertialProcess;
 pub use process::model_aid::ModelAid;

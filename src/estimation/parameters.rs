@@ -1,231 +1,207 @@
 //! Parameters of the navigation filters and their validation.
 
 use crate::ParameterError;
-use crate::error::{each, finite, non_negative, positive};
-use crate::sensors::{BiasNoise, ImuParameters};
+use crate::axes;
+use crate::error::declared;
+use crate::sensors::{BiasNoise, ImuGrade, ImuNoise};
+use core::f64::consts::PI;
+use fmu_quantity::Variables;
 
 use super::kinematics::SensorStates;
 
 /// The filter's assumptions about the sensors, in the sensors' terms.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Variables)]
 pub struct SensorErrors {
-    /// Accelerometers (m/s2).
+    /// Grade that gives accelerometer, gyro and tilt_sigma where they are not set
+    ///
+    /// Only [`SensorErrors::of`] uses it.
+    pub imu_grade: ImuGrade,
+    /// Accelerometers
+    #[var(
+        unit = "m/s2",
+        unit_of(noise_density = "m/(s2.Hz0.5)", random_walk = "m/(s3.Hz0.5)"),
+        start = ImuGrade::default().noise().accelerometer
+    )]
     pub accelerometer: BiasNoise,
-    /// Gyros (rad/s).
+    /// Gyros
+    #[var(
+        unit = "rad/s",
+        unit_of(noise_density = "rad/(s.Hz0.5)", random_walk = "rad/(s2.Hz0.5)"),
+        start = ImuGrade::default().noise().gyro
+    )]
     pub gyro: BiasNoise,
-    /// Standard deviation of roll and pitch of the attitude reference (rad).
+    /// Standard deviation of roll and pitch of the attitude reference
+    #[var(unit = "rad", min = 1e-9, start = 0.01)]
     pub tilt_sigma: f64,
-    /// Standard deviation of its heading (rad).
+    /// Standard deviation of its heading
+    #[var(unit = "rad", min = 1e-9, start = 0.01)]
     pub heading_sigma: f64,
-    /// Standard deviation of the constant bias of the heading (rad); 0: none, no state for it.
+    /// Standard deviation of the constant error of the heading; 0: none, not estimated
+    #[var(unit = "rad", min = 0.0, start = 0.0087)]
     pub heading_bias_sigma: f64,
-    /// Standard deviation of the velocity log, each axis (m/s).
+    /// Standard deviation of the velocity log, each axis
+    #[var(unit = "m/s", min = 1e-9, start = 0.01)]
     pub dvl_sigma: f64,
-    /// Standard deviation of its scale error; 0: none, no state for it.
+    /// Standard deviation of its relative error; 0: none, not estimated
+    #[var(unit = "1", min = 0.0)]
     pub dvl_scale_sigma: f64,
-    /// Standard deviation of the yaw of its housing (rad); 0: none, no state for it.
+    /// Standard deviation of the yaw of its housing; 0: none, not estimated
+    #[var(unit = "rad", min = 0.0)]
     pub dvl_misalignment_sigma: f64,
-    /// Standard deviation of its delay relative to the attitude (s); 0: none, no state for it.
+    /// Standard deviation of its delay against the attitude; 0: none, not estimated
+    #[var(unit = "s", min = 0.0)]
     pub dvl_delay_sigma: f64,
-    /// Standard deviation of a fix that does not report its own (m).
+    /// Standard deviation of a fix that does not report its own
+    #[var(unit = "m", min = 1e-9, start = 0.5)]
     pub fix_sigma: f64,
-    /// Standard deviation of the depth (m).
+    /// Standard deviation of the depth
+    #[var(unit = "m", min = 1e-9, start = 0.306)]
     pub depth_sigma: f64,
 }
 
-impl Default for SensorErrors {
-    fn default() -> Self {
-        let imu = ImuParameters::default();
-        Self {
-            accelerometer: imu.accelerometer,
-            gyro: imu.gyro,
-            tilt_sigma: 0.01,
-            heading_sigma: 0.01,
-            heading_bias_sigma: 0.0087,
-            dvl_sigma: 0.01,
-            dvl_scale_sigma: 0.0,
-            dvl_misalignment_sigma: 0.0,
-            dvl_delay_sigma: 0.0,
-            fix_sigma: 0.5,
-            depth_sigma: 0.306,
-        }
-    }
-}
-
-/// Positions of the sensors, body (m).
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Positions of the sensors, body.
+#[derive(Clone, Copy, Debug, PartialEq, Variables)]
 pub struct Mounting {
-    /// Inertial unit.
+    /// inertial unit
+    #[var(unit = "m", elements = axes::BODY)]
     pub imu: [f64; 3],
-    /// Velocity log.
+    /// velocity log
+    #[var(unit = "m", elements = axes::BODY, start = [-1.4, 0.0, 0.312])]
     pub dvl: [f64; 3],
-    /// Antenna or transponder of the fix.
+    /// antenna or transponder of the fix
+    #[var(unit = "m", elements = axes::BODY)]
     pub fix: [f64; 3],
-    /// Pressure sensor.
+    /// pressure sensor
+    #[var(unit = "m", elements = axes::BODY, start = [-1.32, -0.5, -0.85])]
     pub pressure: [f64; 3],
 }
 
-impl Default for Mounting {
-    fn default() -> Self {
-        Self {
-            imu: [0.0; 3],
-            dvl: [-1.4, 0.0, 0.312],
-            fix: [0.0; 3],
-            pressure: [-1.32, -0.5, -0.85],
-        }
-    }
-}
-
 /// Assumptions at the start.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Variables)]
 pub struct Start {
-    /// `[x, y, z]` NED (m).
+    /// pose
+    #[var(rename = "pose", elements = axes::NED, start = [0.0, 0.0, 20.0])]
     pub position: [f64; 3],
-    /// `[roll, pitch, yaw]` (rad).
+    /// pose
+    ///
+    /// Its part roll, pitch, yaw.
+    #[var(rename = "pose", elements = axes::EULER)]
     pub attitude: [f64; 3],
-    /// Velocity over ground, body (m/s).
+    /// velocity over ground, body frame
+    #[var(elements = axes::LINEAR_VELOCITY)]
     pub velocity: [f64; 3],
-    /// Standard deviations of the position (m).
+    /// standard deviation
+    ///
+    /// Of the position.
+    #[var(rename = "sigma", min = 1e-6, elements = axes::NED, start = [0.5, 0.5, 10.0])]
     pub position_sigma: [f64; 3],
-    /// Standard deviation of roll and pitch (rad).
+    /// standard deviation: roll and pitch
+    #[var(rename = "sigma.tilt", unit = "rad", min = 1e-6, start = 0.2)]
     pub tilt_sigma: f64,
-    /// Standard deviation of the heading (rad); from half a radian on it counts as unknown, and the
-    /// first measured attitude becomes the mean.
+    /// standard deviation: yaw; from 0.5 on the first heading measured becomes the estimate
+    ///
+    /// The heading then counts as unknown, and the first measured attitude becomes the mean.
+    #[var(rename = "sigma.yaw", unit = "rad", min = 1e-6, start = PI)]
     pub heading_sigma: f64,
-    /// Standard deviation of the velocity, each axis (m/s).
+    /// standard deviation: velocity, each axis
+    #[var(rename = "sigma.velocity", unit = "m/s", min = 1e-6, start = 1.0)]
     pub velocity_sigma: f64,
 }
 
-impl Default for Start {
-    fn default() -> Self {
-        Self {
-            position: [0.0, 0.0, 20.0],
-            attitude: [0.0; 3],
-            velocity: [0.0; 3],
-            position_sigma: [0.5, 0.5, 10.0],
-            tilt_sigma: 0.2,
-            heading_sigma: core::f64::consts::PI,
-            velocity_sigma: 1.0,
-        }
-    }
-}
-
 /// Disturbances besides the vehicle model, for filters that have one.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Variables)]
 pub struct Disturbances {
-    /// Standard deviation of the fast force, each axis (N).
+    /// standard deviation of the force that varies quickly, each axis
+    #[var(unit = "N", min = 0.0, start = 20.0)]
     pub force_sigma: f64,
-    /// Standard deviation of the fast yaw moment (N.m).
+    /// standard deviation of the yaw moment that varies quickly
+    #[var(unit = "N.m", min = 0.0, start = 10.0)]
     pub moment_sigma: f64,
-    /// Their correlation time (s).
+    /// correlation time of both
+    #[var(unit = "s", min = 1e-6, start = 5.0)]
     pub correlation_time: f64,
-    /// White force (N/sqrt(Hz)).
+    /// density of the white force
+    #[var(unit = "N/Hz0.5", min = 1e-9, start = 10.0)]
     pub force_density: f64,
-    /// White yaw moment (N.m/sqrt(Hz)).
+    /// density of the white yaw moment
+    #[var(unit = "N.m/Hz0.5", min = 1e-9, start = 10.0)]
     pub moment_density: f64,
-    /// Standard deviation of the slow force: errors of damping and thrust (N).
-    pub slow_force_sigma: f64,
-    /// Its correlation time (s).
-    pub slow_force_time: f64,
-    /// Error of thrust-proportional forces (1).
-    pub thrust_error: f64,
-    /// Standard deviation of the current at the start, each axis (m/s).
+    /// standard deviation of the current at the start, each axis
+    #[var(unit = "m/s", min = 0.0, start = 0.3)]
     pub current_sigma: f64,
-    /// Random walk of the current (m/s/sqrt(s)).
+    /// density of the random walk of the current
+    #[var(unit = "m/(s2.Hz0.5)", min = 0.0, nominal = 0.001, start = 1e-3)]
     pub current_walk: f64,
 }
 
-impl Default for Disturbances {
-    fn default() -> Self {
-        Self {
-            force_sigma: 20.0,
-            moment_sigma: 10.0,
-            correlation_time: 5.0,
-            force_density: 10.0,
-            moment_density: 10.0,
-            slow_force_sigma: 5.0,
-            slow_force_time: 1000.0,
-            thrust_error: 0.1,
-            current_sigma: 0.3,
-            current_walk: 1e-3,
-        }
-    }
+/// Disturbances, and errors of the vehicle model itself.
+#[derive(Clone, Copy, Debug, PartialEq, Variables)]
+pub struct ModelErrors {
+    /// What varies.
+    #[var(flatten)]
+    pub disturbances: Disturbances,
+    /// standard deviation of the force that varies slowly, each axis: errors of damping and thrust
+    #[var(unit = "N", min = 0.0, start = 5.0)]
+    pub slow_force_sigma: f64,
+    /// correlation time of the force that varies slowly
+    #[var(unit = "s", min = 1e-6, start = 1000.0)]
+    pub slow_force_time: f64,
+    /// relative error of the forces that thrusters make
+    #[var(unit = "1", min = 0.0, start = 0.1)]
+    pub thrust_error: f64,
 }
 
 /// Parameters that all navigation filters have.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Variables)]
 pub struct NavigationParameters {
-    /// Longest interval of prediction (s).
+    /// Longest interval of prediction
+    #[var(rename = "prediction_interval", unit = "s", min = 0.01, max = 1.0, start = 0.1)]
     pub interval: f64,
-    /// How late a measurement may arrive and still be fused at its own time (s).
+    /// How late a measurement may come and still be put in its place
+    #[var(unit = "s", min = 0.0, max = 3600.0, start = 2.5)]
     pub latency: f64,
-    /// Whether the influence of outliers is limited.
+    /// Whether the influence of outliers is limited
+    #[var(rename = "outlier_limit", start = true)]
     pub gated: bool,
     /// Errors of the sensors.
+    #[var(flatten)]
     pub sensors: SensorErrors,
-    /// Positions of the sensors.
+    /// Place in the body frame
     pub mounting: Mounting,
-    /// The start.
+    /// Start
+    #[var(rename = "initial")]
     pub start: Start,
-    /// Acceleration of gravity (m/s2).
+    /// Acceleration of gravity
+    #[var(unit = "m/s2", min = 0.0, start = 9.81)]
     pub gravity: f64,
-    /// White acceleration of a vehicle without inertial unit (m/s2/sqrt(Hz)).
+    /// Manoeuvres while the inertial unit is silent: density of its white acceleration
+    #[var(rename = "maneuver.acceleration", unit = "m/(s2.Hz0.5)", min = 1e-9, start = 0.2)]
     pub maneuver_acceleration: f64,
-    /// White angular rate of a vehicle without gyros (rad/s/sqrt(Hz)).
+    /// Manoeuvres while the inertial unit is silent: density of its white angular rate
+    #[var(rename = "maneuver.rate", unit = "rad/(s.Hz0.5)", min = 1e-9, start = 0.2)]
     pub maneuver_rate: f64,
 }
 
-impl Default for NavigationParameters {
-    fn default() -> Self {
-        Self {
-            interval: 0.1,
-            latency: 2.5,
-            gated: true,
-            sensors: SensorErrors::default(),
-            mounting: Mounting::default(),
-            start: Start::default(),
-            gravity: 9.81,
-            maneuver_acceleration: 0.2,
-            maneuver_rate: 0.2,
-        }
-    }
-}
-
 impl NavigationParameters {
+    /// With an inertial unit of a grade.
+    #[must_use]
+    pub fn of(imu_grade: ImuGrade) -> Self {
+        Self { sensors: SensorErrors::of(imu_grade), ..Self::default() }
+    }
+
     /// # Errors
     /// Names the parameter that is out of range.
     pub fn check(&self) -> Result<(), ParameterError> {
-        positive("interval", self.interval)?;
-        non_negative("latency", self.latency)?;
-        if self.interval > 1.0 {
-            let reason = "must be at most 1 s: the motion changes within it";
-            return Err(ParameterError::new("interval", self.interval, reason));
-        }
-        self.sensors.check()?;
-        each("mounting.imu", &self.mounting.imu, finite)?;
-        each("mounting.dvl", &self.mounting.dvl, finite)?;
-        each("mounting.fix", &self.mounting.fix, finite)?;
-        each("mounting.pressure", &self.mounting.pressure, finite)?;
-        self.start.check()?;
-        non_negative("gravity", self.gravity)?;
-        positive("maneuver_acceleration", self.maneuver_acceleration)?;
-        positive("maneuver_rate", self.maneuver_rate)
+        declared(self)
     }
 }
 
 impl SensorErrors {
-    fn check(&self) -> Result<(), ParameterError> {
-        self.accelerometer.check("accelerometer")?;
-        self.gyro.check("gyro")?;
-        positive("tilt_sigma", self.tilt_sigma)?;
-        positive("heading_sigma", self.heading_sigma)?;
-        non_negative("heading_bias_sigma", self.heading_bias_sigma)?;
-        positive("dvl_sigma", self.dvl_sigma)?;
-        non_negative("dvl_scale_sigma", self.dvl_scale_sigma)?;
-        non_negative("dvl_misalignment_sigma", self.dvl_misalignment_sigma)?;
-        non_negative("dvl_delay_sigma", self.dvl_delay_sigma)?;
-        positive("fix_sigma", self.fix_sigma)?;
-        positive("depth_sigma", self.depth_sigma)
+    /// The noise of an inertial unit and of the roll and pitch that it gives.
+    #[must_use]
+    pub fn of(imu_grade: ImuGrade) -> Self {
+        let ImuNoise { accelerometer, gyro, attitude_sigma } = imu_grade.noise();
+        Self { imu_grade, accelerometer, gyro, tilt_sigma: attitude_sigma, ..Self::default() }
     }
 
     /// Numbers the sensor states, starting at `base`: the states, their standard deviations, and
@@ -250,31 +226,18 @@ impl SensorErrors {
     }
 }
 
-impl Start {
-    fn check(&self) -> Result<(), ParameterError> {
-        each("initial.position", &self.position, finite)?;
-        each("initial.attitude", &self.attitude, finite)?;
-        each("initial.velocity", &self.velocity, finite)?;
-        each("initial.position_sigma", &self.position_sigma, positive)?;
-        positive("initial.tilt_sigma", self.tilt_sigma)?;
-        positive("initial.heading_sigma", self.heading_sigma)?;
-        positive("initial.velocity_sigma", self.velocity_sigma)
-    }
-}
-
 impl Disturbances {
     /// # Errors
     /// Names the parameter that is out of range.
     pub fn check(&self) -> Result<(), ParameterError> {
-        non_negative("disturbance.force_sigma", self.force_sigma)?;
-        non_negative("disturbance.moment_sigma", self.moment_sigma)?;
-        positive("disturbance.correlation_time", self.correlation_time)?;
-        positive("disturbance.force_density", self.force_density)?;
-        positive("disturbance.moment_density", self.moment_density)?;
-        non_negative("disturbance.slow_force_sigma", self.slow_force_sigma)?;
-        positive("disturbance.slow_force_time", self.slow_force_time)?;
-        non_negative("disturbance.thrust_error", self.thrust_error)?;
-        non_negative("disturbance.current_sigma", self.current_sigma)?;
-        non_negative("disturbance.current_walk", self.current_walk)
+        declared(self).map_err(|error| error.within("disturbance"))
+    }
+}
+
+impl ModelErrors {
+    /// # Errors
+    /// Names the parameter that is out of range.
+    pub fn check(&self) -> Result<(), ParameterError> {
+        declared(self).map_err(|error| error.within("disturbance"))
     }
 }

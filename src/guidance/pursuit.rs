@@ -12,70 +12,67 @@
 use super::course::Course;
 use crate::ParameterError;
 use crate::attitude::wrap;
-use crate::error::{finite, non_negative, positive};
+use crate::error::declared;
 use crate::sampling::Rate;
 use core::f64::consts::FRAC_PI_2;
+use fmu_quantity::{Enumeration, Variables};
 use serde::{Deserialize, Serialize};
 
 /// What the heading is compared with.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Enumeration)]
 pub enum HeadingReference {
-    /// The bearing of the target from the vehicle.
+    /// the bearing of the target from the vehicle
     #[default]
     Target,
-    /// The course of the segment at the target, as printed: no cross-track feedback.
+    /// the course of the segment, as printed: no feedback of the distance from the course
     Segment,
 }
 
 /// Parameters of the path follower.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Variables)]
 pub struct PursuitParameters {
-    /// Cycles a second (Hz).
+    /// Cycles a second
+    #[var(unit = "Hz", min = 0.001, max = 1e6, start = 10.0)]
     pub rate_hz: f64,
-    /// Distance L_d of the target ahead of the nearest point, along the course (m).
+    /// Distance of the target ahead of the nearest point, along the course
+    ///
+    /// L_d of eq (54).
+    #[var(unit = "m", min = 1e-9, start = 1.0)]
     pub lookahead: f64,
-    /// Vehicle length L of eq (55) (m).
+    /// Vehicle length of eq (55)
+    #[var(unit = "m", min = 1e-9, start = 1.0)]
     pub vehicle_length: f64,
-    /// Turn rate per steering angle (1/s).
+    /// Turn rate over steering angle
+    #[var(unit = "1/s", min = 1e-9, start = 0.3)]
     pub gain: f64,
-    /// Speed along the course, horizontal (m/s).
+    /// Speed along the course, horizontal
+    #[var(unit = "m/s", start = 0.3)]
     pub speed: f64,
-    /// Depth to hold on a course without depths (m).
+    /// Depth to hold on a course without depths
+    #[var(unit = "m", start = 20.0)]
     pub depth: f64,
-    /// Heave velocity per depth error (1/s).
+    /// Heave velocity over depth error
+    #[var(unit = "1/s", min = 0.0, start = 0.2)]
     pub depth_gain: f64,
-    /// Limit of the heave velocity that corrects a depth error (m/s).
+    /// Limit of the heave velocity that corrects a depth error
+    #[var(unit = "m/s", min = 0.0, start = 0.1)]
     pub heave_limit: f64,
-    /// Limit of the total heave velocity on a course with depths (m/s).
+    /// Limit of the whole heave velocity on a course with depths
+    #[var(unit = "m/s", min = 0.0, start = 0.3)]
     pub total_heave_limit: f64,
-    /// The course is finished this close to its end, measured along it (m).
+    /// How close to its end the course counts as finished
+    ///
+    /// Measured along the course.
+    #[var(unit = "m", min = 0.0, start = 0.05)]
     pub finish_tolerance: f64,
-    /// How far back along the course the nearest point may move in a cycle (m).
+    /// How far back along the course the nearest point may move in a cycle
+    #[var(unit = "m", min = 0.0, start = 1.0)]
     pub search_back: f64,
-    /// How far ahead (m).
+    /// How far ahead along the course the nearest point may move in a cycle
+    #[var(unit = "m", min = 1e-9, start = 1.0)]
     pub search_ahead: f64,
-    /// Definition of alpha.
+    /// What the heading is compared with
     pub heading_reference: HeadingReference,
-}
-
-impl Default for PursuitParameters {
-    fn default() -> Self {
-        Self {
-            rate_hz: 10.0,
-            lookahead: 1.0,
-            vehicle_length: 1.0,
-            gain: 0.3,
-            speed: 0.3,
-            depth: 20.0,
-            depth_gain: 0.2,
-            heave_limit: 0.1,
-            total_heave_limit: 0.3,
-            finish_tolerance: 0.05,
-            search_back: 1.0,
-            search_ahead: 1.0,
-            heading_reference: HeadingReference::Target,
-        }
-    }
 }
 
 /// How far along the course the vehicle is.
@@ -117,18 +114,8 @@ impl PurePursuit {
     /// # Errors
     /// Names the parameter that is out of range.
     pub fn new(p: &PursuitParameters, course: Course) -> Result<Self, ParameterError> {
+        declared(p)?;
         let rate = Rate::new(p.rate_hz)?;
-        positive("lookahead", p.lookahead)?;
-        positive("vehicle_length", p.vehicle_length)?;
-        positive("gain", p.gain)?;
-        finite("speed", p.speed)?;
-        finite("depth", p.depth)?;
-        non_negative("depth_gain", p.depth_gain)?;
-        non_negative("heave_limit", p.heave_limit)?;
-        non_negative("total_heave_limit", p.total_heave_limit)?;
-        non_negative("finish_tolerance", p.finish_tolerance)?;
-        non_negative("search_back", p.search_back)?;
-        positive("search_ahead", p.search_ahead)?;
         Ok(Self { rate, parameters: *p, course })
     }
 

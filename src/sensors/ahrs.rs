@@ -6,59 +6,63 @@
 //! American Practical Navigator, chapter on compasses; there it is a correction, so of opposite
 //! sign; A is in the bias).
 
+use super::Stream;
 use super::errors::{Correlated, GaussMarkov};
-use super::noise::{Gaussian, Stream};
+use super::instrument::Instrument;
+use super::noise::Gaussian;
 use crate::ParameterError;
 use crate::attitude;
-use crate::error::{each, finite, non_negative};
+use crate::axes;
+use crate::error::declared;
 use crate::sampling::Rate;
+use fmu_quantity::{Member, Variables};
 use serde::{Deserialize, Serialize};
 
-/// Parameters of an attitude and heading reference; angles in rad.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Coefficients of the deviation of a magnetic compass.
+const DEVIATION: [Member; 4] = [
+    Member::new("B", "of the sine of the heading").unit("rad"),
+    Member::new("C", "of the cosine of the heading").unit("rad"),
+    Member::new("D", "of the sine of twice the heading").unit("rad"),
+    Member::new("E", "of the cosine of twice the heading").unit("rad"),
+];
+
+/// Parameters of an attitude and heading reference.
+#[derive(Clone, Copy, Debug, PartialEq, Variables)]
 pub struct AhrsParameters {
-    /// Samples a second (Hz).
-    pub rate_hz: f64,
-    /// Seed of all its noise.
-    pub seed: u64,
-    /// Standard deviation of the white noise of roll and pitch.
+    /// What all sensors have.
+    #[var(flatten, start = Instrument::new(10.0, 5))]
+    pub instrument: Instrument,
+    /// Standard deviation of the white noise of roll and pitch
+    #[var(unit = "rad", min = 0.0, nominal = 0.01, start = 0.01)]
     pub tilt_sigma: f64,
-    /// Standard deviation of the white noise of the heading.
+    /// Standard deviation of the white noise of the heading
+    #[var(unit = "rad", min = 0.0, nominal = 0.01, start = 0.01)]
     pub heading_sigma: f64,
-    /// Correlated error of roll and pitch.
+    /// Correlated error of roll and pitch
+    #[var(unit = "rad")]
     pub tilt_error: GaussMarkov,
-    /// Correlated error of the heading.
+    /// Correlated error of the heading
+    #[var(unit = "rad")]
     pub heading_error: GaussMarkov,
-    /// Constant error of the heading.
+    /// Constant error of the heading
+    #[var(unit = "rad")]
     pub heading_bias: f64,
-    /// Standard deviation of an additional constant error of the heading, drawn once.
+    /// Standard deviation of another constant error of the heading, drawn once
+    #[var(unit = "rad", min = 0.0)]
     pub heading_bias_sigma: f64,
-    /// Coefficients B, C, D, E of the deviation.
+    /// Error of a magnetic compass on the true heading, coefficient
+    #[var(elements = DEVIATION)]
     pub deviation: [f64; 4],
 }
 
-impl Default for AhrsParameters {
-    fn default() -> Self {
-        Self {
-            rate_hz: 10.0,
-            seed: 5,
-            tilt_sigma: 0.01,
-            heading_sigma: 0.01,
-            tilt_error: GaussMarkov::NONE,
-            heading_error: GaussMarkov::NONE,
-            heading_bias: 0.0,
-            heading_bias_sigma: 0.0,
-            deviation: [0.0; 4],
-        }
-    }
-}
-
 /// True attitude at a sample instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Variables)]
 pub struct AhrsTruth {
-    /// Roll, pitch, yaw (rad).
+    /// True motion: Attitude
+    #[var(rename = "vehicle.pose", elements = axes::EULER)]
     pub euler: [f64; 3],
-    /// Disturbance of the heading by the surroundings (rad).
+    /// What the surroundings add to the heading, as steel does to that of a compass
+    #[var(unit = "rad")]
     pub disturbance: f64,
 }
 
@@ -88,23 +92,17 @@ impl Ahrs {
     /// # Errors
     /// Names the parameter that is out of range.
     pub fn new(p: &AhrsParameters) -> Result<Self, ParameterError> {
-        let rate = Rate::new(p.rate_hz)?;
-        non_negative("tilt_sigma", p.tilt_sigma)?;
-        non_negative("heading_sigma", p.heading_sigma)?;
-        p.tilt_error.check("tilt_error")?;
-        p.heading_error.check("heading_error")?;
-        finite("heading_bias", p.heading_bias)?;
-        non_negative("heading_bias_sigma", p.heading_bias_sigma)?;
-        each("deviation", &p.deviation, finite)?;
-        let tilt = Correlated::new(&p.tilt_error, p.rate_hz);
-        let heading = Correlated::new(&p.heading_error, p.rate_hz);
+        declared(p)?;
+        let rate = p.instrument.rate()?;
+        let tilt = Correlated::new(&p.tilt_error, rate.hz());
+        let heading = Correlated::new(&p.heading_error, rate.hz());
         Ok(Self { rate, p: *p, correlated: [tilt, tilt, heading] })
     }
 
     /// The memory at switch-on.
     #[must_use]
     pub fn memory(&self) -> AhrsMemory {
-        let stream = |stream| Gaussian::new(self.p.seed, stream);
+        let stream = |stream| self.p.instrument.noise(stream);
         let drawn = self.p.heading_bias_sigma * stream(Stream::AhrsBias).draw();
         let mut correlated = stream(Stream::AhrsCorrelated);
         AhrsMemory {

@@ -15,34 +15,43 @@
 //! solution for which e is zero. Noise of `sigma` in u, v and e is `sqrt(2) sin(theta) sigma` along
 //! each beam, and so `tan(theta) / sqrt(2) sigma` in w.
 
+use super::Stream;
 use super::dvl_model::DvlParameters;
 use super::errors::Correlated;
-use super::noise::{Gaussian, Stream};
+use super::noise::Gaussian;
 use crate::ParameterError;
 use crate::attitude;
+use crate::axes;
 use crate::sampling::Rate;
 use crate::vector::{Vec3, add, angular, cross, linear, mul, scale};
 use core::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
+use fmu_quantity::Variables;
 use serde::{Deserialize, Serialize};
 
 /// Cosine and sine of the azimuths of the beams, over `1 / sqrt(2)`.
 const AZIMUTHS: [[f64; 2]; 4] = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]];
 
 /// True motion at a sample instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Variables)]
 pub struct DvlTruth {
-    /// Velocity over ground `[u, v, w, p, q, r]`, body (m/s, rad/s).
+    /// Velocity over ground, body frame
+    #[var(rename = "velocity", elements = axes::VELOCITY)]
     pub nu: [f64; 6],
-    /// Depth of the centre of gravity, NED z (m).
+    /// Pose of the centre of gravity: down
+    #[var(rename = "pose.z", unit = "m")]
     pub z: f64,
-    /// Roll, pitch, yaw (rad).
-    pub euler: [f64; 3],
+    /// Pose of the centre of gravity
+    ///
+    /// Its part roll and pitch.
+    #[var(rename = "pose", elements = axes::TILT)]
+    pub tilt: [f64; 2],
 }
 
 /// The velocity that a DVL reports.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Variables)]
 pub struct DvlSample {
-    /// Velocity over ground at the DVL, body axes (m/s).
+    /// Velocity over ground at the instrument, body axes
+    #[var(elements = axes::LINEAR_VELOCITY)]
     pub velocity: [f64; 3],
 }
 
@@ -89,7 +98,7 @@ impl Dvl {
     /// Names the parameter that is out of range.
     pub fn new(p: &DvlParameters) -> Result<Self, ParameterError> {
         p.check()?;
-        let rate = Rate::new(p.rate_hz)?;
+        let rate = p.instrument.rate()?;
         let sin_cos = |degrees: f64| <[f64; 2]>::from(libm::sincos(degrees.to_radians()));
         Ok(Self {
             rate,
@@ -97,14 +106,14 @@ impl Dvl {
             lean: sin_cos(p.beam_angle_deg),
             turn: sin_cos(p.misalignment_deg),
             min_cos_tilt: libm::cos(p.max_tilt_deg.to_radians()),
-            correlated: Correlated::new(&p.correlated_error, p.rate_hz),
+            correlated: Correlated::new(&p.correlated_error, rate.hz()),
         })
     }
 
     /// The memory at switch-on.
     #[must_use]
     pub fn memory(&self) -> DvlMemory {
-        let stream = |stream| Gaussian::new(self.p.seed, stream);
+        let stream = |stream| self.p.instrument.noise(stream);
         let mut correlated = stream(Stream::DvlCorrelated);
         DvlMemory {
             white: stream(Stream::DvlBeams),
@@ -149,7 +158,8 @@ impl Dvl {
 
     /// Altitude (m), and which beams see the seabed.
     fn bottom(&self, truth: &DvlTruth) -> (f64, [bool; 4]) {
-        let r_nb = attitude::rotation_euler(truth.euler);
+        let [roll, pitch] = truth.tilt;
+        let r_nb = attitude::rotation_euler([roll, pitch, 0.0]);
         let upright = r_nb[2][2] >= self.min_cos_tilt;
         if self.p.seabed_depth == 0.0 {
             return (0.0, [upright; 4]);

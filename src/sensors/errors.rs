@@ -5,31 +5,31 @@
 //! `b_k+1 = exp(-T/tau) b_k + sigma sqrt(1 - exp(-2T/tau)) n`, where white noise of density b (the
 //! "random walk" of an inertial instrument) means `sigma = b sqrt(tau/2)`.
 
-use super::noise::{Gaussian, Stream};
-use crate::ParameterError;
-use crate::error::{non_negative, positive, probability};
+use super::noise::Gaussian;
+use fmu_quantity::Variables;
 use serde::{Deserialize, Serialize};
 
-/// Noise of an inertial instrument, the same for its three axes. U: the unit measured.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Noise of an inertial instrument, the same for its three axes.
+///
+/// U is the unit measured; where the noise is declared, so are the units that follow from it.
+#[derive(Clone, Copy, Debug, PartialEq, Variables)]
 pub struct BiasNoise {
-    /// Density of the white noise (U/sqrt(Hz)).
+    /// density of the white noise
+    ///
+    /// Unit: U/sqrt(Hz).
+    #[var(min = 0.0)]
     pub noise_density: f64,
-    /// Density of the white noise that drives the slow bias (U/s/sqrt(Hz)).
+    /// density of the noise that drives the slow bias
+    ///
+    /// Unit: U/s/sqrt(Hz).
+    #[var(min = 0.0)]
     pub random_walk: f64,
-    /// Correlation time of the slow bias (s).
+    /// correlation time of the slow bias
+    #[var(unit = "s", min = 1e-6)]
     pub correlation_time: f64,
-    /// Standard deviation of the constant bias after switching on (U).
+    /// standard deviation of the bias after switching on
+    #[var(min = 0.0)]
     pub turn_on_sigma: f64,
-}
-
-impl BiasNoise {
-    pub(crate) fn check(&self, name: &str) -> Result<(), ParameterError> {
-        non_negative(&format!("{name}.noise_density"), self.noise_density)?;
-        non_negative(&format!("{name}.random_walk"), self.random_walk)?;
-        positive(&format!("{name}.correlation_time"), self.correlation_time)?;
-        non_negative(&format!("{name}.turn_on_sigma"), self.turn_on_sigma)
-    }
 }
 
 /// A [`BiasNoise`] discretised for a sample period.
@@ -61,8 +61,7 @@ impl BiasProcess {
         }
     }
 
-    pub(super) fn memory(&self, seed: u64, stream: Stream) -> BiasMemory {
-        let mut noise = Gaussian::new(seed, stream);
+    pub(super) fn memory(&self, mut noise: Gaussian) -> BiasMemory {
         let turn_on = noise.draw_vector(self.turn_on_sigma);
         BiasMemory { noise, turn_on, slow: [0.0; 3] }
     }
@@ -79,22 +78,16 @@ impl BiasProcess {
 
 /// An error that is correlated in time: a stationary first-order Gauss-Markov process. Over short
 /// times it is a bias, over long times its mean is zero.
-#[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// Its unit is that of the quantity measured.
+#[derive(Clone, Copy, Debug, PartialEq, Variables)]
 pub struct GaussMarkov {
-    /// Standard deviation (unit of the quantity measured).
+    /// standard deviation
+    #[var(min = 0.0, start = 0.0)]
     pub sigma: f64,
-    /// Time in which the correlation falls to 1/e (s).
+    /// time in which the correlation falls to 1/e
+    #[var(unit = "s", min = 1e-6, start = 60.0)]
     pub correlation_time: f64,
-}
-
-impl GaussMarkov {
-    /// No error.
-    pub const NONE: Self = Self { sigma: 0.0, correlation_time: 60.0 };
-
-    pub(crate) fn check(&self, name: &str) -> Result<(), ParameterError> {
-        non_negative(&format!("{name}.sigma"), self.sigma)?;
-        positive(&format!("{name}.correlation_time"), self.correlation_time)
-    }
 }
 
 /// A [`GaussMarkov`] discretised for a sample period; the caller stores the values.
@@ -127,20 +120,19 @@ impl Correlated {
 }
 
 /// Occasional errors far beyond the usual noise, independent of each other.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+///
+/// Their unit is that of the quantity measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Variables)]
 pub struct Outliers {
-    /// Probability that a sample is one.
+    /// probability that a sample is one
+    #[var(unit = "1", min = 0.0, max = 1.0)]
     pub probability: f64,
-    /// Standard deviation of their additional error (unit of the quantity measured).
+    /// standard deviation of their additional error
+    #[var(min = 0.0)]
     pub sigma: f64,
 }
 
 impl Outliers {
-    pub(super) fn check(&self, name: &str) -> Result<(), ParameterError> {
-        probability(&format!("{name}.probability"), self.probability)?;
-        non_negative(&format!("{name}.sigma"), self.sigma)
-    }
-
     /// The additional error of the next sample: zero for most.
     pub(super) fn draw<const N: usize>(&self, noise: &mut Gaussian) -> [f64; N] {
         let outlier = noise.happens(self.probability);

@@ -4,74 +4,79 @@
 //! errors suggest about 1.5 m at 10 Hz, which is the default here. The error of an acoustic fix
 //! grows with the slant range rho to its transceiver: `sigma^2 + (range_sigma rho)^2`.
 
+use super::Stream;
 use super::errors::Outliers;
-use super::noise::{Gaussian, Stream};
+use super::instrument::Instrument;
+use super::noise::Gaussian;
 use crate::ParameterError;
 use crate::attitude;
-use crate::error::{each, finite, non_negative, probability};
+use crate::axes;
+use crate::error::declared;
 use crate::sampling::Rate;
 use crate::vector::{add, mul, sub};
+use fmu_quantity::Variables;
 use serde::{Deserialize, Serialize};
 
 /// Parameters of a position fix.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Variables)]
 pub struct GpsParameters {
-    /// Fixes a second (Hz).
-    pub rate_hz: f64,
-    /// Seed of its noise.
-    pub seed: u64,
-    /// Position of the antenna or transponder, body (m).
+    /// What all sensors have.
+    #[var(flatten, start = Instrument::new(10.0, 3))]
+    pub instrument: Instrument,
+    /// Place in the body frame
+    #[var(rename = "mounting", unit = "m", elements = axes::BODY)]
     pub position: [f64; 3],
-    /// Standard deviation north and east at range zero (m).
+    /// Standard deviation north and east at range zero
+    #[var(unit = "m", min = 0.0, start = 1.5)]
     pub sigma: f64,
-    /// Additional standard deviation, as a fraction of the slant range.
+    /// What adds to it, as a fraction of the slant range to the beacon
+    #[var(unit = "1", min = 0.0, nominal = 0.01)]
     pub range_sigma: f64,
-    /// Position of the transceiver, NED (m).
+    /// Place of the transceiver in NED
+    #[var(elements = axes::NED)]
     pub beacon: [f64; 3],
-    /// Outlier fixes, as by a reflected path; sigma is for north and east (m).
+    /// Fixes that are far off, as by a reflected path
+    ///
+    /// Their sigma is for north and east.
+    #[var(unit = "m")]
     pub outlier: Outliers,
-    /// Probability that a fix is lost.
+    /// Probability that a fix is lost
+    #[var(unit = "1", min = 0.0, max = 1.0)]
     pub dropout_probability: f64,
 }
 
-impl Default for GpsParameters {
-    fn default() -> Self {
-        Self {
-            rate_hz: 10.0,
-            seed: 3,
-            position: [0.0; 3],
-            sigma: 1.5,
-            range_sigma: 0.0,
-            beacon: [0.0; 3],
-            outlier: Outliers::default(),
-            dropout_probability: 0.0,
-        }
-    }
-}
-
 /// True pose at a sample instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Variables)]
 pub struct GpsTruth {
-    /// Position of the centre of gravity, NED (m).
+    /// Pose of the centre of gravity
+    #[var(rename = "pose", elements = axes::NED)]
     pub p_ned: [f64; 3],
-    /// Roll, pitch, yaw (rad).
+    /// Pose of the centre of gravity
+    ///
+    /// Its part roll, pitch, yaw.
+    #[var(rename = "pose", elements = axes::EULER)]
     pub euler: [f64; 3],
 }
 
 /// A position.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Variables)]
 pub struct GpsSample {
-    /// North and east of the antenna or transponder (m).
+    /// Place of the antenna or transponder
+    #[var(elements = axes::HORIZONTAL)]
     pub position: [f64; 2],
 }
 
 /// A fix.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Variables)]
 pub struct GpsFix {
     /// The position.
+    #[var(flatten)]
     pub sample: GpsSample,
-    /// Standard deviation north and east that the instrument reports (m); it does not include
-    /// outliers.
+    /// Place of the antenna or transponder: standard deviation north and east that the instrument
+    /// reports
+    ///
+    /// It does not include outliers.
+    #[var(rename = "position.sigma", unit = "m")]
     pub sigma: f64,
 }
 
@@ -97,20 +102,14 @@ impl Gps {
     /// # Errors
     /// Names the parameter that is out of range.
     pub fn new(p: &GpsParameters) -> Result<Self, ParameterError> {
-        let rate = Rate::new(p.rate_hz)?;
-        each("position", &p.position, finite)?;
-        non_negative("sigma", p.sigma)?;
-        non_negative("range_sigma", p.range_sigma)?;
-        each("beacon", &p.beacon, finite)?;
-        p.outlier.check("outlier")?;
-        probability("dropout_probability", p.dropout_probability)?;
-        Ok(Self { rate, p: *p })
+        declared(p)?;
+        Ok(Self { rate: p.instrument.rate()?, p: *p })
     }
 
     /// The memory at switch-on.
     #[must_use]
     pub fn memory(&self) -> GpsMemory {
-        let stream = |stream| Gaussian::new(self.p.seed, stream);
+        let stream = |stream| self.p.instrument.noise(stream);
         GpsMemory {
             white: stream(Stream::GpsPosition),
             outliers: stream(Stream::GpsOutliers),

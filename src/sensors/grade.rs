@@ -1,16 +1,17 @@
 //! Grades of inertial measurement units, shared by sensors and filters.
 
 use super::BiasNoise;
+use fmu_quantity::Enumeration;
 
-/// A class of inertial measurement units.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// Grades of inertial measurement units.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Enumeration)]
 pub enum ImuGrade {
-    /// Analog Devices ADIS16448 (MEMS), with the values of UUV Simulator.
+    /// Analog Devices ADIS16448 (MEMS), with the values of UUV Simulator
     #[default]
     Adis16448,
-    /// A good MEMS unit, calibrated over temperature.
+    /// a good MEMS unit, calibrated over temperature
     Industrial,
-    /// Fibre-optic or ring-laser gyros, quartz accelerometers.
+    /// fibre-optic or ring-laser gyros, quartz accelerometers
     Tactical,
 }
 

@@ -9,62 +9,102 @@
 //! M = [s_x  m_xy m_xz; m_yx s_y  m_yz; m_zx m_zy s_z]      scale errors s, misalignments m
 //! ```
 
+use super::Stream;
 use super::errors::{BiasMemory, BiasNoise, BiasProcess};
-use super::grade::ImuGrade;
-use super::noise::{Gaussian, Stream};
+use super::grade::{ImuGrade, ImuNoise};
+use super::instrument::Instrument;
+use super::noise::Gaussian;
 use crate::ParameterError;
 use crate::attitude;
-use crate::error::{each, finite, non_negative, within};
+use crate::axes;
+use crate::error::declared;
 use crate::sampling::Rate;
 use crate::vector::{Vec3, add, cross, mul, mul_transposed, scale};
+use fmu_quantity::{Member, Variables};
 use serde::{Deserialize, Serialize};
 
+/// Roll, pitch and yaw of the housing.
+const ORIENTATION: [Member; 3] = [
+    Member::new("roll", "roll").unit("deg"),
+    Member::new("pitch", "pitch").unit("deg"),
+    Member::new("yaw", "yaw").unit("deg"),
+];
+
+/// Angles by which the axes of an instrument lean towards each other.
+const MISALIGNMENT: [Member; 6] = [
+    Member::new("xy", "x towards y"),
+    Member::new("xz", "x towards z"),
+    Member::new("yx", "y towards x"),
+    Member::new("yz", "y towards z"),
+    Member::new("zx", "z towards x"),
+    Member::new("zy", "z towards y"),
+];
+
 /// Parameters of an IMU.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Variables)]
 pub struct ImuParameters {
-    /// Samples a second (Hz).
-    pub rate_hz: f64,
-    /// Seed of all its noise.
-    pub seed: u64,
-    /// Position, body (m).
+    /// Grade that gives every figure of noise not set otherwise
+    ///
+    /// Only [`ImuParameters::of`] uses it.
+    pub grade: ImuGrade,
+    /// What all sensors have.
+    #[var(flatten, start = Instrument::new(50.0, 1))]
+    pub instrument: Instrument,
+    /// Place in the body frame
+    #[var(rename = "mounting", unit = "m", elements = axes::BODY)]
     pub position: [f64; 3],
-    /// Roll, pitch and yaw of the housing in the body frame (deg); specific force and rate are
-    /// measured along its axes, the orientation output is corrected to the body's.
+    /// Orientation of the housing in the body frame
+    ///
+    /// Specific force and rate are measured along its axes, the attitude is corrected to the body's.
+    #[var(elements = ORIENTATION)]
     pub orientation_deg: [f64; 3],
-    /// Errors of the accelerometers (m/s2).
+    /// Accelerometers
+    #[var(
+        unit = "m/s2",
+        unit_of(noise_density = "m/(s2.Hz0.5)", random_walk = "m/(s3.Hz0.5)"),
+        start = ImuGrade::default().noise().accelerometer
+    )]
     pub accelerometer: BiasNoise,
-    /// Errors of the gyros (rad/s).
-    pub gyro: BiasNoise,
-    /// Errors of the axes of the accelerometers, range in m/s2.
+    /// Accelerometers
+    ///
+    /// The errors of their axes.
+    #[var(rename = "accelerometer", unit = "m/s2")]
     pub accelerometer_axes: AxisErrors,
-    /// Errors of the axes of the gyros, range in rad/s.
+    /// Gyros
+    #[var(
+        unit = "rad/s",
+        unit_of(noise_density = "rad/(s.Hz0.5)", random_walk = "rad/(s2.Hz0.5)"),
+        start = ImuGrade::default().noise().gyro
+    )]
+    pub gyro: BiasNoise,
+    /// Gyros
+    ///
+    /// The errors of their axes.
+    #[var(rename = "gyro", unit = "rad/s")]
     pub gyro_axes: AxisErrors,
-    /// Turn rate that a gyro reports for specific force along its axis (rad/s per m/s2).
+    /// Gyros: angular rate shown for specific force along the same axis
+    #[var(rename = "gyro.g_sensitivity", unit = "rad.s/m", nominal = 1e-5)]
     pub g_sensitivity: f64,
-    /// Standard deviation of roll, pitch and compass (rad).
+    /// Standard deviation of roll, pitch and compass
+    #[var(unit = "rad", min = 0.0, start = ImuGrade::default().noise().attitude_sigma)]
     pub attitude_sigma: f64,
 }
 
 /// Constant errors of the three axes of an instrument.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Variables)]
 pub struct AxisErrors {
-    /// Relative error of each axis.
+    /// relative error of an axis
+    #[var(unit = "1", min = -0.5, max = 0.5, elements = axes::BODY)]
     pub scale_error: [f64; 3],
-    /// Small angles by which one axis is inclined towards another (rad): x towards y, x towards z,
-    /// y towards x, y towards z, z towards x, z towards y.
+    /// angle by which one axis leans towards another
+    #[var(unit = "rad", min = -0.5, max = 0.5, elements = MISALIGNMENT)]
     pub misalignment: [f64; 6],
-    /// Largest value reported, of either sign; 0: no limit.
+    /// largest value shown, of either sign; 0: no limit
+    #[var(min = 0.0)]
     pub range: f64,
 }
 
 impl AxisErrors {
-    fn check(&self, name: &str) -> Result<(), ParameterError> {
-        let small = |name: &str, value| within(name, value, -0.5, 0.5);
-        each(&format!("{name}.scale_error"), &self.scale_error, small)?;
-        each(&format!("{name}.misalignment"), &self.misalignment, small)?;
-        non_negative(&format!("{name}.range"), self.range)
-    }
-
     /// The reported values for true values along the axes of the housing.
     fn matrix(&self) -> [Vec3; 3] {
         let ([x, y, z], [xy, xz, yx, yz, zx, zy]) = (self.scale_error, self.misalignment);
@@ -77,45 +117,45 @@ impl AxisErrors {
     }
 }
 
-impl Default for ImuParameters {
-    fn default() -> Self {
-        let noise = ImuGrade::default().noise();
-        Self {
-            rate_hz: 50.0,
-            seed: 1,
-            position: [0.0; 3],
-            orientation_deg: [0.0; 3],
-            accelerometer: noise.accelerometer,
-            gyro: noise.gyro,
-            accelerometer_axes: AxisErrors::default(),
-            gyro_axes: AxisErrors::default(),
-            g_sensitivity: 0.0,
-            attitude_sigma: noise.attitude_sigma,
-        }
+impl ImuParameters {
+    /// The noise of a grade, and no other errors.
+    #[must_use]
+    pub fn of(grade: ImuGrade) -> Self {
+        let ImuNoise { accelerometer, gyro, attitude_sigma } = grade.noise();
+        Self { grade, accelerometer, gyro, attitude_sigma, ..Self::default() }
     }
 }
 
 /// True motion at a sample instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Variables)]
 pub struct ImuTruth {
-    /// Specific force at the centre of gravity, body (m/s2).
+    /// Specific force at the centre of gravity, body frame
+    #[var(unit = "m/s2", elements = axes::BODY)]
     pub specific_force: [f64; 3],
-    /// Turn rate `[p, q, r]` (rad/s).
+    /// Angular velocity, body frame
+    #[var(rename = "velocity", elements = axes::ANGULAR_VELOCITY)]
     pub rate: [f64; 3],
-    /// Its time derivative (rad/s2).
+    /// Angular acceleration, body frame
+    #[var(rename = "acceleration", elements = axes::ANGULAR_ACCELERATION)]
     pub rate_dot: [f64; 3],
-    /// Roll, pitch, yaw (rad).
+    /// Attitude
+    #[var(rename = "pose", elements = axes::EULER)]
     pub euler: [f64; 3],
 }
 
 /// Outputs of the IMU.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Variables)]
 pub struct ImuSample {
-    /// Specific force at the IMU, its axes (m/s2).
+    /// Specific force at the unit, its axes
+    #[var(unit = "m/s2", elements = axes::BODY)]
     pub specific_force: [f64; 3],
-    /// Turn rate, its axes (rad/s).
+    /// Angular velocity, the unit's axes
+    #[var(elements = axes::ANGULAR_VELOCITY)]
     pub rate: [f64; 3],
-    /// Roll, pitch, yaw of the body (rad), roll and yaw in (-pi, pi].
+    /// Attitude of the body
+    ///
+    /// Roll and yaw are in (-pi, pi].
+    #[var(rename = "attitude", elements = axes::EULER)]
     pub euler: [f64; 3],
 }
 
@@ -144,31 +184,25 @@ impl Imu {
     /// # Errors
     /// Names the parameter that is out of range.
     pub fn new(p: &ImuParameters) -> Result<Self, ParameterError> {
-        let rate = Rate::new(p.rate_hz)?;
-        each("position", &p.position, finite)?;
-        each("orientation_deg", &p.orientation_deg, finite)?;
-        p.accelerometer.check("accelerometer")?;
-        p.gyro.check("gyro")?;
-        p.accelerometer_axes.check("accelerometer")?;
-        p.gyro_axes.check("gyro")?;
-        finite("gyro.g_sensitivity", p.g_sensitivity)?;
-        non_negative("attitude_sigma", p.attitude_sigma)?;
+        declared(p)?;
+        let rate = p.instrument.rate()?;
         Ok(Self {
             rate,
             p: *p,
             mounting: attitude::rotation_euler(p.orientation_deg.map(f64::to_radians)),
-            accelerometer: BiasProcess::new(&p.accelerometer, p.rate_hz),
-            gyro: BiasProcess::new(&p.gyro, p.rate_hz),
+            accelerometer: BiasProcess::new(&p.accelerometer, rate.hz()),
+            gyro: BiasProcess::new(&p.gyro, rate.hz()),
         })
     }
 
     /// The memory at switch-on.
     #[must_use]
     pub fn memory(&self) -> ImuMemory {
+        let stream = |stream| self.p.instrument.noise(stream);
         ImuMemory {
-            accelerometer: self.accelerometer.memory(self.p.seed, Stream::ImuAccelerometer),
-            gyro: self.gyro.memory(self.p.seed, Stream::ImuGyro),
-            attitude: Gaussian::new(self.p.seed, Stream::ImuAttitude),
+            accelerometer: self.accelerometer.memory(stream(Stream::ImuAccelerometer)),
+            gyro: self.gyro.memory(stream(Stream::ImuGyro)),
+            attitude: stream(Stream::ImuAttitude),
         }
     }
 

@@ -1,5 +1,6 @@
 //! Gaussian numbers by Box and Muller from ChaCha8.
 
+use super::Stream;
 use core::f64::consts::TAU;
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
@@ -7,39 +8,6 @@ use serde::{Deserialize, Serialize};
 
 /// ChaCha generates four blocks at a time: this many numbers of 64 bits.
 const AHEAD: usize = 32;
-
-/// Every channel of every instrument draws from its own stream: equal seeds give independent noise.
-/// The compiler rejects duplicate numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs, reason = "each is named by instrument and channel")]
-pub enum Stream {
-    ImuAccelerometer = 0,
-    ImuGyro = 1,
-    ImuAttitude = 2,
-    DvlBeams = 16,
-    DvlCorrelated = 17,
-    DvlOutliers = 18,
-    DvlDropouts = 19,
-    GpsPosition = 32,
-    GpsOutliers = 33,
-    GpsDropouts = 34,
-    Pressure = 48,
-    PressureBias = 49,
-    PressureOutliers = 50,
-    AhrsAttitude = 64,
-    AhrsCorrelated = 65,
-    AhrsBias = 66,
-    Tachometer = 80,
-    DisturbanceWrench = 96,
-    DisturbanceCurrent = 97,
-    DisturbanceThrust = 98,
-}
-
-impl From<Stream> for u64 {
-    fn from(stream: Stream) -> Self {
-        stream as Self
-    }
-}
 
 /// Independent standard normal numbers; the same for the same seed and stream on any machine.
 ///
@@ -93,6 +61,11 @@ impl Gaussian {
     #[must_use]
     pub fn new(seed: u64, stream: impl Into<u64>) -> Self {
         Position { seed, stream: stream.into(), drawn: 0, spare: None }.into()
+    }
+
+    /// The same for a seed as it is declared, which is not negative.
+    pub(crate) fn of(seed: i32, stream: Stream) -> Self {
+        Self::new(u64::from(seed.unsigned_abs()), stream)
     }
 
     /// The next number.

@@ -3,66 +3,66 @@
 //! `p = p_0 + gradient (z + (R r)_z) + bias + noise`, `depth = (p - p_0) / gradient`; depth is that
 //! of the sensor, not of the centre of gravity.
 
+use super::Stream;
 use super::errors::Outliers;
-use super::noise::{Gaussian, Stream};
+use super::instrument::Instrument;
+use super::noise::Gaussian;
 use crate::ParameterError;
 use crate::attitude;
-use crate::error::{each, finite, non_negative, positive};
+use crate::axes;
+use crate::error::declared;
 use crate::sampling::Rate;
 use crate::vector::mul;
+use fmu_quantity::Variables;
 use serde::{Deserialize, Serialize};
 
 /// Parameters of a pressure sensor.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Variables)]
 pub struct PressureParameters {
-    /// Samples a second (Hz).
-    pub rate_hz: f64,
-    /// Seed of its noise.
-    pub seed: u64,
-    /// Position, body (m).
+    /// What all sensors have.
+    #[var(flatten, start = Instrument::new(10.0, 4))]
+    pub instrument: Instrument,
+    /// Place in the body frame
+    #[var(rename = "mounting", unit = "m", elements = axes::BODY, start = [-1.32, -0.5, -0.85])]
     pub position: [f64; 3],
-    /// Standard deviation (Pa).
+    /// Standard deviation
+    #[var(unit = "Pa", min = 0.0, nominal = 1000.0, start = 3000.0)]
     pub sigma_pa: f64,
-    /// Standard deviation of a constant error, drawn once (Pa).
+    /// Standard deviation of a constant error, drawn once
+    #[var(unit = "Pa", min = 0.0, nominal = 1000.0)]
     pub bias_sigma_pa: f64,
-    /// Outlier samples (Pa).
+    /// Samples that are far off
+    #[var(unit = "Pa")]
     pub outlier: Outliers,
-    /// Pressure at the surface (Pa).
+    /// Pressure at the surface
+    #[var(unit = "Pa", min = 0.0, nominal = 1e5, start = 101_325.0)]
     pub surface_pressure_pa: f64,
-    /// Increase with depth (Pa/m).
+    /// Increase of pressure with depth
+    #[var(unit = "Pa/m", min = 1.0, nominal = 1e4, start = 9806.38)]
     pub gradient_pa_per_m: f64,
 }
 
-impl Default for PressureParameters {
-    fn default() -> Self {
-        Self {
-            rate_hz: 10.0,
-            seed: 4,
-            position: [-1.32, -0.5, -0.85],
-            sigma_pa: 3000.0,
-            bias_sigma_pa: 0.0,
-            outlier: Outliers::default(),
-            surface_pressure_pa: 101_325.0,
-            gradient_pa_per_m: 9806.38,
-        }
-    }
-}
-
 /// True pose at a sample instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Variables)]
 pub struct PressureTruth {
-    /// Depth of the centre of gravity, NED z (m).
+    /// Pose of the centre of gravity: down
+    #[var(rename = "pose.z", unit = "m")]
     pub z: f64,
-    /// Roll, pitch, yaw (rad).
-    pub euler: [f64; 3],
+    /// Pose of the centre of gravity
+    ///
+    /// Its part roll and pitch.
+    #[var(rename = "pose", elements = axes::TILT)]
+    pub tilt: [f64; 2],
 }
 
 /// Outputs of the sensor.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Variables)]
 pub struct PressureSample {
-    /// Absolute pressure (Pa).
+    /// Absolute pressure at the sensor
+    #[var(rename = "pressure", unit = "Pa", nominal = 1e5)]
     pub pressure_pa: f64,
-    /// Depth of the sensor (m).
+    /// Depth of the sensor that this pressure stands for
+    #[var(unit = "m")]
     pub depth: f64,
 }
 
@@ -89,20 +89,14 @@ impl PressureSensor {
     /// # Errors
     /// Names the parameter that is out of range.
     pub fn new(p: &PressureParameters) -> Result<Self, ParameterError> {
-        let rate = Rate::new(p.rate_hz)?;
-        each("position", &p.position, finite)?;
-        non_negative("sigma_pa", p.sigma_pa)?;
-        non_negative("bias_sigma_pa", p.bias_sigma_pa)?;
-        p.outlier.check("outlier")?;
-        non_negative("surface_pressure_pa", p.surface_pressure_pa)?;
-        positive("gradient_pa_per_m", p.gradient_pa_per_m)?;
-        Ok(Self { rate, p: *p })
+        declared(p)?;
+        Ok(Self { rate: p.instrument.rate()?, p: *p })
     }
 
     /// The memory at switch-on.
     #[must_use]
     pub fn memory(&self) -> PressureMemory {
-        let stream = |stream| Gaussian::new(self.p.seed, stream);
+        let stream = |stream| self.p.instrument.noise(stream);
         PressureMemory {
             white: stream(Stream::Pressure),
             outliers: stream(Stream::PressureOutliers),
@@ -112,7 +106,8 @@ impl PressureSensor {
 
     /// The next sample.
     pub fn sample(&self, memory: &mut PressureMemory, truth: &PressureTruth) -> PressureSample {
-        let r_nb = attitude::rotation_euler(truth.euler);
+        let [roll, pitch] = truth.tilt;
+        let r_nb = attitude::rotation_euler([roll, pitch, 0.0]);
         let [outlier] = self.p.outlier.draw(&mut memory.outliers);
         let noise = self.p.sigma_pa * memory.white.draw() + memory.bias + outlier;
         let gauge = self.p.gradient_pa_per_m * (truth.z + mul(&r_nb, self.p.position)[2]) + noise;

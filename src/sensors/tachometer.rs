@@ -1,36 +1,45 @@
 //! Rotor speeds of the thrusters, and the corresponding thrusts: `T = gain w |w|`.
 
-use super::noise::{Gaussian, Stream};
+use super::Stream;
+use super::instrument::Instrument;
+use super::noise::Gaussian;
 use crate::ParameterError;
-use crate::error::{non_negative, positive};
+use crate::axes;
+use crate::error::declared;
 use crate::sampling::Rate;
+use fmu_quantity::Variables;
 use serde::{Deserialize, Serialize};
 
 /// Parameters of the tachometers.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Variables)]
 pub struct TachometerParameters {
-    /// Samples a second (Hz).
-    pub rate_hz: f64,
-    /// Seed of their noise.
-    pub seed: u64,
-    /// Standard deviation (rad/s).
+    /// What all sensors have.
+    #[var(flatten, start = Instrument::new(50.0, 6))]
+    pub instrument: Instrument,
+    /// Standard deviation
+    #[var(unit = "rad/s", min = 0.0, start = 0.1)]
     pub sigma: f64,
-    /// Thrust over speed squared (N.s2/rad2).
+    /// Thrust over rotor speed squared
+    #[var(unit = "N.s2/rad2", min = 1e-12, nominal = 1e-3, start = 0.00031)]
     pub thrust_gain: f64,
 }
 
-impl Default for TachometerParameters {
-    fn default() -> Self {
-        Self { rate_hz: 50.0, seed: 6, sigma: 0.1, thrust_gain: 0.00031 }
-    }
+/// True motion at a sample instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Variables)]
+pub struct TachometerTruth {
+    /// Rotor
+    #[var(rename = "rotor", each = axes::ROTOR_SPEED)]
+    pub speed: [f64; 8],
 }
 
 /// Outputs of the tachometers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Variables)]
 pub struct TachometerSample {
-    /// Rotor speeds (rad/s).
+    /// Rotor
+    #[var(rename = "rotor", each = axes::ROTOR_SPEED)]
     pub speed: [f64; 8],
-    /// Thrusts of intact propellers at these speeds (N).
+    /// Thruster, if its propeller is sound
+    #[var(rename = "thruster", each = axes::THRUST)]
     pub thrust: [f64; 8],
 }
 
@@ -45,9 +54,7 @@ pub struct TachometerMemory {
 pub struct Tachometer {
     /// How often they sample.
     pub rate: Rate,
-    seed: u64,
-    sigma: f64,
-    thrust_gain: f64,
+    p: TachometerParameters,
 }
 
 impl Tachometer {
@@ -56,21 +63,23 @@ impl Tachometer {
     /// # Errors
     /// Names the parameter that is out of range.
     pub fn new(p: &TachometerParameters) -> Result<Self, ParameterError> {
-        let rate = Rate::new(p.rate_hz)?;
-        non_negative("sigma", p.sigma)?;
-        positive("thrust_gain", p.thrust_gain)?;
-        Ok(Self { rate, seed: p.seed, sigma: p.sigma, thrust_gain: p.thrust_gain })
+        declared(p)?;
+        Ok(Self { rate: p.instrument.rate()?, p: *p })
     }
 
     /// The memory at switch-on.
     #[must_use]
     pub fn memory(&self) -> TachometerMemory {
-        TachometerMemory { noise: Gaussian::new(self.seed, Stream::Tachometer) }
+        TachometerMemory { noise: self.p.instrument.noise(Stream::Tachometer) }
     }
 
-    /// The next sample at true rotor speeds (rad/s).
-    pub fn sample(&self, memory: &mut TachometerMemory, truth: &[f64; 8]) -> TachometerSample {
-        let speed = truth.map(|w| w + self.sigma * memory.noise.draw());
-        TachometerSample { speed, thrust: speed.map(|w| self.thrust_gain * w * w.abs()) }
+    /// The next sample.
+    pub fn sample(
+        &self,
+        memory: &mut TachometerMemory,
+        truth: &TachometerTruth,
+    ) -> TachometerSample {
+        let speed = truth.speed.map(|w| w + self.p.sigma * memory.noise.draw());
+        TachometerSample { speed, thrust: speed.map(|w| self.p.thrust_gain * w * w.abs()) }
     }
 }

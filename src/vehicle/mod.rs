@@ -8,6 +8,7 @@
 //! Fossen (2011) ch. 6-8; eqs (5)-(26) of the paper, with its misprints corrected: added mass and
 //! damping are positive matrices, so they act against acceleration and motion.
 
+mod added_mass;
 mod dynamics;
 mod integrate;
 mod parameters;

@@ -1,32 +1,40 @@
 //! Coefficients of the vehicle as plain numbers, and their validation.
 
+use super::added_mass::AddedMass;
 use super::{Propulsion, presets};
 use crate::ParameterError;
-use crate::error::{each, finite, non_negative, positive};
+use crate::axes;
+use crate::error::declared;
+use fmu_quantity::{Enumeration, Member, Variables};
 use nalgebra::{Matrix3, Matrix6};
 
 /// Named sets of coefficients.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Enumeration)]
 pub enum ParameterSet {
-    /// The values of UUV Simulator, added mass as full 6 x 6 matrix.
+    /// UUV Simulator, added mass and inertia as full matrices
     #[default]
     Uuv,
-    /// The values of UUV Simulator with diagonal added mass and inertia.
+    /// UUV Simulator, added mass and inertia diagonal
     UuvDiagonal,
-    /// Tables 5 and 6 of the paper, with their misprints corrected; diagonal.
+    /// Tables 3 to 6 of the paper, misprints mended, diagonal
     Paper,
 }
 
-/// Inertia about the centre of gravity, body (kg.m2): elements of the matrix, not its negated
-/// products.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Inertia about the centre of gravity, body: elements of the matrix, not its negated products.
+#[derive(Clone, Copy, Debug, PartialEq, Variables)]
 #[allow(missing_docs, reason = "the six elements are named by their indices")]
 pub struct Inertia {
+    #[var(unit = "kg.m2")]
     pub xx: f64,
+    #[var(unit = "kg.m2")]
     pub yy: f64,
+    #[var(unit = "kg.m2")]
     pub zz: f64,
+    #[var(unit = "kg.m2")]
     pub xy: f64,
+    #[var(unit = "kg.m2")]
     pub xz: f64,
+    #[var(unit = "kg.m2")]
     pub yz: f64,
 }
 
@@ -37,14 +45,11 @@ impl Inertia {
         [[self.xx, self.xy, self.xz], [self.xy, self.yy, self.yz], [self.xz, self.yz, self.zz]]
     }
 
+    /// Checks what is not declared: that the matrix is positive definite.
     pub(crate) fn check(&self) -> Result<(), ParameterError> {
-        let names = ["xx", "yy", "zz", "xy", "xz", "yz"];
-        let values = [self.xx, self.yy, self.zz, self.xy, self.xz, self.yz];
-        for (name, value) in names.iter().zip(values) {
-            finite(&format!("inertia.{name}"), value)?;
-        }
         let m = self.matrix();
         if Matrix3::from_fn(|i, j| m[i][j]).cholesky().is_none() {
+            let values = [self.xx, self.yy, self.zz, self.xy, self.xz, self.yz];
             let value = format!("{values:?} (xx, yy, zz, xy, xz, yz)");
             return Err(ParameterError::new("inertia", value, "must be positive definite"));
         }
@@ -52,31 +57,91 @@ impl Inertia {
     }
 }
 
+/// Diagonal of the linear damping matrix.
+const LINEAR_DAMPING: [Member; 6] = [
+    Member::new("u", "surge").unit("N.s/m").min(0.0),
+    Member::new("v", "sway").unit("N.s/m").min(0.0),
+    Member::new("w", "heave").unit("N.s/m").min(0.0),
+    Member::new("p", "roll").unit("N.m.s/rad").min(0.0),
+    Member::new("q", "pitch").unit("N.m.s/rad").min(0.0),
+    Member::new("r", "yaw").unit("N.m.s/rad").min(0.0),
+];
+
+/// Diagonal of the quadratic damping matrix.
+const QUADRATIC_DAMPING: [Member; 6] = [
+    Member::new("u", "surge").unit("N.s2/m2").min(0.0),
+    Member::new("v", "sway").unit("N.s2/m2").min(0.0),
+    Member::new("w", "heave").unit("N.s2/m2").min(0.0),
+    Member::new("p", "roll").unit("N.m.s2/rad2").min(0.0),
+    Member::new("q", "pitch").unit("N.m.s2/rad2").min(0.0),
+    Member::new("r", "yaw").unit("N.m.s2/rad2").min(0.0),
+];
+
 /// All coefficients of the six-degree-of-freedom model.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Variables)]
 pub struct Parameters {
-    /// Dry mass (kg).
+    /// Dry mass
+    #[var(unit = "kg", min = 1e-9, nominal = 1000.0)]
     pub mass: f64,
-    /// Inertia about the centre of gravity (kg.m2).
+    /// Inertia about the centre of gravity, positive definite
     pub inertia: Inertia,
-    /// Displaced volume (m3).
+    /// Displaced volume
+    #[var(unit = "m3", min = 1e-9)]
     pub volume: f64,
-    /// Density of the water (kg/m3).
+    /// Density of the water
+    #[var(unit = "kg/m3", min = 1e-9, nominal = 1000.0)]
     pub density: f64,
-    /// Acceleration of gravity (m/s2).
+    /// Acceleration of gravity
+    #[var(unit = "m/s2", min = 0.0)]
     pub gravity: f64,
-    /// Buoyancy (N); `None` computes it as density x gravity x volume, eq (17).
+    /// Buoyancy; 0 computes it as density x gravity x volume, eq (17)
+    ///
+    /// Here `None` stands for 0.
+    #[var(unit = "N", min = 0.0, nominal = 10000.0, via = Given)]
     pub buoyancy: Option<f64>,
-    /// Centre of buoyancy from the centre of gravity, body (m); stable with z < 0 (above).
+    /// Centre of buoyancy from the centre of gravity, body frame; stable with z < 0
+    ///
+    /// Which is above.
+    #[var(unit = "m", elements = axes::BODY)]
     pub centre_of_buoyancy: [f64; 3],
-    /// Added mass M_A, positive (kg, kg.m, kg.m2).
+    /// Added mass
+    ///
+    /// M_A with positive sign; its upper triangle is declared.
+    #[var(via = AddedMass)]
     pub added_mass: [[f64; 6]; 6],
-    /// Diagonal of the linear damping, positive (N.s/m, N.m.s/rad).
+    /// Linear damping, positive
+    ///
+    /// The diagonal of the matrix.
+    #[var(elements = LINEAR_DAMPING)]
     pub linear_damping: [f64; 6],
-    /// Diagonal of the quadratic damping, positive (N.s2/m2, N.m.s2/rad2).
+    /// Quadratic damping, positive
+    ///
+    /// The diagonal of the matrix.
+    #[var(elements = QUADRATIC_DAMPING)]
     pub quadratic_damping: [f64; 6],
     /// Thrusters.
+    #[var(flatten)]
     pub propulsion: Propulsion,
+}
+
+/// A number that is absent as 0.
+#[derive(Clone, Copy, Debug, Variables)]
+struct Given {
+    /// The number.
+    #[var(flatten)]
+    value: f64,
+}
+
+impl From<Option<f64>> for Given {
+    fn from(value: Option<f64>) -> Self {
+        Self { value: value.unwrap_or(0.0) }
+    }
+}
+
+impl From<Given> for Option<f64> {
+    fn from(Given { value }: Given) -> Self {
+        (value != 0.0).then_some(value)
+    }
 }
 
 /// Largest difference between mirrored elements that counts as rounding in a printed table,
@@ -123,28 +188,18 @@ impl Parameters {
     /// The added mass with mirrored elements averaged: printed tables differ in the last digit.
     #[must_use]
     pub fn symmetric_added_mass(&self) -> [[f64; 6]; 6] {
-        let a = &self.added_mass;
-        core::array::from_fn(|i| core::array::from_fn(|j| 0.5 * (a[i][j] + a[j][i])))
+        AddedMass::from(self.added_mass).into()
     }
 
     pub(crate) fn check(&self) -> Result<(), ParameterError> {
-        positive("mass", self.mass)?;
+        declared(self)?;
         self.inertia.check()?;
-        positive("volume", self.volume)?;
-        positive("density", self.density)?;
-        non_negative("gravity", self.gravity)?;
-        self.buoyancy.map_or(Ok(()), |b| non_negative("buoyancy", b))?;
-        each("centre_of_buoyancy", &self.centre_of_buoyancy, finite)?;
-        each("linear_damping", &self.linear_damping, non_negative)?;
-        each("quadratic_damping", &self.quadratic_damping, non_negative)?;
-        self.check_added_mass()?;
-        self.propulsion.check()
+        self.check_added_mass()
     }
 
     fn check_added_mass(&self) -> Result<(), ParameterError> {
         let a = &self.added_mass;
         for (i, row) in a.iter().enumerate() {
-            each(&format!("added_mass[{i}]"), row, finite)?;
             for (j, &value) in row.iter().enumerate().take(i) {
                 if (value - a[j][i]).abs() > ASYMMETRY * value.abs().max(a[j][i].abs()) {
                     let reason =

@@ -6,22 +6,26 @@
 //! with (33) and (34) corrected.
 
 use super::Inputs;
-use crate::ParameterError;
-use crate::error::{finite, positive};
 use crate::vector::cross;
+use fmu_quantity::{Enumeration, Variables};
 
 /// Position and direction of a thruster, body frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Variables)]
 pub struct Thruster {
-    /// Position forward of the centre of gravity (m).
+    /// place forward of the centre of gravity
+    #[var(unit = "m")]
     pub lx: f64,
-    /// Position to starboard (m).
+    /// place to starboard
+    #[var(unit = "m")]
     pub ly: f64,
-    /// Position downwards (m).
+    /// place downwards
+    #[var(unit = "m")]
     pub lz: f64,
-    /// Elevation of the thrust axis above the horizontal plane, positive upwards (deg).
+    /// elevation of the axis above the horizontal
+    #[var(unit = "deg")]
     pub theta_deg: f64,
-    /// Azimuth of the thrust axis from forward, positive to starboard (deg).
+    /// azimuth of the axis from forward, positive to starboard
+    #[var(unit = "deg")]
     pub psi_deg: f64,
 }
 
@@ -35,52 +39,49 @@ impl Thruster {
         let moment = cross([self.lx, self.ly, self.lz], axis);
         [axis[0], axis[1], axis[2], moment[0], moment[1], moment[2]]
     }
-
-    pub(crate) fn check(&self, index: usize) -> Result<(), ParameterError> {
-        let names = ["lx", "ly", "lz", "theta_deg", "psi_deg"];
-        let values = [self.lx, self.ly, self.lz, self.theta_deg, self.psi_deg];
-        names
-            .iter()
-            .zip(values)
-            .try_for_each(|(name, value)| finite(&format!("thrusters[{index}].{name}"), value))
-    }
 }
 
 /// Meaning of the thruster inputs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Enumeration)]
 pub enum ThrusterMode {
-    /// A force (N): to rotor speed by the inverse curve, through the lag, to thrust.
+    /// force demanded in N, through the lag of the rotor
+    ///
+    /// To rotor speed by the inverse curve, through the lag, to thrust.
     #[default]
     ForceWithLag,
-    /// A force (N) that acts immediately; the rotor speeds keep their values.
+    /// force in N that acts at once
+    ///
+    /// The rotor speeds keep their values.
     Force,
-    /// A rotor speed (rad/s): through the lag, to thrust.
+    /// rotor speed demanded in rad/s, through the lag of the rotor
     RotorSpeed,
 }
 
 /// The eight thrusters; they share one rotor and thrust curve.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Variables)]
 pub struct Propulsion {
-    /// Geometry, numbered as in the paper.
+    /// Thruster
+    ///
+    /// Numbered as in the paper, Tables 3 and 4.
+    #[var(rename = "thruster")]
     pub thrusters: [Thruster; 8],
-    /// Meaning of the thruster inputs.
+    /// Meaning of the thruster inputs; a parameter of the vehicle only, not of models in filters.
+    #[var(skip)]
     pub mode: ThrusterMode,
-    /// Time constant of the rotor speed (s).
+    /// Time constant of the rotor speeds
+    #[var(unit = "s", min = 1e-9)]
     pub rotor_time_constant: f64,
-    /// Thrust over speed squared (N.s2/rad2).
+    /// Thrust over rotor speed squared
+    #[var(unit = "N.s2/rad2", min = 1e-9, nominal = 1e-3)]
     pub thrust_gain: f64,
-    /// Limit of the commanded thrust, either sign (N); it limits the speed command as well.
+    /// Limit of the commanded thrust of each thruster, either sign
+    ///
+    /// It limits the speed command as well.
+    #[var(unit = "N", min = 1e-9, nominal = 1000.0)]
     pub thrust_limit: f64,
 }
 
 impl Propulsion {
-    pub(super) fn check(&self) -> Result<(), ParameterError> {
-        positive("rotor_time_constant", self.rotor_time_constant)?;
-        positive("thrust_gain", self.thrust_gain)?;
-        positive("thrust_limit", self.thrust_limit)?;
-        self.thrusters.iter().enumerate().try_for_each(|(i, t)| t.check(i))
-    }
-
     /// The inputs that command the thrusters in this mode: forces (N) or rotor speeds (rad/s).
     #[inline(always)]
     pub(super) fn command<'a>(&self, inputs: &'a Inputs) -> &'a [f64; 8] {

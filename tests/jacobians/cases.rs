@@ -36,8 +36,8 @@ impl<const N: usize> Strapdown<N> {
     pub(super) fn new(numbers: &[f64], aided: bool, imu: bool) -> Self {
         let mut draw = Draw(numbers.iter());
         let (p, vehicle) = (draw.parameters(), draw.vehicle());
-        let d = Disturbances::default();
-        let aid = ModelAid::new(&vehicle, &d).unwrap();
+        let errors = ModelErrors::default();
+        let aid = ModelAid::new(&vehicle, &errors).unwrap();
         let process = InertialProcess::new(&p, aided.then(|| aid.clone())).unwrap();
         let order = BASE + 4 + if aided { AID } else { 0 };
         let mut sizes = INERTIAL.to_vec();
@@ -50,7 +50,7 @@ impl<const N: usize> Strapdown<N> {
         if !imu {
             interval.inertial = None;
         }
-        let times = aided.then_some([d.correlation_time, d.slow_force_time]);
+        let times = aided.then_some([errors.disturbances.correlation_time, errors.slow_force_time]);
         let belief = draw.belief(order, &sizes);
         let hull = Hull::new(&vehicle);
         Self { p, process, aid, hull, times, belief, order, before, interval }

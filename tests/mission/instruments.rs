@@ -3,7 +3,7 @@
 use super::flight::{Stream, draw, seconds, stream};
 use super::{DEPTH_POSITION, DVL_POSITION, Data, Event, Options};
 use rexrov::attitude::{rotation, wrap};
-use rexrov::sensors::{BiasNoise, Gaussian, Imu, ImuMemory, ImuParameters, ImuTruth};
+use rexrov::sensors::{BiasNoise, Gaussian, Imu, ImuMemory, ImuParameters, ImuTruth, Instrument};
 use rexrov::vehicle::Outputs;
 
 /// Instants of a sensor: multiples of its period, starting at zero.
@@ -47,7 +47,7 @@ impl Instruments {
             false => noise,
         };
         let imu = Imu::new(&ImuParameters {
-            seed: options.seed,
+            instrument: Instrument::new(50.0, i32::try_from(options.seed).unwrap()),
             accelerometer: quiet(accelerometer),
             gyro: quiet(gyro),
             ..ImuParameters::default()

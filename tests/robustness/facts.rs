@@ -28,7 +28,7 @@ pub(super) fn for_all(fact: &impl Fact, extra: bool) -> Check {
         p.sensors.heading_bias_sigma = 0.0;
     }
     let (vehicle, d) = (Parameters::default(), Disturbances::default());
-    let aid = ModelAid::new(&vehicle, &d).unwrap();
+    let aid = ModelAid::new(&vehicle, &ModelErrors::default()).unwrap();
     let constant = ConstantAcceleration::new(&p).unwrap();
     let planar = PlanarDynamic::new(&p, &vehicle, &d).unwrap();
     fact.check(&Filter::<_, SMALL>::new(constant, &p).unwrap())?;

@@ -165,6 +165,7 @@ fn with_process(
     change(&mut p);
     let vehicle = Parameters::default();
     let d = disturbances(which, options);
+    let errors = ModelErrors { disturbances: d, ..ModelErrors::default() };
     match which {
         Which::ConstantAcceleration => {
             let process = ConstantAcceleration::new(&p).unwrap();
@@ -178,7 +179,7 @@ fn with_process(
             let process = InertialProcess::new(&p, None).unwrap();
             what.with(&Filter::<_, SMALL>::new(process, &p).unwrap(), mission)
         }
-        Which::ModelAided => what.with(&AidedFilter::new(&p, &vehicle, &d).unwrap(), mission),
+        Which::ModelAided => what.with(&AidedFilter::new(&p, &vehicle, &errors).unwrap(), mission),
     }
 }
 

@@ -1,34 +1,22 @@
 //! The dynamic filter of the paper: acceleration from the reduced model, eqs (27) to (30).
 
-use crate::coefficients::{Coefficients, ParameterSet};
-use crate::ekf_parameters::FilterParameters;
+use crate::navigation_parameters::reduced;
 use crate::navigator::Navigator;
 use fmu_kit::{Info, Variables};
 use rexrov::ParameterError;
 use rexrov::estimation::paper::{Acceleration, Ekf, EkfParameters};
-use rexrov::vehicle::ReducedModel;
+use rexrov::vehicle::{self, ParameterSet};
 
 /// Parameters of the dynamic filter.
-#[derive(Clone, Debug, Variables)]
+#[derive(Clone, Debug, Default, Variables)]
 pub struct Parameters {
     /// What both filters have.
     #[var(flatten)]
-    pub filter: FilterParameters,
+    pub filter: EkfParameters,
     /// Named set that gives every coefficient of the model not set otherwise
     pub parameter_set: ParameterSet,
     /// Model
-    pub model: Coefficients,
-}
-
-impl Default for Parameters {
-    fn default() -> Self {
-        let parameter_set = ParameterSet::default();
-        Self {
-            filter: FilterParameters::default(),
-            parameter_set,
-            model: Coefficients::preset(parameter_set),
-        }
-    }
+    pub model: vehicle::Parameters,
 }
 
 /// The dynamic filter.
@@ -43,12 +31,12 @@ impl Navigator for EkfDynamic {
     type Filter = Ekf;
 
     fn preset(selected: &Parameters) -> Parameters {
-        Parameters { model: Coefficients::preset(selected.parameter_set), ..Parameters::default() }
+        let model = vehicle::Parameters::preset(selected.parameter_set);
+        Parameters { model, ..Parameters::default() }
     }
 
     fn filter(p: &Parameters) -> Result<Ekf, ParameterError> {
-        let model = ReducedModel::new(&p.model.checked()?)?;
-        Ekf::new(&EkfParameters::from(&p.filter), Acceleration::Dynamic(model))
+        Ekf::new(&p.filter, Acceleration::Dynamic(reduced(&p.model)?))
     }
 
     fn rate_hz(p: &Parameters) -> f64 {

@@ -1,6 +1,5 @@
 //! The kinematic filter of the paper: acceleration from the accelerometers.
 
-use crate::ekf_parameters::FilterParameters;
 use crate::navigator::Navigator;
 use fmu_kit::Info;
 use rexrov::ParameterError;
@@ -14,14 +13,14 @@ impl Navigator for EkfKinematic {
         "EkfKinematic",
         "Extended Kalman filter of x, y, z, yaw driven by measured acceleration",
     );
-    type Parameters = FilterParameters;
+    type Parameters = EkfParameters;
     type Filter = Ekf;
 
-    fn filter(p: &FilterParameters) -> Result<Ekf, ParameterError> {
-        Ekf::new(&EkfParameters::from(p), Acceleration::Kinematic)
+    fn filter(p: &EkfParameters) -> Result<Ekf, ParameterError> {
+        Ekf::new(p, Acceleration::Kinematic)
     }
 
-    fn rate_hz(p: &FilterParameters) -> f64 {
+    fn rate_hz(p: &EkfParameters) -> f64 {
         p.rate_hz
     }
 }

@@ -1,29 +1,22 @@
 //! The RexROV vehicle, its sensors, its state estimators and its guidance as FMI 2.0 components.
 //!
-//! There is one small file per component: it declares the variables as fields and maps them to the
-//! mathematics of the crate `rexrov`. One library serves all FMUs; the GUID selects the component.
+//! There is one small file per component. Its parameters and most of its inputs and outputs are
+//! declared where the equations are, in the crate `rexrov`. One library serves all FMUs; the GUID
+//! selects the component.
 //!
 //! World frame NED, body frame FRD (forward, starboard, down), SI units. Array indices start at
 //! zero, like the paper's thruster numbers.
 
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
-pub mod added_mass;
 pub mod ahrs;
-pub mod coefficients;
 pub mod course;
-pub mod direct;
 pub mod disturbance;
 pub mod dvl;
 pub mod ekf_dynamic;
 pub mod ekf_kinematic;
-pub mod ekf_parameters;
-pub mod errors;
-pub mod filter_disturbances;
 pub mod gps;
-pub mod groups;
 pub mod imu;
-pub mod imu_errors;
 pub mod instrument;
 pub mod nav_constant_acceleration;
 pub mod nav_dynamic;
@@ -38,10 +31,10 @@ pub mod pure_pursuit;
 pub mod rexrov;
 pub mod sensing;
 pub mod tachometer;
-pub mod vehicle_ports;
 pub mod velocity_controller;
 
-use fmu_kit::{Info, Sampled};
+use ::rexrov::sensors;
+use fmu_kit::{Info, ParameterError, Sampled};
 use navigator::Navigating;
 use sensing::Sensing;
 
@@ -56,15 +49,20 @@ const fn info(name: &'static str, description: &'static str) -> Info {
     }
 }
 
+/// An error of the mathematics as an error of a variable.
+pub(crate) fn parameter_error(error: ::rexrov::ParameterError) -> ParameterError {
+    ParameterError::new(error.name, format!("{}: {}", error.value, error.reason))
+}
+
 fmu_kit::export!(
     rexrov::RexRov,
     Sampled<disturbance::Disturbance>,
-    Sensing<imu::Imu>,
-    Sensing<ahrs::Ahrs>,
-    Sensing<dvl::Dvl>,
-    Sensing<gps::Gps>,
-    Sensing<pressure::PressureSensor>,
-    Sensing<tachometer::Tachometer>,
+    Sensing<sensors::Imu>,
+    Sensing<sensors::Ahrs>,
+    Sensing<sensors::Dvl>,
+    Sensing<sensors::Gps>,
+    Sensing<sensors::PressureSensor>,
+    Sensing<sensors::Tachometer>,
     Sampled<Navigating<ekf_dynamic::EkfDynamic>>,
     Sampled<Navigating<ekf_kinematic::EkfKinematic>>,
     Sampled<Navigating<nav_constant_acceleration::NavConstantAcceleration>>,

@@ -1,5 +1,5 @@
-//! Constant acceleration, as in robot_localization: `rexrov::estimation::ConstantAcceleration` with
-//! FMI variables.
+//! Constant acceleration, as in robot_localization: `rexrov::estimation::ConstantAcceleration` as a
+//! component.
 
 use crate::navigation_parameters::Parameters;
 use crate::navigator::Navigator;
@@ -19,12 +19,11 @@ impl Navigator for NavConstantAcceleration {
     type Filter = Filter<ConstantAcceleration, BASIC_STATES>;
 
     fn preset(selected: &Parameters) -> Parameters {
-        Parameters::of(selected.imu_grade)
+        Parameters::of(selected.imu_grade())
     }
 
     fn filter(p: &Parameters) -> Result<Self::Filter, ParameterError> {
-        let p = p.into();
-        Filter::new(ConstantAcceleration::new(&p)?, &p)
+        Filter::new(ConstantAcceleration::new(&p.filter)?, &p.filter)
     }
 
     fn rate_hz(p: &Parameters) -> f64 {

@@ -1,13 +1,12 @@
-//! Navigation by the equations of motion: `rexrov::estimation::PlanarDynamic` with FMI variables.
+//! Navigation by the equations of motion: `rexrov::estimation::PlanarDynamic` as a component.
 
-use crate::coefficients::{Coefficients, ParameterSet};
-use crate::filter_disturbances::Disturbances;
-use crate::imu_errors::ImuGrade;
-use crate::navigation_parameters;
+use crate::navigation_parameters::{self, reduced};
 use crate::navigator::Navigator;
 use fmu_kit::{Info, Variables};
 use rexrov::ParameterError;
-use rexrov::estimation::{self, DynamicFilter, PlanarDynamic};
+use rexrov::estimation::{Disturbances, DynamicFilter, PlanarDynamic};
+use rexrov::sensors::ImuGrade;
+use rexrov::vehicle::{self, ParameterSet};
 
 /// Parameters of the filter.
 #[derive(Clone, Debug, Variables)]
@@ -18,7 +17,7 @@ pub struct Parameters {
     /// Named set that gives every coefficient of the model not set otherwise
     pub parameter_set: ParameterSet,
     /// Model
-    pub model: Coefficients,
+    pub model: vehicle::Parameters,
     /// Disturbance
     pub disturbance: Disturbances,
 }
@@ -27,12 +26,11 @@ impl Parameters {
     fn of(imu_grade: ImuGrade, parameter_set: ParameterSet) -> Self {
         // A better gyro reveals more of what the model omits.
         let moment_density = if imu_grade == ImuGrade::Adis16448 { 2.0 } else { 5.0 };
-        let usual = estimation::Disturbances::default().into();
         Self {
             navigation: navigation_parameters::Parameters::of(imu_grade),
             parameter_set,
-            model: Coefficients::preset(parameter_set),
-            disturbance: Disturbances { moment_density, ..usual },
+            model: vehicle::Parameters::preset(parameter_set),
+            disturbance: Disturbances { moment_density, ..Disturbances::default() },
         }
     }
 }
@@ -55,13 +53,13 @@ impl Navigator for NavDynamic {
     type Filter = DynamicFilter;
 
     fn preset(selected: &Parameters) -> Parameters {
-        Parameters::of(selected.navigation.imu_grade, selected.parameter_set)
+        Parameters::of(selected.navigation.imu_grade(), selected.parameter_set)
     }
 
     fn filter(p: &Parameters) -> Result<Self::Filter, ParameterError> {
-        let navigation = (&p.navigation).into();
-        let process = PlanarDynamic::new(&navigation, &p.model.checked()?, &p.disturbance.into())?;
-        DynamicFilter::new(process, &navigation)
+        reduced(&p.model)?;
+        let navigation = &p.navigation.filter;
+        DynamicFilter::new(PlanarDynamic::new(navigation, &p.model, &p.disturbance)?, navigation)
     }
 
     fn rate_hz(p: &Parameters) -> f64 {

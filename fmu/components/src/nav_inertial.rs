@@ -1,4 +1,4 @@
-//! Inertial navigation: `rexrov::estimation::InertialProcess` with FMI variables.
+//! Inertial navigation: `rexrov::estimation::InertialProcess` as a component.
 
 use crate::navigation_parameters::Parameters;
 use crate::navigator::Navigator;
@@ -18,12 +18,11 @@ impl Navigator for NavInertial {
     type Filter = Filter<InertialProcess, BASIC_STATES>;
 
     fn preset(selected: &Parameters) -> Parameters {
-        Parameters::of(selected.imu_grade)
+        Parameters::of(selected.imu_grade())
     }
 
     fn filter(p: &Parameters) -> Result<Self::Filter, ParameterError> {
-        let p = p.into();
-        Filter::new(InertialProcess::new(&p, None)?, &p)
+        Filter::new(InertialProcess::new(&p.filter, None)?, &p.filter)
     }
 
     fn rate_hz(p: &Parameters) -> f64 {

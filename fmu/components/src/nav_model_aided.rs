@@ -1,17 +1,16 @@
-//! Inertial navigation aided by the equations of motion: `rexrov::estimation::ModelAid` with FMI
-//! variables.
+//! Inertial navigation aided by the equations of motion: `rexrov::estimation::AidedFilter` as a
+//! component.
 
-use crate::coefficients::{Coefficients, ParameterSet};
-use crate::filter_disturbances::ModelErrors;
-use crate::imu_errors::ImuGrade;
-use crate::navigation_parameters;
+use crate::navigation_parameters::{self, reduced};
 use crate::navigator::Navigator;
 use fmu_kit::{Info, Variables};
 use rexrov::ParameterError;
-use rexrov::estimation::AidedFilter;
+use rexrov::estimation::{AidedFilter, ModelErrors};
+use rexrov::sensors::ImuGrade;
+use rexrov::vehicle::{self, ParameterSet};
 
 /// Parameters of the filter.
-#[derive(Clone, Debug, Variables)]
+#[derive(Clone, Debug, Default, Variables)]
 pub struct Parameters {
     /// What all filters have.
     #[var(flatten)]
@@ -19,7 +18,7 @@ pub struct Parameters {
     /// Named set that gives every coefficient of the model not set otherwise
     pub parameter_set: ParameterSet,
     /// Model
-    pub model: Coefficients,
+    pub model: vehicle::Parameters,
     /// Disturbance
     pub disturbance: ModelErrors,
 }
@@ -29,15 +28,9 @@ impl Parameters {
         Self {
             navigation: navigation_parameters::Parameters::of(imu_grade),
             parameter_set,
-            model: Coefficients::preset(parameter_set),
+            model: vehicle::Parameters::preset(parameter_set),
             disturbance: ModelErrors::default(),
         }
-    }
-}
-
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(ImuGrade::default(), ParameterSet::default())
     }
 }
 
@@ -53,12 +46,12 @@ impl Navigator for NavModelAided {
     type Filter = AidedFilter;
 
     fn preset(selected: &Parameters) -> Parameters {
-        Parameters::of(selected.navigation.imu_grade, selected.parameter_set)
+        Parameters::of(selected.navigation.imu_grade(), selected.parameter_set)
     }
 
     fn filter(p: &Parameters) -> Result<Self::Filter, ParameterError> {
-        let navigation = (&p.navigation).into();
-        AidedFilter::new(&navigation, &p.model.checked()?, &p.disturbance.into())
+        reduced(&p.model)?;
+        AidedFilter::new(&p.navigation.filter, &p.model, &p.disturbance)
     }
 
     fn rate_hz(p: &Parameters) -> f64 {

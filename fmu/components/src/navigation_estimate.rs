@@ -1,72 +1,60 @@
 //! Outputs of the navigation filters: the estimate and how far it can be trusted.
 
-use crate::groups::{Horizontal, LinearAcceleration, LinearVelocity, Pose, Velocity};
-use fmu_kit::Variables;
-use rexrov::estimation::{ChannelReport, Estimate, Health};
+use fmu_kit::{Member, Variables};
+use rexrov::axes;
+use rexrov::estimation::{Estimate, Health};
 use serde::{Deserialize, Serialize};
 
-/// Current of the water.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, Variables)]
-pub struct Current {
-    /// north
-    #[var(unit = "m/s")]
-    pub north: f64,
-    /// east
-    #[var(unit = "m/s")]
-    pub east: f64,
-}
+/// Elements of the covariance off its diagonal.
+pub const COVARIANCE: [Member; 15] = [
+    Member::new("x_y", "north and east").unit("m2"),
+    Member::new("x_z", "north and down").unit("m2"),
+    Member::new("x_roll", "north and roll").unit("m.rad"),
+    Member::new("x_pitch", "north and pitch").unit("m.rad"),
+    Member::new("x_yaw", "north and yaw").unit("m.rad"),
+    Member::new("y_z", "east and down").unit("m2"),
+    Member::new("y_roll", "east and roll").unit("m.rad"),
+    Member::new("y_pitch", "east and pitch").unit("m.rad"),
+    Member::new("y_yaw", "east and yaw").unit("m.rad"),
+    Member::new("z_roll", "down and roll").unit("m.rad"),
+    Member::new("z_pitch", "down and pitch").unit("m.rad"),
+    Member::new("z_yaw", "down and yaw").unit("m.rad"),
+    Member::new("roll_pitch", "roll and pitch").unit("rad2"),
+    Member::new("roll_yaw", "roll and yaw").unit("rad2"),
+    Member::new("pitch_yaw", "pitch and yaw").unit("rad2"),
+];
 
-crate::groups::group! {
-    /// Elements of the covariance off its diagonal.
-    Covariance = [
-        /// north and east
-        #[var(unit = "m2")] x_y,
-        /// north and down
-        #[var(unit = "m2")] x_z,
-        /// north and roll
-        #[var(unit = "m.rad")] x_roll,
-        /// north and pitch
-        #[var(unit = "m.rad")] x_pitch,
-        /// north and yaw
-        #[var(unit = "m.rad")] x_yaw,
-        /// east and down
-        #[var(unit = "m2")] y_z,
-        /// east and roll
-        #[var(unit = "m.rad")] y_roll,
-        /// east and pitch
-        #[var(unit = "m.rad")] y_pitch,
-        /// east and yaw
-        #[var(unit = "m.rad")] y_yaw,
-        /// down and roll
-        #[var(unit = "m.rad")] z_roll,
-        /// down and pitch
-        #[var(unit = "m.rad")] z_pitch,
-        /// down and yaw
-        #[var(unit = "m.rad")] z_yaw,
-        /// roll and pitch
-        #[var(unit = "rad2")] roll_pitch,
-        /// roll and yaw
-        #[var(unit = "rad2")] roll_yaw,
-        /// pitch and yaw
-        #[var(unit = "rad2")] pitch_yaw; 15]
-}
+/// A number for each sensor.
+const CHANNELS: [Member; 5] = [
+    Member::new("tilt", "roll and pitch of the attitude reference").unit("1").min(0.0),
+    Member::new("heading", "heading").unit("1").min(0.0),
+    Member::new("depth", "depth").unit("1").min(0.0),
+    Member::new("dvl", "velocity log").unit("1").min(0.0),
+    Member::new("fix", "position fix").unit("1").min(0.0),
+];
 
-/// Roll and pitch.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, Variables)]
-pub struct Tilt {
-    /// roll
-    #[var(unit = "rad")]
-    pub roll: f64,
-    /// pitch
-    #[var(unit = "rad")]
-    pub pitch: f64,
-}
+/// What became of a sensor's measurements.
+const COUNT: [Member; 3] = [
+    Member::new("used", "used").unit("1").min(0.0),
+    Member::new("rejected", "limited as outliers, or refused as not fit").unit("1").min(0.0),
+    Member::new("late", "come late: put in their place, or lost where that is forgotten already")
+        .unit("1")
+        .min(0.0),
+];
+
+/// The estimated loss of a thruster.
+const LOSS: Member = Member::new(
+    "loss",
+    "fraction of its thrust that is taken to be lost; 0 where the filter does not look for it",
+)
+.unit("1");
 
 /// The comparison of a measurement with its prediction, for each sensor.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, Variables)]
 pub struct Innovation {
     /// roll and pitch of the attitude reference
-    pub tilt: Tilt,
+    #[var(elements = axes::TILT)]
+    pub tilt: [f64; 2],
     /// heading
     #[var(unit = "rad")]
     pub heading: f64,
@@ -74,98 +62,78 @@ pub struct Innovation {
     #[var(unit = "m")]
     pub depth: f64,
     /// velocity log
-    pub dvl: LinearVelocity,
+    #[var(elements = axes::LINEAR_VELOCITY)]
+    pub dvl: [f64; 3],
     /// position fix
-    pub fix: Horizontal,
+    #[var(elements = axes::HORIZONTAL)]
+    pub fix: [f64; 2],
 }
 
 impl Innovation {
     fn of([tilt, heading, depth, dvl, fix]: [[f64; 3]; 5]) -> Self {
         let ([roll, pitch, _], [heading, ..], [depth, ..]) = (tilt, heading, depth);
         let [x, y, _] = fix;
-        Self { tilt: Tilt { roll, pitch }, heading, depth, dvl: dvl.into(), fix: [x, y].into() }
+        Self { tilt: [roll, pitch], heading, depth, dvl, fix: [x, y] }
     }
-}
-
-crate::groups::group! {
-    /// A number for each sensor.
-    Channels = [
-        /// roll and pitch of the attitude reference
-        #[var(unit = "1", min = 0.0)] tilt,
-        /// heading
-        #[var(unit = "1", min = 0.0)] heading,
-        /// depth
-        #[var(unit = "1", min = 0.0)] depth,
-        /// velocity log
-        #[var(unit = "1", min = 0.0)] dvl,
-        /// position fix
-        #[var(unit = "1", min = 0.0)] fix; 5]
-}
-
-crate::groups::group! {
-    /// What became of a sensor's measurements.
-    Count = [
-        /// used
-        #[var(unit = "1", min = 0.0)] used,
-        /// limited as outliers, or refused as not fit
-        #[var(unit = "1", min = 0.0)] rejected,
-        /// come late: put in their place, or lost where that is forgotten already
-        #[var(unit = "1", min = 0.0)] late; 3]
 }
 
 /// What happened to the measurements of each sensor.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, Variables)]
 pub struct Counts {
     /// roll and pitch of the attitude reference
-    pub tilt: Count,
+    #[var(elements = COUNT)]
+    pub tilt: [f64; 3],
     /// heading
-    pub heading: Count,
+    #[var(elements = COUNT)]
+    pub heading: [f64; 3],
     /// depth
-    pub depth: Count,
+    #[var(elements = COUNT)]
+    pub depth: [f64; 3],
     /// velocity log
-    pub dvl: Count,
+    #[var(elements = COUNT)]
+    pub dvl: [f64; 3],
     /// position fix
-    pub fix: Count,
-}
-
-/// The estimated loss of a thruster.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, Variables)]
-pub struct Loss {
-    /// fraction of its thrust that is taken to be lost; 0 where the filter does not look for it
-    #[var(unit = "1")]
-    pub loss: f64,
+    #[var(elements = COUNT)]
+    pub fix: [f64; 3],
 }
 
 /// Outputs of a filter.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, Variables)]
 pub struct Outputs {
     /// Estimated pose
-    pub pose: Pose,
+    #[var(elements = axes::POSE)]
+    pub pose: [f64; 6],
     /// Estimated velocity over ground, body frame
-    pub velocity: Velocity,
+    #[var(elements = axes::VELOCITY)]
+    pub velocity: [f64; 6],
     /// Estimated acceleration, body frame
-    pub acceleration: LinearAcceleration,
+    #[var(elements = axes::LINEAR_ACCELERATION)]
+    pub acceleration: [f64; 3],
     /// Estimated current; 0 where the filter has none
-    pub current: Current,
+    #[var(elements = axes::HORIZONTAL_VELOCITY)]
+    pub current: [f64; 2],
     /// Standard deviation of the pose
-    #[var(min = 0.0)]
-    pub sigma: Pose,
+    #[var(min = 0.0, elements = axes::POSE)]
+    pub sigma: [f64; 6],
     /// Standard deviation of the velocity
-    #[var(min = 0.0)]
-    pub velocity_sigma: LinearVelocity,
+    #[var(min = 0.0, elements = axes::LINEAR_VELOCITY)]
+    pub velocity_sigma: [f64; 3],
     /// Covariance of the pose
-    pub covariance: Covariance,
+    #[var(elements = COVARIANCE)]
+    pub covariance: [f64; 15],
     /// Newest measurement less its prediction
     pub innovation: Innovation,
     /// Standard deviation of the innovation
     #[var(min = 0.0)]
     pub innovation_sigma: Innovation,
     /// Normalised innovation squared
-    pub nis: Channels,
+    #[var(elements = CHANNELS)]
+    pub nis: [f64; 5],
     /// Measurements
     pub count: Counts,
     /// Thruster
-    pub thruster: [Loss; 8],
+    #[var(rename = "thruster", each = LOSS)]
+    pub loss: [f64; 8],
     /// 0: good, 1: starved (neither velocity nor fix bounds the position), 2: inconsistent
     /// (measurements contradict the estimate), 3: diverged (lost and begun again)
     #[var(unit = "1", min = 0.0, max = 3.0)]
@@ -182,43 +150,30 @@ pub fn number(health: Health) -> u8 {
     }
 }
 
-impl From<&ChannelReport> for Count {
-    fn from(c: &ChannelReport) -> Self {
-        [c.used, c.rejected, c.late].map(f64::from).into()
-    }
-}
-
-impl From<&Estimate> for Outputs {
-    fn from(e: &Estimate) -> Self {
+impl Outputs {
+    /// An estimate as outputs.
+    pub fn of(e: &Estimate) -> Self {
         let ([x, y, z], [roll, pitch, yaw]) = (e.position, e.euler);
         let ([u, v, w], [p, q, r]) = (e.velocity, e.rate);
-        let ([north, east], [tilt, heading, depth, dvl, fix]) = (e.current, &e.channels);
         let element = |i: usize, j: usize| {
             e.covariance.get(i).and_then(|row| row.get(j)).copied().unwrap_or_default()
         };
         let mut pairs = (0..6).flat_map(|i| (i + 1..6).map(move |j| (i, j)));
-        let covariance: [f64; 15] =
-            std::array::from_fn(|_| pairs.next().map_or(0.0, |(i, j)| element(i, j)));
-        let sigma: [f64; 6] = std::array::from_fn(|i| element(i, i).max(0.0).sqrt());
+        let counts = e.channels.map(|c| [c.used, c.rejected, c.late].map(f64::from));
+        let [tilt, heading, depth, dvl, fix] = counts;
         Self {
-            pose: [x, y, z, roll, pitch, yaw].into(),
-            velocity: [u, v, w, p, q, r].into(),
-            acceleration: e.acceleration.into(),
-            current: Current { north, east },
-            sigma: sigma.into(),
-            velocity_sigma: e.velocity_sigma.into(),
-            covariance: covariance.into(),
+            pose: [x, y, z, roll, pitch, yaw],
+            velocity: [u, v, w, p, q, r],
+            acceleration: e.acceleration,
+            current: e.current,
+            sigma: std::array::from_fn(|i| element(i, i).max(0.0).sqrt()),
+            velocity_sigma: e.velocity_sigma,
+            covariance: std::array::from_fn(|_| pairs.next().map_or(0.0, |(i, j)| element(i, j))),
             innovation: Innovation::of(e.channels.map(|c| c.innovation)),
             innovation_sigma: Innovation::of(e.channels.map(|c| c.sigma)),
-            nis: e.channels.map(|c| c.nis.min(f64::MAX)).into(),
-            count: Counts {
-                tilt: tilt.into(),
-                heading: heading.into(),
-                depth: depth.into(),
-                dvl: dvl.into(),
-                fix: fix.into(),
-            },
-            thruster: e.loss.map(|loss| Loss { loss }),
+            nis: e.channels.map(|c| c.nis.min(f64::MAX)),
+            count: Counts { tilt, heading, depth, dvl, fix },
+            loss: e.loss,
             health: f64::from(number(e.health)),
         }
     }

@@ -2,25 +2,19 @@
 //! inputs and outputs, so that one can replace another; a filter ignores inputs that it does not
 //! use.
 
-use crate::groups::{AngularVelocity, Attitude, Horizontal, LinearVelocity, Thrust, Vector};
 use fmu_kit::Variables;
+use rexrov::axes;
 use rexrov::estimation::{Measurements, Reading};
 
 /// Whether and when a measurement was taken. An unconnected measurement is absent.
 #[derive(Clone, Copy, Debug, Variables)]
 pub struct Stamp {
     /// time of the measurement; -1 if unknown, then it counts as new in every cycle
-    #[var(unit = "s", min = -1.0)]
+    #[var(unit = "s", min = -1.0, start = -1.0)]
     pub stamp: f64,
     /// 1 once there is a measurement; at 0 it is never used
     #[var(min = 0.0, max = 1.0)]
     pub valid: f64,
-}
-
-impl Default for Stamp {
-    fn default() -> Self {
-        Self { stamp: -1.0, valid: 0.0 }
-    }
 }
 
 impl Stamp {
@@ -33,10 +27,11 @@ impl Stamp {
 #[derive(Clone, Copy, Debug, Default, Variables)]
 pub struct Imu {
     /// specific force
-    #[var(unit = "m/s2")]
-    pub specific_force: Vector,
+    #[var(unit = "m/s2", elements = axes::BODY)]
+    pub specific_force: [f64; 3],
     /// angular velocity
-    pub rate: AngularVelocity,
+    #[var(elements = axes::ANGULAR_VELOCITY)]
+    pub rate: [f64; 3],
     /// When.
     #[var(flatten)]
     pub stamp: Stamp,
@@ -46,7 +41,8 @@ pub struct Imu {
 #[derive(Clone, Copy, Debug, Default, Variables)]
 pub struct Ahrs {
     /// attitude
-    pub attitude: Attitude,
+    #[var(elements = axes::EULER)]
+    pub attitude: [f64; 3],
     /// When.
     #[var(flatten)]
     pub stamp: Stamp,
@@ -56,7 +52,8 @@ pub struct Ahrs {
 #[derive(Clone, Copy, Debug, Default, Variables)]
 pub struct Dvl {
     /// velocity over ground at the instrument
-    pub velocity: LinearVelocity,
+    #[var(elements = axes::LINEAR_VELOCITY)]
+    pub velocity: [f64; 3],
     /// When.
     #[var(flatten)]
     pub stamp: Stamp,
@@ -66,7 +63,8 @@ pub struct Dvl {
 #[derive(Clone, Copy, Debug, Default, Variables)]
 pub struct Fix {
     /// place
-    pub position: Horizontal,
+    #[var(elements = axes::HORIZONTAL)]
+    pub position: [f64; 2],
     /// standard deviation of each axis as the instrument reports it; 0: fix_sigma holds
     #[var(unit = "m", min = 0.0)]
     pub sigma: f64,
@@ -100,22 +98,25 @@ pub struct Inputs {
     /// Pressure sensor
     pub pressure: Pressure,
     /// Thruster, from its measured speed
-    pub thruster: [Thrust; 8],
+    #[var(rename = "thruster", each = axes::THRUST)]
+    pub thrust: [f64; 8],
     /// Thrusts of all thrusters
     pub propulsion: Stamp,
 }
 
-impl From<&Inputs> for Measurements {
-    fn from(u: &Inputs) -> Self {
-        let ([x, y, z], [p, q, r]) = (u.imu.specific_force.into(), u.imu.rate.into());
-        let [north, east] = u.fix.position.into();
-        Self {
+impl Inputs {
+    /// The measurements in the terms of the filters.
+    pub fn measurements(&self) -> Measurements {
+        let u = self;
+        let ([x, y, z], [p, q, r]) = (u.imu.specific_force, u.imu.rate);
+        let [north, east] = u.fix.position;
+        Measurements {
             imu: u.imu.stamp.on([x, y, z, p, q, r]),
-            ahrs: u.ahrs.stamp.on(u.ahrs.attitude.into()),
-            dvl: u.dvl.stamp.on(u.dvl.velocity.into()),
+            ahrs: u.ahrs.stamp.on(u.ahrs.attitude),
+            dvl: u.dvl.stamp.on(u.dvl.velocity),
             fix: u.fix.stamp.on([north, east, u.fix.sigma]),
             depth: u.pressure.stamp.on([u.pressure.depth]),
-            thrust: u.propulsion.on(u.thruster.map(|thruster| thruster.thrust)),
+            thrust: u.propulsion.on(u.thrust),
         }
     }
 }

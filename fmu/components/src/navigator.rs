@@ -1,9 +1,9 @@
 //! Navigation filters as components: cycles at a rate, and a line in the log when their health
 //! changes.
 
-use crate::groups::parameter_error;
 use crate::navigation_estimate::{Outputs, number};
 use crate::navigation_ports::Inputs;
+use crate::parameter_error;
 use fmu_kit::{Fault, Info, ParameterError, Resources, Sample, Time, Variables};
 use rexrov::estimation::kalman::GATE;
 use rexrov::estimation::{Estimate, Health, Navigation};
@@ -164,9 +164,9 @@ impl<N: Navigator> Sample for Navigating<N> {
         u: &Inputs,
         y: &mut Outputs,
     ) -> Result<(), Fault> {
-        let estimate = self.filter.update(&mut memory.filter, now.seconds(), &u.into());
+        let estimate = self.filter.update(&mut memory.filter, now.seconds(), &u.measurements());
         memory.look(&estimate);
-        *y = (&estimate).into();
+        *y = Outputs::of(&estimate);
         Ok(())
     }
 

@@ -1,57 +1,30 @@
-//! The vehicle: `rexrov::vehicle::Vehicle` with FMI variables, six degrees of freedom.
+//! The vehicle: `rexrov::vehicle::Vehicle` as a component, six degrees of freedom.
 
-use crate::coefficients::{Coefficients, ParameterSet};
-use crate::direct::Direct;
-use crate::groups::{Attitude, Position, Velocity, parameter_error};
-use fmu_kit::{Component, Enumeration, Fault, Info, ParameterError, Resources, Time, Variables};
-use rexrov::vehicle::{self, Inputs, Outputs, Sensitivity, State, Vehicle};
-
-/// Meaning of the thruster inputs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Enumeration)]
-pub enum ThrusterMode {
-    /// force demanded in N, through the lag of the rotor
-    #[default]
-    ForceWithLag,
-    /// force in N that acts at once
-    Force,
-    /// rotor speed demanded in rad/s, through the lag of the rotor
-    RotorSpeed,
-}
-
-impl From<ThrusterMode> for vehicle::ThrusterMode {
-    fn from(mode: ThrusterMode) -> Self {
-        match mode {
-            ThrusterMode::ForceWithLag => Self::ForceWithLag,
-            ThrusterMode::Force => Self::Force,
-            ThrusterMode::RotorSpeed => Self::RotorSpeed,
-        }
-    }
-}
+use crate::parameter_error;
+use fmu_kit::{Component, Fault, Info, ParameterError, Resources, Time, Variables};
+use rexrov::axes;
+use rexrov::vehicle::{
+    self, Inputs, Outputs, ParameterSet, Sensitivity, State, ThrusterMode, Vehicle,
+};
 
 /// State at the start.
+///
+/// Those of the courses: 20 m deep, at rest.
 #[derive(Clone, Copy, Debug, Variables)]
 pub struct Start {
     /// position
-    pub position: Position,
+    #[var(elements = axes::NED, start = [0.0, 0.0, 20.0])]
+    pub position: [f64; 3],
     /// attitude
-    pub attitude: Attitude,
+    #[var(elements = axes::EULER)]
+    pub attitude: [f64; 3],
     /// velocity over ground, body frame
-    pub velocity: Velocity,
-}
-
-impl Default for Start {
-    /// The start of the courses, 20 m deep, at rest.
-    fn default() -> Self {
-        Self {
-            position: Position { z: 20.0, ..Position::default() },
-            attitude: Attitude::default(),
-            velocity: Velocity::default(),
-        }
-    }
+    #[var(elements = axes::VELOCITY)]
+    pub velocity: [f64; 6],
 }
 
 /// Parameters of the vehicle.
-#[derive(Clone, Debug, Variables)]
+#[derive(Clone, Debug, Default, Variables)]
 pub struct Parameters {
     /// Named set that gives every coefficient not set otherwise
     pub parameter_set: ParameterSet,
@@ -61,19 +34,23 @@ pub struct Parameters {
     pub initial: Start,
     /// Coefficients.
     #[var(flatten)]
-    pub coefficients: Coefficients,
+    pub coefficients: vehicle::Parameters,
 }
 
-impl Default for Parameters {
-    fn default() -> Self {
-        let parameter_set = ParameterSet::default();
-        Self {
-            parameter_set,
-            thruster_mode: ThrusterMode::default(),
-            initial: Start::default(),
-            coefficients: Coefficients::preset(parameter_set),
-        }
+impl Parameters {
+    /// The coefficients with the meaning of the thruster inputs.
+    fn vehicle(&self) -> vehicle::Parameters {
+        let mut coefficients = self.coefficients;
+        coefficients.propulsion.mode = self.thruster_mode;
+        coefficients
     }
+}
+
+/// Continuous states, separated from the outputs by their own name.
+#[derive(Clone, Copy, Debug, Default, Variables)]
+pub struct States {
+    /// State
+    pub state: State,
 }
 
 /// Event indicators: commands that cross their limits, commands that change their sign.
@@ -117,75 +94,53 @@ impl Component for RexRov {
     const KINKS_OF_INPUTS: bool = true;
     const TANGENT: bool = true;
     type Parameters = Parameters;
-    type Inputs = Direct<Inputs>;
-    type Outputs = Direct<Outputs>;
-    type States = Direct<State>;
+    type Inputs = Inputs;
+    type Outputs = Outputs;
+    type States = States;
     type Memory = ();
 
     fn preset(selected: &Parameters) -> Parameters {
-        Parameters {
-            coefficients: Coefficients::preset(selected.parameter_set),
-            ..Parameters::default()
-        }
+        let coefficients = vehicle::Parameters::preset(selected.parameter_set);
+        Parameters { coefficients, ..Parameters::default() }
     }
 
     fn new(p: &Parameters, _: &Resources) -> Result<Self, ParameterError> {
-        let coefficients = p.coefficients.with_mode(p.thruster_mode.into());
-        let vehicle = Vehicle::new(&coefficients).map_err(parameter_error)?;
-        let initial = State {
-            nu: p.initial.velocity.into(),
-            ..State::at_rest(p.initial.position.into(), p.initial.attitude.into())
-        };
-        Ok(Self { vehicle, initial })
+        let vehicle = Vehicle::new(&p.vehicle()).map_err(parameter_error)?;
+        let Start { position, attitude, velocity } = p.initial;
+        Ok(Self { vehicle, initial: State { nu: velocity, ..State::at_rest(position, attitude) } })
     }
 
-    fn initial(&self, _: Time, _: &Direct<Inputs>) -> Result<(Direct<State>, ()), Fault> {
-        Ok((Direct(self.initial), ()))
+    fn initial(&self, _: Time, _: &Inputs) -> Result<(States, ()), Fault> {
+        Ok((States { state: self.initial }, ()))
     }
 
-    fn derivatives(
-        &self,
-        _: f64,
-        (): &(),
-        Direct(x): &Direct<State>,
-        Direct(u): &Direct<Inputs>,
-    ) -> Direct<State> {
-        Direct(self.vehicle.derivative(x, u))
+    fn derivatives(&self, _: f64, (): &(), x: &States, u: &Inputs) -> States {
+        States { state: self.vehicle.derivative(&x.state, u) }
     }
 
     fn held_derivatives(
         &self,
         (): &(),
-        Direct(u): &Direct<Inputs>,
-    ) -> impl Fn(f64, &Direct<State>, Option<&Direct<Outputs>>) -> Direct<State> {
+        u: &Inputs,
+    ) -> impl Fn(f64, &States, Option<&Outputs>) -> States {
         let drive = self.vehicle.drive(u);
-        move |_, Direct(x), known| {
-            Direct(match known {
-                Some(Direct(y)) => self.vehicle.rate_beside(x, y, &drive),
-                None => self.vehicle.rate(x, &drive),
-            })
+        move |_, States { state }, known| States {
+            state: match known {
+                Some(y) => self.vehicle.rate_beside(state, y, &drive),
+                None => self.vehicle.rate(state, &drive),
+            },
         }
     }
 
     #[inline]
-    fn held_step(
-        &self,
-        (): &(),
-        Direct(u): &Direct<Inputs>,
-    ) -> impl Fn(&mut Direct<State>, f64, f64, Option<&Direct<Outputs>>) {
+    fn held_step(&self, (): &(), u: &Inputs) -> impl Fn(&mut States, f64, f64, Option<&Outputs>) {
         let drive = self.vehicle.drive(u);
-        move |Direct(x), _, h, known| self.vehicle.advance(x, &drive, h, known.map(|Direct(y)| y))
+        move |States { state }, _, h, known| self.vehicle.advance(state, &drive, h, known)
     }
 
     #[inline]
-    fn outputs(
-        &self,
-        _: f64,
-        (): &(),
-        Direct(x): &Direct<State>,
-        Direct(u): &Direct<Inputs>,
-    ) -> Direct<Outputs> {
-        Direct(self.vehicle.outputs(x, u))
+    fn outputs(&self, _: f64, (): &(), x: &States, u: &Inputs) -> Outputs {
+        self.vehicle.outputs(&x.state, u)
     }
 
     #[inline(always)]
@@ -193,23 +148,16 @@ impl Component for RexRov {
         &self,
         _: f64,
         (): &(),
-        Direct(x): &Direct<State>,
-        Direct(u): &Direct<Inputs>,
-        Direct(dx): &Direct<State>,
-        Direct(du): &Direct<Inputs>,
-    ) -> (Direct<State>, Direct<Outputs>) {
-        let (derivatives, outputs) = self.vehicle.tangent(x, u).along(dx, du);
-        (Direct(derivatives), Direct(outputs))
+        x: &States,
+        u: &Inputs,
+        dx: &States,
+        du: &Inputs,
+    ) -> (States, Outputs) {
+        let (state, outputs) = self.vehicle.tangent(&x.state, u).along(&dx.state, du);
+        (States { state }, outputs)
     }
 
-    fn indicators(
-        &self,
-        _: f64,
-        (): &(),
-        _: &Direct<State>,
-        Direct(u): &Direct<Inputs>,
-        indicators: &mut [f64],
-    ) {
+    fn indicators(&self, _: f64, (): &(), _: &States, u: &Inputs, indicators: &mut [f64]) {
         let (limit, reversal) = self.vehicle.kinks(u);
         for (indicator, kink) in indicators.iter_mut().zip(limit.into_iter().chain(reversal)) {
             *indicator = kink;
@@ -218,18 +166,17 @@ impl Component for RexRov {
 
     fn initial_tangent(
         &self,
-        Direct(x): &Direct<State>,
-        Direct(u): &Direct<Inputs>,
+        x: &States,
+        u: &Inputs,
         p: &Parameters,
         dp: &Parameters,
-        _: &Direct<Inputs>,
-    ) -> (Direct<State>, Direct<State>, Direct<Outputs>) {
-        let coefficients = |p: &Parameters| p.coefficients.with_mode(p.thruster_mode.into());
-        let along = Sensitivity::new(&coefficients(p), &coefficients(dp));
-        let (derivatives, outputs) = self.vehicle.tangent(x, u).with_coefficients(&along);
+        _: &Inputs,
+    ) -> (States, States, Outputs) {
+        let along = Sensitivity::new(&p.vehicle(), &dp.vehicle());
+        let (rate, outputs) = self.vehicle.tangent(&x.state, u).with_coefficients(&along);
         let Start { position, attitude, velocity } = dp.initial;
-        let turned = State::d_at_rest(position.into(), p.initial.attitude.into(), attitude.into());
-        let states = State { nu: velocity.into(), ..turned };
-        (Direct(states), Direct(derivatives), Direct(outputs))
+        let turned = State::d_at_rest(position, p.initial.attitude, attitude);
+        let state = State { nu: velocity, ..turned };
+        (States { state }, States { state: rate }, outputs)
     }
 }

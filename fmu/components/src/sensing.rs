@@ -1,13 +1,17 @@
 //! Sensors as components: samples at their instants, output after their latency.
 
-use crate::groups::parameter_error;
-use crate::instrument::{Instrument, Stamp};
+use crate::instrument::Stamp;
+use crate::parameter_error;
 use fmu_kit::{
     Component, Fault, Info, NoStates, ParameterError, Ports, Resources, Sampler, Time, Variables,
 };
 use rexrov::sampling::Rate;
+use rexrov::sensors::Instrument;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+
+/// Maximum number of samples in transit.
+const MOST_LATE: f64 = 64.0;
 
 /// A sensor; [`Sensing`] makes it a component.
 pub trait Sensor: Sized + Send + 'static {
@@ -98,6 +102,18 @@ impl<S: Sensor> Sensing<S> {
     }
 }
 
+/// Places for the samples in transit.
+fn places(instrument: &Instrument) -> Result<usize, ParameterError> {
+    let Instrument { rate_hz, latency, .. } = *instrument;
+    let samples = latency * rate_hz;
+    if !(0.0..=MOST_LATE).contains(&samples) {
+        let most = MOST_LATE / rate_hz;
+        let reason = format!("{latency} s: at most {MOST_LATE} samples, here {most} s");
+        return Err(ParameterError::new("latency", reason));
+    }
+    Ok(if samples > 0.0 { samples as usize + 2 } else { 0 })
+}
+
 impl<S: Sensor> Component for Sensing<S> {
     const INFO: Info = Info { sampled: true, ..S::INFO };
     type Parameters = S::Parameters;
@@ -114,7 +130,7 @@ impl<S: Sensor> Component for Sensing<S> {
         let sensor = S::new(parameters).map_err(parameter_error)?;
         let instrument = S::instrument(parameters);
         let latency_ns = Time::from_seconds(instrument.latency).ns();
-        Ok(Self { sensor, latency_ns, places: instrument.places()? })
+        Ok(Self { sensor, latency_ns, places: places(instrument)? })
     }
 
     fn initial(&self, start: Time, inputs: &S::Inputs) -> Result<(NoStates, Self::Memory), Fault> {

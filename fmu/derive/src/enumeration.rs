@@ -6,7 +6,8 @@ use syn::{Data, DeriveInput, Error, Fields, Result};
 
 use crate::attributes::description;
 
-pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream> {
+/// The impl of `Enumeration` and `Variables` in the crate `root`.
+pub(crate) fn derive(input: &DeriveInput, root: &TokenStream) -> Result<TokenStream> {
     let Data::Enum(data) = &input.data else {
         return Err(Error::new_spanned(
             &input.ident,
@@ -32,10 +33,10 @@ pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream> {
     let names = items.iter().map(ToString::to_string);
     let descriptions = data.variants.iter().map(|variant| description(&variant.attrs));
     let values: Vec<i32> = (1..).take(items.len()).collect();
-    let variables = variables(name);
+    let variables = variables(name, root);
     Ok(quote! {
         #[automatically_derived]
-        impl ::fmu_kit::Enumeration for #name {
+        impl #root::Enumeration for #name {
             const NAME: &'static str = #type_name;
             const DESCRIPTION: &'static str = #about;
             const ITEMS: &'static [(&'static str, &'static str)] = &[#((#names, #descriptions)),*];
@@ -56,33 +57,36 @@ pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream> {
 }
 
 /// The enum as a leaf: an Integer in the flat arrays.
-fn variables(name: &syn::Ident) -> TokenStream {
+fn variables(name: &syn::Ident, root: &TokenStream) -> TokenStream {
     quote! {
         #[automatically_derived]
-        impl ::fmu_kit::Variables for #name {
-            const COUNT: ::fmu_kit::Count = <i32 as ::fmu_kit::Variables>::COUNT;
+        impl #root::Variables for #name {
+            const COUNT: #root::Count = <i32 as #root::Variables>::COUNT;
 
-            fn declare(&self, at: &::fmu_kit::Field, into: &mut ::fmu_kit::Declarations) {
-                into.push(::fmu_kit::Declaration {
+            fn declare(&self, at: &#root::Field, into: &mut #root::Declarations) {
+                into.push(#root::Declaration {
                     field: ::core::clone::Clone::clone(at),
-                    start: ::fmu_kit::Start::Enumeration {
-                        name: <Self as ::fmu_kit::Enumeration>::NAME,
-                        description: <Self as ::fmu_kit::Enumeration>::DESCRIPTION,
-                        items: <Self as ::fmu_kit::Enumeration>::ITEMS,
-                        value: ::fmu_kit::Enumeration::value(*self),
+                    start: #root::Start::Enumeration {
+                        name: <Self as #root::Enumeration>::NAME,
+                        description: <Self as #root::Enumeration>::DESCRIPTION,
+                        items: <Self as #root::Enumeration>::ITEMS,
+                        value: #root::Enumeration::value(*self),
                     },
                 });
             }
 
-            fn load(from: &mut ::fmu_kit::Reader<'_>) -> Self {
-                let value = <i32 as ::fmu_kit::Variables>::load(from);
-                <Self as ::fmu_kit::Enumeration>::from_value(value).unwrap_or_default()
+            #[inline]
+            fn load(from: &mut #root::Reader<'_>) -> Self {
+                let value = <i32 as #root::Variables>::load(from);
+                <Self as #root::Enumeration>::from_value(value).unwrap_or_default()
             }
 
-            fn store(&self, into: &mut ::fmu_kit::Writer<'_>) {
-                ::fmu_kit::Variables::store(&::fmu_kit::Enumeration::value(*self), into);
+            #[inline]
+            fn store(&self, into: &mut #root::Writer<'_>) {
+                #root::Variables::store(&#root::Enumeration::value(*self), into);
             }
 
+            #[inline]
             fn zip_reals(&mut self, _: &Self, _: &mut impl FnMut(&mut f64, f64)) {}
         }
     }

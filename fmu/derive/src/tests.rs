@@ -1,13 +1,14 @@
 //! The messages for invalid declarations: each points at the offending place and says what to do.
 
 use crate::{enumeration, variables};
+use quote::quote;
 
 /// Derives for the source and splits the error: the text it points at, and its message.
 fn refusal(source: &str) -> (String, String) {
     let input = syn::parse_str(source).unwrap();
     let derived = match source.contains("enum Items") {
-        true => enumeration::derive(&input),
-        false => variables::derive(&input),
+        true => enumeration::derive(&input, &quote!(::fmu_kit)),
+        false => variables::derive(&input, &quote!(::fmu_kit)),
     };
     let error = derived.unwrap_err();
     let (start, end) = (error.span().start(), error.span().end());
@@ -52,6 +53,10 @@ fn attributes_that_make_no_sense_are_pointed_at() {
     let (at, message) = field("#[var(rename = \"a,b\")] depth: f64");
     assert_eq!(at, "\"a,b\"");
     assert!(message.starts_with("a variable's name is letters, digits and underscores"));
+    let (at, _) = field("#[var(rename = \"gyro..range\")] depth: f64");
+    assert_eq!(at, "\"gyro..range\"");
+    let (_, message) = field("#[var(start = , unit = \"m\")] depth: f64");
+    assert!(message.ends_with("expected a value"), "{message}");
     let (at, message) = field("#[var(min = 0.0)] on: bool");
     assert_eq!(at, "bool");
     assert_eq!(message, "`min` makes no sense for `bool`: only numbers have it");

@@ -12,42 +12,93 @@ const NO_SUCH_TYPE: [&str; 13] = [
     "f32", "i8", "i16", "i64", "i128", "isize", "u8", "u16", "u32", "u64", "u128", "usize", "char",
 ];
 
-pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream> {
+/// The impl of `Variables` in the crate `root`.
+pub(crate) fn derive(input: &DeriveInput, root: &TokenStream) -> Result<TokenStream> {
     let fields = fields(input)?;
     let name = &input.ident;
     let vars = fields.iter().map(|f| Var::parse(&f.attrs)).collect::<Result<Vec<_>>>()?;
     let default = default(name, &fields, &vars);
-    let declare = fields.iter().zip(vars).map(|(field, var)| declare(field, var));
-    let declare = declare.collect::<Result<Vec<_>>>()?;
-    let idents: Vec<&Ident> = fields.iter().filter_map(|field| field.ident.as_ref()).collect();
-    let types: Vec<&Type> = fields.iter().map(|field| &field.ty).collect();
+    let mut walks = Vec::new();
+    for (field, var) in fields.iter().zip(vars) {
+        walks.push(walk(field, var, root)?);
+    }
+    let each =
+        |part: fn(&Walk) -> &TokenStream| walks.iter().map(part).cloned().collect::<TokenStream>();
+    let (count, declare, load) = (each(|w| &w.count), each(|w| &w.declare), each(|w| &w.load));
+    let (store, zip) = (each(|w| &w.store), each(|w| &w.zip));
     Ok(quote! {
         #default
 
         #[automatically_derived]
-        impl ::fmu_kit::Variables for #name {
-            const COUNT: ::fmu_kit::Count = ::fmu_kit::Count::NONE
-                #(.plus(<#types as ::fmu_kit::Variables>::COUNT))*;
+        impl #root::Variables for #name {
+            const COUNT: #root::Count = #root::Count::NONE #count;
 
-            fn declare(&self, at: &::fmu_kit::Field, into: &mut ::fmu_kit::Declarations) {
-                #(#declare)*
+            fn declare(&self, at: &#root::Field, into: &mut #root::Declarations) {
+                #declare
             }
 
             #[inline(always)]
-            fn load(from: &mut ::fmu_kit::Reader<'_>) -> Self {
-                Self { #(#idents: <#types as ::fmu_kit::Variables>::load(from),)* }
+            fn load(from: &mut #root::Reader<'_>) -> Self {
+                Self { #load }
             }
 
             #[inline(always)]
-            fn store(&self, into: &mut ::fmu_kit::Writer<'_>) {
-                #(::fmu_kit::Variables::store(&self.#idents, into);)*
+            fn store(&self, into: &mut #root::Writer<'_>) {
+                #store
             }
 
             #[inline(always)]
             fn zip_reals(&mut self, other: &Self, f: &mut impl FnMut(&mut f64, f64)) {
-                #(::fmu_kit::Variables::zip_reals(&mut self.#idents, &other.#idents, f);)*
+                #zip
             }
         }
+    })
+}
+
+/// The part of each function that concerns one field.
+struct Walk {
+    count: TokenStream,
+    declare: TokenStream,
+    load: TokenStream,
+    store: TokenStream,
+    zip: TokenStream,
+}
+
+fn walk(field: &Field, var: Var, root: &TokenStream) -> Result<Walk> {
+    let (ident, own) = (&field.ident, &field.ty);
+    if var.skip {
+        let load = quote!(#ident: ::core::default::Default::default(),);
+        let nothing = TokenStream::new;
+        return Ok(Walk {
+            count: nothing(),
+            declare: nothing(),
+            load,
+            store: nothing(),
+            zip: nothing(),
+        });
+    }
+    let Some(via) = var.via.clone() else {
+        return Ok(Walk {
+            count: quote!(.plus(<#own as #root::Variables>::COUNT)),
+            declare: declare(field, var, &quote!(&self.#ident), root)?,
+            load: quote!(#ident: <#own as #root::Variables>::load(from),),
+            store: quote!(#root::Variables::store(&self.#ident, into);),
+            zip: quote!(#root::Variables::zip_reals(&mut self.#ident, &other.#ident, f);),
+        });
+    };
+    let seen = |whose: TokenStream| quote!(<#via as ::core::convert::From<#own>>::from(::core::clone::Clone::clone(&#whose.#ident)));
+    let (mine, theirs) = (seen(quote!(self)), seen(quote!(other)));
+    let back = quote!(<#own as ::core::convert::From<#via>>::from);
+    Ok(Walk {
+        count: quote!(.plus(<#via as #root::Variables>::COUNT)),
+        declare: declare(field, var, &quote!(&#mine), root)?,
+        load: quote!(#ident: #back(<#via as #root::Variables>::load(from)),),
+        store: quote!(#root::Variables::store(&#mine, into);),
+        zip: quote! {
+            let mut seen = #mine;
+            #root::Variables::zip_reals(&mut seen, &#theirs, f);
+            self.#ident = #back(seen);
+        },
     })
 }
 
@@ -93,9 +144,16 @@ fn default(name: &Ident, fields: &[&Field], vars: &[Var]) -> Option<TokenStream>
     })
 }
 
-fn declare(field: &Field, var: Var) -> Result<TokenStream> {
+fn declare(
+    field: &Field,
+    var: Var,
+    value: &TokenStream,
+    root: &TokenStream,
+) -> Result<TokenStream> {
     let ident = field.ident.as_ref();
-    check(&field.ty, &var)?;
+    if var.via.is_none() {
+        check(&field.ty, &var)?;
+    }
     let rust_name = ident.map(|ident| ident.unraw().to_string()).unwrap_or_default();
     let (name, description) = if var.flatten {
         (String::new(), String::new())
@@ -104,22 +162,25 @@ fn declare(field: &Field, var: Var) -> Result<TokenStream> {
         (name, description(&field.attrs))
     };
     let (unit, tunable) = (option(var.unit.as_ref()), var.tunable);
+    let unit_of = var.unit_of.iter().map(|(name, unit)| quote!((#name, #unit)));
     let [min, max, nominal] =
         [var.min, var.max, var.nominal].map(|number| option(number.map(|n| quote!((#n) as f64))));
-    Ok(quote! {
-        ::fmu_kit::Variables::declare(
-            &self.#ident,
-            &at.member(&::fmu_kit::Member {
-                name: #name,
-                description: #description,
-                unit: #unit,
-                min: #min,
-                max: #max,
-                nominal: #nominal,
-                tunable: #tunable,
-            }),
-            into,
-        );
+    let place = quote! {
+        at.member(&#root::Member {
+            name: #name,
+            description: #description,
+            unit: #unit,
+            unit_of: &[#(#unit_of),*],
+            min: #min,
+            max: #max,
+            nominal: #nominal,
+            tunable: #tunable,
+        })
+    };
+    Ok(match (var.elements, var.each) {
+        (Some(members), _) => quote!(#place.elements(#value, &#members, into);),
+        (None, Some(member)) => quote!(#place.each(#value, &#member, into);),
+        (None, None) => quote!(#root::Variables::declare(#value, &#place, into);),
     })
 }
 

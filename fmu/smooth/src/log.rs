@@ -28,7 +28,7 @@ pub(crate) fn read(file: &Path, component: Option<&str>, recording: &mut Recordi
         }
         last = now;
         let inputs = layout.inputs(&row).with_context(at)?;
-        recording.add(now, &(&inputs).into());
+        recording.add(now, &inputs.measurements());
     }
     Ok(())
 }

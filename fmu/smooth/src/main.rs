@@ -11,13 +11,13 @@ mod parameters;
 use anyhow::{Context, Result, bail};
 use clap::Parser;
 use fmu_kit::{Declarations, Field, Variables, Writer};
+use rexrov::axes;
 use rexrov::estimation::{Kind, Recording, Smoothed, Smoothing};
-use rexrov_fmu::groups::{LinearVelocity, Pose, Velocity};
 use rexrov_fmu::nav_constant_acceleration::NavConstantAcceleration;
 use rexrov_fmu::nav_dynamic::NavDynamic;
 use rexrov_fmu::nav_inertial::NavInertial;
 use rexrov_fmu::nav_model_aided::NavModelAided;
-use rexrov_fmu::navigation_estimate::{Covariance, Current, Outputs};
+use rexrov_fmu::navigation_estimate::{COVARIANCE, Outputs};
 use rexrov_fmu::navigator::Navigator;
 use std::fs::File;
 use std::io::{self, Write};
@@ -115,17 +115,23 @@ fn report(recording: &Recording) {
 #[derive(Clone, Copy, Debug, Default, Variables)]
 struct Columns {
     /// Pose
-    pose: Pose,
+    #[var(elements = axes::POSE)]
+    pose: [f64; 6],
     /// Velocity over ground, body frame
-    velocity: Velocity,
+    #[var(elements = axes::VELOCITY)]
+    velocity: [f64; 6],
     /// Current
-    current: Current,
+    #[var(elements = axes::HORIZONTAL_VELOCITY)]
+    current: [f64; 2],
     /// Standard deviation of the pose
-    sigma: Pose,
+    #[var(elements = axes::POSE)]
+    sigma: [f64; 6],
     /// Standard deviation of the velocity
-    velocity_sigma: LinearVelocity,
+    #[var(elements = axes::LINEAR_VELOCITY)]
+    velocity_sigma: [f64; 3],
     /// Covariance of the pose
-    covariance: Covariance,
+    #[var(elements = COVARIANCE)]
+    covariance: [f64; 15],
 }
 
 impl From<Outputs> for Columns {
@@ -143,7 +149,7 @@ fn write(path: &[Smoothed], to: impl Write) -> Result<()> {
     writer.write_record(std::iter::once("time").chain(names))?;
     let mut reals = vec![0.0; columns.len()];
     for Smoothed { time, estimate } in path {
-        let values = Columns::from(Outputs::from(estimate));
+        let values = Columns::from(Outputs::of(estimate));
         values.store(&mut Writer { reals: &mut reals, ..Writer::default() });
         let numbers = std::iter::once(time).chain(&reals);
         writer.write_record(numbers.map(f64::to_string))?;

@@ -11,6 +11,7 @@ use super::prediction::{inertial_acceleration, predict};
 use super::{Acceleration, EkfParameters};
 use crate::ParameterError;
 use crate::attitude;
+use crate::error::declared;
 use crate::estimation::belief::{Belief, Row};
 use crate::estimation::sensor::Observation;
 use crate::estimation::{Channel, Estimate, Health, Measurements, Navigation};
@@ -68,7 +69,7 @@ impl Ekf {
     /// # Errors
     /// Names the parameter that is out of range.
     pub fn new(parameters: &EkfParameters, source: Acceleration) -> Result<Self, ParameterError> {
-        parameters.check()?;
+        declared(parameters)?;
         let rate = Rate::new(parameters.rate_hz)?;
         Ok(Self { rate, parameters: *parameters, source })
     }
@@ -137,7 +138,7 @@ impl Ekf {
         if let Some(velocity) = news.dvl {
             // Four degrees of freedom: p and q are zero in the model, and including them would add
             // a gyro bias larger than the correction.
-            let lever = cross([0.0, 0.0, memory.motion.velocity[3]], p.dvl_position);
+            let lever = cross([0.0, 0.0, memory.motion.velocity[3]], p.mounting.dvl);
             memory.motion.velocity[..3].copy_from_slice(&sub(velocity, lever));
             memory.count(Channel::Dvl);
         }
@@ -164,14 +165,14 @@ impl Ekf {
         let [roll, pitch] = memory.tilt;
         let r_nb = attitude::rotation_euler([roll, pitch, memory.belief.mean[3]]);
         if let Some([north, east, reported]) = news.fix {
-            let lever = mul(&r_nb, p.fix_position);
+            let lever = mul(&r_nb, p.mounting.fix);
             let pose = &memory.belief.mean;
             let innovation = [north - lever[0] - pose[0], east - lever[1] - pose[1]];
             let sigma = if reported > 0.0 { reported } else { p.fix_sigma };
             memory.fuse(Channel::Fix, &direct(0, innovation, sigma));
         }
         if let Some([depth]) = news.depth {
-            let innovation = depth - mul(&r_nb, p.pressure_position)[2] - memory.belief.mean[2];
+            let innovation = depth - mul(&r_nb, p.mounting.pressure)[2] - memory.belief.mean[2];
             memory.fuse(Channel::Depth, &direct(2, [innovation], p.depth_sigma));
         }
         if let Some([.., heading]) = news.ahrs {

@@ -7,32 +7,18 @@
 use nalgebra::{Matrix4, Vector4};
 
 use super::prediction::Motion;
-use crate::ParameterError;
-use crate::error::non_negative;
 
 /// Bound of the quotients.
 const LIMIT: f64 = 1e3;
 
 /// Eqs (44)-(47), kept finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Misprinted {
-    /// Speed (m/s, rad/s) below which a quotient is 1, because it becomes meaningless; the paper
-    /// has no such limit, which is 0. The default is chosen, together with the sensors' noise, to
-    /// match the levels of its Tables 7 to 9.
-    pub guard_speed: f64,
-}
-
-impl Default for Misprinted {
-    fn default() -> Self {
-        Self { guard_speed: 0.0029 }
-    }
+pub(super) struct Misprinted {
+    /// Speed (m/s, rad/s) below which a quotient is 1.
+    pub(super) guard_speed: f64,
 }
 
 impl Misprinted {
-    pub(super) fn check(&self) -> Result<(), ParameterError> {
-        non_negative("guard_speed", self.guard_speed)
-    }
-
     /// F of a cycle of `dt` seconds; `before` is the motion of the previous cycle.
     pub(super) fn matrix(&self, motion: &Motion, before: &Motion, dt: f64) -> Matrix4<f64> {
         let (now, before) = (motion.total_acceleration(), before.total_acceleration());

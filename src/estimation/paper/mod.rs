@@ -12,6 +12,6 @@ mod prediction;
 
 pub use ekf::Ekf;
 pub use memory::EkfMemory;
-pub use misprinted::Misprinted;
+use misprinted::Misprinted;
 pub use parameters::{EkfParameters, ProcessNoise, Transition};
 pub use prediction::Acceleration;

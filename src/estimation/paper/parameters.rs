@@ -1,114 +1,111 @@
-//! Parameters of the filters and their validation.
+//! Parameters of the filters.
 
 use super::Misprinted;
-use crate::ParameterError;
-use crate::error::{each, finite, non_negative, positive};
+use crate::axes;
+use crate::estimation::Mounting;
+use fmu_quantity::{Enumeration, Member, Variables};
 
 /// Transition matrix F of the covariance.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Enumeration)]
 pub enum Transition {
-    /// As the paper prints it.
-    Misprinted(Misprinted),
-    /// The Jacobian of eq (36) with rotation: identity and the column of psi.
-    Jacobian,
+    /// eqs (44) to (47), guarded where they are singular
+    #[default]
+    Paper,
+    /// eqs (44) to (47) as printed, only kept finite
+    PaperUnguarded,
+    /// the Jacobian of the prediction
+    ///
+    /// That of eq (36) with rotation: identity and the column of psi.
+    Repaired,
 }
 
-impl Default for Transition {
-    fn default() -> Self {
-        Self::Misprinted(Misprinted::default())
-    }
-}
-
-/// Process noise covariance Q, each cycle.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// Process noise covariance Q.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Enumeration)]
 pub enum ProcessNoise {
-    /// The diagonal `process_variance`.
+    /// the diagonal process_variance, each cycle
     #[default]
     Constant,
-    /// Position: `sigma_dvl^2 dt T_dvl`, the random walk caused by DVL noise; psi: as `Constant`.
+    /// the random walk of position that noise of the velocity log makes
+    ///
+    /// Position: `sigma_dvl^2 dt T_dvl`; psi: as `Constant`.
     Dvl,
 }
 
+/// A variance for each state.
+const VARIANCE: [Member; 4] = [
+    Member::new("x", "north").unit("m2").min(0.0),
+    Member::new("y", "east").unit("m2").min(0.0),
+    Member::new("z", "down").unit("m2").min(0.0),
+    Member::new("yaw", "yaw").unit("rad2").min(0.0),
+];
+
 /// Parameters of a filter.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Variables)]
 pub struct EkfParameters {
-    /// Cycles a second (Hz).
+    /// Cycles a second
+    #[var(unit = "Hz", min = 0.001, max = 1e6, start = 10.0)]
     pub rate_hz: f64,
-    /// Transition matrix of the covariance.
+    /// Transition matrix F of the covariance
     pub transition: Transition,
-    /// Whether body displacements are rotated into NED by psi; eq (36) as printed does not do this.
+    /// Speed (m/s, rad/s) below which F of transition Paper is 1
+    ///
+    /// The quotients of F become meaningless there. The paper has no such limit, which is 0. The
+    /// start value is chosen, together with the sensors' noise, to match the levels of its Tables 7
+    /// to 9.
+    #[var(min = 0.0, start = 0.0029)]
+    pub guard_speed: f64,
+    /// Turn body displacements into NED; eq (36) as printed does not
+    #[var(start = true)]
     pub rotate_to_ned: bool,
-    /// Process noise covariance.
+    /// Process noise covariance Q
     pub process_noise: ProcessNoise,
-    /// Diagonal of Q for x, y, z (m2) and psi (rad2), each cycle.
+    /// Diagonal of Q, each cycle
+    #[var(elements = VARIANCE, start = [1e-4; 4])]
     pub process_variance: [f64; 4],
-    /// Standard deviation of the DVL (m/s), for `ProcessNoise::Dvl`.
+    /// Standard deviation of the velocity log, for process_noise Dvl
+    #[var(unit = "m/s", min = 0.0, start = 0.001)]
     pub dvl_sigma: f64,
-    /// Rate of the DVL (Hz), for `ProcessNoise::Dvl`.
+    /// Rate of the velocity log, for process_noise Dvl
+    #[var(unit = "Hz", min = 0.001, max = 1e6, start = 7.0)]
     pub dvl_rate_hz: f64,
-    /// Standard deviation of the position fix (m).
+    /// Standard deviation of the position fix
+    #[var(unit = "m", min = 1e-9, start = 1.5)]
     pub fix_sigma: f64,
-    /// Standard deviation of the depth (m).
+    /// Standard deviation of the depth
+    #[var(unit = "m", min = 1e-9, start = 0.306)]
     pub depth_sigma: f64,
-    /// Standard deviation of the compass (rad).
+    /// Standard deviation of the compass
+    #[var(unit = "rad", min = 1e-9, start = 0.01)]
     pub heading_sigma: f64,
-    /// Pose `[x, y, z, yaw]` at the start (m, rad).
+    /// Start: pose
+    #[var(rename = "initial.pose", elements = axes::POSE4, start = [0.0, 0.0, 20.0, 0.0])]
     pub initial_pose: [f64; 4],
-    /// Its standard deviation (m, rad).
+    /// Start: standard deviation
+    ///
+    /// Of the pose.
+    #[var(
+        rename = "initial.sigma",
+        min = 0.0,
+        elements = axes::POSE4,
+        start = [0.1, 0.1, 0.1, 0.01]
+    )]
     pub initial_sigma: [f64; 4],
-    /// Position of the IMU, body (m).
-    pub imu_position: [f64; 3],
-    /// Position of the DVL, body (m).
-    pub dvl_position: [f64; 3],
-    /// Position of the antenna or transponder of the fix, body (m).
-    pub fix_position: [f64; 3],
-    /// Position of the pressure sensor, body (m).
-    pub pressure_position: [f64; 3],
-    /// Acceleration of gravity (m/s2), for the kinematic filter.
+    /// Place in the body frame
+    pub mounting: Mounting,
+    /// Acceleration of gravity
+    ///
+    /// For the kinematic filter.
+    #[var(unit = "m/s2", min = 0.0, start = 9.81)]
     pub gravity: f64,
 }
 
-impl Default for EkfParameters {
-    fn default() -> Self {
-        Self {
-            rate_hz: 10.0,
-            transition: Transition::default(),
-            rotate_to_ned: true,
-            process_noise: ProcessNoise::Constant,
-            process_variance: [1e-4; 4],
-            dvl_sigma: 0.001,
-            dvl_rate_hz: 7.0,
-            fix_sigma: 1.5,
-            depth_sigma: 0.306,
-            heading_sigma: 0.01,
-            initial_pose: [0.0, 0.0, 20.0, 0.0],
-            initial_sigma: [0.1, 0.1, 0.1, 0.01],
-            imu_position: [0.0; 3],
-            dvl_position: [-1.4, 0.0, 0.312],
-            fix_position: [0.0; 3],
-            pressure_position: [-1.32, -0.5, -0.85],
-            gravity: 9.81,
-        }
-    }
-}
-
 impl EkfParameters {
-    pub(super) fn check(&self) -> Result<(), ParameterError> {
-        if let Transition::Misprinted(f) = &self.transition {
-            f.check()?;
+    /// The printed F, if it is chosen.
+    pub(super) fn misprinted(&self) -> Option<Misprinted> {
+        match self.transition {
+            Transition::Paper => Some(Misprinted { guard_speed: self.guard_speed }),
+            Transition::PaperUnguarded => Some(Misprinted { guard_speed: 0.0 }),
+            Transition::Repaired => None,
         }
-        each("process_variance", &self.process_variance, non_negative)?;
-        non_negative("dvl_sigma", self.dvl_sigma)?;
-        positive("dvl_rate_hz", self.dvl_rate_hz)?;
-        positive("fix_sigma", self.fix_sigma)?;
-        positive("depth_sigma", self.depth_sigma)?;
-        positive("heading_sigma", self.heading_sigma)?;
-        each("initial_pose", &self.initial_pose, finite)?;
-        each("initial_sigma", &self.initial_sigma, non_negative)?;
-        each("imu_position", &self.imu_position, finite)?;
-        each("dvl_position", &self.dvl_position, finite)?;
-        each("fix_position", &self.fix_position, finite)?;
-        each("pressure_position", &self.pressure_position, finite)?;
-        non_negative("gravity", self.gravity)
     }
 }

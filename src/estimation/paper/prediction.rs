@@ -6,7 +6,7 @@
 use nalgebra::{Matrix4, Vector4};
 use serde::{Deserialize, Serialize};
 
-use super::{EkfParameters, ProcessNoise, Transition};
+use super::{EkfParameters, ProcessNoise};
 use crate::attitude;
 use crate::estimation::Belief;
 use crate::vector::{Vec3, add, cross, sub};
@@ -56,7 +56,7 @@ pub(super) fn inertial_acceleration(
     velocity: Vec3,
 ) -> Vec3 {
     let down = attitude::rotation_euler([tilt[0], tilt[1], 0.0])[2];
-    let centripetal = cross(rate, cross(rate, p.imu_position));
+    let centripetal = cross(rate, cross(rate, p.mounting.imu));
     let gravity = down.map(|d| d * p.gravity);
     let inertial = add(sub(specific_force, centripetal), gravity);
     sub(inertial, cross([0.0, 0.0, rate[2]], velocity))
@@ -66,9 +66,9 @@ pub(super) fn inertial_acceleration(
 pub(super) fn predict(p: &EkfParameters, belief: &mut Belief<4>, motion: &Motion, before: &Motion) {
     let dt = 1.0 / p.rate_hz;
     let d = displacement(p, belief.mean[3], motion, dt);
-    let f = match &p.transition {
-        Transition::Misprinted(f) => f.matrix(motion, before, dt),
-        Transition::Jacobian => jacobian(p, d),
+    let f = match p.misprinted() {
+        Some(f) => f.matrix(motion, before, dt),
+        None => jacobian(p, d),
     };
     belief.covariance = f * belief.covariance * f.transpose();
     for (state, variance) in process_variance(p, dt).into_iter().enumerate() {

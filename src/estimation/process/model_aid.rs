@@ -19,7 +19,7 @@ use crate::estimation::belief::{Belief, Column, Row};
 use crate::estimation::interval::{Inertial, Interval, Thrusts};
 use crate::estimation::kalman::{Witness, fuse};
 use crate::estimation::kinematics::skew;
-use crate::estimation::parameters::{Disturbances, NavigationParameters};
+use crate::estimation::parameters::{ModelErrors, NavigationParameters};
 use crate::estimation::sensor::Observation;
 use crate::estimation::transition::Transition;
 use crate::vehicle::Parameters;
@@ -68,7 +68,7 @@ impl AidStates {
 /// The rigid-body model and its assumed accuracy.
 #[derive(Clone, Debug)]
 pub struct ModelAid {
-    disturbances: Disturbances,
+    errors: ModelErrors,
     /// Mass including added mass along x, y, z (kg).
     mass: Vector3<f64>,
     /// Inertia including added inertia about z (kg.m2).
@@ -86,13 +86,13 @@ pub struct ModelAid {
 impl ModelAid {
     /// # Errors
     /// Names the parameter that is out of range.
-    pub fn new(p: &Parameters, disturbances: &Disturbances) -> Result<Self, ParameterError> {
+    pub fn new(p: &Parameters, errors: &ModelErrors) -> Result<Self, ParameterError> {
         p.check()?;
-        disturbances.check()?;
+        errors.check()?;
         let m = p.mass_matrix();
         let pick = |d: &[f64; 6]| [d[0], d[1], d[2], d[5]];
         Ok(Self {
-            disturbances: *disturbances,
+            errors: *errors,
             mass: Vector3::new(m[0][0], m[1][1], m[2][2]),
             inertia: m[5][5],
             momentum: [0, 3].map(|from| Matrix3::from_fn(|i, j| m[i][from + j])),
@@ -105,13 +105,13 @@ impl ModelAid {
     }
 
     pub(super) fn start<const N: usize>(&self, sigma: &mut Column<N>, at: AidStates) {
-        let d = &self.disturbances;
+        let (e, d) = (&self.errors, &self.errors.disturbances);
         for i in 0..2 {
             sigma[at.current + i] = d.current_sigma;
         }
         for i in 0..3 {
             sigma[at.force + i] = d.force_sigma;
-            sigma[at.slow_force + i] = d.slow_force_sigma;
+            sigma[at.slow_force + i] = e.slow_force_sigma;
         }
         sigma[at.moment] = d.moment_sigma;
     }
@@ -141,8 +141,8 @@ impl ModelAid {
 
     /// The remaining share of the fast and slow forces after an interval.
     pub(super) fn decays(&self, dt: f64) -> [f64; 2] {
-        let d = &self.disturbances;
-        [d.correlation_time, d.slow_force_time].map(|time| libm::exp(-dt / time))
+        let (e, d) = (&self.errors, &self.errors.disturbances);
+        [d.correlation_time, e.slow_force_time].map(|time| libm::exp(-dt / time))
     }
 
     /// Applies the decay of the forces in F and in the mean.
@@ -170,11 +170,11 @@ impl ModelAid {
         dt: f64,
         [quick, slow]: [f64; 2],
     ) {
-        let d = &self.disturbances;
+        let (e, d) = (&self.errors, &self.errors.disturbances);
         let stationary = |sigma: f64, decay: f64| sigma * sigma * (1.0 - decay * decay);
         for i in 0..3 {
             belief.add_noise(at.force + i, stationary(d.force_sigma, quick));
-            belief.add_noise(at.slow_force + i, stationary(d.slow_force_sigma, slow));
+            belief.add_noise(at.slow_force + i, stationary(e.slow_force_sigma, slow));
         }
         belief.add_noise(at.moment, stationary(d.moment_sigma, quick));
         for i in 0..2 {
@@ -251,7 +251,7 @@ impl ModelAid {
             row[at.force + i] = per_mass[(i, i)];
             row[at.slow_force + i] = per_mass[(i, i)];
         }
-        let d = &self.disturbances;
+        let (e, d) = (&self.errors, &self.errors.disturbances);
         let square = |x: f64| x * x;
         Observation::new(
             3,
@@ -259,7 +259,7 @@ impl ModelAid {
             rows,
             core::array::from_fn(|i| {
                 let white = square(d.force_density * per_mass[(i, i)]) / dt;
-                white + square(d.thrust_error * thrust[i] * per_mass[(i, i)])
+                white + square(e.thrust_error * thrust[i] * per_mass[(i, i)])
             }),
         )
     }
@@ -307,10 +307,10 @@ impl ModelAid {
         rows[0][at.rate_noise] += 1.0 / spacing;
         rows[0][at.rate_noise_before] -= 1.0 / spacing;
         let measured = (imu.rate[2] - imu_before.rate[2]) / spacing;
-        let d = &self.disturbances;
+        let (e, d) = (&self.errors, &self.errors.disturbances);
         let square = |x: f64| x * x;
         let variance = square(d.moment_density * per_inertia) / spacing
-            + square(d.thrust_error * thrust * per_inertia);
+            + square(e.thrust_error * thrust * per_inertia);
         Observation::new(1, [measured - predicted, 0.0, 0.0], rows, [variance, 1.0, 1.0])
     }
 }

@@ -10,7 +10,7 @@ use rexrov::allocation::Allocation;
 use rexrov::estimation::paper::{Acceleration, Ekf, EkfParameters};
 use rexrov::estimation::{
     AIDED_STATES, AidedFilter, BASIC_STATES, ConstantAcceleration, Disturbances, DynamicFilter,
-    Filter, InertialProcess, Measurements, ModelAid, Navigation, NavigationParameters,
+    Filter, InertialProcess, Measurements, ModelAid, ModelErrors, Navigation, NavigationParameters,
     PlanarDynamic, Reading,
 };
 use rexrov::vehicle::{Parameters, ReducedModel};
@@ -28,10 +28,11 @@ pub(super) fn measure() -> Result<Vec<Row>> {
     let mut rows = paper()?;
     let p = NavigationParameters::default();
     let (vehicle, d) = (Parameters::default(), Disturbances::default());
+    let errors = ModelErrors::default();
     let constant = ConstantAcceleration::new(&p)?;
     let inertial = InertialProcess::new(&p, None)?;
     let planar = PlanarDynamic::new(&p, &vehicle, &d)?;
-    let aided = InertialProcess::new(&p, Some(ModelAid::new(&vehicle, &d)?))?;
+    let aided = InertialProcess::new(&p, Some(ModelAid::new(&vehicle, &errors)?))?;
     let python = env::var_os("FILTERPY_PYTHON");
     let python = python.as_ref();
     let basic = Filter::<_, BASIC_STATES>::new(constant, &p)?;
@@ -46,7 +47,7 @@ pub(super) fn measure() -> Result<Vec<Row>> {
     let aided = Filter::<_, AIDED_STATES>::new(aided, &p)?;
     let peer = python.map(|python| (python, 30));
     rows.extend(navigation("model-aided filter without watch", &aided, Bar::AtMost(6.0), peer)?);
-    let whole = AidedFilter::new(&p, &vehicle, &d)?;
+    let whole = AidedFilter::new(&p, &vehicle, &errors)?;
     rows.extend(navigation("model-aided filter", &whole, Bar::AtMost(6.0), peer)?);
     Ok(rows)
 }

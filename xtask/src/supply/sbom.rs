@@ -146,7 +146,13 @@ mod tests {
             array(&bom, "components").map(|part| (text(part, "bom-ref"), part)).collect();
         assert_eq!(listed.len(), array(&bom, "components").count(), "two of one name");
         let has = |name: &str| array(&bom, "components").any(|part| text(part, "name") == name);
-        assert!(has("nalgebra") && has("zenoh") && has("fmu-kit-derive") && has("cosim"));
+        assert!(
+            has("nalgebra")
+                && has("zenoh")
+                && has("fmu-kit-derive")
+                && has("fmu-quantity")
+                && has("cosim")
+        );
         // Only for tests, or for the task runner.
         assert!(!has("proptest") && !has("fmi-rs") && !has("xtask"));
         for (name, part) in &listed {

@@ -2,7 +2,7 @@
 
 use std::ffi::CString;
 
-use super::{Count, Declaration, Declarations, Field, Reader, Start, Variables, Writer};
+use crate::{Count, Declaration, Declarations, Field, Reader, Start, Variables, Writer};
 
 /// A text of at most `N` octets of UTF-8, for inputs and outputs: plain data without a heap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

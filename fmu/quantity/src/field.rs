@@ -1,9 +1,11 @@
 //! The declaration of a variable, collected by walking the fields of a struct.
 //!
-//! The derive calls [`Field::member`] for each field of a struct, arrays call [`Field::element`],
-//! and each leaf pushes one [`Declaration`]. Names are joined with a dot, descriptions with a
+//! The derive calls [`Field::member`] for each field of a struct, arrays call [`Field::element`]
+//! or, if their elements have names, [`Field::elements`], and each leaf pushes one [`Declaration`]. Names are joined with a dot, descriptions with a
 //! colon; unit, bounds and nominal value of a field apply to the leaves below it until one
 //! overrides them.
+
+use crate::Variables;
 
 /// The declarations of a struct, in the order of its fields.
 pub type Declarations = Vec<Declaration>;
@@ -58,17 +60,29 @@ pub struct Field {
     pub nominal: Option<f64>,
     /// A parameter that may change while the simulation runs.
     pub tunable: bool,
+    /// Units of members below this place, by their names.
+    pub unit_of: &'static [(&'static str, &'static str)],
 }
 
-/// One field of a struct as the derive saw it.
+/// One field of a struct as the derive saw it, or a named element of an array.
+///
+/// ```
+/// use fmu_quantity::Member;
+///
+/// /// Depth and heading.
+/// const PLACE: [Member; 2] =
+///     [Member::new("z", "down").unit("m"), Member::new("yaw", "from north").unit("rad")];
+/// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Member {
-    /// FMI name of the field.
+    /// Name of the field.
     pub name: &'static str,
     /// First paragraph of its doc comment.
     pub description: &'static str,
     /// `#[var(unit = "…")]`
     pub unit: Option<&'static str>,
+    /// `#[var(unit_of(… = "…"))]`
+    pub unit_of: &'static [(&'static str, &'static str)],
     /// `#[var(min = …)]`
     pub min: Option<f64>,
     /// `#[var(max = …)]`
@@ -79,6 +93,47 @@ pub struct Member {
     pub tunable: bool,
 }
 
+impl Member {
+    /// A member with its name and description, without unit and bounds.
+    #[must_use]
+    pub const fn new(name: &'static str, description: &'static str) -> Self {
+        Self {
+            name,
+            description,
+            unit: None,
+            unit_of: &[],
+            min: None,
+            max: None,
+            nominal: None,
+            tunable: false,
+        }
+    }
+
+    /// With its unit.
+    #[must_use]
+    pub const fn unit(self, unit: &'static str) -> Self {
+        Self { unit: Some(unit), ..self }
+    }
+
+    /// With its smallest allowed value.
+    #[must_use]
+    pub const fn min(self, min: f64) -> Self {
+        Self { min: Some(min), ..self }
+    }
+
+    /// With its largest allowed value.
+    #[must_use]
+    pub const fn max(self, max: f64) -> Self {
+        Self { max: Some(max), ..self }
+    }
+
+    /// With its typical magnitude.
+    #[must_use]
+    pub const fn nominal(self, nominal: f64) -> Self {
+        Self { nominal: Some(nominal), ..self }
+    }
+}
+
 impl Field {
     /// The field `member` of the struct at this place.
     #[must_use]
@@ -87,10 +142,13 @@ impl Field {
             ("", text) | (text, "") => text.to_owned(),
             (parent, own) => format!("{parent}{separator}{own}"),
         };
+        let from_above = self.unit_of.iter().find(|(name, _)| *name == member.name);
+        let unit_of = if member.unit_of.is_empty() { self.unit_of } else { member.unit_of };
         Self {
             name: join(&self.name, ".", member.name),
             description: join(&self.description, ": ", member.description),
-            unit: member.unit.or(self.unit),
+            unit: from_above.map(|(_, unit)| *unit).or(member.unit).or(self.unit),
+            unit_of,
             min: member.min.or(self.min),
             max: member.max.or(self.max),
             nominal: member.nominal.or(self.nominal),
@@ -105,6 +163,31 @@ impl Field {
             name: format!("{}[{index}]", self.name),
             description: format!("{} {index}", self.description),
             ..self.clone()
+        }
+    }
+
+    /// Declares an array whose elements have names, as those of a vector.
+    pub fn elements<T: Variables, const N: usize>(
+        &self,
+        values: &[T; N],
+        members: &[Member; N],
+        into: &mut Declarations,
+    ) {
+        for (value, member) in values.iter().zip(members) {
+            value.declare(&self.member(member), into);
+        }
+    }
+
+    /// Declares an array whose elements are numbered and have one member each:
+    /// `thruster[0].force`.
+    pub fn each<T: Variables, const N: usize>(
+        &self,
+        values: &[T; N],
+        member: &Member,
+        into: &mut Declarations,
+    ) {
+        for (index, value) in values.iter().enumerate() {
+            value.declare(&self.element(index).member(member), into);
         }
     }
 }

@@ -1,5 +1,5 @@
-//! Structs as groups of FMI variables: declaring them, and moving values between the typed struct
-//! and the flat arrays of an FMI instance.
+//! Structs as groups of variables: declaring them, and moving values between the typed struct and
+//! the flat arrays of an instance.
 //!
 //! Everything here is walked in the order of the fields, so the position in the flat array is the
 //! only identity a variable needs. The functions are small and inlined: for a slice of known length
@@ -8,7 +8,7 @@
 use std::array::from_fn;
 use std::ffi::{CStr, CString};
 
-use super::{Declaration, Declarations, Field, Start};
+use crate::{Declaration, Declarations, Field, Start};
 
 /// How many variables of each type a struct has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -82,10 +82,10 @@ pub struct Writer<'a> {
     pub strings: &'a mut [CString],
 }
 
-/// A group of FMI variables; derive it.
+/// A group of variables; derive it.
 #[diagnostic::on_unimplemented(
-    message = "`{Self}` is not a kind of FMI variable",
-    label = "not an FMI variable",
+    message = "`{Self}` is not a kind of variable",
+    label = "not a variable",
     note = "variables are f64, i32, bool, String, Text<N>, an enum deriving `Enumeration`, a struct deriving \
             `Variables`, or an array [T; N] of these"
 )]
