@@ -12,9 +12,16 @@ pub(crate) fn run() -> Result<()> {
     package::for_shipping()?;
     export_loop()?;
     process::run(&mut process::build_workspace())?;
-    let fmi_rs = ["test", "--release", "--quiet", "--workspace", "--test", "fmi_rs"];
-    process::run(&mut process::cargo(&fmi_rs))?;
+    in_rust()?;
     in_python()
+}
+
+/// The importer `fmi-rs`, in a workspace of its own.
+pub(crate) fn in_rust() -> Result<()> {
+    let manifest = "tests/fmi_rs/Cargo.toml";
+    process::run(&mut process::cargo(&["fmt", "--check", "--manifest-path", manifest]))?;
+    let test = ["test", "--release", "--quiet", "--locked", "--manifest-path", manifest];
+    process::run(process::cargo(&test).env("CARGO_TARGET_DIR", paths::target().join("fmi_rs")))
 }
 
 /// The Python tests that load FMUs and systems into other tools.

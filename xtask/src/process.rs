@@ -40,7 +40,6 @@ pub(crate) fn output(command: &mut Command) -> Result<String> {
 /// Without the variables that `cargo run` sets for our own package: otherwise build scripts that
 /// read them (of `ring`) would run again, and everything that needs them would be rebuilt, whenever
 /// `cargo` is called by hand in between.
-/// again, and all that needs them be built again, whenever `cargo` is called by hand in between.
 pub(crate) fn cargo(arguments: &[&str]) -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()));
     let own = |name: &str| name.starts_with("CARGO_PKG_") || name.starts_with("CARGO_MANIFEST_");
@@ -70,4 +69,28 @@ fn shown(command: &Command) -> String {
         .chain(command.get_args().map(|argument| argument.to_string_lossy()))
         .collect::<Vec<_>>()
         .join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    /// The dependencies of a selection of crates, each with its features.
+    fn dependencies(selection: &[&str]) -> BTreeSet<String> {
+        let form = ["tree", "--locked", "--prefix", "none", "--format", "{p} {f}"];
+        let tree = output(&mut cargo(&[&form[..], selection].concat())).unwrap();
+        let foreign = tree.lines().filter(|line| !line.contains('/'));
+        foreign.map(|line| line.trim_end_matches(" (*)").to_owned()).collect()
+    }
+
+    /// Otherwise Zenoh, and much else, would be built once for each selection.
+    #[test]
+    fn the_program_alone_has_the_dependencies_of_the_workspace() {
+        let whole = dependencies(&["--workspace", "--edges", "normal,build,dev"]);
+        let alone = dependencies(&["--package", "cosim", "--edges", "normal,build"]);
+        let other: Vec<_> = alone.difference(&whole).collect();
+        assert!(other.is_empty(), "with other features in the workspace: {other:#?}");
+        assert!(alone.iter().any(|name| name.starts_with("zenoh ")), "{alone:#?}");
+    }
 }

@@ -28,6 +28,7 @@ pub(crate) fn run() -> Result<()> {
     package::check_reproducible()?;
     judge::export_loop()?;
     process::run(&mut process::cargo(&["test", "--release", "--workspace", "--no-fail-fast"]))?;
+    judge::in_rust()?;
     book::run(true)?;
     reproduce::run(&reproduce::Options { seeds: SMOKE_SEEDS, threads: None, paper_only: false })?;
     reproduce::check_picture()?;
