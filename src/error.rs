@@ -30,13 +30,18 @@ impl ParameterError {
 /// Checks quantities as declared: numbers must be finite and within their bounds. Errors have the
 /// declared names.
 pub(crate) fn declared<Q: Variables>(quantities: &Q) -> Result<(), ParameterError> {
+    // Names are made only for an error.
+    checked(quantities, &Field::nameless()).or_else(|_| checked(quantities, &Field::default()))
+}
+
+fn checked<Q: Variables>(quantities: &Q, at: &Field) -> Result<(), ParameterError> {
     let mut list = Declarations::new();
     let Count { reals, integers, booleans, strings } = Q::COUNT;
     let count = reals + integers + booleans + strings;
     if list.try_reserve_exact(count).is_err() {
         return Err(ParameterError::new("parameters", count, "not enough memory to check them"));
     }
-    quantities.declare(&Field::default(), &mut list);
+    quantities.declare(at, &mut list);
     list.iter().try_for_each(|Declaration { field, start }| match *start {
         Start::Real(value) => bounded(field, value),
         Start::Integer(value) => bounded(field, f64::from(value)),

@@ -62,6 +62,9 @@ pub struct Field {
     pub tunable: bool,
     /// Units of members below this place, by their names.
     pub unit_of: &'static [(&'static str, &'static str)],
+    /// Whether names and descriptions stay empty: a walk for values, units and bounds alone is
+    /// several times faster.
+    pub nameless: bool,
 }
 
 /// One field of a struct as the derive saw it, or a named element of an array.
@@ -135,10 +138,17 @@ impl Member {
 }
 
 impl Field {
+    /// The root of a walk without names and descriptions.
+    #[must_use]
+    pub fn nameless() -> Self {
+        Self { nameless: true, ..Self::default() }
+    }
+
     /// The field `member` of the struct at this place.
     #[must_use]
     pub fn member(&self, member: &Member) -> Self {
         let join = |parent: &str, separator: &str, own: &str| match (parent, own) {
+            _ if self.nameless => String::new(),
             ("", text) | (text, "") => text.to_owned(),
             (parent, own) => format!("{parent}{separator}{own}"),
         };
@@ -153,12 +163,16 @@ impl Field {
             max: member.max.or(self.max),
             nominal: member.nominal.or(self.nominal),
             tunable: member.tunable || self.tunable,
+            nameless: self.nameless,
         }
     }
 
     /// Element `index` of the array at this place, counted from zero.
     #[must_use]
     pub fn element(&self, index: usize) -> Self {
+        if self.nameless {
+            return self.clone();
+        }
         Self {
             name: format!("{}[{index}]", self.name),
             description: format!("{} {index}", self.description),

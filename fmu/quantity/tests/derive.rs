@@ -110,6 +110,17 @@ fn elements_and_groups_have_the_declared_names_units_and_bounds() {
 }
 
 #[test]
+fn a_walk_without_names_has_everything_else() {
+    let (named, mut nameless) = (declared(&Sensor::default()), Declarations::new());
+    Sensor::default().declare(&Field::nameless(), &mut nameless);
+    assert_eq!(named.len(), nameless.len());
+    for (a, b) in named.iter().zip(&nameless) {
+        assert!(b.field.name.is_empty() && b.field.description.is_empty());
+        assert_eq!((a.field.unit, a.field.min, &a.start), (b.field.unit, b.field.min, &b.start));
+    }
+}
+
+#[test]
 fn values_pass_through_flat_arrays_except_omitted_ones() {
     let sensor = Sensor {
         kind: Kind::Optical,
