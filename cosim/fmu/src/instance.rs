@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use cosim::fmi::calls::Values;
-use cosim::fmi::{Message, Value};
+use cosim::fmi::{Category, Message, Value};
 use cosim::hosted::{Basic, Hosted, Kept};
-use cosim::{Code, Error, Result, Time};
+use cosim::{Code, Error, Result, Time, time};
 use cosim_served::{Experiment, Inside};
 
 /// A hosted system with no other references to it.
@@ -45,10 +45,9 @@ impl Inside for System {
     }
 
     fn debug(&mut self, on: bool, categories: &[&str]) -> Result<()> {
-        let known = cosim::fmi::Category::ALL.map(cosim::fmi::Category::name);
-        if let Some(unknown) = categories.iter().find(|name| !known.contains(name)) {
+        if let Some(unknown) = categories.iter().find(|name| !Category::is_known(name)) {
             let what = format!("unknown log category \"{unknown}\"");
-            let all = known.join(", ");
+            let all = Category::ALL.map(Category::name).join(", ");
             return Err(Error::new(Code::UnknownName, what).why(format!("there are {all}")));
         }
         self.0.debug(on)
@@ -60,8 +59,8 @@ impl Inside for System {
     }
 
     fn enter(&mut self, experiment: &Experiment) -> Result<()> {
-        let start = cosim::time::from_seconds(experiment.start_s, "the start time")?;
-        let stop = experiment.stop_s.map(|stop| cosim::time::from_seconds(stop, "the stop time"));
+        let start = time::from_seconds(experiment.start_s, "the start time")?;
+        let stop = experiment.stop_s.map(|stop| time::from_seconds(stop, "the stop time"));
         self.0.enter(start, stop.transpose()?.unwrap_or(Time::NEVER))
     }
 
@@ -74,7 +73,7 @@ impl Inside for System {
     }
 
     fn step(&mut self, t: f64, h: f64) -> Result<()> {
-        self.0.advance(cosim::time::from_seconds(t + h, "the end of the step")?)
+        self.0.advance(time::from_seconds(t + h, "the end of the step")?)
     }
 
     #[inline]

@@ -7,6 +7,7 @@ use super::layout::{Group, Layout};
 use super::setup::{Blueprint, FmuFile, Setup, Source};
 use crate::digest::sha256;
 use crate::error::{Code, Error, Result};
+use crate::fmi::InterfaceType;
 use crate::master::{Converted, Plan};
 use crate::system::{Component, Model, System};
 
@@ -102,7 +103,7 @@ fn blueprint(
     Ok(Blueprint {
         name: component.name.clone(),
         source,
-        interface: component.interface,
+        model_exchange: component.interface == InterfaceType::ModelExchange,
         step: component.step,
         start_values: component.start_values.clone(),
         converted,

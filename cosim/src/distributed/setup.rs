@@ -40,8 +40,8 @@ pub(crate) struct Blueprint {
     pub name: String,
     /// What computes it.
     pub source: Source,
-    /// Its interface type.
-    pub interface: InterfaceType,
+    /// Whether it is driven by model exchange.
+    pub model_exchange: bool,
     /// Communication step.
     pub step: Step,
     /// Start values by position of the variable.
@@ -115,7 +115,10 @@ impl Setup {
             let component = Component {
                 name: blueprint.name,
                 model,
-                interface: blueprint.interface,
+                interface: match blueprint.model_exchange {
+                    true => InterfaceType::ModelExchange,
+                    false => InterfaceType::CoSimulation,
+                },
                 step: blueprint.step,
                 start_values: blueprint.start_values,
                 worker: None,
