@@ -6,8 +6,10 @@
 
 use std::collections::HashSet;
 use std::fs::{File, OpenOptions};
-use std::io::{BufRead, BufReader, Write};
+use std::io::{Read, Write};
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
+use std::thread;
 
 use serde::{Deserialize, Serialize};
 
@@ -96,7 +98,7 @@ impl Folder {
         let log = path.join(LOG);
         match File::open(&log) {
             Err(e) => contents.notes.push(format!("{} cannot be read: {e}", log.display())),
-            Ok(log) => contents.read_rows(BufReader::new(log)),
+            Ok(log) => contents.read(&log),
         }
         Ok(contents)
     }
@@ -104,19 +106,17 @@ impl Folder {
     fn read_log(&mut self) -> Result<()> {
         let file = self.path.join(LOG);
         let unread = |e| Error::new(Code::Results, "the rows cannot be read").at(&file).why(e);
-        let mut log = BufReader::new(&self.log);
-        let (mut whole, mut line, mut text) = (0, 0, Vec::new());
-        while log.read_until(b'\n', &mut text).map_err(unread)? > 0 && text.ends_with(b"\n") {
-            (whole, line) = (whole + text.len() as u64, line + 1);
-            if text.len() > 1 {
-                let row = serde_json::from_slice(&text).map_err(|e| {
-                    Error::new(Code::Results, "a row cannot be read").at_line(&file, line).why(e)
-                })?;
-                self.rows.push(row);
-            }
-            text.clear();
+        let (rows, mut wrong) = (&mut self.rows, None);
+        let whole = read_rows(&self.log, |line, row| match row {
+            Ok(row) => rows.push(row),
+            Err(why) => wrong = wrong.take().or(Some((line, why))),
+        });
+        let (whole, _) = whole.map_err(unread)?;
+        if let Some((line, why)) = wrong {
+            let what = Error::new(Code::Results, "a row cannot be read");
+            return Err(what.at_line(&file, line).why(why));
         }
-        if !text.is_empty() {
+        if whole < self.log.metadata().map_err(unread)?.len() {
             self.log.set_len(whole).map_err(unread)?;
         }
         Ok(())
@@ -167,11 +167,61 @@ impl Folder {
 
 /// The rows in a folder, in order of arrival.
 fn logged(path: &Path) -> Result<Vec<Row>> {
-    let file = path.join(LOG);
-    let text = std::fs::read_to_string(&file)
-        .map_err(|e| Error::new(Code::Results, "the rows cannot be read").at(&file).why(e))?;
-    // A line that is being written, or is incomplete, is not a row yet.
-    Ok(text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect())
+    let (file, mut rows) = (path.join(LOG), Vec::new());
+    // A line that is being written is not a row yet.
+    let read = File::open(&file).and_then(|log| read_rows(log, |_, row| rows.extend(row)));
+    read.map_err(|e| Error::new(Code::Results, "the rows cannot be read").at(&file).why(e))?;
+    Ok(rows)
+}
+
+/// The row in a line of the log.
+type Parsed = serde_json::Result<Row>;
+
+/// Octets of the log that are parsed together.
+const BLOCK: u64 = 1 << 25;
+
+/// Passes each whole line of a log to `each`, with its number; returns how many octets they have, and
+/// how many there are.
+fn read_rows(
+    mut log: impl Read,
+    mut each: impl FnMut(usize, Parsed),
+) -> std::io::Result<(u64, usize)> {
+    let (mut block, mut whole, mut line) = (Vec::new(), 0, 0);
+    loop {
+        let read = log.by_ref().take(BLOCK).read_to_end(&mut block)?;
+        let end = block.iter().rposition(|octet| *octet == b'\n').map_or(0, |last| last + 1);
+        for row in parsed(&block[..end]) {
+            line += 1;
+            row.into_iter().for_each(|row| each(line, row));
+        }
+        whole += end as u64;
+        block.drain(..end);
+        if read == 0 {
+            return Ok((whole, line));
+        }
+    }
+}
+
+/// The rows in these lines, parsed on all cores; nothing for an empty line.
+fn parsed(lines: &[u8]) -> Vec<Option<Parsed>> {
+    let cores = thread::available_parallelism().map_or(1, usize::from);
+    let (mut parts, mut rest) = (Vec::new(), lines);
+    while !rest.is_empty() {
+        let least = (lines.len() / cores).min(rest.len() - 1);
+        let end = rest[least..].iter().position(|octet| *octet == b'\n');
+        let (part, after) = rest.split_at(end.map_or(rest.len(), |end| least + end + 1));
+        parts.push(part);
+        rest = after;
+    }
+    let row = |line: &[u8]| (line != b"\n").then(|| serde_json::from_slice(line));
+    let rows = |part: &[u8]| part.split_inclusive(|octet| *octet == b'\n').map(row).collect();
+    thread::scope(|scope| {
+        let threads: Vec<_> = parts.iter().map(|part| scope.spawn(|| rows(part))).collect();
+        let joined = threads.into_iter().map(|thread| thread.join());
+        joined
+            .flat_map(|rows: thread::Result<Vec<_>>| rows.unwrap_or_else(|e| resume_unwind(e)))
+            .collect()
+    })
 }
 
 /// The contents of a folder.
@@ -191,28 +241,29 @@ pub struct Contents {
 }
 
 impl Contents {
-    fn read_rows(&mut self, log: impl BufRead) {
+    fn read(&mut self, log: &File) {
         const SHOWN: usize = 5;
         let (mut lost, mut known) = (0, HashSet::new());
-        for (line, text) in log.split(b'\n').enumerate() {
-            let text = match text {
-                Ok(text) if text.is_empty() => continue,
-                Ok(text) => text,
-                Err(e) => return self.notes.push(format!("{LOG} cannot be read to its end: {e}")),
-            };
-            match serde_json::from_slice::<Row>(&text) {
-                Ok(row) if known.insert(row.run) => self.rows.push(row),
-                Ok(_) => {}
-                Err(e) => {
-                    lost += 1;
-                    if lost <= SHOWN {
-                        self.notes.push(format!("line {} of {LOG} is not a row: {e}", line + 1));
-                    }
+        let (rows, notes) = (&mut self.rows, &mut self.notes);
+        let whole = read_rows(log, |line, row| match row {
+            Ok(row) if known.insert(row.run) => rows.push(row),
+            Ok(_) => {}
+            Err(e) => {
+                lost += 1;
+                if lost <= SHOWN {
+                    notes.push(format!("line {line} of {LOG} is not a row: {e}"));
                 }
             }
-        }
+        });
         if lost > SHOWN {
-            self.notes.push(format!("{} more lines of {LOG} are not rows", lost - SHOWN));
+            notes.push(format!("{} more lines of {LOG} are not rows", lost - SHOWN));
+        }
+        match (whole, log.metadata()) {
+            (Err(e), _) => notes.push(format!("{LOG} cannot be read to its end: {e}")),
+            (Ok((whole, lines)), Ok(file)) if whole < file.len() => {
+                notes.push(format!("line {} of {LOG} is incomplete", lines + 1));
+            }
+            _ => {}
         }
     }
 

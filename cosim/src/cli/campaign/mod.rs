@@ -180,8 +180,11 @@ impl Campaign {
     /// Writes everything derived from the rows, and prints the summary.
     fn conclude(&self, bench: &Bench, identity: &[String], results: &Folder) -> Result<Judgement> {
         let campaign = bench.campaign();
-        let judgement = Judgement::new(campaign, results.rows());
-        results.write_table(campaign, identity, self.csv)?;
+        let (judgement, written) = std::thread::scope(|scope| {
+            let table = scope.spawn(|| results.write_table(campaign, identity, self.csv));
+            (Judgement::new(campaign, results.rows()), table.join())
+        });
+        written.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
         let json = render::json(&judgement)?;
         results.write("summary.json", &json)?;
         results.write("junit.xml", render::junit(&judgement))?;
