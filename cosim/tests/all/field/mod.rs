@@ -315,10 +315,8 @@ fn a_nominal_value_of_zero_says_nothing() {
 fn a_run_without_outputs_warns_that_only_the_time_is_recorded() {
     let folder = TempDir::new().unwrap();
     let fmu = described(&folder, "NOTHING", &[("causality=\"output\"", "causality=\"local\"")]);
-    let warnings = |overrides: &Overrides| {
-        let system = System::single(&fmu, overrides, None).unwrap();
-        system.run(&mut [&mut Recording::new()]).unwrap().warnings
-    };
+    let warnings =
+        |overrides: &Overrides| System::single(&fmu, overrides, None).unwrap().warnings().to_vec();
     let [warning] = &warnings(&Overrides::new())[..] else { panic!() };
     assert!(warning.contains("--output-variable"), "{warning}");
     assert!(warnings(&Overrides::new().output_variables(["y"])).is_empty());
