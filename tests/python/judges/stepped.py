@@ -2,7 +2,7 @@
 
 `python stepped.py cs|me FMU STEP VARIABLE...` reads the instants from standard input and writes the values of the
 variables at each of them to standard output, all as JSON. In model exchange each step is one of the classical Runge-Kutta
-method; an FMU that has an event is refused.
+method, divided at events; those of the state are located by bisection.
 """
 
 import ctypes
@@ -12,6 +12,11 @@ import sys
 import numpy as np
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Model, FMU2Slave
+
+# Two instants closer than this are the same (s).
+SAME = 0.5e-9
+# How exactly events of the state are located (s).
+LOCATED = 1e-11
 
 
 class Stepped:
@@ -49,11 +54,8 @@ class Integrated(Stepped):
 
     def __init__(self, fmu, start, stop):
         super().__init__(fmu, start, stop)
-        self.update()
-        self.fmu.enterContinuousTimeMode()
         self.x = np.zeros(self.described.numberOfContinuousStates)
-        self.fmu.getContinuousStates(self.pointer(self.x), self.x.size)
-        self.z = self.indicators()
+        self.update()
 
     def interface(self, described):
         return FMU2Model, described.modelExchange
@@ -63,37 +65,74 @@ class Integrated(Stepped):
         return values.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
 
     def update(self):
+        """Ends event mode."""
         for _ in range(100):
             needed, terminate, _, _, next_defined, next_time = self.fmu.newDiscreteStates()
             assert not terminate, "it ends the run"
-            self.next = next_time if next_defined else np.inf
             if not needed:
-                return
-        raise AssertionError("its events do not end")
+                break
+        else:
+            raise AssertionError("its events do not end")
+        self.next = next_time if next_defined else np.inf
+        self.fmu.enterContinuousTimeMode()
+        self.fmu.getContinuousStates(self.pointer(self.x), self.x.size)
+        self.z = self.indicators()
 
     def indicators(self):
         z = np.zeros(self.described.numberOfEventIndicators)
         self.fmu.getEventIndicators(self.pointer(z), z.size)
         return z
 
-    def rate(self, time, x):
+    def place(self, time, x):
         self.fmu.setTime(time)
         self.fmu.setContinuousStates(self.pointer(x), x.size)
+
+    def rate(self, time, x):
+        self.place(time, x)
         rate = np.zeros(x.size)
         self.fmu.getDerivatives(self.pointer(rate), rate.size)
         return rate
 
-    def step(self, time, step):
+    def attempt(self, time, step):
+        """The states after a step, and whether an indicator is in another domain there."""
         x = self.x
         a = self.rate(time, x)
         b = self.rate(time + step / 2, x + step / 2 * a)
         c = self.rate(time + step / 2, x + step / 2 * b)
         d = self.rate(time + step, x + step * c)
-        self.x = x + step / 6 * (a + 2 * b + 2 * c + d)
-        self.rate(time + step, self.x)
-        event, terminate = self.fmu.completedIntegratorStep()
-        z = self.indicators()
-        assert not (event or terminate or time + step >= self.next or ((z > 0) != (self.z > 0)).any()), "it has events"
+        x = x + step / 6 * (a + 2 * b + 2 * c + d)
+        self.place(time + step, x)
+        return x, ((self.indicators() > 0) != (self.z > 0)).any()
+
+    def event(self):
+        self.fmu.enterEventMode()
+        self.update()
+
+    def step(self, time, step):
+        end = time + step
+        for _ in range(1000):
+            if time >= self.next - SAME:
+                self.event()
+            if end - time <= SAME:
+                return
+            limit = min(end, self.next)
+            step = limit - time
+            x, crossed = self.attempt(time, step)
+            before = 0.0
+            if not crossed and self.attempt(time, step / 2)[1]:
+                step, crossed = step / 2, True
+            while crossed and step - before > LOCATED:
+                middle = (before + step) / 2
+                before, step = (before, middle) if self.attempt(time, middle)[1] else (middle, step)
+            self.x, _ = self.attempt(time, step)
+            time = time + step if crossed else limit
+            asked, terminate = self.fmu.completedIntegratorStep()
+            assert not terminate, "it ends the run"
+            if crossed or asked:
+                self.event()
+            else:
+                self.z = self.indicators()
+        raise AssertionError("it has too many events")
 
 
 if __name__ == "__main__":

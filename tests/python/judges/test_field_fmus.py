@@ -55,7 +55,6 @@ def test_cosim_agrees_with_fmpy(fmu, tmp_path):
 
 @of_all("modelExchange")
 def test_cosim_agrees_with_fmpy_in_model_exchange(fmu, tmp_path):
-    """Without events, whose location is a matter of the solver."""
     agree(fmu, tmp_path, "me", ["--solver", "rk4"])
 
 
