@@ -7,6 +7,7 @@
 //! by its writer; the next process that writes there removes those that are no longer locked.
 #![allow(unsafe_code, reason = "system calls without a safe form")]
 
+use std::collections::HashMap;
 use std::ffi::{CString, OsStr, OsString};
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read, Seek, Write};
@@ -41,15 +42,32 @@ pub fn create(target: &Path, what: &str) -> Result<Durable> {
 
 /// The same for a log, which is not worth syncing.
 pub fn create_plain(target: &Path, what: &str) -> Result<File> {
+    let file = create_later(target, what)?;
+    begin(target, &file)?;
+    Ok(file)
+}
+
+/// A file as by [`create_plain`], but an existing one keeps its content until [`begin`].
+pub fn create_later(target: &Path, what: &str) -> Result<File> {
     if let Some(file) = given(target) {
         return Ok(file);
     }
     refuse_others(target, what, Some(SNAPSHOT))?;
-    File::create(target).map_err(|why| Error::new(Code::Output, what).at(target).why(why))
+    let file = OpenOptions::new().write(true).create(true).truncate(false).open(target);
+    file.map_err(|why| Error::new(Code::Output, what).at(target).why(why))
+}
+
+/// Empties a file of [`create_later`], unless it is an input.
+pub fn begin(target: &Path, file: &File) -> Result<()> {
+    refuse_inputs(target, [])?;
+    // Devices and pipes have no length.
+    let plain = file.metadata().is_ok_and(|metadata| metadata.is_file());
+    let emptied = if plain && given(target).is_none() { file.set_len(0) } else { Ok(()) };
+    emptied.map_err(|why| Error::new(Code::Output, "the file cannot be emptied").at(target).why(why))
 }
 
 /// Refuses a name if there is a file of another kind; `more` is an additional kind to refuse.
-pub(crate) fn refuse_others(target: &Path, what: &str, more: Option<(&[u8], &str)>) -> Result<()> {
+pub fn refuse_others(target: &Path, what: &str, more: Option<(&[u8], &str)>) -> Result<()> {
     if !target.metadata().is_ok_and(|metadata| metadata.is_file()) {
         return Ok(());
     }
@@ -66,17 +84,92 @@ pub(crate) fn refuse_others(target: &Path, what: &str, more: Option<(&[u8], &str
     }
 }
 
-/// Refuses a name that belongs to one of the input files.
-pub fn refuse_inputs<'a>(target: &Path, inputs: impl IntoIterator<Item = &'a Path>) -> Result<()> {
-    let identity = |path: &Path| path.metadata().map(|m| (m.dev(), m.ino(), m.is_file())).ok();
-    let Some(there @ (.., true)) = identity(target) else { return Ok(()) };
-    match inputs.into_iter().find(|input| identity(input) == Some(there)) {
+/// The inputs of this process, for a program that never writes what it has read; otherwise none.
+static INPUTS: Mutex<Option<HashMap<Identity, PathBuf>>> = Mutex::new(None);
+
+/// Device and number of a file: the same by every name that it has.
+type Identity = (u64, u64);
+
+fn identity(path: &Path) -> Option<Identity> {
+    path.metadata().ok().filter(fs::Metadata::is_file).map(|m| (m.dev(), m.ino()))
+}
+
+fn inputs() -> MutexGuard<'static, Option<HashMap<Identity, PathBuf>>> {
+    INPUTS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// From now on, this process does not write to files that it has read as inputs: for programs that
+/// do one thing and end.
+pub fn protect_inputs() {
+    inputs().get_or_insert_default();
+}
+
+/// Notes that a file is an input, if it exists.
+pub fn note_input(file: &Path) {
+    if let (Some(inputs), Some(identity)) = (&mut *inputs(), identity(file)) {
+        inputs.insert(identity, file.to_owned());
+    }
+}
+
+/// Opens an input.
+pub fn open_input(file: &Path) -> io::Result<File> {
+    note_input(file);
+    File::open(file)
+}
+
+/// The content of an input.
+pub fn read_input(file: &Path) -> io::Result<Vec<u8>> {
+    note_input(file);
+    fs::read(file)
+}
+
+/// The content of an input that is a text.
+pub fn read_input_text(file: &Path) -> io::Result<String> {
+    note_input(file);
+    fs::read_to_string(file)
+}
+
+/// The content of a file in a folder where others write: nothing if it is not a plain file, such as a
+/// link to what they may not read. A file above `most` octets is an error.
+pub fn read_foreign(file: &Path, most: u64) -> io::Result<Option<Vec<u8>>> {
+    let mut options = OpenOptions::new();
+    let opened = options.read(true).custom_flags(libc::O_NOFOLLOW | libc::O_NONBLOCK).open(file);
+    let file = match opened {
+        Ok(file) if file.metadata()?.is_file() => file,
+        Ok(_) => return Ok(None),
+        Err(why) if why.raw_os_error() == Some(libc::ELOOP) => return Ok(None),
+        Err(why) => return Err(why),
+    };
+    let mut bytes = Vec::new();
+    if file.take(most + 1).read_to_end(&mut bytes)? as u64 > most {
+        return Err(io::Error::other(format!("it has more than {most} octets")));
+    }
+    Ok(Some(bytes))
+}
+
+/// Refuses a name that belongs to an input of this process, or to one of these.
+pub fn refuse_inputs<'a>(target: &Path, more: impl IntoIterator<Item = &'a Path>) -> Result<()> {
+    let Some(there) = identity(target) else { return Ok(()) };
+    let input = more.into_iter().find(|input| identity(input) == Some(there)).map(Path::to_owned);
+    let known = || inputs().as_ref()?.get(&there).cloned();
+    // The number of a file that is gone may be that of another one by now.
+    match input.or_else(known).filter(|input| identity(input) == Some(there)) {
         Some(input) => Err(Error::new(Code::Usage, "the output would replace an input")
             .at(target)
             .why(format!("{} is read by this command", input.display()))
             .help("choose another name for the output")),
         None => Ok(()),
     }
+}
+
+/// Copies a file, replacing another one as a whole; a file is never copied onto itself.
+pub fn copy(from: &Path, to: &Path) -> io::Result<()> {
+    if identity(from).is_some() && identity(from) == identity(to) {
+        return Ok(());
+    }
+    let unfinished = Unfinished::new(to)?;
+    io::copy(&mut File::open(from)?, &mut unfinished.file())?;
+    unfinished.finish()
 }
 
 /// A file whose content survives a power loss once it is flushed. What was written but not flushed
@@ -231,6 +324,7 @@ impl Drop for Hidden {
 impl Unfinished {
     /// For `target`, whose folder must exist.
     pub fn new(target: &Path) -> io::Result<Self> {
+        refuse_inputs(target, []).map_err(|refused| io::Error::other(refused.line()))?;
         if let Some(file) = given(target) {
             return Ok(Self { file, target: target.to_owned(), hidden: None });
         }
@@ -362,12 +456,12 @@ fn folder_of(target: &Path) -> PathBuf {
     folder.unwrap_or(Path::new(".")).to_owned()
 }
 
-fn sync_folder(folder: &Path) -> io::Result<()> {
+pub(crate) fn sync_folder(folder: &Path) -> io::Result<()> {
     synced(File::open(folder).and_then(|folder| folder.sync_all()))
 }
 
 /// Pipes, devices and some file systems have nothing to sync.
-fn synced(result: io::Result<()>) -> io::Result<()> {
+pub(crate) fn synced(result: io::Result<()>) -> io::Result<()> {
     match result {
         Err(why) if matches!(why.raw_os_error(), Some(libc::EINVAL | libc::ENOTSUP)) => Ok(()),
         other => other,

@@ -2,7 +2,6 @@
 
 mod cli;
 
-use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -13,10 +12,7 @@ use clap::Parser;
 #[unsafe(no_mangle)]
 extern "C" fn _exit(code: libc::c_int) -> ! {
     cli::interrupt::ended();
-    loop {
-        // SAFETY: ends the process.
-        unsafe { libc::syscall(libc::SYS_exit_group, code) };
-    }
+    cli::interrupt::exit(code)
 }
 
 /// The same under its C name.
@@ -26,7 +22,7 @@ extern "C" fn _Exit(code: libc::c_int) -> ! {
     _exit(code)
 }
 
-#[allow(unsafe_code, reason = "the environment before there are threads, and the end")]
+#[allow(unsafe_code, reason = "the environment before there are threads")]
 fn main() -> ExitCode {
     // While there is only one thread: an isolated run continues in a process in its own namespaces.
     match cli::isolate::enter() {
@@ -37,6 +33,7 @@ fn main() -> ExitCode {
             return ExitCode::from(error.code().exit_code());
         }
     }
+    cosim::files::protect_inputs();
     let arguments = cli::Arguments::parse();
     #[cfg(feature = "distributed")]
     if let Some((name, value)) = arguments.threads().setting() {
@@ -50,12 +47,5 @@ fn main() -> ExitCode {
             error.code().exit_code()
         }
     };
-    cli::isolate::leave(code);
-    if cosim::fmi::has_mapped_python() {
-        // If this flush fails there is no channel left to report it.
-        drop(std::io::stdout().flush());
-        // SAFETY: nothing of ours is left to do at the end of the process.
-        unsafe { libc::_exit(code.into()) }
-    }
-    ExitCode::from(code)
+    cli::interrupt::leave(code)
 }

@@ -87,7 +87,7 @@ impl Scenario {
     /// Reads a file.
     pub fn read(file: impl AsRef<Path>) -> Result<Self> {
         let file = file.as_ref();
-        let text = std::fs::read_to_string(file)
+        let text = crate::files::read_input_text(file)
             .map_err(|e| Error::new(Code::File, "the scenario cannot be read").at(file).why(e))?;
         if file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
             return faults::parse(&text, file);

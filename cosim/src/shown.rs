@@ -90,6 +90,23 @@ impl<W: Write> Write for Terminal<W> {
     }
 }
 
+/// Passes on what a process prints, until it prints no more; with `visibly`, as by a [`Terminal`].
+pub fn relay(
+    mut from: impl io::Read + Send + 'static,
+    to: impl Write + Send + 'static,
+    visibly: bool,
+) -> std::thread::JoinHandle<()> {
+    std::thread::spawn(move || {
+        let mut to: Box<dyn Write> = if visibly { Box::new(Terminal::new(to)) } else { Box::new(to) };
+        let mut piece = [0; 4096];
+        while let Ok(count @ 1..) = from.read(&mut piece) {
+            // If the output is closed, there is no channel left to report it; the child must not
+            // wait for that.
+            drop(to.write_all(&piece[..count]).and_then(|()| to.flush()));
+        }
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

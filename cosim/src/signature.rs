@@ -96,7 +96,7 @@ fn with(path: &Path, ending: &str) -> PathBuf {
 /// All bytes of a file, up to a limit.
 fn read(path: &Path, most: u64, what: &str) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(most).read_to_end(&mut bytes));
+    let read = files::open_input(path).and_then(|file| file.take(most).read_to_end(&mut bytes));
     let unread = |why| {
         let what = format!("{what} {} cannot be read: {why}", path.display());
         Error::new(Code::File, what).at(path)

@@ -47,7 +47,7 @@ pub fn read(file: &Path, shown: &Path) -> Result<Element> {
             .at(shown)
             .why(format!("more than {MAX_BYTES} are refused")));
     }
-    decode(&std::fs::read(file).map_err(unreadable)?, shown)
+    decode(&crate::files::read_input(file).map_err(unreadable)?, shown)
 }
 
 /// Parses the bytes of a file: UTF-8, or ISO-8859-1 if declared, as in files of 20-sim and Modelon.

@@ -141,7 +141,7 @@ impl Bench {
     pub fn identity(&self) -> Result<Vec<String>> {
         let mut lines = self.campaign.identity();
         let hash = |name: &str, file: &Path| -> Result<String> {
-            let octets = std::fs::read(file)
+            let octets = crate::files::read_input(file)
                 .map_err(|e| Error::new(Code::File, "a file cannot be read").at(file).why(e))?;
             Ok(format!("{name} is {}", sha256(octets)))
         };

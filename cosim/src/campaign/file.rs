@@ -83,7 +83,7 @@ impl Campaign {
         let file = file.as_ref();
         let unread = |e| Error::new(Code::File, "the campaign cannot be read").at(file).why(e);
         let file = std::path::absolute(file).map_err(unread)?;
-        let text = std::fs::read_to_string(&file).map_err(unread)?;
+        let text = crate::files::read_input_text(&file).map_err(unread)?;
         Self::parse(&text, &file)
     }
 
@@ -464,7 +464,7 @@ fn conditions(root: &Table<'_>) -> Vec<Condition> {
 
 /// A list of parameters: names in the first line of a CSV file, values in the others.
 fn read_list(file: &Path) -> Result<(Vec<String>, Vec<Vec<String>>)> {
-    let text = std::fs::read_to_string(file)
+    let text = crate::files::read_input_text(file)
         .map_err(|e| Error::new(Code::File, "the list cannot be read").at(file).why(e))?;
     let cells = |line: &str| -> Vec<String> {
         line.split(',').map(|cell| cell.trim().trim_matches('"').to_owned()).collect()

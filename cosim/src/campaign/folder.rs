@@ -1,8 +1,9 @@
 //! The folder of a campaign: a log with a line for each finished run, and files derived from it.
 //!
 //! A line is written by a single call once its run is finished, so that a process that ends loses
-//! only the runs in progress. A line that is incomplete because of a full disk or a lost machine is
-//! removed and its run repeated. All other files are derived from the log, each as a whole.
+//! only the runs in progress. The log is synced each second: a power loss costs the runs of the last
+//! one. A line that is incomplete because of a full disk or a lost machine is removed and its run
+//! repeated. All other files are derived from the log, each as a whole.
 
 use std::collections::HashSet;
 use std::fs::{File, OpenOptions};
@@ -10,6 +11,7 @@ use std::io::{Read, Write};
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::thread;
+use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
@@ -21,8 +23,12 @@ use crate::files;
 pub struct Folder {
     path: PathBuf,
     log: File,
+    synced: Instant,
     rows: Vec<Row>,
 }
+
+/// Rows are synced after this time.
+const SYNC: Duration = Duration::from_secs(1);
 
 /// The campaign to which the results belong.
 #[derive(Serialize, Deserialize)]
@@ -55,7 +61,7 @@ impl Folder {
         if manifest.exists() {
             fits(&Manifest::read(&path)?.identity, identity, &path)?;
         }
-        let mut folder = Self { path, log, rows: Vec::new() };
+        let mut folder = Self { path, log, synced: Instant::now(), rows: Vec::new() };
         folder.read_log()?;
         // The number of seeds, or the location of the file, may have changed.
         let new = Manifest {
@@ -111,7 +117,13 @@ impl Folder {
             Ok(row) => rows.push(row),
             Err(why) => wrong = wrong.take().or(Some((line, why))),
         });
-        let (whole, _) = whole.map_err(unread)?;
+        let (mut whole, _) = whole.map_err(unread)?;
+        if let Some((line, _)) = wrong
+            && let Some(damaged) = lost_by_power(&file, line).map_err(unread)?
+        {
+            self.rows.truncate(line - 1);
+            (whole, wrong) = (damaged, None);
+        }
         if let Some((line, why)) = wrong {
             let what = Error::new(Code::Results, "a row cannot be read");
             return Err(what.at_line(&file, line).why(why));
@@ -140,7 +152,16 @@ impl Folder {
         line.push(b'\n');
         self.log.write_all(&line).map_err(|e| unwritten(e.to_string()))?;
         self.rows.push(row);
-        Ok(())
+        if self.synced.elapsed() > SYNC { self.sync() } else { Ok(()) }
+    }
+
+    /// From now on, the rows survive a power loss.
+    pub fn sync(&mut self) -> Result<()> {
+        self.synced = Instant::now();
+        let file = self.path.join(LOG);
+        files::synced(self.log.sync_data())
+            .and_then(|()| files::sync_folder(&self.path))
+            .map_err(|e| Error::new(Code::Output, "the rows cannot be synced").at(file).why(e))
     }
 
     /// Writes a file of this folder as a whole.
@@ -163,6 +184,15 @@ impl Folder {
         }
         Ok(())
     }
+}
+
+/// Where a line begins that a power loss left empty, as file systems do with parts that were not
+/// written yet: it and what follows is lost.
+fn lost_by_power(log: &Path, line: usize) -> std::io::Result<Option<u64>> {
+    let octets = std::fs::read(log)?;
+    let mut lines = octets.split_inclusive(|octet| *octet == b'\n');
+    let before: usize = lines.by_ref().take(line - 1).map(<[u8]>::len).sum();
+    Ok(lines.next().filter(|line| line.contains(&0)).map(|_| before as u64))
 }
 
 /// The rows in a folder, in order of arrival.
@@ -354,6 +384,26 @@ mod tests {
         assert_eq!(lines.len(), 4);
         drop(second);
         assert_eq!(Folder::row(folder.path(), 1, &identity).unwrap(), row(1));
+    }
+
+    #[test]
+    fn what_a_power_loss_left_empty_is_made_again() {
+        let (folder, campaign) = (tempfile::tempdir().unwrap(), campaign());
+        let identity = campaign.identity();
+        let mut first = Folder::open(folder.path(), &campaign, &identity).unwrap();
+        (0..2).for_each(|run| first.add(row(run)).unwrap());
+        drop(first);
+        let log = folder.path().join(LOG);
+        let whole = std::fs::read(&log).unwrap();
+        let second = serde_json::to_vec(&row(2)).unwrap();
+        std::fs::write(&log, [&whole[..], &[0; 300], b"\n", &second, b"\n"].concat()).unwrap();
+        let again = Folder::open(folder.path(), &campaign, &identity).unwrap();
+        assert_eq!(again.rows(), [row(0), row(1)]);
+        assert_eq!(std::fs::read(&log).unwrap(), whole);
+        drop(again);
+        std::fs::write(&log, [&whole[..], b"nonsense\n"].concat()).unwrap();
+        let wrong = Folder::open(folder.path(), &campaign, &identity).err().unwrap();
+        assert!(wrong.to_string().contains("runs.jsonl:3"), "{wrong}");
     }
 
     #[test]

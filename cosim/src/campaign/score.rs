@@ -16,7 +16,7 @@ impl Figures {
     /// Reads `[figures]` of a TOML file, such as that of a campaign.
     pub fn read(file: impl AsRef<Path>) -> Result<Self> {
         let file = file.as_ref();
-        let text = std::fs::read_to_string(file)
+        let text = crate::files::read_input_text(file)
             .map_err(|e| Error::new(Code::File, "the figures cannot be read").at(file).why(e))?;
         let document = Document::new(&text, file, Code::Campaign);
         let parsed = document.parse()?;

@@ -61,9 +61,8 @@ impl Convert {
     fn results(&self) -> Result<()> {
         let ending = self.to.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         let roles = self.roles.as_ref().map(Declaration::read).transpose()?;
-        let read = [Some(self.from.as_path()), self.roles.as_deref()];
-        files::refuse_inputs(&self.to, read.into_iter().flatten())?;
         let recording = Recording::read(&self.from)?;
+        files::refuse_inputs(&self.to, [])?;
         let trajectories = |format| -> Result<()> {
             for (name, text) in recording.trajectories(roles.as_ref(), format)? {
                 let stem = self.to.file_stem().unwrap_or_default().to_string_lossy();
@@ -89,7 +88,6 @@ impl Convert {
     }
 
     fn write(&self, file: &Path, text: &str) -> Result<()> {
-        files::refuse_inputs(file, [self.from.as_path()])?;
         files::replace(file, text.as_bytes())
             .map_err(|e| Error::new(Code::Output, "the file cannot be written").at(file).why(e))?;
         self.written(file);

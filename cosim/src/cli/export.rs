@@ -7,7 +7,7 @@ use cosim::export::Export as Exporter;
 use cosim::{Result, System};
 
 use super::changes::Changes;
-use super::messages;
+use super::{interrupt, messages};
 
 /// Write a whole system as one FMU for co-simulation, with its FMUs and the master inside
 #[derive(Args)]
@@ -43,6 +43,7 @@ pub(crate) struct Export {
 
 impl Export {
     pub(crate) fn run(self) -> Result<()> {
+        interrupt::watch();
         let system = System::load(&self.system, &self.changes.overrides())?;
         messages::findings(&system, self.quiet);
         let mut exporter = self.expose.iter().fold(Exporter::new(), Exporter::expose);

@@ -1,6 +1,10 @@
 //! Ctrl-C (and SIGTERM, SIGHUP): the run ends at its next output instant, and the results are kept.
 //! If an FMU does not return, so that the run cannot get there, the process is ended; likewise if
 //! an FMU ends the process. A second signal ends the process as usual.
+//!
+//! Code of a library runs whenever it likes: constructors while it is loaded, destructors while it
+//! is unloaded, its threads until the process is gone. So the watch begins before the first library
+//! is loaded and lasts until the end, which calls nothing of a library ([`leave`]).
 #![allow(unsafe_code, reason = "system calls without a safe form")]
 
 use std::io::Write;
@@ -11,10 +15,10 @@ use cosim::confine::{kill_descendants, reap_descendants};
 use cosim::files;
 
 use cosim::observe::{RunInfo, Stop};
-use cosim::{Observer, Result, Time};
+use cosim::{Code, Observer, Result, Time};
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
-/// The process in which FMUs run, while they run.
+/// The process in which FMUs may run, from the first library until the end.
 static WATCHED: AtomicI32 = AtomicI32::new(0);
 /// How long a run may take to its next output instant after a signal.
 const GRACE: Duration = Duration::from_secs(5);
@@ -53,19 +57,9 @@ unsafe extern "C" {
     fn at_quick_exit(function: extern "C" fn()) -> libc::c_int;
 }
 
-/// While this exists, FMUs run in this process.
-pub(crate) struct Watched;
-
-impl Drop for Watched {
-    fn drop(&mut self) {
-        WATCHED.store(0, Ordering::Relaxed);
-        kill_descendants(std::process::id());
-    }
-}
-
 /// From now on, FMUs run in this process: processes that they start end with it, and they cannot
 /// end it without an error message.
-pub(crate) fn watch() -> Watched {
+pub(crate) fn watch() {
     reap_descendants();
     cosim::fmi::guard_process();
     WATCHED.store(std::process::id() as i32, Ordering::Relaxed);
@@ -82,10 +76,30 @@ pub(crate) fn watch() -> Watched {
         std::thread::sleep(GRACE);
         if is_watched() {
             let why = "an FMU did not return after a signal";
-            end(&format!("[E303] the run was interrupted\n  why:  {why}"));
+            end(Code::Interrupted, &format!("the run was interrupted\n  why:  {why}"));
         }
     });
-    Watched
+}
+
+/// The end of the process, without what FMUs have registered for it: their functions could change
+/// the exit code, never return, or use memory that has been freed (PythonFMU 0.7).
+pub(crate) fn leave(code: u8) -> ! {
+    super::isolate::leave(code);
+    // If a stream is closed, there is no channel left to report it.
+    drop(super::standard::out().flush());
+    drop(std::io::stdout().flush());
+    if WATCHED.swap(0, Ordering::Relaxed) != 0 {
+        kill_descendants(std::process::id());
+    }
+    exit(code.into())
+}
+
+/// Ends the process without calling anything else.
+pub(crate) fn exit(code: libc::c_int) -> ! {
+    loop {
+        // SAFETY: ends the process.
+        unsafe { libc::syscall(libc::SYS_exit_group, code) };
+    }
 }
 
 /// Not in a child that an FMU has forked.
@@ -98,20 +112,20 @@ fn is_watched() -> bool {
 pub(crate) extern "C" fn ended() {
     if is_watched() {
         let help = "the results until then are kept; --log-fmi-calls shows its last call";
-        end(&format!("[E301] an FMU ended the process (exit)\n  help: {help}"));
+        end(Code::Fmu, &format!("an FMU ended the process (exit)\n  help: {help}"));
     }
 }
 
-/// Ends the process, whichever thread is computing.
-fn end(error: &str) -> ! {
+/// Ends the process, whichever thread is computing. Temporary files are removed by the next process
+/// that unpacks something.
+fn end(code: Code, error: &str) -> ! {
     WATCHED.store(0, Ordering::Relaxed);
     files::save_all();
     // If stderr is closed, there is no channel left to report it.
-    drop(writeln!(std::io::stderr(), "error: {error}"));
+    drop(writeln!(std::io::stderr(), "error: [{}] {error}", code.as_str()));
     kill_descendants(std::process::id());
-    super::isolate::leave(1);
-    // SAFETY: temporary files are removed by the next process that unpacks something.
-    unsafe { libc::_exit(1) }
+    super::isolate::leave(code.exit_code());
+    exit(code.exit_code().into())
 }
 
 /// An observer that ends the run after a signal.

@@ -15,14 +15,13 @@ use std::os::fd::{AsRawFd, FromRawFd, OwnedFd, RawFd};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use clap::Args;
 use cosim::confine::{self, Apart};
 use cosim::files::{self, CONTINUED, Unfinished};
 use cosim::fmi::archive::Unpacked;
-use cosim::shown::Terminal;
+use cosim::shown::relay;
 use cosim::{Code, Error, Result};
 use serde::{Deserialize, Serialize};
 
@@ -53,24 +52,11 @@ struct Inside {
 
 /// Marks a process as the child.
 const VARIABLE: &str = "COSIM_INSIDE";
-/// Environment variables that the child keeps: no secrets.
-const KEPT: [&str; 12] = [
-    "PATH",
-    "HOME",
-    "LANG",
-    "LC_ALL",
-    "LC_NUMERIC",
-    "TZ",
-    "LD_LIBRARY_PATH",
-    "PYTHONHOME",
-    "PYTHONPATH",
-    "COSIM_LIBPYTHON",
-    "NO_COLOR",
-    "OMP_NUM_THREADS",
-];
 /// The first descriptor that the child uses for itself.
 const FIRST: RawFd = 64;
 const LOOK: Duration = Duration::from_millis(10);
+/// The largest snapshot that is kept, in octets.
+const LARGEST: u64 = 4 << 30;
 /// How long an interrupted child may take: longer than it gives its FMUs.
 const GRACE: Duration = Duration::from_secs(8);
 
@@ -203,7 +189,7 @@ fn start(inside: &Inside, folder: &Path, fds: Vec<RawFd>) -> Result<Child> {
     command
         .args(arguments)
         .env_clear()
-        .envs(KEPT.iter().filter_map(|name| Some((name, std::env::var_os(name)?))))
+        .envs(confine::environment())
         .env(VARIABLE, text)
         .env("TMPDIR", folder.join("outbox"))
         .stdin(Stdio::null())
@@ -224,22 +210,6 @@ fn start(inside: &Inside, folder: &Path, fds: Vec<RawFd>) -> Result<Child> {
         });
     }
     command.spawn().map_err(|why| failed("its process").why(why))
-}
-
-fn relay(
-    mut from: impl Read + Send + 'static,
-    to: impl Write + Send + 'static,
-    shown: bool,
-) -> JoinHandle<()> {
-    std::thread::spawn(move || {
-        let mut to: Box<dyn Write> = if shown { Box::new(Terminal::new(to)) } else { Box::new(to) };
-        let mut piece = [0; 4096];
-        while let Ok(count @ 1..) = from.read(&mut piece) {
-            // If the output is closed, there is no channel left to report it; the child must not
-            // wait for that.
-            drop(to.write_all(&piece[..count]).and_then(|()| to.flush()));
-        }
-    })
 }
 
 /// Files that the child leaves for this process to keep.
@@ -266,9 +236,8 @@ impl Kept {
             let unwritten = |why: io::Error| {
                 Error::new(Code::Output, "the snapshot cannot be written").at(&target).why(why)
             };
-            let plain = entry.file_type().is_ok_and(|kind| kind.is_file());
-            if plain {
-                let bytes = fs::read(entry.path()).map_err(unwritten)?;
+            if let Some(bytes) = files::read_foreign(&entry.path(), LARGEST).map_err(unwritten)? {
+                files::refuse_others(&target, "the snapshot cannot be written", None)?;
                 files::replace(&target, &bytes).map_err(unwritten)?;
                 drop(fs::remove_file(entry.path()));
             }

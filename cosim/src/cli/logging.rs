@@ -44,18 +44,26 @@ impl Logging {
         })
     }
 
+    /// Empties the file for the log of calls, once all inputs are known.
+    pub(crate) fn begin(&self) -> Result<()> {
+        let file = |path| files::create_plain(path, UNWRITTEN).map(drop);
+        self.file().map_or(Ok(()), file)
+    }
+
     fn trace(&self, debug: bool) -> Result<Option<Trace>> {
         Ok(match &self.log_fmi_calls {
             None if debug => Some(Trace::new(terminal(), false)),
             None => None,
             Some(file) if file == Path::new("-") => Some(Trace::new(terminal(), true)),
             Some(file) => {
-                let output = files::create_plain(file, "the log of calls cannot be written")?;
+                let output = files::create_later(file, UNWRITTEN)?;
                 Some(Trace::new(BufWriter::new(output), true))
             }
         })
     }
 }
+
+const UNWRITTEN: &str = "the log of calls cannot be written";
 
 fn terminal() -> Terminal<Stderr> {
     Terminal::new(stderr())

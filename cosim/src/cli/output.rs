@@ -104,17 +104,15 @@ impl Output {
         }
     }
 
-    /// Runs `system` and writes its results; `inputs` are files read besides those of the system,
-    /// and `shut` is called before FMUs are loaded.
+    /// Runs `system` and writes its results; `shut` is called before FMUs are loaded.
     pub(crate) fn run(
         &self,
         system: &System,
         cluster: Option<&Cluster>,
-        inputs: &[&Path],
         shut: &dyn Fn() -> Result<()>,
     ) -> Result<()> {
         messages::findings(system, self.quiet);
-        let target = self.checked_target(system, inputs)?;
+        let target = self.checked_target(system)?;
         let snapshot = self.snapshots.resumed(system)?;
         let is_over = |s: &&Snapshot| s.time() == system.stop_time() && !self.quiet;
         if let Some(done) = snapshot.as_ref().filter(is_over) {
@@ -147,19 +145,30 @@ impl Output {
         self.observe(computed, recorder, &target, shut)
     }
 
-    /// Where the results go: never a file that is read.
-    fn checked_target(&self, system: &System, inputs: &[&Path]) -> Result<PathBuf> {
+    /// Where the results go; refuses names that belong to inputs or to two of the outputs.
+    fn checked_target(&self, system: &System) -> Result<PathBuf> {
         let target = self.target(system.name())?;
         observe::check_ending(&target)?;
-        let read = system.files().chain(inputs.iter().copied());
-        let scenarios = self.scenario.iter().map(PathBuf::as_path);
-        let read = read.chain(scenarios).chain(self.roles.as_deref());
-        let read = read.chain(self.snapshots.file());
-        let read: Vec<&Path> = read.collect();
+        let named = self.scenario.iter().chain(&self.roles).map(PathBuf::as_path);
+        named.chain(system.files()).for_each(files::note_input);
         let record = self.watching.wanted().then(|| self.record(system, &target));
-        let written = [Some(target.as_path()), self.digest_file.as_deref(), record.as_deref()];
-        for written in written.into_iter().flatten() {
-            files::refuse_inputs(written, read.iter().copied())?;
+        let snapshot = self.snapshots.wanted()?.map(|_| self.snapshots.target(system));
+        let replaced = [record, snapshot].into_iter().flatten();
+        let created = [Some(target.clone()), self.digest_file.clone()].into_iter().flatten();
+        let incomplete = target.extension().is_some_and(|end| end.eq_ignore_ascii_case("parquet"));
+        if incomplete && self.snapshots.wanted()?.is_some() {
+            return Err(Error::new(Code::Usage, "results in Parquet cannot be continued")
+                .why("a Parquet file can be read only once it is complete")
+                .help("write .csv or .mcap, and convert it afterwards (cosim convert)"));
+        }
+        let mut written: Vec<PathBuf> = Vec::new();
+        for file in created.chain(replaced) {
+            let resumed = self.snapshots.file().filter(|_| file == target);
+            files::refuse_inputs(&file, resumed)?;
+            if written.contains(&file) && file != Path::new("-") {
+                return Err(Error::new(Code::Usage, "two outputs have the same name").at(file));
+            }
+            written.push(file);
         }
         Ok(target)
     }
@@ -174,13 +183,8 @@ impl Output {
     }
 
     /// The files that a run writes, including a log if there is one.
-    pub(crate) fn written(
-        &self,
-        system: &System,
-        inputs: &[&Path],
-        log: Option<&Path>,
-    ) -> Result<Written> {
-        let target = self.checked_target(system, inputs)?;
+    pub(crate) fn written(&self, system: &System, log: Option<&Path>) -> Result<Written> {
+        let target = self.checked_target(system)?;
         let to_file = target != Path::new("-");
         let continued = to_file && self.snapshots.file().is_some() && target.exists();
         let created = [(to_file && !continued).then_some(target.as_path())];

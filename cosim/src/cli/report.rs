@@ -76,9 +76,7 @@ impl Report {
         if target.as_os_str() == "-" {
             return print(&String::from_utf8_lossy(&page));
         }
-        if !is_campaign {
-            files::refuse_inputs(&target, [self.results.as_path()])?;
-        }
+        files::refuse_inputs(&target, [])?;
         files::replace(&target, &page).map_err(|e| {
             Error::new(Code::Output, "the page cannot be written").at(&target).why(e)
         })?;
@@ -133,6 +131,7 @@ impl Report {
             return Err(Error::new(Code::Usage, what).at(&self.results));
         }
         interrupt::listen();
+        interrupt::watch();
         let style =
             ProgressStyle::with_template("{wide_bar} {pos}/{len} runs repeated, {eta} left");
         let bar = style.map_or_else(

@@ -60,11 +60,14 @@ impl Run {
         }
         if self.isolation.wanted() {
             self.output.unwatched()?;
-            let written = self.output.written(&system, &[&self.file], self.logging.file())?;
+            let written = self.output.written(&system, self.logging.file())?;
             return isolate::supervise(written, self.changes.starts_tools());
         }
-        let _watched = cluster.is_none().then(interrupt::watch);
+        self.logging.begin()?;
+        if cluster.is_none() {
+            interrupt::watch();
+        }
         let shut = || self.isolation.shut(self.changes.starts_tools());
-        self.output.run(&system, cluster.as_ref(), &[&self.file], &shut).map(|()| 0)
+        self.output.run(&system, cluster.as_ref(), &shut).map(|()| 0)
     }
 }

@@ -1,6 +1,6 @@
 //! `cosim simulate`: simulates one FMU.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use cosim::fmi::InterfaceType;
@@ -67,16 +67,15 @@ impl Simulate {
         };
         let inputs = self.input_file.as_ref().map(Recording::read_csv).transpose()?;
         let system = System::single(&self.file, &overrides, inputs.as_ref().map(Recording::table))?;
-        let inputs: Vec<&Path> =
-            [&self.file].into_iter().chain(&self.input_file).map(PathBuf::as_path).collect();
         if self.isolation.wanted() {
             self.output.unwatched()?;
-            let written = self.output.written(&system, &inputs, self.logging.file())?;
+            let written = self.output.written(&system, self.logging.file())?;
             return isolate::supervise(written, self.execution_tool);
         }
-        let _watched = interrupt::watch();
+        self.logging.begin()?;
+        interrupt::watch();
         let shut = || self.isolation.shut(self.execution_tool);
-        self.output.run(&system, None, &inputs, &shut).map(|()| 0)
+        self.output.run(&system, None, &shut).map(|()| 0)
     }
 
     fn overrides(&self) -> Overrides {

@@ -10,7 +10,7 @@ use cosim::{Overrides, Result, System};
 use serde_json::{Value, json};
 
 use super::output::print;
-use super::{Format, messages, problems};
+use super::{Format, interrupt, messages, problems};
 
 /// Check an FMU or a system without running it, and report all problems at once
 #[derive(Args)]
@@ -47,6 +47,7 @@ impl Validate {
     }
 
     pub(crate) fn run(self) -> Result<()> {
+        interrupt::watch();
         let result = self.signed().and_then(|()| check(&self.file));
         if self.format == Format::Json {
             print(&json(&self.file, &result).to_string())?;

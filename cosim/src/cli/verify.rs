@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use cosim::observe::{Apart, Closeness, Comparison, Parting, Tolerance};
-use cosim::{Code, Error, Recording, Result};
+use cosim::{Code, Error, Recording, Result, files};
 
 use super::output::print;
 use super::values;
@@ -204,7 +204,7 @@ fn digest_in(path: &Path) -> Option<String> {
 
 /// The lines of a list of digests, if the file is one.
 fn list(file: &Path) -> Result<Option<Vec<(String, String)>>> {
-    let bytes = std::fs::read(file)
+    let bytes = files::read_input(file)
         .map_err(|why| Error::new(Code::File, "the results cannot be read").at(file).why(why))?;
     let Some(lines) = bytes.strip_prefix(b"time,digest\n") else {
         return Ok(None);

@@ -116,17 +116,35 @@ pub fn reap_descendants() {
 /// The children known to this process.
 static KNOWN: Mutex<Vec<u32>> = Mutex::new(Vec::new());
 
-/// Starts a child that [`kill_orphans`] spares until it is forgotten.
-pub(crate) fn spawn(command: &mut Command) -> io::Result<Child> {
-    let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
-    let child = command.spawn()?;
-    known.push(child.id());
-    Ok(child)
+/// A child that is killed with its value, and with it everything that it has started: an FMU in an
+/// endless loop reacts to nothing gentler. For processes that called [`reap_descendants`].
+pub struct Supervised(pub Child);
+
+impl Supervised {
+    /// Starts the child.
+    pub fn start(command: &mut Command) -> io::Result<Self> {
+        let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+        let child = command.spawn()?;
+        known.push(child.id());
+        Ok(Self(child))
+    }
 }
 
-/// A child that has ended and was waited for.
-pub(crate) fn forget(child: u32) {
-    KNOWN.lock().unwrap_or_else(PoisonError::into_inner).retain(|known| *known != child);
+impl Drop for Supervised {
+    fn drop(&mut self) {
+        // Its descendants first, which would otherwise become ours.
+        if let Ok(None) = self.0.try_wait() {
+            kill_descendants(self.0.id());
+        }
+        // It may have ended already.
+        drop(self.0.kill());
+        drop(self.0.wait());
+        let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+        known.retain(|known| *known != self.0.id());
+        drop(known);
+        // Processes that it started in its last moments.
+        kill_orphans();
+    }
 }
 
 /// Kills the children of this process that it does not know, with everything they started: they are

@@ -167,6 +167,26 @@ const TYPING: &[libc::c_ulong] = &[0x5412 /* TIOCSTI */, 0x541c /* TIOCLINUX */]
 /// For processes: outliving the parent.
 const TIES: &[libc::c_int] = &[libc::PR_SET_PDEATHSIG, libc::PR_SET_CHILD_SUBREAPER];
 
+/// Calls about how another process is scheduled and where its memory is; the first argument is the
+/// process, 0 for the caller.
+const SCHEDULING: &[c_long] = &[
+    libc::SYS_sched_setaffinity,
+    libc::SYS_sched_setscheduler,
+    libc::SYS_sched_setparam,
+    libc::SYS_sched_setattr,
+    libc::SYS_move_pages,
+    libc::SYS_migrate_pages,
+];
+
+/// New namespaces, as flags of `clone`.
+const NAMESPACES: libc::c_int = libc::CLONE_NEWNS
+    | libc::CLONE_NEWCGROUP
+    | libc::CLONE_NEWUTS
+    | libc::CLONE_NEWIPC
+    | libc::CLONE_NEWUSER
+    | libc::CLONE_NEWPID
+    | libc::CLONE_NEWNET;
+
 const ALLOW: u32 = libc::SECCOMP_RET_ALLOW;
 
 fn errno(number: libc::c_int) -> u32 {
@@ -261,6 +281,21 @@ fn program(programs: Programs) -> Vec<sock_filter> {
         inside.push(libc::BPF_JMP | libc::BPF_JEQ | libc::BPF_K, 1, 0, std::process::id());
         inside.give(denied);
     });
+    for &call in SCHEDULING {
+        p.of(call, |inside| {
+            inside.load(argument(0));
+            inside.push(libc::BPF_JMP | libc::BPF_JEQ | libc::BPF_K, 2, 0, 0);
+            inside.push(libc::BPF_JMP | libc::BPF_JEQ | libc::BPF_K, 1, 0, std::process::id());
+            inside.give(denied);
+        });
+    }
+    p.of(libc::SYS_clone, |inside| {
+        inside.load(argument(0));
+        inside.push(libc::BPF_JMP | libc::BPF_JSET | libc::BPF_K, 0, 1, NAMESPACES as u32);
+        inside.give(denied);
+    });
+    // Its arguments lie in memory, where a filter cannot look; the C library falls back.
+    p.calls(&[libc::SYS_clone3], errno(libc::ENOSYS));
     if programs == Programs::Refused {
         p.calls(EXECUTE, denied);
         p.calls(FORK, denied);
@@ -270,8 +305,6 @@ fn program(programs: Programs) -> Vec<sock_filter> {
             inside.push(libc::BPF_JMP | libc::BPF_JSET | libc::BPF_K, 1, 0, thread);
             inside.give(denied);
         });
-        // Its arguments lie in memory, where a filter cannot look; the C library falls back.
-        p.calls(&[libc::SYS_clone3], errno(libc::ENOSYS));
     }
     p.give(ALLOW);
     p.0

@@ -26,8 +26,8 @@ use landlock::{
 };
 
 use crate::error::{Code, Error, Result};
-pub use apart::{Apart, close_inherited, kill_descendants, reap_descendants};
-pub(crate) use apart::{forget, kill_orphans, spawn};
+pub use apart::{Apart, Supervised, close_inherited, kill_descendants, reap_descendants};
+pub(crate) use apart::kill_orphans;
 use calls::Programs;
 
 /// The first version of Landlock that supports networks.
@@ -36,6 +36,30 @@ const NEEDED: ABI = ABI::V4;
 const WANTED: ABI = ABI::V6;
 /// Devices that programs write to.
 const SINKS: [&str; 3] = ["/dev/null", "/dev/zero", "/dev/full"];
+/// Environment variables that processes with FMUs keep: no secrets.
+const KEPT: [&str; 15] = [
+    "PATH",
+    "HOME",
+    "LANG",
+    "LC_ALL",
+    "LC_NUMERIC",
+    "TZ",
+    "LD_LIBRARY_PATH",
+    "PYTHONHOME",
+    "PYTHONPATH",
+    "COSIM_LIBPYTHON",
+    "COSIM_PYTHON",
+    "NO_COLOR",
+    "OMP_NUM_THREADS",
+    "RUST_LOG",
+    "ZENOH_RUNTIME",
+];
+
+/// The environment of a process with FMUs that are not trusted.
+pub fn environment() -> impl Iterator<Item = (&'static str, std::ffi::OsString)> {
+    KEPT.iter().filter_map(|name| Some((*name, std::env::var_os(name)?)))
+}
+
 /// What every program reads: itself, libraries and information about the machine.
 const READABLE: [&str; 22] = [
     "/usr",

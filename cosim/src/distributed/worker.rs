@@ -2,8 +2,9 @@
 //! per incarnation of a group, so that an FMU that crashes or hangs takes nothing else with it.
 
 use std::collections::BTreeMap;
+use std::io::{self, IsTerminal};
 use std::os::unix::process::CommandExt;
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
@@ -20,11 +21,11 @@ use super::child::LAST_CALL;
 use super::keys;
 use super::pool::{Order, WorkerInfo};
 use super::process_status::{Call, ProcessState, ProcessStatus};
-use crate::confine::{forget, kill_descendants, kill_orphans, reap_descendants, spawn};
+use crate::confine::{Supervised, environment, kill_orphans, reap_descendants};
 use crate::error::{Code, Error, Result};
 use crate::fmi::LastCall;
 use crate::fmi::temporary::Unpacked;
-use crate::shown::visible;
+use crate::shown::{relay, visible};
 
 /// Configuration of a worker.
 pub struct Worker {
@@ -168,7 +169,7 @@ struct Children<'a> {
 /// A child process and its own folder, which is removed with everything left in it.
 struct Incarnation {
     generation: u32,
-    child: Child,
+    child: Supervised,
     folder: Unpacked,
     /// Its exit status if it exited by itself.
     ended: Option<ExitStatus>,
@@ -233,17 +234,22 @@ impl Children<'_> {
             .args(["--worker", &self.worker.name])
             .args(["--group", &order.group.to_string()])
             .args(["--generation", &order.generation.to_string()])
-            .env("TMPDIR", folder.path())
             .stdin(Stdio::null())
+            // What FMUs print may contain commands for a terminal, which they must not have.
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
             // Ctrl-C at a terminal is for the process that the user started.
             .process_group(0);
-        let child = spawn(&mut command)?;
-        let incarnation = Incarnation { generation: order.generation, child, folder, ended: None };
-        if let Some(former) =
-            self.incarnations.insert((order.run.clone(), order.group), incarnation)
-        {
-            end(former);
+        if self.worker.confined {
+            command.env_clear().envs(environment());
         }
+        command.env("TMPDIR", folder.path());
+        let mut child = Supervised::start(&mut command)?;
+        child.0.stdout.take().map(|from| relay(from, io::stdout(), io::stdout().is_terminal()));
+        child.0.stderr.take().map(|from| relay(from, io::stderr(), true));
+        let incarnation = Incarnation { generation: order.generation, child, folder, ended: None };
+        // A former one ends here.
+        drop(self.incarnations.insert((order.run.clone(), order.group), incarnation));
         Ok(())
     }
 
@@ -253,9 +259,8 @@ impl Children<'_> {
             .incarnations
             .get(&key)
             .is_some_and(|incarnation| incarnation.generation == order.generation)
-            && let Some(incarnation) = self.incarnations.remove(&key)
         {
-            end(incarnation);
+            self.incarnations.remove(&key);
         }
         Ok(())
     }
@@ -269,12 +274,12 @@ impl Children<'_> {
             incarnation.ok_or_else(|| std::io::Error::other("there is no such incarnation"))?;
         let begun = Instant::now();
         while incarnation.ended.is_none() && begun.elapsed() < EXIT_DELAY {
-            incarnation.ended = incarnation.child.try_wait()?;
+            incarnation.ended = incarnation.child.0.try_wait()?;
             std::thread::sleep(Duration::from_millis(1));
         }
         let process = match incarnation.ended {
             Some(status) => ProcessState::ended(status),
-            None => ProcessState::running(incarnation.child.id()),
+            None => ProcessState::running(incarnation.child.0.id()),
         };
         let call = LastCall::read(incarnation.folder.path().join(LAST_CALL)).map(Call::from);
         Ok(ProcessStatus { process, call })
@@ -282,14 +287,7 @@ impl Children<'_> {
 
     /// Ends all incarnations of a run.
     fn end_run(&mut self, run: &str) {
-        let all = std::mem::take(&mut self.incarnations);
-        for (key, incarnation) in all {
-            if key.0 == run {
-                end(incarnation);
-            } else {
-                self.incarnations.insert(key, incarnation);
-            }
-        }
+        self.incarnations.retain(|(of, _), _| of != run);
     }
 
     /// Notes which children exited by themselves; the coordinator asks for them.
@@ -298,33 +296,13 @@ impl Children<'_> {
         for incarnation in
             self.incarnations.values_mut().filter(|incarnation| incarnation.ended.is_none())
         {
-            incarnation.ended = incarnation.child.try_wait().ok().flatten();
+            incarnation.ended = incarnation.child.0.try_wait().ok().flatten();
             left |= incarnation.ended.is_some();
         }
         if left {
             kill_orphans();
         }
     }
-}
-
-impl Drop for Children<'_> {
-    fn drop(&mut self) {
-        std::mem::take(&mut self.incarnations).into_values().for_each(end);
-    }
-}
-
-/// Kills a child with everything it started: an FMU in an endless loop reacts to nothing gentler.
-fn end(mut incarnation: Incarnation) {
-    // Its descendants first, which would otherwise become the worker's.
-    if let Ok(None) = incarnation.child.try_wait() {
-        kill_descendants(incarnation.child.id());
-    }
-    // It may have exited already.
-    let _ = incarnation.child.kill();
-    let _ = incarnation.child.wait();
-    forget(incarnation.child.id());
-    // Processes that it started in its last moments.
-    kill_orphans();
 }
 
 fn answer<T: serde::Serialize>(query: &Query, value: &T) -> Result<(), zenoh::Error> {

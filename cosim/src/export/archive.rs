@@ -11,7 +11,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use crate::digest::sha256;
 use crate::error::{Code, Error, Result};
-use crate::files::Unfinished;
+use crate::files::{Unfinished, read_input};
 
 /// Path in the archive, with `/` as separator, and content.
 pub(crate) type Entry = (String, Content);
@@ -35,7 +35,7 @@ impl Content {
     }
 
     pub(crate) fn file(path: PathBuf) -> Result<Self> {
-        let bytes = fs::read(&path)
+        let bytes = read_input(&path)
             .map_err(|e| Error::new(Code::File, "the FMU cannot be read").at(&path).why(e))?;
         Ok(Self { digest: sha256(bytes), what: What::File(path) })
     }

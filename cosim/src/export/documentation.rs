@@ -77,7 +77,7 @@ fn licenses(fmu: &Path) -> Result<Vec<(String, Vec<u8>)>> {
                 folders.push(path);
                 continue;
             }
-            let bytes = fs::read(&path).map_err(|e| {
+            let bytes = crate::files::read_input(&path).map_err(|e| {
                 Error::new(Code::File, "a licence of the FMU cannot be read").at(fmu).why(e)
             })?;
             let name = path.strip_prefix(&root).unwrap_or(&path).to_string_lossy().into_owned();

@@ -81,7 +81,7 @@ fn read(kind: &Kind, path: &Path) -> Result<Library> {
     let wrong = |why: String| {
         Error::new(Code::Library, format!("this is not a library of {of}")).at(path).why(why)
     };
-    let bytes = fs::read(path).map_err(|e| {
+    let bytes = crate::files::read_input(path).map_err(|e| {
         Error::new(Code::File, format!("the library of {of} cannot be read")).at(path).why(e)
     })?;
     let folder = elf::platform(&bytes).map_err(wrong)?;

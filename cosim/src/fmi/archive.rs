@@ -14,6 +14,7 @@ use zip::unstable::read::ZipIterable;
 
 pub use super::temporary::Unpacked;
 use crate::error::{Code, Error, Result};
+use crate::files;
 use check::Checked;
 
 mod check;
@@ -28,7 +29,7 @@ pub fn unpack(archive: &Path) -> Result<Unpacked> {
 
 /// The same with only the wanted files; the others only leave their folders. All are checked.
 pub fn unpack_part(archive: &Path, wanted: impl Fn(&Path) -> bool) -> Result<Unpacked> {
-    let file = File::open(archive)
+    let file = files::open_input(archive)
         .map_err(|e| Error::new(Code::File, "the archive cannot be opened").at(archive).why(e))?;
     part_from(BufReader::with_capacity(PIECE, file), archive, wanted)
 }

@@ -277,7 +277,7 @@ impl Drop for Fmu {
 
 fn content(path: &Path) -> Result<Content> {
     let unreadable = |e| Error::new(Code::File, "the FMU cannot be read").at(path).why(e);
-    let mut file = fs::File::open(path).map_err(unreadable)?;
+    let mut file = crate::files::open_input(path).map_err(unreadable)?;
     let mut hash = Sha256::new();
     let mut piece = vec![0; 1 << 16];
     loop {

@@ -10,6 +10,7 @@
 
 use std::ffi::{CStr, CString};
 use std::mem::MaybeUninit;
+use std::os::fd::{AsRawFd, FromRawFd, OwnedFd, RawFd};
 use std::os::unix::ffi::OsStringExt;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -132,10 +133,9 @@ impl Kind {
         }
     }
 
-    /// Whether it can be undone. Runtimes inside FMUs (Java, Go) depend on their handlers for
-    /// faults, and a stream that was closed is gone.
+    /// Whether it is undone. Runtimes inside FMUs (Java, Go) depend on their handlers for faults.
     fn is_set_back(self) -> bool {
-        !matches!(self, Self::Faults | Self::Streams)
+        self != Self::Faults
     }
 }
 
@@ -170,7 +170,7 @@ struct Process {
 unsafe impl Send for Process {}
 
 /// The state before any FMU was loaded.
-static BEFORE: Mutex<Option<Process>> = Mutex::new(None);
+static BEFORE: Mutex<Option<Before>> = Mutex::new(None);
 /// Whether we own the process.
 static OWN: AtomicBool = AtomicBool::new(false);
 
@@ -184,7 +184,7 @@ pub fn guard_process() {
 /// Records the current state, before FMUs are created.
 pub(crate) fn begin() {
     if OWN.load(Ordering::Relaxed) {
-        *BEFORE.lock().unwrap_or_else(PoisonError::into_inner) = Some(Process::now());
+        *BEFORE.lock().unwrap_or_else(PoisonError::into_inner) = Some(Before::now());
     }
 }
 
@@ -204,13 +204,36 @@ pub(super) fn check(log: &Log, function: &str) {
 /// For library code that runs while the library is loaded: its changes are reported by the
 /// instances that are created from it.
 pub(super) fn around<T>(function: &str, call: impl FnOnce() -> T) -> (T, Vec<String>) {
-    let (log, float, before) = (Log::default(), Float::now(), Process::now());
+    let (log, float, before) = (Log::default(), Float::now(), Before::now());
     let result = call();
     if Float::now() != float {
         float.changed(&log, function);
     }
     before.compare(&log, function);
     (result, log.take())
+}
+
+/// The state to which changes are set back.
+struct Before {
+    process: Process,
+    /// Duplicates of the standard streams.
+    streams: [Option<OwnedFd>; 3],
+}
+
+/// Duplicates of streams have at least this number: out of the way of programs that count.
+const DUPLICATES: RawFd = 64;
+
+impl Before {
+    fn now() -> Self {
+        let streams = [0, 1, 2].map(|stream| {
+            // SAFETY: the descriptor that is made belongs to nobody else.
+            unsafe {
+                let made = libc::fcntl(stream, libc::F_DUPFD_CLOEXEC, DUPLICATES);
+                (made >= 0).then(|| OwnedFd::from_raw_fd(made))
+            }
+        });
+        Self { process: Process::now(), streams }
+    }
 }
 
 impl Process {
@@ -244,50 +267,59 @@ impl Process {
         }
     }
 
+}
+
+impl Before {
     fn compare(&self, log: &Log, function: &str) {
-        let now = Self::now();
+        let (before, now) = (&self.process, Process::now());
         // SAFETY: the values were read by the same functions in this process; the locale of a
         // thread is set by the calling thread itself.
         unsafe {
-            if (1..65).any(|s| libc::sigismember(&self.mask, s) != libc::sigismember(&now.mask, s))
+            if (1..65).any(|s| libc::sigismember(&before.mask, s) != libc::sigismember(&now.mask, s))
             {
-                libc::pthread_sigmask(libc::SIG_SETMASK, &self.mask, std::ptr::null_mut());
+                libc::pthread_sigmask(libc::SIG_SETMASK, &before.mask, std::ptr::null_mut());
                 report(log, Kind::Mask, function);
             }
             for signal in SIGNALS {
-                let (before, after) = (&self.handlers[signal], &now.handlers[signal]);
+                let (old, new) = (&before.handlers[signal], &now.handlers[signal]);
                 // After a signal from the user, our own handler sets the default action.
                 let signal = signal as libc::c_int;
-                if !same(before, after) && after.sa_sigaction != libc::SIG_DFL {
+                if !same(old, new) && new.sa_sigaction != libc::SIG_DFL {
                     if FAULTS.contains(&signal) {
                         report(log, Kind::Faults, function);
                     } else {
-                        libc::sigaction(signal, before, std::ptr::null_mut());
+                        libc::sigaction(signal, old, std::ptr::null_mut());
                         report(log, Kind::Handlers, function);
                     }
                 }
             }
-            if now.locale != self.locale {
-                libc::setlocale(libc::LC_ALL, self.locale.as_ptr());
+            if now.locale != before.locale {
+                libc::setlocale(libc::LC_ALL, before.locale.as_ptr());
                 report(log, Kind::Locale, function);
             }
-            if now.thread_locale != self.thread_locale {
-                libc::uselocale(self.thread_locale);
+            if now.thread_locale != before.thread_locale {
+                libc::uselocale(before.thread_locale);
                 report(log, Kind::Locale, function);
             }
-            if now.folder != self.folder {
-                if let Some(path) = &self.path {
+            if now.folder != before.folder {
+                if let Some(path) = &before.path {
                     libc::chdir(path.as_ptr());
                 }
                 report(log, Kind::Folder, function);
             }
-            if now.umask != self.umask {
-                libc::umask(self.umask);
+            if now.umask != before.umask {
+                libc::umask(before.umask);
                 report(log, Kind::Umask, function);
             }
         }
-        if now.streams != self.streams {
-            report(log, Kind::Streams, function);
+        for (stream, duplicate) in (0..).zip(&self.streams) {
+            if now.streams[stream as usize] != before.streams[stream as usize] {
+                if let Some(duplicate) = duplicate {
+                    // SAFETY: the stream becomes again what it was.
+                    unsafe { libc::dup2(duplicate.as_raw_fd(), stream) };
+                }
+                report(log, Kind::Streams, function);
+            }
         }
     }
 }

@@ -6,12 +6,12 @@
 //! file after its death.
 
 use std::fs::File;
-use std::io::Read;
 use std::os::fd::AsRawFd;
 use std::path::Path;
 use std::ptr::NonNull;
 use std::sync::Mutex;
 
+use crate::files;
 use crate::time::Time;
 
 /// In octets: the mark, the time, then function and instance, each preceded by its length.
@@ -87,8 +87,8 @@ impl LastCall {
 
     /// The call recorded in `file`.
     pub fn read(file: impl AsRef<Path>) -> Option<Noted> {
-        let mut page = [0; SIZE];
-        File::open(file).ok()?.read_exact(&mut page).ok()?;
+        let bytes = files::read_foreign(file.as_ref(), SIZE as u64).ok()??;
+        let page: &[u8; SIZE] = bytes.first_chunk()?;
         let time = i64::from_le_bytes(*page[8..16].first_chunk()?);
         (page[0] == MARK).then(|| Noted {
             function: get(&page[FUNCTION..INSTANCE]),

@@ -233,7 +233,7 @@ fn threads() -> usize {
 pub(super) fn load(path: &Path, fmu: &Path, kind: InterfaceType) -> Result<Binary> {
     let threads = threads();
     // SAFETY: loading runs the library's constructors: a user who runs an FMU trusts its code.
-    let (library, changed) =
+    let (library, mut changed) =
         guard::around("loading the library", || unsafe { open::library(path) });
     let library = library.map_err(|e| {
         let help = remedy(&e);
@@ -248,7 +248,9 @@ pub(super) fn load(path: &Path, fmu: &Path, kind: InterfaceType) -> Result<Binar
         InterfaceType::ModelExchange => Own::Exchange(Exchange::resolve(&library.library, fmu)?),
     };
     // SAFETY: the function takes nothing and returns NULL or a C string that is never freed.
-    let version = unsafe { text((functions.get_version)()) };
+    let (version, more) =
+        guard::around("fmi2GetVersion", || unsafe { text((functions.get_version)()) });
+    changed.extend(more);
     if version == "2.0" {
         return Ok(Binary { functions, own, changed, threads, library });
     }

@@ -42,5 +42,4 @@ pub(crate) use instance::{Direct, DirectSteps, Unusual};
 pub use instance::{Instance, NextEvent, Place};
 pub use last::{LastCall, Noted};
 pub use mailbox::{Mailbox, Message};
-pub use open::has_mapped_python;
 pub use trace::{Logging, Trace};

@@ -23,10 +23,7 @@ const VERSIONS: std::ops::RangeInclusive<u32> = 8..=15;
 /// Whether Python's library was mapped here.
 static PYTHON: AtomicBool = AtomicBool::new(false);
 
-/// Whether an FMU made with Python was loaded, for which Python's library was mapped. The exit
-/// handler of such an FMU (PythonFMU 0.7) uses memory that it has freed: end the process without
-/// running such handlers.
-pub fn has_mapped_python() -> bool {
+fn has_mapped_python() -> bool {
     PYTHON.load(Ordering::Relaxed)
 }
 

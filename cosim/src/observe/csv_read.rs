@@ -14,7 +14,7 @@ const MAX_COLUMNS: usize = 2_000_000;
 
 /// Reads `file`.
 pub(super) fn read(file: &Path) -> Result<Recording> {
-    let text = std::fs::read_to_string(file)
+    let text = crate::files::read_input_text(file)
         .map_err(|e| Error::new(Code::File, "the results cannot be read").at(file).why(e))?;
     parse(&text, file)
 }

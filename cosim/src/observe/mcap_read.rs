@@ -30,7 +30,7 @@ struct Topic {
 pub(super) fn read(file: &Path) -> Result<Recording> {
     let wrong =
         |why: String| Error::new(Code::Results, "the results cannot be read").at(file).why(why);
-    let bytes = std::fs::read(file)
+    let bytes = crate::files::read_input(file)
         .map_err(|e| Error::new(Code::File, "the results cannot be read").at(file).why(e))?;
     let records = bytes
         .strip_prefix(MAGIC)

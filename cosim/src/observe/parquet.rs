@@ -117,7 +117,7 @@ pub(super) fn read(path: &Path) -> Result<Recording> {
     let unread =
         |why: String| Error::new(Code::Results, "the results cannot be read").at(path).why(why);
     let broken = |e: ParquetError| unread(e.to_string());
-    let file = std::fs::File::open(path).map_err(|e| unread(e.to_string()))?;
+    let file = files::open_input(path).map_err(|e| unread(e.to_string()))?;
     let reader = SerializedFileReader::new(file).map_err(broken)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
     let all = schema.columns();

@@ -66,7 +66,7 @@ impl Declaration {
     /// Reads a file.
     pub fn read(file: impl AsRef<Path>) -> Result<Self> {
         let file = file.as_ref();
-        let text = std::fs::read_to_string(file).map_err(|e| {
+        let text = crate::files::read_input_text(file).map_err(|e| {
             Error::new(Code::File, "the declaration of roles cannot be read").at(file).why(e)
         })?;
         let document = Document::new(&text, file, Code::Roles);

@@ -228,10 +228,17 @@ impl System {
         }
     }
 
-    /// The files from which it was read: its description and its FMUs, as far as they are known.
+    /// Files that it names: its description, its FMUs, and what its start values may name for them
+    /// to read.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let description = self.raw.iter().map(|raw| raw.file.as_path());
-        description.chain(self.components.iter().filter_map(|c| Some(c.fmu()?.path())))
+        let fmus = self.components.iter().filter_map(|c| Some(c.fmu()?.path()));
+        let values = self.components.iter().flat_map(|c| &c.start_values);
+        let named = values.filter_map(|(_, value)| match value {
+            Value::String(text) => Some(Path::new(text)),
+            _ => None,
+        });
+        description.chain(fmus).chain(named)
     }
 
     /// Name of the system.

@@ -2,6 +2,7 @@
 //! workers. SECURITY.md contains the same table.
 
 use std::io::{BufRead, BufReader};
+use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 use std::process::{Output, Stdio};
 use std::time::Duration;
@@ -28,7 +29,7 @@ enum Came {
 use Came::{Done, Ended, Refused, SetBack};
 
 /// An attack: as text, as C, and its outcome in the process, isolated, and on a worker.
-const ATTACKS: [(&str, &str, [Came; 3]); 22] = [
+const ATTACKS: [(&str, &str, [Came; 3]); 25] = [
     (
         "writes a file in the home folder",
         "REPORT(open(in_home(\"new\"), O_CREAT | O_WRONLY, 0600))",
@@ -72,6 +73,18 @@ const ATTACKS: [(&str, &str, [Came; 3]); 22] = [
         "REPORT(read_file(in_proc(getppid(), \"environ\")))",
         [Done, Refused, Refused],
     ),
+    (
+        "sends a signal to the process that started it",
+        "REPORT(getppid() ? kill(getppid(), SIGURG) : (errno = EPERM, -1))",
+        [Done, Refused, Refused],
+    ),
+    (
+        "changes the processors of the process that started it",
+        "cpu_set_t s; sched_getaffinity(0, sizeof s, &s); \
+         REPORT(getppid() ? sched_setaffinity(getppid(), sizeof s, &s) : (errno = EPERM, -1))",
+        [Done, Refused, Refused],
+    ),
+    ("ends the process with abort()", "abort()", [Ended, Ended, Ended]),
     ("stops itself", "REPORT(raise(SIGSTOP) ? -1 : 0)", [Done, Refused, Refused]),
     ("ends the process with exit(0)", "exit(0)", [Ended, Ended, Ended]),
     ("ends the process with _exit(0)", "_exit(0)", [Ended, Ended, Ended]),
@@ -110,6 +123,18 @@ impl Home {
     fn path(&self) -> &Path {
         self.0.path()
     }
+
+    /// Names, rights and times of its files.
+    fn contents(&self) -> Vec<(std::ffi::OsString, u32, i64, i64)> {
+        let files = std::fs::read_dir(self.path()).unwrap().map(Result::unwrap);
+        let files = files.map(|file| {
+            let about = file.metadata().unwrap();
+            (file.file_name(), about.mode(), about.mtime(), about.mtime_nsec())
+        });
+        let mut files: Vec<_> = files.collect();
+        files.sort();
+        files
+    }
 }
 
 fn attacker(folder: &Path, attack: &str) -> std::path::PathBuf {
@@ -131,7 +156,7 @@ fn run_in(place: usize, folder: &Path, home: &Path, fmu: &Path) -> Output {
     cosim(folder, arguments).env("HOME", home).output().unwrap()
 }
 
-fn one_component(fmu: &str) -> String {
+pub(crate) fn one_component(fmu: &str) -> String {
     format!(
         "<ssd:SystemStructureDescription xmlns:ssd='http://ssp-standard.org/SSP1/SystemStructureDescription' \
          version='1.0' name='s'><ssd:System name='s'><ssd:Elements><ssd:Component name='attacker' \
@@ -144,10 +169,12 @@ fn came(output: &Output) -> (Option<Came>, String) {
     let shown = String::from_utf8_lossy(&output.stderr).into_owned();
     let reported: Vec<&str> =
         shown.lines().filter_map(|line| Some(line.split_once("attack: ")?.1)).collect();
+    // In namespaces of its own a process sees neither others nor their files.
+    let refusals = ["Operation not permitted", "Permission denied", "No such file or directory"];
     let came = if shown.contains("it was set back") {
         Some(SetBack)
-    } else if reported.iter().any(|reported| *reported != "done") {
-        Some(Refused)
+    } else if let Some(other) = reported.iter().find(|reported| **reported != "done") {
+        refusals.contains(other).then_some(Refused)
     } else if !output.status.success() {
         Some(Ended)
     } else {
@@ -210,8 +237,12 @@ fn what_comes_of_attacks_is_what_the_documentation_says() {
                 continue;
             }
             let home = Home::new();
+            let before = home.contents();
             let output = run_in(place, folder.path(), home.path(), &fmu);
             let (found, shown) = came(&output);
+            if wanted == Refused && home.contents() != before {
+                wrong.push(format!("{name}, {}: it had an effect\n{shown}", PLACES[place]));
+            }
             if found != Some(wanted) {
                 wrong
                     .push(format!("{name}, {}: {found:?}, not {wanted:?}\n{shown}", PLACES[place]));
@@ -293,6 +324,36 @@ fn a_neighbour_computes_the_same() {
     }
 }
 
+/// What an FMU that is not trusted prints contains no commands for a terminal.
+#[test]
+fn what_an_fmu_prints_commands_no_terminal() {
+    let folder = TempDir::new().unwrap();
+    let printing = "fprintf(stderr, \"a\\033]0;owned\\007b\\n\")";
+    let fmu = attacker(folder.path(), printing);
+    for place in [1, 2] {
+        let output = run_in(place, folder.path(), folder.path(), &fmu);
+        let shown = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success() && shown.contains("owned"), "{shown}");
+        assert!(!shown.contains(['\u{1b}', '\u{7}']), "{}: {shown:?}", PLACES[place]);
+    }
+}
+
+/// An FMU on a worker does not see the environment of the user.
+#[test]
+fn secrets_in_the_environment_stay_there() {
+    let folder = TempDir::new().unwrap();
+    let fmu = attacker(folder.path(), "REPORT(getenv(\"SECRET\") ? 0 : (errno = EPERM, -1))");
+    for (place, wanted) in [(0, Done), (1, Refused), (2, Refused)] {
+        let fmu = fmu.to_str().unwrap();
+        std::fs::write(folder.path().join("s.ssd"), one_component(fmu)).unwrap();
+        let more: &[&str] = [&[][..], &["--isolate"], &["--workers", "1"]][place];
+        let arguments = [&["run", "s.ssd", "-o", "out.csv"][..], more].concat();
+        let output = cosim(folder.path(), &arguments).env("SECRET", "x").output().unwrap();
+        let (found, shown) = came(&output);
+        assert_eq!(found, Some(wanted), "{}: {shown}", PLACES[place]);
+    }
+}
+
 /// Everything an FMU starts ends with the run, even if nothing confines it.
 #[test]
 fn what_an_fmu_starts_ends_with_the_run() {
@@ -338,7 +399,7 @@ fn one_signal_ends_a_run_in_an_fmu_that_spins() {
         assert!(lines.any(|line| line.contains("attack: done")));
         signal(child.id(), "-TERM");
         let shown: Vec<String> = lines.collect();
-        assert_eq!(child.wait().unwrap().code(), Some(1), "{shown:?}");
+        assert_eq!(child.wait().unwrap().code(), Some(130), "{shown:?}");
         assert!(shown.iter().any(|line| line.contains("[E303]")), "{shown:?}");
         let results = cosim::Recording::read_csv(folder.path().join("out.csv"));
         assert!(!more.is_empty() || results.unwrap().time().len() >= 2, "{shown:?}");
@@ -380,7 +441,7 @@ fn a_group_that_dies_while_it_begins_is_noticed() {
     let fmu = Model::Gain.fmu();
     std::fs::write(&system, one_component(fmu.to_str().unwrap())).unwrap();
     let environment = [("LD_PRELOAD", library.to_str().unwrap())];
-    let (code, shown) = on_worker(folder.path(), &system, &["--allow-upload"], &environment);
+    let (code, shown) = on_worker(folder.path(), &system, &["--allow-upload", "--no-confine"], &environment);
     assert_eq!(code, 1, "{shown}");
     assert!(shown.contains("ended before it was ready"), "{shown}");
     assert!(shown.contains("ended with code 7"), "{shown}");

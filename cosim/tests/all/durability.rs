@@ -12,6 +12,7 @@ use tempfile::TempDir;
 
 use crate::command::text;
 use crate::models::Model;
+use crate::ssd::Ssd;
 
 /// Operations on files, each identified by a number that it keeps throughout.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -124,7 +125,7 @@ fn observed(folder: &Path, arguments: &[&str]) -> Vec<Operation> {
             Create(_, name) | Link(_, name) | Remove(name) | Rename(_, name) => {
                 name.starts_with(&real)
             }
-            SyncFolder(name) => *name == real,
+            SyncFolder(name) => name.starts_with(&real),
             _ => true,
         })
         .collect()
@@ -168,6 +169,57 @@ fn a_snapshot_and_the_results_before_it_survive_a_cut_at_every_write() {
         let file = disk.names[&results];
         assert_eq!(disk.kept.get(&results), Some(&file));
         assert_eq!(disk.synced[&file], disk.written[&file]);
+    }
+}
+
+/// Whatever is replaced as a whole is the old file or the new one, at whatever operation the power
+/// fails.
+#[test]
+fn what_is_replaced_as_a_whole_survives_a_cut_at_every_write() {
+    let folder = TempDir::new().unwrap();
+    let real = folder.path().canonicalize().unwrap();
+    let fmu = Model::Integrator.fmu();
+    let fmu = fmu.to_str().unwrap();
+    let system = Ssd::new().add("i", Model::Integrator).stop(1.0);
+    std::fs::copy(system.write(), real.join("s.ssd")).unwrap();
+    let campaign =
+        "seeds = 2\n[systems]\na = 's.ssd'\n[figures.f]\nkind = 'max'\nof = 'i.y'\n";
+    std::fs::write(real.join("c.toml"), campaign).unwrap();
+    let saving = ["--snapshot-file", "s.snapshot", "--snapshot-at", "0.5"];
+    let commands = [
+        (vec!["convert", "s.ssd", "s.ssp"], "s.ssp"),
+        ([&["simulate", fmu, "-o", "out.csv"], &saving[..]].concat(), "s.snapshot"),
+        (vec!["simulate", fmu, "-o", "out.csv", "--resume", "s.snapshot"], "out.csv"),
+        (vec!["report", "out.csv", "-o", "out.html"], "out.html"),
+        (vec!["campaign", "c.toml", "--output-dir", "r", "--jobs", "1"], "r/summary.json"),
+    ];
+    for (arguments, wanted) in commands {
+        let operations = observed(folder.path(), &arguments);
+        std::fs::remove_file(folder.path().join("operations")).unwrap();
+        let renamed: Vec<&PathBuf> = operations
+            .iter()
+            .filter_map(|o| if let Rename(_, to) = o { Some(to) } else { None })
+            .collect();
+        assert!(renamed.contains(&&real.join(wanted)), "{arguments:?}: {operations:?}");
+        let mut disk = Disk::default();
+        for (at, operation) in operations.iter().enumerate() {
+            disk.apply(operation);
+            for name in &renamed {
+                for (file, bytes) in disk.after_a_cut(name) {
+                    let whole = disk.written[&file];
+                    assert!(
+                        bytes == whole && whole > 0,
+                        "{arguments:?}, cut after {at}: {bytes} of {whole} bytes of {}",
+                        name.display()
+                    );
+                }
+            }
+        }
+        let log = real.join("r/runs.jsonl");
+        if let Some(file) = disk.names.get(&log) {
+            assert_eq!(disk.kept.get(&log), Some(file));
+            assert_eq!(disk.synced[file], disk.written[file]);
+        }
     }
 }
 

@@ -642,6 +642,19 @@ fn results_never_take_the_place_of_an_input() {
         ("simulate --input-file in.csv -o in.csv", "x.fmu", &fmu, 2),
         ("simulate -o other.csv", "x.fmu", &fmu, 1),
         ("run -o x.ssd", "x.ssd", &ssd, 2),
+        ("simulate --input-file in.csv --log-fmi-calls=in.csv -o -", "x.fmu", &fmu, 2),
+        ("simulate --log-fmi-calls=x.fmu -o -", "x.fmu", &fmu, 1),
+        ("simulate --snapshot-file x.fmu --snapshot-every 1 -o -", "x.fmu", &fmu, 2),
+        ("simulate --snapshot-file x.fmu --snapshot-every 1 -o - --isolate", "x.fmu", &fmu, 2),
+        (
+            "simulate --input-file in.csv --snapshot-file in.csv --snapshot-every 1 -o -",
+            "x.fmu",
+            &fmu,
+            2,
+        ),
+        ("simulate --start-value text=in.csv -o in.csv", "x.fmu", &fmu, 2),
+        ("convert x.ssd", "x.ssd", &ssd, 1),
+        ("report in.csv -o", "in.csv", &b"time,u\n0,1\n1,1\n".to_vec(), 2),
     ] {
         let (found, shown) = workspace.run(verb, name, bytes);
         assert_eq!(found, code, "{verb}: {shown}");

@@ -432,6 +432,33 @@ fn every_cell_of_the_table_of_rights_is_as_it_says() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// Whoever answers a worker that asks for its rights could lock it out.
+#[test]
+fn an_observer_cannot_answer_for_the_rights() {
+    let folder = keys();
+    let at = folder.path();
+    let endpoint = format!("tls/127.0.0.1:{}", free_port());
+    let listening = ["workers", "--wait", "600", "--listen", &endpoint];
+    let _listening = start(at, &[&listening[..], &["--credentials", "keys/orchestrator"]].concat());
+    let of = |member: &str| observe(&endpoint, &at.join("keys").join(member));
+    let observer = of("observer");
+    let forger = observer.declare_queryable("cosim/@1/rights").callback(|query| {
+        drop(query.reply(query.key_expr().clone(), "forged").wait());
+    });
+    let _forger = forger.wait().unwrap();
+    fence(&observer);
+    let left = of("left");
+    let asked = left
+        .get("cosim/@1/rights")
+        .payload("left")
+        .target(zenoh::query::QueryTarget::All)
+        .consolidation(zenoh::query::ConsolidationMode::None)
+        .timeout(Duration::from_secs(10));
+    let answers = asked.wait().unwrap().into_iter().filter_map(|reply| reply.into_result().ok());
+    let answers: Vec<_> = answers.map(|a| a.payload().to_bytes().into_owned()).collect();
+    assert!(!answers.is_empty() && !answers.contains(&b"forged".to_vec()), "{answers:?}");
+}
+
 fn includes(keys: &str, key: &str) -> bool {
     use zenoh::key_expr::KeyExpr;
     KeyExpr::try_from(keys).unwrap().includes(&KeyExpr::try_from(key).unwrap())

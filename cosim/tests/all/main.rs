@@ -13,6 +13,7 @@ mod direct;
 mod distributed;
 mod durability;
 mod exchange;
+mod exits;
 mod export;
 mod failures;
 mod faults;

@@ -16,6 +16,7 @@
 #include <fcntl.h>
 #include <fenv.h>
 #include <locale.h>
+#include <sched.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -97,6 +98,17 @@ typedef struct {
 #define WELL 0
 #endif
 
+#ifdef EXITS_AT
+/* -DEXITS=... runs at one place of a life. */
+static void leave(void) { _exit(0); }
+static void at(const char *place) {
+  if (!strcmp(place, EXITS_AT)) EXITS;
+}
+__attribute__((constructor)) static void constructed(void) { at("constructor"); }
+__attribute__((destructor)) static void destructed(void) { at("destructor"); }
+#else
+#define at(place)
+#endif
 #ifdef ATTACK
 /* -DATTACK=... runs in a step, and logs its outcome with REPORT(result). */
 static const char *outcome(long result) { return result < 0 ? strerror(errno) : "done"; }
@@ -222,6 +234,7 @@ Component fmi2Instantiate(const char *name, int type, const char *guid, const ch
   defaults(m);
   snprintf(m->name, sizeof m->name, "%s", name);
   REPORT("instantiated");
+  at("instantiation");
   m->thread = pthread_self();
 #ifdef READS /* its gain, in this folder */
   char path[1024];
@@ -248,6 +261,7 @@ void fmi2FreeInstance(Component c) { free(c); }
 void fmi2FreeInstance(Component c) {
   Model *m = c;
   REPORT("freed");
+  at("end");
   m->callbacks->release(c);
 }
 #endif
@@ -294,12 +308,14 @@ Status fmi2ExitInitializationMode(Component c) {
   Model *m = c;
   m->mode = 2;
   REPORT("initialized");
+  at("initialization");
   return WELL;
 }
 #ifndef LACKS_OPTIONAL
 Status fmi2Terminate(Component c) {
   Model *m = c;
   REPORT("terminated");
+  at("termination");
 #ifdef TERMINATE_FAILS
   return 3;
 #endif
@@ -545,6 +561,7 @@ Status fmi2DoStep(Component c, double t, double h, int no_set) {
 #ifdef ATTACK
   if (m->steps == 3) attack(m);
 #endif
+  if (m->steps == 3) at("step");
 #ifdef ABORTS
   if (m->steps == 6) abort();
 #endif

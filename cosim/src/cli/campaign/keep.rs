@@ -5,6 +5,7 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use cosim::campaign::{self, Bench, Folder, Status};
+use cosim::confine::Supervised;
 use cosim::{Code, Error, Result};
 
 use super::pool::read_until;
@@ -50,18 +51,16 @@ pub(super) fn keep(bench: &Bench, folder: &Path, results: Folder) -> Result<()> 
 
 /// Whether a process succeeds, and its output; `None` if it does not end within this time.
 fn ends(command: &mut Command, seconds: f64) -> std::io::Result<Option<(bool, String)>> {
-    let mut process = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn()?;
+    command.stdout(Stdio::null()).stderr(Stdio::piped());
+    let mut process = Supervised::start(command)?;
     let mut said = Vec::new();
-    if let Some(mut stderr) = process.stderr.take() {
+    if let Some(mut stderr) = process.0.stderr.take() {
         let limit = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
         let outcome = read_until(&mut stderr, &mut said, limit, |_| None::<()>);
         if outcome == Err(Status::TimedOut) {
-            // A process that cannot be killed has already ended.
-            drop(process.kill());
-            process.wait()?;
             return Ok(None);
         }
     }
-    let good = process.wait()?.success();
+    let good = process.0.wait()?.success();
     Ok(Some((good, String::from_utf8_lossy(&said).trim().to_owned())))
 }

@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use cosim::campaign::{self, Answer, Bench, Folder, Judgement, Row};
+use cosim::confine::reap_descendants;
 use cosim::{Code, Error, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -71,6 +72,8 @@ const LOOK: Duration = Duration::from_secs(5);
 impl Campaign {
     pub(crate) fn run(self) -> Result<()> {
         interrupt::listen();
+        // What FMUs start in the processes that make runs ends with them.
+        reap_descendants();
         problems::reported(self.format, self.computed())
     }
 
@@ -102,6 +105,7 @@ impl Campaign {
         }
         let mut results = Folder::open(&folder, bench.campaign(), &identity)?;
         let outcome = self.make(&bench, &pool, &mut results);
+        results.sync()?;
         let judgement = self.conclude(&bench, &identity, &results)?;
         if let Some(past) = past {
             let changes = campaign::changes(bench.campaign(), results.rows(), &past);

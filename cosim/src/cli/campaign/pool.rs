@@ -5,12 +5,13 @@ use std::io::{Read, Write};
 use std::os::fd::AsFd;
 use std::os::unix::process::CommandExt;
 use std::path::PathBuf;
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::process::{ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
 use cosim::campaign::{Bench, Row, Status, fingerprint};
+use cosim::confine::Supervised;
 use cosim::{Code, Error, Result};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
@@ -76,8 +77,7 @@ impl<'a> Pool<'a> {
                 Ok(row)
             }
             Err(Status::TimedOut) => {
-                // A process that cannot be killed has already ended.
-                drop(at_work.process.kill());
+                at_work.hangs = true;
                 let limit = self.bench.campaign().time_limit;
                 let reason = format!("it took longer than {limit} s");
                 Ok(self.bench.lost(run, Status::TimedOut, reason))
@@ -97,10 +97,10 @@ impl<'a> Pool<'a> {
         // Ctrl-C is meant for this process: the runs in progress are finished.
         command.process_group(0);
         let wrong = |why: String| Error::new(Code::Lost, "no process can make runs").why(why);
-        let mut process = command.spawn().map_err(|e| wrong(e.to_string()))?;
-        match (process.stdin.take(), process.stdout.take()) {
+        let mut process = Supervised::start(&mut command).map_err(|e| wrong(e.to_string()))?;
+        match (process.0.stdin.take(), process.0.stdout.take()) {
             (Some(input), Some(output)) => {
-                Ok(Maker { process, input: Some(input), output, read: Vec::new() })
+                Ok(Maker { process, hangs: false, input: Some(input), output, read: Vec::new() })
             }
             _ => Err(wrong("it has no pipes".to_owned())),
         }
@@ -109,7 +109,9 @@ impl<'a> Pool<'a> {
 
 /// A process that makes runs.
 struct Maker {
-    process: Child,
+    process: Supervised,
+    /// Whether it is not waited for.
+    hangs: bool,
     input: Option<ChildStdin>,
     output: ChildStdout,
     read: Vec<u8>,
@@ -132,7 +134,7 @@ impl Maker {
 
     /// How a process ended.
     fn end(&mut self) -> String {
-        self.process.wait().map_or_else(|e| e.to_string(), |status| status.to_string())
+        self.process.0.wait().map_or_else(|e| e.to_string(), |status| status.to_string())
     }
 }
 
@@ -171,14 +173,11 @@ impl Drop for Maker {
         // removed. One that hangs does not.
         self.input = None;
         let patience = Instant::now();
-        while patience.elapsed() < Duration::from_secs(2) {
-            if !matches!(self.process.try_wait(), Ok(None)) {
+        while !self.hangs && patience.elapsed() < Duration::from_secs(2) {
+            if !matches!(self.process.0.try_wait(), Ok(None)) {
                 return;
             }
             std::thread::sleep(Duration::from_millis(2));
         }
-        // A process that cannot be killed has already ended.
-        drop(self.process.kill());
-        drop(self.process.wait());
     }
 }

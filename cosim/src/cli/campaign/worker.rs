@@ -7,7 +7,7 @@ use clap::Args;
 use cosim::campaign::{Bench, Campaign, fingerprint};
 use cosim::{Code, Error, Result};
 
-use crate::cli::standard;
+use crate::cli::{interrupt, standard};
 
 /// Make the runs whose numbers arrive on stdin, one per line; write their rows to stdout
 #[derive(Args)]
@@ -24,6 +24,7 @@ impl CampaignWorker {
         let broken = |e: std::io::Error| Error::new(Code::Output, "a row cannot be written").why(e);
         // Output of FMUs must not appear between the rows.
         standard::keep_apart()?;
+        interrupt::watch();
         let mut rows = standard::out();
         let bench = Bench::open(Campaign::read(&self.file)?)?;
         if fingerprint(&bench.identity()?) != self.identity {

@@ -74,7 +74,7 @@ const KEYS: [&str; 12] = [
 impl Configuration {
     /// Reads a file.
     pub fn read(file: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(file)
+        let text = crate::files::read_input_text(file)
             .map_err(|why| wrong(file, "the configuration cannot be read").why(why))?;
         let mut zenoh: Value = json5::from_str(&text)
             .map_err(|why| wrong(file, "the configuration is not json5").why(why))?;

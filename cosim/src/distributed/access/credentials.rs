@@ -120,7 +120,7 @@ fn since_epoch() -> Duration {
 }
 
 fn read(file: &Path) -> Result<Vec<u8>> {
-    std::fs::read(file).map_err(|why| match why.kind() {
+    crate::files::read_input(file).map_err(|why| match why.kind() {
         std::io::ErrorKind::NotFound => {
             wrong("a certificate or key is missing", file).help("cosim keys FOLDER makes a set")
         }

@@ -49,7 +49,7 @@ impl Role {
 impl Members {
     /// Reads a file; `None` if it does not exist.
     pub(crate) fn read(file: &Path) -> Result<Option<Self>> {
-        let text = match std::fs::read_to_string(file) {
+        let text = match crate::files::read_input_text(file) {
             Ok(text) => text,
             Err(why) if why.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(why) => return Err(unusable(file).why(why)),

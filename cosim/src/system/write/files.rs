@@ -10,7 +10,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use super::unwritten;
 use crate::error::Result;
-use crate::files::Unfinished;
+use crate::files::{Unfinished, copy};
 use crate::system::System;
 use crate::system::read::{SSD_FILE, write_source};
 
@@ -82,11 +82,7 @@ impl Files {
             if let Some(parent) = to.parent() {
                 fs::create_dir_all(parent).map_err(|e| unwritten(parent, e))?;
             }
-            // Copying a file onto itself would empty it.
-            let same = to.canonicalize().is_ok_and(|to| from.canonicalize().is_ok_and(|f| f == to));
-            if !same {
-                fs::copy(from, &to).map_err(|e| unwritten(&to, e))?;
-            }
+            copy(from, &to).map_err(|e| unwritten(&to, e))?;
         }
         Ok(())
     }

@@ -89,8 +89,10 @@ impl System {
         let log = file.with_file_name(osp::LOG_FILE);
         match osp::log_config(self, notes) {
             Some(text) => store(&log, text.as_bytes())?,
-            // A file of an earlier system would select the variables of this one.
-            None if log.is_file() => fs::remove_file(&log).map_err(|e| unwritten(&log, e))?,
+            None if log.is_file() => notes.push(format!(
+                "{} selects the variables that libcosim records: it is that of another system",
+                log.display()
+            )),
             None => (),
         }
         files.copy(&parent(file))

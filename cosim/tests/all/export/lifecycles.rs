@@ -31,6 +31,12 @@ unsafe extern "C" {
     fn mallinfo2() -> Allocated;
 }
 
+/// What this process has allocated (bytes).
+pub(crate) fn allocated() -> usize {
+    // SAFETY: it only counts.
+    unsafe { mallinfo2() }.bytes
+}
+
 fn system() -> Ssd {
     let loop_ = Ssd::new().add("i", Integrator).add("g", Gain);
     loop_.connect("i.y", "g.u").connect("g.y", "i.u")
@@ -59,10 +65,6 @@ fn lifecycles() {
         instance.enter_initialization(seconds(0.0), seconds(10.0)).unwrap();
         instance.exit_initialization().unwrap();
         step(&mut instance, 0.0, 1.0);
-    };
-    let allocated = || {
-        // SAFETY: it only counts.
-        unsafe { mallinfo2() }.bytes
     };
     // The first ones also fill the lists of the dynamic linker.
     (0..CYCLES).for_each(|_| lifecycle());

@@ -2,7 +2,7 @@
 
 mod bits;
 mod inside;
-mod lifecycles;
+pub(crate) mod lifecycles;
 mod refused;
 mod scenario;
 mod shown;

@@ -1,6 +1,7 @@
 //! FMUs that a worker computes, through the binary, and driven by our own importer.
 
 mod bits;
+mod lives;
 mod locked;
 mod losses;
 mod offered;
