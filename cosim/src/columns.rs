@@ -11,21 +11,35 @@ use parquet::column::writer::ColumnWriter;
 use parquet::data_type::ByteArray;
 use parquet::errors::Result;
 use parquet::file::metadata::KeyValue;
-use parquet::file::properties::WriterProperties;
+use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
-use parquet::schema::types::Type;
+use parquet::schema::types::{ColumnPath, Type};
 
 /// The type of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Holds {
     /// `DOUBLE`.
     Real,
-    /// `DOUBLE` that may be missing.
+    /// `DOUBLE` that may be missing, and is hardly ever the same twice.
     OptionalReal,
     /// `INT64`.
     Whole,
     /// `BYTE_ARRAY` of UTF-8.
     Text,
+    /// The same, where no text occurs twice.
+    UniqueText,
+}
+
+impl Holds {
+    /// Whether a dictionary of the values pays.
+    fn repeats(self) -> bool {
+        !matches!(self, Holds::OptionalReal | Holds::UniqueText)
+    }
+
+    /// Whether the least and the greatest value of a block say something about its values.
+    fn is_ordered(self) -> bool {
+        !matches!(self, Holds::Text | Holds::UniqueText)
+    }
 }
 
 /// The values of a column in a group of rows.
@@ -47,12 +61,21 @@ impl<W: Write + Send> Table<W> {
         columns: impl IntoIterator<Item = (String, Holds)>,
         about: impl IntoIterator<Item = (String, String)>,
     ) -> Result<Self> {
+        let mut properties = WriterProperties::builder();
         let fields = columns.into_iter().map(|(name, holds)| {
+            let path = ColumnPath::from(vec![name.clone()]);
+            let ordered = match holds.is_ordered() {
+                true => EnabledStatistics::Chunk,
+                false => EnabledStatistics::None,
+            };
+            properties = std::mem::take(&mut properties)
+                .set_column_dictionary_enabled(path.clone(), holds.repeats())
+                .set_column_statistics_enabled(path, ordered);
             let (physical, logical, repetition) = match holds {
                 Holds::Real => (Physical::DOUBLE, None, Repetition::REQUIRED),
                 Holds::OptionalReal => (Physical::DOUBLE, None, Repetition::OPTIONAL),
                 Holds::Whole => (Physical::INT64, None, Repetition::REQUIRED),
-                Holds::Text => {
+                Holds::Text | Holds::UniqueText => {
                     (Physical::BYTE_ARRAY, Some(LogicalType::String), Repetition::REQUIRED)
                 }
             };
@@ -65,7 +88,7 @@ impl<W: Write + Send> Table<W> {
         let fields = fields.collect::<Result<Vec<_>>>()?;
         let schema = Type::group_type_builder("table").with_fields(fields).build()?;
         let about = about.into_iter().map(|(key, value)| KeyValue::new(key, value)).collect();
-        let properties = WriterProperties::builder()
+        let properties = properties
             .set_compression(Compression::SNAPPY)
             .set_created_by(format!("cosim {}", env!("CARGO_PKG_VERSION")))
             .set_key_value_metadata(Some(about));

@@ -37,7 +37,7 @@ pub(super) fn parquet(campaign: &Campaign, rows: &[Row], identity: &[String]) ->
     columns.extend(["status", "reason"].map(named));
     columns.push(("simulated".to_owned(), Holds::OptionalReal));
     columns.extend(campaign.figures().map(|name| (name.to_owned(), Holds::OptionalReal)));
-    columns.push(named("digest"));
+    columns.push(("digest".to_owned(), Holds::UniqueText));
     columns.push(("cpu_ms".to_owned(), Holds::OptionalReal));
     let about = [
         ("cosim.version", env!("CARGO_PKG_VERSION").to_owned()),

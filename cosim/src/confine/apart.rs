@@ -167,11 +167,14 @@ fn kill_all(root: u32, is_spared: &dyn Fn(u32) -> bool) {
     if own.is_none_or(|own| own.to_str() != Some(&std::process::id().to_string())) {
         return;
     }
+    let mut calm = false;
     for _ in 0..ROUNDS {
         let found = descendants(root, is_spared);
-        if found.is_empty() {
+        // A process that starts another one and ends while /proc is read hides it once.
+        if found.is_empty() && std::mem::replace(&mut calm, true) {
             return;
         }
+        calm = found.is_empty();
         for signal in [libc::SIGSTOP, libc::SIGKILL] {
             for &process in &found {
                 // SAFETY: a signal to a process that was just seen to descend from ours.
@@ -182,7 +185,9 @@ fn kill_all(root: u32, is_spared: &dyn Fn(u32) -> bool) {
             // SAFETY: waits for a child, or fails if it is not one.
             unsafe { libc::waitpid(process, std::ptr::null_mut(), libc::WNOHANG) };
         }
-        std::thread::sleep(std::time::Duration::from_millis(1));
+        if !calm {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
     }
 }
 

@@ -65,7 +65,10 @@ const ATTACKS: [(&str, &str, [Came; 3]); 25] = [
     ),
     (
         "starts a program",
-        "REPORT(fork() ? 0 : execl(\"/bin/true\", \"true\", NULL)); const int ended = wait(NULL); REPORT(ended)",
+        "int ended = 0; const int child = fork(); \
+         if (!child) { execl(\"/bin/true\", \"true\", NULL); _exit(127); } \
+         if (child > 0) waitpid(child, &ended, 0); \
+         REPORT(ended ? (errno = EACCES, -1) : child)",
         [Done, Refused, Refused],
     ),
     (

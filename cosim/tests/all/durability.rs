@@ -172,8 +172,8 @@ fn a_snapshot_and_the_results_before_it_survive_a_cut_at_every_write() {
     }
 }
 
-/// Whatever is replaced as a whole is the old file or the new one, at whatever operation the power
-/// fails.
+/// Whatever gets a name when it is complete is the old file or the new one, at whatever operation the
+/// power fails; results that are continued then have at least what they had.
 #[test]
 fn what_is_replaced_as_a_whole_survives_a_cut_at_every_write() {
     let folder = TempDir::new().unwrap();
@@ -201,14 +201,18 @@ fn what_is_replaced_as_a_whole_survives_a_cut_at_every_write() {
             .filter_map(|o| if let Rename(_, to) = o { Some(to) } else { None })
             .collect();
         assert!(renamed.contains(&&real.join(wanted)), "{arguments:?}: {operations:?}");
-        let mut disk = Disk::default();
+        let (mut disk, mut complete) = (Disk::default(), BTreeMap::new());
         for (at, operation) in operations.iter().enumerate() {
             disk.apply(operation);
+            if let Rename(_, to) = operation {
+                let file = disk.names[to];
+                complete.insert(file, disk.written[&file]);
+            }
             for name in &renamed {
                 for (file, bytes) in disk.after_a_cut(name) {
-                    let whole = disk.written[&file];
+                    let whole = complete[&file];
                     assert!(
-                        bytes == whole && whole > 0,
+                        bytes >= whole && whole > 0,
                         "{arguments:?}, cut after {at}: {bytes} of {whole} bytes of {}",
                         name.display()
                     );

@@ -442,21 +442,33 @@ fn an_observer_cannot_answer_for_the_rights() {
     let _listening = start(at, &[&listening[..], &["--credentials", "keys/orchestrator"]].concat());
     let of = |member: &str| observe(&endpoint, &at.join("keys").join(member));
     let observer = of("observer");
-    let forger = observer.declare_queryable("cosim/@1/rights").callback(|query| {
-        drop(query.reply(query.key_expr().clone(), "forged").wait());
-    });
-    let _forger = forger.wait().unwrap();
-    fence(&observer);
+    let answering = |session: &zenoh::Session| {
+        let forger = session.declare_queryable("cosim/@1/rights").callback(|query| {
+            drop(query.reply(query.key_expr().clone(), "forged").wait());
+        });
+        let forger = forger.wait().unwrap();
+        fence(session);
+        forger
+    };
     let left = of("left");
-    let asked = left
-        .get("cosim/@1/rights")
-        .payload("left")
-        .target(zenoh::query::QueryTarget::All)
-        .consolidation(zenoh::query::ConsolidationMode::None)
-        .timeout(Duration::from_secs(10));
-    let answers = asked.wait().unwrap().into_iter().filter_map(|reply| reply.into_result().ok());
-    let answers: Vec<_> = answers.map(|a| a.payload().to_bytes().into_owned()).collect();
-    assert!(!answers.is_empty() && !answers.contains(&b"forged".to_vec()), "{answers:?}");
+    let answers = || -> Vec<Vec<u8>> {
+        let asked = left
+            .get("cosim/@1/rights")
+            .payload("left")
+            .target(zenoh::query::QueryTarget::All)
+            .consolidation(zenoh::query::ConsolidationMode::None)
+            .timeout(Duration::from_secs(10));
+        let answers = asked.wait().unwrap().into_iter();
+        let answers = answers.filter_map(|reply| reply.into_result().ok());
+        answers.map(|answer| answer.payload().to_bytes().into_owned()).collect()
+    };
+    let _forger = answering(&observer);
+    let got = answers();
+    assert!(!got.is_empty() && !got.contains(&b"forged".to_vec()), "{got:?}");
+    // Whoever may answer is heard.
+    let orchestrator = of("orchestrator");
+    let _other = answering(&orchestrator);
+    assert!(answers().contains(&b"forged".to_vec()));
 }
 
 fn includes(keys: &str, key: &str) -> bool {
