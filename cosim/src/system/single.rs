@@ -132,20 +132,30 @@ fn start_values(
 fn signals(description: &Description, table: &Table<'_>) -> Result<Signals> {
     let mut signals = Vec::new();
     let mut problems = Vec::new();
-    for &(name, values) in &table.columns {
+    for (name, values) in &table.columns {
         let inputs = || description.variables.iter().filter(|v| v.causality == Causality::Input);
-        match inputs().find(|v| v.name == name) {
-            Some(input) if input.kind != Kind::String => signals.push(Signal {
-                name: name.to_owned(),
+        let wrong = |code| Error::new(code, format!("the input file's column '{name}'"));
+        match (inputs().find(|v| v.name == *name), values) {
+            (None, _) => problems.push(
+                wrong(Code::UnknownName)
+                    .why(format!("'{}' has no such input", description.model_name))
+                    .maybe_help(names::did_you_mean(name, inputs().map(|v| v.name.as_str()))),
+            ),
+            (Some(input), _) if input.kind == Kind::String => problems.push(
+                wrong(Code::Parameter)
+                    .why("the input is a String; files drive only inputs of numbers")
+                    .help(format!("set it for the whole run: --start-value '{name}=TEXT'")),
+            ),
+            (Some(input), Err(text)) => problems.push(wrong(Code::Parameter).why(format!(
+                "it has {text}, which is not a number; the input is of the type {}",
+                input.kind.name()
+            ))),
+            (Some(input), Ok(values)) => signals.push(Signal {
+                name: input.name.clone(),
                 kind: input.kind.clone(),
                 continuous: input.variability == Variability::Continuous,
                 values: values.to_vec(),
             }),
-            _ => problems.push(
-                Error::new(Code::UnknownName, format!("the input file's column '{name}'"))
-                    .why(format!("'{}' has no such input", description.model_name))
-                    .maybe_help(names::did_you_mean(name, inputs().map(|v| v.name.as_str()))),
-            ),
         }
     }
     Error::all(problems)?;
