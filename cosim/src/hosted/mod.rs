@@ -25,6 +25,7 @@ use crate::fmi::{Logging, Mailbox, Message, Value};
 use crate::master::Engine;
 use crate::scenario::Scenario;
 use crate::system::{Component, Input, Overrides, System};
+use crate::texts;
 use crate::time::Time;
 pub use interface::MARK;
 use interface::{FILE, Interface};
@@ -238,11 +239,14 @@ impl Hosted {
         }
         let known = self.table.known(Basic::String, reference)?;
         let value = match (&mut self.engine, known.read) {
+            (Some(engine), Read::Slot(slot) | Read::Recorded(slot, _)) => {
+                return Ok(texts::text(engine.values[slot]).to_string());
+            }
             (Some(engine), Read::Asked) => {
                 let port = known.ends[0].port;
                 engine.slaves[port.component].look(port.variable)?
             }
-            _ => known.value.clone(),
+            (Some(_), Read::Own) | (None, _) => known.value.clone(),
         };
         match value {
             Value::String(text) => Ok(text),

@@ -19,7 +19,7 @@ use crate::system::{Model, System};
 use crate::time::Time;
 
 const MAGIC: &[u8; 8] = b"COSIMSNP";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 const HEADER: usize = 8 + 4 + 32;
 
 /// A running system at one instant.

@@ -175,6 +175,15 @@ impl Column {
     pub(crate) fn name_and_unit(&self) -> Option<(&str, &str)> {
         Some((self.name.as_str(), self.unit()?))
     }
+
+    /// Refuses Strings: conditions and figures are about numbers.
+    pub fn is_number(&self) -> Result<()> {
+        if self.kind != Kind::String {
+            return Ok(());
+        }
+        let what = format!("'{}' is a String", self.name);
+        Err(Error::new(Code::Parameter, what).why("conditions and figures need a number"))
+    }
 }
 
 impl System {
