@@ -1,6 +1,6 @@
 //! Components: their names, FMUs and listed connectors.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use super::Findings;
@@ -61,12 +61,7 @@ fn open_one(
     overrides: &Overrides,
     findings: &mut Findings,
 ) -> Opened {
-    let replacement: Option<&PathBuf> = overrides
-        .replacements
-        .iter()
-        .rev()
-        .find(|(name, _)| *name == component.name)
-        .map(|(_, path)| path);
+    let replacement = overrides.replacement_of(&component.name);
     let replaced = replacement.is_some();
     let name = component.name.clone();
     let path = match (replacement, &component.model) {
