@@ -247,8 +247,8 @@ pub(super) fn load(path: &Path, fmu: &Path, kind: InterfaceType) -> Result<Binar
         InterfaceType::CoSimulation => Own::Stepping(Stepping::resolve(&library.library, fmu)?),
         InterfaceType::ModelExchange => Own::Exchange(Exchange::resolve(&library.library, fmu)?),
     };
-    // SAFETY: the function takes nothing and returns NULL or a C string that is never freed.
-    let version = unsafe { text((functions.get_version)()) };
+    // SAFETY: the function takes nothing.
+    let version = text(unsafe { (functions.get_version)() });
     if version == "2.0" {
         return Ok(Binary { functions, own, changed, threads, library });
     }
