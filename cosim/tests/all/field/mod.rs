@@ -149,6 +149,31 @@ fn a_step_of_zero_is_no_step() {
     assert!(error.contains("the run would go from 0 s to -1 s"), "{error}");
     let alone = System::single(&zero, &Overrides::new(), None).unwrap();
     assert_eq!(alone.components()[0].step.seconds(), 0.002);
+    let without = text.replace(" stepSize='0.0'", "");
+    let base = without.replace("<Simulators>", "<BaseStepSize>0</BaseStepSize><Simulators>");
+    let file = folder.write("OspSystemStructure.xml", &base);
+    let step = |file| System::load(file, &Overrides::new()).unwrap().components()[0].step.seconds();
+    assert_eq!(step(file), 0.1);
+    let hint = |inside: &str| {
+        format!(
+            "<ssd:Annotations xmlns:cosim='urn:cosim:1'><ssc:Annotation type='x'>{inside}\
+             </ssc:Annotation></ssd:Annotations>"
+        )
+    };
+    let experiment = "<ssd:DefaultExperiment startTime='0' stopTime='1'/>";
+    for own in ["<osp:StepSizeHint value='0'/>", "<cosim:Component stepSize='0'/>"] {
+        let gain = component("g", &Gain.fmu(), "", &hint(own));
+        assert_eq!(step(folder.write("x.ssd", &ssd(&system(&gain, ""), ""))), 0.1, "{own}");
+    }
+    for whole in [
+        "<osp:Algorithm><osp:FixedStepAlgorithm baseStepSize='0'/></osp:Algorithm>",
+        "<cosim:Master stepSize='0' outputInterval='0'/>",
+    ] {
+        let gain = component("g", &Gain.fmu(), "", "");
+        let inside = experiment.replace("/>", &format!(">{}</ssd:DefaultExperiment>", hint(whole)));
+        let text = ssd(&system(&gain, ""), "").replace(experiment, &inside);
+        assert_eq!(step(folder.write("x.ssd", &text)), 0.1, "{whole}");
+    }
 }
 
 #[test]
