@@ -6,6 +6,7 @@ mod modes;
 mod process;
 mod table;
 
+use cosim::fmi::Fmu;
 use cosim::{Overrides, Recording, System};
 use tempfile::TempDir;
 
@@ -94,9 +95,13 @@ fn model_exchange_without_listed_derivatives_is_refused_and_co_simulation_is_not
             "{reported}"
         );
     }
-    // An empty list means that there are none.
+    // An empty list is not valid, and would leave the states constant all the same.
     let empty = Lag.varied(folder.path(), list, "<Derivatives></Derivatives>");
-    assert!(System::single(&empty, &Overrides::new(), None).is_ok());
+    let error = System::single(&empty, &Overrides::new(), None).err().unwrap();
+    assert_eq!(error.code(), cosim::Code::States);
+    // A partial list may mean that the other variables are no states.
+    let two = Model::Oscillator.varied(folder.path(), "<Unknown index=\"9\"/>", "");
+    assert_eq!(Fmu::open(&two).unwrap().description().states, 2);
 }
 
 #[test]
