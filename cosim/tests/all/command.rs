@@ -372,6 +372,8 @@ fn results_are_compared_within_tolerances() {
         reported.contains(largest) && reported.contains("1 samples of a.csv have no partner"),
         "{reported}"
     );
+    let (code, reported) = verify(&["--abs", "1", "--abs", "m.z=1"]);
+    assert!(code == 3 && reported.contains("did you mean 'm.x'?"), "{reported}");
     let (code, reported) = verify(&["--rel", "0.05"]);
     assert!(code == 1 && reported.contains("1 of 2 variables are too far apart"), "{reported}");
     assert!(reported.contains("at 1 of 2 samples, first at t = 1: m.y"), "{reported}");

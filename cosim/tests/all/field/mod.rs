@@ -14,6 +14,7 @@ use crate::command::{cosim, text};
 use crate::formats::{Folder, component, ssd, system};
 use crate::models::Model::{self, Clock, Gain, Lag};
 use crate::models::pack;
+use crate::rawzip::{self, Entry};
 
 /// A model that is compiled with `define`.
 fn with(folder: &TempDir, model: Model, define: &str) -> std::path::PathBuf {
@@ -135,8 +136,15 @@ fn customary_prefixes_need_no_declaration() {
     let loaded = folder.load(&given).unwrap();
     assert_eq!(loaded.components()[0].start_values.len(), 1);
     assert_eq!(loaded.components()[0].step.seconds(), 0.25);
+    let ours = "<cosim:Component stepSize='0.5'/>";
+    let ours = given.replace("<osp:StepSizeHint value='0.25'/>", ours);
+    assert_eq!(folder.load(&ours).unwrap().components()[0].step.seconds(), 0.5);
+    // Any other only among annotations, which may be those of another tool.
     let other = given.replace("osp:", "opsp:");
-    assert!(folder.error(&other).contains("'opsp:' is not declared"));
+    assert_eq!(folder.load(&other).unwrap().components()[0].step.seconds(), 0.1);
+    let outside = given.replace("<ssd:Elements>", "<opsp:Elements>");
+    let outside = outside.replace("</ssd:Elements>", "</opsp:Elements>");
+    assert!(folder.error(&outside).contains("'opsp:' is not declared"));
 }
 
 #[test]
@@ -226,6 +234,22 @@ fn what_is_missing_to_run_a_system_does_not_make_it_invalid() {
     assert!(reported.contains("[E201] the system has no components"), "{reported}");
     let given = ["run", "x.ssd", "--stop-time=1", "--step-size=0.5", "-q"];
     assert!(cosim(at, &given).status.success());
+}
+
+#[test]
+fn an_archive_may_list_a_folder_twice() {
+    let folder = Folder::new();
+    let library = std::fs::read(crate::models::compile(Gain)).unwrap();
+    let description = Gain.description().into_bytes();
+    let entries = [
+        Entry::new("binaries/", b""),
+        Entry::new("modelDescription.xml", &description),
+        Entry::new("binaries/linux64/GAIN.so", &library),
+        Entry::new("binaries/", b""),
+    ];
+    let path = folder.write("twice.fmu", "");
+    std::fs::write(&path, rawzip::archive(&entries)).unwrap();
+    assert!(System::single(&path, &Overrides::new(), None).is_ok());
 }
 
 #[test]
