@@ -321,6 +321,11 @@ impl System {
         Error::all(problems.into_iter().map(place).collect())
     }
 
+    /// Whether an FMU runs without an installed tool, or with one that is known to be there.
+    pub fn needs_no_tool(fmu: &Fmu, interface: InterfaceType, name: &str) -> Result<()> {
+        check::needs_no_tool(fmu, interface, name)
+    }
+
     /// The algorithm.
     pub fn algorithm(&self) -> Algorithm {
         self.algorithm

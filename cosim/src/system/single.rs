@@ -21,7 +21,9 @@ impl System {
     pub fn single(fmu: &Path, overrides: &Overrides, inputs: Option<Table<'_>>) -> Result<Self> {
         let fmu = Fmu::open(fmu)?;
         let interface = fmu.choose(overrides.interface_of(""))?;
-        check::needs_no_tool(&fmu, interface, &fmu.description().model_name, overrides)?;
+        if !overrides.execution_tools {
+            check::needs_no_tool(&fmu, interface, &fmu.description().model_name)?;
+        }
         let solver = overrides.settings(fmu.description().experiment.tolerance)?;
         let names = Names::single(&fmu);
         let description = fmu.description();

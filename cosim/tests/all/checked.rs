@@ -128,3 +128,37 @@ fn steps_loops_and_what_is_not_connected() {
     let notes = reported["notes"].to_string();
     assert!(notes.contains("the input c.u is not connected"), "{reported}");
 }
+
+#[test]
+fn what_is_missing_on_this_machine_does_not_make_a_file_invalid() {
+    let folder = Folder::new();
+    let foreign = folder.path("foreign.fmu");
+    let described = Model::Gain.description().into_bytes();
+    crate::models::pack(
+        &foreign,
+        &[("modelDescription.xml", described), ("binaries/win64/GAIN.dll", b"MZ".to_vec())],
+    );
+    let flag = "needsExecutionTool=\"true\" canGet";
+    let tool = folder.fmu(Model::Gain, "tool", &[("canGet", flag)]);
+    let both = [component("f", &foreign, "", ""), component("t", &tool, "", "")];
+    folder.write("x.ssd", &ssd(&system(&both.concat(), ""), ""));
+    let binary = "foreign.fmu: the FMU has no binary for this machine: export it";
+    let needs = "needs a tool to be installed: if it is installed here, add --execution-tool";
+    for (file, wanted) in
+        [("foreign.fmu", &[binary][..]), ("tool.fmu", &[needs]), ("x.ssd", &[binary, needs])]
+    {
+        let (code, reported) = validate(&folder, file);
+        assert_eq!((code, &reported["valid"]), (0, &true.into()), "{reported}");
+        let notes: Vec<&str> =
+            reported["notes"].as_array().unwrap().iter().filter_map(|n| n.as_str()).collect();
+        let notes: Vec<&&str> =
+            notes.iter().filter(|note| note.starts_with("to run it:")).collect();
+        assert_eq!(notes.len(), wanted.len(), "{reported}");
+        assert!(wanted.iter().zip(notes).all(|(part, note)| note.contains(part)), "{reported}");
+    }
+    for arguments in [["run", "x.ssd"], ["simulate", "foreign.fmu"], ["simulate", "tool.fmu"]] {
+        let output = crate::command::cosim(folder.0.path(), &arguments);
+        assert_eq!(output.status.code(), Some(3));
+        assert!(crate::command::text(&output.stderr).contains("E105"));
+    }
+}
