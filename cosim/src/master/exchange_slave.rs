@@ -34,7 +34,7 @@ pub(super) struct ExchangeSlave {
     tangents: bool,
     step: Step,
     start_values: StartValues,
-    warning: Option<String>,
+    warnings: Vec<String>,
 }
 
 /// Some of the inputs.
@@ -118,7 +118,7 @@ impl ExchangeSlave {
             tangents: interface.directional_derivative,
             step: node.step,
             start_values,
-            warning: None,
+            warnings: Vec::new(),
         })
     }
 }
@@ -126,16 +126,16 @@ impl ExchangeSlave {
 impl Slave for ExchangeSlave {
     fn enter_initialization(&mut self, start: Time, stop: Time) -> Result<()> {
         self.start = start;
-        self.warning = self.start_values.enter(&mut self.instance, start, stop)?;
+        self.warnings.extend(self.start_values.enter(&mut self.instance, start, stop)?);
         Ok(())
     }
 
     fn warnings(&mut self) -> Vec<String> {
-        self.warning.take().into_iter().collect()
+        std::mem::take(&mut self.warnings)
     }
 
     fn exit_initialization(&mut self) -> Result<()> {
-        self.instance.exit_initialization()?;
+        self.warnings.extend(self.start_values.exit(&mut self.instance)?);
         self.solver.begin(&mut self.instance, self.start)
     }
 
@@ -145,7 +145,10 @@ impl Slave for ExchangeSlave {
         // The FMU has the default values of its description again, which are not known here.
         self.discrete.values.fill(f64::NAN);
         self.enter_initialization(now, stop)?;
-        self.exit_initialization()
+        self.exit_initialization()?;
+        // What is odd about its start has been reported.
+        self.warnings.clear();
+        Ok(())
     }
 
     fn set(&mut self, values: &[f64]) -> Result<()> {

@@ -76,7 +76,12 @@ Status fmi2SetupExperiment(Component c, int tol, double t, double start, int sto
   m->mode = TO;                              \
   return 0;
 Status fmi2EnterInitializationMode(Component c) { MODE(INSTANTIATED, INITIALIZING) }
-Status fmi2ExitInitializationMode(Component c) { MODE(INITIALIZING, EVENT) }
+Status fmi2ExitInitializationMode(Component c) {
+#ifdef FORGETS_IN_EXIT
+  ((Model *)c)->r[1] = 0.5;
+#endif
+  MODE(INITIALIZING, EVENT)
+}
 Status fmi2EnterEventMode(Component c) { MODE(CONTINUOUS, EVENT) }
 Status fmi2EnterContinuousTimeMode(Component c) { MODE(EVENT, CONTINUOUS) }
 Status fmi2Terminate(Component c) { return 0; }

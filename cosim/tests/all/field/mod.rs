@@ -45,6 +45,20 @@ fn start_values_reach_fmus_that_forget_them() {
 }
 
 #[test]
+fn parameters_that_are_lost_at_the_end_of_initialization_are_named() {
+    let folder = TempDir::new().unwrap();
+    for (model, had) in [(Gain, "1.0"), (Lag, "0.5")] {
+        let overrides = Overrides::new().start_value("k", 3.0).start_value("u", 2.0);
+        let overrides = overrides.output_variables(["y"]);
+        let fmu = with(&folder, model, "FORGETS_IN_EXIT");
+        let system = System::single(&fmu, &overrides, None).unwrap();
+        let warnings = system.run(&mut []).unwrap().warnings;
+        let wanted = format!("at the end of its initialization: k = 3.0 (it has {had})");
+        assert!(warnings.len() == 1 && warnings[0].ends_with(&wanted), "{warnings:?}");
+    }
+}
+
+#[test]
 fn a_start_value_that_is_not_taken_is_named_once() {
     let folder = TempDir::new().unwrap();
     for model in [Gain, Model::Mass] {
