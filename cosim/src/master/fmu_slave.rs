@@ -51,9 +51,13 @@ impl FmuSlave {
         fmu: &Arc<Fmu>,
         node: &Node,
         discards: Discards,
+        tolerance: Option<f64>,
         logging: &Logging,
     ) -> Result<Self> {
-        let (instance, start_values) = instantiate(component, fmu, logging)?;
+        let (mut instance, start_values) = instantiate(component, fmu, logging)?;
+        if let Some(tolerance) = tolerance {
+            instance.set_tolerance(tolerance);
+        }
         let variables = &fmu.description().variables;
         let interface = fmu.interface(InterfaceType::CoSimulation)?;
         Ok(Self {

@@ -134,6 +134,7 @@ impl System {
     fn identity(&self) -> Result<Vec<String>> {
         let mut lines = vec![
             format!("algorithm {}, {:?}", self.algorithm(), self.solver()),
+            format!("tolerance {:?}", self.tolerance()),
             format!("step control {:?}", self.step_control()),
             format!("start {}", self.start_time()),
         ];

@@ -58,6 +58,8 @@ pub struct System {
     step_control: Option<f64>,
     retries: u32,
     solver: solver::Settings,
+    /// The tolerance that was asked for, instead of those that FMUs suggest.
+    tolerance: Option<f64>,
     logging: Logging,
     warnings: Vec<String>,
     notes: Vec<String>,
@@ -324,6 +326,11 @@ impl System {
     /// Whether an FMU runs without an installed tool, or with one that is known to be there.
     pub fn needs_no_tool(fmu: &Fmu, interface: InterfaceType, name: &str) -> Result<()> {
         check::needs_no_tool(fmu, interface, name)
+    }
+
+    /// The relative tolerance that was asked for, instead of those that FMUs suggest.
+    pub(crate) fn tolerance(&self) -> Option<f64> {
+        self.tolerance
     }
 
     /// The algorithm.

@@ -90,7 +90,7 @@ impl Overrides {
         self
     }
 
-    /// The relative tolerance of model exchange.
+    /// The relative tolerance of model exchange, which FMUs for co-simulation get, too.
     #[must_use]
     pub fn tolerance(mut self, tolerance: f64) -> Self {
         self.tolerance = Some(tolerance);

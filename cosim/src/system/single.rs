@@ -75,6 +75,7 @@ impl System {
             unknown_steps: false,
             algorithm,
             solver,
+            tolerance: overrides.tolerance,
             logging: overrides.logging.clone(),
             warnings,
             notes: span.notes,

@@ -96,6 +96,7 @@ pub(super) fn check(
         unknown_steps,
         algorithm,
         solver,
+        tolerance: overrides.tolerance,
         logging: overrides.logging.clone(),
         warnings: [findings.warnings, span.warnings].concat(),
         sampled: Vec::new(),

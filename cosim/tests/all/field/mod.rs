@@ -11,6 +11,7 @@ use cosim::{Overrides, Recording, System};
 use tempfile::TempDir;
 
 use crate::command::{cosim, text};
+use crate::export::export;
 use crate::formats::{Folder, component, ssd, system};
 use crate::models::Model::{self, Clock, Gain, Lag};
 use crate::models::pack;
@@ -90,8 +91,25 @@ fn an_fmu_gets_the_tolerance_that_it_suggests() {
         let fmu = Gain.variant(&folder.path().join("t.fmu"), &["TELLS_TOLERANCE"], |text| {
             text.replace("<DefaultExperiment", &format!("<DefaultExperiment{suggested}"))
         });
-        let (recording, _) = run(&fmu, &Overrides::new());
-        assert_eq!(recording.column("second").unwrap()[0], wanted);
+        let second = |overrides: &Overrides| run(&fmu, overrides).0.column("second").unwrap()[0];
+        assert_eq!(second(&Overrides::new()), wanted);
+        assert_eq!(second(&Overrides::new().tolerance(1e-3)), 1e-3);
+        // So does one in an exported system, from the option of its export or from its host.
+        let file = Folder::new();
+        let text = ssd(&system(&component("g", &fmu, "y:output:Real", ""), ""), "");
+        let file = file.write("x.ssd", &text);
+        for (option, host, wanted) in [
+            (&[][..], None, wanted),
+            (&["--tolerance=1e-3"], None, 1e-3),
+            (&["--tolerance=1e-3"], Some(1e-5), 1e-5),
+        ] {
+            let exported = export(&file, option);
+            let recorded = Overrides::new().output_variable("g.second");
+            let overrides = host.iter().fold(recorded, |all, host| all.tolerance(*host));
+            let recording =
+                crate::ssd::run(&System::single(&exported.fmu, &overrides, None).unwrap());
+            assert_eq!(recording.column("g.second").unwrap()[0], wanted, "{option:?}");
+        }
     }
 }
 
