@@ -265,3 +265,17 @@ fn what_is_wrong_is_reported_all_at_once() {
     );
     assert!(error.problems().all(|p| p.place().is_some_and(|(_, line)| line.is_some())), "{error}");
 }
+
+#[test]
+fn functions_need_steps_with_a_common_base() {
+    let folder = Folder::new();
+    let text = summed().replace("name='b' ", "name='b' stepSize='0.0333331' ");
+    assert!(text.contains("0.0333331"));
+    let file = folder.write("OspSystemStructure.xml", &text);
+    let error = System::load(&file, &Overrides::new()).err().unwrap();
+    let line = 1 + text.lines().position(|line| line.contains("0.0333331")).unwrap();
+    let place = format!("OspSystemStructure.xml:{line}");
+    for part in ["E205", "are inconsistent", "a function changes at each multiple", &place] {
+        assert!(error.to_string().contains(part), "{part}: {error}");
+    }
+}
