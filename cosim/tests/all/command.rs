@@ -380,6 +380,24 @@ fn results_are_compared_within_tolerances() {
 }
 
 #[test]
+fn results_are_interpolated_where_that_is_wanted() {
+    let folder = Folder::new();
+    folder.write("a.csv", "time,x\n0,0\n1,1\n2,2\n");
+    folder.write("b.csv", "time,x\n0,0\n2,2.5\n");
+    let verify = |more: &[&str]| {
+        let output = cosim(folder.0.path(), &[&["verify", "a.csv", "b.csv"], more].concat());
+        (output.status.code().unwrap(), text(&output.stdout))
+    };
+    let (code, reported) = verify(&["--abs=0.5"]);
+    assert!(code == 0 && reported.contains("near enough: 2 samples"), "{reported}");
+    let (code, reported) = verify(&["--abs=0.5", "--interpolate"]);
+    assert!(code == 0 && reported.contains("near enough: 3 samples"), "{reported}");
+    let (code, reported) = verify(&["--abs=0.2", "--interpolate"]);
+    let first = "too far apart at 2 of 3 samples, first at t = 1: x at t = 2: 2.0 and 2.5";
+    assert!(code == 1 && reported.contains(first), "{reported}");
+}
+
+#[test]
 fn a_run_ends_when_its_condition_holds() {
     let folder = TempDir::new().unwrap();
     let fmu = Model::Clock.fmu();

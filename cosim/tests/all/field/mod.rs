@@ -147,6 +147,11 @@ fn elements_named_by_an_empty_text_are_the_system_itself() {
     let text = ssd(&format!("{ports}{}", system(&gain, wire)), "");
     let loaded = folder.load(&text).unwrap();
     assert_eq!(loaded.ports()[0].ends.len(), 1);
+    let out = ports.replace("'x' kind='input'", "'x' kind='output'");
+    let wire =
+        "<ssd:Connection startElement='g' startConnector='y' endElement='' endConnector='x'/>";
+    let loaded = folder.load(&ssd(&format!("{out}{}", system(&gain, wire)), "")).unwrap();
+    assert_eq!(loaded.port_name(loaded.ports()[0].ends[0].0), "g.y");
 }
 
 #[test]
@@ -236,6 +241,22 @@ fn an_archive_may_hold_its_own_folder() {
 }
 
 #[test]
+fn an_archive_may_list_a_folder_twice() {
+    let folder = Folder::new();
+    let library = std::fs::read(crate::models::compile(Gain)).unwrap();
+    let description = Gain.description().into_bytes();
+    let entries = [
+        Entry::new("binaries/", b""),
+        Entry::new("modelDescription.xml", &description),
+        Entry::new("binaries/linux64/GAIN.so", &library),
+        Entry::new("binaries/", b""),
+    ];
+    let path = folder.write("twice.fmu", "");
+    std::fs::write(&path, rawzip::archive(&entries)).unwrap();
+    assert!(System::single(&path, &Overrides::new(), None).is_ok());
+}
+
+#[test]
 fn what_is_missing_to_run_a_system_does_not_make_it_invalid() {
     let folder = Folder::new();
     let step = "stepSize=\"0.1\"";
@@ -266,22 +287,6 @@ fn what_is_missing_to_run_a_system_does_not_make_it_invalid() {
     assert!(reported.contains("[E201] the system has no components"), "{reported}");
     let given = ["run", "x.ssd", "--stop-time=1", "--step-size=0.5", "-q"];
     assert!(cosim(at, &given).status.success());
-}
-
-#[test]
-fn an_archive_may_list_a_folder_twice() {
-    let folder = Folder::new();
-    let library = std::fs::read(crate::models::compile(Gain)).unwrap();
-    let description = Gain.description().into_bytes();
-    let entries = [
-        Entry::new("binaries/", b""),
-        Entry::new("modelDescription.xml", &description),
-        Entry::new("binaries/linux64/GAIN.so", &library),
-        Entry::new("binaries/", b""),
-    ];
-    let path = folder.write("twice.fmu", "");
-    std::fs::write(&path, rawzip::archive(&entries)).unwrap();
-    assert!(System::single(&path, &Overrides::new(), None).is_ok());
 }
 
 #[test]
