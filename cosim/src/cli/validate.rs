@@ -91,13 +91,13 @@ fn check(file: &Path) -> Result<Findings> {
         }
     }
     if let Err(missing) = system.ready() {
-        missing.problems().for_each(|error| found.to_run(error, ""));
+        missing.problems().for_each(|error| found.needs(error, ""));
     }
     Ok(found)
 }
 
 impl Findings {
-    fn to_run(&mut self, missing: &Error, what: &str) {
+    fn needs(&mut self, missing: &Error, what: &str) {
         let remedy = missing.remedy().unwrap_or_default();
         let note = format!("to run it: {what}{}: {remedy}", missing.what());
         if !self.notes.contains(&note) {
@@ -111,7 +111,7 @@ impl Findings {
             (fmu.is_for_this_machine(kind), System::needs_no_tool(fmu, kind, name));
         let file = format!("{}: ", fmu.path().display());
         for missing in [&binary, &tool].into_iter().filter_map(|found| found.as_ref().err()) {
-            self.to_run(missing, &file);
+            self.needs(missing, &file);
         }
         binary.is_ok()
     }
