@@ -43,7 +43,7 @@ use crate::fault::{Begin, End, Fault, Kind};
 use crate::master::{Controls, Manipulator};
 use crate::names::{self, Aliases};
 use crate::observe::Stop;
-use crate::system::System;
+use crate::system::{Column, System};
 use crate::time::{self, Step, Time};
 
 /// A scenario as a manipulator.
@@ -187,18 +187,22 @@ impl Scenario {
                 Begin::Start => system.start_time(),
                 Begin::At(time) | Begin::Between(time, _) => *time,
                 Begin::When(condition) => {
-                    let columns = || system.columns().iter().map(|column| column.name.as_str());
+                    let columns = || system.columns().iter();
                     let name = condition.variable.as_str();
-                    if !columns().any(|column| column == name) {
-                        let help = names::did_you_mean(name, columns());
-                        problems.push(
-                            Error::new(Code::UnknownName, format!("'{name}' is not recorded"))
+                    let found = columns().find(|column| column.name == name);
+                    let found = found.map_or_else(
+                        || {
+                            let names = columns().map(|column| column.name.as_str());
+                            let help = names::did_you_mean(name, names).unwrap_or_else(|| {
+                                format!("also record it: --output-variable '{name}'")
+                            });
+                            Err(Error::new(Code::UnknownName, format!("'{name}' is not recorded"))
                                 .why(format!("fault {} begins when {condition}", position + 1))
-                                .help(help.unwrap_or_else(|| {
-                                    format!("also record it: --output-variable '{name}'")
-                                })),
-                        );
-                    }
+                                .help(help))
+                        },
+                        Column::is_number,
+                    );
+                    problems.extend(found.err());
                     continue;
                 }
             };

@@ -1,5 +1,7 @@
 //! Signals from a file, which drive otherwise unconnected inputs of an FMU.
 
+use std::borrow::Cow;
+
 use serde::{Deserialize, Serialize};
 
 use crate::digest::sha256;
@@ -7,12 +9,15 @@ use crate::error::{Code, Error, Result};
 use crate::fmi::Kind;
 use crate::time::Time;
 
+/// The numbers of a column, one per instant; of another column the first text that is none.
+pub type Numbers<'a> = std::result::Result<Cow<'a, [f64]>, String>;
+
 /// Values over a common time by name, as a file has them.
 pub struct Table<'a> {
     /// Instants (s).
     pub time: &'a [f64],
-    /// Names and one value per instant.
-    pub columns: Vec<(&'a str, &'a [f64])>,
+    /// Names and values.
+    pub columns: Vec<(&'a str, Numbers<'a>)>,
 }
 
 /// Signals over a common time.

@@ -205,6 +205,8 @@ impl Parser<'_> {
             ResolveResult::Unbound => "",
             ResolveResult::Unknown(prefix) => match customary(prefix) {
                 Some(namespace) => namespace,
+                // What other tools have to say does not concern this one.
+                None if self.open.iter().any(|e| ANNOTATIONS.contains(&e.name.as_str())) => "",
                 None => {
                     return Err(self
                         .wrong(format!("the prefix '{prefix}:' is not declared"))
@@ -319,6 +321,9 @@ impl Parser<'_> {
     }
 }
 
+/// Elements with contents of any tool, in SSP and in FMI.
+const ANNOTATIONS: [&str; 2] = ["Annotation", "VendorAnnotations"];
+
 /// The namespace of a prefix that files in the field use without declaring it.
 fn customary(prefix: &str) -> Option<&'static str> {
     Some(match prefix {
@@ -328,6 +333,8 @@ fn customary(prefix: &str) -> Option<&'static str> {
         "ssm" => "http://ssp-standard.org/SSP1/SystemStructureParameterMapping",
         "ssb" => "http://ssp-standard.org/SSP1/SystemStructureSignalDictionary",
         "osp" => "http://opensimulationplatform.com/SSP/OSPAnnotations",
+        "oms" => "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd",
+        "cosim" => "urn:cosim:1",
         _ => return None,
     })
 }

@@ -61,7 +61,7 @@ impl Inside for System {
     fn enter(&mut self, experiment: &Experiment) -> Result<()> {
         let start = time::from_seconds(experiment.start_s, "the start time")?;
         let stop = experiment.stop_s.map(|stop| time::from_seconds(stop, "the stop time"));
-        self.0.enter(start, stop.transpose()?.unwrap_or(Time::NEVER))
+        self.0.enter(start, stop.transpose()?.unwrap_or(Time::NEVER), experiment.tolerance)
     }
 
     fn exit(&mut self) -> Result<Vec<String>> {

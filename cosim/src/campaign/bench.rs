@@ -264,8 +264,13 @@ impl Bench {
         if let Some(seconds) = campaign.output_interval {
             overrides = overrides.output_interval(seconds);
         }
-        overrides = overrides.output_variables(self.columns(cell)).output_variables(more);
-        self.systems[cell.system].system.with(&overrides)
+        let needed = self.columns(cell);
+        overrides = overrides.output_variables(&needed).output_variables(more);
+        let system = self.systems[cell.system].system.with(&overrides)?;
+        let columns = system.columns().iter().filter(|column| needed.contains(&column.name));
+        let strings: Vec<Error> = columns.filter_map(|column| column.is_number().err()).collect();
+        Error::all(strings)?;
+        Ok(system)
     }
 
     /// Variables that must be recorded in a cell, each once.

@@ -14,7 +14,7 @@ pub(crate) struct Changes {
     /// Set another start value for a parameter or input (repeatable)
     #[arg(long, value_name = "COMPONENT.VARIABLE=VALUE", value_parser = values::assignment)]
     start_value: Vec<(String, String)>,
-    /// Replace the FMU of a component (repeatable)
+    /// Replace the FMU of a component; * and ? match parts of names (repeatable)
     #[arg(long, value_name = "COMPONENT=FMU", value_parser = values::assignment)]
     replace: Vec<(String, String)>,
     /// Omit a component that no other component needs (repeatable)

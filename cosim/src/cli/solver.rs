@@ -10,7 +10,8 @@ pub(crate) struct Solver {
     /// default)
     #[arg(long, value_name = "METHOD")]
     solver: Option<Method>,
-    /// Relative tolerance of dopri5 (default: of the FMU, or 1e-6)
+    /// Relative tolerance of dopri5, also passed to FMUs for co-simulation (default: what each FMU
+    /// suggests; for dopri5 1e-6 if none does)
     #[arg(long, value_name = "NUMBER")]
     tolerance: Option<f64>,
 }

@@ -29,13 +29,15 @@ impl Observer for StopWhen {
         for Condition { variable, .. } in &self.conditions {
             let found = info.columns.iter().position(|column| column.name == *variable);
             let known = || info.columns.iter().map(|column| column.name.as_str());
-            self.columns.push(found.ok_or_else(|| {
+            let place = found.ok_or_else(|| {
                 Error::new(Code::UnknownName, format!("--stop-when: '{variable}' is not recorded"))
                     .why("conditions are checked when variables are recorded")
                     .help(names::did_you_mean(variable, known()).unwrap_or_else(|| {
                         format!("also record it: --output-variable '{variable}'")
                     }))
-            })?);
+            })?;
+            info.columns[place].is_number()?;
+            self.columns.push(place);
         }
         Ok(())
     }

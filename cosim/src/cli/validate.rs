@@ -6,7 +6,7 @@ use clap::Args;
 use cosim::fmi::{Fmu, InterfaceType};
 #[cfg(feature = "distributed")]
 use cosim::signature;
-use cosim::{Overrides, Result, System};
+use cosim::{Error, Overrides, Result, System};
 use serde_json::{Value, json};
 
 use super::output::print;
@@ -63,29 +63,59 @@ impl Validate {
 }
 
 fn check(file: &Path) -> Result<Findings> {
+    let mut found = Findings::default();
     if !System::is_system(file) {
         let fmu = Fmu::open(file)?;
         fmu.choose(None)?;
         for kind in [InterfaceType::CoSimulation, InterfaceType::ModelExchange] {
             if fmu.description().interface(kind).is_some() {
                 fmu.check(kind)?;
-                fmu.load(kind)?;
+                let name = &fmu.description().model_name;
+                if found.on_this_machine(&fmu, kind, name) {
+                    fmu.load(kind)?;
+                }
             }
         }
-        let warnings = fmu.description().warnings.clone();
-        return Ok(Findings { warnings, notes: Vec::new() });
+        found.warnings.clone_from(&fmu.description().warnings);
+        return Ok(found);
     }
-    let system = System::load(file, &Overrides::new())?;
-    let mut notes = [system.notes(), system.sampled_loops()].concat();
-    notes.extend(system.unconnected_inputs().map(|port| {
+    // A tool is needed to run it; without one the file is as valid.
+    let system = System::load(file, &Overrides::new().execution_tools(true))?;
+    found.warnings = system.warnings().to_vec();
+    found.notes = [system.notes(), system.sampled_loops()].concat();
+    found.notes.extend(system.unconnected_inputs().map(|port| {
         format!("the input {} is not connected: it keeps its start value", system.port_name(port))
     }));
-    if let Err(missing) = system.ready() {
-        notes.extend(missing.problems().map(|error| {
-            format!("to run it: {}: {}", error.what(), error.remedy().unwrap_or_default())
-        }));
+    for component in system.components() {
+        if let Some(fmu) = component.fmu() {
+            found.on_this_machine(fmu, component.interface, &component.name);
+        }
     }
-    Ok(Findings { warnings: system.warnings().to_vec(), notes })
+    if let Err(missing) = system.ready() {
+        missing.problems().for_each(|error| found.needs(error, ""));
+    }
+    Ok(found)
+}
+
+impl Findings {
+    fn needs(&mut self, missing: &Error, what: &str) {
+        let remedy = missing.remedy().unwrap_or_default();
+        let note = format!("to run it: {what}{}: {remedy}", missing.what());
+        if !self.notes.contains(&note) {
+            self.notes.push(note);
+        }
+    }
+
+    /// Notes what an FMU needs to run on this machine; returns whether it has a binary for it.
+    fn on_this_machine(&mut self, fmu: &Fmu, kind: InterfaceType, name: &str) -> bool {
+        let (binary, tool) =
+            (fmu.is_for_this_machine(kind), System::needs_no_tool(fmu, kind, name));
+        let file = format!("{}: ", fmu.path().display());
+        for missing in [&binary, &tool].into_iter().filter_map(|found| found.as_ref().err()) {
+            self.needs(missing, &file);
+        }
+        binary.is_ok()
+    }
 }
 
 fn json(file: &Path, result: &Result<Findings>) -> Value {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use cosim::observe::{Apart, Closeness, Comparison, Parting, Tolerance};
-use cosim::{Code, Error, Recording, Result, files};
+use cosim::{Code, Error, Recording, Result, files, names};
 
 use super::output::print;
 use super::values;
@@ -36,6 +36,7 @@ impl Verify {
     pub(crate) fn run(self) -> Result<()> {
         if let Some(tolerance) = self.tolerance() {
             let (a, b) = (Recording::read(&self.a)?, Recording::read(&self.b)?);
+            self.check_names(&a)?;
             return self.within(&Closeness::of(&a, &b, &tolerance));
         }
         if let Some(digest) = digest_in(&self.b) {
@@ -67,6 +68,21 @@ impl Verify {
         let tolerance = Tolerance::new().interpolate(self.interpolate);
         let tolerance = self.abs.iter().fold(tolerance, |t, (name, n)| t.absolute(name, *n));
         Some(self.rel.iter().fold(tolerance, |t, (name, n)| t.relative(name, *n)))
+    }
+
+    /// Refuses tolerances that are about no variable.
+    fn check_names(&self, a: &Recording) -> Result<()> {
+        let known = || a.names().iter().map(String::as_str);
+        let unknown = |(name, _): &&(String, f64)| {
+            name != "*" && !known().any(|known| names::matches(name, known))
+        };
+        let Some((name, _)) = self.abs.iter().chain(&self.rel).find(unknown) else {
+            return Ok(());
+        };
+        let what = format!("there is no variable '{name}', for which a tolerance is given");
+        Err(Error::new(Code::UnknownName, what)
+            .at(&self.a)
+            .maybe_help(names::did_you_mean(name, known())))
     }
 
     fn within(&self, found: &Closeness) -> Result<()> {

@@ -46,7 +46,7 @@ codes! {
     Ssd "E201" 3 "A system description breaks its format (SSP or OSP), or uses a part of it that is not supported."
     UnknownName "E202" 3 "A component or variable that was named does not exist."
     Connection "E203" 3 "A connection is not possible: causality, type, or two sources for one input."
-    Parameter "E204" 3 "A start value cannot be given to that variable, or its text is not a value of the variable's type."
+    Parameter "E204" 3 "A start value cannot be given to that variable, or its text is not a value of the variable's type; or a variable that must be a number is a String."
     Timing "E205" 3 "Step sizes, start, stop or output interval do not fit together."
     Replacement "E206" 3 "The FMU put in place of another lacks an output that other components need."
     Scenario "E207" 3 "A scenario file cannot be understood."

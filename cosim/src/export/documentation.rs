@@ -133,7 +133,8 @@ fn stepping(described: &Description<'_>) -> Section {
     let mut section = Section::new("Stepping");
     section.text(format!(
         "Algorithm: {}. The components step at their own multiples of time, whatever the \
-         communication step is; {} s is the longest step of which theirs are multiples.",
+         communication step is; {} s is the longest step of which theirs are multiples, or the shortest of \
+         theirs.",
         system.algorithm(),
         base_step(system).seconds()
     ));

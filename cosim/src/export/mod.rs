@@ -177,7 +177,8 @@ fn running(system: &System) -> Running {
     let linear = linear.filter(|(position, _)| system.is_linear(*position));
     Running {
         algorithm: system.algorithm().to_string(),
-        solver: system.solver(),
+        solver: system.solver().method,
+        tolerance: system.tolerance(),
         step_control: system.step_control(),
         retries: system.retries(),
         linear: linear.map(|(_, connection)| system.port_name(connection.to)).collect(),

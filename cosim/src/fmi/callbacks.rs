@@ -3,7 +3,7 @@
 //! FMI's logger is variadic like `printf`. [`variadic`] finds the arguments, and [`printf`] renders
 //! them without trusting the FMU.
 
-use std::ffi::{CStr, c_char, c_void};
+use std::ffi::{c_char, c_void};
 
 use super::log::Log;
 use super::status::RawStatus;
@@ -15,14 +15,18 @@ mod memory;
 mod printf;
 mod variadic;
 
+/// Shown instead of a string at an address that cannot be read.
+const UNREADABLE: &[u8] = b"(not a readable string)";
+
 /// `fmi2CallbackFunctions`.
 #[repr(C)]
 pub(super) struct Callbacks {
     pub logger: variadic::Logger,
     pub allocate_memory: extern "C" fn(usize, usize) -> *mut c_void,
     pub free_memory: unsafe extern "C" fn(*mut c_void),
-    /// NULL: steps in the background are polled with `fmi2GetStatus`.
-    pub step_finished: *const c_void,
+    /// Does nothing: steps in the background are polled with `fmi2GetStatus`. Not NULL, because
+    /// some FMUs call it without a check.
+    pub step_finished: extern "C" fn(*const Log, RawStatus),
     pub environment: *const Log,
 }
 
@@ -32,11 +36,13 @@ impl Callbacks {
             logger: variadic::logger,
             allocate_memory: allocate,
             free_memory: free,
-            step_finished: std::ptr::null(),
+            step_finished,
             environment: log,
         }
     }
 }
+
+extern "C" fn step_finished(_: *const Log, _: RawStatus) {}
 
 /// Zeroed memory as FMI requires; `calloc` also detects an overflow of the product. It is also
 /// provided to FMUs with canNotUseMemoryManagementFunctions, because some use it anyway.
@@ -52,11 +58,9 @@ unsafe extern "C" fn free(pointer: *mut c_void) {
     unsafe { libc::free(pointer) }
 }
 
-/// Logs a message with the arguments that the variadic logger has found.
-///
-/// # Safety
-/// Category and format are NULL or C strings; the other pointers need not be valid.
-unsafe fn logged(
+/// Logs a message with the arguments that the variadic logger has found. No pointer needs to be
+/// valid.
+fn logged(
     environment: *const Log,
     instance: *const c_char,
     status: RawStatus,
@@ -67,30 +71,23 @@ unsafe fn logged(
     let Some(log) = live::find(environment.addr(), instance) else {
         return;
     };
-    // SAFETY: the FMU passes NULL or C strings that live during this call.
-    let (category, format) = unsafe { (text(category), bytes(format)) };
+    // One more, so that a longer message is marked as cut.
+    let [category, format] = [category, format].map(|text| bytes(text, printf::MAX_MESSAGE + 1));
     let message = match arguments {
-        Some(arguments) => printf::render(format, arguments),
-        None => String::from_utf8_lossy(format).into_owned(),
+        Some(arguments) => printf::render(&format, arguments),
+        None => String::from_utf8_lossy(&format).into_owned(),
     };
-    log.message(status, &category, message.trim_end());
+    log.message(status, &String::from_utf8_lossy(&category), message.trim_end());
 }
 
-/// A copy of a C string; empty for NULL.
-///
-/// # Safety
-/// `pointer` is NULL or a C string.
-pub(super) unsafe fn text(pointer: *const c_char) -> String {
-    // SAFETY: as for this function.
-    String::from_utf8_lossy(unsafe { bytes(pointer) }).into_owned()
+/// A copy of a C string from an FMU: empty for NULL; an invalid pointer is not dereferenced.
+pub(super) fn text(pointer: *const c_char) -> String {
+    String::from_utf8_lossy(&bytes(pointer, usize::MAX)).into_owned()
 }
 
-/// # Safety
-/// `pointer` is NULL or a C string that outlives the returned reference.
-unsafe fn bytes<'a>(pointer: *const c_char) -> &'a [u8] {
-    if pointer.is_null() {
-        return &[];
+fn bytes(pointer: *const c_char, limit: usize) -> Vec<u8> {
+    match pointer.is_null() {
+        true => Vec::new(),
+        false => memory::string(pointer.addr(), limit).unwrap_or_else(|| UNREADABLE.to_vec()),
     }
-    // SAFETY: not NULL, so a C string by the function's contract.
-    unsafe { CStr::from_ptr(pointer) }.to_bytes()
 }

@@ -212,21 +212,30 @@ impl Fmu {
         Ok(format!("{} {}", self.description.guid, sha256(bytes)))
     }
 
-    fn library_file(&self, kind: InterfaceType) -> Result<PathBuf> {
+    /// Whether it has a binary for this machine; the error says for which it has one.
+    pub fn is_for_this_machine(&self, kind: InterfaceType) -> Result<()> {
+        self.libraries(kind).map(drop)
+    }
+
+    /// The libraries in the folders for this machine.
+    fn libraries(&self, kind: InterfaceType) -> Result<Vec<PathBuf>> {
         let name = format!("{}.so", self.interface(kind)?.model_identifier);
         let binaries = self.folder.path().join("binaries");
         let files = library::folders().iter().map(|folder| binaries.join(folder).join(&name));
         let present: Vec<PathBuf> = files.filter(|file| file.is_file()).collect();
+        if present.is_empty() { Err(self.no_binary(&name)) } else { Ok(present) }
+    }
+
+    fn library_file(&self, kind: InterfaceType) -> Result<PathBuf> {
+        let present = self.libraries(kind)?;
         if let Some(file) = present.iter().find(|file| elf::check(file).is_ok()) {
             return Ok(file.clone());
         }
-        if let Some(why) = present.iter().find_map(|file| elf::check(file).err()) {
-            return Err(Error::new(Code::Library, "the library of the FMU cannot be loaded")
-                .at(&self.path)
-                .why(why)
-                .help("export the FMU for this machine"));
-        }
-        Err(self.no_binary(&name))
+        let why = present.iter().find_map(|file| elf::check(file).err()).unwrap_or_default();
+        Err(Error::new(Code::Library, "the library of the FMU cannot be loaded")
+            .at(&self.path)
+            .why(why)
+            .help("export the FMU for this machine"))
     }
 
     fn no_binary(&self, name: &str) -> Error {

@@ -49,6 +49,8 @@ pub struct Instance {
     grid: Option<(Time, Step)>,
     /// Its usual step.
     usual: Option<Step>,
+    /// The relative tolerance that it gets in co-simulation.
+    tolerance: Option<f64>,
     name: String,
     /// Saved states of the FMU and of this handle, by slot.
     saved: [Option<(FmuState, Phase)>; Place::COUNT],
@@ -85,8 +87,12 @@ impl Instance {
         self.enter()
     }
 
-    /// Sets the experiment's start and stop, and in co-simulation the tolerance that the FMU
-    /// suggests.
+    /// The relative tolerance for its own steps, instead of the one that it suggests.
+    pub fn set_tolerance(&mut self, tolerance: f64) {
+        self.tolerance = Some(tolerance);
+    }
+
+    /// Sets the experiment's start and stop, and in co-simulation the tolerance.
     pub fn set_up(&mut self, start: Time, stop: Time) -> Result<()> {
         self.require(Call::SetupExperiment)?;
         self.time = start;
@@ -95,15 +101,15 @@ impl Instance {
         let start = start.seconds();
         // In model exchange, the importer controls errors.
         let steps = self.kind == InterfaceType::CoSimulation;
-        let tolerance = self.fmu.description().experiment.tolerance;
+        let tolerance = self.tolerance.or(self.fmu.description().experiment.tolerance);
         let tolerance = tolerance.filter(|tolerance| steps && *tolerance > 0.0);
-        let (suggested, tolerance) = (tolerance.is_some(), tolerance.unwrap_or(0.0));
+        let (defined, tolerance) = (tolerance.is_some(), tolerance.unwrap_or(0.0));
         let arguments =
-            |_: &Followed| format!("{suggested}, {tolerance:?}, {start:?}, {known}, {stop:?}");
+            |_: &Followed| format!("{defined}, {tolerance:?}, {start:?}, {known}, {stop:?}");
         self.call(Call::SetupExperiment, arguments, |f, c| {
             // SAFETY: `c` is alive and the state allows the call.
             unsafe {
-                let defined = suggested.into();
+                let defined = defined.into();
                 (f.setup_experiment)(c, defined, tolerance, start, known.into(), stop)
             }
         })

@@ -247,9 +247,9 @@ pub(super) fn load(path: &Path, fmu: &Path, kind: InterfaceType) -> Result<Binar
         InterfaceType::CoSimulation => Own::Stepping(Stepping::resolve(&library.library, fmu)?),
         InterfaceType::ModelExchange => Own::Exchange(Exchange::resolve(&library.library, fmu)?),
     };
-    // SAFETY: the function takes nothing and returns NULL or a C string that is never freed.
+    // SAFETY: the function takes nothing.
     let (version, more) =
-        guard::around("fmi2GetVersion", || unsafe { text((functions.get_version)()) });
+        guard::around("fmi2GetVersion", || text(unsafe { (functions.get_version)() }));
     changed.extend(more);
     if version == "2.0" {
         return Ok(Binary { functions, own, changed, threads, library });

@@ -7,17 +7,17 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Code, Error, Result};
 use crate::fmi::{Basic, Value};
-use crate::solver::Settings;
+use crate::solver::Method;
 use crate::system::Conversion;
 
 /// Its path in the resources.
 pub(crate) const FILE: &str = "interface.bin";
 
 /// Format version of the file. A library reads only its own.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// The marker among the bytes of a library that serves exported systems of this format.
-pub const MARK: &str = "cosim serves exported systems of version 2";
+pub const MARK: &str = "cosim serves exported systems of version 3";
 
 /// The variables of an exported FMU, and how its system is run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -37,7 +37,9 @@ pub(crate) struct Interface {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Running {
     pub algorithm: String,
-    pub solver: Settings,
+    pub solver: Method,
+    /// The tolerance that was asked for, instead of those that FMUs suggest.
+    pub tolerance: Option<f64>,
     pub step_control: Option<f64>,
     pub retries: u32,
     /// Full names of the inputs that are linear during a step.

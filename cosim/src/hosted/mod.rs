@@ -25,6 +25,7 @@ use crate::fmi::{Logging, Mailbox, Message, Value};
 use crate::master::Engine;
 use crate::scenario::Scenario;
 use crate::system::{Component, Input, Overrides, System};
+use crate::texts;
 use crate::time::Time;
 pub use interface::MARK;
 use interface::{FILE, Interface};
@@ -46,6 +47,8 @@ pub struct Hosted {
     stage: Stage,
     start: Time,
     stop: Time,
+    /// Of the host.
+    tolerance: Option<f64>,
     time: Time,
     /// Components with variables that only the host reads and that have not been read since the
     /// last step.
@@ -102,6 +105,7 @@ impl Hosted {
             stage: Stage::Before,
             start: Time::ZERO,
             stop: Time::NEVER,
+            tolerance: None,
             time: Time::ZERO,
             unread: vec![true; components],
             pending: Vec::new(),
@@ -139,18 +143,24 @@ impl Hosted {
         self.pending.clear();
     }
 
-    /// Creates the components and enters initialization mode.
-    pub fn enter(&mut self, start: Time, stop: Time) -> Result<()> {
+    /// Creates the components and enters initialization mode. A `tolerance` of the host replaces
+    /// what the FMUs suggest and what was set when the system was exported.
+    pub fn enter(&mut self, start: Time, stop: Time, tolerance: Option<f64>) -> Result<()> {
         // An FMU that allows one instance is freed before it is created again.
         self.engine = None;
         (self.start, self.stop, self.time) = (start, stop, start);
+        self.tolerance = tolerance.filter(|tolerance| *tolerance > 0.0 && *tolerance < 1.0);
+        let mut making = self.system.making();
+        if let Some(tolerance) = self.tolerance {
+            (making.solver.tolerance, making.tolerance) = (tolerance, Some(tolerance));
+        }
         let given = |(component, given): (&Component, &Vec<(usize, Value)>)| {
             let start_values = [&component.start_values[..], given].concat();
             Component { start_values, ..component.clone() }
         };
         let components: Vec<Component> =
             self.system.components().iter().zip(&self.given).map(given).collect();
-        let mut engine = self.system.engine_of(&components, start)?;
+        let mut engine = self.system.engine_of(&components, start, &making)?;
         engine.enter(stop)?;
         self.engine = Some(engine);
         (self.stage, self.unsettled) = (Stage::Initializing, true);
@@ -238,11 +248,14 @@ impl Hosted {
         }
         let known = self.table.known(Basic::String, reference)?;
         let value = match (&mut self.engine, known.read) {
+            (Some(engine), Read::Slot(slot) | Read::Recorded(slot, _)) => {
+                return Ok(texts::text(engine.values[slot]).to_string());
+            }
             (Some(engine), Read::Asked) => {
                 let port = known.ends[0].port;
                 engine.slaves[port.component].look(port.variable)?
             }
-            _ => known.value.clone(),
+            (Some(_), Read::Own) | (None, _) => known.value.clone(),
         };
         match value {
             Value::String(text) => Ok(text),
@@ -334,9 +347,11 @@ fn overrides(interface: &Interface) -> Result<Overrides> {
     let mut overrides = Overrides::new()
         .execution_tools(true)
         .algorithm(algorithm)
-        .solver(running.solver.method)
-        .tolerance(running.solver.tolerance)
+        .solver(running.solver)
         .retries(running.retries);
+    if let Some(tolerance) = running.tolerance {
+        overrides = overrides.tolerance(tolerance);
+    }
     if let Some(tolerance) = running.step_control {
         overrides = overrides.step_control(tolerance);
     }

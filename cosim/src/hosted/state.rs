@@ -17,6 +17,7 @@ pub struct Kept {
     stage: Stage,
     start: Time,
     stop: Time,
+    tolerance: Option<f64>,
     time: Time,
     given: Vec<Vec<(usize, Value)>>,
     values: Vec<Value>,
@@ -39,6 +40,7 @@ impl Hosted {
             stage: self.stage,
             start: self.start,
             stop: self.stop,
+            tolerance: self.tolerance,
             time: self.time,
             given: self.given.clone(),
             values: self.table.values(),
@@ -53,7 +55,7 @@ impl Hosted {
         self.check(kept)?;
         // Components without an error restore their states; otherwise they are created again.
         let alike = self.stage == Stage::Running
-            && (self.start, self.stop) == (kept.start, kept.stop)
+            && (self.start, self.stop, self.tolerance) == (kept.start, kept.stop, kept.tolerance)
             && self.given == kept.given;
         self.table.take(&kept.values);
         self.given.clone_from(&kept.given);
@@ -72,7 +74,7 @@ impl Hosted {
             self.stage = Stage::Before;
             return Ok(());
         }
-        self.enter(kept.start, kept.stop)?;
+        self.enter(kept.start, kept.stop, kept.tolerance)?;
         if kept.stage == Stage::Running {
             self.exit()?;
             self.take_on(kept)?;

@@ -174,6 +174,7 @@ impl Engine {
     pub(crate) fn exit(&mut self) -> Result<()> {
         for &c in &self.plan.sequence {
             self.slaves[c].exit_initialization()?;
+            self.warnings.extend(self.slaves[c].warnings());
         }
         self.get_all()
     }

@@ -16,6 +16,7 @@ use crate::error::{Code, Error, Result};
 use crate::fmi::{Fmu, Instance, InterfaceType, Kind, Logging, Phase, Place, Value, Variability};
 use crate::solver::{Continuous, Settings};
 use crate::system::Component;
+use crate::texts;
 use crate::time::{Step, Time};
 
 pub(super) struct ExchangeSlave {
@@ -33,7 +34,7 @@ pub(super) struct ExchangeSlave {
     tangents: bool,
     step: Step,
     start_values: StartValues,
-    warning: Option<String>,
+    warnings: Vec<String>,
 }
 
 /// Some of the inputs.
@@ -68,7 +69,29 @@ impl Inputs {
     fn set(&mut self, instance: &mut Instance) -> Result<()> {
         self.group.set(instance, &self.values)
     }
+
+    /// For another process, in which Strings have other numbers. `None`: not set yet.
+    fn kept(&mut self) -> Kept {
+        let texts = self.group.texts(&mut self.values).iter();
+        let texts = texts.map(|text| (!text.is_nan()).then(|| texts::text(*text).to_string()));
+        (texts.collect(), self.values.clone())
+    }
+
+    /// Takes them back; returns whether they fit.
+    fn resume(&mut self, (texts, values): Kept) -> bool {
+        let fits = values.len() == self.values.len();
+        if fits {
+            self.values = values;
+            for (value, text) in self.group.texts(&mut self.values).iter_mut().zip(texts) {
+                *value = text.map_or(f64::NAN, |text| texts::number(&text));
+            }
+        }
+        fits
+    }
 }
+
+/// The Strings of inputs, and all their values.
+type Kept = (Vec<Option<String>>, Vec<f64>);
 
 impl ExchangeSlave {
     pub(super) fn new(
@@ -95,7 +118,7 @@ impl ExchangeSlave {
             tangents: interface.directional_derivative,
             step: node.step,
             start_values,
-            warning: None,
+            warnings: Vec::new(),
         })
     }
 }
@@ -103,16 +126,16 @@ impl ExchangeSlave {
 impl Slave for ExchangeSlave {
     fn enter_initialization(&mut self, start: Time, stop: Time) -> Result<()> {
         self.start = start;
-        self.warning = self.start_values.enter(&mut self.instance, start, stop)?;
+        self.warnings.extend(self.start_values.enter(&mut self.instance, start, stop)?);
         Ok(())
     }
 
     fn warnings(&mut self) -> Vec<String> {
-        self.warning.take().into_iter().collect()
+        std::mem::take(&mut self.warnings)
     }
 
     fn exit_initialization(&mut self) -> Result<()> {
-        self.instance.exit_initialization()?;
+        self.warnings.extend(self.start_values.exit(&mut self.instance)?);
         self.solver.begin(&mut self.instance, self.start)
     }
 
@@ -122,7 +145,10 @@ impl Slave for ExchangeSlave {
         // The FMU has the default values of its description again, which are not known here.
         self.discrete.values.fill(f64::NAN);
         self.enter_initialization(now, stop)?;
-        self.exit_initialization()
+        self.exit_initialization()?;
+        // What is odd about its start has been reported.
+        self.warnings.clear();
+        Ok(())
     }
 
     fn set(&mut self, values: &[f64]) -> Result<()> {
@@ -229,20 +255,20 @@ impl Slave for ExchangeSlave {
 
     fn serialize(&mut self) -> Result<Vec<u8>> {
         let (fmu, solver) = (self.instance.serialize()?, self.solver.progress());
-        postcard::to_stdvec(&(fmu, solver, &self.discrete.values, &self.continuous.values))
+        postcard::to_stdvec(&(fmu, solver, self.discrete.kept(), self.continuous.kept()))
             .map_err(|e| self.unusable(&e))
     }
 
     fn deserialize(&mut self, state: &[u8], time: Time) -> Result<()> {
-        let (fmu, solver, discrete, continuous): (Vec<u8>, _, Vec<f64>, Vec<f64>) =
+        let (fmu, solver, discrete, continuous): (Vec<u8>, _, Kept, Kept) =
             postcard::from_bytes(state).map_err(|e| self.unusable(&e))?;
         self.instance.deserialize(&fmu, time)?;
-        let fits = discrete.len() == self.discrete.values.len()
-            && continuous.len() == self.continuous.values.len();
-        if !fits || !self.solver.resume(solver) {
+        if !self.discrete.resume(discrete)
+            || !self.continuous.resume(continuous)
+            || !self.solver.resume(solver)
+        {
             return Err(self.unusable(&"it has a different number of values"));
         }
-        (self.discrete.values, self.continuous.values) = (discrete, continuous);
         Ok(())
     }
 }

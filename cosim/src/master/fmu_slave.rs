@@ -36,7 +36,7 @@ pub(super) struct FmuSlave {
     rejected: u64,
     step: Step,
     start_values: StartValues,
-    warning: Option<String>,
+    warnings: Vec<String>,
     /// The inputs of this step and their slopes, if any.
     ramp: (Vec<f64>, Vec<f64>),
     /// It provides derivatives of its outputs in time, and with respect to its inputs.
@@ -51,9 +51,13 @@ impl FmuSlave {
         fmu: &Arc<Fmu>,
         node: &Node,
         discards: Discards,
+        tolerance: Option<f64>,
         logging: &Logging,
     ) -> Result<Self> {
-        let (instance, start_values) = instantiate(component, fmu, logging)?;
+        let (mut instance, start_values) = instantiate(component, fmu, logging)?;
+        if let Some(tolerance) = tolerance {
+            instance.set_tolerance(tolerance);
+        }
         let variables = &fmu.description().variables;
         let interface = fmu.interface(InterfaceType::CoSimulation)?;
         Ok(Self {
@@ -64,7 +68,7 @@ impl FmuSlave {
             discards,
             step: node.step,
             start_values,
-            warning: None,
+            warnings: Vec::new(),
             rejected: 0,
             ramp: Default::default(),
             output_slopes: interface.output_derivative_order > 0,
@@ -151,23 +155,27 @@ pub(super) fn instantiate(
 impl Slave for FmuSlave {
     fn enter_initialization(&mut self, start: Time, stop: Time) -> Result<()> {
         self.instance.steps_by(start, self.step);
-        self.warning = self.start_values.enter(&mut self.instance, start, stop)?;
+        self.warnings.extend(self.start_values.enter(&mut self.instance, start, stop)?);
         Ok(())
     }
 
     fn warnings(&mut self) -> Vec<String> {
-        self.warning.take().into_iter().collect()
+        std::mem::take(&mut self.warnings)
     }
 
     fn exit_initialization(&mut self) -> Result<()> {
-        self.instance.exit_initialization()
+        self.warnings.extend(self.start_values.exit(&mut self.instance)?);
+        Ok(())
     }
 
     fn reset(&mut self, now: Time, stop: Time) -> Result<()> {
         self.instance.reset()?;
         self.start_values.again(&mut self.instance)?;
         self.enter_initialization(now, stop)?;
-        self.exit_initialization()
+        self.exit_initialization()?;
+        // What is odd about its start has been reported.
+        self.warnings.clear();
+        Ok(())
     }
 
     #[inline(always)]

@@ -42,6 +42,12 @@ impl Group {
         &self.reals
     }
 
+    /// The values of Strings, which come last.
+    pub(super) fn texts<'v>(&self, values: &'v mut [f64]) -> &'v mut [f64] {
+        let first = values.len() - self.strings.len();
+        &mut values[first..]
+    }
+
     /// The references, if all are Reals.
     pub(super) fn only_reals(&self) -> Option<&[u32]> {
         let others = [&self.integers, &self.booleans, &self.strings];

@@ -73,6 +73,8 @@ use signal_slave::SignalSlave;
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Making {
     pub solver: solver::Settings,
+    /// The tolerance for FMUs that step themselves, instead of what they suggest.
+    pub tolerance: Option<f64>,
     /// Whether debug messages are requested from the FMUs, and of which categories.
     pub debug: bool,
     pub categories: Vec<String>,
@@ -103,7 +105,8 @@ pub(crate) fn slave(
                 false if component.can_repeat(fmu) => Discards::Repeated(making.retries),
                 false => Discards::Final,
             };
-            Box::new(FmuSlave::new(component, fmu, node, discards, logging)?)
+            let tolerance = making.tolerance;
+            Box::new(FmuSlave::new(component, fmu, node, discards, tolerance, logging)?)
         }
         Model::Signals(signals) => Box::new(SignalSlave::new(signals, node)),
         Model::Function(function) => Box::new(FunctionSlave::new(function, node)),
@@ -113,12 +116,17 @@ pub(crate) fn slave(
 
 impl System {
     fn engine(&self) -> Result<Engine> {
-        self.engine_of(self.components(), self.start_time())
+        self.engine_of(self.components(), self.start_time(), &self.making())
     }
 
     /// An engine that begins at `start`, with these components instead of the system's own, from
     /// which they differ in their start values.
-    pub(crate) fn engine_of(&self, components: &[Component], start: Time) -> Result<Engine> {
+    pub(crate) fn engine_of(
+        &self,
+        components: &[Component],
+        start: Time,
+        making: &Making,
+    ) -> Result<Engine> {
         let fmus = components.iter().filter_map(|c| Some((c.name.as_str(), c.fmu()?)));
         self.logging().check(fmus)?;
         guard::begin();
@@ -126,7 +134,7 @@ impl System {
         let mut made = Vec::with_capacity(plan.nodes.len());
         for (position, (component, node)) in components.iter().zip(&plan.nodes).enumerate() {
             let converted = self.converted(position, node);
-            made.push(slave(component, node, converted, &self.making(), self.logging())?);
+            made.push(slave(component, node, converted, making, self.logging())?);
         }
         let control = self.step_control().map(|tolerance| {
             let steps = plan.nodes.iter().map(|node| node.step);
@@ -143,6 +151,7 @@ impl System {
     pub(crate) fn making(&self) -> Making {
         Making {
             solver: self.solver(),
+            tolerance: self.tolerance(),
             debug: self.logging().debug,
             categories: self.logging().categories.clone(),
             retries: self.retries(),

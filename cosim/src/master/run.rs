@@ -147,7 +147,7 @@ impl<'a> Run<'a> {
     fn drive(&mut self, driven: &mut dyn Drive, begin: Time) -> Result<(Time, Option<Stop>)> {
         let (stop, interval) = (self.system.stop_time(), self.system.output_interval());
         let start = self.system.start_time();
-        // The last step of such a run is shorter, and does not end at an output instant.
+        // The last steps of such a run are shorter, and made before the last row is recorded.
         let shortened = self.system.ends_by_shorter_steps();
         let mut output = start;
         let mut acted = None;
@@ -166,7 +166,9 @@ impl<'a> Run<'a> {
                 .map(|at| at.max(begin))
                 .filter(|at| *at < stop || (*at == stop && !shortened));
             // There are no actions until then: only rows.
-            while output <= stop && action.is_none_or(|action| output < action) {
+            while (output < stop || output == stop && !shortened)
+                && action.is_none_or(|action| output < action)
+            {
                 if let Some(reason) = self.advance(driven, output)? {
                     return Ok((before, Some(reason)));
                 }
@@ -203,8 +205,11 @@ impl<'a> Run<'a> {
                 return Ok((now, Some(reason)));
             }
         }
-        // The part after the last output instant, if the interval does not divide the run.
-        let ended = self.advance(driven, stop)?;
+        // The part after the last output instant, if the interval does not divide the run; what
+        // ends at the stop time is stepped together with what is shortened.
+        let concluded = shortened && self.system.step_control().is_none();
+        let goal = if concluded { stop - Time::from_ns(1) } else { stop };
+        let ended = self.advance(driven, goal)?;
         if ended.is_some() || !shortened {
             return Ok((ended.map_or(stop, |_| before), ended));
         }

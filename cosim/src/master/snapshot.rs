@@ -19,7 +19,7 @@ use crate::system::{Model, System};
 use crate::time::Time;
 
 const MAGIC: &[u8; 8] = b"COSIMSNP";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 const HEADER: usize = 8 + 4 + 32;
 
 /// A running system at one instant.
@@ -134,6 +134,7 @@ impl System {
     fn identity(&self) -> Result<Vec<String>> {
         let mut lines = vec![
             format!("algorithm {}, {:?}", self.algorithm(), self.solver()),
+            format!("tolerance {:?}", self.tolerance()),
             format!("step control {:?}", self.step_control()),
             format!("start {}", self.start_time()),
         ];

@@ -4,10 +4,11 @@
 //! them before `fmi2SetupExperiment`, in some `fmi2SetupExperiment` or
 //! `fmi2EnterInitializationMode` restores their defaults, and some refuse them in one of these
 //! modes. They are therefore set before and after the former, and those that are still not accepted
-//! once more in initialization mode. A value that is refused there too is an error.
+//! once more in initialization mode. A value that is refused there too is an error. Parameters are
+//! read back again after that mode, which some FMUs end with their defaults.
 
 use crate::error::{Error, Result};
-use crate::fmi::{Instance, Kind, Value};
+use crate::fmi::{Causality, Instance, Kind, Value};
 use crate::time::Time;
 
 /// The maximum number of values named in a warning.
@@ -62,7 +63,26 @@ impl StartValues {
             return Err(refused);
         }
         let lost = lost(instance, &given)?;
-        Ok((!lost.is_empty()).then(|| words(instance, &lost)))
+        Ok((!lost.is_empty()).then(|| words(instance, "does not accept start values", &lost)))
+    }
+}
+
+impl StartValues {
+    /// Leaves initialization mode; returns a warning if that changes parameters that were given.
+    pub(super) fn exit(&self, instance: &mut Instance) -> Result<Option<String>> {
+        let fmu = instance.fmu().clone();
+        let mut before = Vec::new();
+        for (position, _) in last_of_each(instance, &self.values) {
+            let variable = &fmu.description().variables[*position];
+            if variable.causality == Causality::Parameter {
+                let value = instance.attempt(|instance| instance.get_value(variable))?;
+                before.extend(value.ok().map(|value| (*position, value)));
+            }
+        }
+        instance.exit_initialization()?;
+        let lost = lost(instance, &before.iter().collect::<Vec<_>>())?;
+        let loses = "loses start values at the end of its initialization";
+        Ok((!lost.is_empty()).then(|| words(instance, loses, &lost)))
     }
 }
 
@@ -114,7 +134,7 @@ fn taken(given: &Value, found: &Value) -> bool {
     }
 }
 
-fn words(instance: &Instance, refused: &[(usize, &Value, Value)]) -> String {
+fn words(instance: &Instance, what: &str, refused: &[(usize, &Value, Value)]) -> String {
     let variables = &instance.fmu().description().variables;
     let named = refused.iter().take(NAMED).map(|(variable, value, found)| {
         format!("{} = {value} (it has {found})", variables[*variable].name)
@@ -124,5 +144,5 @@ fn words(instance: &Instance, refused: &[(usize, &Value, Value)]) -> String {
         0 => String::new(),
         more => format!(" and {more} more"),
     };
-    format!("'{}' does not accept start values: {}{more}", instance.name(), named.join(", "))
+    format!("'{}' {what}: {}{more}", instance.name(), named.join(", "))
 }

@@ -143,16 +143,15 @@ impl Closeness {
         if tolerance.interpolate {
             found.left_out.1 = 0;
         }
-        let columns: Vec<&[f64]> = b.columns().map(|(_, values)| values).collect();
-        for (place, (name, of_a)) in a.columns().enumerate() {
-            let Some(&place_b) = in_b.get(name) else { continue };
-            let of_b = columns[place_b];
+        for (place, name) in a.names().iter().enumerate() {
+            let Some(&place_b) = in_b.get(name.as_str()) else { continue };
             found.columns += 1;
-            if a.is_text_at(place) || b.is_text_at(place_b) {
-                found.compare_texts(name, &places, (a.time(), of_a, of_b));
-                continue;
+            let (of_a, of_b, text) = Recording::pair((a, place), (b, place_b));
+            let values = (a.time(), &*of_a, &*of_b);
+            match text {
+                true => found.compare_texts(name, &places, values),
+                false => found.compare(name, &places, values, tolerance),
             }
-            found.compare(name, &places, (a.time(), of_a, of_b), tolerance);
         }
         found
     }

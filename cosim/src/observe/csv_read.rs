@@ -1,7 +1,8 @@
-//! Reads results and input signals: CSV with a header and the time in the first column. A column
-//! whose first field is quoted holds Strings.
+//! Reads results and input signals: CSV with a header and the time in the first column.
+//!
+//! Our own files have quotes around every String and around nothing else. Other programs also quote
+//! numbers, so the contents decide, too ([`forms`]).
 
-use std::borrow::Cow;
 use std::path::Path;
 
 use super::Recording;
@@ -19,12 +20,18 @@ pub(super) fn read(file: &Path) -> Result<Recording> {
     parse(&text, file)
 }
 
-/// Reads a file whose writer may have been killed: an incomplete last line is ignored.
+/// Reads a file whose writer may have been killed: an incomplete last record is ignored.
 pub(super) fn read_unfinished(file: &Path) -> Result<Recording> {
     let bytes = std::fs::read(file)
         .map_err(|e| Error::new(Code::File, "the results cannot be read").at(file).why(e))?;
-    // An incomplete line may look like a shorter number.
-    let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+    // An incomplete record may look like a shorter number.
+    let (mut whole, mut quoted) = (0, false);
+    for (place, byte) in bytes.iter().enumerate() {
+        quoted ^= *byte == b'"';
+        if *byte == b'\n' && !quoted {
+            whole = place + 1;
+        }
+    }
     let text = std::str::from_utf8(&bytes[..whole])
         .map_err(|e| Error::new(Code::Results, "the results are not text").at(file).why(e))?;
     parse(text, file)
@@ -32,13 +39,13 @@ pub(super) fn read_unfinished(file: &Path) -> Result<Recording> {
 
 fn parse(text: &str, file: &Path) -> Result<Recording> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut lines = records(text).filter(|(_, line)| !line.trim().is_empty());
+    let lines = || records(text).filter(|(_, line)| !line.trim().is_empty());
     let wrong = |line: usize, what: String| Error::new(Code::Results, what).at_line(file, line + 1);
-    let (_, header) = lines.next().ok_or_else(|| wrong(0, "the file is empty".to_owned()))?;
+    let (_, header) = lines().next().ok_or_else(|| wrong(0, "the file is empty".to_owned()))?;
     if header.bytes().filter(|byte| *byte == b',').count() > MAX_COLUMNS {
         return Err(wrong(0, format!("more than {MAX_COLUMNS} columns are refused")));
     }
-    let mut names = split(&header);
+    let mut names = split(header);
     if names.first().is_none_or(|first| first != "time") {
         return Err(wrong(0, format!("the first column is '{}'", names.first().map_or("", |n| n)))
             .why("results begin with a header line whose first name is: time"));
@@ -46,47 +53,25 @@ fn parse(text: &str, file: &Path) -> Result<Recording> {
     names.remove(0);
     let mut time = Vec::new();
     let mut columns = vec![Vec::new(); names.len()];
-    let mut forms = vec![Form::Real; names.len()];
-    for (number, line) in lines {
-        let first = time.is_empty();
-        if line.contains('"') {
-            let mut fields = pieces(&line).into_iter();
-            let mut next = |name: &str| fields.next().ok_or_else(|| cut(wrong, number, name));
-            let numbered = |field: &str, name: &str| {
-                number_of(field.trim())
-                    .ok_or_else(|| wrong(number, format!("'{field}' in '{name}' is not a number")))
-            };
-            time.push(numbered(&next("time")?, "time")?);
-            for ((column, name), form) in columns.iter_mut().zip(&names).zip(&mut forms) {
-                let field = next(name)?;
-                let quoted = field.trim().strip_prefix('"').and_then(|f| f.strip_suffix('"'));
-                if first && quoted.is_some() {
-                    *form = Form::Text;
-                }
-                column.push(match (quoted, *form) {
-                    (Some(text), Form::Text) => texts::number(&text.replace("\"\"", "\"")),
-                    (Some(text), _) => numbered(text, name)?,
-                    (None, _) => numbered(&field, name)?,
-                });
-            }
-            if fields.next().is_some() {
-                return Err(wrong(number, "the line has more fields than the header".to_owned()));
-            }
-            continue;
-        }
-        let mut fields = line.split(',');
-        let mut next = |name: &str| {
-            let field = fields.next().ok_or_else(|| cut(wrong, number, name))?;
-            number_of(field.trim())
-                .ok_or_else(|| wrong(number, format!("'{field}' in '{name}' is not a number")))
+    let forms = forms(lines().skip(1).map(|(_, line)| line), names.len());
+    for (number, line) in lines().skip(1) {
+        let mut fields = Fields(Some(line));
+        let mut next = |name: &str| fields.next().ok_or_else(|| cut(wrong, number, name));
+        let numbered = |field: &str, name: &str| {
+            let text = inside(field).unwrap_or(field);
+            number_of(text)
+                .ok_or_else(|| wrong(number, format!("'{text}' in '{name}' is not a number")))
         };
-        time.push(next("time")?);
+        time.push(numbered(next("time")?, "time")?);
         for ((column, name), form) in columns.iter_mut().zip(&names).zip(&forms) {
-            let value = next(name)?;
-            if *form == Form::Text {
-                return Err(wrong(number, format!("{value} in '{name}' is not in quotes")));
-            }
-            column.push(value);
+            let field = next(name)?;
+            column.push(match (form, inside(field)) {
+                (Form::Text, Some(text)) => texts::number(&text.replace("\"\"", "\"")),
+                (Form::Text, None) => {
+                    return Err(wrong(number, format!("{field} in '{name}' is not in quotes")));
+                }
+                _ => numbered(field, name)?,
+            });
         }
         if fields.next().is_some() {
             return Err(wrong(number, "the line has more fields than the header".to_owned()));
@@ -95,40 +80,88 @@ fn parse(text: &str, file: &Path) -> Result<Recording> {
     Ok(Recording::from_columns(names, time, columns).with_forms(forms))
 }
 
+/// The types of the columns. A column whose first field is quoted holds Strings if a quoted field
+/// of it is not a number, or if all of it is quoted in a file that does not quote the time: so our
+/// own Strings stay Strings, and a program that quotes everything means nothing by it.
+fn forms<'t>(lines: impl Iterator<Item = &'t str>, count: usize) -> Vec<Form> {
+    let mut lines = lines.peekable();
+    if !lines.peek().is_some_and(|first| first.contains('"')) {
+        return vec![Form::Real; count];
+    }
+    let (mut first, mut words, mut plain) =
+        (vec![false; count + 1], vec![false; count + 1], vec![false; count + 1]);
+    for (row, line) in lines.enumerate() {
+        for (place, field) in Fields(Some(line)).take(count + 1).enumerate() {
+            match inside(field) {
+                Some(text) => words[place] |= number_of(text).is_none(),
+                None => plain[place] = true,
+            }
+            if row == 0 {
+                first[place] = !plain[place];
+            }
+        }
+    }
+    let is_text = |place: usize| first[place] && (words[place] || !first[0] && !plain[place]);
+    (1..=count).map(|place| if is_text(place) { Form::Text } else { Form::Real }).collect()
+}
+
 fn cut(wrong: impl Fn(usize, String) -> Error, line: usize, name: &str) -> Error {
     wrong(line, format!("the line ends before the column '{name}'"))
         .why("the file may be truncated: the run was killed while writing")
 }
 
-/// The lines with their numbers from 0; a quoted field may span several lines.
-fn records(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
-    let mut lines = text.lines().enumerate();
+/// The records with the numbers of their lines, from 0; a quoted field may span several lines.
+fn records(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let (mut rest, mut line) = (text, 0);
     std::iter::from_fn(move || {
-        let (number, line) = lines.next()?;
-        let mut record = Cow::from(line);
-        while record.matches('"').count() % 2 == 1 {
-            let Some((_, more)) = lines.next() else { break };
-            record = Cow::from(format!("{record}\n{more}"));
+        if rest.is_empty() {
+            return None;
         }
-        Some((number, record))
+        let mut quoted = false;
+        let end = rest.bytes().position(|byte| {
+            quoted ^= byte == b'"';
+            byte == b'\n' && !quoted
+        });
+        let (record, more) = end.map_or((rest, ""), |end| (&rest[..end], &rest[end + 1..]));
+        let number = line;
+        line += 1 + record.matches('\n').count();
+        rest = more;
+        Some((number, record.strip_suffix('\r').unwrap_or(record)))
     })
 }
 
-/// The fields of a line, with their quotes.
-fn pieces(line: &str) -> Vec<String> {
-    let mut quoted = false;
-    let parts = line.split(|c| {
-        quoted ^= c == '"';
-        c == ',' && !quoted
-    });
-    parts.map(str::to_owned).collect()
+/// The fields of a record, with their quotes.
+struct Fields<'t>(Option<&'t str>);
+
+impl<'t> Iterator for Fields<'t> {
+    type Item = &'t str;
+
+    fn next(&mut self) -> Option<&'t str> {
+        let rest = self.0?;
+        let mut quoted = false;
+        let end = match rest.trim_start().starts_with('"') {
+            true => rest.bytes().position(|byte| {
+                quoted ^= byte == b'"';
+                byte == b',' && !quoted
+            }),
+            false => rest.find(','),
+        };
+        self.0 = end.map(|end| &rest[end + 1..]);
+        Some(end.map_or(rest, |end| &rest[..end]))
+    }
 }
 
-fn number_of(field: &str) -> Option<f64> {
-    match field {
+/// What is in the quotes of a field.
+fn inside(field: &str) -> Option<&str> {
+    field.trim().strip_prefix('"')?.strip_suffix('"')
+}
+
+/// A number or a Boolean as text.
+pub(super) fn number_of(field: &str) -> Option<f64> {
+    match field.trim() {
         "true" | "True" => Some(1.0),
         "false" | "False" => Some(0.0),
-        _ => field.parse().ok(),
+        field => field.parse().ok(),
     }
 }
 
@@ -188,6 +221,45 @@ mod tests {
     }
 
     #[test]
+    fn quotes_around_numbers_mean_nothing_where_everything_is_quoted() {
+        let read = |text: &str| parse(text, Path::new("x.csv")).unwrap();
+        let all = read("\"time\",\"u\",\"s\"\r\n\"0\",\"1.5\",\"1\"\r\n\"1\",\"-2\",\"x\"\r\n");
+        assert_eq!(all.time(), [0.0, 1.0]);
+        assert_eq!(all.column("u").unwrap(), [1.5, -2.0]);
+        assert_eq!(&*all.text("s").unwrap()[0], "1");
+        // Strings of our own that look like numbers.
+        let own = read("time,s,x\n0,\"1\",1\n1,\"2\",2\n");
+        assert_eq!(&*own.text("s").unwrap()[1], "2");
+        assert!(own.column("s").unwrap_err().to_string().contains("'s' holds Strings"));
+        assert_eq!(&*own.numbers(0).unwrap(), [1.0, 2.0]);
+        // A column of numbers of which some are quoted.
+        let some = read("time,u,v\n0,\"1\",2\n1,2,\"1\"\n");
+        assert_eq!(some.column("u").unwrap(), [1.0, 2.0]);
+        assert_eq!(some.column("v").unwrap(), [2.0, 1.0]);
+    }
+
+    #[test]
+    fn line_breaks_in_strings_are_kept_and_do_not_end_a_record() {
+        let (lines, one) = ("a\r\nb\n\"c\"", "1.5");
+        let columns = vec![vec![texts::number(lines), texts::number(one)], vec![1.0, 2.0]];
+        let names = ["s", "x"].map(str::to_owned).to_vec();
+        let recording = Recording::from_columns(names, vec![0.0, 1.0], columns)
+            .with_forms(vec![Form::Text, Form::Real]);
+        let file = tempfile::NamedTempFile::new().unwrap();
+        recording.write_csv(file.path()).unwrap();
+        assert_eq!(super::read(file.path()).unwrap(), recording);
+        // Wherever its writer is killed, the whole records can be read.
+        let bytes = std::fs::read(file.path()).unwrap();
+        let row = bytes.len() - "1.0,\"1.5\",2.0\n".len();
+        let header = "time,s,x\n".len();
+        for end in header..=bytes.len() {
+            std::fs::write(file.path(), &bytes[..end]).unwrap();
+            let samples = usize::from(end >= row) + usize::from(end == bytes.len());
+            assert_eq!(read_unfinished(file.path()).unwrap().time().len(), samples, "{end}");
+        }
+    }
+
+    #[test]
     fn errors_name_the_line() {
         for (text, place) in [
             ("", ":1"),
@@ -197,6 +269,7 @@ mod tests {
             ("time,a\n0,1,2", ":2"),
             ("time,a\n0,\"x\"\n1,2", ":3"),
             ("time,a\n0,1\n1,\"x\"", ":3"),
+            ("time,s,a\n0,\"x\ny\",1\n1,\"\",z", ":4"),
         ] {
             let error = parse(text, Path::new("x.csv")).err().map(|e| e.to_string());
             assert!(error.as_ref().is_some_and(|e| e.contains(place)), "{text}: {error:?}");

@@ -1,5 +1,6 @@
 //! Results in memory, column by column.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -117,11 +118,46 @@ impl Recording {
 
     /// A column of Strings by name.
     pub fn text(&self, name: &str) -> Result<Vec<Arc<str>>> {
-        let values = self.column(name)?;
-        if self.is_text(name) {
-            return Ok(values.iter().map(|number| texts::text(*number)).collect());
+        let place = self.place(name)?;
+        if self.is_text_at(place) {
+            return Ok(self.columns[place].iter().map(|number| texts::text(*number)).collect());
         }
         Err(Error::new(Code::UnknownName, format!("'{name}' holds numbers, not Strings")))
+    }
+
+    /// The numbers of the column at a position, also those that a file has as Strings; the first
+    /// String that is not a number, and its sample.
+    pub(crate) fn numbers(&self, place: usize) -> Result<Cow<'_, [f64]>, (Arc<str>, usize)> {
+        let values = self.columns[place].as_slice();
+        if !self.is_text_at(place) {
+            return Ok(values.into());
+        }
+        let texts = values.iter().map(|number| texts::text(*number)).enumerate();
+        let numbers = texts.map(|(k, text)| csv_read::number_of(&text).ok_or((text, k)));
+        numbers.collect::<Result<Vec<f64>, _>>().map(Cow::from)
+    }
+
+    /// The column at a position as Strings, by number.
+    pub(super) fn strings(&self, place: usize) -> Cow<'_, [f64]> {
+        let values = self.columns[place].as_slice();
+        match self.is_text_at(place) {
+            true => values.into(),
+            false => values.iter().map(|value| texts::number(&format!("{value:?}"))).collect(),
+        }
+    }
+
+    /// Two columns to be compared, and whether they are Strings: numbers that one file has in
+    /// quotes are the same numbers.
+    pub(super) fn pair<'r>(
+        (a, of_a): (&'r Self, usize),
+        (b, of_b): (&'r Self, usize),
+    ) -> (Cow<'r, [f64]>, Cow<'r, [f64]>, bool) {
+        if !(a.is_text_at(of_a) && b.is_text_at(of_b))
+            && let (Ok(a), Ok(b)) = (a.numbers(of_a), b.numbers(of_b))
+        {
+            return (a, b, false);
+        }
+        (a.strings(of_a), b.strings(of_b), true)
     }
 
     /// Reads a CSV file with the time in its first column.
@@ -139,13 +175,21 @@ impl Recording {
         &self.time
     }
 
-    /// A column by name.
-    pub fn column(&self, name: &str) -> Result<&[f64]> {
-        let position = self.names.iter().position(|n| n == name).ok_or_else(|| {
+    fn place(&self, name: &str) -> Result<usize> {
+        self.names.iter().position(|n| n == name).ok_or_else(|| {
             Error::new(Code::UnknownName, format!("'{name}' was not recorded"))
                 .maybe_help(names::did_you_mean(name, self.names.iter().map(String::as_str)))
-        })?;
-        Ok(&self.columns[position])
+        })
+    }
+
+    /// A column of numbers by name.
+    pub fn column(&self, name: &str) -> Result<&[f64]> {
+        let place = self.place(name)?;
+        match self.is_text_at(place) {
+            false => Ok(&self.columns[place]),
+            true => Err(Error::new(Code::Parameter, format!("'{name}' holds Strings"))
+                .why("only numbers can be used here")),
+        }
     }
 
     /// All columns with their names.
@@ -155,7 +199,14 @@ impl Recording {
 
     /// All columns, as signals for the inputs of an FMU ([`crate::System::single`]).
     pub fn table(&self) -> Table<'_> {
-        Table { time: self.time(), columns: self.columns().collect() }
+        let numbers = |place: usize| {
+            self.numbers(place).map_err(|(text, sample)| {
+                format!("{text:?} at t = {} (sample {})", self.time[sample], sample + 1)
+            })
+        };
+        let columns = self.names.iter().enumerate();
+        let columns = columns.map(|(place, name)| (name.as_str(), numbers(place))).collect();
+        Table { time: self.time(), columns }
     }
 
     /// Writes CSV in the format of FMPy.

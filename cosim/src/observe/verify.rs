@@ -3,6 +3,7 @@
 //! Values are compared bit by bit, so that -0 is not 0; all NaNs count as one, because CSV has only
 //! one. Columns are matched by name, samples by number.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::fmt;
 
@@ -109,16 +110,12 @@ impl Comparison {
         let missing = |from: &HashMap<&str, usize>, of: &Recording| -> Vec<String> {
             of.names().iter().filter(|name| !from.contains_key(name.as_str())).cloned().collect()
         };
-        let columns: Vec<&[f64]> = b.columns().map(|(_, values)| values).collect();
-        let pairs: Vec<Pair<'_>> = a
-            .columns()
-            .enumerate()
-            .filter_map(|(of_a, (name, values))| {
-                let of_b = *in_b.get(name)?;
-                let text = a.is_text_at(of_a) && b.is_text_at(of_b);
-                Some(Pair { name, a: values, b: columns[of_b], text })
-            })
-            .collect();
+        let pairs = a.names().iter().enumerate().filter_map(|(of_a, name)| {
+            let of_b = *in_b.get(name.as_str())?;
+            let (a, b, text) = Recording::pair((a, of_a), (b, of_b));
+            Some(Pair { name, a, b, text })
+        });
+        let pairs: Vec<Pair<'_>> = pairs.collect();
         let (only_a, only_b) = (missing(&in_b, a), missing(&in_a, b));
         let (samples, parting) = parting(a.time(), b.time(), &pairs);
         let reordered = only_a.is_empty() && only_b.is_empty() && a.names() != b.names();
@@ -141,8 +138,8 @@ impl Comparison {
 /// A common column.
 struct Pair<'a> {
     name: &'a str,
-    a: &'a [f64],
-    b: &'a [f64],
+    a: Cow<'a, [f64]>,
+    b: Cow<'a, [f64]>,
     text: bool,
 }
 
@@ -177,6 +174,8 @@ fn same(a: f64, b: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::csv::Form;
+    use super::super::{Closeness, Tolerance};
     use super::*;
 
     fn recording(columns: &[(&str, &[f64])]) -> Recording {
@@ -206,6 +205,25 @@ mod tests {
         assert_eq!(apart(-5e-324, 5e-324), Some(3));
         assert_eq!(apart(f64::MIN, f64::MAX), Some(2 * f64::MAX.to_bits() + 1));
         assert_eq!(apart(f64::NAN, 0.0), None);
+    }
+
+    #[test]
+    fn numbers_in_quotes_are_the_same_numbers() {
+        let strings = |texts: [&str; 2]| {
+            let numbers = texts.map(texts::number).to_vec();
+            Recording::from_columns(vec!["x".into()], vec![0.0, 1.0], vec![numbers])
+                .with_forms(vec![Form::Text])
+        };
+        let numbers = recording(&[("x", &[1.5, 2.0])]);
+        assert!(Comparison::of(&numbers, &strings(["1.5", "2"])).is_same());
+        let close =
+            |other: &Recording| Closeness::of(&numbers, other, &Tolerance::new()).is_close();
+        assert!(close(&strings(["1.50", "2"])) && !close(&strings(["1.5", "on"])));
+        let found = Comparison::of(&strings(["1.5", "on"]), &numbers);
+        let Some(Parting::Values { sample: 1, variables, .. }) = found.parting else {
+            panic!("{found:?}")
+        };
+        assert_eq!(variables[0].to_string(), "x: \"on\" and \"2.0\"");
     }
 
     #[test]

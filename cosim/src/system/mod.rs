@@ -58,6 +58,8 @@ pub struct System {
     step_control: Option<f64>,
     retries: u32,
     solver: solver::Settings,
+    /// The tolerance that was asked for, instead of those that FMUs suggest.
+    tolerance: Option<f64>,
     logging: Logging,
     warnings: Vec<String>,
     notes: Vec<String>,
@@ -174,6 +176,15 @@ impl Column {
     /// Its name and its unit, if it has one.
     pub(crate) fn name_and_unit(&self) -> Option<(&str, &str)> {
         Some((self.name.as_str(), self.unit()?))
+    }
+
+    /// Refuses Strings: conditions and figures are about numbers.
+    pub fn is_number(&self) -> Result<()> {
+        if self.kind != Kind::String {
+            return Ok(());
+        }
+        let what = format!("'{}' is a String", self.name);
+        Err(Error::new(Code::Parameter, what).why("conditions and figures need a number"))
     }
 }
 
@@ -317,6 +328,16 @@ impl System {
             None => error,
         };
         Error::all(problems.into_iter().map(place).collect())
+    }
+
+    /// Whether an FMU runs without an installed tool, or with one that is known to be there.
+    pub fn needs_no_tool(fmu: &Fmu, interface: InterfaceType, name: &str) -> Result<()> {
+        check::needs_no_tool(fmu, interface, name)
+    }
+
+    /// The relative tolerance that was asked for, instead of those that FMUs suggest.
+    pub(crate) fn tolerance(&self) -> Option<f64> {
+        self.tolerance
     }
 
     /// The algorithm.

@@ -53,7 +53,7 @@ impl Overrides {
         self
     }
 
-    /// Replaces the FMU of a component.
+    /// Replaces the FMU of a component, or of those that match a pattern (`*`, `?`).
     #[must_use]
     pub fn replace(mut self, component: impl Into<String>, fmu: impl Into<PathBuf>) -> Self {
         self.replacements.push((component.into(), fmu.into()));
@@ -90,7 +90,7 @@ impl Overrides {
         self
     }
 
-    /// The relative tolerance of model exchange.
+    /// The relative tolerance of model exchange, which FMUs for co-simulation get, too.
     #[must_use]
     pub fn tolerance(mut self, tolerance: f64) -> Self {
         self.tolerance = Some(tolerance);
@@ -208,19 +208,23 @@ impl Overrides {
 
     /// The interface type requested for a component, if any.
     pub(super) fn interface_of(&self, component: &str) -> Option<InterfaceType> {
-        of(&self.interfaces, component)
+        of(&self.interfaces, component).copied()
     }
 
     pub(super) fn step_of(&self, component: &str) -> Option<f64> {
-        of(&self.steps, component)
+        of(&self.steps, component).copied()
+    }
+
+    pub(super) fn replacement_of(&self, component: &str) -> Option<&PathBuf> {
+        of(&self.replacements, component)
     }
 }
 
 /// The setting for a component: by its name, otherwise by a pattern, otherwise for all. Later ones
 /// take precedence.
-fn of<T: Copy>(requests: &[(String, T)], component: &str) -> Option<T> {
+fn of<'r, T>(requests: &'r [(String, T)], component: &str) -> Option<&'r T> {
     let last = |fits: &dyn Fn(&str) -> bool| {
-        requests.iter().rev().find(|(name, _)| fits(name)).map(|(_, wanted)| *wanted)
+        requests.iter().rev().find(|(name, _)| fits(name)).map(|(_, wanted)| wanted)
     };
     last(&|name| name == component)
         .or_else(|| last(&|name| names::is_pattern(name) && names::matches(name, component)))

@@ -21,7 +21,9 @@ impl System {
     pub fn single(fmu: &Path, overrides: &Overrides, inputs: Option<Table<'_>>) -> Result<Self> {
         let fmu = Fmu::open(fmu)?;
         let interface = fmu.choose(overrides.interface_of(""))?;
-        check::needs_no_tool(&fmu, interface, &fmu.description().model_name, overrides)?;
+        if !overrides.execution_tools {
+            check::needs_no_tool(&fmu, interface, &fmu.description().model_name)?;
+        }
         let solver = overrides.settings(fmu.description().experiment.tolerance)?;
         let names = Names::single(&fmu);
         let description = fmu.description();
@@ -73,6 +75,7 @@ impl System {
             unknown_steps: false,
             algorithm,
             solver,
+            tolerance: overrides.tolerance,
             logging: overrides.logging.clone(),
             warnings,
             notes: span.notes,
@@ -132,20 +135,30 @@ fn start_values(
 fn signals(description: &Description, table: &Table<'_>) -> Result<Signals> {
     let mut signals = Vec::new();
     let mut problems = Vec::new();
-    for &(name, values) in &table.columns {
+    for (name, values) in &table.columns {
         let inputs = || description.variables.iter().filter(|v| v.causality == Causality::Input);
-        match inputs().find(|v| v.name == name) {
-            Some(input) if input.kind != Kind::String => signals.push(Signal {
-                name: name.to_owned(),
+        let wrong = |code| Error::new(code, format!("the input file's column '{name}'"));
+        match (inputs().find(|v| v.name == *name), values) {
+            (None, _) => problems.push(
+                wrong(Code::UnknownName)
+                    .why(format!("'{}' has no such input", description.model_name))
+                    .maybe_help(names::did_you_mean(name, inputs().map(|v| v.name.as_str()))),
+            ),
+            (Some(input), _) if input.kind == Kind::String => problems.push(
+                wrong(Code::Parameter)
+                    .why("the input is a String; files drive only inputs of numbers")
+                    .help(format!("set it for the whole run: --start-value '{name}=TEXT'")),
+            ),
+            (Some(input), Err(text)) => problems.push(wrong(Code::Parameter).why(format!(
+                "it has {text}, which is not a number; the input is of the type {}",
+                input.kind.name()
+            ))),
+            (Some(input), Ok(values)) => signals.push(Signal {
+                name: input.name.clone(),
                 kind: input.kind.clone(),
                 continuous: input.variability == Variability::Continuous,
                 values: values.to_vec(),
             }),
-            _ => problems.push(
-                Error::new(Code::UnknownName, format!("the input file's column '{name}'"))
-                    .why(format!("'{}' has no such input", description.model_name))
-                    .maybe_help(names::did_you_mean(name, inputs().map(|v| v.name.as_str()))),
-            ),
         }
     }
     Error::all(problems)?;

@@ -93,38 +93,63 @@ fn line_of(text: &str, part: &str) -> usize {
 }
 
 #[test]
-fn steps_loops_and_what_is_not_connected() {
+fn times_loops_and_what_is_not_connected() {
     let folder = Folder::new();
     let gain = Model::Gain.fmu();
     let ports = "u:input:Real y:output:Real";
-    let step = "<ssd:Annotations><ssc:Annotation type='cosim'>\
-                <cosim:Component xmlns:cosim='urn:cosim:1' stepSize='0.0333331'/>\
-                </ssc:Annotation></ssd:Annotations>";
-    let text = |step: &str, stop: &str| {
+    let text = |stop: &str| {
         let elements = [
             component("a", &gain, ports, ""),
             component("b", &gain, ports, ""),
-            component("c", &gain, ports, step),
+            component("c", &gain, ports, ""),
         ];
         let connections = [connection("a.y", "b.u", ""), connection("b.y", "a.u", "")];
         ssd(&system(&elements.concat(), &connections.concat()), "").replace("stopTime='1'", stop)
     };
-    folder.write("x.ssd", &text(step, "stopTime='1'"));
+    folder.write("x.ssd", &text("stopTime='-1'"));
     let (_, reported) = validate(&folder, "x.ssd");
     let problem = &reported["problems"][0];
-    let line = line_of(&text(step, ""), "name='c'");
+    let line = line_of(&text(""), "<ssd:DefaultExperiment");
     assert_eq!((&problem["code"], &problem["line"]), (&"E205".into(), &line.into()), "{reported}");
-    assert!(problem["what"].as_str().unwrap().contains("are inconsistent"));
-    folder.write("x.ssd", &text("", "stopTime='-1'"));
-    let (_, reported) = validate(&folder, "x.ssd");
-    let problem = &reported["problems"][0];
-    let line = line_of(&text("", ""), "<ssd:DefaultExperiment");
-    assert_eq!((&problem["code"], &problem["line"]), (&"E205".into(), &line.into()), "{reported}");
-    folder.write("x.ssd", &text("", "stopTime='1'"));
+    folder.write("x.ssd", &text("stopTime='1'"));
     let (code, reported) = validate(&folder, "x.ssd");
     assert_eq!((code, &reported["valid"]), (0, &true.into()), "{reported}");
     let warning = reported["warnings"][0].as_str().unwrap();
     assert!(warning.contains("algebraic loop through a, b"), "{reported}");
     let notes = reported["notes"].to_string();
     assert!(notes.contains("the input c.u is not connected"), "{reported}");
+}
+
+#[test]
+fn what_is_missing_on_this_machine_does_not_make_a_file_invalid() {
+    let folder = Folder::new();
+    let foreign = folder.path("foreign.fmu");
+    let described = Model::Gain.description().into_bytes();
+    crate::models::pack(
+        &foreign,
+        &[("modelDescription.xml", described), ("binaries/win64/GAIN.dll", b"MZ".to_vec())],
+    );
+    let flag = "needsExecutionTool=\"true\" canGet";
+    let tool = folder.fmu(Model::Gain, "tool", &[("canGet", flag)]);
+    let both = [component("f", &foreign, "", ""), component("t", &tool, "", "")];
+    folder.write("x.ssd", &ssd(&system(&both.concat(), ""), ""));
+    let binary = "foreign.fmu: the FMU has no binary for this machine: export it";
+    let needs = "needs a tool to be installed: if it is installed here, add --execution-tool";
+    for (file, wanted) in
+        [("foreign.fmu", &[binary][..]), ("tool.fmu", &[needs]), ("x.ssd", &[binary, needs])]
+    {
+        let (code, reported) = validate(&folder, file);
+        assert_eq!((code, &reported["valid"]), (0, &true.into()), "{reported}");
+        let notes: Vec<&str> =
+            reported["notes"].as_array().unwrap().iter().filter_map(|n| n.as_str()).collect();
+        let notes: Vec<&&str> =
+            notes.iter().filter(|note| note.starts_with("to run it:")).collect();
+        assert_eq!(notes.len(), wanted.len(), "{reported}");
+        assert!(wanted.iter().zip(notes).all(|(part, note)| note.contains(part)), "{reported}");
+    }
+    for arguments in [["run", "x.ssd"], ["simulate", "foreign.fmu"], ["simulate", "tool.fmu"]] {
+        let output = crate::command::cosim(folder.0.path(), &arguments);
+        assert_eq!(output.status.code(), Some(3));
+        assert!(crate::command::text(&output.stderr).contains("E105"));
+    }
 }

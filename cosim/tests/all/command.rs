@@ -5,6 +5,7 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
+use crate::formats::Folder;
 use crate::models::Model;
 use crate::ssd::Ssd;
 
@@ -97,6 +98,32 @@ fn one_fmu_with_inputs_of_a_file() {
     let output = cosim(folder.path(), &arguments);
     assert_eq!(output.status.code(), Some(3));
     assert!(text(&output.stderr).contains("did you mean 'u'?"));
+}
+
+#[test]
+fn inputs_of_a_file_may_be_in_quotes_and_are_numbers() {
+    let folder = Folder::new();
+    let heard = "<ScalarVariable name=\"heard\" valueReference=\"1\" causality=\"input\" \
+                 variability=\"discrete\"><String start=\"\"/></ScalarVariable></ModelVariables>";
+    let fmu = folder.fmu(Model::Gain, "gain", &[("</ModelVariables>", heard)]);
+    let run = |input: &str| {
+        folder.write("in.csv", input);
+        let arguments = ["simulate", path(&fmu), "--input-file=in.csv", "-q", "-o", "out.csv"];
+        let output = cosim(folder.0.path(), &arguments);
+        (output.status.code().unwrap(), text(&output.stderr))
+    };
+    for quoted in ["\"time\",\"u\"\r\n\"0\",\"1.5\"\r\n", "time,u\n0,\"1.5\"\n1,\"1.5\"\n"] {
+        let (code, reported) = run(quoted);
+        assert_eq!(code, 0, "{reported}");
+        let results = cosim::Recording::read_csv(folder.path("out.csv")).unwrap();
+        assert_eq!(results.column("y").unwrap().last(), Some(&1.5), "{quoted}");
+    }
+    let (code, reported) = run("time,u\n0,\"1\"\n0.5,\"much\"\n");
+    assert!(code == 3 && reported.contains("E204"), "{reported}");
+    let why = "it has \"much\" at t = 0.5 (sample 2), which is not a number";
+    assert!(reported.contains("column 'u'") && reported.contains(why), "{reported}");
+    let (code, reported) = run("time,heard\n0,\"much\"\n");
+    assert!(code == 3 && reported.contains("the input is a String"), "{reported}");
 }
 
 #[test]
@@ -345,9 +372,29 @@ fn results_are_compared_within_tolerances() {
         reported.contains(largest) && reported.contains("1 samples of a.csv have no partner"),
         "{reported}"
     );
+    let (code, reported) = verify(&["--abs", "1", "--abs", "m.z=1"]);
+    assert!(code == 3 && reported.contains("did you mean 'm.x'?"), "{reported}");
     let (code, reported) = verify(&["--rel", "0.05"]);
     assert!(code == 1 && reported.contains("1 of 2 variables are too far apart"), "{reported}");
     assert!(reported.contains("at 1 of 2 samples, first at t = 1: m.y"), "{reported}");
+}
+
+#[test]
+fn results_are_interpolated_where_that_is_wanted() {
+    let folder = Folder::new();
+    folder.write("a.csv", "time,x\n0,0\n1,1\n2,2\n");
+    folder.write("b.csv", "time,x\n0,0\n2,2.5\n");
+    let verify = |more: &[&str]| {
+        let output = cosim(folder.0.path(), &[&["verify", "a.csv", "b.csv"], more].concat());
+        (output.status.code().unwrap(), text(&output.stdout))
+    };
+    let (code, reported) = verify(&["--abs=0.5"]);
+    assert!(code == 0 && reported.contains("near enough: 2 samples"), "{reported}");
+    let (code, reported) = verify(&["--abs=0.5", "--interpolate"]);
+    assert!(code == 0 && reported.contains("near enough: 3 samples"), "{reported}");
+    let (code, reported) = verify(&["--abs=0.2", "--interpolate"]);
+    let first = "too far apart at 2 of 3 samples, first at t = 1: x at t = 2: 2.0 and 2.5";
+    assert!(code == 1 && reported.contains(first), "{reported}");
 }
 
 #[test]

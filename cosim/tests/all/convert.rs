@@ -236,3 +236,20 @@ fn conversions_of_units_are_written_as_what_they_amount_to() {
     // OSP cannot express it: a function that changes nothing keeps the units apart.
     assert_eq!(again(&original, &folder.path("d.xml")).connections, original.connections());
 }
+
+#[test]
+fn all_parameter_sets_have_one_name() {
+    let system = Ssd::new().add_with("a", Model::Gain, &[("k", 2.0)], None).add_with(
+        "b",
+        Model::Gain,
+        &[("k", 3.0)],
+        None,
+    );
+    let folder = Folder::new();
+    let file = folder.path("written.ssd");
+    system.load(&Overrides::new()).unwrap().write(&file).unwrap();
+    let text = std::fs::read_to_string(file).unwrap();
+    let sets =
+        |part: &str| text.matches(&format!("<ssv:ParameterSet version=\"1.0\"{part}")).count();
+    assert_eq!((sets(""), sets(" name=\"parameters\"")), (2, 2), "{text}");
+}

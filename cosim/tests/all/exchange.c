@@ -76,7 +76,12 @@ Status fmi2SetupExperiment(Component c, int tol, double t, double start, int sto
   m->mode = TO;                              \
   return 0;
 Status fmi2EnterInitializationMode(Component c) { MODE(INSTANTIATED, INITIALIZING) }
-Status fmi2ExitInitializationMode(Component c) { MODE(INITIALIZING, EVENT) }
+Status fmi2ExitInitializationMode(Component c) {
+#ifdef FORGETS_IN_EXIT
+  ((Model *)c)->r[1] = 0.5;
+#endif
+  MODE(INITIALIZING, EVENT)
+}
 Status fmi2EnterEventMode(Component c) { MODE(CONTINUOUS, EVENT) }
 Status fmi2EnterContinuousTimeMode(Component c) { MODE(EVENT, CONTINUOUS) }
 Status fmi2Terminate(Component c) { return 0; }
@@ -101,7 +106,16 @@ GET(Integer, int, i)
 SET(Integer, int, i, CONTINUOUS)
 GET(Boolean, int, b)
 SET(Boolean, int, b, CONTINUOUS)
+#ifdef COUNTS_TEXTS /* how often it is set during the run */
+Status fmi2SetString(Component c, const Ref *r, size_t n, const char *const *v) {
+  Model *m = c;
+  if (m->mode == CONTINUOUS) return 3;
+  m->i[2] += m->mode == EVENT;
+  return 0;
+}
+#else
 Status fmi2SetString(Component c, const Ref *r, size_t n, const char *const *v) { return 0; }
+#endif
 
 Status fmi2NewDiscreteStates(Component c, EventInfo *info) {
   Model *m = c;

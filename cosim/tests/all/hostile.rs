@@ -391,14 +391,14 @@ fn floods_of_variables_types_and_dependencies_end_in_time() {
     let outputs = many(200_000, "causality='output'><Real/>");
     let (code, shown) =
         workspace.run("validate", "outputs.fmu", &described(with_variables(&outputs)));
-    assert_eq!(code, 3, "{shown}");
-    assert!(shown.contains("index '3'") || shown.contains("binary"), "{shown}");
+    assert_eq!(code, 0, "{shown}");
+    assert!(shown.contains("no binary for this machine"), "{shown}");
     // One long type of many variables: it is stored once.
     let items: String = (0..50_000).map(|n| format!("<Item name='i{n}' value='{n}'/>")).collect();
     let typed = many(50_000, "><Enumeration declaredType='Mode' start='1'/>");
     let text = with_variables(&typed).replace("<Item name=\"Slow\" value=\"1\"/>", &items);
     let (code, shown) = workspace.run("validate", "types.fmu", &described(text));
-    assert_eq!(code, 3, "{shown}");
+    assert_eq!(code, 0, "{shown}");
     // The same name again, at the end of many.
     let twice = format!(
         "{}<ScalarVariable name='v0' valueReference='0'><Real/></ScalarVariable>",

@@ -100,8 +100,15 @@ impl Model {
 
     fn of_exchange(self, states: usize, indicators: usize) -> String {
         let name = self.name();
-        let unknowns: String =
-            (0..states).map(|s| format!("<Unknown index=\"{}\"/>", 5 + 2 * s)).collect();
+        let unknowns = (0..states).map(|s| format!("<Unknown index=\"{}\"/>", 5 + 2 * s));
+        let unknowns = match states {
+            0 => String::new(),
+            _ => format!("<Derivatives>{}</Derivatives>", unknowns.collect::<String>()),
+        };
+        let derivative = |state: usize, of: u32| match state < states {
+            true => format!("><Real derivative=\"{of}\""),
+            false => "><Real".to_owned(),
+        };
         let start = self.start_of_x();
         let real = |name: &str, reference: u32, inside: &str| {
             format!(
@@ -114,11 +121,11 @@ impl Model {
             real("k", 1, "causality=\"parameter\" variability=\"fixed\"><Real start=\"0.5\""),
             real("y", 2, "causality=\"output\"><Real"),
             real("x", 3, &format!("initial=\"exact\"><Real start=\"{start}\"")),
-            real("der(x)", 4, "><Real derivative=\"4\""),
+            real("der(x)", 4, &derivative(0, 4)),
             real("v", 5, "initial=\"exact\"><Real start=\"0\""),
-            real("der(v)", 6, "><Real derivative=\"6\""),
+            real("der(v)", 6, &derivative(1, 6)),
             real("s", 7, "initial=\"exact\"><Real start=\"0\""),
-            real("der(s)", 8, "><Real derivative=\"8\""),
+            real("der(s)", 8, &derivative(2, 8)),
             real("m", 0, "causality=\"input\" variability=\"discrete\"><Integer start=\"0\""),
             real("n", 1, "causality=\"output\" variability=\"discrete\"><Integer"),
             real("odd", 0, "causality=\"input\" variability=\"discrete\"><Boolean start=\"false\""),
@@ -133,7 +140,7 @@ impl Model {
 {}  </ModelVariables>
   <ModelStructure>
     <Outputs><Unknown index="3" dependencies="4"/><Unknown index="11" dependencies=""/><Unknown index="13" dependencies=""/></Outputs>
-    <Derivatives>{unknowns}</Derivatives>
+    {unknowns}
   </ModelStructure>
 </fmiModelDescription>
 "#,

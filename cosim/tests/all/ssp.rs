@@ -328,3 +328,42 @@ fn signals_of_a_dictionary_reach_any_depth() {
         assert_parts(&folder.error(&wrong), &["E202", "no signal dictionary 'buss'", "'bus'?"]);
     }
 }
+
+#[test]
+fn items_pass_to_integers_and_to_items_of_the_same_number_or_name() {
+    let folder = Folder::new();
+    let items = |name: &dyn Fn(i32) -> i32| -> String {
+        (0..=10).map(|n| format!("<Item name=\"i{}\" value=\"{n}\"/>", name(n))).collect()
+    };
+    let two = "<Item name=\"Slow\" value=\"1\"/><Item name=\"Fast\" value=\"4\"/>";
+    let first = items(&|n| n);
+    let source = [(two, first.as_str()), ("<Integer/>", "<Enumeration declaredType=\"Mode\"/>")];
+    let enumeration = "<Enumeration declaredType=\"Mode\" start=\"1\"/>";
+    let reversed = items(&|n| 10 - n);
+    let sink = [(two, reversed.as_str()), ("<Integer start=\"0\"/>", enumeration)];
+    let source = folder.fmu(Model::Counter, "source", &source);
+    let sink = folder.fmu(Model::Counter, "sink", &sink);
+    let counter = Model::Counter.fmu();
+    let text = |from: &std::path::Path, to: &std::path::Path, map: &str| {
+        let ports = "m:input:Integer n:output:Integer";
+        let elements = [component("a", from, ports, ""), component("b", to, ports, "")];
+        ssd(&system(&elements.concat(), &connection("a.n", "b.m", map)), "")
+    };
+    let plain = last(&folder.run(&text(&counter, &counter, "")), "b.n");
+    for (from, to) in [(&source, &counter), (&counter, &sink), (&source, &sink)] {
+        assert_eq!(last(&folder.run(&text(from, to, "")), "b.n"), plain, "{from:?} {to:?}");
+    }
+    let map = |target: &str| {
+        let entry = |n: i32| format!("<ssc:MapEntry source='i{n}' target='{target}{n}'/>");
+        let entries: String = (0..=10).map(entry).collect();
+        format!(
+            "<ssc:EnumerationMappingTransformation>{entries}</ssc:EnumerationMappingTransformation>"
+        )
+    };
+    // b.n is the number of steps, 10, and a.n; by name, 10 - a.n instead.
+    let mapped = last(&folder.run(&text(&source, &sink, &map("i"))), "b.n");
+    assert_eq!(mapped, 20.0 - (plain - 10.0));
+    assert_parts(&folder.error(&text(&source, &sink, &map("j"))), &["'j0'"]);
+    let error = folder.error(&text(&source, &counter, &map("i")));
+    assert_parts(&error, &["E203", "EnumerationMappingTransformation"]);
+}

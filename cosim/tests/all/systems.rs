@@ -2,6 +2,7 @@
 
 use cosim::{Overrides, System};
 
+use crate::command;
 use crate::models::{Model, pack};
 use crate::ssd::{Ssd, assert_near, run};
 
@@ -106,7 +107,6 @@ fn overrides_are_checked_like_the_file() {
         (Overrides::new().start_value("gain.y", 1), &["causality is output"]),
         (Overrides::new().start_value("gain.mode", "Fats"), &["'Fast'?"]),
         (Overrides::new().step("gain", 0.0), &["step of 'gain' is 0 s"]),
-        (Overrides::new().step("gain", 0.033_333_1), &["are inconsistent"]),
         (Overrides::new().step("gian", 0.1), &["'gain'?"]),
         (Overrides::new().replace("gian", "x.fmu"), &["'gain'?"]),
         (Overrides::new().replace("gain", "x.fmu"), &["E101", "x.fmu"]),
@@ -215,4 +215,30 @@ fn parameters_of_the_system_and_of_files() {
     std::fs::write(&file, &text).unwrap();
     let results = run(&System::load(&file, &Overrides::new()).unwrap());
     assert_near(&results.column("gain.y").unwrap()[9..], &[2.7, 3.0]);
+}
+
+#[test]
+fn fmus_and_interfaces_are_chosen_by_patterns() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let double = Model::Gain.varied(folder.path(), "<Real start=\"1\"/>", "<Real start=\"2\"/>");
+    let ssd = Ssd::new().add("g1", Model::Gain).add("g2", Model::Gain).add("clock", Model::Clock);
+    let models = |overrides: &Overrides| {
+        let system = ssd.load(overrides).unwrap();
+        let paths = system.components().iter().map(|c| c.fmu().unwrap().path().to_owned());
+        paths.collect::<Vec<_>>()
+    };
+    let overrides = Overrides::new().replace("g*", &double);
+    assert_eq!(models(&overrides), [double.clone(), double.clone(), Model::Clock.fmu()]);
+    // A name takes precedence over a pattern.
+    let overrides = Overrides::new().replace("g1", Model::Gain.fmu()).replace("g*", &double);
+    assert_eq!(models(&overrides), [Model::Gain.fmu(), double.clone(), Model::Clock.fmu()]);
+    let error = ssd.load(&Overrides::new().replace("x*", &double)).err().unwrap();
+    assert_eq!(error.code(), cosim::Code::UnknownName);
+    let file = ssd.write();
+    let run = |kind: &str| {
+        let arguments = ["run", file.to_str().unwrap(), "-q", "--interface-type", kind];
+        command::text(&command::cosim(folder.path(), &arguments).stderr)
+    };
+    assert!(run("g*=me").contains("has no model exchange part"));
+    assert_eq!(run("?*=cs"), "");
 }

@@ -5,10 +5,10 @@ use cosim::{Algorithm, Observer, Overrides, Recording, Run, Snapshot, System};
 
 use crate::command::{cosim, text};
 use crate::formats::{Folder, component, connection, ssd, system};
-use crate::models::Model::Gain;
+use crate::models::Model::{Gain, Lag};
 
 /// What `said` sends to `heard`, which passes it on, with the length as k.
-fn talk(folder: &Folder) -> std::path::PathBuf {
+pub(crate) fn talk(folder: &Folder) -> std::path::PathBuf {
     let last = "</ModelVariables>";
     let ports = "<ScalarVariable name=\"heard\" valueReference=\"1\" causality=\"input\" \
                  variability=\"discrete\"><String start=\"\"/></ScalarVariable><ScalarVariable \
@@ -143,4 +143,75 @@ fn strings_pass_between_processes() {
             run(&folder, "resumed.csv", &[resumed, &["--resume=s.snapshot"]].concat())
         );
     }
+}
+
+#[test]
+fn conditions_and_figures_are_about_numbers() {
+    let folder = Folder::new();
+    let file = talk(&folder);
+    let refused = |arguments: &[&str]| {
+        let output = cosim(folder.0.path(), arguments);
+        let reported = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(3), "{reported}");
+        assert!(reported.contains("E204") && reported.contains("'b.said'"), "{reported}");
+    };
+    let system = ["run", file.to_str().unwrap(), "-q", "--output-variable=b.said"];
+    refused(&[&system[..], &["--stop-when=b.said > 1"]].concat());
+    folder.write("f.toml", "[[fault]]\nkind = \"stuck\"\non = \"b.u\"\nwhen = \"b.said > 1\"\n");
+    refused(&[&system[..], &["--scenario=f.toml"]].concat());
+    let figure = "[figures]\nlast = { kind = \"final\", of = \"b.said\" }\n";
+    let head = "seeds = 2\n[systems]\ntalk = \"talk.ssd\"\n";
+    folder.write("c.toml", &format!("{head}{figure}"));
+    refused(&["campaign", "c.toml", "-q"]);
+    let other = "[figures]\nlast = { kind = \"final\", of = \"b.k\" }\n";
+    folder.write("c.toml", &format!("stop-when = \"b.said > 1\"\n{head}{other}"));
+    refused(&["campaign", "c.toml", "-q"]);
+    folder.write("r.csv", "time,b.said\n0,\"on\"\n");
+    folder.write("figures.toml", figure);
+    refused(&["score", "--figures=figures.toml", "r.csv"]);
+    folder.write("r.csv", "\"time\",\"b.said\"\n\"0\",\"2.5\"\n");
+    let output = cosim(folder.0.path(), &["score", "--figures=figures.toml", "r.csv"]);
+    assert!(text(&output.stdout).contains("2.500000"), "{}", text(&output.stdout));
+}
+
+#[test]
+fn a_text_of_model_exchange_is_the_same_one_in_another_process() {
+    let folder = Folder::new();
+    let last = "</ModelVariables>";
+    let said = "<ScalarVariable name=\"said\" valueReference=\"2\" causality=\"output\" \
+                variability=\"discrete\"><String/></ScalarVariable></ModelVariables>";
+    let teller = Gain.variant(&folder.path("teller.fmu"), &[], |text| text.replace(last, said));
+    let heard = "<ScalarVariable name=\"heard\" valueReference=\"1\" causality=\"input\" \
+                 variability=\"discrete\"><String start=\"\"/></ScalarVariable><ScalarVariable \
+                 name=\"count\" valueReference=\"2\" causality=\"output\" variability=\"discrete\">\
+                 <Integer/></ScalarVariable></ModelVariables>";
+    let listener = folder.path("listener.fmu");
+    let listener = Lag.variant(&listener, &["COUNTS_TEXTS"], |text| text.replace(last, heard));
+    let elements = [
+        component("a", &teller, "said:output:String", ""),
+        component("b", &listener, "heard:input:String count:output:Integer", ""),
+    ];
+    let wire = connection("a.said", "b.heard", "");
+    folder.write("talk.ssd", &ssd(&system(&elements.concat(), &wire), ""));
+    let run = |more: &[&str]| {
+        let fixed = ["run", "talk.ssd", "-q", "-o", "out.csv", "--output-variable=b.count"];
+        let output = cosim(folder.0.path(), &[&fixed[..], more].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        std::fs::read_to_string(folder.path("out.csv")).unwrap()
+    };
+    let text = "--start-value=a.text=on";
+    let whole = run(&[text, "--snapshot-every=0.5", "--snapshot-file=s.snapshot"]);
+    // It is set before the run, and stays the same.
+    assert!(whole.ends_with("1.0,0\n"), "{whole}");
+    let snapshot = Snapshot::read(folder.path("s.snapshot")).unwrap();
+    // Here, other texts have the first numbers.
+    cosim::texts::number("a text that only this process has");
+    let overrides = Overrides::new().start_value("a.text", "on").output_variable("b.count");
+    let system = System::load(folder.path("talk.ssd"), &overrides).unwrap();
+    let old = Recording::read_csv(folder.path("out.csv")).unwrap();
+    let recorder: Box<dyn Observer> =
+        Box::new(CsvRecorder::create(folder.path("resumed.csv")).unwrap());
+    let mut continued = Continued::new(recorder, old);
+    Run::new(&system).observe(&mut continued).resume(&snapshot).go().unwrap();
+    assert_eq!(std::fs::read_to_string(folder.path("resumed.csv")).unwrap(), whole);
 }

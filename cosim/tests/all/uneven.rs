@@ -174,3 +174,70 @@ fn an_interval_of_the_file_gives_way_to_other_steps() {
     let system = System::single(&Clock.fmu(), &finer, None).unwrap();
     assert_eq!(system.components()[0].step.seconds(), 0.25 / 3.0);
 }
+
+#[test]
+fn steps_need_no_common_base() {
+    let odd = 0.033_333_3;
+    let ssd = Ssd::new()
+        .add("clock", Clock)
+        .add_with("odd", Counter, &[], Some(odd))
+        .add_with("x", Integrator, &[], Some(odd))
+        .connect("clock.y", "x.u");
+    let system = ssd.load(&Overrides::new()).unwrap();
+    assert_eq!(system.output_interval().seconds(), odd);
+    let found = run(&system);
+    // Each makes its own steps, with the values that the others had at their starts.
+    let last = |name: &str| *found.column(name).unwrap().last().unwrap();
+    assert_eq!((found.time().len(), last("odd.y")), (31, 30.0));
+    let sum: f64 = (0..30).map(|k| (f64::from(k) * odd * 10.0 + 1e-9).floor() * 0.1 * odd).sum();
+    assert!((last("x.y") - sum).abs() < 1e-12, "{} {sum}", last("x.y"));
+    let asked = ssd.load(&Overrides::new().output_interval(0.25)).unwrap();
+    assert_eq!(run(&asked).time(), [0.0, 0.25, 0.5, 0.75, 1.0]);
+    let (file, folder) = (ssd.write(), TempDir::new().unwrap());
+    let outcome = |more: &[&str]| {
+        outcome(folder.path(), &[&["run", file.to_str().unwrap(), "-q"], more].concat())
+    };
+    assert_eq!(outcome(&["-o", "here.csv"]).0, 0);
+    assert_eq!(outcome(&["-o", "there.csv", "--workers=3"]).0, 0);
+    assert!(results(folder.path(), "here.csv") == results(folder.path(), "there.csv"));
+}
+
+#[test]
+fn where_no_step_ends_the_last_ones_are_shorter() {
+    let folder = TempDir::new().unwrap();
+    let rates = Ssd::new()
+        .add_with("a", Clock, &[], Some(0.2))
+        .add_with("b", Clock, &[], Some(0.3))
+        .add_with("x", Integrator, &[], Some(0.3))
+        .connect("a.y", "x.u")
+        .stop(0.7);
+    for interval in [0.1, 0.2] {
+        let system = rates.load(&Overrides::new().output_interval(interval)).unwrap();
+        assert!(system.ends_by_shorter_steps());
+        let found = run(&system);
+        let last = |name: &str| *found.column(name).unwrap().last().unwrap();
+        let times = found.time();
+        assert_eq!(times.last(), Some(&0.7));
+        assert!(times[times.len() - 2] < 0.7, "{times:?}");
+        for clock in ["a.y", "b.y"] {
+            assert!((last(clock) - 0.7).abs() < 1e-12, "{clock}: {}", last(clock));
+        }
+        // Its inputs at 0, 0.3 and 0.6 s.
+        let x = 0.3 * 0.2 + 0.1 * 0.6;
+        assert!((last("x.y") - x).abs() < 1e-12, "{} {x}", last("x.y"));
+        let file = rates.write();
+        let interval = format!("--output-interval={interval}");
+        for (name, more) in [("here.csv", &[][..]), ("there.csv", &["--workers=3"])] {
+            let arguments = ["run", file.to_str().unwrap(), "-q", "-o", name, &interval];
+            let (code, stderr) = outcome(folder.path(), &[&arguments[..], more].concat());
+            assert_eq!(code, 0, "{stderr}");
+        }
+        assert!(results(folder.path(), "here.csv") == results(folder.path(), "there.csv"));
+    }
+    let fixed = Clock.varied(folder.path(), FIXED.0, FIXED.1);
+    let fixed = Overrides::new().replace("a", &fixed).replace("b", &fixed).without("x");
+    let system = rates.load(&fixed).unwrap();
+    assert!(system.warnings()[0].contains("the run ends at 0.6 s"), "{:?}", system.warnings());
+    // A step that ends there leaves the others as they are.
+    assert!(!rates.load(&Overrides::new().stop_time(0.8)).unwrap().ends_by_shorter_steps());
+}

@@ -1,4 +1,5 @@
-//! Every parameter of every component accepts its declared bounds, and nothing beyond.
+//! Every parameter of every component accepts its declared bounds, and nothing beyond; every input
+//! accepts its bounds.
 
 use fmu_kit::kernel::{Category, Entry, Group, Instance, Interface, Sink, Status, Variable};
 use fmu_kit::{Resources, Start};
@@ -35,11 +36,11 @@ fn starts(entry: &Entry, variable: &Variable, value: f64) -> bool {
 }
 
 #[test]
-fn a_simulation_starts_with_every_parameter_at_its_bounds() {
+fn a_simulation_starts_with_every_parameter_and_input_at_its_bounds() {
     let mut refused = Vec::new();
     for entry in REGISTRY.entries() {
-        let parameters = entry.table().variables().iter().filter(|v| v.group == Group::Parameter);
-        for variable in parameters {
+        let free = |v: &&Variable| matches!(v.group, Group::Parameter | Group::Input);
+        for variable in entry.table().variables().iter().filter(free) {
             for bound in [variable.min, variable.max].into_iter().flatten() {
                 if !starts(entry, variable, bound) {
                     refused.push(format!("{} {} = {bound}", entry.info().name, variable.name));

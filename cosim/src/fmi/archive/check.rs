@@ -127,8 +127,9 @@ impl Places<'_> {
             return refuse("with it, the archive has more than 20000 files and folders");
         }
         match earlier {
-            None | Some((true, false)) if is_folder => Ok(()),
+            // A folder may be listed again, also after its files.
             None => Ok(()),
+            Some((true, _)) if is_folder => Ok(()),
             Some((true, false)) => refuse("it is a file, and a folder of other entries"),
             Some(_) => refuse("another entry has the same place, or one that differs only in case"),
         }

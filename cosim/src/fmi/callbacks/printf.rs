@@ -10,7 +10,7 @@ use super::memory;
 use super::variadic::Arguments;
 
 /// Longest message, in bytes.
-const MAX_MESSAGE: usize = 16 << 10;
+pub(super) const MAX_MESSAGE: usize = 16 << 10;
 /// Largest width and precision.
 const MAX_FIELD: usize = 1000;
 /// Conversions of one format.
@@ -210,7 +210,7 @@ impl Conversion {
         }
         match memory::string(address, limit) {
             Some(string) => self.pad(&string, text),
-            None => text.extend_from_slice(b"(not a readable string)"),
+            None => text.extend_from_slice(super::UNREADABLE),
         }
     }
 

@@ -150,11 +150,9 @@ unsafe extern "C" fn found(
     format: *const c_char,
     saved: *const Saved,
 ) {
-    // SAFETY: `saved` lies in the frame of `logger`, which returns after this; the rest is what
-    // the FMU passed.
-    unsafe {
-        super::logged(log, instance, status, category, format, Some(&mut Arguments::new(saved)))
-    }
+    // SAFETY: `saved` lies in the frame of `logger`, which returns after this.
+    let mut arguments = unsafe { Arguments::new(saved) };
+    super::logged(log, instance, status, category, format, Some(&mut arguments));
 }
 
 /// The logger on x86-64. 216 bytes keep the stack aligned: 48 for integers, 128 for doubles, 8
@@ -251,8 +249,7 @@ pub(super) unsafe extern "C" fn logger(
     category: *const c_char,
     format: *const c_char,
 ) {
-    // SAFETY: the values that the FMU passed.
-    unsafe { super::logged(log, instance, status, category, format, None) }
+    super::logged(log, instance, status, category, format, None);
 }
 
 #[cfg(test)]

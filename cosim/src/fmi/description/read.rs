@@ -162,9 +162,10 @@ impl Reader<'_> {
         Ok(derivatives.len())
     }
 
-    /// A derivative, if ModelStructure lists none at all.
+    /// A derivative, if ModelStructure lists none at all; an empty list is not valid either.
     fn unlisted_derivative(&self, root: &Element) -> Option<(String, usize)> {
-        let listed = root.child("ModelStructure").is_some_and(|s| s.child("Derivatives").is_some());
+        let structure = root.child("ModelStructure");
+        let listed = structure.is_some_and(|s| !s.grandchildren("Derivatives").is_empty());
         let is_derivative = |variable: &&Element| {
             variable.child("Real").is_some_and(|real| real.get("derivative").is_some())
         };

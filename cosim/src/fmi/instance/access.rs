@@ -130,8 +130,8 @@ impl Instance {
             // SAFETY: `c` is alive; one reference and space for one pointer.
             unsafe { (f.get_string)(c, &reference, 1, &mut pointer) }
         })?;
-        // SAFETY: the FMU gave NULL or a C string, which lives until the next call.
-        let value = unsafe { text(pointer) };
+        // The string lives until the next call.
+        let value = text(pointer);
         self.show(|_| format!("{value:?}"));
         Ok(value)
     }

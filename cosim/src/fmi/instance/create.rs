@@ -50,6 +50,7 @@ impl Instance {
             kind,
             grid: None,
             usual: None,
+            tolerance: None,
             functions,
             own,
             kept: Arc::default(),

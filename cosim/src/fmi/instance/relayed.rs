@@ -168,9 +168,8 @@ impl Instance {
                 self.get(Call::GetString, shown, |f, c| unsafe {
                     (f.get_string)(c, r, n, pointers.as_mut_ptr())
                 })?;
-                // SAFETY: the FMU gave NULL or C strings, which live until the next call.
-                let texts = pointers.iter().map(|&pointer| unsafe { text(pointer) });
-                let values = texts.collect::<Vec<String>>();
+                // The strings live until the next call.
+                let values: Vec<String> = pointers.into_iter().map(text).collect();
                 self.show(|_| followed::values(&values));
                 Values::String(values)
             }

@@ -17,7 +17,7 @@ use super::units::Units;
 use super::{Plot as Chosen, XyPlot};
 use crate::fault::Window;
 use crate::roles::{Names, Paths};
-use crate::{Code, Error, Recording, Result};
+use crate::{Recording, Result};
 
 pub(crate) use self::navigation::freedom;
 pub use crate::roles::{Choice, Estimate};
@@ -153,11 +153,11 @@ fn chosen(recording: &Recording, columns: &Columns<'_>, shown: &Shown<'_>) -> Re
     for plot in shown.plots {
         let first = plots.len();
         for name in &plot.signals {
-            // To report the nearest name.
-            recording.column(name)?;
-            let values = columns.get(name).ok_or_else(|| {
-                Error::new(Code::Report, format!("'{name}' is text, which cannot be plotted"))
-            })?;
+            let Some(values) = columns.get(name) else {
+                // It is text, or unknown.
+                recording.column(name)?;
+                continue;
+            };
             let unit = shown.units.unit(name).unwrap_or_default();
             let line = (name.clone(), Role::Signal, values);
             match plots[first..].iter_mut().find(|whole| whole.unit == unit) {

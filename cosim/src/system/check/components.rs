@@ -1,6 +1,6 @@
 //! Components: their names, FMUs and listed connectors.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use super::Findings;
@@ -61,12 +61,7 @@ fn open_one(
     overrides: &Overrides,
     findings: &mut Findings,
 ) -> Opened {
-    let replacement: Option<&PathBuf> = overrides
-        .replacements
-        .iter()
-        .rev()
-        .find(|(name, _)| *name == component.name)
-        .map(|(_, path)| path);
+    let replacement = overrides.replacement_of(&component.name);
     let replaced = replacement.is_some();
     let name = component.name.clone();
     let path = match (replacement, &component.model) {
@@ -98,21 +93,20 @@ fn open_one(
         }
         findings.warnings.extend(left_out(component, &hidden));
     }
-    if let Some(fmu) = &fmu {
-        findings.note(needs_no_tool(fmu, interface, &component.name, overrides));
+    if let (Some(fmu), false) = (&fmu, overrides.execution_tools) {
+        findings.note(needs_no_tool(fmu, interface, &component.name));
     }
     Opened { name, model: fmu.map(Model::Fmu), interface, replaced }
 }
 
-/// Refuses an FMU that only wraps a tool, unless the user states that the tool is installed; for
-/// Python classes it is known.
+/// Refuses an FMU that only wraps a tool; for Python classes it is known whether the tool is
+/// installed.
 pub(in crate::system) fn needs_no_tool(
     fmu: &Fmu,
     interface: InterfaceType,
     name: &str,
-    overrides: &Overrides,
 ) -> Result<()> {
-    if overrides.execution_tools || !fmu.interface(interface)?.needs_execution_tool {
+    if !fmu.interface(interface)?.needs_execution_tool {
         return Ok(());
     }
     if crate::scripted::is_ready(&fmu.folder().join("resources"))? {

@@ -23,7 +23,7 @@ pub(super) use columns::{columns, without_any};
 pub(super) use components::{needs_no_tool, unknown_component};
 pub(super) use lookup::Names;
 pub(super) use parameters::start_value;
-pub(super) use timing::{Interval, Span, Stepped, check_span};
+pub(super) use timing::{Interval, Span, Stepped, check_span, is_base};
 
 /// Findings collected during the check.
 struct Findings {
@@ -96,6 +96,7 @@ pub(super) fn check(
         unknown_steps,
         algorithm,
         solver,
+        tolerance: overrides.tolerance,
         logging: overrides.logging.clone(),
         warnings: [findings.warnings, span.warnings].concat(),
         sampled: Vec::new(),

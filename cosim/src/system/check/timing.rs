@@ -10,7 +10,8 @@ use crate::time::{self, Step, Time};
 /// Default for unknown steps.
 const UNKNOWN: Time = Time::from_ns(1_000_000_000);
 
-/// Steps without a common base longer than this part of the smallest are refused.
+/// A common base of steps is longer than this part of the smallest: whatever has to be done at each
+/// multiple of it would otherwise take most of a run.
 const FINEST: f64 = 1000.0;
 
 pub(super) struct Timing {
@@ -71,7 +72,7 @@ pub(super) fn check(
         };
         check_span(&stepped, start, stop, wanted)
     });
-    let span = findings.note(span.map_err(|e| match (misfit(&steps), &raw.experiment) {
+    let span = findings.note(span.map_err(|e| match (misfit(&stepped), &raw.experiment) {
         (Some(component), _) => raw.components[component].place.mark(e),
         (None, Some(place)) => place.mark(e),
         (None, None) => e.at(&raw.file),
@@ -85,17 +86,21 @@ fn stepped<'a>((opened, step): (&'a Opened, &Step)) -> Stepped<'a> {
     Stepped { name: &opened.name, step: *step, varies, fmu: fmu.is_some() }
 }
 
-/// The first component whose step has no common base with those before it.
-fn misfit(steps: &[Step]) -> Option<usize> {
-    let smallest = steps.iter().min().copied()?;
-    let mut base = *steps.first()?;
-    steps.iter().position(|&step| {
-        base = base.gcd(step);
+/// The first FMU whose step has no common base with those before it, if one is needed.
+fn misfit(stepped: &[Stepped<'_>]) -> Option<usize> {
+    let fmus = || stepped.iter().filter(|component| component.fmu);
+    let smallest = fmus().map(|component| component.step).min()?;
+    let mut base = fmus().next()?.step;
+    let mut found = stepped.iter().enumerate().filter(|(_, component)| component.fmu);
+    let found = found.find(|(_, component)| {
+        base = base.gcd(component.step);
         !is_base(base, smallest)
-    })
+    });
+    found.filter(|_| fmus().count() < stepped.len()).map(|(place, _)| place)
 }
 
-fn is_base(base: Step, smallest: Step) -> bool {
+/// Whether a common divisor of steps is long enough to do something at each multiple of it.
+pub(in crate::system) fn is_base(base: Step, smallest: Step) -> bool {
     base.seconds() * FINEST >= smallest.seconds() * (1.0 - 1e-9)
 }
 
@@ -154,9 +159,13 @@ pub(in crate::system) fn check_span(
     stop: Time,
     wanted: Interval,
 ) -> Result<Span> {
-    let steps = || stepped.iter().map(|component| component.step);
+    // Functions step by the common base of the others.
+    let fmus = || stepped.iter().filter(|component| component.fmu);
+    let only_functions = fmus().next().is_none();
+    let steps = || stepped.iter().filter(|c| c.fmu || only_functions).map(|c| c.step);
     let smallest = steps().min().unwrap_or(Step::whole(UNKNOWN));
     let base = steps().fold(smallest, Step::gcd);
+    let has_base = is_base(base, smallest);
     let mut span = Span {
         start,
         stop,
@@ -165,9 +174,12 @@ pub(in crate::system) fn check_span(
         warnings: Vec::new(),
         notes: Vec::new(),
     };
-    if !is_base(base, smallest) {
+    if !has_base && fmus().count() < stepped.len() {
         return Err(Error::new(Code::Timing, "the step sizes are inconsistent")
-            .why(format!("their greatest common divisor is {base}, the smallest is {smallest}"))
+            .why(format!(
+                "a function changes at each multiple of their greatest common divisor, {base}; the \
+                 smallest is {smallest}"
+            ))
             .help(
                 "choose steps that are multiples of one another, with --step COMPONENT=SECONDS",
             ));
@@ -176,14 +188,14 @@ pub(in crate::system) fn check_span(
         return Err(Error::new(Code::Timing, format!("the run would go from {start} to {stop}"))
             .help("choose a stop time after the start time"));
     }
-    if stop < Time::NEVER && !base.divides(stop - start) {
-        end_between_steps(&mut span, stepped, base)?;
+    if stop < Time::NEVER && !steps().any(|step| step.divides(stop - start)) {
+        end_between_steps(&mut span, stepped, smallest)?;
     }
     match wanted {
         Interval::Smallest => {}
         Interval::Asked(seconds) => {
             let interval = time::step_from_seconds(seconds, "the output interval")?;
-            if base.parts_of(interval).is_none() {
+            if has_base && base.parts_of(interval).is_none() {
                 return Err(off_base(interval, base));
             }
             span.output_interval = interval;
@@ -191,8 +203,8 @@ pub(in crate::system) fn check_span(
         Interval::Suggested(seconds) => {
             let interval = time::step_from_seconds(seconds, "the output interval")?;
             span.output_interval = match base.parts_of(interval) {
-                Some(_) => interval,
-                None => base.times(base.count(interval.rounded()) + 1),
+                None if has_base => base.times(base.count(interval.rounded()) + 1),
+                _ => interval,
             };
             if span.output_interval != interval {
                 span.notes.push(format!(
@@ -206,17 +218,22 @@ pub(in crate::system) fn check_span(
     Ok(span)
 }
 
-/// The duration is not a multiple of the steps: the last ones are shorter, or the run ends earlier.
-fn end_between_steps(span: &mut Span, stepped: &[Stepped<'_>], base: Step) -> Result<()> {
+/// No step ends at the stop time: the last ones are shorter, or the run ends earlier.
+fn end_between_steps(span: &mut Span, stepped: &[Stepped<'_>], smallest: Step) -> Result<()> {
     let (start, stop) = (span.start, span.stop);
     let fmus = || stepped.iter().filter(|component| component.fmu);
     if fmus().all(|component| !component.varies) && fmus().next().is_some() {
-        let last = start + base.multiple(base.count(stop - start));
+        let ends = fmus().map(|c| start + c.step.multiple(c.step.count(stop - start)));
+        let last = ends.max().unwrap_or(start);
         if last <= start {
-            let what = format!("the run from {start} to {stop} is shorter than a step of {base}");
+            let what =
+                format!("the run from {start} to {stop} is shorter than a step of {smallest}");
             return Err(Error::new(Code::Timing, what)
                 .why("no FMU declares canHandleVariableCommunicationStepSize")
-                .help(format!("use --stop-time {} or later", (start + base.rounded()).seconds())));
+                .help(format!(
+                    "use --stop-time {} or later",
+                    (start + smallest.rounded()).seconds()
+                )));
         }
         span.warnings.push(format!(
             "the run ends at {last}, with the last whole step before {stop}: no FMU declares \

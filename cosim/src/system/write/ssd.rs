@@ -9,6 +9,7 @@ use super::files::Files;
 use super::{transformation, units, unsaid};
 use crate::error::Result;
 use crate::fmi::{Causality, Kind, Value};
+use crate::system::check::is_base;
 use crate::system::{Connection, Conversion, Model, Port, System};
 use crate::time::Step;
 use crate::units::Units;
@@ -221,10 +222,12 @@ fn annotation(xml: &mut Xml, kind: &str, inside: impl FnOnce(&mut Xml)) {
     xml.close();
 }
 
-/// The common base of all steps.
+/// The common base of all steps; other masters make a step of their own at each multiple of it.
 pub(crate) fn base_step(system: &System) -> Step {
-    let steps = system.components().iter().map(|c| c.step);
-    steps.reduce(Step::gcd).unwrap_or(system.output_interval)
+    let steps = || system.components().iter().map(|c| c.step);
+    let smallest = steps().min().unwrap_or(system.output_interval);
+    let base = steps().fold(smallest, Step::gcd);
+    if is_base(base, smallest) { base } else { smallest }
 }
 
 impl System {

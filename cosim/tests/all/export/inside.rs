@@ -5,7 +5,7 @@ use std::path::Path;
 use cosim::fmi::{Fmu, Instance, Logging, Mailbox};
 use cosim::{Overrides, System};
 
-use super::{assert_same, export, get, seconds, set, step};
+use super::{assert_same, export, get, seconds, set, step, variable};
 use crate::formats::{Folder, component, connection, ssd};
 use crate::models::Model::{self, Clock, Failing, Gain, Integrator};
 use crate::ssd::{Ssd, run, zoo};
@@ -206,4 +206,16 @@ fn connectors_of_the_system_are_its_variables() {
     assert_eq!(found, [150.0, 1.5, 1.0]);
     let run = exported.run(0.1, Overrides::new());
     assert_same(&run, &run);
+}
+
+#[test]
+fn strings_between_inner_fmus_are_read_as_they_are() {
+    let folder = Folder::new();
+    let exported = export(&crate::texts::talk(&folder), &[]);
+    let mut instance = exported.started();
+    step(&mut instance, 0.0, 0.5);
+    for name in ["a.said", "b.said"] {
+        let reference = variable(&instance, name).value_reference;
+        assert_eq!(instance.get_string(reference).unwrap(), "0.5 s, \"said\"", "{name}");
+    }
 }

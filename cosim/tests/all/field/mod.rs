@@ -6,13 +6,16 @@ mod modes;
 mod process;
 mod table;
 
+use cosim::fmi::Fmu;
 use cosim::{Overrides, Recording, System};
 use tempfile::TempDir;
 
 use crate::command::{cosim, text};
+use crate::export::export;
 use crate::formats::{Folder, component, ssd, system};
 use crate::models::Model::{self, Clock, Gain, Lag};
 use crate::models::pack;
+use crate::rawzip::{self, Entry};
 
 /// A model that is compiled with `define`.
 fn with(folder: &TempDir, model: Model, define: &str) -> std::path::PathBuf {
@@ -40,6 +43,20 @@ fn start_values_reach_fmus_that_forget_them() {
     let overrides = Overrides::new().start_value("text", "four");
     let (recording, _) = run(&with(&folder, Gain, "FORGETS_IN_SETUP"), &overrides);
     assert_eq!(recording.column("k").unwrap()[0], 4.0);
+}
+
+#[test]
+fn parameters_that_are_lost_at_the_end_of_initialization_are_named() {
+    let folder = TempDir::new().unwrap();
+    for (model, had) in [(Gain, "1.0"), (Lag, "0.5")] {
+        let overrides = Overrides::new().start_value("k", 3.0).start_value("u", 2.0);
+        let overrides = overrides.output_variables(["y"]);
+        let fmu = with(&folder, model, "FORGETS_IN_EXIT");
+        let system = System::single(&fmu, &overrides, None).unwrap();
+        let warnings = system.run(&mut []).unwrap().warnings;
+        let wanted = format!("at the end of its initialization: k = 3.0 (it has {had})");
+        assert!(warnings.len() == 1 && warnings[0].ends_with(&wanted), "{warnings:?}");
+    }
 }
 
 #[test]
@@ -74,8 +91,25 @@ fn an_fmu_gets_the_tolerance_that_it_suggests() {
         let fmu = Gain.variant(&folder.path().join("t.fmu"), &["TELLS_TOLERANCE"], |text| {
             text.replace("<DefaultExperiment", &format!("<DefaultExperiment{suggested}"))
         });
-        let (recording, _) = run(&fmu, &Overrides::new());
-        assert_eq!(recording.column("second").unwrap()[0], wanted);
+        let second = |overrides: &Overrides| run(&fmu, overrides).0.column("second").unwrap()[0];
+        assert_eq!(second(&Overrides::new()), wanted);
+        assert_eq!(second(&Overrides::new().tolerance(1e-3)), 1e-3);
+        // So does one in an exported system, from the option of its export or from its host.
+        let file = Folder::new();
+        let text = ssd(&system(&component("g", &fmu, "y:output:Real", ""), ""), "");
+        let file = file.write("x.ssd", &text);
+        for (option, host, wanted) in [
+            (&[][..], None, wanted),
+            (&["--tolerance=1e-3"], None, 1e-3),
+            (&["--tolerance=1e-3"], Some(1e-5), 1e-5),
+        ] {
+            let exported = export(&file, option);
+            let recorded = Overrides::new().output_variable("g.second");
+            let overrides = host.iter().fold(recorded, |all, host| all.tolerance(*host));
+            let recording =
+                crate::ssd::run(&System::single(&exported.fmu, &overrides, None).unwrap());
+            assert_eq!(recording.column("g.second").unwrap()[0], wanted, "{option:?}");
+        }
     }
 }
 
@@ -94,9 +128,13 @@ fn model_exchange_without_listed_derivatives_is_refused_and_co_simulation_is_not
             "{reported}"
         );
     }
-    // An empty list means that there are none.
+    // An empty list is not valid, and would leave the states constant all the same.
     let empty = Lag.varied(folder.path(), list, "<Derivatives></Derivatives>");
-    assert!(System::single(&empty, &Overrides::new(), None).is_ok());
+    let error = System::single(&empty, &Overrides::new(), None).err().unwrap();
+    assert_eq!(error.code(), cosim::Code::States);
+    // A partial list may mean that the other variables are no states.
+    let two = Model::Oscillator.varied(folder.path(), "<Unknown index=\"9\"/>", "");
+    assert_eq!(Fmu::open(&two).unwrap().description().states, 2);
 }
 
 #[test]
@@ -109,6 +147,11 @@ fn elements_named_by_an_empty_text_are_the_system_itself() {
     let text = ssd(&format!("{ports}{}", system(&gain, wire)), "");
     let loaded = folder.load(&text).unwrap();
     assert_eq!(loaded.ports()[0].ends.len(), 1);
+    let out = ports.replace("'x' kind='input'", "'x' kind='output'");
+    let wire =
+        "<ssd:Connection startElement='g' startConnector='y' endElement='' endConnector='x'/>";
+    let loaded = folder.load(&ssd(&format!("{out}{}", system(&gain, wire)), "")).unwrap();
+    assert_eq!(loaded.port_name(loaded.ports()[0].ends[0].0), "g.y");
 }
 
 #[test]
@@ -130,8 +173,15 @@ fn customary_prefixes_need_no_declaration() {
     let loaded = folder.load(&given).unwrap();
     assert_eq!(loaded.components()[0].start_values.len(), 1);
     assert_eq!(loaded.components()[0].step.seconds(), 0.25);
+    let ours = "<cosim:Component stepSize='0.5'/>";
+    let ours = given.replace("<osp:StepSizeHint value='0.25'/>", ours);
+    assert_eq!(folder.load(&ours).unwrap().components()[0].step.seconds(), 0.5);
+    // Any other only among annotations, which may be those of another tool.
     let other = given.replace("osp:", "opsp:");
-    assert!(folder.error(&other).contains("'opsp:' is not declared"));
+    assert_eq!(folder.load(&other).unwrap().components()[0].step.seconds(), 0.1);
+    let outside = given.replace("<ssd:Elements>", "<opsp:Elements>");
+    let outside = outside.replace("</ssd:Elements>", "</opsp:Elements>");
+    assert!(folder.error(&outside).contains("'opsp:' is not declared"));
 }
 
 #[test]
@@ -149,6 +199,31 @@ fn a_step_of_zero_is_no_step() {
     assert!(error.contains("the run would go from 0 s to -1 s"), "{error}");
     let alone = System::single(&zero, &Overrides::new(), None).unwrap();
     assert_eq!(alone.components()[0].step.seconds(), 0.002);
+    let without = text.replace(" stepSize='0.0'", "");
+    let base = without.replace("<Simulators>", "<BaseStepSize>0</BaseStepSize><Simulators>");
+    let file = folder.write("OspSystemStructure.xml", &base);
+    let step = |file| System::load(file, &Overrides::new()).unwrap().components()[0].step.seconds();
+    assert_eq!(step(file), 0.1);
+    let hint = |inside: &str| {
+        format!(
+            "<ssd:Annotations xmlns:cosim='urn:cosim:1'><ssc:Annotation type='x'>{inside}\
+             </ssc:Annotation></ssd:Annotations>"
+        )
+    };
+    let experiment = "<ssd:DefaultExperiment startTime='0' stopTime='1'/>";
+    for own in ["<osp:StepSizeHint value='0'/>", "<cosim:Component stepSize='0'/>"] {
+        let gain = component("g", &Gain.fmu(), "", &hint(own));
+        assert_eq!(step(folder.write("x.ssd", &ssd(&system(&gain, ""), ""))), 0.1, "{own}");
+    }
+    for whole in [
+        "<osp:Algorithm><osp:FixedStepAlgorithm baseStepSize='0'/></osp:Algorithm>",
+        "<cosim:Master stepSize='0' outputInterval='0'/>",
+    ] {
+        let gain = component("g", &Gain.fmu(), "", "");
+        let inside = experiment.replace("/>", &format!(">{}</ssd:DefaultExperiment>", hint(whole)));
+        let text = ssd(&system(&gain, ""), "").replace(experiment, &inside);
+        assert_eq!(step(folder.write("x.ssd", &text)), 0.1, "{whole}");
+    }
 }
 
 #[test]
@@ -162,6 +237,22 @@ fn an_archive_may_hold_its_own_folder() {
     ];
     let path = folder.path("dot.fmu");
     pack(&path, &entries);
+    assert!(System::single(&path, &Overrides::new(), None).is_ok());
+}
+
+#[test]
+fn an_archive_may_list_a_folder_twice() {
+    let folder = Folder::new();
+    let library = std::fs::read(crate::models::compile(Gain)).unwrap();
+    let description = Gain.description().into_bytes();
+    let entries = [
+        Entry::new("binaries/", b""),
+        Entry::new("modelDescription.xml", &description),
+        Entry::new("binaries/linux64/GAIN.so", &library),
+        Entry::new("binaries/", b""),
+    ];
+    let path = folder.write("twice.fmu", "");
+    std::fs::write(&path, rawzip::archive(&entries)).unwrap();
     assert!(System::single(&path, &Overrides::new(), None).is_ok());
 }
 

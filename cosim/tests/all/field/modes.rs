@@ -103,13 +103,34 @@ fn true_is_whatever_is_not_zero() {
 #[test]
 fn strings_may_be_missing_or_in_another_encoding() {
     let folder = TempDir::new().unwrap();
-    for (define, wanted) in [("STRING_IS_NULL", ""), ("STRING_IS_LATIN_1", "caf\u{fffd}")] {
+    for (define, wanted) in [
+        ("STRING_IS_NULL", ""),
+        ("STRING_IS_LATIN_1", "caf\u{fffd}"),
+        ("STRING_IS_ONE", "(not a readable string)"),
+    ] {
         let fmu = with(&folder, Gain, define);
         let system = System::single(&fmu, &Overrides::new().output_variable("text"), None).unwrap();
         let mut recording = Recording::new();
         system.run(&mut [&mut recording]).unwrap();
         assert_eq!(&*recording.text("text").unwrap()[0], wanted);
     }
+}
+
+#[test]
+fn addresses_of_messages_need_not_be_valid() {
+    let folder = TempDir::new().unwrap();
+    let fmu = with(&folder, Gain, "LOGS_ONE");
+    let system = System::single(&fmu, &Overrides::new(), None).unwrap();
+    let summary = system.run(&mut []).unwrap();
+    let wanted = "GAIN: OK ((not a readable string)): (not a readable string)";
+    assert_eq!(summary.messages.last().map(String::as_str), Some(wanted));
+}
+
+#[test]
+fn an_fmu_may_call_step_finished() {
+    let folder = TempDir::new().unwrap();
+    let (recording, _) = run(&with(&folder, Gain, "CALLS_STEP_FINISHED"), &values());
+    assert_eq!(recording.column("y").unwrap().len(), 11);
 }
 
 #[test]

@@ -47,7 +47,9 @@ pub(super) fn read(
         linear: Vec::new(),
     };
     reader.check_root(root)?;
-    let mut master = RawMaster { step: reader.number(root, "BaseStepSize"), ..Default::default() };
+    // 0 means none, here as in a simulator.
+    let step = reader.number(root, "BaseStepSize").filter(|step| *step != 0.0);
+    let mut master = RawMaster { step, ..Default::default() };
     let (start, stop) = (reader.number(root, "StartTime"), reader.number(root, "EndTime"));
     reader.algorithm(root, &mut master);
     reader.simulators(root, master.step);

@@ -48,8 +48,8 @@ impl Reader<'_> {
                 let algorithm = text.parse().map_err(|e: String| self.wrong(element, e));
                 master.algorithm = self.gathered.take(algorithm).or(master.algorithm);
             }
-            master.step = self.number(element, "stepSize").or(master.step);
-            let interval = self.number(element, "outputInterval");
+            master.step = self.duration(element, "stepSize").or(master.step);
+            let interval = self.duration(element, "outputInterval");
             master.output_interval = interval.or(master.output_interval);
             for record in element.children.iter().filter(|c| c.name == "Record") {
                 let variable = record.require("variable", &self.file, Code::Ssd);
@@ -65,7 +65,7 @@ impl Reader<'_> {
         let mut children = algorithms.flat_map(|algorithm| &algorithm.children);
         let fixed = children.find(|element| element.name == "FixedStepAlgorithm")?;
         master.algorithm = Some(Algorithm::Jacobi);
-        self.number(fixed, "baseStepSize")
+        self.duration(fixed, "baseStepSize")
     }
 
     /// The step for all components from the annotation of OMSimulator.
@@ -73,18 +73,18 @@ impl Reader<'_> {
         let mut settings = inside(system, OMS, "Annotations")
             .flat_map(|annotations| annotations.grandchildren("SimulationInformation"));
         let master = settings.find(|element| element.name == "FixedStepMaster")?;
-        self.number(master, "stepSize").filter(|step| *step > 0.0)
+        self.duration(master, "stepSize").filter(|step| *step > 0.0)
     }
 
     /// The step of a component.
     pub(super) fn step(&mut self, owner: &Element) -> Option<f64> {
         let mut step = None;
         for element in inside(owner, OSP, "StepSizeHint") {
-            step = self.number(element, "value").or(step);
+            step = self.duration(element, "value").or(step);
         }
         for element in self.ours(owner, "Component") {
             self.known(element, &[], &["stepSize", "worker"]);
-            step = self.number(element, "stepSize").or(step);
+            step = self.duration(element, "stepSize").or(step);
         }
         step
     }
@@ -95,9 +95,10 @@ impl Reader<'_> {
         own.iter().rev().find_map(|element| element.get("worker").map(str::to_owned))
     }
 
-    fn number(&mut self, element: &Element, name: &str) -> Option<f64> {
+    /// A step or an interval; 0 means none.
+    fn duration(&mut self, element: &Element, name: &str) -> Option<f64> {
         let number: Result<Option<f64>> = element.parse(name, &self.file, Code::Ssd);
-        self.gathered.take(number).flatten()
+        self.gathered.take(number).flatten().filter(|seconds| *seconds != 0.0)
     }
 
     /// The elements of our namespace in the annotations of `owner`; others than `name` are
