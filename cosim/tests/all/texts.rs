@@ -200,7 +200,7 @@ fn a_text_of_model_exchange_is_the_same_one_in_another_process() {
         std::fs::read_to_string(folder.path("out.csv")).unwrap()
     };
     let text = "--start-value=a.text=on";
-    let whole = run(&[text, "--snapshot-every=0.5", "--snapshot-file=s.snapshot"]);
+    let whole = run(&[text, "--snapshot-every=0.4", "--snapshot-file=s.snapshot"]);
     // It is set before the run, and stays the same.
     assert!(whole.ends_with("1.0,0\n"), "{whole}");
     let snapshot = Snapshot::read(folder.path("s.snapshot")).unwrap();

@@ -1,5 +1,7 @@
 //! The same bytes as in one process, however the run is distributed and disturbed.
 
+use std::io::{BufRead, BufReader};
+
 use super::*;
 
 #[test]
@@ -69,10 +71,17 @@ fn an_endpoint_of_another_program_does_not_end_the_service_of_others() {
     let here = undisturbed(folder.path(), path);
     let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let place = endpoint();
-    let both = format!("tcp/{},{place}", listener.local_addr().unwrap());
+    let listener_address = listener.local_addr().unwrap().to_string();
+    let both = format!("tcp/{listener_address},{place}");
     // It answers every call by closing the connection.
     std::thread::spawn(move || listener.incoming().for_each(drop));
-    let _worker = Kept::worker(folder.path(), "left", &both);
+    let arguments = ["worker", "--name", "left", "--connect", &both, "--allow-upload"];
+    let process = cosim(folder.path(), &arguments).stderr(Stdio::piped()).spawn();
+    let mut worker = Kept(process.unwrap());
+    // It says so, and goes on.
+    let mut said = BufReader::new(worker.0.stderr.take().unwrap()).lines().map(Result::unwrap);
+    let warning = said.find(|line| line.contains("is not served")).unwrap();
+    assert!(warning.contains(&listener_address), "{warning}");
     for _ in 0..2 {
         let arguments = ["run", path, "-q", "-o", "there.csv", "--distributed", "--listen", &place];
         let more = ["--min-workers", "1", "--wait", "20"];
